@@ -8,6 +8,7 @@ use crate::bits::Bits;
 use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
+use crate::weekend::weekend;
 use glam::DVec3;
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
@@ -16,8 +17,6 @@ use halfline::render::Renderer;
 use halfline::scene::{Light, LightSource, Lighting, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::window::Window;
-use halfline_files::read::{self, ReadOptions};
-use std::path::Path;
 
 const SIZE: [u32; 2] = [97, 61];
 
@@ -32,8 +31,7 @@ fn lighting() -> Lighting {
 }
 
 fn scenes() -> Vec<(&'static str, Scene)> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let mut weekend = read::scene(&path, &ReadOptions::default()).expect("weekend");
+    let mut weekend = weekend();
     [weekend.image.width, weekend.image.height] = SIZE;
     weekend.lighting = lighting();
     let mut inside = cloud(2, 300, [0.0; 3], 1.0, 0.05);

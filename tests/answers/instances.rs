@@ -2,7 +2,7 @@
 //! memory, ids included.
 
 use crate::adapter::{cpu, renderers};
-use crate::bits::Bits;
+use crate::bits::differing;
 use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
@@ -72,10 +72,6 @@ fn check(what: &str, renderer: &mut Renderer, whole: &Scene, settings: &Settings
     assert_eq!(visible.scene.fingerprint(), whole.fingerprint(), "{what}");
     assert_eq!(visible.scene.spheres.bounds(), whole.spheres.bounds(), "{what}");
     visible.ids.ids.len()
-}
-
-fn differing(a: &Frame, b: &Frame) -> Vec<Aov> {
-    AOVS.into_iter().filter(|aov| a.get(*aov).is_some() && a.bits(*aov) != b.bits(*aov)).collect()
 }
 
 /// A cell of some hundred spheres, twins among them, whose hits are ties.

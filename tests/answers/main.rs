@@ -43,3 +43,4 @@ mod stream;
 mod tiles;
 mod truth;
 mod twins;
+mod weekend;

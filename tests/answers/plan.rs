@@ -1,12 +1,12 @@
 //! The promise of a plan: it states what rendering does, and for a tolerance it chooses the cheapest sufficient method.
 
 use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
+use crate::weekend::weekend;
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
-use halfline_files::read::{self, ReadOptions};
 use std::path::Path;
 
 /// Spheres from 5 to 2000 radii away, without colours.
@@ -20,13 +20,6 @@ fn scene() -> Scene {
     scene.image.width = 40;
     scene.image.height = 24;
     scene
-}
-
-fn weekend() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let scene = read::scene(&path, &ReadOptions::default()).expect("weekend");
-    // Its light and its sky take rays of their own.
-    Scene { lighting: Default::default(), ..scene }
 }
 
 fn settings(backend: Backend, tolerance: Option<f64>, aovs: &[Aov]) -> Settings {

@@ -1,7 +1,7 @@
 //! The promise of streams: the frame of what a stream keeps has the same bits as the frame of all spheres in memory.
 
 use crate::adapter::{cpu, renderers};
-use crate::bits::Bits;
+use crate::bits::differing;
 use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
@@ -53,11 +53,6 @@ fn stream(scene: &Scene, settings: &Settings, size: usize) -> Visible {
     let mut stream = Stream::new(scene, settings).expect("a stream");
     blocks(&scene.spheres, size).for_each(|block| stream.add(&block).expect("a block"));
     stream.finish().expect("what is visible")
-}
-
-/// The buffers in which two frames differ.
-fn differing(a: &Frame, b: &Frame) -> Vec<Aov> {
-    AOVS.into_iter().filter(|aov| a.get(*aov).is_some() && a.bits(*aov) != b.bits(*aov)).collect()
 }
 
 /// Renders both ways and compares; returns the number of spheres that were kept.

@@ -31,3 +31,8 @@ impl Bits for Frame {
         rows.flat_map(|row| &row[columns.clone()]).copied().collect()
     }
 }
+
+/// The buffers in which two frames differ.
+pub(crate) fn differing(a: &Frame, b: &Frame) -> Vec<Aov> {
+    Aov::ALL.into_iter().filter(|aov| a.get(*aov).is_some() && a.bits(*aov) != b.bits(*aov)).collect()
+}

@@ -1,8 +1,9 @@
 //! The promise of the readers about broken files: they are refused with the position, the field and a remedy.
 
 use crate::damage::damage;
+use crate::numpy::{little, npy, npy_of};
 use crate::rng::Rng;
-use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, little, npy, npy_of, read, read_spheres};
+use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, read, read_spheres};
 use halfline::error::Error;
 use halfline_files::read::{self, ReadOptions};
 use std::time::{Duration, Instant};

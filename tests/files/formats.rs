@@ -1,9 +1,9 @@
 //! The promise of every format: it stores the rendered values by its documented arithmetic, with their provenance; a truncated
 //! file is not read; the same frame gives the same bytes.
 
+use crate::numpy::python_or_skip;
 use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;
-use crate::skip::skip;
 use halfline::frame::{Aov, Data, Frame};
 use halfline::settings::Settings;
 use halfline::window::Window;
@@ -353,16 +353,10 @@ fn a_crop_stores_its_offset() {
     assert_eq!(header.shared_attributes.display_window.size, exr::math::Vec2(300, 8));
 }
 
-/// NumPy, if it is installed (for python3 or HALFLINE_PYTHON), reads the arrays, mapped into memory or not, despite the
-/// provenance after or beside them.
+/// NumPy reads the arrays, mapped into memory or not, despite the provenance after or beside them.
 #[test]
 fn numpy_reads_npy_and_npz_with_their_provenance() {
-    let python = std::env::var("HALFLINE_PYTHON").unwrap_or_else(|_| "python3".into());
-    let has_numpy = Command::new(&python).args(["-c", "import numpy"]).output();
-    if !has_numpy.is_ok_and(|output| output.status.success()) {
-        skip(format!("{python} has no numpy"));
-        return;
-    }
+    let Some(python) = python_or_skip() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let whole = frame(11, [7, 5]);
     let [npy, npz] = ["depth.npy", "depth.npz"].map(|name| folder.path().join(name));

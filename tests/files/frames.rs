@@ -1,7 +1,7 @@
 //! The promise of frames on disk: files hold the rendered values, other programs read them, and they are written completely or
 //! not at all.
 
-use crate::skip::skip;
+use crate::numpy::{npy as foreign, python_or_skip};
 use halfline::error::Error;
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Buffer, Data, Frame};
@@ -125,15 +125,9 @@ fn npy_has_version_1_the_documented_types_and_every_bit() {
     }
 }
 
-/// NumPy reads the arrays, if it is installed (for python3 or HALFLINE_PYTHON).
 #[test]
 fn numpy_reads_npy() {
-    let python = std::env::var("HALFLINE_PYTHON").unwrap_or_else(|_| "python3".into());
-    let has_numpy = std::process::Command::new(&python).args(["-c", "import numpy"]).output();
-    if !has_numpy.is_ok_and(|output| output.status.success()) {
-        skip(format!("{python} has no numpy"));
-        return;
-    }
+    let Some(python) = python_or_skip() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     for buffer in buffers() {
         let path = folder.path().join("buffer.npy");
@@ -151,15 +145,6 @@ fn numpy_reads_npy() {
         let expected = format!("{} {:?} {hex}\n", buffer.data.dtype(), buffer.shape);
         assert_eq!(String::from_utf8_lossy(&output.stdout), expected, "{}", buffer.aov);
     }
-}
-
-/// A .npy file with this header.
-fn foreign(header: &str, data: &[u8]) -> Vec<u8> {
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    bytes.extend(data);
-    bytes
 }
 
 #[test]

@@ -6,6 +6,8 @@ mod damage;
 mod data;
 #[path = "../common/nff.rs"]
 mod nff;
+#[path = "../common/numpy.rs"]
+mod numpy;
 #[path = "../common/random_frames.rs"]
 mod random_frames;
 #[path = "../common/rng.rs"]

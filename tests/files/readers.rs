@@ -2,9 +2,8 @@
 
 use crate::data::{self, real_or_skip};
 use crate::nff;
-use crate::scenes::{
-    CAMERA, CSV, NFF, TOML, assert_refused, folder, little, npy_of, read, read_spheres, read_with, strict,
-};
+use crate::numpy::{little, npy_of};
+use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, read, read_spheres, read_with, strict};
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::Error;

@@ -90,24 +90,6 @@ pub(crate) fn read_spheres(name: &str, content: &[u8]) -> Result<Scene> {
     read::scene(&folder.path().join("scene.toml"), &ReadOptions::default())
 }
 
-/// An NPY file of version 1 with this header text, from numpy's description of the format.
-pub(crate) fn npy(header: &str, data: &[u8]) -> Vec<u8> {
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16 + 1).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    bytes.push(b'\n');
-    bytes.extend(data);
-    bytes
-}
-
-pub(crate) fn npy_of(descr: &str, fortran: &str, shape: &str, data: &[u8]) -> Vec<u8> {
-    npy(&format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}"), data)
-}
-
-pub(crate) fn little(numbers: &[f64]) -> Vec<u8> {
-    numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
-}
-
 /// Checks that reading fails with an error of the scene at this position and field, and with a remedy.
 pub(crate) fn assert_refused(read: Result<Scene>, place: &str, field: &str, content: &str) {
     match read.map(drop) {

@@ -1,5 +1,6 @@
 //! The promise of `--stream`: the files have the bytes of those without it, whatever format the spheres come from.
 
+use crate::numpy::npy_of;
 use crate::rng::Rng;
 use crate::test_dir::TestDir;
 use std::fmt::Write as _;
@@ -45,15 +46,9 @@ fn rows() -> Vec<([f64; 3], f64, [f64; 3], f64)> {
 
 /// A NumPy array of float32 x, y, z, radius.
 fn array(rows: &[([f64; 3], f64, [f64; 3], f64)]) -> Vec<u8> {
-    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 4), }}", rows.len());
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16 + 1).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    bytes.push(b'\n');
-    for ([x, y, z], radius, ..) in rows {
-        [x, y, z, radius].into_iter().for_each(|number| bytes.extend((*number as f32).to_le_bytes()));
-    }
-    bytes
+    let numbers = rows.iter().flat_map(|([x, y, z], radius, ..)| [*x, *y, *z, *radius]);
+    let data: Vec<u8> = numbers.flat_map(|number| (number as f32).to_le_bytes()).collect();
+    npy_of("<f4", "False", &format!("({}, 4)", rows.len()), &data)
 }
 
 #[test]

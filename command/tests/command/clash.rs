@@ -1,5 +1,6 @@
 //! The promise that no input is overwritten and that no two outputs are one file: exit code 2, before any work.
 
+use crate::numpy::{little, npy_of};
 use crate::test_dir::{Output, TestDir};
 use std::collections::BTreeMap;
 
@@ -8,10 +9,7 @@ const SCENE: &str = "[camera]\neye = [0.0, 0.0, 0.0]\nview = [0.0, 0.0, -1.0]\nu
 
 /// One sphere as halfline's own .npy of a position and a radius.
 fn spheres() -> Vec<u8> {
-    let mut header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 4), }".to_owned();
-    header += &format!("{}\n", " ".repeat(117 - header.len()));
-    let numbers = [0.0f64, 0.0, -3.0, 1.0].into_iter().flat_map(f64::to_le_bytes);
-    [b"\x93NUMPY\x01\x00\x76\x00", header.as_bytes()].concat().into_iter().chain(numbers).collect()
+    npy_of("<f8", "False", "(1, 4)", &little(&[0.0, 0.0, -3.0, 1.0]))
 }
 
 fn dir() -> TestDir {

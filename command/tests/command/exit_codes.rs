@@ -3,24 +3,13 @@
 //! Code 4 (no adapter) is tested in tests/answers/command.rs, 6 (device lost) in src/gpu/tests.rs and 7 (accuracy not reached)
 //! in tests/answers/selftest.rs.
 
+use crate::numpy::{little, npy_of};
 use crate::test_dir::{NO_ADAPTER, Output, SCENE, TestDir};
 use std::fs;
 use std::time::{Duration, Instant};
 
 fn dir() -> TestDir {
     TestDir::new(&[("scene.toml", SCENE)])
-}
-
-/// A .npy file whose header declares the shape (rows, 4) of f64, with these `values`.
-fn npy_of(rows: usize, values: &[f64]) -> Vec<u8> {
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, 4), }}");
-    header += &" ".repeat(128 - 11 - header.len());
-    header.push('\n');
-    let mut file = b"\x93NUMPY\x01\x00".to_vec();
-    file.extend(u16::try_from(header.len()).expect("short").to_le_bytes());
-    file.extend(header.as_bytes());
-    file.extend(values.iter().flat_map(|x| x.to_le_bytes()));
-    file
 }
 
 #[test]
@@ -127,10 +116,10 @@ fn an_invalid_scene_is_exit_code_3() {
 
     let balls = [[0.0, 0.0, -3.0, 1.0], [1.0, 0.0, -4.0, 1.0], [-1.0, 0.0, -4.0, 1.0]].concat();
     change("[[sphere]]", "[[spheres]]\nfile = \"balls.npy\"\n[[sphere]]");
-    dir.put("balls.npy", npy_of(3, &balls));
+    dir.put("balls.npy", npy_of("<f8", "False", "(3, 4)", &little(&balls)));
     let whole = dir.good("render bad.toml --json --backend cpu").json();
     assert_eq!(whole["spheres"], 4);
-    dir.put("balls.npy", npy_of(3, &balls[..9]));
+    dir.put("balls.npy", npy_of("<f8", "False", "(3, 4)", &little(&balls[..9])));
     dir.refused(3, &bad, &["balls.npy", "3 "]);
     dir.remove("balls.npy");
     dir.refused(8, &bad, &["cannot read balls.npy"]);
@@ -152,9 +141,10 @@ fn a_frame_beyond_memory_is_exit_code_5_at_once() {
 #[cfg(target_os = "linux")]
 fn spheres_beyond_memory_are_exit_code_5_with_the_number_that_fits() {
     let dir = dir();
-    dir.put("many.npy", npy_of(200_000_000, &[]));
+    let header = npy_of("<f8", "False", "(200000000, 4)", &[]);
+    dir.put("many.npy", &header);
     let file = fs::File::options().write(true).open(dir.path("many.npy")).expect("the file");
-    file.set_len(128 + 32 * 200_000_000).expect("a sparse file");
+    file.set_len(header.len() as u64 + 32 * 200_000_000).expect("a sparse file");
     dir.put("many.toml", SCENE.replace("[[sphere]]", "[[spheres]]\nfile = \"many.npy\"\n[[sphere]]"));
     let start = Instant::now();
     for command in ["render", "plan"] {

@@ -1,12 +1,12 @@
 //! The promise of films: camera, default radii and the range of colours are the same in all frames, a frame rendered
 //! alone is the same file as in the film, and pictures and reports give their camera back.
 
-use crate::skip::skip;
+use crate::films::has_ffmpeg;
 use crate::test_dir::TestDir;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 /// Frames of a gas that expands: its box, and the values of its column, grow from frame to frame.
 fn gas(frames: u32) -> String {
@@ -238,9 +238,8 @@ fn pictures_and_reports_give_their_camera_back() {
 
 #[test]
 fn frames_on_standard_output_are_a_film_for_ffmpeg() {
-    let missing = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_err();
-    if missing {
-        return skip("ffmpeg is not here (Debian: apt-get install ffmpeg)");
+    if !has_ffmpeg() {
+        return;
     }
     let dir = TestDir::new(&[("gas.dump", &gas(7))]);
     let film = dir.render("gas.dump --size 64x48 --frames 1-7 --color-by c_ke -o -").out;

@@ -12,7 +12,8 @@ fn dir() -> TestDir {
     TestDir::new(&[("s.toml", &format!("{SPHERE}{more}"))])
 }
 
-fn has_ffmpeg() -> bool {
+/// Whether ffmpeg is here; otherwise the test is skipped.
+pub(crate) fn has_ffmpeg() -> bool {
     let found = ["ffmpeg", "ffprobe"].iter().all(|program| {
         Command::new(program).arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
     });

@@ -1,6 +1,7 @@
 //! The promise under limits: with too little memory the exit code is 0 or 5, with too small a file size 8. A file is written
 //! completely or not at all, and nothing else is left behind. The tests run processes under `ulimit`.
 
+use crate::numpy::npy_of;
 use crate::test_dir::{Output, SPHERE, TestDir};
 use std::fs;
 use std::time::{Duration, Instant};
@@ -95,10 +96,8 @@ fn any_number_of_rays_needs_the_same_memory() {
     let dir = dir();
     // Rays of 24 bytes and hits of 33: 36 MB and 50 MB, or four times as many.
     for (name, count) in [("some.npy", 1_500_000), ("many.npy", 6_000_000)] {
-        let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({count}, 6), }}");
-        header += &" ".repeat(117 - header.len());
-        let rays = [0.0f32, 0.0, 0.0, 0.0, 0.0, -1.0].into_iter().flat_map(f32::to_le_bytes).collect::<Vec<_>>();
-        dir.put(name, [b"\x93NUMPY\x01\x00\x76\x00", header.as_bytes(), b"\n", &rays.repeat(count)].concat());
+        let rays: Vec<u8> = [0.0f32, 0.0, 0.0, 0.0, 0.0, -1.0].into_iter().flat_map(f32::to_le_bytes).collect();
+        dir.put(name, npy_of("<f4", "False", &format!("({count}, 6)"), &rays.repeat(count)));
     }
     for output in ["hits.npz", "hits.csv"] {
         let traced = |name: &str, mib: u64| {

@@ -5,6 +5,8 @@
 mod data;
 #[path = "../../../tests/common/nff.rs"]
 mod nff;
+#[path = "../../../tests/common/numpy.rs"]
+mod numpy;
 #[path = "../../../tests/common/random_frames.rs"]
 mod random_frames;
 #[path = "../../../tests/common/rng.rs"]

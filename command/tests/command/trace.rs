@@ -1,7 +1,7 @@
 //! The promise of `halfline trace`: rays in any of the forms give the same hits, in the order of the rays and independent
 //! of blocks; invalid rows are named or counted; a file of hits is written completely or not at all.
 
-use crate::skip::skip;
+use crate::numpy::{npy_of, python_or_skip};
 use crate::test_dir::{Output, TestDir};
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -31,16 +31,12 @@ const RAYS: [([f64; 7], i32, f64); 9] = [
 ];
 
 fn npy(dtype: &str, width: usize, rows: &[[f64; 7]]) -> Vec<u8> {
-    let mut header = format!("{{'descr': '{dtype}', 'fortran_order': False, 'shape': ({}, {width}), }}", rows.len());
-    header += &" ".repeat(117 - header.len());
-    let mut bytes = [b"\x93NUMPY\x01\x00\x76\x00", header.as_bytes(), b"\n"].concat();
-    for x in rows.iter().flat_map(|row| &row[..width]) {
-        match dtype {
-            "<f4" => bytes.extend((*x as f32).to_le_bytes()),
-            _ => bytes.extend(x.to_le_bytes()),
-        }
-    }
-    bytes
+    let numbers = rows.iter().flat_map(|row| &row[..width]);
+    let data: Vec<u8> = match dtype {
+        "<f4" => numbers.flat_map(|x| (*x as f32).to_le_bytes()).collect(),
+        _ => numbers.flat_map(|x| x.to_le_bytes()).collect(),
+    };
+    npy_of(dtype, "False", &format!("({}, {width})", rows.len()), &data)
 }
 
 fn rows() -> Vec<[f64; 7]> {
@@ -170,14 +166,10 @@ fn an_archive_has_the_columns_of_the_table() {
     }
 }
 
-/// NumPy, if it is installed (for python3 or HALFLINE_PYTHON), reads the types of the contract.
+/// NumPy reads the types of the contract.
 #[test]
 fn numpy_reads_the_archive() {
-    let python = std::env::var("HALFLINE_PYTHON").unwrap_or_else(|_| "python3".into());
-    if !Command::new(&python).args(["-c", "import numpy"]).output().is_ok_and(|output| output.status.success()) {
-        skip(format!("{python} has no numpy"));
-        return;
-    }
+    let Some(python) = python_or_skip() else { return };
     let dir = dir();
     trace(&dir, "--rays rays.npy -o hits.npz");
     let script = "import numpy as n,sys; z=n.load(sys.argv[1]); \
