@@ -18,7 +18,8 @@ fn scene(name: &str) -> Scene {
         Some(count) => cloud(count.parse::<f64>().expect("a count") as usize),
         None => {
             let file = format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-            let scene = Scene::read(file.as_ref(), &ReadOptions::default()).expect("a scene of the repository");
+            let scene =
+                halfline::read::scene(file.as_ref(), &ReadOptions::default()).expect("a scene of the repository").scene;
             // Viewing rays alone.
             Scene { lighting: Default::default(), ..scene }
         }

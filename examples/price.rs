@@ -35,7 +35,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut scene = match name.strip_prefix("cloud:") {
             Some(count) => cloud(count.parse()?),
             // Viewing rays alone.
-            None => Scene { lighting: Default::default(), ..Scene::read(name.as_ref(), &ReadOptions::default())? },
+            None => Scene {
+                lighting: Default::default(),
+                ..halfline::read::scene(name.as_ref(), &ReadOptions::default())?.scene
+            },
         };
         (scene.image.width, scene.image.height) = (side, side);
         let mut times = [Vec::new(), Vec::new()];

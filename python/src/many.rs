@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use crate::errors::{OrRaise, exception};
 use crate::frame::{Frame, Rendered};
 use crate::options::Picture;
-use crate::renderer::{Shared, keep_if_forked, with};
+use crate::renderer::{Shared, keep_if_forked, render};
 use crate::scene::Scene;
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
 use halfline::settings::Settings;
@@ -50,7 +50,7 @@ impl Frames {
             for (number, camera) in (1..).zip(&cameras) {
                 let settings = picture.through(scene.get(), Some(camera), &same);
                 let mut rendered = picture.render(scene.get(), Some(camera), number, |exact| {
-                    with(&shared, &own, |renderer| renderer.render(exact, &settings))
+                    render(&shared, &own, scene.get(), exact, &settings)
                 });
                 // All frames have the same legend.
                 if number == 1 {

@@ -32,6 +32,22 @@ pub(crate) fn with<T>(
     result
 }
 
+/// Renders `exact`, which is made of `scene`; the report has what the reader of that left out.
+pub(crate) fn render(
+    shared: &Shared,
+    job: &Job,
+    scene: &Scene,
+    exact: &halfline::Scene,
+    settings: &Settings,
+) -> halfline::Result<halfline::Frame> {
+    with(shared, job, |renderer| {
+        let mut frame = renderer.render(exact, settings)?;
+        let report = &mut frame.report;
+        scene.skipped.report(&mut report.skipped, &mut report.warnings, renderer.passed_over().len());
+        Ok(frame)
+    })
+}
+
 /// Keeps a renderer of a process that this one was forked from: its device would wait for threads that are not here.
 pub(crate) fn keep_if_forked(shared: &Shared) {
     if is_forked() {
@@ -99,9 +115,8 @@ impl Renderer {
         let rendered = job.run(py, progress.as_ref(), || {
             let outlined = picture.begin(scene)?;
             let scene = outlined.as_ref().unwrap_or(scene);
-            let rendered = picture.render(scene, camera, scene.number, |exact| {
-                with(&self.shared, &job, |renderer| renderer.render(exact, &settings))
-            })?;
+            let rendered = picture
+                .render(scene, camera, scene.number, |exact| render(&self.shared, &job, scene, exact, &settings))?;
             picture.insets.write(scene)?;
             Ok(rendered)
         })?;
@@ -134,8 +149,12 @@ impl Renderer {
         let job = Job::default();
         let plan = job.run(py, None, || {
             let outlined = picture.begin(scene)?;
-            let scene = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
-            with(&self.shared, &job, |renderer| renderer.explain(&scene, &settings))
+            let exact = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
+            with(&self.shared, &job, |renderer| {
+                let mut plan = renderer.explain(&exact, &settings)?;
+                scene.skipped.report(&mut plan.skipped, &mut plan.warnings, renderer.passed_over().len());
+                Ok(plan)
+            })
         })?;
         crate::reports::json(&plan)
     }

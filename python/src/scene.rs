@@ -7,7 +7,7 @@ use crate::work::{Job, begin};
 use halfline::camera::Aperture;
 use halfline::progress::Watch;
 use halfline::read::style::Legend;
-use halfline::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame, Selection};
+use halfline::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame, Selection, Skipped};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, Framing, ImagePlane, check_color};
 use halfline::settings::FileLook;
@@ -21,6 +21,8 @@ use std::sync::Arc;
 #[pyclass(frozen)]
 pub(crate) struct Scene {
     scene: Arc<ExactScene>,
+    /// What its reader left out or assumed.
+    pub(crate) skipped: Skipped,
     /// The size of the lens of its file's camera; `None` for a pinhole.
     pub(crate) aperture: Option<Aperture>,
     /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
@@ -57,6 +59,7 @@ impl Scene {
         scene.spheres.share();
         Self {
             scene: Arc::new(scene),
+            skipped: frame.skipped,
             aperture: frame.aperture,
             held,
             look: frame.look,
@@ -77,6 +80,7 @@ impl Scene {
     fn with(&self, scene: ExactScene) -> Self {
         Self {
             scene: Arc::new(scene),
+            skipped: self.skipped.clone(),
             legend: self.legend.clone(),
             columns: Arc::clone(&self.columns),
             file: self.file.clone(),
@@ -177,11 +181,11 @@ impl Scene {
             camera: Exact::CANONICAL,
             image: ImagePlane { background, ..ImagePlane::default() },
             spheres,
-            skipped: Default::default(),
             lighting: Default::default(),
         };
         Ok(Self {
             scene: Arc::new(scene),
+            skipped: Skipped::default(),
             aperture: None,
             held: false,
             is_molecule: false,
@@ -207,9 +211,9 @@ impl Scene {
         step: Option<i64>,
         cell: Option<([f64; 3], [[f64; 3]; 3])>,
     ) -> Self {
-        let mut scene = (*self.scene).clone();
-        scene.skipped.assumed.extend(warnings);
-        Self { number, time, step, cell, ..self.with(scene) }
+        let mut told = Self { number, time, step, cell, ..self.with((*self.scene).clone()) };
+        told.skipped.assumed.extend(warnings);
+        told
     }
 
     /// The names of the columns.
@@ -297,7 +301,7 @@ impl Scene {
     /// What the reader left out or assumed.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.scene.skipped.warnings()
+        self.skipped.warnings()
     }
 
     /// The camera for an image of this size.

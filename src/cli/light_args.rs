@@ -6,6 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
+use halfline::read::SceneFrame;
 use halfline::scene::{Light, LightSource, MOST_BOUNCES, MOST_RAYS, Scene, Sky, Spheres};
 use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, Settings};
 use halfline::shade::Shade;
@@ -78,7 +79,12 @@ impl LightArgs {
     ///
     /// # Errors
     /// [`Error::Settings`] for a reach without a sky; the camera's.
-    pub(super) fn apply(&self, scene: &mut Scene, aovs: &[Aov], request: LookRequest) -> Result<PictureLook> {
+    pub(super) fn apply(
+        &self,
+        SceneFrame { scene, skipped, .. }: &mut SceneFrame,
+        aovs: &[Aov],
+        request: LookRequest,
+    ) -> Result<PictureLook> {
         let LookRequest { file, has_picture, samples, shade } = request;
         let chosen = file.choose(has_picture, self.look, samples, shade);
         let look = chosen.look;
@@ -96,7 +102,7 @@ impl LightArgs {
         light.apply(scene)?;
         if let Some(bounces) = light.idle_bounces(scene) {
             let what = "no sphere has a material that reflects or refracts light like a mirror or glass";
-            scene.skipped.assumed.push(format!("--bounces {bounces} changes nothing: {what}"));
+            skipped.assumed.push(format!("--bounces {bounces} changes nothing: {what}"));
         }
         if light.lacks_sky(scene, aovs) {
             let mend = "add --occlusion or --aov occlusion=FILE, or remove --reach";

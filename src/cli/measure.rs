@@ -14,8 +14,7 @@ use halfline::measure::record::Record;
 use halfline::measure::run::{Options, Subject, measure};
 use halfline::measure::variant::Variant;
 use halfline::measure::{export, report};
-use halfline::read::ReadOptions;
-use halfline::scene::Scene;
+use halfline::read::{self, ReadOptions};
 use halfline::settings::{Backend, Search, Tolerance};
 use halfline::write::file::check_writable;
 use std::io::ErrorKind;
@@ -143,9 +142,9 @@ impl Measure {
             }
             (Some(Suite::Ladder), _) => Subject::ladder()?,
             (None, Some(path)) => {
-                let scene = Scene::read(path, &ReadOptions { watch: watch(), ..ReadOptions::default() })?;
+                let read = read::scene(path, &ReadOptions { watch: watch(), ..ReadOptions::default() })?;
                 let name = path.file_name().unwrap_or(path.as_os_str());
-                Subject::scene(name.to_string_lossy(), scene)
+                Subject::scene(name.to_string_lossy(), read.scene, read.skipped.warnings())
             }
             (None, None) => return Err(Error::settings("there is nothing to measure", "use a scene or --suite")),
         };

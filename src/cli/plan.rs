@@ -8,9 +8,10 @@ use super::{note, print, say};
 use clap::builder::ArgPredicate;
 use clap::{Arg, Command};
 use halfline::error::{Error, Result};
-use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
+use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, wgsl};
 use halfline::frame::tone::Tone;
 use halfline::quote::{count, number};
+use halfline::render::Renderer;
 use halfline::scene::{Sky, SkyColors};
 use std::fmt::{self, Display};
 
@@ -54,12 +55,14 @@ impl PlanArgs {
         let settings = self.args.settings(&targets);
         let picture = self.args.first(&settings)?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;
-        let Numbered { scene, look, lens, framed, .. } = picture;
+        let Numbered { scene, skipped, look, lens, framed, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
         }
-        let explanation = explain(&scene, &settings)?;
+        let mut renderer = Renderer::new(&settings)?;
+        let mut explanation = renderer.explain(&scene, &settings)?;
+        skipped.report(&mut explanation.skipped, &mut explanation.warnings, renderer.passed_over().len());
         look.words().into_iter().chain(lens.words()).for_each(|words| note(format_args!("{words}")));
         explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
         let text = match self.json {

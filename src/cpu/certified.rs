@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn a_strip_answers_as_single_rays() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+        let mut scene = crate::read::scene(&path, &ReadOptions::default()).expect("weekend").scene;
         (scene.image.width, scene.image.height) = (136, 77);
         let window = Window::full(136, 77);
         same_as_single::<false>(&scene, Raster::centres(window));

@@ -200,7 +200,6 @@ mod tests {
     use crate::memory::Pool;
     use crate::read::ReadOptions;
     use crate::render::plan::Plan;
-    use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::View;
 
@@ -208,7 +207,7 @@ mod tests {
     #[test]
     fn a_sphere_missing_from_a_list_is_found() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+        let mut scene = crate::read::scene(&path, &ReadOptions::default()).expect("weekend").scene;
         (scene.image.width, scene.image.height) = (131, 74);
         let (view, pool) = (View::new(&scene).expect("a view"), Pool::default());
         let mut binned =

@@ -368,7 +368,6 @@ mod tests {
     use crate::kernel::{Generals, Sharing};
     use crate::memory::Pool;
     use crate::read::ReadOptions;
-    use crate::scene::Scene;
     use crate::search::tile_candidates::{CandidateList, TileCandidates};
     use crate::shade::Shade;
     use crate::view::View;
@@ -381,7 +380,7 @@ mod tests {
         let lanes = found.summary.subgroup.map_or(0, |[least, _]| least);
         let mut gpu = Gpu::new(device::open(&found).expect("a device"), found.summary);
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+        let mut scene = crate::read::scene(&path, &ReadOptions::default()).expect("weekend").scene;
         (scene.image.width, scene.image.height) = (131, 74);
         // Includes the low parts for the kernels that read them.
         let mut view = View::new(&scene).expect("a view");

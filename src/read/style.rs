@@ -14,11 +14,12 @@ pub use scale::{Category, Legend, Scale};
 
 use super::particles::Particles;
 use super::select::selection::Selection;
+use super::skipped::Skipped;
 use crate::error::{Error, Place, Result};
 use crate::frame::srgb;
 use crate::memory::check_spheres;
 use crate::quote::{number, quote};
-use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere, is_center, is_radius};
+use crate::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 pub(super) use categories::joined_elements;
 pub(crate) use color::linear;
 

@@ -33,7 +33,7 @@ fn lighting() -> Lighting {
 
 fn scenes() -> Vec<(&'static str, Scene)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let mut weekend = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let mut weekend = halfline::read::scene(&path, &ReadOptions::default()).expect("weekend").scene;
     [weekend.image.width, weekend.image.height] = SIZE;
     weekend.lighting = lighting();
     let mut inside = cloud(2, 300, [0.0; 3], 1.0, 0.05);

@@ -54,7 +54,7 @@ struct Pixel {
 
 fn file() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/eclipse.toml");
-    Scene::read(&path, &ReadOptions::default()).expect("the eclipse")
+    halfline::read::scene(&path, &ReadOptions::default()).expect("the eclipse").scene
 }
 
 impl Eclipse {

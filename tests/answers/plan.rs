@@ -25,7 +25,7 @@ fn scene() -> Scene {
 
 fn weekend() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let scene = halfline::read::scene(&path, &ReadOptions::default()).expect("weekend").scene;
     // Its light and its sky take rays of their own.
     Scene { lighting: Default::default(), ..scene }
 }

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 
 fn weekend(width: u32, height: u32) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let mut scene = halfline::read::scene(&path, &ReadOptions::default()).expect("weekend").scene;
     (scene.image.width, scene.image.height) = (width, height);
     scene.lighting = Default::default();
     scene

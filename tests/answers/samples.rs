@@ -12,7 +12,7 @@ use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::read::ReadOptions;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Sky, Spheres};
+use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::shade::Shade;
 use halfline::window::Window;
@@ -21,7 +21,7 @@ use std::path::Path;
 
 fn weekend() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let mut scene = halfline::read::scene(&path, &ReadOptions::default()).expect("weekend").scene;
     (scene.image.width, scene.image.height) = (61, 43);
     // Shadows need a light, and with that of the file every sample would have a ray to it.
     let lights = vec![Light::white(LightSource::Direction(DVec3::new(1.0, 2.0, 0.5)))];
@@ -130,8 +130,7 @@ fn alpha_converges_to_the_covered_area() {
     let mut spheres = Spheres::default();
     spheres.push([0.0, 0.0, -3.0], 1.0, None);
     let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
-    let scene =
-        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+    let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
     let radius = 64.0 / f64::sqrt(8.0);
     let place = |n: usize| n as f64 - 32.0;
     let exact: Vec<f64> = (0..4096).map(|k| covered(place(k % 64), place(k / 64), radius)).collect();

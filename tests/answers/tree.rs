@@ -9,7 +9,7 @@ use halfline::error::Error;
 use halfline::frame::Aov;
 use halfline::intersect::Method;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Search, Settings};
 
 struct Case {
@@ -210,8 +210,7 @@ fn tiles_for_given_rays_and_a_tree_for_a_frame_are_refused() {
     assert!(error.to_string().contains("search"), "{error}");
     let settings = Settings { search: Search::Tree, ..Settings::default() };
     let image = ImagePlane { width: 8, height: 8, background: [0.0; 3] };
-    let scene =
-        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+    let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
     let error = cpu().render(&scene, &settings).expect_err("viewing rays have tiles");
     assert!(matches!(&error, Error::Settings { .. }) && error.to_string().contains("tiles"), "{error}");
     let settings = Settings { method: Some(Method::Stable), ..settings };

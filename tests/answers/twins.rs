@@ -45,7 +45,7 @@ fn scenes() -> Vec<(String, Scene)> {
     let mut scenes = Vec::new();
     for entry in folder.read_dir().expect("scenes/") {
         let path = entry.expect("an entry").path();
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("a good scene");
+        let mut scene = halfline::read::scene(&path, &ReadOptions::default()).expect("a good scene").scene;
         (scene.image.width, scene.image.height) = (131, 74);
         scenes.push((path.display().to_string(), scene));
     }

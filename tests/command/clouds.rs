@@ -69,7 +69,7 @@ fn traced(x: f64) -> (TestDir, [Value; 3]) {
 }
 
 fn read(dir: &TestDir, name: &str) -> Scene {
-    Scene::read(&dir.path(name), &ReadOptions::default()).expect(name)
+    halfline::read::scene(&dir.path(name), &ReadOptions::default()).expect(name).scene
 }
 
 /// The most that a coordinate may differ: nothing in PLY, half the last bit of f32, half a step of the finest grid, which

@@ -1,7 +1,7 @@
 //! Small scenes in the formats that describe spheres, and how tests read them.
 
 use halfline::error::{Error, Result};
-use halfline::read::ReadOptions;
+use halfline::read::{self, ReadOptions, SceneFrame};
 use halfline::scene::Scene;
 
 pub(crate) fn strict() -> ReadOptions {
@@ -74,9 +74,14 @@ pub(crate) fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
     folder
 }
 
-pub(crate) fn read_with(name: &str, content: &[u8], options: &ReadOptions) -> Result<Scene> {
+/// The scene of a file and what its reader says of it.
+pub(crate) fn read_frame(name: &str, content: &[u8], options: &ReadOptions) -> Result<SceneFrame> {
     let folder = folder(&[(name, content)]);
-    Scene::read(&folder.path().join(name), options)
+    read::scene(&folder.path().join(name), options)
+}
+
+pub(crate) fn read_with(name: &str, content: &[u8], options: &ReadOptions) -> Result<Scene> {
+    read_frame(name, content, options).map(|frame| frame.scene)
 }
 
 pub(crate) fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Scene> {
@@ -87,7 +92,7 @@ pub(crate) fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Scene> {
 pub(crate) fn read_spheres(name: &str, content: &[u8]) -> Result<Scene> {
     let scene = format!("{CAMERA}[[spheres]]\nfile = '{name}'\n");
     let folder = folder(&[("scene.toml", scene.as_bytes()), (name, content)]);
-    Scene::read(&folder.path().join("scene.toml"), &ReadOptions::default())
+    read::scene(&folder.path().join("scene.toml"), &ReadOptions::default()).map(|frame| frame.scene)
 }
 
 /// An NPY file of version 1 with this header text, from numpy's description of the format.

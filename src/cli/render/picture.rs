@@ -85,6 +85,7 @@ impl Render {
         let settings = &self.args.settings_for(numbered, settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let mut report = renderer.dry_run(scene, settings)?;
+            report.skipped = numbered.skipped.total();
             report.look = numbered.look.name();
             report.spheres = numbered.ids.as_ref().map_or(report.spheres, |ids| ids.count);
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
@@ -100,6 +101,8 @@ impl Render {
         if let Some(ids) = &numbered.ids {
             ids.restore(&mut frame);
         }
+        let report = &mut frame.report;
+        numbered.skipped.report(&mut report.skipped, &mut report.warnings, renderer.passed_over().len());
         frame.report.number = number;
         frame.report.hold = self.args.read.hold();
         frame.report.look = numbered.look.name();

@@ -6,7 +6,7 @@ use super::elements::element;
 use super::scale::{Category, Colored, Legend, Scale};
 use crate::error::{Error, Result};
 use crate::read::particles::{Column, Particles};
-use crate::scene::Skipped;
+use crate::read::skipped::Skipped;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 

@@ -5,7 +5,7 @@ use super::scale::{Colored, Legend, Scale};
 use crate::error::{Error, Result};
 use crate::quote::{list, quote};
 use crate::read::particles::{Column, Particles, vectors};
-use crate::scene::Skipped;
+use crate::read::skipped::Skipped;
 use rayon::prelude::*;
 use std::borrow::Cow;
 

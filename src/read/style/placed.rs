@@ -3,8 +3,9 @@
 use super::{Coloring, Legend, Style};
 use crate::error::{Error, Place, Result};
 use crate::read::particles::{Column, Particles};
+use crate::read::skipped::Skipped;
+use crate::scene::Spheres;
 use crate::scene::instances::Instances;
-use crate::scene::{Skipped, Spheres};
 use std::ops::Range;
 
 impl Style {

@@ -135,7 +135,7 @@ pub(super) fn ground(seed: u64) -> Result<Vec<Scene>> {
 
 /// A spiral of 5,761 heavily overlapping spheres: the whole and a corner.
 pub(super) fn spiral(path: &Path) -> Result<Vec<Scene>> {
-    let mut scene = Scene::read(path, &ReadOptions::default())?;
+    let mut scene = crate::read::scene(path, &ReadOptions::default())?.scene;
     (scene.image.width, scene.image.height) = (48, 48);
     let mut close = scene.clone();
     (close.camera.look, close.camera.lens) = (Look::At(DVec3::new(0.0, 2.0, -12.0)), filled_by(0.06));

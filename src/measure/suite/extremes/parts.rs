@@ -2,7 +2,7 @@
 
 use crate::measure::suite::Random;
 use crate::scene::camera::{Camera, Lens, Look};
-use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::scene::{ImagePlane, Scene, Spheres};
 use glam::DVec3;
 
 /// The oblique direction of the measurements, of unit length within rounding.
@@ -14,7 +14,7 @@ pub(super) fn aslant() -> DVec3 {
 pub(super) fn picture(eye: DVec3, look: Look, lens: Lens, size: [u32; 2], spheres: Spheres) -> Scene {
     let camera = Camera { eye, look, up: DVec3::new(0.1, 1.0, 0.2), lens };
     let image = ImagePlane { width: size[0], height: size[1], background: [0.0; 3] };
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 /// The lens of a 4:3 picture that is half filled by a sphere whose angular radius has the tangent `tangent`: the radius
