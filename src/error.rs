@@ -173,7 +173,10 @@ impl fmt::Display for Place {
 }
 
 /// The element of `all` with this name.
-pub(crate) fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'static str) -> Result<T> {
+///
+/// # Errors
+/// [`Error::Settings`] with all names, if none is this.
+pub fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'static str) -> Result<T> {
     all.iter().copied().find(|x| of(*x) == name).ok_or_else(|| {
         let names: Vec<_> = all.iter().map(|x| of(*x)).collect();
         Error::settings(format!("there is no {kind} '{name}'"), format!("choose from {}", names.join(", ")))

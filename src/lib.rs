@@ -18,6 +18,7 @@
 //! - [`write`](mod@write): the files of frames, written, read back and merged.
 //! - [`render`](mod@render): renders one frame from scene to buffers; a [`Renderer`] keeps device and kernels for many.
 //! - [`trace`](mod@trace): traces given rays, which [`read::rays`] reads, [`scene::lidar`] makes, and [`write::hits`] writes.
+//! - [`drawing`]: the legend, the label and the scale bar of a picture, and the page of plots.
 //! - [`settings`]: the settings of a rendering.
 //! - [`plan`]: decides what a scene requires: method, accuracy, search.
 //! - [`quote`]: quotes text of files in messages.
@@ -46,6 +47,8 @@ mod answers;
 mod certify;
 mod cpu;
 mod double_double;
+#[cfg(feature = "plots")]
+pub mod drawing;
 mod dyadic;
 pub mod error;
 pub mod exact;

@@ -17,10 +17,9 @@ pub mod total;
 pub mod variant;
 pub mod verdict;
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Result};
 pub use crate::frame::array::{Array, ArrayValue, Values};
 use crate::memory::check;
-use crate::write::{npy, png};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -42,31 +41,6 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
         let read = Read::take(&mut input, more as u64).read_to_end(&mut bytes);
         if read.map_err(|error| Error::read(path, error))? < more {
             return Ok(bytes);
-        }
-    }
-}
-
-impl Array {
-    /// Reads a .png or .npy file, detected by content; `-` is standard input.
-    ///
-    /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit into memory,
-    /// [`Error::Scene`] at a malformed file.
-    pub fn read(path: &Path) -> Result<Self> {
-        Self::from_bytes(&bytes_of(path)?, &path.display().to_string())
-    }
-
-    /// Reads the array in `bytes`, a complete .png or .npy file.
-    ///
-    /// # Errors
-    /// [`Error::Scene`] at the file `name`.
-    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
-        if bytes.starts_with(png::MAGIC) {
-            png::read(bytes, name)
-        } else if bytes.starts_with(npy::MAGIC) {
-            npy::read(bytes, name)
-        } else {
-            Err(Error::scene(Place::file(name), "not a PNG or .npy file", "use a frame that halfline wrote"))
         }
     }
 }

@@ -5,6 +5,7 @@ mod atomic;
 mod digest;
 mod encode;
 mod exr;
+pub mod figure;
 pub mod file;
 pub mod format;
 pub mod hits;

@@ -5,9 +5,9 @@ use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
 use crate::work::{Job, begin};
 use halfline::camera::Aperture;
+use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
-use halfline::read::style::Legend;
-use halfline::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame, Selection, Skipped};
+use halfline::read::{Codes, ColumnValues, Columns, SceneFrame, Selection, Skipped};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, Framing, ImagePlane, check_color};
 use halfline::settings::FileLook;
@@ -114,8 +114,8 @@ impl Scene {
     }
 
     /// The time and the step.
-    pub(crate) fn when(&self) -> FrameTime {
-        FrameTime { time: self.time, step: self.step }
+    pub(crate) fn when(&self) -> (Option<f64>, Option<i64>) {
+        (self.time, self.step)
     }
 
     /// The spheres.

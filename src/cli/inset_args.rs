@@ -3,10 +3,10 @@
 use super::scene_args::SceneArgs;
 use super::scene_frames::Numbered;
 use clap::Args;
+use halfline::drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
 use halfline::error::{Error, Result};
-use halfline::measure::plot::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
+use halfline::frame::legend::Legend;
 use halfline::read::SceneFrame;
-use halfline::read::style::Legend;
 use halfline::write::file::is_standard_output;
 use std::ffi::OsString;
 
@@ -111,7 +111,8 @@ fn values(args: &SceneArgs, picture: &Numbered) -> LabelValues {
         frame: picture.number,
         file: Some(name.to_string_lossy().into_owned()),
         count: picture.scene.spheres.len(),
-        when: picture.when,
+        time: picture.when.time,
+        step: picture.when.step,
     }
 }
 

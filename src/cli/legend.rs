@@ -3,16 +3,18 @@
 use super::clash::place;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{Numbered, check_pattern, numbered};
+use halfline::drawing;
 use halfline::error::{Error, Result};
+use halfline::frame::legend::Legend;
 use halfline::read::Hold;
-use halfline::read::style::Legend;
+use halfline::write::figure;
 use halfline::write::file::check_writable;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Checks the name of the legend's file before any work.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
     let Some(path) = &args.color.legend else { return Ok(()) };
-    Legend::check_file(path)?;
+    figure::check(path)?;
     if args.files.names()?.iter().any(|other| place(other) == place(path)) {
         let problem = format!("{} would be written twice", path.display());
         return Err(Error::settings(problem, "use another file for the legend"));
@@ -49,9 +51,5 @@ pub(super) fn file(args: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
 
 /// What the file does not show as it is written. An SVG takes letters from the fonts of the machine that shows it.
 pub(super) fn warning(args: &SceneArgs, legend: Option<&Legend>) -> Option<String> {
-    args.color.legend.as_deref().filter(|path| is_png(path)).and(legend).and_then(Legend::warning)
-}
-
-fn is_png(path: &Path) -> bool {
-    path.extension().is_some_and(|found| found.eq_ignore_ascii_case("png"))
+    args.color.legend.as_deref().filter(|path| figure::is_png(path)).and(legend).and_then(drawing::legend::warning)
 }

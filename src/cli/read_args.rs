@@ -3,7 +3,8 @@
 use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
-use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
+use halfline::frame::color_map::ColorMap;
+use halfline::read::style::{self, Coloring, Radii, Scale};
 use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
 use std::ffi::OsString;

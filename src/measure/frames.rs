@@ -71,6 +71,12 @@ impl FrameFile {
         }
     }
 
+    /// The array of a file with one buffer.
+    #[must_use]
+    pub fn into_array(mut self) -> Option<Array> {
+        self.buffers.pop().filter(|_| self.buffers.is_empty()).map(|buffer| buffer.array)
+    }
+
     /// Matches the buffers of two files: those of the same name, or those in `wanted`. If each file has a single
     /// buffer, they are matched whatever their names.
     ///

@@ -4,7 +4,7 @@ use crate::adapter::{gpu, gpu_or_skip};
 use crate::skip::skip;
 use crate::test_dir::{NO_ADAPTER, SCENE, TestDir, failure};
 use halfline::frame::Aov;
-use halfline::measure::{Array, ArrayValue};
+use halfline::measure::ArrayValue;
 use halfline::write::{npy, png};
 use serde_json::Value;
 
@@ -250,7 +250,7 @@ fn a_frame_may_be_one_pixel() {
     let dir = dir();
     for backend in backends() {
         dir.good(&["render", "scene.toml", "-o", "out.png", "--size", "1x1", "--backend", backend]);
-        assert_eq!(Array::read(&dir.path("out.png")).expect("a PNG").shape(), [1, 1, 3]);
+        assert_eq!(dir.array("out.png").1, [1, 1, 3]);
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::test_dir::{TestDir, failure};
 use halfline::frame::{Aov, Buffer, Data};
-use halfline::measure::Array;
+use halfline::measure::frames::FrameFile;
 use halfline::write::{npy, png};
 use serde_json::Value;
 
@@ -229,7 +229,7 @@ fn invalid_files_and_arguments_have_their_exit_codes() {
 
 /// Width, height and the levels of a picture of three panels.
 fn panels(bytes: &[u8]) -> (usize, usize, Vec<u8>) {
-    let array = Array::from_bytes(bytes, "diff.png").expect("a picture");
+    let array = FrameFile::from_bytes(bytes, "diff.png").expect("a picture").into_array().expect("one buffer");
     let levels = image::load_from_memory(bytes).expect("a picture").into_rgb8().into_raw();
     (array.shape()[1], array.shape()[0], levels)
 }

@@ -1,6 +1,7 @@
 //! The command line under test: a temporary folder to run it in, and the results of a run.
 
-use halfline::measure::{Array, ArrayValue};
+use halfline::measure::ArrayValue;
+use halfline::measure::frames::FrameFile;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -234,7 +235,8 @@ impl TestDir {
 
     /// The numbers of an array file, and its shape.
     pub(crate) fn array(&self, name: &str) -> (Vec<f64>, Vec<usize>) {
-        let array = Array::read(&self.path(name)).unwrap_or_else(|error| panic!("{error}"));
+        let file = FrameFile::read(&self.path(name)).unwrap_or_else(|error| panic!("{error}"));
+        let array = file.into_array().expect("one buffer");
         let values = (0..array.values().len()).filter_map(|k| array.values().get(k)).map(ArrayValue::to_f64).collect();
         (values, array.shape().to_vec())
     }

@@ -5,6 +5,7 @@ use crate::skip::skip;
 use halfline::error::Error;
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Buffer, Data, Frame};
+use halfline::measure::frames::FrameFile;
 use halfline::measure::{Array, Values};
 use halfline::report::Report;
 use halfline::settings::Settings;
@@ -17,6 +18,11 @@ use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 const SIZE: [usize; 2] = [5, 3];
+
+/// The array of a file with one buffer.
+fn array(bytes: &[u8], name: &str) -> Array {
+    FrameFile::from_bytes(bytes, name).expect("readable").into_array().expect("one buffer")
+}
 
 /// One buffer of every kind, with special values.
 fn buffers() -> Vec<Buffer> {
@@ -108,7 +114,7 @@ fn npy_has_version_1_the_documented_types_and_every_bit() {
             other => panic!("{} has {} values", buffer.aov, other.dtype()),
         };
         assert!(bytes == npy_file(dtype, &buffer.shape, data), "{}", buffer.aov);
-        let array = Array::from_bytes(&bytes, "memory").expect("halfline reads it");
+        let array = array(&bytes, "memory");
         assert_eq!(array.shape(), buffer.shape);
         match (&buffer.data, array.values()) {
             (Data::F32(written), Values::F32(read)) => {
@@ -164,7 +170,7 @@ fn foreign(header: &str, data: &[u8]) -> Vec<u8> {
 #[test]
 fn npy_of_other_programs_is_read() {
     let read = |header: &str, data: &[u8]| {
-        let array = Array::from_bytes(&foreign(header, data), "foreign").expect("readable");
+        let array = array(&foreign(header, data), "foreign");
         (array.shape().to_vec(), array.values().clone())
     };
     let columns = "{'descr': '>i2', 'fortran_order': True, 'shape': (2, 3), }\n";
@@ -208,7 +214,7 @@ fn a_malformed_file_is_refused_by_name() {
     cases.extend((0..whole.len()).step_by(7).map(|n| whole[..n].to_vec()));
     cases.extend((0..picture.len()).step_by(7).map(|n| picture[..n].to_vec()));
     for bytes in cases {
-        let error = Array::from_bytes(&bytes, "bad.file").expect_err("must not be read");
+        let error = FrameFile::from_bytes(&bytes, "bad.file").expect_err("must not be read");
         assert!(matches!(error, Error::Scene { .. }), "{error}");
         assert!(error.to_string().starts_with("bad.file: "), "{error}");
     }
@@ -218,7 +224,7 @@ fn a_malformed_file_is_refused_by_name() {
 fn png_keeps_every_level() {
     let levels: Vec<u8> =
         (0..256usize).flat_map(|level| [level, 255 - level, level * 7 % 256].map(|level| level as u8)).collect();
-    let array = Array::from_bytes(&png_of(&ramp()), "ramp.png").expect("readable");
+    let array = array(&png_of(&ramp()), "ramp.png");
     assert!(array.is_picture());
     assert_eq!(array.shape(), [8, 32, 3]);
     assert_eq!(*array.values(), Values::U8(levels.clone()));
@@ -270,7 +276,7 @@ fn png_of_any_colour_type_is_read() {
         let mut writer = encoder.write_header().expect("a header");
         writer.write_image_data(samples).expect("samples");
         writer.finish().expect("an end");
-        let array = Array::from_bytes(&bytes, "any.png").expect("readable");
+        let array = array(&bytes, "any.png");
         assert_eq!((array.shape(), array.values()), (shape, &values), "{color:?} {depth:?}");
     }
 }
@@ -319,7 +325,7 @@ fn a_target_writes_what_readers_read() {
     let path = folder.path().join("ramp.PNG");
     let target = Target::new(&[Aov::Color], &path, FormatOptions::default()).expect("a target");
     write_to(&target, &frame(&ramp())).expect("written");
-    let levels = |bytes: &[u8]| Array::from_bytes(bytes, "ramp").expect("readable").values().clone();
+    let levels = |bytes: &[u8]| array(bytes, "ramp").values().clone();
     assert_eq!(levels(&fs::read(&path).expect("there")), levels(&png_of(&ramp())));
 }
 

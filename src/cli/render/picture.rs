@@ -5,14 +5,15 @@ use crate::cli::bar::Bar;
 use crate::cli::scene_frames::Numbered;
 use crate::cli::{go_on, legend, note, say};
 use halfline::camera::CameraRecord;
+use halfline::drawing::{self, inset::Panels};
 use halfline::error::Result;
 use halfline::frame::Frame;
 use halfline::frame::provenance::Origin;
-use halfline::measure::plot::inset::Panels;
 use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
+use halfline::write::figure;
 use halfline::write::file::Target;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -157,7 +158,10 @@ impl Render {
 
     fn write_legend(&self, numbered: &Numbered) -> Result<()> {
         match (legend::file(&self.args, numbered.number)?, &numbered.legend) {
-            (Some(path), Some(legend)) => legend.write(&path),
+            (Some(path), Some(legend)) => {
+                let drawing = drawing::legend::draw(legend)?;
+                figure::write(&path, &drawing.svg, drawing.size, &drawing.levels)
+            }
             _ => Ok(()),
         }
     }

@@ -1,9 +1,10 @@
 //! Crops of the pictures at growing distance, one row per method, with wrong pixels marked.
 
 use super::axis::rounded;
-use super::canvas::{Drawing, MARGIN, WIDTH, drawing, frame, header, header_height, mark, text};
-use super::cells::Cells;
-use super::look::{Drawn, KINDS, QUIET, bold, centered, font, look};
+use super::canvas::{MARGIN, WIDTH, frame, header, header_height, mark};
+use super::look::{KINDS, QUIET, look};
+use crate::drawing::canvas::{Drawing, Drawn, bold, centered, drawing, font, text};
+use crate::drawing::cells::Cells;
 use crate::measure::record::{Crop, Record, Run};
 use crate::measure::total::{main_place, methods};
 use crate::measure::verdict::percent;

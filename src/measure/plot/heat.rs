@@ -1,9 +1,10 @@
 //! Maps of the errors over the image, one per method, on a common scale.
 
 use super::axis::{Unit, number, rounded};
-use super::canvas::{Area, Drawing, MARGIN, WIDTH, drawing, frame, header, header_height, shortened, text};
-use super::cells::Cells;
-use super::look::{Drawn, INK, QUIET, bold, centered, font};
+use super::canvas::{MARGIN, WIDTH, frame, header, header_height};
+use super::look::QUIET;
+use crate::drawing::canvas::{Area, Drawing, Drawn, INK, bold, centered, drawing, font, shortened, text};
+use crate::drawing::cells::Cells;
 use crate::measure::record::{Map, Record, Run};
 use crate::measure::total::main_place;
 use crate::measure::verdict::percent;

@@ -1,8 +1,9 @@
 //! Errors against distance over radius: a line per method along a ladder, only marks for other sets of scenes.
 
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawing, WIDTH, drawing, header, header_height, line, mark, text};
-use super::look::{Drawn, INK, Look, QUIET, font, lane, look, width};
+use super::canvas::{WIDTH, header, header_height, line, mark};
+use super::look::{Look, QUIET, lane, look, width};
+use crate::drawing::canvas::{Area, Drawing, Drawn, INK, drawing, font, text};
 use crate::measure::record::{Record, Run};
 use crate::measure::total::{main_place, methods};
 use crate::measure::verdict::is_ladder;

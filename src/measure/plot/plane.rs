@@ -1,8 +1,9 @@
 //! The plane of speed and error, and its Pareto front.
 
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawing, MARGIN, WIDTH, drawing, header, header_height, header_row, line, mark, text};
-use super::look::{Drawn, INK, Look, Mark, QUIET, font, lane, look, width};
+use super::canvas::{MARGIN, WIDTH, header, header_height, header_row, line, mark};
+use super::look::{Look, Mark, QUIET, lane, look, width};
+use crate::drawing::canvas::{Area, Drawing, Drawn, INK, drawing, font, text};
 use crate::measure::record::Record;
 use crate::measure::total::{Total, totals};
 use plotters::prelude::*;

@@ -1,18 +1,10 @@
 //! Colours in sRGB and in text.
 
 use crate::error::{Error, Result};
+use crate::frame::srgb::linear;
 use crate::quote::quote;
 use color_name::css::COLORS_DATA;
 use strsim::damerau_levenshtein;
-
-/// Converts 8-bit sRGB to linear RGB.
-pub(crate) fn linear(srgb: [u8; 3]) -> [f32; 3] {
-    srgb.map(|level| {
-        let x = f64::from(level) / 255.0;
-        // IEC 61966-2-1.
-        (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
-    })
-}
 
 /// Parses a colour: a CSS name such as `rebeccapurple`, in any case, or `#rgb` or `#rrggbb`, all in sRGB; or `r,g,b` in
 /// linear RGB. Names and hexadecimal digits have the meaning of <https://www.w3.org/TR/css-color-4/>; its other notations

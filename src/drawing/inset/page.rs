@@ -1,10 +1,9 @@
 //! The panels of a picture: their sizes and what is drawn on them.
 
+use crate::drawing::canvas::{plain, shortened};
+use crate::drawing::raster::{letters, letters_width};
 use crate::error::{Error, Result};
-use crate::measure::plot::canvas::{plain, shortened};
-use crate::measure::plot::legend::TICKS;
-use crate::measure::plot::raster::{letters, letters_width};
-use crate::read::style::{Category, Legend};
+use crate::frame::legend::{Category, Legend};
 use std::fmt::Write;
 use tiny_skia::{Color, FillRule, Paint, Pixmap, Rect, Transform};
 
@@ -146,7 +145,7 @@ impl Page {
                 fill(&mut pixels, [margin, y, right, y + 1.0], color);
             }
             for (tick, label) in ticks.iter().enumerate() {
-                let y = first + (long - 1.0) * tick as f32 / (TICKS - 1) as f32;
+                let y = first + (long - 1.0) * tick as f32 / (Legend::TICKS - 1) as f32;
                 fill(
                     &mut pixels,
                     [right, y.round(), right + margin / 2.0, y.round() + (size / 14.0).max(1.0).round()],
