@@ -5,10 +5,10 @@
 //! cargo run --release --example elements -- FILE...
 //! ```
 
-use halfline_files::read::Style;
+use halfline_files::ReadOptions;
 use halfline_files::read::style::Coloring;
 use halfline_files::read::style::elements::element;
-use halfline_files::read::{self, ReadOptions};
+use halfline_files::read::{SceneFrame, Style};
 use serde_json::json;
 use std::collections::HashMap;
 
@@ -26,11 +26,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let style = Style { coloring: Coloring::Element, radius: Some(1.0), ..Style::default() };
     let options = ReadOptions { style, ..ReadOptions::default() };
     for file in std::env::args().skip(1) {
-        let line = match read::scene(file.as_ref(), &options) {
-            Ok(scene) => {
+        let line = match halfline_files::read::scene(file.as_ref(), &options) {
+            Ok(SceneFrame { scene, skipped, .. }) => {
                 let colors = scene.spheres.colors.unwrap_or_default();
                 let found: Vec<_> = colors.iter().map(|color| symbols.get(&color.map(f32::to_bits))).collect();
-                let warnings = scene.skipped.warnings();
+                let warnings = skipped.warnings();
                 json!({ "file": file, "symbols": found, "positions": *scene.spheres.centers, "warnings": warnings })
             }
             Err(error) => json!({ "file": file, "error": error.to_string() }),

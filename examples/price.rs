@@ -9,7 +9,7 @@ mod cloud;
 
 use cloud::cloud;
 use halfline::{Accuracy, Aov, Backend, Renderer, Scene, Settings};
-use halfline_files::read::{self, ReadOptions};
+use halfline_files::read::ReadOptions;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -36,7 +36,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut scene = match name.strip_prefix("cloud:") {
             Some(count) => cloud(count.parse()?),
             // Viewing rays alone.
-            None => Scene { lighting: Default::default(), ..read::scene(name.as_ref(), &ReadOptions::default())? },
+            None => Scene {
+                lighting: Default::default(),
+                ..halfline_files::read::scene(name.as_ref(), &ReadOptions::default())?.scene
+            },
         };
         (scene.image.width, scene.image.height) = (side, side);
         let mut times = [Vec::new(), Vec::new()];

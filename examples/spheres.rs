@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let spheres = &frame.scene.spheres;
         let cell = frame.cell.map(|cell| json!({ "origin": cell.origin, "edges": cell.edges }));
         let range = frame.legend.map(|legend| legend.range);
-        let warnings = frame.scene.skipped.warnings();
+        let warnings = frame.skipped.warnings();
         let line = json!({
             "frame": frame.number, "centers": *spheres.centers, "radii": *spheres.radii, "colors": spheres.colors.as_deref(),
             "cell": cell, "range": range, "warnings": warnings, "time": frame.when.time, "step": frame.when.step,

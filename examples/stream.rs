@@ -93,7 +93,6 @@ fn row(file: &Path) -> Result<Row> {
         },
         image: ImagePlane { width: 1024, height: 1024, background: [0.0; 3] },
         spheres: Spheres::default(),
-        skipped: Default::default(),
         lighting: Default::default(),
     };
     let settings = settings();

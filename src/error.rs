@@ -173,6 +173,9 @@ impl fmt::Display for Place {
 }
 
 /// The element of `all` with this name.
+///
+/// # Errors
+/// [`Error::Settings`] with all names, if none is this.
 pub fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'static str) -> Result<T> {
     all.iter().copied().find(|x| of(*x) == name).ok_or_else(|| {
         let names: Vec<_> = all.iter().map(|x| of(*x)).collect();

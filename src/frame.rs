@@ -4,6 +4,8 @@
 mod aov;
 pub mod array;
 mod buffer;
+pub mod color_map;
+pub mod legend;
 pub mod provenance;
 pub mod report;
 pub mod srgb;

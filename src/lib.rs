@@ -28,12 +28,12 @@
 //! # Ten lines
 //!
 //! ```
-//! use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Skipped, Spheres};
+//! use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Spheres};
 //!
 //! let mut spheres = Spheres::default();
 //! spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
 //! let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
-//! let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+//! let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
 //! let settings = Settings { aovs: vec![Aov::Color, Aov::Depth], ..Settings::default() };
 //! let frame = halfline::render(&scene, &settings)?;
 //! assert_eq!(frame.ids()[32 * 64 + 32], 0, "the middle pixel shows sphere 0");
@@ -78,7 +78,7 @@ pub use progress::{Cancel, Progress, Step, Watch};
 pub use render::trace::{Hits, Occlusion, Rays, Tracer, trace};
 pub use render::{Renderer, explain, plan, render, trace};
 pub use scene::camera::{self, Camera, Lens, Look};
-pub use scene::{ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Sky, Spheres};
+pub use scene::{ImagePlane, Light, LightSource, Lighting, Scene, Sky, Spheres};
 pub use settings::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use shade::Shade;
 pub use view::ray;

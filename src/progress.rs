@@ -100,10 +100,10 @@ type Callback = dyn FnMut(Progress) + Send;
 ///
 /// ```
 /// use halfline::{Cancel, Error, Renderer, Settings, Watch};
-/// # use halfline::{Camera, ImagePlane, Scene, Skipped, Spheres};
+/// # use halfline::{Camera, ImagePlane, Scene, Spheres};
 /// # let image = ImagePlane { width: 8, height: 8, background: [0.0; 3] };
 /// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]].into(), radii: vec![1.0].into(), ..Spheres::default() };
-/// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+/// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
 /// let (cancel, settings) = (Cancel::default(), Settings::default());
 /// let watch = Watch::default()
 ///     .cancelled_by(&cancel)

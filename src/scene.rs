@@ -17,7 +17,6 @@ mod outlook;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
-use crate::quote::count;
 use camera::Camera;
 use glam::DVec3;
 
@@ -44,8 +43,6 @@ pub struct Scene {
     pub image: ImagePlane,
     /// The spheres.
     pub spheres: Spheres,
-    /// What the reader left out or assumed.
-    pub skipped: Skipped,
     /// What lights it.
     pub lighting: Lighting,
 }
@@ -243,59 +240,6 @@ pub(crate) fn point(p: DVec3) -> String {
     format!("({}, {}, {})", number(p.x), number(p.y), number(p.z))
 }
 
-/// What a reader left out, counted by kind in the order of first occurrence, and what it assumed.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Skipped {
-    /// Kind in the singular (`polygon`) and count.
-    pub kinds: Vec<(&'static str, u64)>,
-    /// Assumptions about what the file does not say, and choices among what it says: whole sentences, with the numbers.
-    pub assumed: Vec<String>,
-}
-
-impl Skipped {
-    /// Counts one more of `kind`.
-    pub fn add(&mut self, kind: &'static str) {
-        self.count(kind, 1);
-    }
-
-    /// Adds what another part left out.
-    pub fn append(&mut self, more: Self) {
-        more.kinds.into_iter().for_each(|(kind, n)| self.count(kind, n));
-        self.assumed.extend(more.assumed);
-    }
-
-    fn count(&mut self, kind: &'static str, more: u64) {
-        match self.kinds.iter_mut().find(|(known, _)| *known == kind) {
-            Some((_, n)) => *n += more,
-            None => self.kinds.push((kind, more)),
-        }
-    }
-
-    /// One warning per kind.
-    pub fn warnings(&self) -> Vec<String> {
-        self.kinds
-            .iter()
-            .map(|(kind, n)| format!("{} skipped: only spheres are rendered", count(*n, kind)))
-            .chain(self.assumed.iter().cloned())
-            .collect()
-    }
-
-    /// Counts one more of `kind`, or returns an error where it is `strict`.
-    pub fn meet(&mut self, kind: &'static str, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
-        if strict {
-            let mend = "remove it, or read without strict to skip it";
-            return Err(Error::scene(place(), format!("expected a sphere, found a {kind}"), mend));
-        }
-        self.add(kind);
-        Ok(())
-    }
-
-    /// The number of skipped items of all kinds.
-    pub fn total(&self) -> u64 {
-        self.kinds.iter().map(|(_, n)| n).sum()
-    }
-}
-
 impl Scene {
     /// Checks a scene made in memory as a reader checks a file: sizes, radii, finite numbers, the camera.
     ///
@@ -339,8 +283,8 @@ impl Scene {
 
     /// The camera and the image alone.
     pub(crate) fn bare(&self) -> Self {
-        let (spheres, skipped, lighting) = Default::default();
-        Self { camera: self.camera, image: self.image, spheres, skipped, lighting }
+        let (spheres, lighting) = Default::default();
+        Self { camera: self.camera, image: self.image, spheres, lighting }
     }
 
     /// A fingerprint of everything that determines the picture: equal for equal numbers, whatever their source. 32

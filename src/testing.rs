@@ -2,7 +2,7 @@
 
 use crate::camera::{Camera, Lens, Look};
 use crate::gpu::device;
-use crate::scene::{ImagePlane, Lighting, Scene, Skipped, Spheres};
+use crate::scene::{ImagePlane, Lighting, Scene, Spheres};
 use glam::DVec3;
 
 #[path = "../tests/common/skip.rs"]
@@ -45,7 +45,7 @@ pub(crate) fn weekend([width, height]: [u32; 2]) -> Scene {
         lens: Lens::Vfov { degrees: 20.0, distance: 1.0 },
     };
     let image = ImagePlane { width, height, background: [0.0; 3] };
-    Scene { camera, image, spheres, skipped: Skipped::default(), lighting: Lighting::default() }
+    Scene { camera, image, spheres, lighting: Lighting::default() }
 }
 
 /// SplitMix64: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014.

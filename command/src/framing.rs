@@ -145,7 +145,7 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, aside: [f64; 2
     }
     frame.scene.camera = camera;
     let notes = frame.marks.iter().flat_map(|mark| mark.notes.iter().cloned());
-    frame.scene.skipped.assumed.extend(notes.chain(warning));
+    frame.skipped.assumed.extend(notes.chain(warning));
     Ok(framing)
 }
 

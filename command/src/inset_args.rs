@@ -4,10 +4,10 @@ use super::file_args::FileArgs;
 use super::picture_scene::PictureScene;
 use clap::Args;
 use halfline::error::{Error, Result};
+use halfline::frame::legend::Legend;
+use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
 use halfline_files::read::SceneFrame;
-use halfline_files::read::style::Legend;
 use halfline_files::write::file::is_standard_output;
-use halfline_measure::plot::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -112,7 +112,8 @@ fn values(file: &Path, picture: &PictureScene) -> LabelValues {
         frame: picture.number,
         file: Some(name.to_string_lossy().into_owned()),
         count: picture.scene.spheres.len(),
-        when: picture.when,
+        time: picture.when.time,
+        step: picture.when.step,
     }
 }
 

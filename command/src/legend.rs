@@ -5,16 +5,16 @@ use super::names::{check_pattern, numbered};
 use super::picture_scene::PictureScene;
 use super::scene_args::SceneArgs;
 use halfline::error::{Error, Result};
+use halfline::frame::legend::Legend;
 use halfline_files::read::Hold;
-use halfline_files::read::style::Legend;
+use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
-use halfline_measure::plot::legend::DrawnLegend;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Checks the name of the legend's file before any work.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
     let Some(path) = &args.color.legend else { return Ok(()) };
-    DrawnLegend::check_file(path)?;
+    figure::check(path)?;
     if args.files.names()?.iter().any(|other| place(other) == place(path)) {
         return written_twice(path, "use another file for the legend");
     }
@@ -53,11 +53,7 @@ pub(super) fn warning(args: &SceneArgs, legend: Option<&Legend>) -> Option<Strin
     args.color
         .legend
         .as_deref()
-        .filter(|path| is_png(path))
+        .filter(|path| figure::is_png(path))
         .and(legend)
-        .and_then(|legend| DrawnLegend(legend).warning())
-}
-
-fn is_png(path: &Path) -> bool {
-    path.extension().is_some_and(|found| found.eq_ignore_ascii_case("png"))
+        .and_then(halfline_drawing::legend::warning)
 }

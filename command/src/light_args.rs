@@ -10,6 +10,7 @@ use halfline::frame::Aov;
 use halfline::scene::{Light, LightSource, MOST_BOUNCES, MOST_RAYS, Scene, Sky, Spheres};
 use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, Settings};
 use halfline::shade::Shade;
+use halfline_files::read::SceneFrame;
 
 /// The options for light.
 #[derive(Debug, Args)]
@@ -89,7 +90,7 @@ impl LightArgs {
     /// [`Error::Settings`] for a reach without a sky; the camera's.
     pub(super) fn apply(
         &self,
-        scene: &mut Scene,
+        SceneFrame { scene, skipped, .. }: &mut SceneFrame,
         aovs: &[Aov],
         request: LookRequest,
         lens: PictureLens,
@@ -111,7 +112,7 @@ impl LightArgs {
         light.apply(scene)?;
         if let Some(bounces) = light.idle_bounces(scene) {
             let what = "no sphere has a material that reflects or refracts light like a mirror or glass";
-            scene.skipped.assumed.push(format!("--bounces {bounces} changes nothing: {what}"));
+            skipped.assumed.push(format!("--bounces {bounces} changes nothing: {what}"));
         }
         if light.lacks_sky(scene, aovs) {
             let mend = "add --occlusion or --aov occlusion=FILE, or remove --reach";

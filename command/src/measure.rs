@@ -141,9 +141,9 @@ impl Measure {
             }
             (Some(Suite::Ladder), _) => Subject::ladder()?,
             (None, Some(path)) => {
-                let scene = read::scene(path, &ReadOptions { watch: watch(), ..ReadOptions::default() })?;
+                let read = read::scene(path, &ReadOptions { watch: watch(), ..ReadOptions::default() })?;
                 let name = path.file_name().unwrap_or(path.as_os_str());
-                Subject::scene(name.to_string_lossy(), scene)
+                Subject::scene(name.to_string_lossy(), read.scene, read.skipped.warnings())
             }
             (None, None) => return Err(Error::settings("there is nothing to measure", "use a scene or --suite")),
         };

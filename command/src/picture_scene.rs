@@ -1,16 +1,17 @@
 //! The scene of one picture, with all options applied.
 
 use super::light_args::PictureLook;
+use halfline::frame::legend::Legend;
 use halfline::render::stream::StreamIds;
 use halfline::scene::Scene;
-use halfline_files::read::FrameTime;
-use halfline_files::read::style::Legend;
+use halfline_files::read::{FrameTime, Skipped};
 
 /// A scene that is ready to render, and its number for file names.
 pub(super) struct PictureScene {
     /// The number of the frame or the turn, from 1.
     pub(super) number: u64,
     pub(super) scene: Scene,
+    pub(super) skipped: Skipped,
     pub(super) legend: Option<Legend>,
     pub(super) look: PictureLook,
     pub(super) when: FrameTime,

@@ -9,10 +9,11 @@ use super::standard::{print, print_json};
 use clap::builder::ArgPredicate;
 use clap::{Arg, Command};
 use halfline::error::{Error, Result};
-use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
+use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, wgsl};
 use halfline::frame::tone::Tone;
 use halfline::progress::Cancel;
 use halfline::quote::{count, number};
+use halfline::render::Renderer;
 use halfline::scene::{Sky, SkyColors};
 use std::fmt::{self, Display};
 
@@ -57,12 +58,14 @@ impl PlanArgs {
         let first = SceneFrames::open(&self.args, &settings, &Cancel::default())?.next_frame()?;
         let picture = first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;
-        let PictureScene { scene, look, framed, .. } = picture;
+        let PictureScene { scene, skipped, look, framed, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
         }
-        let explanation = explain(&scene, &settings)?;
+        let mut renderer = Renderer::new(&settings)?;
+        let mut explanation = renderer.explain(&scene, &settings)?;
+        skipped.report(&mut explanation.skipped, &mut explanation.warnings, renderer.passed_over().len());
         look.words().for_each(|words| note(format_args!("{words}")));
         warn(&explanation.warnings);
         match self.json {

@@ -5,8 +5,9 @@ use super::signals::watch;
 use super::values::{color, numbers, positive, wholes};
 use clap::Args;
 use halfline::error::{Error, Result};
+use halfline::frame::color_map::ColorMap;
 use halfline::scene::arrange::{Arrangement, Bead};
-use halfline_files::read::style::{ColorMap, Coloring, Radii, Scale};
+use halfline_files::read::style::{Coloring, Radii, Scale};
 use halfline_files::read::{
     Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style,
 };

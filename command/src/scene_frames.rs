@@ -120,10 +120,10 @@ impl<'a> SceneFrames<'a> {
             spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
         }
         // The light from above left belongs to the final camera.
-        let look = self.args.light.apply(&mut frame.scene, &self.args.files.buffers(), request, lens)?;
-        let SceneFrame { number, scene, legend, when, .. } = frame;
+        let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, lens)?;
+        let SceneFrame { number, scene, skipped, legend, when, .. } = frame;
         let framed = self.framed.clone();
-        let picture = PictureScene { number, scene, legend, look, when, framed, ids: None };
+        let picture = PictureScene { number, scene, skipped, legend, look, when, framed, ids: None };
         legend::check_content(self.args, &picture)?;
         Ok(Some(picture))
     }
@@ -264,7 +264,7 @@ pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut Scene
 }
 
 /// Applies copies, clip planes and outline.
-pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, cell, marks, .. }: &mut SceneFrame) -> Result<()> {
+pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, skipped, cell, marks, .. }: &mut SceneFrame) -> Result<()> {
     let (count, lights) = (scene.spheres.len(), SphereLights::of(scene));
     let arrangement = read.arrangement();
     arrangement.apply(&mut scene.spheres, cell.as_ref(), &watch())?;
@@ -273,7 +273,7 @@ pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, cell, marks, .. }: &m
     let clip = Arrangement { clip: arrangement.clip, ..Arrangement::default() };
     marks.iter_mut().try_for_each(|mark| clip.apply(&mut mark.spheres, None, &watch()))?;
     if count > 0 && scene.spheres.is_empty() {
-        scene.skipped.assumed.push(format!("--clip removes all {count} spheres of the file"));
+        skipped.assumed.push(format!("--clip removes all {count} spheres of the file"));
     }
     Ok(())
 }

@@ -103,7 +103,7 @@ impl Trace {
         }
         self.source.write_beams(&source)?;
 
-        let skipped = frame.scene.skipped;
+        let skipped = frame.skipped;
         let mut spheres = frame.scene.spheres;
         if !file.as_ref().is_some_and(HitFile::has_colors) {
             // Colours take memory and are not used.

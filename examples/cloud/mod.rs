@@ -1,7 +1,7 @@
 //! A scene of any size, for price.rs and benches/; benches/peers/run makes the same scene for other programs.
 
 use glam::DVec3;
-use halfline::{Camera, ImagePlane, Lens, Look, Scene, Skipped, Spheres};
+use halfline::{Camera, ImagePlane, Lens, Look, Scene, Spheres};
 
 /// Equal spheres uniform in a unit cube, 3 % of its volume, the whole cube in view.
 pub(crate) fn cloud(count: usize) -> Scene {
@@ -24,5 +24,5 @@ pub(crate) fn cloud(count: usize) -> Scene {
         up: DVec3::Y,
         lens: Lens::Vfov { degrees: 32.0, distance: 1.0 },
     };
-    Scene { camera, image: ImagePlane::default(), spheres, lighting: Default::default(), skipped: Skipped::default() }
+    Scene { camera, image: ImagePlane::default(), spheres, lighting: Default::default() }
 }

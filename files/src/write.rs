@@ -6,6 +6,7 @@ pub mod buffers;
 mod digest;
 mod encode;
 mod exr;
+pub mod figure;
 pub mod file;
 pub mod format;
 pub mod hits;

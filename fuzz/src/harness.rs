@@ -268,7 +268,7 @@ fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String
         );
         assert!(legend.range[0] <= legend.range[1], "{:?}", legend.range);
     }
-    let warnings = scene.skipped.warnings();
+    let warnings = shot.skipped.warnings();
     warnings.iter().for_each(|warning| check_words(warning));
     format!("{} {} {} {warnings:?}", shot.number, scene.fingerprint(), spheres.len())
 }

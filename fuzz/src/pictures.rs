@@ -5,7 +5,7 @@ use halfline::render::origin;
 use halfline::report::Report;
 use halfline::settings::Backend;
 use halfline::window::Window;
-use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Skipped, Spheres};
+use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Spheres};
 use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::file::Target;
 use halfline_files::write::format::FormatOptions;
@@ -51,8 +51,7 @@ static DESK: LazyLock<Desk> = LazyLock::new(|| {
     let mut spheres = Spheres::default();
     spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
     let image = ImagePlane { width: 6, height: 4, background: [0.0; 3] };
-    let scene =
-        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+    let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
     let tiles = |side: &str, window: Window| -> (Vec<PathBuf>, Vec<Report>) {
         let write = |(n, (ending, aovs)): (usize, &(&str, &[Aov]))| {
             let settings = settings(window, aovs);

@@ -2,21 +2,18 @@
 
 mod axis;
 mod canvas;
-mod cells;
 mod crops;
 pub mod growth;
 mod heat;
-pub mod inset;
 mod ladder;
-pub mod legend;
 mod look;
 mod plane;
-mod raster;
 
 use super::record::Record;
 use super::total::main_place;
 use halfline::error::{Error, Result};
-use halfline_files::write::file;
+use halfline_drawing::canvas::{Drawing, Drawn};
+use halfline_files::write::{file, png};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +36,7 @@ struct Kind {
     caption: &'static str,
     /// Whether the record has the necessary data.
     applies: fn(&Record) -> bool,
-    draw: fn(&Record) -> look::Drawn<canvas::Drawing>,
+    draw: fn(&Record) -> Drawn<Drawing>,
 }
 
 /// The list of plots, and the data that each one needs.
@@ -106,14 +103,19 @@ fn has_distances(record: &Record) -> bool {
 /// # Errors
 /// [`Error::Io`] at the plot's name if drawing fails.
 pub fn plots(record: &Record) -> Result<Vec<Plot>> {
-    let drawn = |kind: &Kind| {
-        let drawing = (kind.draw)(record).map_err(|error| Error::write(kind.name, io::Error::other(error)))?;
-        Ok(Plot { name: kind.name, caption: kind.caption, svg: drawing.svg, png: drawing.png })
-    };
+    let drawn = |kind: &Kind| Plot::of(kind.name, kind.caption, (kind.draw)(record));
     KINDS.iter().filter(|kind| (kind.applies)(record)).map(drawn).collect()
 }
 
 impl Plot {
+    /// The files of a drawing.
+    fn of(name: &'static str, caption: &'static str, drawn: Drawn<Drawing>) -> Result<Self> {
+        let failed = |error| Error::write(name, error);
+        let Drawing { svg, size, levels } = drawn.map_err(|error| failed(io::Error::other(error)))?;
+        let png = png::of_levels(size, &levels).map_err(failed)?;
+        Ok(Self { name, caption, svg, png })
+    }
+
     /// Writes `NAME.svg` and `NAME.png` into an existing folder.
     ///
     /// # Errors

@@ -116,7 +116,7 @@ pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dy
             refusal = entry.refusal.as_ref().map(ToString::to_string).or(refusal);
             record.runs.push(entry.finish(index));
         }
-        record.warnings.extend(first.skipped.warnings());
+        record.warnings.extend_from_slice(&case.warnings);
     }
     match refusal {
         Some(problem) if record.runs.iter().all(|run| run.refused.is_some()) => {

@@ -23,14 +23,16 @@ pub(super) enum SubjectKind {
 pub(super) struct SceneGroup {
     pub(super) name: String,
     pub(super) scenes: Vec<Scene>,
+    /// Those of its reader.
+    pub(super) warnings: Vec<String>,
 }
 
 impl Subject {
-    /// One scene, without its lights and its sky: they are the same for every method.
+    /// One scene, without its lights and its sky: they are the same for every method. `warnings` are those of its reader.
     #[must_use]
-    pub fn scene(name: impl Into<String>, scene: Scene) -> Self {
-        let (name, scene) = (name.into(), Scene { lighting: Default::default(), ..scene });
-        Self { cases: vec![SceneGroup { name: name.clone(), scenes: vec![scene] }], name, kind: SubjectKind::Scene }
+    pub fn scene(name: impl Into<String>, scene: Scene, warnings: Vec<String>) -> Self {
+        let (name, scenes) = (name.into(), vec![Scene { lighting: Default::default(), ..scene }]);
+        Self { cases: vec![SceneGroup { name: name.clone(), scenes, warnings }], name, kind: SubjectKind::Scene }
     }
 
     /// The families of extremes; `folder` contains the third-party data, if there is any.
@@ -39,7 +41,8 @@ impl Subject {
     /// Those of [`extremes::Family::scenes`].
     pub fn extremes(folder: Option<&Path>) -> Result<Self> {
         let case = |family: &extremes::Family| {
-            Ok(SceneGroup { name: family.name.into(), scenes: family.scenes(extremes::SEED, folder)? })
+            let scenes = family.scenes(extremes::SEED, folder)?;
+            Ok(SceneGroup { name: family.name.into(), scenes, warnings: Vec::new() })
         };
         let cases: Vec<_> = extremes::FAMILIES.iter().map(case).collect::<Result<_>>()?;
         Ok(Self { name: "suite extremes".into(), kind: SubjectKind::Extremes, cases })
@@ -50,7 +53,9 @@ impl Subject {
     /// # Errors
     /// Those of [`ladder::scene`].
     pub fn ladder() -> Result<Self> {
-        let case = |rung: f64| Ok(SceneGroup { name: ladder::name(rung), scenes: vec![ladder::scene(rung)?] });
+        let case = |rung: f64| {
+            Ok(SceneGroup { name: ladder::name(rung), scenes: vec![ladder::scene(rung)?], warnings: Vec::new() })
+        };
         let cases = ladder::RUNGS.into_iter().map(case).collect::<Result<_>>()?;
         Ok(Self { name: "suite ladder".into(), kind: SubjectKind::Ladder, cases })
     }

@@ -2,11 +2,12 @@
 
 use crate::scene::Scene;
 use halfline::error::{Error, Result};
+use halfline::frame::legend::Legend;
 use halfline::scene::ImagePlane;
-use halfline_files::read::style::Legend;
+
+use halfline_drawing::inset::{Corner, Insets as Exact, Label, LabelValues, Panels, ScaleBar};
+use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
-use halfline_measure::plot::inset::{Corner, Insets as Exact, Label, LabelValues, Panels, ScaleBar};
-use halfline_measure::plot::legend::DrawnLegend;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -37,7 +38,7 @@ impl Insets {
         };
         self.label()?;
         if let Some(path) = &self.legend_file {
-            DrawnLegend::check_file(path)?;
+            figure::check(path)?;
             check_writable(path)?;
         }
         if self.legend.is_some() || self.legend_file.is_some() {
@@ -63,7 +64,9 @@ impl Insets {
 
     /// Writes the file of the legend, if one is requested.
     pub(crate) fn write(&self, scene: &Scene) -> Result<()> {
-        self.legend_file.as_deref().map_or(Ok(()), |path| DrawnLegend(self.legend_of(scene)?).write(path))
+        let Some(path) = &self.legend_file else { return Ok(()) };
+        let drawing = halfline_drawing::legend::draw(self.legend_of(scene)?)?;
+        figure::write(path, &drawing.svg, drawing.size, &drawing.levels)
     }
 
     /// The shares of the width of this scene's picture that its legend takes at the left and the right.
@@ -82,8 +85,8 @@ impl Insets {
         if !self.is_given() {
             return Ok(None);
         }
-        let values =
-            LabelValues { frame: number, file: scene.file.clone(), count: exact.spheres.len(), when: scene.when() };
+        let (time, step) = scene.when();
+        let values = LabelValues { frame: number, file: scene.file.clone(), count: exact.spheres.len(), time, step };
         let insets = Exact {
             legend: self.shown(scene)?,
             label: self.label()?.map(|label| label.text(&values)).transpose()?,
@@ -94,10 +97,9 @@ impl Insets {
 
     /// What the panels and the file of the legend do not show as it is written, in whole sentences.
     pub(crate) fn warnings(&self, scene: &Scene, panels: Option<&Panels>) -> Vec<String> {
-        let is_png = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-        let of_file = self.legend_file.as_ref().filter(|path| is_png(path)).and(scene.legend.as_deref());
+        let of_file = self.legend_file.as_ref().filter(|path| figure::is_png(path)).and(scene.legend.as_deref());
         let mut all: Vec<String> = panels.and_then(Panels::warning).into_iter().collect();
-        all.extend(of_file.and_then(|legend| DrawnLegend(legend).warning()).filter(|words| !all.contains(words)));
+        all.extend(of_file.and_then(halfline_drawing::legend::warning).filter(|words| !all.contains(words)));
         all
     }
 }

@@ -39,7 +39,7 @@ pub(crate) fn measure(
     };
     let job = Job::default();
     let record = job.run(py, None, || {
-        let subject = Subject::scene("scene", scene.exact(camera, size)?);
+        let subject = Subject::scene("scene", scene.exact(camera, size)?, scene.skipped.warnings());
         run(&subject, &options, &job.watch(), &mut |_| {})
     })?;
     crate::reports::json(&record)

@@ -10,7 +10,7 @@ use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
 use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Search, Settings, Tolerance};
 use halfline::window::Window;
 use halfline::{Aov, Shade};
-use halfline_measure::plot::inset::Panels;
+use halfline_drawing::inset::Panels;
 use pyo3::prelude::*;
 
 /// How answers are computed.

@@ -67,7 +67,7 @@ impl Renderer {
             let outlined = picture.begin(scene)?;
             let scene = outlined.as_ref().unwrap_or(scene);
             let rendered = picture.render(scene, camera, scene.number, |exact| {
-                self.shared.with(&job, |renderer| renderer.render(exact, &settings))
+                self.shared.render(&job, exact, &settings, &scene.skipped)
             })?;
             picture.insets.write(scene)?;
             Ok(rendered)
@@ -101,8 +101,12 @@ impl Renderer {
         let job = Job::default();
         let plan = job.run(py, None, || {
             let outlined = picture.begin(scene)?;
-            let scene = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
-            self.shared.with(&job, |renderer| renderer.explain(&scene, &settings))
+            let exact = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
+            self.shared.with(&job, |renderer| {
+                let mut plan = renderer.explain(&exact, &settings)?;
+                scene.skipped.report(&mut plan.skipped, &mut plan.warnings, renderer.passed_over().len());
+                Ok(plan)
+            })
         })?;
         crate::reports::json(&plan)
     }

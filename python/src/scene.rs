@@ -5,13 +5,14 @@ use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
 use crate::work::{Job, begin};
 use halfline::camera::Aperture;
+use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, Framing, ImagePlane, check_color};
 use halfline::settings::FileLook;
 use halfline::{Camera as Exact, Error, Scene as ExactScene, Spheres};
-use halfline_files::read::style::Legend;
-use halfline_files::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame, Selection};
+use halfline_files::read::Skipped;
+use halfline_files::read::{Codes, ColumnValues, Columns, SceneFrame, Selection};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -21,6 +22,8 @@ use std::sync::Arc;
 #[pyclass(frozen)]
 pub(crate) struct Scene {
     scene: Arc<ExactScene>,
+    /// What its reader left out or assumed.
+    pub(crate) skipped: Skipped,
     /// The size of the lens of its file's camera; `None` for a pinhole.
     pub(crate) aperture: Option<Aperture>,
     /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
@@ -57,6 +60,7 @@ impl Scene {
         scene.spheres.share();
         Self {
             scene: Arc::new(scene),
+            skipped: frame.skipped,
             aperture: frame.aperture,
             held,
             look: frame.look,
@@ -77,6 +81,7 @@ impl Scene {
     fn with(&self, scene: ExactScene) -> Self {
         Self {
             scene: Arc::new(scene),
+            skipped: self.skipped.clone(),
             legend: self.legend.clone(),
             columns: Arc::clone(&self.columns),
             file: self.file.clone(),
@@ -110,8 +115,8 @@ impl Scene {
     }
 
     /// The time and the step.
-    pub(crate) fn when(&self) -> FrameTime {
-        FrameTime { time: self.time, step: self.step }
+    pub(crate) fn when(&self) -> (Option<f64>, Option<i64>) {
+        (self.time, self.step)
     }
 
     /// The spheres.
@@ -186,11 +191,11 @@ impl Scene {
             camera: Exact::CANONICAL,
             image: ImagePlane { background, ..ImagePlane::default() },
             spheres,
-            skipped: Default::default(),
             lighting: Default::default(),
         };
         Ok(Self {
             scene: Arc::new(scene),
+            skipped: Skipped::default(),
             aperture: None,
             held: false,
             is_molecule: false,
@@ -216,9 +221,9 @@ impl Scene {
         step: Option<i64>,
         cell: Option<([f64; 3], [[f64; 3]; 3])>,
     ) -> Self {
-        let mut scene = (*self.scene).clone();
-        scene.skipped.assumed.extend(warnings);
-        Self { number, time, step, cell, ..self.with(scene) }
+        let mut told = Self { number, time, step, cell, ..self.with((*self.scene).clone()) };
+        told.skipped.assumed.extend(warnings);
+        told
     }
 
     /// The names of the columns.
@@ -306,7 +311,7 @@ impl Scene {
     /// What the reader left out or assumed.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.scene.skipped.warnings()
+        self.skipped.warnings()
     }
 
     /// The camera for an image of this size.

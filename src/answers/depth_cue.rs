@@ -71,7 +71,6 @@ mod tests {
             image: ImagePlane::default(),
             spheres: Spheres::default(),
             lighting: Default::default(),
-            skipped: Default::default(),
         };
         spheres.iter().for_each(|(center, radius)| scene.spheres.push(*center, *radius, None));
         scene

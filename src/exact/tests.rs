@@ -4,8 +4,8 @@ mod parallel;
 mod secondary;
 
 use super::*;
+use crate::scene::ImagePlane;
 use crate::scene::camera::{Camera, Look};
-use crate::scene::{ImagePlane, Skipped};
 use crate::testing::Rng;
 
 type Ball = ([f64; 3], f64);
@@ -16,7 +16,7 @@ fn scene(camera: Camera, [width, height]: [u32; 2], balls: &[Ball]) -> Scene {
         spheres.push(*center, *radius, None);
     }
     let image = ImagePlane { width, height, ..ImagePlane::default() };
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 fn judge(camera: Camera, size: [u32; 2], balls: &[Ball]) -> Judge {

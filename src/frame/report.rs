@@ -24,7 +24,7 @@ pub struct Report {
     pub number: u64,
     /// Spheres in the scene.
     pub spheres: u64,
-    /// Objects of the scene file that are not spheres and were left out.
+    /// Objects of the scene file that are not spheres and were left out; 0 from a renderer, which knows no file.
     pub skipped: u64,
     /// Viewing rays: pixels of the window.
     pub rays: u64,

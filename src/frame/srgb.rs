@@ -1,4 +1,4 @@
-//! The sRGB transfer function of IEC 61966-2-1, from linear light to levels.
+//! The sRGB transfer function of IEC 61966-2-1, from linear light to levels and back.
 
 use rayon::prelude::*;
 use std::sync::LazyLock;
@@ -19,6 +19,16 @@ pub fn levels(linear: &[f32]) -> Vec<u8> {
         }
     });
     levels
+}
+
+/// Converts 8-bit sRGB to linear RGB.
+#[must_use]
+pub fn linear(srgb: [u8; 3]) -> [f32; 3] {
+    srgb.map(|level| {
+        let x = f64::from(level) / 255.0;
+        // IEC 61966-2-1.
+        (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
+    })
 }
 
 /// The 16-bit sRGB level of a linear component: as [`level`] with 65535 for 255.

@@ -46,7 +46,7 @@ mod tests {
     use crate::intersect::Method;
     use crate::kernel::{Generals, Sharing};
     use crate::scene::camera::Camera;
-    use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+    use crate::scene::{ImagePlane, Scene, Spheres};
     use crate::shade::Shade;
     use crate::testing::{Rng, adapter_or_skip};
     use crate::view::View;
@@ -77,7 +77,7 @@ mod tests {
             }
         }
         let image = ImagePlane { width: 131, height: 74, background: [0.1, 0.2, 0.3] };
-        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
+        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() }
     }
 
     fn same_bits(a: &Raw, b: &Raw, what: &str) {

@@ -206,8 +206,7 @@ mod tests {
             let lens = Lens::Vfov { degrees, distance: 1.0 };
             let camera = Camera { eye: [0.01, 0.02, 0.03].into(), lens, ..Camera::CANONICAL };
             let image = ImagePlane { width: 512, height: 512, background: [0.0; 3] };
-            let (skipped, lighting) = Default::default();
-            let scene = Scene { camera, image, spheres, skipped, lighting };
+            let scene = Scene { camera, image, spheres, lighting: Default::default() };
             let settings = Settings { accuracy: Accuracy::Certified, ..Settings::default() };
             let plan = Plan::new(&scene, &settings, &mut |_| true).expect("a plan");
             let window = settings.window_of(&scene).expect("a window");

@@ -104,7 +104,7 @@ impl Renderer {
             version: 1,
             halfline: env!("CARGO_PKG_VERSION"),
             spheres: scene.spheres.len() as u64,
-            skipped: scene.skipped.total(),
+            skipped: 0,
             size: [scene.image.width, scene.image.height],
             camera: CameraRecord::new(&scene.camera, [scene.image.width, scene.image.height], settings.aperture)?,
             window: [window.x0, window.y0, window.x1, window.y1],

@@ -187,7 +187,6 @@ impl Renderer {
             version: 1,
             halfline: env!("CARGO_PKG_VERSION"),
             spheres: scene.spheres.len() as u64,
-            skipped: scene.skipped.total(),
             adapter: self.adapter().to_owned(),
             driver: self.driver(),
             backend: if self.is_gpu() { "gpu" } else { "cpu" },
@@ -302,13 +301,7 @@ mod tests {
         let mut spheres = Spheres::default();
         spheres.push([0.0, 0.0, -3.0], 1.0, None);
         let image = ImagePlane { width: 16, height: 16, background: [0.0; 3] };
-        let scene = Scene {
-            camera: Camera::CANONICAL,
-            image,
-            spheres,
-            lighting: Default::default(),
-            skipped: Default::default(),
-        };
+        let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
         let gpu = Settings { backend: Backend::Gpu, aovs: vec![Aov::Id], ..Settings::default() };
         let mut renderer = Renderer::new(&gpu).expect("an adapter; tests/run installs and pins one");
         assert_eq!(renderer.render(&scene, &gpu).expect("a frame").report.backend, "gpu");

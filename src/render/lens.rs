@@ -99,7 +99,6 @@ mod tests {
             },
             image: ImagePlane { width: 41, height: 27, background: [0.0; 3] },
             spheres,
-            skipped: Default::default(),
             lighting: Default::default(),
         }
     }

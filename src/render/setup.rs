@@ -77,8 +77,8 @@ impl FrameSetup {
     /// The warnings that are known before a ray is traced.
     pub(crate) fn warnings(&self, scene: &Scene, settings: &Settings, predicted: Option<Prediction>) -> Vec<String> {
         let plan = &self.plan;
-        let mut warnings = scene.skipped.warnings();
-        warnings.extend(predicted.and_then(|predicted| predicted.warning(plan.kernel.method)));
+        let warning = predicted.and_then(|predicted| predicted.warning(plan.kernel.method));
+        let mut warnings: Vec<String> = warning.into_iter().collect();
         if scene.spheres.is_empty() {
             warnings.push("the scene has 0 spheres, so every pixel is background".into());
         }

@@ -316,7 +316,7 @@ fn ball(spheres: &Spheres, about: Option<DVec3>) -> Spheres {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{ImagePlane, Skipped};
+    use crate::scene::ImagePlane;
     use crate::{Camera, Scene};
 
     /// Every sphere is inside of all four planes, and the tighter pair of planes is touched, for every position and
@@ -341,7 +341,7 @@ mod tests {
             let camera =
                 Camera { eye: DVec3::ZERO, look: Look::View(view), up: DVec3::new(random(), random(), 1.0), lens };
             let image = ImagePlane { width: 1 + case as u32 * 7, height: 100, background: [0.0; 3] };
-            let mut scene = Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+            let mut scene = Scene { camera, image, spheres, lighting: Default::default() };
             scene.fit(&Framing { margin: 0.0, ..Framing::default() }).expect("framed");
             let (basis, v) =
                 (scene.camera.basis().expect("a basis"), scene.camera.viewport(image.width, 100).expect("one"));
@@ -369,7 +369,7 @@ mod tests {
         spheres.push([4.0, 2.0, 3.0], 0.5, None);
         let camera = Camera { lens: Lens::Orthographic { height: 1.0 }, ..Camera::CANONICAL };
         let image = ImagePlane { width: 200, height: 100, background: [0.0; 3] };
-        let mut scene = Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+        let mut scene = Scene { camera, image, spheres, lighting: Default::default() };
         scene.fit(&Framing { margin: 0.0, ..Framing::default() }).expect("framed");
         let Lens::Orthographic { height } = scene.camera.lens else { panic!("still parallel") };
         // From 0 to 4.5 across, half as high; from 1 to 3 down is less.

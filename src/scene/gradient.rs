@@ -114,7 +114,7 @@ impl SkyLight {
 mod tests {
     use super::*;
     use crate::scene::camera::Camera;
-    use crate::scene::{ImagePlane, Lighting, Skipped, Sky, Spheres};
+    use crate::scene::{ImagePlane, Lighting, Sky, Spheres};
 
     fn gradient(up: DVec3) -> Gradient {
         let colors = SkyColors { zenith: [0.0, 0.25, 1.0], horizon: [1.0, 0.5, 0.5], is_shown: true };
@@ -123,7 +123,6 @@ mod tests {
             camera: Camera { up, ..Camera::CANONICAL },
             image: ImagePlane::default(),
             spheres: Spheres::default(),
-            skipped: Skipped::default(),
             lighting: Lighting { sky, ..Lighting::default() },
         };
         Gradient::of(&scene).expect("colours")

@@ -191,14 +191,13 @@ fn bounces_at_all(scene: &Scene) -> bool {
 mod tests {
     use super::*;
     use crate::scene::camera::Camera;
-    use crate::scene::{ImagePlane, Skipped, Spheres};
+    use crate::scene::{ImagePlane, Spheres};
 
     fn scene(sky: Option<Sky>) -> Scene {
         Scene {
             camera: Camera::CANONICAL,
             image: ImagePlane::default(),
             spheres: Spheres::default(),
-            skipped: Skipped::default(),
             lighting: Lighting { sky, ..Lighting::default() },
         }
     }

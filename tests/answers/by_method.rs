@@ -5,7 +5,7 @@ use crate::rng::Rng;
 use halfline::camera::Camera;
 use halfline::error::Error;
 use halfline::intersect::Method;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 
 fn cloud(random: &mut Rng, count: usize) -> Spheres {
@@ -68,7 +68,7 @@ fn a_search_that_does_not_apply_is_refused() {
     let nothing = trace(&Spheres::default(), &Settings { method: Some(Method::Stable), ..Settings::default() });
     let nothing = nothing.expect("nothing to hit");
     assert_eq!((nothing.id, nothing.search), (vec![-1], Search::All));
-    let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting, skipped: Skipped::default() };
+    let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting };
     let error = cpu().render(&scene, &tree).expect_err("viewing rays have tiles");
     assert!(matches!(&error, Error::Settings { .. }) && error.to_string().contains("tiles"), "{error}");
 }

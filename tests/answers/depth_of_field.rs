@@ -12,7 +12,7 @@ use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::render::Renderer;
 use halfline::render::stream::Stream;
-use halfline::scene::{ImagePlane, Scene, Skipped, Sky, Spheres};
+use halfline::scene::{ImagePlane, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Settings};
 use halfline::shade::Shade;
 use halfline::window::Window;
@@ -43,7 +43,6 @@ fn scene() -> Scene {
         },
         image: ImagePlane { width, height, background: [0.0; 3] },
         spheres,
-        skipped: Skipped::default(),
         lighting: Default::default(),
     }
 }
@@ -169,7 +168,7 @@ fn a_small_sphere_is_a_disc_of_blur_of_the_expected_size() {
         spheres.push([0.0, 0.0, -depth], 0.01 * depth, None);
         let camera = Camera { lens: Lens::Viewport { vw: 1.0, vh: 1.0, distance: 1.0 }, ..Camera::CANONICAL };
         let image = ImagePlane { width: 101, height: 101, background: [0.0; 3] };
-        let scene = Scene { camera, image, spheres, skipped: Skipped::default(), lighting: Default::default() };
+        let scene = Scene { camera, image, spheres, lighting: Default::default() };
         let frame = render(&mut cpu(), &scene, &Settings { samples: 400, ..settings(&[Aov::Alpha]) });
         let alpha = frame.f32(Aov::Alpha).expect("coverage");
         let columns = (0..101).filter(|x| (0..101).any(|y| alpha[y * 101 + x] > 0.0)).count() as f64;

@@ -328,7 +328,6 @@ fn a_frame_of_unsure_pixels_is_settled_completely() {
         image: halfline::scene::ImagePlane { width: 128, height: 96, background: [0.0; 3] },
         spheres,
         lighting: Default::default(),
-        skipped: Default::default(),
     };
     let exact = exact(&scene);
     let shown: std::collections::BTreeSet<_> = exact.ids().iter().collect();
@@ -373,7 +372,6 @@ fn the_longest_frames_are_exact() {
             image: halfline::scene::ImagePlane { width, height, background: [0.0; 3] },
             spheres,
             lighting: Default::default(),
-            skipped: Default::default(),
         };
         let exact = exact(&scene);
         let (score, faulty) = judge(&format!("{width} x {height}"), &scene, &exact, 1e-5, &mut renderers);

@@ -11,7 +11,7 @@
 use crate::adapter::renderers;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::Aov;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings};
 use serde::Deserialize;
 
@@ -58,7 +58,6 @@ impl Case {
             image: ImagePlane { width: self.size[0], height: self.size[1], ..ImagePlane::default() },
             spheres,
             lighting: Default::default(),
-            skipped: Skipped::default(),
         }
     }
 

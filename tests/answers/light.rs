@@ -11,7 +11,7 @@ use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::explain::explain;
 use halfline::frame::{Aov, Frame};
-use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Material, Scene, Skipped, Sky, Spheres};
+use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Material, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Backend, Settings};
 use halfline::window::Window;
 
@@ -31,7 +31,7 @@ const STRAIGHT: Camera = Camera::CANONICAL;
 
 fn scene(camera: Camera, [width, height]: [u32; 2], spheres: Spheres) -> Scene {
     let image = ImagePlane { width, height, background: BACKGROUND };
-    Scene { camera, image, spheres, skipped: Skipped::default(), lighting: Lighting::default() }
+    Scene { camera, image, spheres, lighting: Lighting::default() }
 }
 
 fn looking(eye: [f64; 3], at: [f64; 3], degrees: f64) -> Camera {

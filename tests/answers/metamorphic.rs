@@ -10,7 +10,7 @@ use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Frame};
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings};
 
 /// Coordinates are whole multiples of this, so that sums with offsets up to 2^32 are exact.
@@ -40,7 +40,7 @@ fn base() -> Scene {
         lens: Lens::Viewport { vw: 2.5, vh: 1.75, distance: 1.0 },
     };
     let image = ImagePlane { width: 64, height: 48, background: [0.0; 3] };
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 /// The scene with `map` applied to every point and every length times `scale`.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 
 /// The spheres seen from `eye` toward `at`, with a tilted `up`, no lights, and an image of width and height `size`.
 pub(crate) fn scene([width, height]: [u32; 2], eye: [f64; 3], at: [f64; 3], lens: Lens, spheres: Spheres) -> Scene {
@@ -11,7 +11,6 @@ pub(crate) fn scene([width, height]: [u32; 2], eye: [f64; 3], at: [f64; 3], lens
         image: ImagePlane { width, height, background: [0.1, 0.2, 0.3] },
         spheres,
         lighting: Default::default(),
-        skipped: Skipped::default(),
     }
 }
 

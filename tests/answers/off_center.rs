@@ -13,7 +13,7 @@ use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::progress::Watch;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::window::Window;
 use halfline_measure::run::{Options, Subject, measure};
@@ -36,7 +36,6 @@ fn scene(lens: Lens, [width, height]: [u32; 2]) -> Scene {
         },
         image: ImagePlane { width, height, background: [0.1, 0.2, 0.3] },
         spheres,
-        skipped: Skipped::default(),
         lighting: Default::default(),
     }
 }
@@ -237,7 +236,7 @@ fn the_record_of_a_camera_tells_its_principal_point() {
         assert_eq!(again, record, "its rays are the same again");
     }
     let options = Options { backend: Backend::Cpu, ..Options::default() };
-    let subject = Subject::scene("off-centre", scene(intrinsics([30.0, 20.5]), SIZE));
+    let subject = Subject::scene("off-centre", scene(intrinsics([30.0, 20.5]), SIZE), Vec::new());
     let error = measure(&subject, &options, &Watch::default(), &mut |_| {});
     assert!(error.map(drop).expect_err("its clearance is another").to_string().contains("principal point"));
     for bad in [[f64::NAN, 1.0], [1.0, f64::INFINITY], [1e9, 0.0]] {

@@ -18,7 +18,7 @@ use halfline::intersect::Method;
 use halfline::predict::Prediction;
 use halfline::progress::Watch;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Search, Settings, Tolerance};
 use halfline_measure::run::{Options, Subject, measure};
 
@@ -35,7 +35,6 @@ fn scene(eye: DVec3, height: f64, spheres: Spheres) -> Scene {
         },
         image: ImagePlane { width: 97, height: 61, background: [0.1, 0.2, 0.3] },
         spheres,
-        skipped: Skipped::default(),
         lighting: Default::default(),
     }
 }
@@ -210,7 +209,7 @@ fn a_sphere_ahead_has_its_closed_form() {
     spheres.push([0.0, 0.0, -7.0], 5.0, None);
     let camera = Camera { lens: Lens::Orthographic { height: 12.0 }, ..Camera::CANONICAL };
     let image = ImagePlane { width: 12, height: 12, background: [0.0; 3] };
-    let scene = Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+    let scene = Scene { camera, image, spheres, lighting: Default::default() };
     let judge = Judge::new(&scene).expect("a scene");
     let certified = frame(&mut cpu(), &scene, Accuracy::Certified);
     let (distance, position) = (
@@ -329,5 +328,5 @@ fn uncertified_methods_are_refused_and_fast_reports_certified() {
     };
     refused(Prediction::of(&scene, Method::Stable).map(drop));
     let options = Options { backend: halfline::settings::Backend::Cpu, ..Options::default() };
-    refused(measure(&Subject::scene("a cloud", scene), &options, &Watch::default(), &mut |_| {}).map(drop));
+    refused(measure(&Subject::scene("a cloud", scene, Vec::new()), &options, &Watch::default(), &mut |_| {}).map(drop));
 }

@@ -17,9 +17,9 @@ use halfline::frame::Aov;
 use halfline::intersect::Method;
 use halfline::predict::Prediction;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::Settings;
-use halfline_files::read::{self, ReadOptions};
+use halfline_files::read::ReadOptions;
 use halfline_measure::score::Truths;
 use halfline_measure::suite::extremes::FAMILIES;
 use std::path::Path;
@@ -119,8 +119,7 @@ fn atoms() -> Scene {
         lens: Lens::Vfov { degrees: 40.0, distance: 1.0 },
     };
     let image = ImagePlane { width: 96, height: 72, background: [0.0; 3] };
-    let mut scene =
-        Scene { camera, image, spheres: Spheres::default(), lighting: Default::default(), skipped: Skipped::default() };
+    let mut scene = Scene { camera, image, spheres: Spheres::default(), lighting: Default::default() };
     let mut random = Rng::new(SEED);
     for _ in 0..600 {
         let pixel = [(72.0 * random.unit()) as u32, (96.0 * random.unit()) as u32];
@@ -225,7 +224,7 @@ fn errors_of_ordinary_scenes_come_within_a_hundredth_of_the_prediction() {
         path
     });
     for path in [weekend].into_iter().chain(balls) {
-        let mut scene = read::scene(&path, &ReadOptions::default()).expect("a scene");
+        let mut scene = halfline_files::read::scene(&path, &ReadOptions::default()).expect("a scene").scene;
         // Fewer rays where there are many spheres.
         (scene.image.width, scene.image.height) = match scene.spheres.len() {
             0..1000 => (128, 96),

@@ -12,7 +12,7 @@ use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Light, LightSource, Scene, Skipped, Sky, Spheres};
+use halfline::scene::{ImagePlane, Light, LightSource, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::shade::Shade;
 use halfline::window::Window;
@@ -127,8 +127,7 @@ fn alpha_converges_to_the_covered_area() {
     let mut spheres = Spheres::default();
     spheres.push([0.0, 0.0, -3.0], 1.0, None);
     let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
-    let scene =
-        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
+    let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
     let radius = 64.0 / f64::sqrt(8.0);
     let place = |n: usize| n as f64 - 32.0;
     let exact: Vec<f64> = (0..4096).map(|k| covered(place(k % 64), place(k / 64), radius)).collect();

@@ -11,7 +11,7 @@ use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings};
 
 /// Spheres of radius 1 in a cube of half side 4, which fill the image from `distance` along (1, 2, 3).
@@ -31,7 +31,6 @@ fn cluster(distance: f64) -> Scene {
         },
         image: ImagePlane { width: 160, height: 120, background: [0.0; 3] },
         spheres,
-        skipped: Skipped::default(),
         lighting: Default::default(),
     }
 }

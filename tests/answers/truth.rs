@@ -8,7 +8,7 @@ use crate::bits::Bits as _;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::exact::{Judge, Root, Toward, Truth, judge_ray};
 use halfline::frame::Aov;
-use halfline::scene::{ImagePlane, Light, LightSource, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Light, LightSource, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings};
 use serde::Deserialize;
 
@@ -106,7 +106,6 @@ impl Case {
             image: ImagePlane { width: self.size[0], height: self.size[1], ..ImagePlane::default() },
             spheres,
             lighting: Default::default(),
-            skipped: Skipped::default(),
         }
     }
 }

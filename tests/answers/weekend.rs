@@ -7,6 +7,6 @@ use std::path::Path;
 /// `scenes/weekend.toml` without its light and its sky, which take rays of their own.
 pub(crate) fn weekend() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let scene = read::scene(&path, &ReadOptions::default()).expect("weekend");
+    let scene = read::scene(&path, &ReadOptions::default()).expect("weekend").scene;
     Scene { lighting: Default::default(), ..scene }
 }

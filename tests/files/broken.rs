@@ -5,7 +5,7 @@ use crate::numpy::{little, npy, npy_of};
 use crate::rng::Rng;
 use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, read, read_spheres};
 use halfline::error::Error;
-use halfline_files::read::{self, ReadOptions};
+use halfline_files::read::ReadOptions;
 use std::time::{Duration, Instant};
 
 #[test]
@@ -288,8 +288,8 @@ fn a_damaged_file_is_read_or_refused() {
             let mut bytes = good.to_vec();
             (0..=rng.below(3)).for_each(|_| damage(&mut bytes, good, &mut rng));
             std::fs::write(folder.path().join(name), &bytes).expect("a temporary file");
-            match read::scene(&folder.path().join(scene), &ReadOptions::default()) {
-                Ok(scene) => scene.check().unwrap_or_else(|e| panic!("{name} {round}: read, but {e}: {bytes:?}")),
+            match halfline_files::read::scene(&folder.path().join(scene), &ReadOptions::default()) {
+                Ok(frame) => frame.scene.check().unwrap_or_else(|e| panic!("{name} {round}: read, but {e}: {bytes:?}")),
                 Err(Error::Scene { .. } | Error::Io { .. }) => refused += 1,
                 Err(other) => panic!("{name} {round}: {other}: {bytes:?}"),
             }

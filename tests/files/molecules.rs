@@ -5,12 +5,17 @@
 
 use crate::data::real_or_skip;
 use halfline::scene::Scene;
+use halfline_files::read::SceneFrame;
 use halfline_files::read::style::{Coloring, Scale, Style, elements};
-use halfline_files::read::{self, Altloc, ReadOptions, Sequence};
+use halfline_files::read::{Altloc, ReadOptions, Sequence};
 use std::path::Path;
 
 fn read(path: &Path, options: &ReadOptions) -> Scene {
-    read::scene(path, options).unwrap_or_else(|error| panic!("{error}"))
+    read_frame(path, options).scene
+}
+
+fn read_frame(path: &Path, options: &ReadOptions) -> SceneFrame {
+    halfline_files::read::scene(path, options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The number of spheres with the van der Waals radius of an element, which differs among those that are counted.
@@ -161,14 +166,14 @@ fn assemblies_are_those_that_gemmi_makes() {
         let ids = ASSEMBLIES.iter().filter(|assembly| assembly.file == name).count();
         let missing = (ids + 1).to_string();
         let refused = |options: ReadOptions, words: &[&str]| {
-            let error = read::scene(&path, &options).expect_err("it is missing").to_string();
+            let error = halfline_files::read::scene(&path, &options).expect_err("it is missing").to_string();
             assert!(words.iter().all(|word| error.contains(word)), "{name}: {error}");
         };
         refused(ReadOptions { assembly: Some(missing), ..ReadOptions::default() }, &["the file has 1"]);
         refused(ReadOptions { model: Some(2), ..ReadOptions::default() }, &["no model 2", "the file has 1"]);
         let copies = ASSEMBLIES.iter().find(|assembly| assembly.file == name).map_or(1, |assembly| assembly.copies);
         let offer = format!("{copies} copies; use --assembly 1");
-        let warnings = unit.skipped.warnings();
+        let warnings = read_frame(&path, &ReadOptions::default()).skipped.warnings();
         assert!(copies == 1 || warnings.iter().any(|warning| warning.contains(&offer)), "{name}: {warnings:?}");
     }
 }
@@ -189,8 +194,8 @@ fn files_of_other_programs_have_their_particles() {
     ];
     for (name, path) in real_or_skip(&FILES.map(|(name, _)| name)) {
         let (_, particles) = FILES.into_iter().find(|file| file.0 == name).expect("one of them");
-        let scene = read(&path, &ReadOptions::default());
-        assert_eq!(scene.spheres.len(), particles, "{name}: {:?}", scene.skipped);
+        let SceneFrame { scene, skipped, .. } = read_frame(&path, &ReadOptions::default());
+        assert_eq!(scene.spheres.len(), particles, "{name}: {skipped:?}");
         scene.check().expect("a scene that can be rendered");
     }
 }

@@ -2,14 +2,16 @@
 
 use crate::data::{self, real_or_skip};
 use crate::nff;
-use crate::numpy::{little, npy_of};
-use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, read, read_spheres, read_with, strict};
+use crate::scenes::{
+    CAMERA, CSV, NFF, TOML, assert_refused, folder, little, npy_of, read, read_frame, read_spheres, read_with, strict,
+};
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::Error;
 use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Material, Scene, Sky, SkyColors};
 use halfline::settings::{FileLook, Look as PictureLook};
-use halfline_files::read::{self, ReadOptions, Sequence};
+use halfline_files::read::SceneFrame;
+use halfline_files::read::{ReadOptions, Sequence};
 use std::io::{Cursor, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -30,7 +32,8 @@ fn the_same_scene_in_toml_and_nff_has_its_exact_values() {
         ("s", crlf(NFF)),
     ];
     for (name, content) in files {
-        let scene = read(name, &content).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let found = read_frame(name, content.as_bytes(), &ReadOptions::default());
+        let SceneFrame { scene, skipped, .. } = found.unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(scene.camera.eye, DVec3::new(0.0, 0.0, 5.5), "{name}");
         assert_eq!((scene.camera.look, scene.camera.up), (Look::At(DVec3::ZERO), DVec3::Y), "{name}");
         let nff = content.contains("hither");
@@ -42,7 +45,7 @@ fn the_same_scene_in_toml_and_nff_has_its_exact_values() {
         assert_eq!(scene.spheres.radii, [1.0, 2.5], "{name}");
         assert_eq!(scene.spheres.colors, Some(vec![DEFAULT_COLOR, [1.0, 0.5, 0.0]].into()), "{name}");
         let kinds = [("polygon", 1), ("cone", 2), ("polygonal patch", 1)];
-        assert_eq!(scene.skipped.kinds, if nff { kinds.to_vec() } else { Vec::new() }, "{name}");
+        assert_eq!(skipped.kinds, if nff { kinds.to_vec() } else { Vec::new() }, "{name}");
         scene.check().expect("a scene that can be rendered");
     }
 }
@@ -103,11 +106,11 @@ fn ids_begin_with_inline_spheres_and_files_are_found_beside_the_scene() {
     let b = npy_of("<f8", "False", "(1, 4)", &little(&[3.0, 3.0, 3.0, 3.0]));
     let folder = folder(&[("s.toml", scene.as_bytes()), ("a.csv", b"x,y,z,radius\n1,1,1,1\n2,2,2,2"), ("b.npy", &b)]);
     let path = folder.path().join("s.toml");
-    let scene = read::scene(&path, &strict()).expect("three kinds of spheres");
+    let scene = halfline_files::read::scene(&path, &strict()).expect("three kinds of spheres").scene;
     assert_eq!(scene.spheres.radii, [9.0, 1.0, 2.0, 3.0]);
     assert_eq!(scene.spheres.colors, None);
     std::fs::remove_file(folder.path().join("b.npy")).expect("removed");
-    match read::scene(&path, &ReadOptions::default()) {
+    match halfline_files::read::scene(&path, &ReadOptions::default()) {
         Err(Error::Io { path, .. }) => assert_eq!(path, folder.path().join("b.npy")),
         other => panic!("a missing file is an Io error: {other:?}"),
     }
@@ -117,11 +120,12 @@ fn ids_begin_with_inline_spheres_and_files_are_found_beside_the_scene() {
 fn a_file_of_spheres_alone_is_framed() {
     let npy = npy_of("<f8", "False", "(2, 4)", &little(&[0.0, 1.0, -1e-3, 1.0, 0.1, 2.0, 3.0, 2.5]));
     for (name, content) in [("s.csv", CSV.as_bytes()), ("s", CSV.as_bytes()), ("s.npy", &npy), ("s", &npy)] {
-        let scene = read(name, content).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let found = read_frame(name, content, &ReadOptions::default());
+        let SceneFrame { scene, skipped, .. } = found.unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(scene.spheres.centers, [[0.0, 1.0, -1e-3], [0.1, 2.0, 3.0]], "{name}");
         assert_eq!(scene.spheres.radii, [1.0, 2.5], "{name}");
         scene.check().expect("a scene that can be rendered");
-        assert!(scene.skipped.warnings().is_empty(), "{:?}", scene.skipped);
+        assert!(skipped.warnings().is_empty(), "{skipped:?}");
     }
 }
 
@@ -130,7 +134,7 @@ fn an_unreadable_file_is_an_io_error() {
     let folder = folder(&[]);
     for name in ["missing.toml", "missing.nff", "missing", "."] {
         let path = folder.path().join(name);
-        match read::scene(&path, &ReadOptions::default()) {
+        match halfline_files::read::scene(&path, &ReadOptions::default()) {
             Err(Error::Io { path: named, action: "read", .. }) => assert_eq!(named, path),
             other => panic!("{name}: {other:?}"),
         }
@@ -157,7 +161,8 @@ reach = 2.5
     let path = folder.path().join("s.toml");
     // The spheres that a light may name include those of files, wherever the tables are.
     std::fs::write(&path, format!("{TOML}{lines}[[spheres]]\nfile = 'a.csv'\n")).expect("written");
-    let Lighting { lights, shadows, sky, .. } = read::scene(&path, &ReadOptions::default()).expect("a scene").lighting;
+    let Lighting { lights, shadows, sky, .. } =
+        halfline_files::read::scene(&path, &ReadOptions::default()).expect("a scene").scene.lighting;
     let place = DVec3::new(4.0, 3.0, 2.0);
     let expected = [
         Light::white(LightSource::Direction(DVec3::new(-1.0, 2.5, 1e-3))),
@@ -264,7 +269,8 @@ fn materials_of_an_nff_file_are_those_of_the_fill_before() {
         ("f 1 0.5 0 -1 7 -3 2 0", phong([0.0, 1.0, 0.0, 1.0], 0.1), vec![limited]),
         ("f 1 0.5 0 1 0 1e300 0 1", phong([1.0, 0.0, f32::MAX, 0.0], 1.0), vec![limited]),
     ] {
-        let Scene { spheres, skipped, .. } = read("s.nff", scene(lines)).expect("lenient");
+        let SceneFrame { scene: Scene { spheres, .. }, skipped, .. } =
+            read_frame("s.nff", scene(lines).as_bytes(), &ReadOptions::default()).expect("lenient");
         assert_eq!(spheres.materials.map_or(Material::default(), |materials| materials.of(0)), material, "{lines}");
         assert_eq!(spheres.colors, Some(vec![[1.0, 0.5, 0.0]].into()));
         assert_eq!(skipped.total(), 0, "materials are not counted as shapes");
@@ -283,7 +289,8 @@ fn materials_of_an_nff_file_are_those_of_the_fill_before() {
 fn strict_reading_refuses_what_is_otherwise_counted() {
     for (line, place, kind) in [("p 3\n0 0 0 1 0 0 0 1 0", ":9:1", "polygon"), ("c 0 0 0 1 0 0 1 1", ":9:1", "cone")] {
         let scene = format!("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 20\nresolution 9 9\ns 0 0 0 1\n\n{line}\n");
-        assert_eq!(read("s.nff", &scene).expect("lenient").skipped.kinds, [(kind, 1)]);
+        let lenient = read_frame("s.nff", scene.as_bytes(), &ReadOptions::default()).expect("lenient");
+        assert_eq!(lenient.skipped.kinds, [(kind, 1)]);
         let error = read_with("s.nff", scene.as_bytes(), &strict()).expect_err("strict").to_string();
         assert!(error.contains(&format!("s.nff{place}: {kind}: ")), "{error}");
     }
@@ -294,7 +301,8 @@ fn strict_reading_refuses_what_is_otherwise_counted() {
 fn a_scene_is_read_from_standard_input() {
     const CHILD: &str = "HALFLINE_TEST_STDIN";
     if let Ok(spheres) = std::env::var(CHILD) {
-        let scene = read::scene(Path::new("-"), &ReadOptions::default()).expect("the parent's scene");
+        let scene =
+            halfline_files::read::scene(Path::new("-"), &ReadOptions::default()).expect("the parent's scene").scene;
         assert_eq!(scene.spheres.len().to_string(), spheres);
         return;
     }
@@ -324,13 +332,14 @@ fn scenes_of_the_databases_have_their_spheres() {
             "shells.nff" => (5761, "", 512),
             _ => (6, "cone", 256),
         };
-        let scene = read(name, &text).unwrap_or_else(|e| panic!("{e}"));
+        let found = read_frame(name, text.as_bytes(), &ReadOptions::default());
+        let SceneFrame { scene, skipped, .. } = found.unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(scene.spheres.len(), spheres, "{name}");
         assert_eq!((scene.image.width, scene.image.height), (size, size), "{name}");
         let count = |prefix: &str| text.lines().filter(|line| line.starts_with(prefix)).count() as u64;
         assert_eq!(count("s "), spheres as u64, "{name}");
-        assert_eq!(scene.skipped.total(), count("c ") + count("p ") + count("pp "), "{name}");
-        assert!(scene.skipped.kinds.iter().all(|(k, _)| *k == kind), "{name} {:?}", scene.skipped);
+        assert_eq!(skipped.total(), count("c ") + count("p ") + count("pp "), "{name}");
+        assert!(skipped.kinds.iter().all(|(k, _)| *k == kind), "{name} {skipped:?}");
         assert_eq!(scene.lighting.lights.len() as u64, count("l "), "{name}");
         let strictly = read_with(name, text.as_bytes(), &strict());
         assert_eq!(strictly.is_ok(), kind.is_empty(), "{name}");
@@ -340,7 +349,7 @@ fn scenes_of_the_databases_have_their_spheres() {
         let material = phong([numbers[0], numbers[1], numbers[2], numbers[3]].map(|x| x as f32), 1.0);
         let materials = scene.spheres.materials.as_ref().expect("they reflect");
         assert!(material.bounces() && (0..spheres as u32).all(|id| materials.of(id) == material), "{name}");
-        assert_eq!(scene.skipped.warnings().len(), scene.skipped.kinds.len(), "{name}: {:?}", scene.skipped);
+        assert_eq!(skipped.warnings().len(), skipped.kinds.len(), "{name}: {skipped:?}");
         scene.check().expect("a scene that can be rendered");
     }
 }
@@ -369,14 +378,16 @@ fn the_databases_real_files_hold_the_same_scenes() {
         ("jacks.nff", "2a05e3d57ba19dff"),
     ];
     for ((name, text), (known, expected)) in nff::all().into_iter().zip(FINGERPRINTS) {
-        let scene = read(name, &text).expect("a scene");
-        let real = data::everywhere(name).map(|path| read::scene(&path, &ReadOptions::default()).expect("a scene"));
-        for real in real {
+        let found = read_frame(name, text.as_bytes(), &ReadOptions::default()).expect("a scene");
+        let scene = &found.scene;
+        let real = data::everywhere(name)
+            .map(|path| halfline_files::read::scene(&path, &ReadOptions::default()).expect("a scene"));
+        for SceneFrame { scene: real, skipped, .. } in real {
             assert_eq!((name, &*fingerprint(&real)), (known, expected), "the real file");
-            assert_eq!((scene.camera, scene.image, &scene.skipped), (real.camera, real.image, &real.skipped), "{name}");
+            assert_eq!((scene.camera, scene.image, &found.skipped), (real.camera, real.image, &skipped), "{name}");
             assert_eq!(scene.spheres.colors, real.spheres.colors, "{name}");
         }
-        assert_eq!((name, &*fingerprint(&scene)), (known, expected));
+        assert_eq!((name, &*fingerprint(scene)), (known, expected));
     }
 }
 
@@ -387,7 +398,8 @@ fn the_planets_of_the_ephemeris_have_their_exact_values() {
     for path in data::everywhere("solar_system.csv") {
         let csv = std::fs::read(&path).expect("the planets");
         assert_refused(read_spheres("a.csv", &csv), "a.csv:1:1", "header", "its columns have other names");
-        let planets = read::scene(&path, &ReadOptions::default()).expect("the Sun and its planets");
+        let planets =
+            halfline_files::read::scene(&path, &ReadOptions::default()).expect("the Sun and its planets").scene;
         assert_eq!((planets.spheres.len(), planets.spheres.radii[0]), (11, 695700.0));
         assert_eq!(planets.spheres.centers[3], [76580651.925311, 114940047.833629, 49846795.759752], "the Earth");
         all.push(planets.spheres);

@@ -2,6 +2,7 @@
 
 use halfline::error::{Error, Result};
 use halfline::scene::Scene;
+use halfline_files::read::SceneFrame;
 use halfline_files::read::{self, ReadOptions};
 
 pub(crate) fn strict() -> ReadOptions {
@@ -74,9 +75,14 @@ pub(crate) fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
     folder
 }
 
-pub(crate) fn read_with(name: &str, content: &[u8], options: &ReadOptions) -> Result<Scene> {
+/// The scene of a file and what its reader says of it.
+pub(crate) fn read_frame(name: &str, content: &[u8], options: &ReadOptions) -> Result<SceneFrame> {
     let folder = folder(&[(name, content)]);
     read::scene(&folder.path().join(name), options)
+}
+
+pub(crate) fn read_with(name: &str, content: &[u8], options: &ReadOptions) -> Result<Scene> {
+    read_frame(name, content, options).map(|frame| frame.scene)
 }
 
 pub(crate) fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Scene> {
@@ -87,7 +93,25 @@ pub(crate) fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Scene> {
 pub(crate) fn read_spheres(name: &str, content: &[u8]) -> Result<Scene> {
     let scene = format!("{CAMERA}[[spheres]]\nfile = '{name}'\n");
     let folder = folder(&[("scene.toml", scene.as_bytes()), (name, content)]);
-    read::scene(&folder.path().join("scene.toml"), &ReadOptions::default())
+    read::scene(&folder.path().join("scene.toml"), &ReadOptions::default()).map(|frame| frame.scene)
+}
+
+/// An NPY file of version 1 with this header text, from numpy's description of the format.
+pub(crate) fn npy(header: &str, data: &[u8]) -> Vec<u8> {
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16 + 1).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.push(b'\n');
+    bytes.extend(data);
+    bytes
+}
+
+pub(crate) fn npy_of(descr: &str, fortran: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+    npy(&format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}"), data)
+}
+
+pub(crate) fn little(numbers: &[f64]) -> Vec<u8> {
+    numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
 /// Checks that reading fails with an error of the scene at this position and field, and with a remedy.

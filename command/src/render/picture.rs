@@ -14,9 +14,9 @@ use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
+use halfline_drawing::inset::Panels;
+use halfline_files::write::figure;
 use halfline_files::write::file::Target;
-use halfline_measure::plot::inset::Panels;
-use halfline_measure::plot::legend::DrawnLegend;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -91,6 +91,7 @@ impl PictureWriter<'_> {
         let settings = &self.args.settings_for(numbered, self.settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let mut report = renderer.dry_run(scene, settings)?;
+            report.skipped = numbered.skipped.total();
             report.look = numbered.look.name();
             report.spheres = numbered.ids.as_ref().map_or(report.spheres, |ids| ids.count);
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
@@ -106,6 +107,8 @@ impl PictureWriter<'_> {
         if let Some(ids) = &numbered.ids {
             ids.restore(&mut frame);
         }
+        let report = &mut frame.report;
+        numbered.skipped.report(&mut report.skipped, &mut report.warnings, renderer.passed_over().len());
         frame.report.number = number;
         frame.report.hold = self.args.read.hold();
         frame.report.look = numbered.look.name();
@@ -160,7 +163,10 @@ impl PictureWriter<'_> {
 
     fn write_legend(&self, numbered: &PictureScene) -> Result<()> {
         match (legend::file(self.args, numbered.number)?, &numbered.legend) {
-            (Some(path), Some(legend)) => DrawnLegend(legend).write(&path),
+            (Some(path), Some(legend)) => {
+                let drawing = halfline_drawing::legend::draw(legend)?;
+                figure::write(&path, &drawing.svg, drawing.size, &drawing.levels)
+            }
             _ => Ok(()),
         }
     }

@@ -13,15 +13,16 @@ use glam::DVec3;
 use halfline::camera::{Camera, CameraRecord};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
+use halfline::frame::legend::Legend;
 use halfline::progress::Cancel;
 use halfline::quote::count;
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::Instances;
-use halfline::scene::{Facing, Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, Spread, middle};
+use halfline::scene::{Facing, Framing, ImagePlane, Lighting, Reach, Scene, Spheres, Spread, middle};
 use halfline::settings::{FileLook, Settings};
-use halfline_files::read::style::{Coloring, Legend};
-use halfline_files::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
+use halfline_files::read::style::Coloring;
+use halfline_files::read::{FrameTime, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks};
 use halfline_files::write::file::Target;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -97,7 +98,7 @@ impl<'a> Source<'a> {
         targets.iter().try_for_each(Target::check)?;
         let mut frame = self.bare()?;
         // What a stream cannot do is found before the file is read.
-        self.begin(frame.scene.clone(), settings, targets)?;
+        self.begin(frame.clone(), settings, targets)?;
         let copied = self.copied()?;
         let framed = match self.taken {
             Some(_) => false,
@@ -110,7 +111,7 @@ impl<'a> Source<'a> {
             )?;
         }
         self.args.camera.zoom(&mut frame.scene)?;
-        let (mut picture, mut stream) = self.begin(frame.scene, settings, targets)?;
+        let (mut picture, mut stream) = self.begin(frame, settings, targets)?;
         let (visible, about) = match copied {
             Some(Copied { instances, about }) => {
                 if self.arrangement.clip.is_empty() {
@@ -124,7 +125,7 @@ impl<'a> Source<'a> {
                 (stream.finish()?, about)
             }
         };
-        let Visible { mut scene, ids } = visible;
+        let Visible { scene, ids } = visible;
         targets.iter().try_for_each(|target| target.check_ids(ids.count))?;
         let kept = count(ids.ids.len() as u64, "sphere");
         note(format_args!("{kept} of {} may be hit first and are in memory", ids.count));
@@ -137,21 +138,28 @@ impl<'a> Source<'a> {
                 "look plain: a stream is lit from the eye, because lights and a sky need all spheres in memory"
             ));
         }
-        scene.skipped = about.skipped;
         (picture.legend, picture.when) = (about.legend, about.when);
         let framed = framed.then(|| "all spheres".to_owned());
-        let picture = PictureScene { scene, framed, ids: Some(ids), ..picture };
+        let picture = PictureScene { scene, skipped: about.skipped, framed, ids: Some(ids), ..picture };
         legend::check_content(self.args, &picture)?;
         Ok(picture)
     }
 
     /// The picture of a scene whose spheres are still to come.
-    fn begin(&self, mut scene: Scene, settings: &Settings, targets: &[Target]) -> Result<(PictureScene, Stream)> {
+    fn begin(&self, mut frame: SceneFrame, settings: &Settings, targets: &[Target]) -> Result<(PictureScene, Stream)> {
         // The look is plain unless another is requested, which the stream refuses.
         let request = self.args.look_request(FileLook::default(), settings.aovs.contains(&Aov::Color));
-        let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), request, PictureLens::default())?;
-        let picture =
-            PictureScene { number: 1, scene, legend: None, look, when: FrameTime::default(), framed: None, ids: None };
+        let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, PictureLens::default())?;
+        let picture = PictureScene {
+            number: 1,
+            scene: frame.scene,
+            skipped: Skipped::default(),
+            legend: None,
+            look,
+            when: FrameTime::default(),
+            framed: None,
+            ids: None,
+        };
         let settings = self.args.settings_for(&picture, settings, targets)?;
         let stream = Stream::new(&picture.scene, &settings)?;
         Ok((picture, stream))
@@ -160,7 +168,7 @@ impl<'a> Source<'a> {
     /// The image, and the camera as far as it does not depend on the spheres.
     fn bare(&self) -> Result<SceneFrame> {
         let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
-        let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
+        let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting };
         scene.frame_all(&Framing::default())?;
         let mut frame = SceneFrame::new(1, scene);
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
@@ -270,7 +278,7 @@ impl<'a> Source<'a> {
         }
         let options = ReadOptions { as_operators: is_assembly, ..self.options.clone() };
         let mut sequence = Sequence::open(&self.args.scene, &options)?;
-        let SceneFrame { mut scene, has_camera, legend, cell, instances, when, is_molecule, .. } =
+        let SceneFrame { mut scene, skipped, has_camera, legend, cell, instances, when, is_molecule, .. } =
             sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
         if has_camera {
             let mend = "remove --stream, or use a file of particles";
@@ -286,7 +294,7 @@ impl<'a> Source<'a> {
             return Err(Error::Limits { problem, mend: "add --stream; ids are then int64".into() });
         }
         self.say_why();
-        Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when, is_molecule } }))
+        Ok(Some(Copied { instances, about: About { skipped, legend, when, is_molecule } }))
     }
 
     /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a

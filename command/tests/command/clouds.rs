@@ -4,7 +4,7 @@
 
 use crate::test_dir::TestDir;
 use halfline::Scene;
-use halfline_files::read::{self, ReadOptions};
+use halfline_files::read::ReadOptions;
 use serde_json::Value;
 use std::io::Read;
 
@@ -69,7 +69,7 @@ fn traced(x: f64) -> (TestDir, [Value; 3]) {
 }
 
 fn read(dir: &TestDir, name: &str) -> Scene {
-    read::scene(&dir.path(name), &ReadOptions::default()).expect(name)
+    halfline_files::read::scene(&dir.path(name), &ReadOptions::default()).expect(name).scene
 }
 
 /// The most that a coordinate may differ: nothing in PLY, half the last bit of f32, half a step of the finest grid, which

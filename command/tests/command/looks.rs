@@ -2,7 +2,7 @@
 //! refused before anything is written.
 
 use crate::test_dir::TestDir;
-use halfline_files::read::style::ColorMap;
+use halfline::frame::color_map::ColorMap;
 
 /// Two atoms apart, with columns; one number is missing, one has no logarithm.
 const ATOMS: &str = "3\nProperties=species:S:1:pos:R:3:vx:R:1:vy:R:1:q:R:1:kind:I:1:type:I:1

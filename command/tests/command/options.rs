@@ -3,7 +3,6 @@
 
 use crate::nff;
 use crate::test_dir::{SCENE, SPHERE, TestDir};
-use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::{npy, png};
 use serde_json::Value;
 
@@ -41,7 +40,7 @@ fn options_replace_the_camera() {
     dir.put("written.toml", written);
     dir.good(&["render", "written.toml", "-o", "b.npy", "--backend", "cpu"]);
     assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
-    assert_eq!(FrameFile::read(&dir.path("a.npy")).expect("an array").buffers[0].array.shape(), [10, 20, 3]);
+    assert_eq!(dir.array("a.npy").1, [10, 20, 3]);
     dir.good(&["render", "scene.toml", "-o", "a.npy", "--backend", "cpu", "--at=-1,0,-3", "--vfov", "60"]);
 }
 
@@ -53,8 +52,7 @@ fn an_orthographic_camera_by_file_and_by_option() {
     dir.good(&["render", "ortho.toml", "-o", "b.npy", "--backend", "cpu"]);
     assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
     // The ray of the middle pixel goes through the sphere's centre, at a distance of 3.
-    let distance = FrameFile::read(&dir.path("d.npy")).expect("an array").buffers.remove(0).array;
-    let middle = distance.values().get(15 * 45 + 22).expect("a pixel").to_f64();
+    let middle = dir.array("d.npy").0[15 * 45 + 22];
     assert!((middle - 2.0).abs() <= 1e-5 * 2.0, "{middle}");
     // --vfov makes the camera a perspective one.
     dir.good(&["render", "ortho.toml", "-o", "a.npy", "--backend", "cpu", "--vfov", "60"]);

@@ -2,7 +2,7 @@
 //! nothing is never silent. `tests/independent/selections.py` compares the selected atoms with MDAnalysis.
 
 use crate::test_dir::{Output, TestDir};
-use halfline_files::read::style::ColorMap;
+use halfline::frame::color_map::ColorMap;
 
 /// A protein of two residues, a ligand and a water.
 const PDB: &str = "\

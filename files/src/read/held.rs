@@ -96,19 +96,14 @@ impl HeldCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Framing, ImagePlane, Scene, Skipped, Spheres};
+    use crate::scene::{Framing, ImagePlane, Scene, Spheres};
 
     /// A frame with spheres of radius 1 at these places on the x axis.
     fn frame(number: u64, places: &[f64]) -> SceneFrame {
         let mut spheres = Spheres::default();
         places.iter().for_each(|x| spheres.push([*x, 0.0, 0.0], 1.0, None));
-        let scene = Scene {
-            camera: Camera::CANONICAL,
-            image: ImagePlane::default(),
-            spheres,
-            skipped: Skipped::default(),
-            lighting: Default::default(),
-        };
+        let scene =
+            Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, lighting: Default::default() };
         SceneFrame::new(number, scene)
     }
 

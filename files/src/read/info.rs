@@ -3,12 +3,12 @@
 
 use super::options::{FrameRange, ReadOptions};
 use super::particles::{self, ColumnCounts, Counts, Survey};
-use super::sequence::Sequence;
+use super::sequence::{SceneFrame, Sequence};
 use super::source::SceneSource;
 use super::style::elements::element;
 use super::style::{Radii, Style, spacing_of};
 use crate::error::{Error, Place, Result};
-use crate::scene::{Cell, Scene};
+use crate::scene::Cell;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -111,7 +111,7 @@ const LISTED: usize = 64;
 /// file; archives (.npz), LAMMPS data files and small-molecule CIF are read whole.
 ///
 /// # Errors
-/// Those of [`Scene::read`].
+/// Those of [`scene`](super::scene).
 pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
     of_source(SceneSource::open(path, options)?, path, options, Survey::default())
 }
@@ -136,7 +136,7 @@ fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Su
                         "use another file",
                     ))
                 },
-                |frame| Ok(FileInfo::of_scene(&frame.scene, format)),
+                |frame| Ok(FileInfo::of_scene(frame, format)),
             );
         }
     };
@@ -191,15 +191,15 @@ impl FileInfo {
         }
     }
 
-    fn of_scene(scene: &Scene, format: &'static str) -> Self {
-        let spheres = &scene.spheres;
+    fn of_scene(SceneFrame { scene, skipped, .. }: SceneFrame, format: &'static str) -> Self {
+        let spheres = scene.spheres;
         let mut copy = spheres.clone();
         let survey = Survey::default();
         survey.count_spheres(&mut copy, true);
         let counts = super::particles::Particles::default().counted(&survey);
         let info = Self::of(counts);
         let nothing = spheres.is_empty().then(|| NOTHING.to_owned());
-        let warnings = scene.skipped.warnings().into_iter().chain(nothing).collect();
+        let warnings = skipped.warnings().into_iter().chain(nothing).collect();
         Self { format, camera: true, colored: spheres.colors.is_some(), warnings, ..info }
     }
 }

@@ -12,11 +12,12 @@ mod table;
 
 use super::input::Input;
 use super::lines::not_utf8;
+use super::skipped::Skipped;
 use crate::error::{Error, Place, Result, relocate};
 use crate::memory::{check, reserve};
 use crate::progress::Watch;
 use crate::scene::camera::{Aperture, Camera, Lens, Look};
-use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_sphere};
+use crate::scene::{ImagePlane, Scene, Spheres, check_sphere};
 use crate::settings::FileLook;
 use glam::DVec3;
 use spheres::NamedSpheres;
@@ -35,6 +36,7 @@ const QUICK: usize = 2 << 20;
 /// What is read.
 pub(super) struct Read {
     pub(super) scene: Scene,
+    pub(super) skipped: Skipped,
     pub(super) look: FileLook,
     /// The size of the camera's lens.
     pub(super) aperture: Option<Aperture>,
@@ -44,8 +46,8 @@ pub(super) struct Read {
 
 impl Read {
     /// A scene of which nothing else is known.
-    pub(super) fn of(scene: Scene) -> Self {
-        Self { scene, look: FileLook::default(), aperture: None, files: Vec::new() }
+    pub(super) fn of((scene, skipped): (Scene, Skipped)) -> Self {
+        Self { scene, skipped, look: FileLook::default(), aperture: None, files: Vec::new() }
     }
 }
 
@@ -117,7 +119,7 @@ impl Document<'_> {
             files.push(named.path);
         }
         let lighting = light::read(&root, spheres.len())?;
-        let mut scene = Scene { camera, image, spheres, lighting, skipped };
+        let mut scene = Scene { camera, image, spheres, lighting };
         // Where the sky's colours are not to be seen, what stands for it is the colour of its horizon.
         if let Some(colors) = scene.lighting.sky.and_then(|sky| sky.colors) {
             scene.image.background = colors.horizon;
@@ -125,7 +127,7 @@ impl Document<'_> {
         if let Some(color) = background {
             scene.set_background(color);
         }
-        Ok(Read { scene, look, aperture, files })
+        Ok(Read { scene, skipped, look, aperture, files })
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {

@@ -16,11 +16,12 @@
 use super::input::Input;
 use super::lines::{Lines, Spot};
 use super::options::ReadOptions;
+use super::skipped::Skipped;
 use crate::error::{Error, Place, Result, relocate};
 use crate::quote::{count, quote};
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{
-    ImagePlane, Light, LightSource, Lighting, Material, Materials, Scene, Skipped, Spheres, check_color, check_size,
+    ImagePlane, Light, LightSource, Lighting, Material, Materials, Scene, Spheres, check_color, check_size,
     check_sphere,
 };
 use glam::DVec3;
@@ -34,7 +35,7 @@ pub(super) const DIRECTIVES: [&str; 8] = ["v", "b", "l", "f", "s", "c", "p", "pp
 const VIEW: [&str; 6] = ["from", "at", "up", "angle", "hither", "resolution"];
 
 /// Reads a scene from the stream; `path` is for errors.
-pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<Scene> {
+pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<(Scene, Skipped)> {
     let mut nff = Reader { lines: Lines::new(reader, path), next: 0 };
     let mut camera = None;
     let mut background: Option<[f32; 3]> = None;
@@ -105,7 +106,7 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
         let what = "the file has no lights, and the light at the eye shows the whole colour";
         skipped.assumed.push(format!("Kd of {} is left out: {what}", count(dimmed, "material")));
     }
-    Ok(Scene { camera, image, spheres, skipped, lighting: lighting(&lights) })
+    Ok((Scene { camera, image, spheres, lighting: lighting(&lights) }, skipped))
 }
 
 /// The lights at these points, with these colours where the file gives one.

@@ -19,7 +19,7 @@ pub use named::ColumnNames;
 /// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
 pub struct ReadOptions {
-    /// Whether an item that is not a sphere is an error; otherwise it is counted in [`crate::scene::Skipped`].
+    /// Whether an item that is not a sphere is an error; otherwise it is counted in [`Skipped`](super::Skipped).
     pub strict: bool,
     /// The file's format; `None` detects it from the content, then from the name.
     pub format: Option<Format>,

@@ -8,10 +8,12 @@ use super::particles::periodic::no_cell;
 use super::particles::{self, FrameTime, ParticleFrames, Particles, Periodic};
 use super::select;
 use super::select::selection::Selection;
+use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Legend, no_selections};
+use super::style::no_selections;
 use super::{native, nff};
 use crate::error::{Error, Place, Result};
+use crate::frame::legend::Legend;
 use crate::quote::{count, quote};
 use crate::scene::camera::{Aperture, Camera};
 use crate::scene::instances::Instances;
@@ -49,6 +51,8 @@ pub struct SceneFrame {
     pub number: u64,
     /// The scene; where the file has no camera, with one that shows all of it.
     pub scene: Scene,
+    /// What the reader left out or assumed.
+    pub skipped: Skipped,
     /// Whether the file has a camera.
     pub has_camera: bool,
     /// What the file says about the look of its picture.
@@ -100,6 +104,7 @@ impl SceneFrame {
         Self {
             number,
             scene,
+            skipped: Skipped::default(),
             has_camera: false,
             aperture: None,
             look: FileLook::PARTICLES,
@@ -124,7 +129,7 @@ impl Sequence {
     /// Opens `path`; `-` is standard input.
     ///
     /// # Errors
-    /// Those of [`Scene::read`].
+    /// Those of [`scene`](super::scene).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         Self::of_source(SceneSource::open(path, options)?, path, options)
     }
@@ -133,7 +138,7 @@ impl Sequence {
     /// format, and whose folder contains the files that a scene refers to.
     ///
     /// # Errors
-    /// Those of [`Scene::read`].
+    /// Those of [`scene`](super::scene).
     pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
         let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
         Self::of_source(SceneSource::of(input, path, options)?, path, options)
@@ -149,7 +154,7 @@ impl Sequence {
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
-                let native::Read { mut scene, look, aperture, files: named } = match source.format {
+                let native::Read { mut scene, skipped, look, aperture, files: named } = match source.format {
                     Format::Nff => native::Read::of(nff::read(source.reader, path, options)?),
                     _ => native::read(source.reader, path, &options.watch)?,
                 };
@@ -163,7 +168,7 @@ impl Sequence {
                     Periodic::Unwrap => return Err(no_cell("--unwrap")),
                 }
                 options.style.restyle(&mut scene.spheres)?;
-                let frame = SceneFrame { has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
+                let frame = SceneFrame { skipped, has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
                 SequenceState::One(Some(Box::new(frame)))
             }
         };
@@ -181,7 +186,7 @@ impl Sequence {
     /// must be called before every [`Sequence::next_scene`], which does the same and drops the frame.
     ///
     /// # Errors
-    /// Those of [`Scene::read`].
+    /// Those of [`scene`](super::scene).
     pub fn unselected_first(&mut self) -> Result<Option<SceneFrame>> {
         let ReadOptions { hold, frames: selected, model, watch, .. } = self.options.clone();
         if self.holds || hold == Hold::None || model.is_some() {
@@ -240,15 +245,10 @@ impl Sequence {
         }
         self.options.watch.check()?;
         let marks = marks(&self.options, masks, &spheres);
-        let mut scene = Scene {
-            camera: Camera::CANONICAL,
-            image: ImagePlane::default(),
-            spheres,
-            skipped,
-            lighting: Lighting::default(),
-        };
+        let mut scene =
+            Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, lighting: Lighting::default() };
         scene.frame_by_default(is_molecule, &Framing::default())?;
-        Ok(SceneFrame { legend, columns, cell, when, is_molecule, marks, ..SceneFrame::new(number, scene) })
+        Ok(SceneFrame { skipped, legend, columns, cell, when, is_molecule, marks, ..SceneFrame::new(number, scene) })
     }
 
     /// The columns that the scene of these particles keeps.
@@ -278,18 +278,17 @@ impl Sequence {
             camera: Camera::CANONICAL,
             image: ImagePlane::default(),
             spheres: Spheres::default(),
-            skipped,
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
         let instances = Some(instances);
-        Ok(SceneFrame { legend, instances, when, is_molecule, ..SceneFrame::new(number, scene) })
+        Ok(SceneFrame { skipped, legend, instances, when, is_molecule, ..SceneFrame::new(number, scene) })
     }
 
     /// The next selected frame; `None` after the last.
     ///
     /// # Errors
-    /// Those of [`Scene::read`].
+    /// Those of [`scene`](super::scene).
     pub fn next_scene(&mut self) -> Result<Option<SceneFrame>> {
         self.unselected_first()?;
         while self.passed < self.options.frames.last() {

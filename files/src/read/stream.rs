@@ -3,11 +3,13 @@
 use super::format::Format;
 use super::options::ReadOptions;
 use super::particles::{self, Part, ParticleFrames, Particles, Periodic, Survey};
+use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, Legend, is_8_bit, joined_elements};
+use super::style::{Coloring, is_8_bit, joined_elements};
 use crate::error::{Error, Place, Result};
+use crate::frame::legend::Legend;
 use crate::quote::count;
-use crate::scene::{Skipped, Spheres};
+use crate::scene::Spheres;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -118,7 +120,7 @@ impl SphereBlocks {
     /// changed.
     ///
     /// # Errors
-    /// Those of [`Scene::read`](crate::Scene::read); [`Error::Settings`] where radii or colours depend on all particles.
+    /// Those of [`scene`](super::scene); [`Error::Settings`] where radii or colours depend on all particles.
     pub fn next_block(&mut self) -> Result<Option<Spheres>> {
         self.options.watch.check()?;
         if let Ok(part) = self.parts.recv() {

@@ -2,25 +2,24 @@
 
 mod categories;
 pub(super) mod color;
-mod colormap;
 pub mod elements;
 mod numbers;
 mod placed;
 mod scale;
 
 pub use color::color;
-pub use colormap::ColorMap;
-pub use scale::{Category, Legend, Scale};
+pub use scale::Scale;
 
 use super::particles::Particles;
 use super::select::selection::Selection;
+use super::skipped::Skipped;
 use crate::error::{Error, Place, Result};
-use crate::frame::srgb;
+use crate::frame::legend::{Category, Legend};
+use crate::frame::srgb::{self, linear};
 use crate::memory::check_spheres;
 use crate::quote::{number, quote};
-use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere, is_center, is_radius};
+use crate::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 pub(super) use categories::joined_elements;
-pub use color::linear;
 
 use color::of_hex;
 use elements::{Element, element};

@@ -54,6 +54,17 @@ pub fn write_levels(
     form.write([side(width)?, side(height)?], None, words, out, fill)
 }
 
+/// The file of a drawing: `[width, height]` pixels of three sRGB levels each, row by row.
+///
+/// # Errors
+/// Those of the encoder.
+pub fn of_levels(size: [usize; 2], levels: &[u8]) -> io::Result<Vec<u8>> {
+    let software = [("Software".to_owned(), concat!("halfline ", env!("CARGO_PKG_VERSION")).to_owned())];
+    let mut file = Vec::new();
+    write_levels(size, &software, &mut file, |out| out.write_all(levels))?;
+    Ok(file)
+}
+
 /// Writes the only buffer. Only colour is marked as sRGB; a part of a frame gets its offset.
 pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
     let layer = head.form()?;

@@ -1,7 +1,7 @@
 //! Logarithmic axes with bands for zero and for unbounded values, and the chart between two of them.
 
-use super::canvas::Area;
-use super::look::{BAND, Drawn, FAINT, GRID, INK, QUIET, centered, font};
+use super::look::{BAND, FAINT, GRID, QUIET};
+use halfline_drawing::canvas::{Area, Drawn, INK, centered, font, text};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
@@ -217,9 +217,9 @@ pub(super) fn chart(area: &Area<'_>, (x, y): (Axis, Axis), header: i32, side: i3
         area.draw(&band(high, high + unbounded))?;
     }
     // plotters positions titles by an estimated width; these are positioned exactly.
-    super::canvas::text(area, &chart.x.title, &centered(&font(28)), ((left + right) / 2, bottom + 88))?;
+    text(area, &chart.x.title, &centered(&font(28)), ((left + right) / 2, bottom + 88))?;
     let turned = centered(&font(28)).transform(FontTransform::Rotate270);
-    super::canvas::text(area, &chart.y.title, &turned, (MARGIN_TITLE, (top + bottom) / 2))?;
+    text(area, &chart.y.title, &turned, (MARGIN_TITLE, (top + bottom) / 2))?;
     if zero > 0.0 {
         area.draw(&band(low - zero, low))?;
         let edge = chart.row(low);

@@ -1,84 +1,16 @@
-//! The page that a plot is drawn on: header, marks, lines, and cells of colour.
+//! What every plot has on its page: header, marks, lines, frames of cells.
 
-use super::cells::Cells;
-use super::look::{Drawn, FAINT, Look, Mark, QUIET, bold, font};
-use super::raster::{self, SvgAndPixels};
+use super::look::{FAINT, Look, Mark, QUIET};
 use crate::record::Record;
-use plotters::coord::Shift;
+use halfline_drawing::canvas::{Area, Drawn, bold, font, shortened, text};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use tiny_skia::Pixmap;
-
-/// plotters' area of a whole plot; its units are pixels of the PNG and halves of a CSS pixel of the SVG.
-pub(super) type Area<'a> = DrawingArea<SvgAndPixels<'a>, Shift>;
-
-/// A plot as an SVG and as a PNG file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Drawing {
-    pub(super) svg: String,
-    pub(super) png: Vec<u8>,
-}
 
 /// Columns of every plot.
 pub(super) const WIDTH: i32 = 2000;
 
 /// Distance from the edge of the page.
 pub(super) const MARGIN: i32 = 40;
-
-/// The picture that `draw` draws on white; the cells that it returns are drawn on top.
-pub(super) fn drawing([width, height]: [i32; 2], draw: impl FnOnce(&Area<'_>) -> Drawn<Vec<Cells>>) -> Drawn<Drawing> {
-    let mut svg = String::new();
-    let mut pixels = Pixmap::new(width as u32, height as u32).ok_or("the plot is too large")?;
-    let area = SvgAndPixels::new(&mut svg, &mut pixels).into_drawing_area();
-    area.fill(&WHITE)?;
-    let over = draw(&area)?;
-    area.present()?;
-    drop(area);
-    let end = svg.rfind("</svg>").ok_or("the SVG has no end")?;
-    svg.insert_str(end, &over.iter().map(Cells::svg).collect::<String>());
-    over.iter().for_each(|cells| raster::fill_cells(&mut pixels, cells));
-    let (doubled, size) = (size(width, height), size(width / 2, height / 2));
-    if !svg.contains(&doubled) {
-        return Err("the SVG has no size".into());
-    }
-    Ok(Drawing { svg: tidied(&svg.replacen(&doubled, &size, 1)), png: raster::png(&pixels)? })
-}
-
-/// The SVG of plotters with each text on the line of its tags, colours in lower case, and no fraction that a search for a
-/// number of the plot would find.
-fn tidied(svg: &str) -> String {
-    let svg = svg.replace(" dy=\"0.5ex\"", " dy=\".5ex\"");
-    let mut tidied = String::with_capacity(svg.len());
-    let mut lines = svg.lines();
-    while let Some(line) = lines.next() {
-        let mut parts = line.split("=\"#");
-        tidied.extend(parts.next());
-        for part in parts {
-            let (color, rest) = part.split_at_checked(6).unwrap_or((part, ""));
-            tidied.extend(["=\"#", &color.to_lowercase(), rest]);
-        }
-        if line.trim_start().starts_with("<text ") {
-            tidied.extend(lines.next());
-            tidied.extend(lines.next().map(str::trim_start));
-        }
-        tidied.push('\n');
-    }
-    tidied
-}
-
-fn size(width: i32, height: i32) -> String {
-    format!("<svg width=\"{width}\" height=\"{height}\" ")
-}
-
-/// Text without control characters and noncharacters, which XML cannot hold.
-pub(super) fn plain(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c }).collect()
-}
-
-/// Writes text; see [`plain`].
-pub(super) fn text(area: &Area<'_>, text: &str, style: &TextStyle<'_>, at: (i32, i32)) -> Drawn {
-    Ok(area.draw_text(&plain(text), style, at)?)
-}
 
 /// The height of [`header`] for these places.
 pub(super) fn header_height(places: &[usize]) -> i32 {
@@ -108,14 +40,6 @@ pub(super) fn header(area: &Area<'_>, record: &Record, title: &str, places: &[us
         text(area, &shortened(&words, 100), &font(25).color(&QUIET), (x, y))?;
     }
     Ok(())
-}
-
-/// At most `letters` letters.
-pub(super) fn shortened(words: &str, letters: usize) -> String {
-    if words.chars().count() <= letters {
-        return words.into();
-    }
-    words.chars().take(letters - 1).chain(['\u{2026}']).collect()
 }
 
 /// The mark of a method, filled or hollow.
@@ -178,7 +102,7 @@ pub(super) fn line(area: &Area<'_>, look: &Look, points: &[(i32, i32)], width: u
     Ok(())
 }
 
-/// An empty frame for [`cells`].
+/// An empty frame for cells.
 pub(super) fn frame(area: &Area<'_>, (x, y): (i32, i32), (width, height): (i32, i32)) -> Drawn {
     Ok(area.draw(&Rectangle::new([(x, y), (x + width, y + height)], FAINT.filled()))?)
 }

@@ -1,12 +1,13 @@
 //! Crops of the pictures at growing distance, one row per method, with wrong pixels marked.
 
 use super::axis::rounded;
-use super::canvas::{Drawing, MARGIN, WIDTH, drawing, frame, header, header_height, mark, text};
-use super::cells::Cells;
-use super::look::{Drawn, KINDS, QUIET, bold, centered, font, look};
+use super::canvas::{MARGIN, WIDTH, frame, header, header_height, mark};
+use super::look::{KINDS, QUIET, look};
 use crate::record::{Crop, Record, Run};
 use crate::total::{main_place, methods};
 use crate::verdict::percent;
+use halfline_drawing::canvas::{Drawing, Drawn, bold, centered, drawing, font, text};
+use halfline_drawing::cells::Cells;
 use plotters::prelude::*;
 
 /// The colour where no sphere is shown.

@@ -3,12 +3,12 @@
 
 use super::Plot;
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawing, WIDTH, drawing, header, header_height, line, mark, text};
-use super::look::{Drawn, Look, Mark, bold, font};
+use super::canvas::{WIDTH, header, header_height, line, mark};
+use super::look::{Look, Mark};
 use crate::record::{PlaceRecord, Record};
-use halfline::error::{Error, Result};
+use halfline::error::Result;
+use halfline_drawing::canvas::{Area, Drawing, Drawn, bold, drawing, font, text};
 use plotters::prelude::*;
-use std::io;
 
 /// A measurement of growing times.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -68,12 +68,10 @@ impl Growth {
     /// Every panel in one picture.
     ///
     /// # Errors
-    /// [`Error::Io`] at the plot's name if drawing fails.
+    /// [`Error::Io`](halfline::Error::Io) at the plot's name if drawing fails.
     pub fn plot(&self) -> Result<Plot> {
-        let name = "growth";
         let caption = "Straight is a power law; its exponent over the last two decades is written at each curve.";
-        let Drawing { svg, png } = draw(self).map_err(|error| Error::write(name, io::Error::other(error)))?;
-        Ok(Plot { name, caption, svg, png })
+        Plot::of("growth", caption, draw(self))
     }
 }
 

@@ -1,12 +1,13 @@
 //! Maps of the errors over the image, one per method, on a common scale.
 
 use super::axis::{Unit, number, rounded};
-use super::canvas::{Area, Drawing, MARGIN, WIDTH, drawing, frame, header, header_height, shortened, text};
-use super::cells::Cells;
-use super::look::{Drawn, INK, QUIET, bold, centered, font};
+use super::canvas::{MARGIN, WIDTH, frame, header, header_height};
+use super::look::QUIET;
 use crate::record::{Map, Record, Run};
 use crate::total::main_place;
 use crate::verdict::percent;
+use halfline_drawing::canvas::{Area, Drawing, Drawn, INK, bold, centered, drawing, font, shortened, text};
+use halfline_drawing::cells::Cells;
 use plotters::prelude::*;
 
 /// The colour of a cell with a wrong pixel: its distance from all of viridis is 22 or more in CIELAB, for all kinds of

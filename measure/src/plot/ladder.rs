@@ -1,11 +1,12 @@
 //! Errors against distance over radius: a line per method along a ladder, only marks for other sets of scenes.
 
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawing, WIDTH, drawing, header, header_height, line, mark, text};
-use super::look::{Drawn, INK, Look, QUIET, font, lane, look, width};
+use super::canvas::{WIDTH, header, header_height, line, mark};
+use super::look::{Look, QUIET, lane, look, width};
 use crate::record::{Record, Run};
 use crate::total::{main_place, methods};
 use crate::verdict::is_ladder;
+use halfline_drawing::canvas::{Area, Drawing, Drawn, INK, drawing, font, text};
 use plotters::element::DottedPathElement;
 use plotters::prelude::*;
 

@@ -1,16 +1,7 @@
-//! The look of plots: one colour, mark and dash per method, one font, the greys, and the colours of wrong pixels.
+//! The look of plots: one colour, mark and dash per method, the greys, and the colours of wrong pixels.
 
-use halfline::error::Source;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Drawing fails only if memory is short, or by a bug.
-pub(super) type Drawn<T = ()> = Result<T, Source>;
-
-/// The PNG uses DejaVu Sans; a browser without it uses the next font.
-pub(super) const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
-
-pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 pub(super) const QUIET: RGBColor = RGBColor(0x66, 0x66, 0x66);
 pub(super) const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
 pub(super) const FAINT: RGBColor = RGBColor(0xf0, 0xf0, 0xf0);
@@ -74,28 +65,6 @@ pub(super) fn look(method: &str) -> Look {
 pub(super) fn lane(method: &str, among: &[&str]) -> f64 {
     let index = among.iter().position(|name| *name == method).unwrap_or(0);
     (index as f64 + 0.5) / among.len().max(1) as f64
-}
-
-/// Text `size` units high, left-aligned on its middle.
-pub(super) fn font(size: i32) -> TextStyle<'static> {
-    styled(size, FontStyle::Normal)
-}
-
-/// The same in bold.
-pub(super) fn bold(size: i32) -> TextStyle<'static> {
-    styled(size, FontStyle::Bold)
-}
-
-fn styled(size: i32, style: FontStyle) -> TextStyle<'static> {
-    // plotters writes a size divided by 1.24 into the SVG.
-    TextStyle::from(FontDesc::new(FontFamily::Name(FONT), f64::from(size) * 1.24, style))
-        .color(&INK)
-        .pos(Pos::new(HPos::Left, VPos::Center))
-}
-
-/// `style` aligned by its middle.
-pub(super) fn centered<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
-    style.pos(Pos::new(HPos::Center, VPos::Center))
 }
 
 /// The approximate width of `text`: 0.58 of the height per letter in DejaVu Sans.

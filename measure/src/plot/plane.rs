@@ -1,10 +1,11 @@
 //! The plane of speed and error, and its Pareto front.
 
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawing, MARGIN, WIDTH, drawing, header, header_height, header_row, line, mark, text};
-use super::look::{Drawn, INK, Look, Mark, QUIET, font, lane, look, width};
+use super::canvas::{MARGIN, WIDTH, header, header_height, header_row, line, mark};
+use super::look::{Look, Mark, QUIET, lane, look, width};
 use crate::record::Record;
 use crate::total::{Total, totals};
+use halfline_drawing::canvas::{Area, Drawing, Drawn, INK, drawing, font, text};
 use plotters::prelude::*;
 
 /// The error that is plotted against the time.

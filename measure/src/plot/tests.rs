@@ -1,10 +1,11 @@
 use super::axis::{Axis, Unit, number, rounded};
-use super::cells::Cells;
 use super::growth::{Curve, Growth, Panel};
 use super::plane::pareto;
 use super::sample;
 use super::*;
 use crate::record::{Map, Run};
+use halfline_drawing::canvas;
+use halfline_drawing::cells::Cells;
 use plotters::coord::ranged1d::{BoldPoints, Ranged, ValueFormatter};
 use roxmltree::Document;
 
@@ -70,11 +71,11 @@ fn the_png_shows_the_plot() {
 #[test]
 fn text_is_drawn_without_system_fonts() {
     let word = |text: &str| {
-        let drawing = super::canvas::drawing([2000, 100], |area| {
-            super::canvas::text(area, text, &super::look::font(60), (20, 50))?;
+        let drawing = canvas::drawing([2000, 100], |area| {
+            canvas::text(area, text, &canvas::font(60), (20, 50))?;
             Ok(Vec::new())
         });
-        drawing.expect("a drawing").png
+        drawing.expect("a drawing").levels
     };
     for letter in ["\u{207b}", "\u{2079}", "\u{b2}", "\u{2212}", "\u{2264}", "\u{d7}", "\u{b7}", "\u{2026}", "a"] {
         assert_ne!(word(letter), word(""), "{letter:?} is not in the font");

@@ -13,13 +13,7 @@ fn scene() -> Scene {
     spheres.push([8.0, 0.0, -8.0], 4.0, None);
     let lens = Lens::Viewport { vw: 3.0, vh: 3.0, distance: 1.0 };
     let image = ImagePlane { width: 3, height: 3, background: [0.0; 3] };
-    Scene {
-        camera: Camera { lens, ..Camera::CANONICAL },
-        image,
-        spheres,
-        lighting: Default::default(),
-        skipped: Default::default(),
-    }
+    Scene { camera: Camera { lens, ..Camera::CANONICAL }, image, spheres, lighting: Default::default() }
 }
 
 /// The exact frame.

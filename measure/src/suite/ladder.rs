@@ -4,7 +4,7 @@ use super::Random;
 use glam::DVec3;
 use halfline::error::Result;
 use halfline::scene::camera::{Camera, Lens, Look};
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 
 /// Distances of the nearest centre in radii. At 2 the wall fills half the space in front of the eye; the others are
 /// decades.
@@ -60,7 +60,7 @@ pub fn scene(rung: f64) -> Result<Scene> {
     let side = PITCH * f64::from(WALL + 1);
     camera.lens = Lens::Viewport { vw: LENS * side / rung, vh: LENS * side / rung, distance: LENS };
     let image = ImagePlane { width: SIDE, height: SIDE, background: [0.02, 0.02, 0.03] };
-    Ok(Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() })
+    Ok(Scene { camera, image, spheres, lighting: Default::default() })
 }
 
 /// Hues that differ between neighbours: multiples of the golden ratio, each primary a triangle wave of the hue.

@@ -293,8 +293,7 @@ fn the_size_of_a_pixel_is_the_cameras() {
     let mut spheres = Spheres::default();
     spheres.push([0.0, 0.0, -3e5], 1.0, None);
     let image = ImagePlane { width: 100, height: 40, background: [0.0; 3] };
-    let mut scene =
-        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Default::default() };
+    let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
     scene.camera.lens = Lens::Viewport { vw: 8.0, vh: 3.2, distance: 5.0 };
     let size = |scene: &Scene| PixelSize::of(&View::without_spheres(scene).expect("a view")).at(10.0);
     assert!((size(&scene) - 0.16).abs() < 1e-15, "{}", size(&scene));

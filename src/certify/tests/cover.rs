@@ -29,7 +29,7 @@ fn scene(rng: &mut Rng) -> Scene {
         spheres.push((camera.eye + DVec3::new(x, y, -depth)).to_array(), depth * rng.decade(-3.5, -0.2), None);
     }
     let image = ImagePlane { width: 93, height: 61, background: [0.0; 3] };
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Default::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 /// The same for parallel rays, some spheres across the plane of the eye.
@@ -89,7 +89,7 @@ fn a_disc_closes_its_pixels_and_no_others() {
     spheres.push([0.0, 0.0, -100.0], 0.159, None);
     let image = ImagePlane { width: 16, height: 13, background: [0.0; 3] };
     let camera = Camera { lens: Viewport { vw: 0.005, vh: 0.005, distance: 1.0 }, ..Camera::CANONICAL };
-    let scene = Scene { camera, image, spheres, lighting: Default::default(), skipped: Default::default() };
+    let scene = Scene { camera, image, spheres, lighting: Default::default() };
     let view = View::new(&scene).expect("a view");
     let lens = ProjectionBounds::new(&scene.camera, &view, [16, 13], &TERMS).expect("a lens");
     let Staged::Projected(landed) = lens.stage(0, [0.0, 0.0, -100.0], 0.159, 0.0) else { panic!("a projected sphere") };
@@ -131,7 +131,7 @@ fn no_visible_sphere_is_culled() {
             spheres.push((eye + DVec3::new(x, y, -depth)).to_array(), depth * rng.decade(-2.0, -1.2), None);
         }
         let image = ImagePlane { width: 61, height: 45, background: [0.0; 3] };
-        let scene = Scene { camera, image, spheres, lighting: Default::default(), skipped: Default::default() };
+        let scene = Scene { camera, image, spheres, lighting: Default::default() };
         let view = View::new(&scene).expect("a view");
         let binned =
             BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");

@@ -83,7 +83,7 @@ fn scene(lens: Lens) -> Scene {
     let image = ImagePlane { width: SIZE[0], height: SIZE[1], background: [0.0; 3] };
     let mut spheres = Spheres::default();
     spheres.push((camera.eye + DVec3::new(0.0, 0.0, -100.0)).to_array(), 1.0, None);
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Default::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 #[test]

@@ -61,7 +61,7 @@ impl Sight {
         let mut spheres = Spheres::default();
         spheres.push(center, radius, None);
         let image = ImagePlane { width: 1 + rng.below(3000), height: 1 + rng.below(3000), background: [0.0; 3] };
-        let scene = Scene { camera, image, spheres, lighting: Default::default(), skipped: Default::default() };
+        let scene = Scene { camera, image, spheres, lighting: Default::default() };
         scene.check().ok()?;
         let away: Dd3 = std::array::from_fn(|n| Dd::diff(center[n], eye[n]));
         let k = dd::exponent(away.iter().fold(radius, |most, x| most.max(x.hi.abs())));

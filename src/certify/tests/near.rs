@@ -77,7 +77,7 @@ fn world(kind: &str, lens: Lens, rng: &mut Rng) -> Scene {
         }
     }
     let image = ImagePlane { width: SIZE[0], height: SIZE[1], background: [0.0; 3] };
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Default::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 fn binned(scene: &Scene, view: &View, tolerance: f64) -> BinnedScene {

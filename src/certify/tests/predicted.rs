@@ -7,7 +7,7 @@ use crate::exact::Judge;
 use crate::intersect::predict::Prediction;
 use crate::intersect::{Intersect, Method, Visit};
 use crate::scene::camera::{Camera, Lens, Look};
-use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::testing::Rng;
 use crate::view::ray::viewing_ray;
 use crate::view::{Sphere, View};
@@ -55,7 +55,7 @@ fn world(rng: &mut Rng) -> Scene {
     let mut spheres = Spheres::default();
     spheres.push(center.to_array(), radius, None);
     let image = ImagePlane { width: SIDE, height: SIDE, background: [0.0; 3] };
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 /// The sphere with a radius at which the pixel's ray grazes it, within the smallest predicted outline of all methods.

@@ -19,13 +19,7 @@ fn scene(count: usize, radius: f64) -> Scene {
     }
     let lens = Lens::Vfov { degrees: 3.0, distance: 1.0 };
     let image = ImagePlane { width: 256, height: 256, background: [0.0; 3] };
-    Scene {
-        camera: Camera { lens, ..Camera::CANONICAL },
-        image,
-        spheres,
-        lighting: Default::default(),
-        skipped: Default::default(),
-    }
+    Scene { camera: Camera { lens, ..Camera::CANONICAL }, image, spheres, lighting: Default::default() }
 }
 
 #[test]

@@ -6,7 +6,7 @@ mod perspective;
 use super::claims::Exact;
 use crate::double_double as dd;
 use crate::scene::camera::{Camera, Lens, Look};
-use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::testing::Rng;
 use glam::DVec3;
 
@@ -54,13 +54,7 @@ impl Site {
     pub(super) fn new(camera: Camera, [width, height]: [u32; 2]) -> Self {
         let basis = camera.basis().expect("a basis");
         let image = ImagePlane { width, height, ..ImagePlane::default() };
-        let scene = Scene {
-            camera,
-            image,
-            spheres: Spheres::default(),
-            lighting: Default::default(),
-            skipped: Skipped::default(),
-        };
+        let scene = Scene { camera, image, spheres: Spheres::default(), lighting: Default::default() };
         Self { scene, axes: [basis.u, basis.v, -basis.w] }
     }
 

@@ -14,7 +14,7 @@ use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
 use crate::scene::camera::Camera;
-use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::Tolerance;
 use crate::view::View;
@@ -42,7 +42,7 @@ pub(super) fn cloud(count: u32, side: u32) -> Scene {
         spheres.push([x, y, -1.5 + z], (0.05 + 0.1 * z.abs()) * size, None);
     }
     let image = ImagePlane { width: side, height: side, background: [0.0; 3] };
-    Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
+    Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() }
 }
 
 impl Gpu {

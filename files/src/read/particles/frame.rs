@@ -11,7 +11,8 @@ use super::vectors;
 use crate::error::{Error, Result};
 use crate::memory::{check, entries, extend_to};
 use crate::read::format::Format;
-use crate::scene::{Cell, Skipped, keep};
+use crate::read::skipped::Skipped;
+use crate::scene::{Cell, keep};
 use std::collections::BTreeMap;
 
 /// One frame of particles, as the file has them.

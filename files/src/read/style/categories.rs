@@ -1,12 +1,13 @@
 //! Colours of categories: names, numbers that identify, elements.
 
-use super::color::linear;
-use super::colormap::ColorMap;
 use super::elements::element;
-use super::scale::{Category, Colored, Legend, Scale};
+use super::scale::{Colored, Scale};
 use crate::error::{Error, Result};
+use crate::frame::color_map::ColorMap;
+use crate::frame::legend::{Category, Legend};
+use crate::frame::srgb::linear;
 use crate::read::particles::{Column, Particles};
-use crate::scene::Skipped;
+use crate::read::skipped::Skipped;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 

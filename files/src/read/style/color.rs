@@ -1,20 +1,12 @@
 //! Colours in sRGB and in text.
 
 use crate::error::{Error, Result};
+use crate::frame::srgb::linear;
 use crate::npy::{NumberKind, Scalar};
 use crate::quote::quote;
 use color_name::css::COLORS_DATA;
 use std::sync::LazyLock;
 use strsim::damerau_levenshtein;
-
-/// Converts 8-bit sRGB to linear RGB.
-pub fn linear(srgb: [u8; 3]) -> [f32; 3] {
-    srgb.map(|level| {
-        let x = f64::from(level) / 255.0;
-        // IEC 61966-2-1.
-        (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
-    })
-}
 
 /// A level of sRGB in linear light.
 pub(crate) fn light(level: u8) -> f64 {

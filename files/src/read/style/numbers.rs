@@ -1,11 +1,12 @@
 //! Colours from columns of numbers.
 
 use super::categories;
-use super::scale::{Colored, Legend, Scale};
+use super::scale::{Colored, Scale};
 use crate::error::{Error, Result};
+use crate::frame::legend::Legend;
 use crate::quote::{list, quote};
 use crate::read::particles::{Column, Particles, vectors};
-use crate::scene::Skipped;
+use crate::read::skipped::Skipped;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -85,8 +86,8 @@ fn own(particles: &Particles, name: &str) -> Option<Column> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::colormap::ColorMap;
     use super::*;
+    use crate::frame::color_map::ColorMap;
 
     fn particles(n: usize) -> Particles {
         Particles { positions: (0..n).map(|k| [k as f64, 0.0, 0.0]).collect(), ..Particles::default() }

@@ -1,10 +1,12 @@
 //! The style of particles whose copies are operators: radii and colours per particle, and colours by copy per operator.
 
-use super::{Coloring, Legend, Style};
+use super::{Coloring, Style};
 use crate::error::{Error, Place, Result};
+use crate::frame::legend::Legend;
 use crate::read::particles::{Column, Particles};
+use crate::read::skipped::Skipped;
+use crate::scene::Spheres;
 use crate::scene::instances::Instances;
-use crate::scene::{Skipped, Spheres};
 use std::ops::Range;
 
 impl Style {

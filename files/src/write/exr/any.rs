@@ -10,7 +10,10 @@ use exr::prelude::*;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-pub(in crate::write) fn read(bytes: &[u8], name: &str) -> Result<(Vec<(Option<String>, Array)>, Option<[i32; 2]>)> {
+/// Arrays by the names of their buffers.
+type NamedArrays = Vec<(Option<String>, Array)>;
+
+pub(in crate::write) fn read(bytes: &[u8], name: &str) -> Result<(NamedArrays, Option<[i32; 2]>)> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "EXR", why);
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), true).map_err(|error| fail(&error))?;
     // A size beyond any compression ratio is rejected and not allocated.

@@ -6,7 +6,7 @@ use glam::DVec3;
 use halfline::error::{Error, Place, Result};
 use halfline::scene::camera::{Lens, Look};
 use halfline::scene::{Scene, Spheres};
-use halfline_files::read::{self, ReadOptions};
+use halfline_files::read::ReadOptions;
 use std::path::Path;
 
 const LENS: Lens = Lens::Vfov { degrees: 40.0, distance: 1.0 };
@@ -135,7 +135,7 @@ pub(super) fn ground(seed: u64) -> Result<Vec<Scene>> {
 
 /// A spiral of 5,761 heavily overlapping spheres: the whole and a corner.
 pub(super) fn spiral(path: &Path) -> Result<Vec<Scene>> {
-    let mut scene = read::scene(path, &ReadOptions::default())?;
+    let mut scene = halfline_files::read::scene(path, &ReadOptions::default())?.scene;
     (scene.image.width, scene.image.height) = (48, 48);
     let mut close = scene.clone();
     (close.camera.look, close.camera.lens) = (Look::At(DVec3::new(0.0, 2.0, -12.0)), filled_by(0.06));

@@ -3,7 +3,7 @@
 use crate::suite::Random;
 use glam::DVec3;
 use halfline::scene::camera::{Camera, Lens, Look};
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Spheres};
 
 /// The oblique direction of the measurements, of unit length within rounding.
 pub(super) fn aslant() -> DVec3 {
@@ -14,7 +14,7 @@ pub(super) fn aslant() -> DVec3 {
 pub(super) fn picture(eye: DVec3, look: Look, lens: Lens, size: [u32; 2], spheres: Spheres) -> Scene {
     let camera = Camera { eye, look, up: DVec3::new(0.1, 1.0, 0.2), lens };
     let image = ImagePlane { width: size[0], height: size[1], background: [0.0; 3] };
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 /// The lens of a 4:3 picture that is half filled by a sphere whose angular radius has the tangent `tangent`: the radius

@@ -77,7 +77,7 @@ fn scene(camera: Camera, balls: &[(DVec3, f64)]) -> Scene {
         spheres.push(center.to_array(), *radius, None);
     }
     let image = ImagePlane { width: 8, height: 8, background: [0.0; 3] };
-    Scene { camera, image, spheres, lighting: Default::default(), skipped: Default::default() }
+    Scene { camera, image, spheres, lighting: Default::default() }
 }
 
 fn cloud(random: &mut Rng, at: DVec3, unit: f64) -> Vec<(DVec3, f64)> {

@@ -1,11 +1,9 @@
-//! The plotters backend of every plot: each element is written as SVG and filled as pixels. Text is drawn from the outlines
+//! The plotters backend of every drawing: each element is written as SVG and filled as pixels. Text is drawn from the outlines
 //! of DejaVu Sans, so that no PNG depends on the fonts of the machine.
 
 use super::cells::Cells;
-use super::look::Drawn;
 use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point};
 use halfline::quote::list;
-use halfline_files::write::png;
 use plotters::prelude::{DrawingBackend, SVGBackend};
 use plotters_backend::DrawingErrorKind;
 use plotters_backend::text_anchor::{HPos, VPos};
@@ -18,7 +16,7 @@ use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Rect, Stroke,
 type Outcome = Result<(), DrawingErrorKind<io::Error>>;
 
 /// Draws to an SVG and to pixels of the same size.
-pub(super) struct SvgAndPixels<'a> {
+pub struct SvgAndPixels<'a> {
     svg: SVGBackend<'a>,
     pixels: &'a mut Pixmap,
 }
@@ -151,17 +149,6 @@ pub(super) fn fill_cells(pixels: &mut Pixmap, cells: &Cells) {
     }
 }
 
-/// The pixels as a PNG file.
-pub(super) fn png(pixels: &Pixmap) -> Drawn<Vec<u8>> {
-    // Everything is opaque on white.
-    let levels: Vec<u8> = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-    let software = [("Software".to_owned(), concat!("halfline ", env!("CARGO_PKG_VERSION")).to_owned())];
-    let mut file = Vec::new();
-    let size = [pixels.width() as usize, pixels.height() as usize];
-    png::write_levels(size, &software, &mut file, |out| out.write_all(&levels))?;
-    Ok(file)
-}
-
 fn paint(color: BackendColor) -> Paint<'static> {
     let (r, g, b) = color.rgb;
     let mut paint = Paint::default();
@@ -209,7 +196,7 @@ pub(super) fn missing(text: &str, bold: bool) -> impl Iterator<Item = char> {
 }
 
 /// What to report of letters that the font lacks, in a whole sentence.
-pub(super) fn warning(letters: &BTreeSet<char>) -> Option<String> {
+pub(super) fn missing_letters(letters: &BTreeSet<char>) -> Option<String> {
     let named = |letter: &char| format!("{} (U+{:04X})", letter.escape_debug(), u32::from(*letter));
     let names = list(letters.iter().map(named));
     (!letters.is_empty()).then(|| format!("the font of labels and legends lacks {names}: boxes are drawn instead"))

@@ -1,7 +1,7 @@
 //! Perceptual colour maps from numbers between 0 and 1 to colours. The maps are those of the crate colorous
 //! (matplotlib's and ColorBrewer's by d3-scale-chromatic).
 
-use super::color::linear;
+use super::srgb::linear;
 use crate::error::{Error, Result};
 use std::str::FromStr;
 

@@ -3,7 +3,6 @@
 use super::MOST_LETTERS;
 use halfline::error::{Error, Result};
 use halfline::quote::number;
-use halfline_files::read::FrameTime;
 use std::str::FromStr;
 
 /// The text of a label, in parts.
@@ -29,8 +28,10 @@ pub struct LabelValues {
     pub file: Option<String>,
     /// `{count}`: the number of spheres.
     pub count: usize,
-    /// `{time}` and `{step}`, as far as the file has them.
-    pub when: FrameTime,
+    /// `{time}`, if the file has it.
+    pub time: Option<f64>,
+    /// `{step}`, if the file has it.
+    pub step: Option<i64>,
 }
 
 impl Label {
@@ -39,7 +40,7 @@ impl Label {
     /// # Errors
     /// [`Error::Settings`] for a name that the picture has nothing for.
     pub fn text(&self, values: &LabelValues) -> Result<String> {
-        let when = values.when;
+        let LabelValues { time, step, .. } = *values;
         let part = |part: &LabelPart| {
             Ok(match part {
                 LabelPart::Text(text) => text.clone(),
@@ -47,12 +48,12 @@ impl Label {
                 LabelPart::File => values.file.clone().ok_or_else(|| lacking("{file}", "scene", "file", None))?,
                 LabelPart::Count => values.count.to_string(),
                 LabelPart::Time => {
-                    let found = when.time.map(brief);
-                    found.ok_or_else(|| lacking("{time}", "frame", "time", when.step.map(|_| "{step}")))?
+                    let found = time.map(brief);
+                    found.ok_or_else(|| lacking("{time}", "frame", "time", step.map(|_| "{step}")))?
                 }
                 LabelPart::Step => {
-                    let found = when.step.map(|step| step.to_string());
-                    found.ok_or_else(|| lacking("{step}", "frame", "step", when.time.map(|_| "{time}")))?
+                    let found = step.map(|step| step.to_string());
+                    found.ok_or_else(|| lacking("{step}", "frame", "step", time.map(|_| "{time}")))?
                 }
             })
         };
@@ -132,11 +133,10 @@ mod tests {
     #[test]
     fn a_name_without_a_value_is_an_error_with_another() {
         let label: Label = "{file} {time}".parse().expect("a label");
-        let when = FrameTime { time: None, step: Some(7) };
-        let values = LabelValues { frame: 3, file: Some("a.dump".into()), count: 2, when };
+        let values = LabelValues { frame: 3, file: Some("a.dump".into()), count: 2, time: None, step: Some(7) };
         let fault = label.text(&values).expect_err("no time").to_string();
         assert!(fault.contains("{time}") && fault.contains("or use {step}"), "{fault}");
-        let timed = LabelValues { when: FrameTime { time: Some(2.5), step: None }, ..values };
+        let timed = LabelValues { time: Some(2.5), step: None, ..values };
         assert_eq!(label.text(&timed).expect("a text"), "a.dump 2.5");
         let fault = label.text(&LabelValues { file: None, ..timed }).expect_err("no file").to_string();
         assert!(fault.contains("the scene has no file"), "{fault}");

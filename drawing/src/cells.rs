@@ -4,24 +4,28 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// A grid of square cells of colour.
-pub(super) struct Cells {
+#[derive(Debug)]
+pub struct Cells {
     /// The upper left corner.
-    pub(super) at: (i32, i32),
+    pub at: (i32, i32),
     /// The side of a cell.
-    pub(super) side: f64,
+    pub side: f64,
     /// Columns and rows.
-    pub(super) size: [usize; 2],
+    pub size: [usize; 2],
     /// sRGB, row by row.
-    pub(super) colors: Vec<[u8; 3]>,
+    pub colors: Vec<[u8; 3]>,
 }
 
 impl Cells {
-    pub(super) fn new(at: (i32, i32), side: f64, size: [usize; 2], color: impl Fn(usize) -> [u8; 3]) -> Self {
+    /// The cells of `size` columns and rows, coloured by their index.
+    #[must_use]
+    pub fn new(at: (i32, i32), side: f64, size: [usize; 2], color: impl Fn(usize) -> [u8; 3]) -> Self {
         Self { at, side, size, colors: (0..size[0] * size[1]).map(color).collect() }
     }
 
     /// The cells as SVG: the runs of a row in one path per colour, because a rectangle per cell would need megabytes.
-    pub(super) fn svg(&self) -> String {
+    #[must_use]
+    pub fn svg(&self) -> String {
         let [columns, rows] = self.size;
         let mut paths: BTreeMap<[u8; 3], (usize, String)> = BTreeMap::new();
         for row in 0..rows {

@@ -6,10 +6,11 @@ mod page;
 mod scale;
 
 use super::canvas::plain;
-use super::raster::{missing, warning};
+use super::raster::{missing, missing_letters};
 use halfline::error::{Error, Result};
+use halfline::frame::legend::Legend;
+use halfline::frame::srgb::linear;
 use halfline::frame::{Aov, Buffer, Data, Frame};
-use halfline_files::read::style::{Legend, linear};
 use page::Page;
 use std::collections::BTreeSet;
 use tiny_skia::Pixmap;
@@ -204,7 +205,7 @@ impl Panels {
     /// What the panels do not show as it is written, in a whole sentence: letters that the font lacks.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        warning(&self.unknown)
+        missing_letters(&self.unknown)
     }
 
     /// Draws the panels on the colour of a whole frame, and in its alpha if the background is transparent; returns what they cover.

@@ -1,10 +1,9 @@
 //! The panels of a picture: their sizes and what is drawn on them.
 
-use crate::plot::canvas::{plain, shortened};
-use crate::plot::legend::{DrawnLegend, TICKS};
-use crate::plot::raster::{letters, letters_width};
+use crate::canvas::{plain, shortened};
+use crate::raster::{letters, letters_width};
 use halfline::error::{Error, Result};
-use halfline_files::read::style::{Category, Legend};
+use halfline::frame::legend::{Category, Legend};
 use std::fmt::Write;
 use tiny_skia::{Color, FillRule, Paint, Pixmap, Rect, Transform};
 
@@ -115,7 +114,7 @@ impl Page {
         let long = (0.5 * self.height).min(14.0 * size).min(free - size - row * rows as f32).round();
         // The last row counts what does not fit.
         let shown = if rows < swatches.len() { rows.saturating_sub(1) } else { rows };
-        let ticks: Vec<String> = if bar { DrawnLegend(legend).ticks().into_iter().rev().collect() } else { Vec::new() };
+        let ticks: Vec<String> = if bar { legend.ticks().into_iter().rev().collect() } else { Vec::new() };
         let labels = swatches[..shown].iter().map(|swatch| shortened(&plain(&swatch.label), LETTERS));
         let labels: Vec<String> = labels.map(|label| self.fitting(&label, false, widest - row)).collect();
         let more = swatches.len() - shown;
@@ -146,7 +145,7 @@ impl Page {
                 fill(&mut pixels, [margin, y, right, y + 1.0], color);
             }
             for (tick, label) in ticks.iter().enumerate() {
-                let y = first + (long - 1.0) * tick as f32 / (TICKS - 1) as f32;
+                let y = first + (long - 1.0) * tick as f32 / (Legend::TICKS - 1) as f32;
                 fill(
                     &mut pixels,
                     [right, y.round(), right + margin / 2.0, y.round() + (size / 14.0).max(1.0).round()],
