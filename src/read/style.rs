@@ -1,18 +1,17 @@
 //! The style of particles: how their radii and colours are chosen when they become spheres.
 
 mod categories;
-pub(super) mod color;
 mod colormap;
-pub mod elements;
 mod numbers;
 mod placed;
 mod scale;
 
-pub use color::color;
+pub use super::color::color;
+pub(crate) use super::color::linear;
 pub use colormap::ColorMap;
 pub use scale::{Category, Legend, Scale};
 
-use super::particles::Particles;
+use super::particles::frame::Particles;
 use super::select::selection::Selection;
 use crate::error::{Error, Place, Result};
 use crate::frame::srgb;
@@ -20,10 +19,9 @@ use crate::memory::check_spheres;
 use crate::quote::{number, quote};
 use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere, is_center, is_radius};
 pub(super) use categories::joined_elements;
-pub(crate) use color::linear;
 
-use color::of_hex;
-use elements::{Element, element};
+use super::color::of_hex;
+use super::elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
 

@@ -1,6 +1,6 @@
 //! Numbers in binary files: the type names of PLY and NumPy, and their decoding.
 
-use crate::read::style::color::linear;
+use crate::read::color::linear;
 use std::sync::LazyLock;
 
 /// A binary number type.

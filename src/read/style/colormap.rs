@@ -1,8 +1,8 @@
 //! Perceptual colour maps from numbers between 0 and 1 to colours. The maps are those of the crate colorous
 //! (matplotlib's and ColorBrewer's by d3-scale-chromatic).
 
-use super::color::linear;
 use crate::error::{Error, Result};
+use crate::read::color::linear;
 use std::str::FromStr;
 
 /// A colour map.

@@ -2,7 +2,7 @@
 
 use super::{Coloring, Legend, Style};
 use crate::error::{Error, Place, Result};
-use crate::read::particles::{Column, Particles};
+use crate::read::particles::frame::{Column, Particles};
 use crate::scene::instances::Instances;
 use crate::scene::{Skipped, Spheres};
 use std::ops::Range;
