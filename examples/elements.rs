@@ -6,8 +6,8 @@
 //! ```
 
 use halfline::ReadOptions;
+use halfline::read::elements::element;
 use halfline::read::style::Coloring;
-use halfline::read::style::elements::element;
 use halfline::read::{SceneFrame, Style};
 use serde_json::json;
 use std::collections::HashMap;

@@ -2,24 +2,23 @@
 //! = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, and arrays of
 //! records with named fields. Rows count from 0, as in NumPy.
 
-mod records;
+pub(super) mod records;
 mod rows;
 
 use super::csv::COLUMNS;
 use super::input::{Counts, Input};
+use super::particles::scalar::Scalar;
+use super::particles::survey::Survey;
 use crate::error::{Error, Place, Result, relocate};
 use crate::memory::check_spheres;
 use crate::npy::{DType, Fault as HeaderFault, Header};
 use crate::progress::Watch;
-use crate::read::particles::{Scalar, Survey};
 use crate::scene::Spheres;
 use crate::trailer;
 use rows::{Fault, Form, fill_columns, fill_rows};
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-pub(super) use records::Array;
 
 /// The remedy for spheres.
 const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";

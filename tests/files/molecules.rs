@@ -4,8 +4,8 @@
 //! The entries are those of ../shared/data and of the package MDAnalysisTests (`tests/real_files`), as far as present.
 
 use crate::data::real_or_skip;
-use halfline::read::style::{Coloring, Scale, Style, elements};
-use halfline::read::{Altloc, ReadOptions, SceneFrame, Sequence};
+use halfline::read::style::{Coloring, Scale, Style};
+use halfline::read::{Altloc, ReadOptions, SceneFrame, Sequence, elements};
 use halfline::scene::Scene;
 use std::path::Path;
 

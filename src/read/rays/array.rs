@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::npy::DType;
 use crate::read::input::Input;
 use crate::read::npy::Npy;
-use crate::read::particles::Scalar;
+use crate::read::particles::scalar::Scalar;
 use std::io::{self, Read};
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use super::header::{PlyElement, Property, short_of, truncated};
 use crate::error::{Error, Place, Result, relocate};
 use crate::read::input::Input;
-use crate::read::particles::Particles;
+use crate::read::particles::frame::Particles;
 use crate::read::particles::layout::Layout;
 use crate::read::particles::scalar::Scalar;
 use std::io::{self, BufRead, BufReader, Read};

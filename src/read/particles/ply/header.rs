@@ -4,7 +4,8 @@ use crate::error::{Error, Place, Result};
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
-use crate::read::particles::layout::{Layout, Role};
+use crate::read::particles::layout::Layout;
+use crate::read::particles::role::Role;
 use crate::read::particles::scalar::Scalar;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
