@@ -6,8 +6,8 @@
 //! ```
 
 use halfline_files::ReadOptions;
+use halfline_files::read::elements::element;
 use halfline_files::read::style::Coloring;
-use halfline_files::read::style::elements::element;
 use halfline_files::read::{SceneFrame, Style};
 use serde_json::json;
 use std::collections::HashMap;

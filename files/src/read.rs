@@ -2,11 +2,14 @@
 //! spheres. Given rays are read block by block.
 
 pub mod cameras;
+mod color;
 mod columns;
 mod csv;
 mod detect;
+pub mod elements;
 mod foreign;
 mod format;
+mod frame_range;
 mod held;
 pub mod info;
 mod input;
@@ -14,6 +17,7 @@ mod lines;
 mod native;
 mod nff;
 mod npy;
+mod open;
 mod options;
 mod particles;
 pub mod rays;
@@ -29,10 +33,16 @@ use std::path::Path;
 
 pub use columns::{Codes, ColumnValues, Columns};
 pub use format::Format;
+pub use frame_range::FrameRange;
 pub use held::HeldCamera;
 pub use info::info;
-pub use options::{Altloc, ColumnNames, FrameRange, Hold, Keep, ReadOptions};
-pub use particles::{FrameTime, NamedAtoms, NamedElements, Periodic, Survey, elements_of_names};
+pub use options::{Hold, Keep, ReadOptions};
+pub use particles::column_names::ColumnNames;
+pub use particles::frame_time::FrameTime;
+pub use particles::infer::slices::{NamedAtoms, NamedElements, elements_of_names};
+pub use particles::periodic::Periodic;
+pub use particles::request::Altloc;
+pub use particles::survey::Survey;
 pub use select::selection::Selection;
 pub use sequence::{Mark, SceneFrame, Sequence};
 pub use skipped::Skipped;

@@ -1,7 +1,7 @@
 //! The library's tables of the elements, and what it infers from names.
 
 use crate::errors::OrRaise;
-use halfline_files::read::style::elements::{atomic_number, element};
+use halfline_files::read::elements::{atomic_number, element};
 use halfline_files::read::style::{Radii, color_of_element};
 use halfline_files::read::{NamedAtoms, elements_of_names};
 use pyo3::prelude::*;

@@ -1,10 +1,10 @@
 //! The columns of the particles of a scene: names, numbers and texts in the order of its spheres, for those who look up
 //! what a file says about an id.
 
-use super::particles::{Column, Particles};
+use super::elements::element;
+use super::particles::frame::{Column, Particles};
 use super::select::selection::Selection;
 use super::select::{self, candidates};
-use super::style::elements::element;
 use crate::error::{Error, Result};
 use crate::memory::check;
 use crate::quote::{list, quote};

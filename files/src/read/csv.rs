@@ -3,7 +3,9 @@
 
 use super::input::Input;
 use super::lines::Lines;
-use super::particles::{Particles, Role, Table};
+use super::particles::frame::Particles;
+use super::particles::role::Role;
+use super::particles::table::Table;
 use crate::error::{Error, Result};
 use crate::progress::Watch;
 use crate::scene::Spheres;

@@ -1,7 +1,7 @@
 //! Detects the format of a scene file by its beginning, then by its name.
 
 use super::format::Format;
-use super::particles::axes;
+use super::particles::table::names::axes;
 use super::{foreign, nff};
 use std::path::Path;
 

@@ -1,11 +1,14 @@
 //! What a file contains, without keeping its particles: format, frames, columns with their ranges, elements, chains,
 //! cell and extent, and what a plain rendering would assume.
 
-use super::options::{FrameRange, ReadOptions};
-use super::particles::{self, ColumnCounts, Counts, Survey};
+use super::elements::element;
+use super::frame_range::FrameRange;
+use super::open::open;
+use super::options::ReadOptions;
+use super::particles::frame::Particles;
+use super::particles::survey::{ColumnCounts, Counts, Survey};
 use super::sequence::{SceneFrame, Sequence};
 use super::source::SceneSource;
-use super::style::elements::element;
 use super::style::{Radii, Style, spacing_of};
 use crate::error::{Error, Place, Result};
 use crate::scene::Cell;
@@ -113,7 +116,7 @@ const LISTED: usize = 64;
 /// # Errors
 /// Those of [`scene`](super::scene).
 pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
-    of_source(SceneSource::open(path, options)?, path, options, Survey::default())
+    of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options, Survey::default())
 }
 
 /// The content of an opened source, counted by `survey`.
@@ -125,7 +128,7 @@ fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Su
         ..options.clone()
     };
     let format = source.format.name();
-    let mut frames = match particles::open(source, &options)? {
+    let mut frames = match open(source, &options)? {
         Ok(frames) => frames,
         Err(source) => {
             return Sequence::of_source(source, path, &options)?.next_scene()?.map_or_else(
@@ -196,7 +199,7 @@ impl FileInfo {
         let mut copy = spheres.clone();
         let survey = Survey::default();
         survey.count_spheres(&mut copy, true);
-        let counts = super::particles::Particles::default().counted(&survey);
+        let counts = Particles::default().counted(&survey);
         let info = Self::of(counts);
         let nothing = spheres.is_empty().then(|| NOTHING.to_owned());
         let warnings = skipped.warnings().into_iter().chain(nothing).collect();

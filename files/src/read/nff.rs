@@ -15,7 +15,6 @@
 
 use super::input::Input;
 use super::lines::{Lines, Spot};
-use super::options::ReadOptions;
 use super::skipped::Skipped;
 use crate::error::{Error, Place, Result, relocate};
 use crate::quote::{count, quote};
@@ -35,7 +34,7 @@ pub(super) const DIRECTIVES: [&str; 8] = ["v", "b", "l", "f", "s", "c", "p", "pp
 const VIEW: [&str; 6] = ["from", "at", "up", "angle", "hither", "resolution"];
 
 /// Reads a scene from the stream; `path` is for errors.
-pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<(Scene, Skipped)> {
+pub(super) fn read(reader: Input, path: &Path, strict: bool) -> Result<(Scene, Skipped)> {
     let mut nff = Reader { lines: Lines::new(reader, path), next: 0 };
     let mut camera = None;
     let mut background: Option<[f32; 3]> = None;
@@ -68,7 +67,7 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
             "b" => background = Some(nff.color(&at("background", None), 3)?),
             "f" => {
                 let (color, material, in_range) = nff.fill(&at("fill", None))?;
-                if !in_range && options.strict {
+                if !in_range && strict {
                     let place = spot.of(nff.lines.file()).named("fill");
                     let mend = "use Kd, Ks and T from 0 to 1 and an index from 0.1 to 10, or read without strict";
                     return Err(Error::scene(place, "a part of the material is out of range", mend));
@@ -88,7 +87,7 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
             }
             _ => {
                 let kind = nff.other(directive, &at)?;
-                skipped.meet(kind, options.strict, || spot.of(nff.lines.file()).named(kind))?;
+                skipped.meet(kind, strict, || spot.of(nff.lines.file()).named(kind))?;
             }
         }
     }

@@ -2,7 +2,7 @@
 //! = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, and arrays of
 //! records with named fields. Rows count from 0, as in NumPy.
 
-mod records;
+pub(super) mod records;
 mod rows;
 
 use super::input::{Counts, Input, fill};
@@ -15,8 +15,6 @@ use crate::scene::Spheres;
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-pub(super) use records::Array;
 
 /// The remedy for spheres.
 const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";

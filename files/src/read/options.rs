@@ -1,20 +1,21 @@
 //! The options for reading a scene.
 
-mod named;
-
 use super::format::Format;
-use super::particles::{EVERY, Periodic, Survey, periodic, vectors};
+use super::frame_range::FrameRange;
+use super::particles::column_names::ColumnNames;
+use super::particles::layout::EVERY;
+use super::particles::periodic::{self, Periodic};
+use super::particles::request::{Altloc, Request};
+use super::particles::survey::Survey;
+use super::particles::vectors;
 use super::select::candidates;
-use super::select::selection::Selection;
+use super::select::{Selections, selection::Selection};
+use super::source::KnownFormat;
 use super::style::Style;
 use crate::error::{Error, Result};
 use crate::progress::Watch;
-use std::borrow::Cow;
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
-
-pub use named::ColumnNames;
 
 /// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
@@ -116,12 +117,43 @@ impl ReadOptions {
         columns
     }
 
-    /// The options for a file of this format: of molecules all columns are kept.
-    pub(super) fn of_format(&self, format: Format) -> Cow<'_, Self> {
+    /// What is known of a file's format before it is opened.
+    pub(super) fn known_format(&self) -> KnownFormat {
+        match self.format {
+            Some(format) => KnownFormat::Given(format),
+            None if self.columns_named.is_empty() => KnownFormat::Nothing,
+            None => KnownFormat::IfNone(Format::Csv),
+        }
+    }
+
+    /// What is asked of the reader of a file of this format: of molecules all columns are kept.
+    pub(super) fn request(&self, format: Format) -> Request {
         use Format::{Gro, Mmcif, Pdb, Pdbqt, Pqr};
-        match self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro) {
-            true => Cow::Owned(Self { keep: Keep::All, ..self.clone() }),
-            false => Cow::Borrowed(self),
+        let all = self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro);
+        Request {
+            columns: if all { vec![EVERY.to_owned()] } else { self.columns() },
+            columns_named: self.columns_named.clone(),
+            strict: self.strict,
+            skip_invalid: self.skip_invalid,
+            frames: self.frames.clone(),
+            model: self.model,
+            altloc: self.altloc.clone(),
+            assembly: self.assembly.clone(),
+            as_operators: self.as_operators,
+            as_listed: self.as_listed,
+            survey: self.survey.clone(),
+            watch: self.watch.clone(),
+        }
+    }
+
+    /// What is selected of the particles of a frame.
+    pub(super) fn selections(&self) -> Selections<'_> {
+        Selections {
+            select: &self.select,
+            hide: &self.hide,
+            marks: &self.marks,
+            paints: self.style.paints.iter().map(|(selection, _)| selection).collect(),
+            sizes: self.style.sizes.iter().map(|(selection, _)| selection).collect(),
         }
     }
 }
@@ -173,117 +205,5 @@ impl FromStr for Hold {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self> {
         crate::error::by_name("hold", name, Self::ALL, Self::name)
-    }
-}
-
-/// Selection of alternate locations of atoms.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum Altloc {
-    /// All alternate locations.
-    #[default]
-    All,
-    /// The one with the highest occupancy, the first of equals.
-    Highest,
-    /// Those with this identifier, and atoms without one.
-    Named(String),
-}
-
-impl FromStr for Altloc {
-    type Err = Error;
-    /// `all`, `highest`, or a name such as `A`.
-    fn from_str(text: &str) -> Result<Self> {
-        match text {
-            "all" => Ok(Self::All),
-            "highest" => Ok(Self::Highest),
-            "" => Err(Error::settings(
-                "the identifier of the alternate location is empty",
-                "use all, highest or an identifier such as A",
-            )),
-            name => Ok(Self::Named(name.to_owned())),
-        }
-    }
-}
-
-/// Frames of a sequence, counted from 1: `2`, `1-10`, `1-3,5,7-20:2`, `5-` to the last.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FrameRange(Vec<(RangeInclusive<u64>, u64)>);
-
-impl FrameRange {
-    /// The first frame only.
-    #[must_use]
-    pub fn first() -> Self {
-        Self(vec![(1..=1, 1)])
-    }
-
-    /// Whether frame `number` is selected.
-    #[must_use]
-    pub fn contains(&self, number: u64) -> bool {
-        self.0.iter().any(|(range, step)| range.contains(&number) && (number - range.start()).is_multiple_of(*step))
-    }
-
-    /// The most frames that can be selected; frames in several ranges count for each.
-    #[must_use]
-    pub fn count(&self) -> u64 {
-        let each = |(range, step): &(RangeInclusive<u64>, u64)| (range.end() - range.start()) / step + 1;
-        self.0.iter().map(each).fold(0, u64::saturating_add)
-    }
-
-    /// The frame numbers, range by range.
-    pub fn numbers(&self) -> impl Iterator<Item = u64> + Clone + '_ {
-        // `step_by` takes a usize; a longer step than that ends any range.
-        let step = |step: u64| usize::try_from(step).unwrap_or(usize::MAX);
-        self.0.iter().flat_map(move |(range, by)| range.clone().step_by(step(*by)))
-    }
-
-    /// The number of the last frame, [`u64::MAX`] for an open end.
-    #[must_use]
-    pub fn last(&self) -> u64 {
-        self.0.iter().map(|(range, _)| *range.end()).max().unwrap_or(1)
-    }
-}
-
-impl Default for FrameRange {
-    fn default() -> Self {
-        Self::first()
-    }
-}
-
-impl FromStr for FrameRange {
-    type Err = Error;
-    fn from_str(text: &str) -> Result<Self> {
-        let part = |part: &str| {
-            let (range, step) = part.split_once(':').unwrap_or((part, "1"));
-            let (first, last) = match range.split_once('-') {
-                Some((first, "")) => (first.parse().ok()?, u64::MAX),
-                Some((first, last)) => (first.parse().ok()?, last.parse().ok()?),
-                None => (range.parse().ok()?, range.parse().ok()?),
-            };
-            let step: u64 = step.parse().ok()?;
-            (first >= 1 && first <= last && step >= 1).then_some((first..=last, step))
-        };
-        text.split(',').map(|text| part(text.trim())).collect::<Option<_>>().map(Self).ok_or_else(|| {
-            let problem = format!("`{text}` is not a selection of frames");
-            Error::settings(problem, "use numbers from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last")
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_are_named_by_ranges() {
-        let frames = |text: &str| -> Vec<u64> {
-            let range: FrameRange = text.parse().expect("frames");
-            (1..=12).filter(|n| range.contains(*n)).collect()
-        };
-        assert_eq!(frames("2"), [2]);
-        assert_eq!(frames("1-3,5,7-12:2"), [1, 2, 3, 5, 7, 9, 11]);
-        assert_eq!(frames("10-"), [10, 11, 12]);
-        assert_eq!("3-4,2".parse::<FrameRange>().expect("frames").last(), 4);
-        for bad in ["", "0", "0-3", "3-2", "1:0", "a", "1-2-3", "1,,2"] {
-            bad.parse::<FrameRange>().expect_err(bad);
-        }
     }
 }

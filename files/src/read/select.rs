@@ -13,7 +13,7 @@ mod near;
 pub(super) mod selection;
 mod values;
 
-pub(super) use apply::{add_selected, apply, marks_of, mask};
+pub(super) use apply::{Selections, add_selected, apply, marks_of, mask};
 pub(super) use columns::candidates;
 
 #[cfg(test)]

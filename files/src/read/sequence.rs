@@ -3,9 +3,13 @@
 use super::columns::Columns;
 use super::format::Format;
 use super::input::Input;
+use super::open::open;
 use super::options::{Hold, Keep, ReadOptions};
+use super::particles::frame::{ParticleFrames, Particles};
+use super::particles::frame_time::FrameTime;
+use super::particles::periodic;
+use super::particles::periodic::Periodic;
 use super::particles::periodic::no_cell;
-use super::particles::{self, FrameTime, ParticleFrames, Particles, Periodic};
 use super::select;
 use super::select::selection::Selection;
 use super::skipped::Skipped;
@@ -131,7 +135,7 @@ impl Sequence {
     /// # Errors
     /// Those of [`scene`](super::scene).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        Self::of_source(SceneSource::open(path, options)?, path, options)
+        Self::of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options)
     }
 
     /// Opens the stream `reader`, compressed or not. Errors refer to it by `path`, whose extension may determine the
@@ -141,7 +145,7 @@ impl Sequence {
     /// Those of [`scene`](super::scene).
     pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
         let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
-        Self::of_source(SceneSource::of(input, path, options)?, path, options)
+        Self::of_source(SceneSource::of(input, path, options.known_format())?, path, options)
     }
 
     /// The scenes of an opened source.
@@ -151,11 +155,11 @@ impl Sequence {
         }
         let mut files: Vec<PathBuf> = options.topology.iter().cloned().collect();
         let format = source.format;
-        let state = match particles::open(source, options)? {
+        let state = match open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
                 let native::Read { mut scene, skipped, look, aperture, files: named } = match source.format {
-                    Format::Nff => native::Read::of(nff::read(source.reader, path, options)?),
+                    Format::Nff => native::Read::of(nff::read(source.reader, path, options.strict)?),
                     _ => native::read(source.reader, path, &options.watch)?,
                 };
                 files.extend(named);
@@ -217,9 +221,9 @@ impl Sequence {
         let file = Place::file(self.path.display().to_string());
         let (cell, when, is_molecule) = (particles.cell, particles.when, particles.are_molecule(self.format));
         self.options.watch.check()?;
-        particles::periodic::apply(self.options.periodic, &mut particles)?;
+        periodic::apply(self.options.periodic, &mut particles)?;
         particles.add_lengths(&self.options.named_columns())?;
-        select::apply(&self.options, &mut particles)?;
+        select::apply(&self.options.selections(), &mut particles)?;
         if !particles.placed.is_empty() {
             return self.dress_placed(particles, number, &file);
         }

@@ -3,8 +3,8 @@
 use super::detect::recognise;
 use super::format::Format;
 use super::input::Input;
-use super::options::ReadOptions;
 use crate::error::{Error, Place, Result};
+use crate::progress::Watch;
 use std::path::{Path, PathBuf};
 
 /// An opened scene file.
@@ -17,33 +17,42 @@ pub(super) struct SceneSource {
     pub(super) format: Format,
 }
 
+/// What the caller knows about the format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum KnownFormat {
+    /// Nothing: it is detected from the content, then from the name.
+    Nothing,
+    /// It has this format.
+    Given(Format),
+    /// It has this format if no other is detected.
+    IfNone(Format),
+}
+
 /// Bytes that are inspected to detect the format.
 const LOOK: u64 = 1 << 16;
 
 impl SceneSource {
-    /// Opens `path`; the format is that of the options, or detected from the content, or from the name. A file whose
-    /// columns are named is a table if nothing else is detected.
+    /// Opens `path`; `-` is standard input.
     ///
     /// # Errors
     /// Those of [`Input::open`], and [`Error::Scene`] for an empty file and for one whose format is not detected.
-    pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        Self::of(Input::open(path, &options.watch)?, path, options)
+    pub(super) fn open(path: &Path, known: KnownFormat, watch: &Watch) -> Result<Self> {
+        Self::of(Input::open(path, watch)?, path, known)
     }
 
     /// Opens bytes that errors refer to by `path`.
     ///
     /// # Errors
     /// As [`SceneSource::open`].
-    pub(super) fn of(mut reader: Input, path: &Path, options: &ReadOptions) -> Result<Self> {
+    pub(super) fn of(mut reader: Input, path: &Path, known: KnownFormat) -> Result<Self> {
         let mut name = path.to_path_buf();
         if reader.is_packed() {
             name.set_extension("");
         }
         let start = reader.look(LOOK).map_err(|e| Error::read(path, e))?;
-        let format = match (options.format, recognise(&start, &name)) {
-            (Some(format), _) | (None, Ok(format)) => format,
-            (None, Err(_)) if !options.columns_named.is_empty() => Format::Csv,
-            (None, Err((problem, mend))) => {
+        let format = match (known, recognise(&start, &name)) {
+            (KnownFormat::Given(format), _) | (_, Ok(format)) | (KnownFormat::IfNone(format), Err(_)) => format,
+            (KnownFormat::Nothing, Err((problem, mend))) => {
                 return Err(Error::scene(Place::file(path.display().to_string()), problem, mend));
             }
         };
@@ -75,12 +84,9 @@ mod tests {
 
     #[test]
     fn an_empty_file_is_called_empty() {
-        let open = |format| {
-            let options = ReadOptions { format, ..ReadOptions::default() };
-            SceneSource::of(Input::of_bytes(b""), Path::new("a.xyz"), &options)
-        };
-        for format in [None, Some(Format::Pdb)] {
-            let error = open(format).map(drop).expect_err("nothing").to_string();
+        for known in [KnownFormat::Nothing, KnownFormat::Given(Format::Pdb)] {
+            let open = SceneSource::of(Input::of_bytes(b""), Path::new("a.xyz"), known);
+            let error = open.map(drop).expect_err("nothing").to_string();
             assert!(error.starts_with("a.xyz: the file is empty"), "{error}");
         }
     }

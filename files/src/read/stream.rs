@@ -1,8 +1,11 @@
 //! The spheres of a file in blocks, for files larger than memory: while a block is used, the next one is read.
 
 use super::format::Format;
+use super::open::open as open_particles;
 use super::options::ReadOptions;
-use super::particles::{self, Part, ParticleFrames, Particles, Periodic, Survey};
+use super::particles::frame::{ParticleFrames, Particles};
+use super::particles::periodic::Periodic;
+use super::particles::survey::{Part, Survey};
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::style::{Coloring, is_8_bit, joined_elements};
@@ -76,7 +79,7 @@ impl SphereBlocks {
     }
 
     fn begin(path: &Path, options: &ReadOptions, surveys: bool) -> Result<Self> {
-        let source = SceneSource::open(path, options)?;
+        let source = SceneSource::open(path, options.known_format(), &options.watch)?;
         if !ROWS.contains(&source.format) {
             let problem = format!("{} files are not read as a stream", source.format.name());
             let mend = "remove --stream, or use an array (npy), a table (csv), xyz, a LAMMPS dump, ply or las";
@@ -85,7 +88,7 @@ impl SphereBlocks {
         let format = source.format;
         let (sender, parts) = sync_channel(AHEAD);
         let passing = ReadOptions { survey: Some(Survey::passing(sender, BLOCK)), ..options.clone() };
-        let Ok(frames) = particles::open(source, &passing)? else {
+        let Ok(frames) = open_particles(source, &passing)? else {
             return Err(Error::settings("scenes are not read as a stream", "remove --stream"));
         };
         let number = options.frames.numbers().next().unwrap_or(1);

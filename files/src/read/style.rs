@@ -1,16 +1,14 @@
 //! The style of particles: how their radii and colours are chosen when they become spheres.
 
 mod categories;
-pub(super) mod color;
-pub mod elements;
 mod numbers;
 mod placed;
 mod scale;
 
-pub use color::color;
+pub use super::color::color;
 pub use scale::Scale;
 
-use super::particles::Particles;
+use super::particles::frame::Particles;
 use super::select::selection::Selection;
 use super::skipped::Skipped;
 use crate::error::{Error, Place, Result};
@@ -21,8 +19,8 @@ use crate::quote::{number, quote};
 use crate::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 pub(super) use categories::joined_elements;
 
-use color::of_hex;
-use elements::{Element, element};
+use super::color::of_hex;
+use super::elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
 

@@ -5,7 +5,7 @@ use super::listed::ListedCamera;
 use crate::error::{Error, Place, Result};
 use crate::quote::quote;
 use crate::read::lines::Lines;
-use crate::read::particles::{delimiter, fields, has_content};
+use crate::read::particles::table::fields::{delimiter, fields, has_content};
 use crate::scene::camera::{Intrinsics, Lens, Look};
 use std::path::Path;
 

@@ -6,7 +6,7 @@ use crate::read::input::Input;
 /// The content of a text, counted in parts of `part` particles.
 fn counted(name: &str, text: &str, part: usize) -> Result<FileInfo> {
     let (path, options) = (Path::new(name), ReadOptions::default());
-    let source = SceneSource::of(Input::of_bytes(text.as_bytes()), path, &options)?;
+    let source = SceneSource::of(Input::of_bytes(text.as_bytes()), path, options.known_format())?;
     of_source(source, path, &options, Survey::with_part(part))
 }
 

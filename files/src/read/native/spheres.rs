@@ -5,11 +5,12 @@ use crate::error::{Error, Place, Result};
 use crate::progress::Watch;
 use crate::quote::quote;
 use crate::read::format::{Format, ending};
+use crate::read::open::open;
 use crate::read::options::ReadOptions;
 use crate::read::select::selection::Selection;
 use crate::read::select::{add_selected, apply};
-use crate::read::source::SceneSource;
-use crate::read::{csv, npy, particles};
+use crate::read::source::{KnownFormat, SceneSource};
+use crate::read::{csv, npy};
 use crate::scene::Spheres;
 use std::path::{Path, PathBuf};
 
@@ -65,16 +66,16 @@ impl NamedSpheres {
     fn particles(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
         let select = self.selection.iter().cloned().collect();
         let options = ReadOptions { select, watch: watch.clone(), ..ReadOptions::default() };
-        let source = SceneSource::open(&self.path, &options)?;
+        let source = SceneSource::open(&self.path, KnownFormat::Nothing, watch)?;
         let name = self.path.display().to_string();
-        let Ok(mut frames) = particles::open(source, &options)? else {
+        let Ok(mut frames) = open(source, &options)? else {
             let problem = format!("{} is a scene, not a file of particles", quote(&name));
             return Err(Error::scene(self.place.clone(), problem, "use its spheres in this scene file"));
         };
         let Some(mut particles) = frames.next()? else {
             return Err(Error::scene(Place::file(name), "the file has no frame", "use a file with particles"));
         };
-        apply(&options, &mut particles).map_err(|e| at(&self.selected_at, e))?;
+        apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
         let (part, skipped, _) = options.style.dress(particles, &Place::file(name))?;
         for (n, (center, radius)) in part.centers.iter().zip(&part.radii).enumerate() {
             spheres.add(*center, *radius, part.colors.as_ref().map(|colors| colors[n]))?;

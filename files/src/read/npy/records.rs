@@ -3,24 +3,26 @@
 use super::{MEND, Npy};
 use crate::error::Result;
 use crate::npy::{DType, Field, Header, Scalar};
+use crate::read::color::light_of;
 use crate::read::input::Input;
-use crate::read::options::ReadOptions;
-use crate::read::particles::{Layout, ParticleFrames, Particles, Role, Survey, component, wanted};
+use crate::read::particles::frame::{ParticleFrames, Particles};
+use crate::read::particles::layout::Layout;
+use crate::read::particles::request::Request;
+use crate::read::particles::role::Role;
+use crate::read::particles::vectors::component;
 use crate::read::source::SceneSource;
-use crate::read::style::color::light_of;
 use crate::scene::Spheres;
 use std::io::ErrorKind;
 
 /// The reader.
 pub(in crate::read) struct Array {
     source: Option<SceneSource>,
-    wanted: Vec<String>,
-    survey: Option<Survey>,
+    request: Request,
 }
 
 impl Array {
-    pub(in crate::read) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self { source: Some(source), wanted: wanted(&options.columns())?, survey: options.survey.clone() })
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        Self { source: Some(source), request }
     }
 }
 
@@ -30,10 +32,10 @@ impl ParticleFrames for Array {
         let mut npy = Npy::new(reader, &path, MEND);
         let header = npy.header()?;
         if let DType::Record(fields) = &header.dtype {
-            return npy.records(&header, fields, &self.wanted, self.survey.as_ref()).map(Some);
+            return npy.records(&header, fields, &self.request).map(Some);
         }
         let mut spheres = Spheres::default();
-        let width = npy.spheres(&header, &[3, 4, 7], &mut spheres, self.survey.as_ref())?;
+        let width = npy.spheres(&header, &[3, 4, 7], &mut spheres, self.request.survey.as_ref())?;
         let Spheres { centers, radii, colors, .. } = spheres;
         let radii = if width == 3 { Vec::new() } else { radii.into_vec() };
         let colors = colors.unwrap_or_default().into_vec();
@@ -45,25 +47,19 @@ impl ParticleFrames for Array {
 const MOST: usize = 1 << 16;
 
 impl Npy<Input> {
-    fn records(
-        &mut self,
-        header: &Header,
-        fields: &[Field],
-        wanted: &[String],
-        survey: Option<&Survey>,
-    ) -> Result<Particles> {
+    fn records(&mut self, header: &Header, fields: &[Field], request: &Request) -> Result<Particles> {
         let rows = match header.shape[..] {
             [n] => n,
             ref other => return Err(self.fail("shape", format!("found records in {other:?}, expected (n,)"))),
         };
-        let (mut layout, mut places, mut size) = (Layout::default(), Vec::new(), 0usize);
+        let (mut layout, mut places, mut size) = (Layout::new(request), Vec::new(), 0usize);
         for field in fields {
             let bytes = field.dtype.bytes().filter(|bytes| *bytes <= MOST - size);
             let Some(bytes) = bytes else {
                 return Err(self.fail("dtype", format!("records have more than {MOST} bytes or hold objects")));
             };
             for (place, scalar, name, role) in columns(field) {
-                layout.add(&name, role, wanted).map_err(|problem| self.fail("dtype", problem))?;
+                layout.add(&name, role).map_err(|problem| self.fail("dtype", problem))?;
                 places.push((size + place, scalar, role));
             }
             size += bytes;
@@ -71,7 +67,7 @@ impl Npy<Input> {
         if (0..3).any(|axis| !layout.contains(Role::Position(axis))) {
             return Err(self.fail("dtype", "the fields x, y and z are missing"));
         }
-        let mut particles = layout.begin(survey);
+        let mut particles = layout.begin();
         let (mut block, mut numbers, mut row) = (Vec::new(), vec![0.0; places.len()], 0);
         while row < rows {
             let read = self.block(rows - row, size, &mut block).map_err(|error| self.cut(error, row, rows))?;
@@ -133,7 +129,7 @@ mod tests {
     fn read(descr: &str, shape: &str, data: &[u8]) -> Result<Particles> {
         let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
         let source = SceneSource::of_bytes(&npy(&header, data));
-        let mut array = Array { source: Some(source), wanted: vec!["t".into(), "v_y".into()], survey: None };
+        let mut array = Array { source: Some(source), request: Request::of(&["t", "v_y"]) };
         Ok(array.next()?.expect("one frame"))
     }
 

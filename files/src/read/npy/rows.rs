@@ -6,7 +6,7 @@ use crate::memory::check_spheres;
 use crate::npy::Header;
 use crate::read::csv::COLUMNS;
 use crate::read::input::Input;
-use crate::read::particles::Survey;
+use crate::read::particles::survey::Survey;
 use crate::scene::{Spheres, check_color, check_sphere, is_center, is_radius};
 use rayon::prelude::*;
 use std::io::ErrorKind;

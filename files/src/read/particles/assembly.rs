@@ -1,7 +1,7 @@
 //! Biological assemblies: copies of a file's chains, transformed by its operators.
 
+use super::frame::{Column, Particles};
 use super::placed::PlacedPart;
-use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::{check, check_spheres, extend_to};
 use crate::progress::Watch;

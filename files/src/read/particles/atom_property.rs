@@ -1,6 +1,6 @@
 //! The columns of atoms in molecular formats, and the names in those that are text.
 
-use super::Particles;
+use super::frame::Particles;
 use super::names::Names;
 use crate::error::Result;
 

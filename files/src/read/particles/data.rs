@@ -3,25 +3,26 @@
 
 mod header;
 
-use super::layout::{Layout, Role, is_wanted, wanted};
+use super::frame::{Column, ParticleFrames, Particles};
+use super::layout::{Layout, is_wanted};
 use super::masses;
+use super::request::Request;
+use super::role::Role;
 use super::rows::surplus;
-use super::{Column, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::{Ledger, check, check_ids, reserve};
 use crate::quote::{quote, unquoted};
+use crate::read::elements::element;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Word, Words};
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
-use crate::read::style::elements::element;
 use header::{DataHeader, body, fail};
 use std::collections::HashMap;
 
 /// The reader.
-pub(super) struct LammpsData {
+pub(in crate::read) struct LammpsData {
     lines: Lines<Input>,
-    wanted: Vec<String>,
+    request: Request,
     done: bool,
 }
 
@@ -73,9 +74,8 @@ struct SectionData {
 }
 
 impl LammpsData {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        let wanted = wanted(&options.columns())?;
-        Ok(Self { lines: Lines::new(source.reader, &source.path), wanted, done: false })
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        Self { lines: Lines::new(source.reader, &source.path), request, done: false }
     }
 
     fn read(&mut self) -> Result<Particles> {
@@ -206,19 +206,19 @@ impl LammpsData {
             return Err(Error::scene(line.named(heading), format!("{} is not an atom style", quote(&style)), mend));
         };
         let columns = &self.with_flags(columns, &style);
-        let mut layout = Layout::default();
+        let mut layout = Layout::whole(&self.request);
         for name in columns.split(' ') {
             let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
-            layout.add(name, Role::of_field(name), &self.wanted).map_err(twice)?;
+            layout.add(name, Role::of_field(name)).map_err(twice)?;
         }
-        let mut particles = layout.begin(None);
+        let mut particles = layout.begin();
         if !told {
             particles.skipped.assumed.push(format!(
                 "the atoms are read in the style {style} ({columns}), which has their number of columns; write `Atoms # {style}` to set the style"
             ));
         }
         let type_at = columns.split(' ').position(|name| name == "type").unwrap_or(1);
-        let moving = self.wanted.iter().any(|name| is_velocity(name));
+        let moving = self.request.columns.iter().any(|name| is_velocity(name));
         for read in 0..count {
             if read > 0 {
                 self.need(heading, read, count)?;
@@ -236,7 +236,7 @@ impl LammpsData {
     /// The columns, with the image flags if they are requested and end the current line. What follows the columns of a
     /// hybrid is not known.
     fn with_flags(&self, columns: &str, style: &str) -> String {
-        let requested = is_wanted(&self.wanted, "ix");
+        let requested = is_wanted(&self.request.columns, "ix");
         let more = self.row().skip(columns.split(' ').count()).take(4).map(|word| word.text.parse::<i32>().is_ok());
         let flags = requested && style != "hybrid" && more.collect::<Vec<_>>() == [true; 3];
         if flags { format!("{columns} ix iy iz") } else { columns.to_owned() }
@@ -291,7 +291,7 @@ impl LammpsData {
             return self.lines.advance().map(drop);
         }
         let axes: Vec<usize> = (0..3)
-            .filter(|k| self.wanted.iter().any(|name| name.eq_ignore_ascii_case(["vx", "vy", "vz"][*k])))
+            .filter(|k| self.request.columns.iter().any(|name| name.eq_ignore_ascii_case(["vx", "vy", "vz"][*k])))
             .collect();
         let atoms = found.ids.len() as u64;
         check(8 * atoms * axes.len() as u64, || format!("the velocities of {atoms} atoms"))?;

@@ -1,26 +1,25 @@
 //! LAMMPS dump: a sequence of `ITEM:` sections, of which the atoms end a frame. Columns, scaled coordinates and the
 //! bounding box of a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
 
-use super::layout::{Layout, Role, wanted};
+use super::frame::{ParticleFrames, Particles};
+use super::frame_time::FrameTime;
+use super::layout::Layout;
+use super::request::Request;
+use super::role::Role;
 use super::rows::{rows, surplus};
-use super::{FrameTime, ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
 use std::io::BufRead;
 
 /// The reader.
-pub(super) struct Dump {
+pub(in crate::read) struct Dump {
     lines: Lines<Input>,
-    wanted: Vec<String>,
-    survey: Option<Survey>,
-    /// Whether rows with invalid coordinates or radii are left out.
-    skip_invalid: bool,
+    request: Request,
     /// Whether the current line has not been parsed yet.
     held: bool,
 }
@@ -37,14 +36,8 @@ const AXES: [([&str; 3], bool); 4] =
     [(["x", "y", "z"], false), (["xu", "yu", "zu"], false), (["xs", "ys", "zs"], true), (["xsu", "ysu", "zsu"], true)];
 
 impl Dump {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self {
-            lines: Lines::new(source.reader, &source.path),
-            wanted: wanted(&options.columns())?,
-            survey: options.survey.clone(),
-            skip_invalid: options.skip_invalid,
-            held: false,
-        })
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        Self { lines: Lines::new(source.reader, &source.path), request, held: false }
     }
 
     fn head(&mut self) -> Result<Option<DumpHeader>> {
@@ -159,12 +152,12 @@ impl Dump {
                 }
             }
         }
-        let mut layout = Layout::default();
+        let mut layout = Layout::new(&self.request);
         for (name, role) in &columns {
             let twice = |problem: String| Error::scene(place.clone(), problem, "use each column name once");
-            layout.add(name, *role, &self.wanted).map_err(twice)?;
+            layout.add(name, *role).map_err(twice)?;
         }
-        Ok((layout.skipping(self.skip_invalid), scaled))
+        Ok((layout, scaled))
     }
 
     /// Checks that no more atoms follow than `count`; then the next line that is not blank is the current one.
@@ -200,7 +193,7 @@ impl ParticleFrames for Dump {
         let Some(DumpHeader { count, cell, when }) = self.head()? else { return Ok(None) };
         let item = self.lines.place(0).named("ITEM: ATOMS");
         let (layout, scaled) = self.layout(count)?;
-        let mut particles = Particles { cell, when, ..layout.begin(self.survey.as_ref()) };
+        let mut particles = Particles { cell, when, ..layout.begin() };
         let scaling = match cell {
             Some(cell) if scaled => Some(cell),
             None if scaled => {
@@ -241,11 +234,11 @@ fn atom<R: BufRead>(lines: &Lines<R>, layout: &Layout, scaling: Option<Cell>, pa
 
 #[cfg(test)]
 mod tests {
-    use super::super::read_frames;
     use super::*;
+    use crate::read::particles::frame::all;
 
     fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
-        read_frames(text, columns, Dump::new)
+        all(Dump::new(SceneSource::of_text(text), Request::of(columns)))
     }
 
     fn frame(bounds: &str, columns: &str, atoms: &str) -> String {
@@ -315,7 +308,7 @@ mod tests {
     #[test]
     fn skipped_frames_are_not_parsed() {
         let text = frame(CUBE, "x y z", "no numbers here\nat all, at") + &frame(CUBE, "x y z", "1 2 3");
-        let mut dump = Dump::new(SceneSource::of_text(&text), &ReadOptions::default()).expect("a dump");
+        let mut dump = Dump::new(SceneSource::of_text(&text), Request::default());
         assert!(dump.skip().expect("the first"));
         assert_eq!(dump.next().expect("the second").expect("a frame").positions, [[1.0, 2.0, 3.0]]);
         assert!(!dump.skip().expect("the end"));

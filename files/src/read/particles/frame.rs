@@ -1,7 +1,9 @@
 //! The particles of a frame, as a file lists them, and the trait of their readers.
 
 use super::frame_time::FrameTime;
-use super::infer::{self, Inference, Inferred, Species};
+use super::infer;
+use super::infer::species::Species;
+use super::infer::{Inference, Inferred};
 use super::left_out::LeftOut;
 use super::mixed::Mixed;
 use super::names::Names;
@@ -374,4 +376,10 @@ pub(crate) trait ParticleFrames: Send {
     fn skip(&mut self) -> Result<bool> {
         Ok(self.next()?.is_some())
     }
+}
+
+/// All frames, for the readers' tests.
+#[cfg(test)]
+pub(super) fn all(mut frames: impl ParticleFrames) -> Result<Vec<Particles>> {
+    std::iter::from_fn(|| frames.next().transpose()).collect()
 }

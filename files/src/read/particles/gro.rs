@@ -2,24 +2,25 @@
 //! (manual.gromacs.org/current/reference-manual/file-formats.html#gro). Lengths are nanometres in the file and are
 //! multiplied by ten to ångström. Velocities keep the file's unit, nm/ps.
 
+use super::frame::{Column, ParticleFrames, Particles};
+use super::frame_time::FrameTime;
 use super::infer::{self, AtomNames, Inference};
 use super::layout::named;
 use super::names::Names;
+use super::request::Request;
 use super::rows::surplus;
 use super::survey::Survey;
-use super::{Column, FrameTime, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
 use std::ops::Range;
 
 /// The reader.
-pub(super) struct Gro {
+pub(in crate::read) struct Gro {
     lines: Lines<Input>,
     wanted: Vec<GroColumn>,
     survey: Option<Survey>,
@@ -98,11 +99,10 @@ const X: usize = 20;
 const NANOMETRE: f64 = 10.0;
 
 impl Gro {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
-        let columns = options.columns();
-        let wanted = named(&columns, &KINDS);
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        let wanted = named(&request.columns, &KINDS);
         let lines = Lines::new(source.reader, &source.path).of_any_bytes();
-        Self { lines, wanted, survey: options.survey.clone(), told: false, held: false, when: FrameTime::default() }
+        Self { lines, wanted, survey: request.survey, told: false, held: false, when: FrameTime::default() }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
@@ -334,13 +334,9 @@ impl ParticleFrames for Gro {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::style::{Coloring, Scale, Style};
 
     fn gro(text: &str, columns: &[&str]) -> Gro {
-        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale::of(columns);
-        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        Gro::new(SceneSource::of_text(text), &ReadOptions { style, ..ReadOptions::default() })
+        Gro::new(SceneSource::of_text(text), Request::of(columns))
     }
 
     fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
@@ -458,7 +454,7 @@ MD of 2 waters, t= 0.0
     fn no_bytes_cause_a_panic() {
         let mut bytes = TWO.as_bytes().to_vec();
         let with = |bytes: &[u8]| {
-            let mut gro = Gro::new(SceneSource::of_bytes(bytes), &ReadOptions::default());
+            let mut gro = Gro::new(SceneSource::of_bytes(bytes), Request::default());
             (0..4).map(|_| gro.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
         };
         assert_eq!(with(&bytes), 4);

@@ -5,17 +5,18 @@
 mod file;
 
 use super::bytes::BinaryFile;
+use super::frame::{Column, ParticleFrames, Particles};
+use super::frame_time::FrameTime;
 use super::layout::is_wanted;
-use super::{Column, FrameTime, ParticleFrames, Particles};
+use super::request::Request;
 use crate::error::Result;
 use crate::memory::{check, check_ids};
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
 use file::{Chunk, GsdFile, until_zero};
 
 /// The reader.
-pub(super) struct Gsd {
+pub(in crate::read) struct Gsd {
     source: Option<BinaryFile>,
     file: Option<GsdFile>,
     /// The requested columns, as indices of [`COLUMNS`].
@@ -49,9 +50,8 @@ const DIAMETER_DEFAULT: f64 = 1.0;
 const MOST_TYPES: u64 = 4096;
 
 impl Gsd {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
-        let columns = options.columns();
-        let asked = |name: &str| is_wanted(&columns, name);
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        let asked = |name: &str| is_wanted(&request.columns, name);
         let wanted = (0..COLUMNS.len()).filter(|k| asked(COLUMNS[*k].0)).collect();
         Self { source: Some(BinaryFile::new(source)), file: None, wanted, frame: 0 }
     }

@@ -2,17 +2,13 @@
 //! meaning of a name depends on its neighbours: `CA` is calcium where it is alone and carbon in a chain. Whether names
 //! are aligned in the columns of the PDB format depends on the whole file and is decided at the end.
 
-mod residues;
-pub(super) mod rules;
-mod slices;
-mod species;
-
-pub use slices::{NamedAtoms, NamedElements, elements_of_names};
-pub(in crate::read) use species::Species;
+pub(in crate::read) mod residues;
+pub(in crate::read) mod rules;
+pub(in crate::read) mod slices;
+pub(super) mod species;
 
 use crate::quote::{count, quote};
-pub(in crate::read) use residues::{ResidueClass, class};
-pub(in crate::read) use rules::is_ion;
+use residues::{ResidueClass, class};
 use rules::{InferenceRule, Site};
 use std::collections::BTreeMap;
 

@@ -5,21 +5,21 @@ mod format;
 mod laz;
 
 use super::bytes::BinaryFile;
-use super::layout::{Layout, Role, wanted};
-use super::{ParticleFrames, Particles, Survey};
+use super::frame::{ParticleFrames, Particles};
+use super::layout::Layout;
+use super::request::Request;
+use super::role::Role;
 use crate::error::Result;
 use crate::memory::check_ids;
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use format::{DAMAGED, FORMATS, PointFormat, u16_at, u32_at};
 use laz::{Laz, LazScheme};
 use rayon::prelude::*;
 
 /// The reader.
-pub(super) struct Las {
+pub(in crate::read) struct Las {
     file: Option<BinaryFile>,
-    wanted: Vec<String>,
-    survey: Option<Survey>,
+    request: Request,
 }
 
 /// What the header says of the points.
@@ -54,18 +54,14 @@ fn f64_at(bytes: &[u8], at: usize) -> f64 {
 }
 
 impl Las {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self {
-            file: Some(BinaryFile::new(source)),
-            wanted: wanted(&options.columns())?,
-            survey: options.survey.clone(),
-        })
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        Self { file: Some(BinaryFile::new(source)), request }
     }
 
     fn read(&self, mut file: BinaryFile) -> Result<Particles> {
         let mut header = LasHeader::read(&mut file)?;
         let layout = self.layout(header.format, &file)?;
-        let mut particles = layout.begin(self.survey.as_ref());
+        let mut particles = layout.begin();
         let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
         if let Some(scheme) = header.scheme.take() {
             let mut laz = Laz::new(file, scheme, header.format, header.record)?;
@@ -97,10 +93,10 @@ impl Las {
 
     /// The columns, in the order of [`LasHeader::numbers`].
     fn layout(&self, format: PointFormat, file: &BinaryFile) -> Result<Layout> {
-        let mut layout = Layout::default();
+        let mut layout = Layout::new(&self.request);
         let mut add = |name: &str, role| {
             let wrong = |problem: String| file.fail(104, "point format", problem, DAMAGED);
-            layout.add(name, role, &self.wanted).map_err(wrong)
+            layout.add(name, role).map_err(wrong)
         };
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             add(name, Role::Position(axis))?;
@@ -225,7 +221,6 @@ fn light(particles: &mut Particles) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::style::{Coloring, Scale, Style};
 
     /// A file of two points in a format, with a record of 10 bytes between header and points, and 3 extra bytes.
     fn las(format: u8, minor: u8) -> Vec<u8> {
@@ -274,10 +269,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
-        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale::of(columns);
-        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        let mut las = Las::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
+        let mut las = Las::new(SceneSource::of_bytes(bytes), Request::of(columns));
         Ok(las.next()?.expect("one frame"))
     }
 

@@ -1,53 +1,26 @@
 //! Columns by name: positions, radii, colours, elements, and requested columns. All formats with named columns share
 //! it.
 
+use super::frame::{Column, Particles};
 use super::names::Names;
+use super::request::Request;
+use super::role::Role;
 use super::survey::Survey;
-use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
 use crate::quote::quote;
+use crate::read::elements::element;
 use crate::read::lines::{Lines, Word};
-use crate::read::style::elements::element;
 use crate::scene::check_color;
 use std::io::BufRead;
-
-/// The meaning of a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Role {
-    /// A coordinate of axis 0, 1 or 2.
-    Position(usize),
-    Radius,
-    Diameter,
-    /// A component of linear RGB.
-    Color(usize),
-    /// The symbol of an element.
-    Symbol,
-    /// An atomic number.
-    Number,
-    /// Text, which is read only if it is requested.
-    Text,
-    /// A number that is read only if it is requested.
-    Other,
-}
-
-impl Role {
-    /// The meaning of a field that is called by its plain name, `x`, `y`, `z`, `radius` or `diameter`, in lower case.
-    pub(crate) fn of_field(name: &str) -> Self {
-        match name {
-            "x" => Self::Position(0),
-            "y" => Self::Position(1),
-            "z" => Self::Position(2),
-            "radius" => Self::Radius,
-            "diameter" => Self::Diameter,
-            _ => Self::Other,
-        }
-    }
-}
 
 /// The columns of a row in the order of the file.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     slots: Vec<Slot>,
+    /// The names of columns to keep.
+    wanted: Vec<String>,
+    /// Where the particles are counted and dropped.
+    survey: Option<Survey>,
     /// The requested columns that the file has.
     requested: Vec<String>,
     /// Those of them that are text, by their index.
@@ -91,8 +64,19 @@ const MOST: usize = 4096;
 const MOST_NAMED: usize = 1 << 20;
 
 impl Layout {
+    /// No columns yet, for this request.
+    pub(crate) fn new(request: &Request) -> Self {
+        let (wanted, survey) = (request.columns.clone(), request.survey.clone());
+        Self { wanted, survey, skip_invalid: request.skip_invalid, ..Self::default() }
+    }
+
+    /// No columns yet, for a reader that keeps every row until the end of the file.
+    pub(crate) fn whole(request: &Request) -> Self {
+        Self { wanted: request.columns.clone(), ..Self::default() }
+    }
+
     /// Adds a column. A column that occurs twice is an error, because it is ambiguous.
-    pub(crate) fn add(&mut self, name: &str, role: Role, wanted: &[String]) -> Result<(), String> {
+    pub(crate) fn add(&mut self, name: &str, role: Role) -> Result<(), String> {
         if self.slots.len() == MOST {
             return Err(format!("more than {MOST} columns"));
         }
@@ -114,7 +98,7 @@ impl Layout {
         let name = name.to_lowercase();
         let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: false };
         self.has.push(slot.name.clone());
-        if is_wanted(wanted, &slot.name) {
+        if is_wanted(&self.wanted, &slot.name) {
             if self.requested.contains(&slot.name) {
                 return Err(format!("{} occurs twice", quote(&slot.name)));
             }
@@ -123,16 +107,11 @@ impl Layout {
                 slot.text = Some(self.texts.len());
                 self.texts.push(self.requested.len());
             }
-            slot.mixed = role == Role::Other && wanted.iter().any(|name| name == EVERY);
+            slot.mixed = role == Role::Other && self.wanted.iter().any(|name| name == EVERY);
             self.requested.push(slot.name.clone());
         }
         self.slots.push(slot);
         Ok(())
-    }
-
-    /// The same columns, where rows with invalid coordinates or radii are left out and counted if `skip` is set.
-    pub(crate) fn skipping(self, skip: bool) -> Self {
-        Self { skip_invalid: skip, ..self }
     }
 
     /// Whether rows with invalid coordinates or radii are left out.
@@ -141,10 +120,10 @@ impl Layout {
     }
 
     /// Declares the last `count` columns as a vector of this name, whose length can be requested.
-    pub(crate) fn vector(&mut self, name: &str, count: usize, wanted: &[String]) {
+    pub(crate) fn vector(&mut self, name: &str, count: usize) {
         if count < 2
             || self.requested.iter().any(|requested| requested == name)
-            || !wanted.iter().any(|w| w.eq_ignore_ascii_case(name))
+            || !self.wanted.iter().any(|w| w.eq_ignore_ascii_case(name))
         {
             return;
         }
@@ -171,8 +150,8 @@ impl Layout {
     }
 
     /// An empty list of particles with a list for every requested column; for a survey they are counted and dropped.
-    pub(crate) fn begin(&self, survey: Option<&Survey>) -> Particles {
-        Particles { has: self.has.clone(), survey: survey.cloned(), ..self.begin_part() }
+    pub(crate) fn begin(&self) -> Particles {
+        Particles { has: self.has.clone(), survey: self.survey.clone(), ..self.begin_part() }
     }
 
     /// The same for a part of the file, without the names of the other columns.
@@ -349,16 +328,3 @@ pub(crate) fn named<T: Copy>(wanted: &[String], columns: &[(&str, T)]) -> Vec<T>
 
 /// The name that requests every column.
 pub(crate) const EVERY: &str = "*";
-
-/// The requested columns, up to a limit.
-///
-/// # Errors
-/// [`Error::Settings`] for more.
-pub(crate) fn wanted(columns: &[String]) -> Result<Vec<String>> {
-    const ASKED: usize = 64;
-    if columns.len() > ASKED {
-        let problem = format!("colours and selections read {} columns, more than {ASKED}", columns.len());
-        return Err(Error::settings(problem, "use fewer columns"));
-    }
-    Ok(columns.to_vec())
-}

@@ -8,13 +8,13 @@ mod symmetry;
 mod tokens;
 
 use super::atom_property::{AtomProperty, NameTable};
+use super::frame::{ParticleFrames, Particles};
 use super::infer::Inference;
-use super::molecule::{Copies, Model, MoleculeOptions, Passed, more_models, not_assembled};
-use super::{ParticleFrames, Particles};
+use super::molecule::{Copies, Model, Passed, more_models, not_assembled};
+use super::request::Request;
 use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;
 use crate::read::lines::Lines;
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
 use operators::{OperatorItem, Operators};
@@ -22,9 +22,9 @@ use row::{AtomColumns, AtomRow};
 use tokens::{Token, Tokens};
 
 /// The reader.
-pub(super) struct Mmcif {
+pub(in crate::read) struct Mmcif {
     tokens: Tokens,
-    choice: MoleculeOptions,
+    request: Request,
     operators: Operators,
     layout: AtomColumns,
     row: AtomRow,
@@ -52,10 +52,10 @@ enum State {
 }
 
 impl Mmcif {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         Self {
             tokens: Tokens::new(Lines::new(source.reader, &source.path).of_any_bytes()),
-            choice: MoleculeOptions::of(options),
+            request,
             operators: Operators::default(),
             layout: AtomColumns::default(),
             row: AtomRow::default(),
@@ -150,7 +150,7 @@ impl Mmcif {
         };
         self.tokens.give_back(after);
         if self.state == State::Before && tags.first().is_some_and(|tag| AtomColumns::is_atom(tag)) {
-            let layout = AtomColumns::of(&tags, &self.choice);
+            let layout = AtomColumns::of(&tags, &self.request);
             // Loops of dictionaries, or of other data about atoms, are ignored.
             if layout.is_placed() {
                 self.layout = layout;
@@ -213,7 +213,7 @@ impl Mmcif {
             }
             tags.push(tag);
         }
-        let layout = AtomColumns::of(&tags, &self.choice);
+        let layout = AtomColumns::of(&tags, &self.request);
         if !layout.is_placed() {
             return Ok(false);
         }
@@ -242,8 +242,8 @@ impl Mmcif {
 
     /// Checks that the operators were read if an assembly is selected.
     fn know_operators(&mut self) -> Result<()> {
-        if self.choice.assembly.is_some() && !self.operators.known() && self.state == State::AtomRow {
-            if self.choice.model.is_none() && self.count < self.choice.frames.last() {
+        if self.request.assembly.is_some() && !self.operators.known() && self.state == State::AtomRow {
+            if self.request.model.is_none() && self.count < self.request.frames.last() {
                 let problem = "the operators of the assembly come after the atoms of several models";
                 let mend = "select one model with --model or --frames";
                 return Err(Error::settings(format!("{}: {problem}", self.tokens.file()), mend));
@@ -277,7 +277,7 @@ const LONGEST_TAG: usize = 128;
 
 impl ParticleFrames for Mmcif {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let asked = self.choice.model;
+        let asked = self.request.model;
         let behind = self.state != State::Before;
         while self.begin()? {
             let number = self.row.model;
@@ -286,7 +286,7 @@ impl ParticleFrames for Mmcif {
                 self.body(None)?;
                 continue;
             }
-            let mut model = Model::new(&self.choice, &self.layout.has(), Inference::new(false));
+            let mut model = Model::new(&self.request, &self.layout.has(), Inference::new(false));
             if self.layout.is_fractional() {
                 model = model.whole();
             }
@@ -294,7 +294,7 @@ impl ParticleFrames for Mmcif {
             let more = self.state == State::AtomRow;
             self.know_operators()?;
             let file = self.tokens.file();
-            let assembly = match &self.choice.assembly {
+            let assembly = match &self.request.assembly {
                 Some(id) => Some(self.operators.assembly(id, &file)?),
                 None => None,
             };
@@ -302,7 +302,7 @@ impl ParticleFrames for Mmcif {
             let copies = match (&assembly, &crystal) {
                 (Some(assembly), _) => Copies::Assembly(assembly),
                 (None, Some(cell)) => Copies::Made(&|listed| {
-                    self.operators.symmetry.fill(listed, cell, !self.choice.as_listed, &file, &self.choice.watch)
+                    self.operators.symmetry.fill(listed, cell, !self.request.as_listed, &file, &self.request.watch)
                 }),
                 (None, None) => Copies::None,
             };
@@ -314,7 +314,7 @@ impl ParticleFrames for Mmcif {
             if self.blocks {
                 said.push("the file has several data blocks and the first with atoms is shown".into());
             }
-            if more && self.choice.any_model() {
+            if more && self.request.any_model() {
                 said.push(more_models(None));
             }
             if assembly.is_none() && !std::mem::replace(&mut self.told, true) {
@@ -332,7 +332,7 @@ impl ParticleFrames for Mmcif {
     }
 
     fn skip(&mut self) -> Result<bool> {
-        if self.choice.model.is_some() {
+        if self.request.model.is_some() {
             return Ok(self.next()?.is_some());
         }
         let found = self.begin()?;

@@ -2,36 +2,18 @@
 
 use super::assembly::{self, Assembly};
 use super::atom_property::AtomProperty;
+use super::frame::{Column, Particles};
 use super::infer::{self, AtomNames, Inference, is_site};
 use super::layout::named;
+use super::request::{Altloc, Request};
 use super::survey::Survey;
-use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::{Ledger, reserve};
 use crate::progress::Watch;
 use crate::quote::{quote, unquoted};
 use crate::read::format::Format;
-use crate::read::options::{Altloc, FrameRange, ReadOptions};
 use crate::scene::{Cell, keep};
 use std::collections::HashMap;
-
-/// The options for reading molecules.
-#[derive(Debug, Clone)]
-pub(super) struct MoleculeOptions {
-    /// The columns to store.
-    pub(super) columns: Vec<AtomProperty>,
-    pub(super) altloc: Altloc,
-    pub(super) model: Option<i64>,
-    pub(super) frames: FrameRange,
-    pub(super) assembly: Option<String>,
-    /// Whether the symmetry of a crystal is not applied.
-    pub(super) as_listed: bool,
-    /// Whether an assembly is kept as operators.
-    as_operators: bool,
-    /// Cancellation.
-    pub(super) watch: Watch,
-    pub(super) survey: Option<Survey>,
-}
 
 /// The copies to make of the atoms of a model.
 pub(super) enum Copies<'a> {
@@ -41,45 +23,18 @@ pub(super) enum Copies<'a> {
     Made(&'a dyn Fn(Particles) -> Result<Particles>),
 }
 
-impl MoleculeOptions {
-    pub(super) fn of(options: &ReadOptions) -> Self {
-        let wanted = options.columns();
-        let columns = named(&wanted, &AtomProperty::ALL);
-        Self {
-            columns,
-            altloc: options.altloc.clone(),
-            model: options.model,
-            frames: options.frames.clone(),
-            assembly: options.assembly.clone(),
-            watch: options.watch.clone(),
-            as_listed: options.as_listed,
-            as_operators: options.as_operators,
-            survey: options.survey.clone(),
-        }
-    }
-
-    /// Whether no model is selected.
-    pub(super) fn any_model(&self) -> bool {
-        self.model.is_none() && self.frames == FrameRange::first()
-    }
-
-    pub(super) fn wants(&self, kind: AtomProperty) -> bool {
-        self.columns.contains(&kind)
-    }
-}
-
 /// Returns an error for options of molecules that a format does not have.
 ///
 /// # Errors
 /// [`Error::Settings`] with the option to remove.
-pub(super) fn check(format: Format, options: &ReadOptions) -> Result<()> {
+pub(in crate::read) fn check(format: Format, request: &Request) -> Result<()> {
     let entry = matches!(format, Format::Pdb | Format::Mmcif);
     let columns = entry || format == Format::Pdbqt;
     let asked = [
-        (options.assembly.is_some(), entry, "biological assemblies", "remove --assembly"),
-        (options.model.is_some(), columns, "numbered models", "remove --model, or use --frames, which counts from 1"),
-        (options.as_listed, format == Format::Mmcif, "symmetry of crystals", "remove --as-listed"),
-        (options.altloc != Altloc::All, columns, "alternate locations", "remove --altloc"),
+        (request.assembly.is_some(), entry, "biological assemblies", "remove --assembly"),
+        (request.model.is_some(), columns, "numbered models", "remove --model, or use --frames, which counts from 1"),
+        (request.as_listed, format == Format::Mmcif, "symmetry of crystals", "remove --as-listed"),
+        (request.altloc != Altloc::All, columns, "alternate locations", "remove --altloc"),
     ];
     match asked.iter().find(|(asked, known, ..)| *asked && !known) {
         Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), *mend)),
@@ -151,26 +106,26 @@ pub(super) struct Model {
 
 impl Model {
     /// An empty model; `has` are the columns of the file, and `inference` finds elements that it does not give.
-    pub(super) fn new(choice: &MoleculeOptions, has: &[AtomProperty], inference: Inference) -> Self {
-        let copy = choice.assembly.is_some();
+    pub(super) fn new(request: &Request, has: &[AtomProperty], inference: Inference) -> Self {
+        let wanted = named(&request.columns, &AtomProperty::ALL);
+        let copy = request.assembly.is_some();
         let there = |kind: AtomProperty| has.contains(&kind) || copy && kind == AtomProperty::Copy;
         let names = AtomProperty::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
-        let texts =
-            choice.columns.iter().filter(|kind| kind.is_text()).map(|kind| (kind.name().to_owned(), Vec::new()));
+        let texts = wanted.iter().filter(|kind| kind.is_text()).map(|kind| (kind.name().to_owned(), Vec::new()));
         Self {
             // The names of these columns follow at the end of the model.
             particles: Particles { has: names.collect(), labels: texts.collect(), ..Particles::default() },
-            altloc: choice.altloc.clone(),
-            columns: choice.columns.iter().filter(|kind| there(**kind)).map(|kind| (*kind, Vec::new())).collect(),
-            chains: choice.assembly.is_some().then(Vec::new),
+            altloc: request.altloc.clone(),
+            columns: wanted.iter().filter(|kind| there(**kind)).map(|kind| (*kind, Vec::new())).collect(),
+            chains: request.assembly.is_some().then(Vec::new),
             best: HashMap::new(),
             beaten: Vec::new(),
             ledger: Ledger::default(),
-            as_operators: choice.as_operators,
-            watch: choice.watch.clone(),
+            as_operators: request.as_operators,
+            watch: request.watch.clone(),
             inference,
             // Copies are made of all atoms, and the highest occupancy is that of all alternatives.
-            survey: choice.survey.clone().filter(|_| !copy && choice.altloc != Altloc::Highest),
+            survey: request.survey.clone().filter(|_| !copy && request.altloc != Altloc::Highest),
             met: 0,
             alternates: 0,
             first: String::new(),
@@ -395,12 +350,12 @@ mod tests {
 
     #[test]
     fn options_of_molecules_are_refused_for_other_formats() {
-        let plain = ReadOptions::default();
+        let plain = Request::default();
         for (options, word) in [
-            (ReadOptions { assembly: Some("1".into()), ..plain.clone() }, "--assembly"),
-            (ReadOptions { model: Some(1), ..plain.clone() }, "--model"),
-            (ReadOptions { altloc: Altloc::Highest, ..plain.clone() }, "--altloc"),
-            (ReadOptions { as_listed: true, ..plain.clone() }, "--as-listed"),
+            (Request { assembly: Some("1".into()), ..plain.clone() }, "--assembly"),
+            (Request { model: Some(1), ..plain.clone() }, "--model"),
+            (Request { altloc: Altloc::Highest, ..plain.clone() }, "--altloc"),
+            (Request { as_listed: true, ..plain.clone() }, "--as-listed"),
         ] {
             for format in Format::ALL {
                 let known = match format {
@@ -419,8 +374,8 @@ mod tests {
 
     #[test]
     fn unknown_names_are_counted_after_selection() {
-        let options = ReadOptions { altloc: Altloc::Highest, ..ReadOptions::default() };
-        let mut model = Model::new(&MoleculeOptions::of(&options), &[], Inference::new(false));
+        let request = Request { altloc: Altloc::Highest, ..Request::default() };
+        let mut model = Model::new(&request, &[], Inference::new(false));
         for (location, occupancy, name) in
             [("A", 0.4, "X1"), ("B", 0.6, "X2"), ("", 1.0, "MW"), ("C", 0.6, "X3"), ("", 1.0, "X1")]
         {

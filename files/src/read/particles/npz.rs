@@ -3,14 +3,14 @@
 
 mod archive;
 
-use super::layout::{is_wanted, wanted};
-use super::{Column, ParticleFrames, Particles};
+use super::frame::{Column, ParticleFrames, Particles};
+use super::layout::is_wanted;
+use super::request::Request;
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use crate::npy::{DType, Header};
 use crate::quote::{list, quote};
 use crate::read::npy::Npy;
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::check_color;
 use archive::{Archive, MEND};
@@ -18,9 +18,9 @@ use std::io::BufRead;
 use std::sync::Arc;
 
 /// The reader.
-pub(super) struct Npz {
+pub(in crate::read) struct Npz {
     source: Option<SceneSource>,
-    wanted: Vec<String>,
+    request: Request,
 }
 
 /// The arrays read so far, in any order.
@@ -40,8 +40,8 @@ const MOST: usize = 4096;
 const LONGEST_NAME: usize = 256;
 
 impl Npz {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self { source: Some(source), wanted: wanted(&options.columns())? })
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        Self { source: Some(source), request }
     }
 
     fn read(&self, source: SceneSource) -> Result<Particles> {
@@ -53,7 +53,7 @@ impl Npz {
                 let (path, counts) = (path.to_path_buf(), Arc::clone(&counts));
                 let mut npy = Npy { path, reader, bytes: 0, counts, mend: MEND };
                 let header = npy.header()?;
-                found.take(member.name.trim_end_matches(".npy"), &header, &mut npy, &self.wanted)
+                found.take(member.name.trim_end_matches(".npy"), &header, &mut npy, &self.request.columns)
             })?;
         }
         found.particles(&Place::file(archive.path.display().to_string()))
@@ -152,7 +152,6 @@ impl ParticleFrames for Npz {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::style::{Coloring, Scale, Style};
     use flate2::Compression;
     use flate2::write::DeflateEncoder;
     use std::io::Write;
@@ -205,10 +204,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
-        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale::of(columns);
-        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        let mut npz = Npz::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
+        let mut npz = Npz::new(SceneSource::of_bytes(bytes), Request::of(columns));
         Ok(npz.next()?.expect("one frame"))
     }
 

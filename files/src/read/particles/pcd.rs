@@ -6,25 +6,24 @@ mod header;
 mod lzf;
 
 use super::bytes::BinaryFile;
-use super::layout::{Role, wanted};
+use super::frame::{ParticleFrames, Particles};
+use super::request::Request;
+use super::role::Role;
 use super::rows::surplus;
-use super::{ParticleFrames, Particles};
 use crate::error::{Error, Place, Result, relocate};
 use crate::memory::check;
 use crate::npy::Scalar;
+use crate::read::color::light;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
-use crate::read::style::color::light;
 use header::{PcdEncoding, PcdHeader, PcdKind, header};
 use std::path::PathBuf;
 
 /// The reader.
-pub(super) struct Pcd {
+pub(in crate::read) struct Pcd {
     source: Option<SceneSource>,
-    wanted: Vec<String>,
-    strict: bool,
+    request: Request,
 }
 
 /// The points, while they are read.
@@ -47,18 +46,18 @@ const BEHIND: u64 = 1 << 29;
 const DAMAGED: &str = "the file is damaged; copy or write it again";
 
 impl Pcd {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self { source: Some(source), wanted: wanted(&options.columns())?, strict: options.strict })
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        Self { source: Some(source), request }
     }
 
     fn read(&self, source: SceneSource) -> Result<Particles> {
         let path = source.path.clone();
         let mut lines = Lines::new(source.reader, &path);
-        let header = header(&mut lines, &self.wanted)?;
+        let header = header(&mut lines, &self.request)?;
         let mut points = Points {
             header: &header,
-            particles: header.layout.begin(None),
-            strict: self.strict,
+            particles: header.layout.begin(),
+            strict: self.request.strict,
             file: lines.file(),
             numbers: Vec::new(),
             read: 0,
@@ -226,7 +225,6 @@ impl Points<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::style::{Coloring, Scale, Style};
 
     const HEAD: &str = "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb t _ n\nSIZE 4 8 4 4 2 1 4\nTYPE F F F U I U F\n\
         COUNT 1 1 1 1 1 3 2\nWIDTH 3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\n";
@@ -261,10 +259,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], strict: bool) -> Result<Particles> {
-        let columns = ["t".to_owned(), "n".to_owned()].into();
-        let scale = Scale::of(columns);
-        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        let mut pcd = Pcd::new(SceneSource::of_bytes(bytes), &ReadOptions { style, strict, ..ReadOptions::default() })?;
+        let mut pcd = Pcd::new(SceneSource::of_bytes(bytes), Request { strict, ..Request::of(&["t", "n"]) });
         Ok(pcd.next()?.expect("one frame"))
     }
 

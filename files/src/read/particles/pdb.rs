@@ -7,15 +7,16 @@ mod biomt;
 mod columns;
 mod dialects;
 
+use super::assembly;
 use super::atom_property::{AtomProperty, NameTable};
+use super::frame::{ParticleFrames, Particles};
 use super::infer::{AtomNames, Inference};
-use super::molecule::{Copies, Model, MoleculeOptions, Passed, cell, more_models, not_assembled};
-use super::{ParticleFrames, Particles, assembly};
+use super::molecule::{Copies, Model, Passed, cell, more_models, not_assembled};
+use super::request::{Altloc, Request};
 use crate::error::{Error, Result};
 use crate::read::format::Format;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
-use crate::read::options::{Altloc, ReadOptions};
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
 use biomt::Biomt;
@@ -26,10 +27,10 @@ use columns::{
 use std::ops::Range;
 
 /// The reader.
-pub(super) struct Pdb {
+pub(in crate::read) struct Pdb {
     lines: Lines<Input>,
     dialect: Format,
-    choice: MoleculeOptions,
+    request: Request,
     /// Whether the current line has not been parsed yet.
     held: bool,
     /// The number of the last model, and whether the selected one was read.
@@ -85,11 +86,11 @@ fn has(dialect: Format) -> &'static [AtomProperty] {
 }
 
 impl Pdb {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         Self {
             lines: Lines::new(source.reader, &source.path).of_any_bytes(),
             dialect: source.format,
-            choice: MoleculeOptions::of(options),
+            request,
             held: false,
             number: 0,
             done: false,
@@ -135,7 +136,7 @@ impl Pdb {
                     let names = &mut self.names;
                     match self.dialect {
                         Format::Pqr => dialects::pqr(&self.lines, names, model)?,
-                        dialect => Self::atom(&self.lines, &self.choice, dialect, names, self.number, model)?,
+                        dialect => Self::atom(&self.lines, &self.request, dialect, names, self.number, model)?,
                     }
                 }
                 (PdbRecord::Atom, None) => self.lines.found(),
@@ -160,7 +161,7 @@ impl Pdb {
         if line.starts_with(b"REMARK 350") {
             let taken = self.biomt.take(&self.lines);
             // Its errors matter only if an assembly is selected.
-            let matters = self.choice.assembly.is_some() || matches!(taken, Err(Error::Limits { .. }));
+            let matters = self.request.assembly.is_some() || matches!(taken, Err(Error::Limits { .. }));
             return if matters { taken } else { Ok(()) };
         }
         if line.starts_with(b"CRYST1") {
@@ -182,7 +183,7 @@ impl Pdb {
     /// Parses the atom of the current line.
     fn atom(
         lines: &Lines<Input>,
-        choice: &MoleculeOptions,
+        request: &Request,
         dialect: Format,
         names: &mut NameTable,
         model_number: i64,
@@ -191,7 +192,7 @@ impl Pdb {
         let line = lines.text().as_bytes();
         let location = field(line, LOCATION).trim_ascii();
         let occupancy = || number(field(line, OCCUPANCY)).unwrap_or(1.0);
-        let compared = if choice.altloc == Altloc::Highest { occupancy() } else { 1.0 };
+        let compared = if request.altloc == Altloc::Highest { occupancy() } else { 1.0 };
         let site = |key: &mut Vec<u8>| {
             key.extend(field(line, NAME));
             key.extend(field(line, RESIDUE_ID));
@@ -219,7 +220,7 @@ impl Pdb {
             name => name,
         };
         // An assembly refers to chains.
-        let unit = if choice.assembly.is_some() { names.number(AtomProperty::Chain, chain)? } else { 0.0 };
+        let unit = if request.assembly.is_some() { names.number(AtomProperty::Chain, chain)? } else { 0.0 };
         model.push(&atom, position, unit as u32, |kind| {
             let mut name = |text: &[u8]| names.number(kind, text.trim_ascii());
             Ok(match kind {
@@ -244,7 +245,7 @@ impl Pdb {
     /// Reports the selected model and what else is relevant.
     fn say(&mut self, particles: &mut Particles) -> Result<()> {
         particles.skipped.assumed.append(&mut self.said);
-        if self.choice.any_model() {
+        if self.request.any_model() {
             let announced = self.announced.filter(|n| *n > 1);
             if announced.is_some() {
                 particles.skipped.assumed.push(more_models(announced));
@@ -253,7 +254,7 @@ impl Pdb {
                 particles.skipped.assumed.push(more_models(None));
             }
         }
-        if self.choice.assembly.is_none() && !std::mem::replace(&mut self.told, true) {
+        if self.request.assembly.is_none() && !std::mem::replace(&mut self.told, true) {
             particles.skipped.assumed.extend(not_assembled(self.biomt.told()));
         }
         Ok(())
@@ -266,21 +267,21 @@ impl ParticleFrames for Pdb {
             let Some(number) = self.seek()? else {
                 self.done = true;
                 return self
-                    .choice
+                    .request
                     .model
                     .map_or(Ok(None), |wanted| Err(self.passed.no_model(wanted, &self.lines.file())));
             };
             self.number = number;
-            if self.choice.model.is_some_and(|wanted| wanted != number) {
+            if self.request.model.is_some_and(|wanted| wanted != number) {
                 self.passed.push(number);
                 self.body(None)?;
                 continue;
             }
-            self.done = self.choice.model.is_some();
-            let mut model = Model::new(&self.choice, has(self.dialect), Inference::new(self.dialect != Format::Pqr));
+            self.done = self.request.model.is_some();
+            let mut model = Model::new(&self.request, has(self.dialect), Inference::new(self.dialect != Format::Pqr));
             self.body(Some(&mut model))?;
             let file = self.lines.file();
-            let assembly = match &self.choice.assembly {
+            let assembly = match &self.request.assembly {
                 Some(id) => Some(assembly::find(self.biomt.assemblies(&self.lines)?, id, &file)?),
                 None => None,
             };
@@ -296,7 +297,7 @@ impl ParticleFrames for Pdb {
     }
 
     fn skip(&mut self) -> Result<bool> {
-        if self.choice.model.is_some() {
+        if self.request.model.is_some() {
             return Ok(self.next()?.is_some());
         }
         let Some(number) = self.seek()? else { return Ok(false) };

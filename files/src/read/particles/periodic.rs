@@ -6,7 +6,7 @@ mod edges;
 mod join;
 mod pairs;
 
-use super::{Column, Particles};
+use super::frame::{Column, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check;
 use crate::quote::count;

@@ -5,14 +5,15 @@ mod binary;
 mod header;
 mod text;
 
-use super::layout::{Layout, Role, wanted};
-use super::{ParticleFrames, Particles, Survey};
+use super::frame::{ParticleFrames, Particles};
+use super::layout::Layout;
+use super::request::Request;
+use super::role::Role;
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::unquoted;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use binary::Binary;
 use header::{PlyElement, PlyEncoding, header};
@@ -20,23 +21,14 @@ use std::io::BufReader;
 use text::{rest_of_text, text};
 
 /// The reader.
-pub(super) struct Ply {
+pub(in crate::read) struct Ply {
     source: Option<SceneSource>,
-    wanted: Vec<String>,
-    survey: Option<Survey>,
-    strict: bool,
-    skip_invalid: bool,
+    request: Request,
 }
 
 impl Ply {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self {
-            source: Some(source),
-            wanted: wanted(&options.columns())?,
-            survey: options.survey.clone(),
-            strict: options.strict,
-            skip_invalid: options.skip_invalid,
-        })
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        Self { source: Some(source), request }
     }
 
     fn read(&self, source: SceneSource) -> Result<Particles> {
@@ -47,15 +39,17 @@ impl Ply {
             let mend = "use a file with points";
             return Err(Error::scene(lines.place(0).named("header"), "the element vertex is missing", mend));
         };
-        let layout = self.layout(&elements[place], &lines)?.skipping(self.skip_invalid);
-        let mut particles = layout.begin(self.survey.as_ref());
+        let layout = self.layout(&elements[place], &lines)?;
+        let mut particles = layout.begin();
         for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
             let kind = match other.name.as_str() {
                 "face" => "face",
                 "edge" => "edge",
                 _ => "other element",
             };
-            particles.skipped.meet(kind, self.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
+            particles
+                .skipped
+                .meet(kind, self.request.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
             if let Some((_, count)) = particles.skipped.kinds.iter_mut().find(|(found, _)| *found == kind) {
                 *count = count.saturating_add(other.count - 1);
             }
@@ -89,7 +83,7 @@ impl Ply {
             let mend = "give the vertices the properties x, y and z, each once";
             Error::scene(lines.file().named("vertex"), problem, mend)
         };
-        let mut layout = Layout::default();
+        let mut layout = Layout::new(&self.request);
         let colored = ["red", "green", "blue"].iter().all(|name| vertex.properties.iter().any(|p| p.name == *name));
         for property in vertex.properties.iter().filter(|property| property.length.is_none()) {
             let role = match property.name.as_str() {
@@ -98,7 +92,7 @@ impl Ply {
                 "blue" if colored => Role::Color(2),
                 name => Role::of_field(name),
             };
-            layout.add(&property.name, role, &self.wanted).map_err(wrong)?;
+            layout.add(&property.name, role).map_err(wrong)?;
         }
         match (0..3).find(|k| !layout.contains(Role::Position(*k))) {
             None => Ok(layout),
@@ -115,9 +109,8 @@ impl ParticleFrames for Ply {
 
 #[cfg(test)]
 mod tests {
-    use super::super::read_frames;
     use super::*;
-    use crate::read::style::{Coloring, Scale, Style};
+    use crate::read::particles::frame::all;
 
     const BODY: &str = "comment by hand\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 2\n\
         property float x\nproperty double y\nproperty short z\nproperty uchar red\nproperty uchar green\n\
@@ -147,9 +140,7 @@ mod tests {
     }
 
     fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
-        let scale = Scale::of(vec!["t".into()]);
-        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        let mut ply = Ply::new(SceneSource::of_bytes(bytes), &ReadOptions { style, strict, ..ReadOptions::default() })?;
+        let mut ply = Ply::new(SceneSource::of_bytes(bytes), Request { strict, ..Request::of(&["t"]) });
         Ok(ply.next()?.expect("one frame"))
     }
 
@@ -225,7 +216,8 @@ mod tests {
             ("ply\nelement vertex 1\n".into(), "within its header"),
             ("ply\nwhat\n".into(), ":2:1: header: `what`"),
         ] {
-            let error = read_frames(&text, &[], Ply::new).map(drop).expect_err(&text).to_string();
+            let error =
+                all(Ply::new(SceneSource::of_text(&text), Request::of(&[]))).map(drop).expect_err(&text).to_string();
             assert!(error.contains(told), "{error}");
         }
     }

@@ -2,21 +2,21 @@
 //! positions in order of the species (vasp.at/wiki/POSCAR). VASP 4 has no line of species; there the words of the comment
 //! are taken where all are symbols. Lengths are ångström. Velocities are skipped.
 
+use super::frame::{Column, ParticleFrames, Particles};
 use super::layout::is_wanted;
+use super::request::Request;
 use super::rows::surplus;
-use super::{Column, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::{quote, unquoted};
+use crate::read::elements::atomic_number;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
-use crate::read::style::elements::atomic_number;
 use crate::scene::Cell;
 
 /// The reader.
-pub(super) struct Poscar {
+pub(in crate::read) struct Poscar {
     lines: Option<Lines<Input>>,
     /// Whether the column of species is stored.
     wanted: bool,
@@ -41,8 +41,8 @@ struct PoscarHeader {
 }
 
 impl Poscar {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
-        let wanted = is_wanted(&options.columns(), SPECIES);
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        let wanted = is_wanted(&request.columns, SPECIES);
         Self { lines: Some(Lines::new(source.reader, &source.path).of_any_bytes()), wanted }
     }
 
@@ -234,14 +234,13 @@ fn counts(lines: &Lines<Input>) -> Result<Vec<u64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::read_frames;
     use super::*;
+    use crate::read::particles::frame::all;
 
     const CELL: &str = "2.0 0 0\n1.0 3.0 0.0\n0 0 4\n";
 
     fn read(text: &str) -> Result<Particles> {
-        let open = |source, options: &ReadOptions| Ok(Poscar::new(source, options));
-        Ok(read_frames(text, &["species"], open)?.remove(0))
+        Ok(all(Poscar::new(SceneSource::of_text(text), Request::of(&["species"])))?.remove(0))
     }
 
     #[test]

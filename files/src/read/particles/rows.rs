@@ -1,7 +1,8 @@
 //! Parses rows of particles on all cores. The file is read in blocks of lines; while the next block is read, the parts
 //! of the previous one are parsed. At most two blocks are in memory, and the error is that of the first invalid line.
 
-use super::{Layout, Particles};
+use super::frame::Particles;
+use super::layout::Layout;
 use crate::error::{Error, Result};
 use crate::read::input::Input;
 use crate::read::lines::{Block, Lines};
@@ -82,8 +83,11 @@ pub(super) fn surplus<T>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ParticleFrames, read_frames, table::OneTable, xyz::Xyz};
-    use crate::read::options::ReadOptions;
+    use crate::read::particles::frame::ParticleFrames;
+    use crate::read::particles::frame::all;
+    use crate::read::particles::request::Request;
+    use crate::read::particles::table::OneTable;
+    use crate::read::particles::xyz::Xyz;
     use crate::read::source::SceneSource;
 
     /// Several blocks of 2 MiB.
@@ -98,7 +102,8 @@ mod tests {
 
     #[test]
     fn blocks_are_put_together_in_the_order_of_the_file() {
-        let frames = read_frames(&xyz(&[(7, "Fe 1 2 3 more")]), &["z"], Xyz::new).expect("two frames");
+        let frames = all(Xyz::new(SceneSource::of_text(&xyz(&[(7, "Fe 1 2 3 more")])), Request::of(&["z"])))
+            .expect("two frames");
         let [many, few] = &frames[..] else { panic!("{} frames", frames.len()) };
         assert_eq!(
             (many.positions.len(), many.columns[0].values.len(), few.positions[0]),
@@ -118,19 +123,23 @@ mod tests {
             (&[(150_000, "H 1 2"), (149_999, "H 0 b 0"), (199_999, "")][..], "text:150002:5: y: `b`"),
             (&[(199_999, "H 1 2 \u{e9}")], "text:200002:7: z"),
         ] {
-            let error = read_frames(&xyz(changed), &[], Xyz::new).map(drop).expect_err(place).to_string();
+            let error = all(Xyz::new(SceneSource::of_text(&xyz(changed)), Request::of(&[])))
+                .map(drop)
+                .expect_err(place)
+                .to_string();
             assert!(error.contains(place), "{error}");
         }
         let cut = xyz(&[]).lines().take(COUNT).collect::<Vec<_>>().join("\n") + "  ";
-        let error = read_frames(&cut, &[], Xyz::new).map(drop).expect_err("an end").to_string();
+        let error =
+            all(Xyz::new(SceneSource::of_text(&cut), Request::of(&[]))).map(drop).expect_err("an end").to_string();
         assert!(error.contains("text:200000:29: atom: the file ends"), "{error}");
     }
 
     #[test]
     fn rows_that_are_left_out_are_counted_over_all_blocks() {
         let text = xyz(&[(7, "H 1 nan 2"), (150_000, "H one 1 2"), (199_999, "H 1 2 -inf")]);
-        let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
-        let mut frames = Xyz::new(SceneSource::of_text(&text), &options).expect("a reader");
+        let options = Request { skip_invalid: true, ..Request::default() };
+        let mut frames = Xyz::new(SceneSource::of_text(&text), options.clone());
         let many = frames.next().expect("valid rows").expect("a frame");
         assert_eq!((many.positions.len(), many.elements.len()), (COUNT - 3, COUNT - 3));
         // The rows before the first, between it and the second, and behind.
@@ -142,9 +151,15 @@ mod tests {
     #[test]
     fn tables_keep_their_comments_and_blank_lines() {
         let rows: String = (0..COUNT).map(|n| format!("{n},2,3\n{}", ["", "\n", "# no row\n"][n % 3])).collect();
-        let table = read_frames(&format!("x,y,z\n{rows}"), &[], OneTable::new).expect("a table").remove(0);
+        let table =
+            all(OneTable::new(SceneSource::of_text(&format!("x,y,z\n{rows}")), Request::of(&[])).expect("a header"))
+                .expect("a table")
+                .remove(0);
         assert!(table.positions.len() == COUNT && table.positions.iter().enumerate().all(|(n, p)| p[0] == n as f64));
-        let error = read_frames(&format!("x,y,z\n{rows}1,2,3,4\n"), &[], OneTable::new).map(drop).expect_err("a row");
+        let error = all(OneTable::new(SceneSource::of_text(&format!("x,y,z\n{rows}1,2,3,4\n")), Request::of(&[]))
+            .expect("a header"))
+        .map(drop)
+        .expect_err("a row");
         // The header, the rows, and two lines for every three rows.
         let line = 1 + COUNT + COUNT / 3 * 2 + 1 + 1;
         assert!(error.to_string().contains(&format!("text:{line}:7: row")), "{error}");

@@ -4,25 +4,23 @@
 //! The csv crate is not used: its record positions count the comments and blank lines before a record, and errors here
 //! have the exact column. A number that spans lines is an error anyway.
 
-mod fields;
+pub(in crate::read) mod fields;
 mod header;
-mod names;
+pub(in crate::read) mod names;
 
-use super::layout::{Layout, Role, wanted};
+use super::frame::{ParticleFrames, Particles};
+use super::layout::Layout;
+use super::request::Request;
+use super::role::Role;
 use super::rows::rows;
-use super::{ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
-use crate::read::options::{ColumnNames, ReadOptions};
 use crate::read::source::SceneSource;
-use fields::next;
+use fields::{delimiter, fields, has_content, next};
 use header::TableHeader;
 use std::io::BufRead;
-
-pub(crate) use fields::{delimiter, fields, has_content};
-pub(crate) use names::axes;
 
 /// Rows under a header.
 pub(crate) struct Table<R> {
@@ -45,15 +43,14 @@ impl<R: BufRead> Table<R> {
         for word in fields(&lines, 0, b',') {
             let fail = |problem: String| Error::scene(lines.place(word.at).named("header"), problem, allowed);
             let role = role(word.text).ok_or_else(|| fail(format!("unknown column {}", quote(word.text))))?;
-            layout.add(word.text, role, &[]).map_err(fail)?;
+            layout.add(word.text, role).map_err(fail)?;
         }
         Ok(Self { lines, layout, delimiter: b',', ahead: false, assumed: None })
     }
 
-    /// A table with any delimiter, other columns, and a header that may be a comment or missing; `given` has the meaning
-    /// of columns whose names do not say it.
-    fn tolerant(mut lines: Lines<R>, wanted: &[String], given: &ColumnNames) -> Result<Self> {
-        let (mut header, ahead) = TableHeader::find(&mut lines, given)?;
+    /// A table with any delimiter, other columns, and a header that may be a comment or missing.
+    fn tolerant(mut lines: Lines<R>, request: &Request) -> Result<Self> {
+        let (mut header, ahead) = TableHeader::find(&mut lines, &request.columns_named)?;
         if ahead {
             // numpy.savetxt uses any separator between names.
             if header.comment && fields(&lines, 0, header.delimiter).count() < header.names.len() {
@@ -65,11 +62,11 @@ impl<R: BufRead> Table<R> {
                 }
             }
         }
-        let mut layout = Layout::default();
+        let mut layout = Layout::new(request);
         for (name, role) in &header.names {
             let mend = "use each column name once";
             layout
-                .add(name, *role, wanted)
+                .add(name, *role)
                 .map_err(|problem| Error::scene(header.place.clone().named("header"), problem, mend))?;
         }
         Ok(Self { lines, layout, delimiter: header.delimiter, ahead, assumed: header.assumed })
@@ -97,9 +94,9 @@ impl<R: BufRead> Table<R> {
 
 impl Table<Input> {
     /// Adds all rows.
-    fn all(mut self, survey: Option<&Survey>) -> Result<Particles> {
+    fn all(mut self) -> Result<Particles> {
         let (layout, delimiter) = (self.layout, self.delimiter);
-        let mut particles = layout.begin(survey);
+        let mut particles = layout.begin();
         particles.skipped.assumed.extend(self.assumed);
         if self.ahead {
             row(&self.lines, delimiter, &layout, &mut particles)?;
@@ -126,31 +123,29 @@ fn row<R: BufRead>(lines: &Lines<R>, delimiter: u8, layout: &Layout, particles: 
     }
 }
 
-/// The single frame of a table, and where it is counted.
-pub(super) struct OneTable(Option<Table<Input>>, Option<Survey>);
+/// The single frame of a table.
+pub(in crate::read) struct OneTable(Option<Table<Input>>);
 
 impl OneTable {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Result<Self> {
         let lines = Lines::new(source.reader, &source.path);
-        let mut table = Table::tolerant(lines, &wanted(&options.columns())?, &options.columns_named)?;
-        table.layout = table.layout.skipping(options.skip_invalid);
-        Ok(Self(Some(table), options.survey.clone()))
+        Ok(Self(Some(Table::tolerant(lines, &request)?)))
     }
 }
 
 impl ParticleFrames for OneTable {
     fn next(&mut self) -> Result<Option<Particles>> {
-        self.0.take().map(|table| table.all(self.1.as_ref())).transpose()
+        self.0.take().map(Table::all).transpose()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::read_frames;
     use super::*;
+    use crate::read::particles::frame::all;
 
     fn read(text: &str, columns: &[&str]) -> Result<Particles> {
-        Ok(read_frames(text, columns, OneTable::new)?.remove(0))
+        Ok(all(OneTable::new(SceneSource::of_text(text), Request::of(columns))?)?.remove(0))
     }
 
     #[test]
@@ -190,8 +185,8 @@ mod tests {
 
     fn named(text: &str, columns: &str) -> Result<Particles> {
         let columns_named = columns.parse()?;
-        let options = ReadOptions { columns_named, ..ReadOptions::default() };
-        Ok(OneTable::new(SceneSource::of_text(text), &options)?.next()?.expect("a table"))
+        let options = Request { columns_named, ..Request::default() };
+        Ok(OneTable::new(SceneSource::of_text(text), options.clone())?.next()?.expect("a table"))
     }
 
     #[test]
@@ -236,9 +231,9 @@ mod tests {
 
     #[test]
     fn invalid_rows_are_left_out_and_counted() {
-        let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
+        let options = Request { skip_invalid: true, ..Request::default() };
         let read = |text: &str| -> Result<Particles> {
-            Ok(OneTable::new(SceneSource::of_text(text), &options)?.next()?.expect("a table"))
+            Ok(OneTable::new(SceneSource::of_text(text), options.clone())?.next()?.expect("a table"))
         };
         let text = "name,x,y,z,radius\na,1,2,3,1\n\nb,nan,2,3,1\nc,4,5,6,0\nd,,5,6,1\ne,7,8,inf,1\nf,7,8,9,2\n";
         let found = read(text).expect("rows");

@@ -9,13 +9,13 @@ mod xdr;
 mod xtc;
 
 use super::bytes::BinaryFile;
+use super::frame::{Column, ParticleFrames, Particles};
 use super::layout::is_wanted;
-use super::{Column, ParticleFrames, Particles};
+use super::request::Request;
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use crate::quote::count;
 use crate::read::format::Format;
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use moment::{Moment, Moments};
 use std::path::PathBuf;
@@ -28,13 +28,13 @@ const OWN: [&str; 18] =
 const VELOCITIES: [&str; 3] = ["vx", "vy", "vz"];
 
 /// The atoms of a trajectory: their elements, radii, names and columns.
-pub(super) struct Topology {
-    pub(super) path: PathBuf,
-    pub(super) atoms: Particles,
+pub(in crate::read) struct Topology {
+    pub(in crate::read) path: PathBuf,
+    pub(in crate::read) atoms: Particles,
 }
 
 /// The reader.
-pub(super) struct Trajectory {
+pub(in crate::read) struct Trajectory {
     moments: Box<dyn Moments>,
     file: Place,
     topology: Option<Topology>,
@@ -45,9 +45,8 @@ pub(super) struct Trajectory {
 }
 
 impl Trajectory {
-    pub(super) fn new(source: SceneSource, topology: Option<Topology>, options: &ReadOptions) -> Self {
-        let columns = options.columns();
-        let wanted: Vec<usize> = (0..3).filter(|k| is_wanted(&columns, VELOCITIES[*k])).collect();
+    pub(in crate::read) fn new(source: SceneSource, topology: Option<Topology>, request: &Request) -> Self {
+        let wanted: Vec<usize> = (0..3).filter(|k| is_wanted(&request.columns, VELOCITIES[*k])).collect();
         let (format, file) = (source.format, Place::file(source.path.display().to_string()));
         let binary = BinaryFile::new(source);
         let moments: Box<dyn Moments> = match format {

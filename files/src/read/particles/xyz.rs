@@ -2,39 +2,32 @@
 //! declares the columns (`Properties=species:S:1:pos:R:3:forces:R:3`) and the cell (`Lattice="..."`); described at
 //! github.com/libAtoms/extxyz.
 
-use super::layout::{Layout, Role, wanted};
+use super::frame::{ParticleFrames, Particles};
+use super::frame_time::FrameTime;
+use super::layout::Layout;
+use super::request::Request;
+use super::role::Role;
 use super::rows::{rows, surplus};
 use super::vectors::component;
-use super::{FrameTime, ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
-use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
 
 /// The reader.
-pub(super) struct Xyz {
+pub(in crate::read) struct Xyz {
     lines: Lines<Input>,
-    wanted: Vec<String>,
-    survey: Option<Survey>,
-    /// Whether rows with invalid coordinates or radii are left out.
-    skip_invalid: bool,
+    request: Request,
     /// Whether the current line has not been parsed yet.
     held: bool,
 }
 
 impl Xyz {
-    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self {
-            lines: Lines::new(source.reader, &source.path),
-            wanted: wanted(&options.columns())?,
-            survey: options.survey.clone(),
-            skip_invalid: options.skip_invalid,
-            held: false,
-        })
+    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
+        Self { lines: Lines::new(source.reader, &source.path), request, held: false }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
@@ -110,7 +103,7 @@ impl Xyz {
             self.fail(at, "Properties", problem, "write name:type:columns triples such as species:S:1:pos:R:3")
         };
         let mut parts = properties.split(':');
-        let mut layout = Layout::default();
+        let mut layout = Layout::new(&self.request);
         while let Some(name) = parts.next() {
             let (Some(kind @ ("S" | "R" | "I" | "L")), Some(count)) = (parts.next(), parts.next()) else {
                 return Err(wrong(format!("{} needs a type S, R, I or L and a number of columns", quote(name))));
@@ -119,16 +112,16 @@ impl Xyz {
             let name = name.to_lowercase();
             for k in 0..count {
                 let (column, role) = column(&name, kind, k, count);
-                layout.add(&column, role, &self.wanted).map_err(wrong)?;
+                layout.add(&column, role).map_err(wrong)?;
             }
             if matches!(kind, "R" | "I") {
-                layout.vector(&name, count, &self.wanted);
+                layout.vector(&name, count);
             }
         }
         if !layout.contains(Role::Position(2)) {
             return Err(wrong("the property pos with three columns is missing".into()));
         }
-        Ok((layout.skipping(self.skip_invalid), cell, FrameTime::of(time, step)))
+        Ok((layout, cell, FrameTime::of(time, step)))
     }
 
     fn lattice(&self, at: usize, text: &str) -> Result<Cell> {
@@ -200,7 +193,7 @@ impl ParticleFrames for Xyz {
         let Some(count) = self.count()? else { return Ok(None) };
         self.need("comment")?;
         let (layout, cell, when) = self.layout()?;
-        let mut particles = Particles { cell, when, ..layout.begin(self.survey.as_ref()) };
+        let mut particles = Particles { cell, when, ..layout.begin() };
         let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
             return Err(self.ends("atom"));
@@ -219,11 +212,12 @@ impl ParticleFrames for Xyz {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Column, read_frames};
     use super::*;
+    use crate::read::particles::frame::Column;
+    use crate::read::particles::frame::all;
 
     fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
-        read_frames(text, columns, Xyz::new)
+        all(Xyz::new(SceneSource::of_text(text), Request::of(columns)))
     }
 
     #[test]
@@ -269,7 +263,7 @@ mod tests {
 
     #[test]
     fn trailing_lines_that_are_not_a_frame_are_reported() {
-        let mut xyz = Xyz::new(SceneSource::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), &ReadOptions::default()).expect("xyz");
+        let mut xyz = Xyz::new(SceneSource::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), Request::default());
         let frame = xyz.next().expect("read").expect("a frame");
         assert_eq!(frame.skipped.assumed, ["text:5:1: `VEC 1` after the 1 atoms does not begin a frame"]);
         xyz.next().map(drop).expect_err("the rest is not a frame");

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Block, Lines};
-use crate::read::particles::{delimiter, fields, has_content};
+use crate::read::particles::table::fields::{delimiter, fields, has_content};
 use rayon::prelude::*;
 use std::io::BufRead;
 use std::path::Path;

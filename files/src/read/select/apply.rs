@@ -4,18 +4,30 @@ use super::evaluate::{Evaluator, Mask};
 use super::selection::Selection;
 use crate::error::Result;
 use crate::memory::check;
-use crate::read::options::ReadOptions;
-use crate::read::particles::Particles;
+use crate::read::particles::frame::Particles;
 use crate::scene::Spheres;
 use rayon::prelude::*;
+
+/// What is selected of the particles of a frame.
+pub(in crate::read) struct Selections<'a> {
+    /// The particles to take: those that one of these selects; all where the list is empty.
+    pub(in crate::read) select: &'a [Selection],
+    /// The particles to leave out: those that one of these selects.
+    pub(in crate::read) hide: &'a [Selection],
+    /// Particles that the caller wants to know.
+    pub(in crate::read) marks: &'a [Selection],
+    /// Those that the rules of a style colour and resize, a selection for each rule.
+    pub(in crate::read) paints: Vec<&'a Selection>,
+    pub(in crate::read) sizes: Vec<&'a Selection>,
+}
 
 /// Marks the particles that a style's rules colour or resize, then removes those that are not selected.
 ///
 /// # Errors
 /// Those of the selections.
-pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -> Result<()> {
-    let ReadOptions { select, hide, marks, style, .. } = options;
-    let rules = style.paints.len() + style.sizes.len() + marks.len();
+pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Particles) -> Result<()> {
+    let Selections { select, hide, marks, paints, sizes } = selections;
+    let rules = paints.len() + sizes.len() + marks.len();
     let count = particles.positions.len();
     // A frame without particles may have no columns either.
     if count == 0 || select.is_empty() && hide.is_empty() && rules == 0 {
@@ -30,9 +42,9 @@ pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -
         Ok(mask)
     };
     // All rules see the whole frame, also what is hidden.
-    let mut last = |selections: &mut dyn Iterator<Item = &Selection>| -> Result<Vec<u16>> {
+    let mut last = |selections: &[&Selection]| -> Result<Vec<u16>> {
         let mut rule = Vec::new();
-        for (k, selection) in selections.enumerate() {
+        for (k, selection) in selections.iter().enumerate() {
             rule.resize(count, 0);
             let number = u16::try_from(k + 1).unwrap_or(u16::MAX);
             let mask = of(selection)?;
@@ -41,14 +53,14 @@ pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -
         }
         Ok(rule)
     };
-    let paint = last(&mut style.paints.iter().map(|(selection, _)| selection))?;
-    let size = last(&mut style.sizes.iter().map(|(selection, _)| selection))?;
+    let paint = last(paints)?;
+    let size = last(sizes)?;
     let mut stays = vec![select.is_empty(); count];
-    for selection in select {
+    for selection in *select {
         let mask = of(selection)?;
         stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays |= flag);
     }
-    for selection in hide {
+    for selection in *hide {
         let mask = of(selection)?;
         stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays &= !flag);
     }

@@ -1,6 +1,7 @@
 //! Metals and ligands. MDAnalysis has no words for them; these rules are stated in docs/selection.md.
 
-use crate::read::particles::{class, is_ion};
+use crate::read::particles::infer::residues::class;
+use crate::read::particles::infer::rules::is_ion;
 use std::ops::Range;
 
 /// Whether an element is a metal: all but hydrogen, helium and the right of the periodic table from boron, silicon,
@@ -100,7 +101,7 @@ impl Molecules<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::style::elements::element;
+    use crate::read::elements::element;
 
     /// The metals of the periodic table as IUPAC's names of groups have it, written out.
     #[test]

@@ -1,12 +1,12 @@
 //! Colours of categories: names, numbers that identify, elements.
 
-use super::elements::element;
 use super::scale::{Colored, Scale};
 use crate::error::{Error, Result};
 use crate::frame::color_map::ColorMap;
 use crate::frame::legend::{Category, Legend};
 use crate::frame::srgb::linear;
-use crate::read::particles::{Column, Particles};
+use crate::read::elements::element;
+use crate::read::particles::frame::{Column, Particles};
 use crate::read::skipped::Skipped;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
@@ -164,8 +164,8 @@ fn joined(known: &[String], labels: &[String]) -> (Vec<String>, Vec<f64>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::color::of_hex;
     use super::*;
+    use crate::read::color::of_hex;
 
     fn colored(name: &str, values: &[f64], labels: &[&str], scale: &Scale) -> Result<Option<(Colored, Vec<String>)>> {
         let column = Column { name: name.into(), values: values.to_vec() };

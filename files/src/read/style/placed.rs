@@ -3,7 +3,7 @@
 use super::{Coloring, Style};
 use crate::error::{Error, Place, Result};
 use crate::frame::legend::Legend;
-use crate::read::particles::{Column, Particles};
+use crate::read::particles::frame::{Column, Particles};
 use crate::read::skipped::Skipped;
 use crate::scene::Spheres;
 use crate::scene::instances::Instances;

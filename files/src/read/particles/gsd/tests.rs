@@ -2,17 +2,13 @@
 //! the corpus of the fuzzer, behind a byte of options.
 
 use super::*;
-use crate::read::style::{Coloring, Scale, Style};
 
 /// Three frames of 4, 4 and 3 particles; only the first has types, diameters and velocities. Coordinate k of a frame is
 /// k / 2 and the frame's number.
 const FRAMES: &[u8] = include_bytes!("../../../../../fuzz/corpus/gsd/frames");
 
 fn gsd(bytes: &[u8], columns: &[&str]) -> Gsd {
-    let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale::of(columns);
-    let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-    Gsd::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })
+    Gsd::new(SceneSource::of_bytes(bytes), Request::of(columns))
 }
 
 fn read(bytes: &[u8], columns: &[&str]) -> Result<Vec<Particles>> {

@@ -1,7 +1,7 @@
 //! Rules for a single atom's name, given its residue and the file's columns.
 
 use super::residues::{ResidueClass, class};
-use crate::read::style::elements::atomic_number;
+use crate::read::elements::atomic_number;
 
 /// The kind of site of an atom record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -157,7 +157,7 @@ pub(super) fn of_name(name: &[u8]) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::style::elements::element;
+    use crate::read::elements::element;
 
     fn symbol(number: impl Into<Option<u8>>) -> &'static str {
         number.into().and_then(element).map_or("none", |element| element.symbol)

@@ -4,7 +4,7 @@
 
 use super::{NAMES, is_virtual, rules};
 use crate::quote::{count, quote};
-use crate::read::style::elements::{atomic_number, element};
+use crate::read::elements::{atomic_number, element};
 use std::collections::BTreeMap;
 
 /// Codes above all atomic numbers: a symbol that may be a name is its atomic number plus [`UNSURE`]; a virtual site has

@@ -1,5 +1,5 @@
 use super::*;
-use crate::read::style::elements::element;
+use crate::read::elements::element;
 
 /// The symbols of `NAME.RESIDUE` words, all of one residue where the residue's name is the same, and the messages.
 fn symbols(columns: bool, words: &str) -> (String, Inferred) {

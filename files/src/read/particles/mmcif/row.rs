@@ -5,10 +5,11 @@ use super::tokens::{Token, Tokens, number};
 use crate::error::{Error, Place, Result};
 use crate::quote::quote;
 use crate::read::lines::Spot;
-use crate::read::options::Altloc;
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
-use crate::read::particles::molecule::{Model, MoleculeOptions};
+use crate::read::particles::layout::is_wanted;
+use crate::read::particles::molecule::Model;
+use crate::read::particles::request::{Altloc, Request};
 
 /// The meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,12 +52,12 @@ impl AtomColumns {
     }
 
     /// The layout of these tags, in lower case.
-    pub(super) fn of(tags: &[String], choice: &MoleculeOptions) -> Self {
+    pub(super) fn of(tags: &[String], request: &Request) -> Self {
         let items: Vec<&str> = tags.iter().map(|tag| item(tag).unwrap_or_default()).collect();
         // The first of these names that occurs.
         let column = |names: &[&str]| names.iter().find_map(|name| items.iter().position(|item| item == name));
         let mut layout = Self { uses: vec![Vec::new(); items.len()], ..Self::default() };
-        let highest = choice.altloc == Altloc::Highest;
+        let highest = request.altloc == Altloc::Highest;
         let columns: [(AtomProperty, &[&str]); 14] = [
             (AtomProperty::Bfactor, &["b_iso_or_equiv"]),
             (AtomProperty::Occupancy, &["occupancy"]),
@@ -76,10 +77,11 @@ impl AtomColumns {
         for (kind, names) in columns {
             let Some(at) = column(names) else { continue };
             layout.has.push(kind);
-            let (wanted, sites) = (choice.wants(kind), highest && kind == AtomProperty::Occupancy);
+            let (wanted, sites) =
+                (is_wanted(&request.columns, kind.name()), highest && kind == AtomProperty::Occupancy);
             match kind {
                 AtomProperty::Model => layout.uses[at].push(Use::Model),
-                AtomProperty::Asym if wanted || choice.assembly.is_some() => layout.uses[at].push(Use::Asym),
+                AtomProperty::Asym if wanted || request.assembly.is_some() => layout.uses[at].push(Use::Asym),
                 AtomProperty::Asym => {}
                 kind if wanted && kind.is_text() => layout.uses[at].push(Use::Text(kind)),
                 kind if !kind.is_text() && (wanted || sites) => layout.uses[at].push(Use::Number(kind)),

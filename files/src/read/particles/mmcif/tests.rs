@@ -1,19 +1,16 @@
 use super::*;
-use crate::read::options::Altloc;
-use crate::read::style::{Coloring, Scale, Style};
+use crate::read::particles::request::Altloc;
 
-fn options(columns: &[&str]) -> ReadOptions {
-    let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale::of(columns);
-    ReadOptions { style: Style { coloring: Coloring::Column(scale), ..Style::default() }, ..ReadOptions::default() }
+fn options(columns: &[&str]) -> Request {
+    Request::of(columns)
 }
 
-fn read(text: &str, options: &ReadOptions) -> Result<Vec<Particles>> {
-    let mut mmcif = Mmcif::new(SceneSource::of_text(text), options);
+fn read(text: &str, options: &Request) -> Result<Vec<Particles>> {
+    let mut mmcif = Mmcif::new(SceneSource::of_text(text), options.clone());
     std::iter::from_fn(|| mmcif.next().transpose()).collect()
 }
 
-fn refused(text: &str, options: &ReadOptions) -> String {
+fn refused(text: &str, options: &Request) -> String {
     read(text, options).map(drop).expect_err(text).to_string()
 }
 
@@ -101,14 +98,14 @@ fn columns_stand_in_any_order_and_rows_in_any_lines() {
 #[test]
 fn models_and_alternate_locations_are_chosen() {
     let text = format!("data_X\n{ATOMS}");
-    let with = |altloc, model| read(&text, &ReadOptions { altloc, model, ..options(&["occupancy"]) });
+    let with = |altloc, model| read(&text, &Request { altloc, model, ..options(&["occupancy"]) });
     assert_eq!(xs(&with(Altloc::Highest, None).expect("atoms")[0]), [1.0, 3.0, 4.0]);
     assert_eq!(xs(&with(Altloc::Named("A".into()), None).expect("atoms")[0]), [1.0, 2.0, 3.0]);
     let second = with(Altloc::All, Some(2)).expect("the second");
     assert_eq!((second.len(), xs(&second[0]), &second[0].skipped.assumed[..]), (1, vec![5.0], &[][..]));
     let error = with(Altloc::All, Some(3)).map(drop).expect_err("no third").to_string();
     assert!(error.contains("no model 3") && error.contains("the file has 1, 2"), "{error}");
-    let mut mmcif = Mmcif::new(SceneSource::of_text(&text), &options(&[]));
+    let mut mmcif = Mmcif::new(SceneSource::of_text(&text), options(&[]));
     assert!(mmcif.skip().expect("skipped"));
     assert_eq!(xs(&mmcif.next().expect("read").expect("the second")), [5.0]);
     assert!(!mmcif.skip().expect("the end") && mmcif.next().expect("the end").is_none());
@@ -116,9 +113,9 @@ fn models_and_alternate_locations_are_chosen() {
 
 #[test]
 fn assemblies_are_built_wherever_their_operators_stand() {
-    let with = |id: &str| ReadOptions { assembly: Some(id.into()), ..options(&["copy"]) };
+    let with = |id: &str| Request { assembly: Some(id.into()), ..options(&["copy"]) };
     for text in [format!("data_X\n{ASSEMBLY}{ATOMS}"), format!("data_X\n{ATOMS}{ASSEMBLY}data_Y\n_a 'open\n")] {
-        let mut mmcif = Mmcif::new(SceneSource::of_text(&text), &with("1"));
+        let mut mmcif = Mmcif::new(SceneSource::of_text(&text), with("1"));
         let whole = mmcif.next().expect("read").expect("an assembly");
         assert_eq!(xs(&whole), [1.0, 3.0, 101.0, 103.0]);
         assert_eq!(
@@ -132,9 +129,9 @@ fn assemblies_are_built_wherever_their_operators_stand() {
     let unit = read(&text, &options(&[])).expect("as they stand").remove(0);
     assert!(unit.skipped.assumed.iter().any(|said| said.contains("2 copies; use --assembly 1")), "{:?}", unit.skipped);
     let behind = format!("data_X\n{ATOMS}{ASSEMBLY}");
-    let all = ReadOptions { frames: "1-".parse().expect("frames"), ..with("1") };
+    let all = Request { frames: "1-".parse().expect("frames"), ..with("1") };
     assert!(refused(&behind, &all).contains("--model"));
-    assert_eq!(xs(&read(&behind, &ReadOptions { model: Some(2), ..all }).expect("one model")[0]), [5.0, 105.0]);
+    assert_eq!(xs(&read(&behind, &Request { model: Some(2), ..all }).expect("one model")[0]), [5.0, 105.0]);
     let error = refused(&text.replace("100 P", "x P"), &with("1"));
     assert!(error.contains("text:24:1: _pdbx_struct_oper_list: operator `P` does not have 12"), "{error}");
     let error = refused(&text.replace("(1,P)", "(1-999999999)"), &with("1"));
@@ -192,11 +189,11 @@ fn errors_are_reported_with_line_and_column() {
 #[test]
 fn no_bytes_cause_a_panic() {
     let mut bytes = format!("data_X\n{ATOMS}{ASSEMBLY}").into_bytes();
-    let with = |bytes: Vec<u8>, options: &ReadOptions| {
-        let mut mmcif = Mmcif::new(SceneSource::of_bytes(&bytes), options);
+    let with = |bytes: Vec<u8>, options: &Request| {
+        let mut mmcif = Mmcif::new(SceneSource::of_bytes(&bytes), options.clone());
         (0..4).map(|_| mmcif.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
     };
-    let all = ReadOptions { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };
+    let all = Request { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };
     assert_eq!((with(bytes.clone(), &all), with(bytes.clone(), &options(&[]))), (4, 5));
     // The file may end anywhere, and a text may begin anywhere.
     let single = b"data_X\n_atom_site.Cartn_x 1\n_atom_site.Cartn_y\n;2\n;\n_atom_site.Cartn_z 'a'\n";
@@ -239,7 +236,7 @@ fn symmetry_fills_the_cell_of_a_small_molecule() {
             let said = &frame.skipped.assumed;
             assert!(said.iter().any(|said| said.starts_with("3 operators make 5 atoms")), "{said:?}");
             assert!(said.iter().any(|said| said.starts_with("1 virtual site left out (1 `DUM`)")), "{said:?}");
-            let listed = ReadOptions { as_listed: true, ..options(&["copy"]) };
+            let listed = Request { as_listed: true, ..options(&["copy"]) };
             assert_eq!(read(&text, &listed).expect("as listed")[0].positions, [[0.0; 3], [1.0; 3]]);
         }
     }

@@ -6,8 +6,10 @@ use crate::npy::Scalar;
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
-use crate::read::particles::component;
-use crate::read::particles::layout::{Layout, Role};
+use crate::read::particles::layout::Layout;
+use crate::read::particles::request::Request;
+use crate::read::particles::role::Role;
+use crate::read::particles::vectors::component;
 
 /// How the points are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +70,7 @@ const LISTS: [&str; 4] = ["FIELDS", "SIZE", "TYPE", "COUNT"];
 const MEND: &str = "write it as in the description of the format";
 
 /// Reads the header, up to the line `DATA`.
-pub(super) fn header(lines: &mut Lines<Input>, wanted: &[String]) -> Result<PcdHeader> {
+pub(super) fn header(lines: &mut Lines<Input>, request: &Request) -> Result<PcdHeader> {
     let mut lists: [(Vec<String>, Place); 4] = Default::default();
     let mut sizes: [Option<u64>; 3] = [None; 3];
     for _ in 0..MOST_LINES {
@@ -105,7 +107,7 @@ pub(super) fn header(lines: &mut Lines<Input>, wanted: &[String]) -> Result<PcdH
             let product = || width?.checked_mul(height.unwrap_or(1));
             let points = points.or_else(product).ok_or_else(|| fail("the number of points is missing".into()))?;
             check_ids(points)?;
-            let (fields, layout) = fields(&lists, &lines.file(), wanted)?;
+            let (fields, layout) = fields(&lists, &lines.file(), request)?;
             return Ok(PcdHeader { encoding, fields, points, layout });
         } else if !["VERSION", "VIEWPOINT"].contains(&key) {
             return Err(fail(format!("{} is not a header line", quote(lines.text()))));
@@ -116,9 +118,9 @@ pub(super) fn header(lines: &mut Lines<Input>, wanted: &[String]) -> Result<PcdH
 }
 
 /// The fields and their columns.
-fn fields(lists: &[(Vec<String>, Place); 4], file: &Place, wanted: &[String]) -> Result<(Vec<PcdField>, Layout)> {
+fn fields(lists: &[(Vec<String>, Place); 4], file: &Place, request: &Request) -> Result<(Vec<PcdField>, Layout)> {
     let [(names, place), (sizes, _), (types, _), (counts, _)] = lists;
-    let mut layout = Layout::default();
+    let mut layout = Layout::whole(request);
     let mut fields = Vec::new();
     for (list, name) in lists.iter().zip(LISTS) {
         // Without the line COUNT each field has one number.
@@ -149,15 +151,15 @@ fn fields(lists: &[(Vec<String>, Place); 4], file: &Place, wanted: &[String]) ->
             PcdKind::Padding => {}
             PcdKind::Color => {
                 for (axis, color) in ["red", "green", "blue"].into_iter().enumerate() {
-                    layout.add(color, Role::Color(axis), wanted).map_err(wrong)?;
+                    layout.add(color, Role::Color(axis)).map_err(wrong)?;
                 }
             }
             PcdKind::Numbers => {
                 for part in 0..count {
                     let column = if count == 1 { name.clone() } else { component(name, part) };
-                    layout.add(&column, Role::of_field(&column), wanted).map_err(wrong)?;
+                    layout.add(&column, Role::of_field(&column)).map_err(wrong)?;
                 }
-                layout.vector(&name.to_lowercase(), count, wanted);
+                layout.vector(&name.to_lowercase(), count);
             }
         }
         fields.push(PcdField { scalar, count, kind });

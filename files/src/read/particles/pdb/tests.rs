@@ -1,18 +1,15 @@
 use super::*;
-use crate::read::style::{Coloring, Scale, Style};
 
-fn options(columns: &[&str]) -> ReadOptions {
-    let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale::of(columns);
-    ReadOptions { style: Style { coloring: Coloring::Column(scale), ..Style::default() }, ..ReadOptions::default() }
+fn options(columns: &[&str]) -> Request {
+    Request::of(columns)
 }
 
-fn read(text: &str, options: &ReadOptions) -> Result<Vec<Particles>> {
-    let mut pdb = Pdb::new(SceneSource::of_text(text), options);
+fn read(text: &str, options: &Request) -> Result<Vec<Particles>> {
+    let mut pdb = Pdb::new(SceneSource::of_text(text), options.clone());
     std::iter::from_fn(|| pdb.next().transpose()).collect()
 }
 
-fn refused(text: &str, options: &ReadOptions) -> String {
+fn refused(text: &str, options: &Request) -> String {
     read(text, options).map(drop).expect_err(text).to_string()
 }
 
@@ -98,7 +95,7 @@ fn alternate_locations_are_chosen() {
     ]
     .concat();
     let with = |altloc: &str| {
-        let options = ReadOptions { altloc: altloc.parse().expect("a choice"), ..options(&["occupancy"]) };
+        let options = Request { altloc: altloc.parse().expect("a choice"), ..options(&["occupancy"]) };
         read(&text, &options).expect("atoms").remove(0)
     };
     assert_eq!(xs(&with("all")), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
@@ -123,11 +120,11 @@ fn models_are_frames() {
     let models: Vec<f64> = frames.iter().map(|frame| frame.columns[0].values[0]).collect();
     assert_eq!((models, xs(&frames[2])), (vec![4.0, 5.0, 9.0], vec![3.0]));
     assert!(frames[0].skipped.assumed[0].contains("the file has 3 models"), "{:?}", frames[0].skipped);
-    let one = read(&text, &ReadOptions { model: Some(5), ..all.clone() }).expect("the second");
+    let one = read(&text, &Request { model: Some(5), ..all.clone() }).expect("the second");
     assert_eq!((one.len(), xs(&one[0]), one[0].skipped.assumed.len()), (1, vec![2.0], 0));
-    let error = refused(&text, &ReadOptions { model: Some(3), ..all.clone() });
+    let error = refused(&text, &Request { model: Some(3), ..all.clone() });
     assert!(error.contains("no model 3") && error.contains("4, 5, 9"), "{error}");
-    let mut pdb = Pdb::new(SceneSource::of_text(&text), &all);
+    let mut pdb = Pdb::new(SceneSource::of_text(&text), all.clone());
     assert!(pdb.skip().expect("skipped") && pdb.skip().expect("skipped"));
     assert_eq!(xs(&pdb.next().expect("read").expect("the third")), [3.0]);
     assert!(!pdb.skip().expect("the end"));
@@ -166,7 +163,7 @@ REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000
 fn assemblies_are_built() {
     let atoms = [("B", 1.0), ("", 2.0), ("A", 3.0), ("C", 4.0)].map(|(chain, x)| atom(" C", "", chain, x, 1.0, "C"));
     let text = format!("{REMARK}{}", atoms.concat());
-    let with = |id: &str| ReadOptions { assembly: Some(id.into()), ..options(&["copy", "chain"]) };
+    let with = |id: &str| Request { assembly: Some(id.into()), ..options(&["copy", "chain"]) };
     let whole = read(&text, &with("1")).expect("an assembly").remove(0);
     assert_eq!(xs(&whole), [1.0, 3.0, 99.0, 97.0, 98.0]);
     assert_eq!(whole.columns[0].values, [0.0, 0.0, 1.0, 1.0, 1.0]);
@@ -213,13 +210,13 @@ fn bytes_that_are_not_utf_8_are_accepted() {
     let good = atom(" C", "", "A", 1.0, 1.0, "C");
     let mut bytes = format!("{REMARK}{good}{good}END\n").into_bytes();
     let first = b"AUTHOR    J.M\xfcLLER\n".to_vec();
-    let with = |bytes: Vec<u8>, options: &ReadOptions| {
-        let mut pdb = Pdb::new(SceneSource::of_bytes(&bytes), options);
+    let with = |bytes: Vec<u8>, options: &Request| {
+        let mut pdb = Pdb::new(SceneSource::of_bytes(&bytes), options.clone());
         pdb.next()
     };
     let plain = with([first, bytes.clone()].concat(), &options(&[])).expect("read").expect("a model");
     assert_eq!(plain.positions.len(), 2);
-    let all = ReadOptions { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };
+    let all = Request { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };
     for at in 0..bytes.len() {
         for part in [&bytes[..at], &bytes[at..]] {
             let _read = (with(part.to_vec(), &all), with(part.to_vec(), &options(&[])));
@@ -237,8 +234,8 @@ fn bytes_that_are_not_utf_8_are_accepted() {
     }
 }
 
-fn read_as(format: Format, text: &str, options: &ReadOptions) -> Result<Vec<Particles>> {
-    let mut pdb = Pdb::new(SceneSource { format, ..SceneSource::of_text(text) }, options);
+fn read_as(format: Format, text: &str, options: &Request) -> Result<Vec<Particles>> {
+    let mut pdb = Pdb::new(SceneSource { format, ..SceneSource::of_text(text) }, options.clone());
     std::iter::from_fn(|| pdb.next().transpose()).collect()
 }
 

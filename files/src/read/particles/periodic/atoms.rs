@@ -1,8 +1,8 @@
 //! How near atoms must be to be joined: by a bond, or by touching a protein or nucleic acid.
 
-use crate::read::particles::Particles;
-use crate::read::particles::infer::{ResidueClass, class};
-use crate::read::style::elements::element;
+use crate::read::elements::element;
+use crate::read::particles::frame::Particles;
+use crate::read::particles::infer::residues::{ResidueClass, class};
 use rayon::prelude::*;
 
 /// The longest bond, in sums of covalent radii. Vibrations stretch bonds by less; the closest atoms without a bond are the

@@ -4,7 +4,7 @@ use super::header::{PlyElement, Property, short_of, truncated};
 use crate::error::{Error, Place, Result, relocate};
 use crate::npy::Scalar;
 use crate::read::input::Input;
-use crate::read::particles::Particles;
+use crate::read::particles::frame::Particles;
 use crate::read::particles::layout::Layout;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;

@@ -3,10 +3,11 @@
 use crate::error::{Error, Place, Result};
 use crate::npy::Scalar;
 use crate::quote::quote;
+use crate::read::color::light_of;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
-use crate::read::particles::layout::{Layout, Role};
-use crate::read::style::color::light_of;
+use crate::read::particles::layout::Layout;
+use crate::read::particles::role::Role;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum PlyEncoding {

@@ -5,8 +5,9 @@ use crate::error::{Error, Result, relocate};
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
-use crate::read::particles::Particles;
-use crate::read::particles::layout::{Layout, Role};
+use crate::read::particles::frame::Particles;
+use crate::read::particles::layout::Layout;
+use crate::read::particles::role::Role;
 use crate::read::particles::rows::surplus;
 
 pub(super) fn text(

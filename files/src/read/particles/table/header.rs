@@ -5,8 +5,8 @@ use super::names::{Axes, axes, split};
 use crate::error::{Error, Place, Result};
 use crate::quote::{list, quote};
 use crate::read::lines::Lines;
-use crate::read::options::ColumnNames;
-use crate::read::particles::layout::Role;
+use crate::read::particles::column_names::ColumnNames;
+use crate::read::particles::role::Role;
 use std::io::BufRead;
 
 /// The columns of a table.

@@ -5,8 +5,8 @@
 use super::moment::{Moment, Moments};
 use crate::error::Result;
 use crate::memory::{check, check_ids, reserve};
-use crate::read::particles::FrameTime;
 use crate::read::particles::bytes::BinaryFile;
+use crate::read::particles::frame_time::FrameTime;
 use crate::read::particles::molecule;
 use crate::scene::Cell;
 

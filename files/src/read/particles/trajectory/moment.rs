@@ -1,7 +1,7 @@
 //! A frame of a trajectory, and the trait of its decoders.
 
 use crate::error::Result;
-use crate::read::particles::FrameTime;
+use crate::read::particles::frame_time::FrameTime;
 use crate::scene::Cell;
 
 /// A frame of a trajectory.

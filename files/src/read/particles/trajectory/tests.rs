@@ -2,8 +2,7 @@
 //! [`waters`]; TRR and DCD are put together here from the descriptions of the formats.
 
 use super::*;
-use crate::read::particles::FrameTime;
-use crate::read::style::{Coloring, Scale, Style};
+use crate::read::particles::frame_time::FrameTime;
 
 /// Four waters in the box 20 x 30 x 40, in two runs of small differences, compressed with a precision of 1000.
 const XTC: &str = "000007cb0000000c00000000000000004000000000000000000000000000000040400000000000000000000000000000\
@@ -27,11 +26,8 @@ fn waters() -> Vec<[f64; 3]> {
 }
 
 fn open(format: Format, bytes: &[u8], topology: Option<Topology>, columns: &[&str]) -> Trajectory {
-    let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale::of(columns);
-    let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     let source = SceneSource { format, ..SceneSource::of_bytes(bytes) };
-    Trajectory::new(source, topology, &ReadOptions { style, ..ReadOptions::default() })
+    Trajectory::new(source, topology, &Request::of(columns))
 }
 
 fn frames(format: Format, bytes: &[u8], columns: &[&str]) -> Result<Vec<Particles>> {
@@ -370,7 +366,7 @@ fn only_trajectories_take_a_topology() {
     let moved = path("moved.xtc", &xtc());
     let scene = path("scene.nff", b"s 0 0 0 1\n");
     let open = |path: &std::path::Path, topology: &std::path::Path| {
-        let options = ReadOptions { topology: Some(topology.to_path_buf()), ..ReadOptions::default() };
+        let options = crate::read::ReadOptions { topology: Some(topology.to_path_buf()), ..Default::default() };
         Sequence::open(path, &options).map_err(|error| error.to_string())
     };
     let mut sequence = open(&moved, &atoms).expect("a trajectory");

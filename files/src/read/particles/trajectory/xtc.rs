@@ -7,8 +7,8 @@ use super::ints::{self, Packed};
 use super::moment::{Moment, Moments};
 use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
 use crate::error::Result;
-use crate::read::particles::FrameTime;
 use crate::read::particles::bytes::BinaryFile;
+use crate::read::particles::frame_time::FrameTime;
 use crate::scene::Cell;
 
 /// The reader.

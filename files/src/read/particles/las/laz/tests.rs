@@ -1,11 +1,10 @@
 //! The samples are written by tests/independent/laz.py with lazrs; `expected` has the formulas of that script.
 
 use crate::error::Result;
-use crate::read::options::ReadOptions;
+use crate::read::particles::frame::{ParticleFrames, Particles};
 use crate::read::particles::las::Las;
-use crate::read::particles::{ParticleFrames, Particles};
+use crate::read::particles::request::Request;
 use crate::read::source::SceneSource;
-use crate::read::style::{Coloring, Scale, Style};
 
 const SAMPLES: [(u8, &[u8]); 7] = [
     (0, include_bytes!("samples/format-0.laz")),
@@ -32,9 +31,7 @@ const NAMES: [&str; 9] = [
 ];
 
 fn read(bytes: &[u8]) -> Result<Particles> {
-    let scale = Scale::of(NAMES.map(str::to_owned).to_vec());
-    let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-    let mut las = Las::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
+    let mut las = Las::new(SceneSource::of_bytes(bytes), Request::of(&NAMES));
     Ok(las.next()?.expect("one frame"))
 }
 

@@ -1,0 +1,96 @@
+//! What is asked of a reader of particles, and nothing of what is done with them.
+
+use super::column_names::ColumnNames;
+use super::survey::Survey;
+#[cfg(test)]
+use super::vectors;
+use crate::error::{Error, Result};
+use crate::progress::Watch;
+use crate::read::frame_range::FrameRange;
+use std::str::FromStr;
+
+/// What is asked of a reader. Each format reads the part that it has.
+#[derive(Debug, Clone, Default)]
+pub(in crate::read) struct Request {
+    /// The columns to keep, as far as the file has them; [`EVERY`](super::layout::EVERY) is all.
+    pub(in crate::read) columns: Vec<String>,
+    /// The meaning of columns of a table whose names do not say it.
+    pub(in crate::read) columns_named: ColumnNames,
+    /// Whether an item that is not a sphere is an error.
+    pub(in crate::read) strict: bool,
+    /// Whether rows with invalid coordinates or radii are left out and counted.
+    pub(in crate::read) skip_invalid: bool,
+    /// The frames that will be read.
+    pub(in crate::read) frames: FrameRange,
+    /// The number of the model; `None` takes the first.
+    pub(in crate::read) model: Option<i64>,
+    pub(in crate::read) altloc: Altloc,
+    /// The biological assembly to build.
+    pub(in crate::read) assembly: Option<String>,
+    /// Whether it is kept as operators.
+    pub(in crate::read) as_operators: bool,
+    /// Whether the symmetry of a crystal is not applied.
+    pub(in crate::read) as_listed: bool,
+    /// Where the particles are counted or passed on in parts.
+    pub(in crate::read) survey: Option<Survey>,
+    /// Cancellation.
+    pub(in crate::read) watch: Watch,
+}
+
+impl Request {
+    /// Whether no model is selected.
+    pub(super) fn any_model(&self) -> bool {
+        self.model.is_none() && self.frames == FrameRange::first()
+    }
+
+    /// Limits the columns of a format whose columns have any name.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for more.
+    pub(in crate::read) fn check_columns(&self) -> Result<()> {
+        const ASKED: usize = 64;
+        if self.columns.len() > ASKED {
+            let problem = format!("colours and selections read {} columns, more than {ASKED}", self.columns.len());
+            return Err(Error::settings(problem, "use fewer columns"));
+        }
+        Ok(())
+    }
+}
+
+/// Selection of alternate locations of atoms.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Altloc {
+    /// All alternate locations.
+    #[default]
+    All,
+    /// The one with the highest occupancy, the first of equals.
+    Highest,
+    /// Those with this identifier, and atoms without one.
+    Named(String),
+}
+
+impl FromStr for Altloc {
+    type Err = Error;
+    /// `all`, `highest`, or a name such as `A`.
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "all" => Ok(Self::All),
+            "highest" => Ok(Self::Highest),
+            "" => Err(Error::settings(
+                "the identifier of the alternate location is empty",
+                "use all, highest or an identifier such as A",
+            )),
+            name => Ok(Self::Named(name.to_owned())),
+        }
+    }
+}
+
+#[cfg(test)]
+impl Request {
+    /// The request for these columns, for the readers' tests.
+    pub(in crate::read) fn of(columns: &[&str]) -> Self {
+        let mut columns = columns.iter().map(|name| (*name).to_owned()).collect();
+        vectors::request(&mut columns);
+        Self { columns, ..Self::default() }
+    }
+}
