@@ -29,7 +29,7 @@ pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, 
 pub use list::List;
 pub use material::{Material, Materials};
 pub use orient::{Facing, NamedView, Spread, middle};
-pub use outlook::Outlook;
+pub use outlook::{Outlook, Surroundings};
 
 /// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];

@@ -5,7 +5,7 @@ use glam::DVec3;
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::quote::quote;
-use halfline::scene::{Facing, Framing, ImagePlane, NamedView, Outlook, Spheres, Spread};
+use halfline::scene::{Facing, Framing, ImagePlane, NamedView, Outlook, Spheres, Spread, Surroundings};
 use halfline_files::read::{Mark, SceneFrame};
 
 /// How a camera gets its direction.
@@ -170,16 +170,17 @@ fn look_at_focus(
     [focus, all]: [&Spheres; 2],
     framing: &Framing,
 ) -> Result<Outlook> {
+    let around = Surroundings::new(image, focus, all, framing);
     let facing = match way {
         Way::Given(Look::View(view), up) => Facing { view: *view, up: *up },
         Way::Given(Look::At(at), up) => Facing { view: *at - camera.eye, up: *up },
         Way::Middle(_) | Way::Axes => {
-            let found = Outlook::least_hidden(camera, image, focus, all, framing)?;
+            let found = around.least_hidden(camera)?;
             let (Some(up), Look::View(view)) = (options.pose.up, found.camera.look) else { return Ok(found) };
             Facing { view, up }
         }
     };
-    Outlook::from(facing, camera, image, focus, all, framing)
+    around.look(facing, camera)
 }
 
 /// What the options frame, in words, for `halfline plan`; `None` where the eye is given.

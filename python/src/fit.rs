@@ -5,7 +5,7 @@ use crate::errors::OrRaise;
 use crate::scene::Scene;
 use crate::work::begin;
 use halfline::camera::Look;
-use halfline::scene::{Facing, Framing, NamedView, Outlook, Spread};
+use halfline::scene::{Facing, Framing, NamedView, Spread, Surroundings};
 use halfline::{Camera as Exact, Error};
 use pyo3::prelude::*;
 
@@ -47,10 +47,11 @@ pub(crate) fn fit_camera(
     if part.is_empty() {
         return Err(Error::settings("focus selects no sphere", "give a mask with a sphere in it")).or_raise();
     }
+    let around = Surroundings::new(image, &part, &framed.spheres, &framing);
     let facing = match fixed {
         Some(facing) => facing,
         None => {
-            let found = Outlook::least_hidden(&camera, image, &part, &framed.spheres, &framing).or_raise()?.camera;
+            let found = around.least_hidden(&camera).or_raise()?.camera;
             let view = match found.look {
                 Look::View(view) => view,
                 Look::At(at) => at - found.eye,
@@ -58,6 +59,6 @@ pub(crate) fn fit_camera(
             Facing { view, up: found.up }
         }
     };
-    let found = Outlook::from(with_up(facing), &camera, image, &part, &framed.spheres, &framing).or_raise()?;
+    let found = around.look(with_up(facing), &camera).or_raise()?;
     Ok(Camera { camera: found.camera, aperture: None, size: None, in_pixels: false })
 }

@@ -223,21 +223,8 @@ impl Gpu {
             .iter()
             .map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: self.bound(b.name, kernel, pixels) })
             .collect();
-        let group = self.open.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.compute.get_bind_group_layout(0),
-            entries: &entries,
-        });
-        let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: None,
-                timestamp_writes: self.clock.as_ref().map(Clock::writes),
-            });
-            pass.set_pipeline(&pipeline.compute);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(groups.0, groups.1, 1);
-        }
+        let times = self.clock.as_ref().map(Clock::writes);
+        let mut encoder = self.record(&pipeline.compute, &entries, groups, times);
         for output in KernelOutput::of(kernel).filter(|_| !self.direct) {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes());
@@ -254,6 +241,27 @@ impl Gpu {
             clock.add();
         }
         Ok(())
+    }
+
+    /// A dispatch that is recorded and not yet submitted.
+    pub(super) fn record(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        entries: &[wgpu::BindGroupEntry<'_>],
+        groups: (u32, u32),
+        times: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) -> wgpu::CommandEncoder {
+        let layout = &pipeline.get_bind_group_layout(0);
+        let bound = wgpu::BindGroupDescriptor { label: None, layout, entries };
+        let group = self.open.device.create_bind_group(&bound);
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        let described = wgpu::ComputePassDescriptor { label: None, timestamp_writes: times };
+        let mut pass = encoder.begin_compute_pass(&described);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(groups.0, groups.1, 1);
+        drop(pass);
+        encoder
     }
 
     /// `first_entry` is where the band's lists begin among those of the frame.

@@ -180,18 +180,8 @@ impl Gpu {
             let binding = buffers().position(|buffer| buffer == name).unwrap_or_default() as u32;
             wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
         });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(trial.name),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
-        let mut encoder = device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups((count as u32).div_ceil(super::input::GROUP), 1, 1);
-        }
+        let groups = (count as u32).div_ceil(super::input::GROUP);
+        let mut encoder = self.record(&pipeline, &entries, (groups, 1), None);
         encoder.copy_buffer_to_buffer(&answers, 0, &staging, 0, size);
         self.open.queue.submit([encoder.finish()]);
         staging.map_async(wgpu::MapMode::Read, .., |_| {});

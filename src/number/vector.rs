@@ -8,8 +8,8 @@ use super::{Arithmetic, Mask, Number, TruthValue};
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-/// Numbers in a vector: the pixels of a row of a tile.
-pub const LANES: usize = crate::tile::TILE as usize;
+/// Numbers in a vector.
+pub const LANES: usize = 8;
 
 /// Eight numbers, or their bits.
 #[derive(Debug, Clone, Copy, PartialEq)]

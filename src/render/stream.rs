@@ -12,11 +12,11 @@ use crate::certify::sieve::{Sieve, Sifted};
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
 use crate::memory::{check_wide_ids, ids_fit};
+use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use blake3::Hasher;
-use kept::Kept;
 use rayon::prelude::*;
 use witness::{Witnesses, witness};
 
@@ -41,7 +41,7 @@ pub struct Stream {
     /// Spheres so far, and those since the last refresh.
     count: u64,
     fresh: usize,
-    kept: Kept,
+    kept: NumberedSpheres,
     /// The number of kept spheres at which they are compared again.
     limit: usize,
     witnesses: Witnesses,
@@ -91,7 +91,7 @@ impl Stream {
         let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
         let rasters = [Raster::centres(around)].into_iter().chain(samples).collect();
         let witnesses = Witnesses::new(scene.camera.basis()?.e);
-        let (settings, kept, digests) = (settings.clone(), Kept::default(), Digests::default());
+        let (settings, kept, digests) = (settings.clone(), NumberedSpheres::default(), Digests::default());
         let sieves = Vec::new();
         Ok(Self { settings, scene, rasters, sieves, count: 0, fresh: 0, kept, limit: KEPT, witnesses, digests })
     }
@@ -159,13 +159,13 @@ impl Stream {
     /// # Errors
     /// [`Error::Limits`] where memory is short.
     pub fn finish(mut self) -> Result<Visible> {
-        let Kept { numbers, spheres } = self.rest()?;
+        let NumberedSpheres { numbers, spheres } = self.rest()?;
         let count = self.count;
         Ok(self.visible(spheres, numbers, count))
     }
 
     /// What is kept, in order.
-    fn rest(&mut self) -> Result<Kept> {
+    fn rest(&mut self) -> Result<NumberedSpheres> {
         self.refresh();
         self.forget();
         drop(std::mem::take(&mut self.sieves));

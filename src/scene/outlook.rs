@@ -32,55 +32,6 @@ const STEPS: usize = 64;
 /// The direction along the principal axes is taken if it shows this share of what the best one does.
 const AS_GOOD: f64 = 0.9;
 
-impl Outlook {
-    /// The camera that shows `part` from this direction, with the lens of `camera`. If its eye were inside of a sphere of
-    /// the scene, the lens is narrowed, and the eye is farther away, until it is not.
-    ///
-    /// # Errors
-    /// As [`Camera::fit`].
-    pub fn from(
-        facing: Facing,
-        camera: &Camera,
-        image: ImagePlane,
-        part: &Spheres,
-        all: &Spheres,
-        framing: &Framing,
-    ) -> Result<Self> {
-        let view = Surroundings::new(image, part, all, framing);
-        view.look(facing, camera)
-    }
-
-    /// The same from the direction in which most of `part` is seen. Candidates are the largest face of `part` from both
-    /// sides ([`Spread::facing`]), and 98 directions over the sphere. A face is taken if it shows at least 0.9 of what the
-    /// best direction does, else the best one, the first of equals. The longest axis of `part` lies across the image, or upright in a tall one.
-    ///
-    /// # Errors
-    /// As [`Camera::fit`].
-    pub fn least_hidden(
-        camera: &Camera,
-        image: ImagePlane,
-        part: &Spheres,
-        all: &Spheres,
-        framing: &Framing,
-    ) -> Result<Self> {
-        let view = Surroundings::new(image, part, all, framing);
-        let spread = Spread::of(part);
-        let is_tall = image.height > image.width;
-        let face = spread.facing(is_tall);
-        let back = Facing { view: -face.view, up: face.up };
-        let along = if is_tall { face.up } else { face.view.cross(face.up) };
-        let others = directions().map(|back| turned(-back, along, is_tall));
-        let candidates: Vec<Facing> = [face, back].into_iter().chain(others).collect();
-        let found = candidates.par_iter().map(|facing| view.look(*facing, camera)).collect::<Result<Vec<Self>>>()?;
-        let best = found.iter().map(|outlook| outlook.area).max().unwrap_or(0);
-        let good = |outlook: &&Self| f64::from(outlook.area) >= AS_GOOD * f64::from(best);
-        // The first two by their faces, the others by what they show.
-        let first = found.iter().take(2).find(good);
-        let best = || found.iter().find(|outlook| outlook.area == best);
-        Ok(*first.or_else(best).unwrap_or(&found[0]))
-    }
-}
-
 impl Spheres {
     /// The centres and radii of the spheres whose flag is set; flags beyond the spheres do not matter.
     #[must_use]
@@ -111,8 +62,8 @@ fn turned(view: DVec3, along: DVec3, is_tall: bool) -> Facing {
     Facing { view, up }
 }
 
-/// Some spheres within a scene.
-struct Surroundings<'a> {
+/// Some spheres within a scene, in an image.
+pub struct Surroundings<'a> {
     image: ImagePlane,
     framing: &'a Framing,
     part: &'a Spheres,
@@ -127,13 +78,44 @@ fn bits(center: &[f64; 3], radius: f64) -> [u64; 4] {
 }
 
 impl<'a> Surroundings<'a> {
-    fn new(image: ImagePlane, part: &'a Spheres, all: &'a Spheres, framing: &'a Framing) -> Self {
+    /// `part` among `all` the spheres of a scene.
+    #[must_use]
+    pub fn new(image: ImagePlane, part: &'a Spheres, all: &'a Spheres, framing: &'a Framing) -> Self {
         let own: HashSet<[u64; 4]> = part.centers.iter().zip(&part.radii).map(|(c, r)| bits(c, *r)).collect();
         let others = (0..all.len()).filter(|n| !own.contains(&bits(&all.centers[*n], all.radii[*n]))).collect();
         Self { image, framing, part, all, others }
     }
 
-    fn look(&self, facing: Facing, camera: &Camera) -> Result<Outlook> {
+    /// The camera that shows the part from the direction in which most of it is seen, as [`Self::look`]. Candidates are its largest face from both
+    /// sides ([`Spread::facing`]), and 98 directions over the sphere. A face is taken if it shows at least 0.9 of what the
+    /// best direction does, else the best one, the first of equals. The longest axis of the part lies across the image, or
+    /// upright in a tall one.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`].
+    pub fn least_hidden(&self, camera: &Camera) -> Result<Outlook> {
+        let spread = Spread::of(self.part);
+        let is_tall = self.image.height > self.image.width;
+        let face = spread.facing(is_tall);
+        let back = Facing { view: -face.view, up: face.up };
+        let along = if is_tall { face.up } else { face.view.cross(face.up) };
+        let others = directions().map(|back| turned(-back, along, is_tall));
+        let candidates: Vec<Facing> = [face, back].into_iter().chain(others).collect();
+        let found = candidates.par_iter().map(|facing| self.look(*facing, camera)).collect::<Result<Vec<Outlook>>>()?;
+        let best = found.iter().map(|outlook| outlook.area).max().unwrap_or(0);
+        let good = |outlook: &&Outlook| f64::from(outlook.area) >= AS_GOOD * f64::from(best);
+        // The first two by their faces, the others by what they show.
+        let first = found.iter().take(2).find(good);
+        let best = || found.iter().find(|outlook| outlook.area == best);
+        Ok(*first.or_else(best).unwrap_or(&found[0]))
+    }
+
+    /// The camera that shows the part from this direction, with the lens of `camera`. If its eye were inside of a sphere of
+    /// the scene, the lens is narrowed, and the eye is farther away, until it is not.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`].
+    pub fn look(&self, facing: Facing, camera: &Camera) -> Result<Outlook> {
         let ImagePlane { width, height, .. } = self.image;
         let mut start = *camera;
         facing.turn(&mut start);

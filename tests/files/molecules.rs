@@ -6,7 +6,6 @@
 use crate::data::real_or_skip;
 use halfline::scene::Scene;
 use halfline_files::read::SceneFrame;
-use halfline_files::read::style::elements;
 use halfline_files::read::style::{Coloring, Scale, Style};
 use halfline_files::read::{Altloc, ReadOptions, Sequence, elements};
 use std::path::Path;

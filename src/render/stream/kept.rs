@@ -3,16 +3,10 @@
 use super::witness::Witness;
 use crate::error::Result;
 use crate::memory::{check, reserve};
+use crate::scene::instances::NumberedSpheres;
 use crate::scene::{Spheres, keep};
 
-/// Spheres with their numbers in the stream.
-#[derive(Default)]
-pub(super) struct Kept {
-    pub(super) numbers: Vec<u64>,
-    pub(super) spheres: Spheres,
-}
-
-impl Kept {
+impl NumberedSpheres {
     /// Adds the spheres of a block with these indices, whose numbers `number` gives.
     pub(super) fn add(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, indices: &[u32]) -> Result<()> {
         reserve(&mut self.numbers, indices.len())?;
