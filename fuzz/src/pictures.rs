@@ -1,6 +1,6 @@
 //! The input of `compare`, `merge` and `--resume`: files that halfline wrote, possibly damaged.
 
-use super::{Allowed, allowed, check_error, desk};
+use super::check::{Allowed, allowed, check_error, desk};
 use halfline::render::origin;
 use halfline::report::Report;
 use halfline::settings::Backend;

@@ -1,6 +1,6 @@
 //! Files of rays.
 
-use super::{Allowed, PER_BYTE, Pieces, Unpacked, allowed, check_error, unpacked};
+use super::check::{Allowed, PER_BYTE, Pieces, Unpacked, allowed, check_error, unpacked};
 use halfline::Watch;
 use halfline_files::read::rays::{RayBlock, RayOptions, RayReader};
 use std::io::{Cursor, Read};
@@ -16,7 +16,7 @@ pub(super) fn read(data: &[u8]) -> Allowed {
     let in_blocks = of(Cursor::new(content.to_vec()), 1 + usize::from(choice >> 1 & 7));
     assert!(at_once == in_blocks || !whole, "at once {at_once:?}, in blocks {in_blocks:?}");
     if choice & 0x80 != 0 {
-        let in_pieces = rows(Pieces { content: content.to_vec(), at: 0 }, skip_invalid, 1 << 10, length);
+        let in_pieces = rows(Pieces::new(content), skip_invalid, 1 << 10, length);
         assert!(at_once == in_pieces || !whole, "at once {at_once:?}, in pieces {in_pieces:?}");
     }
     allowed(length, PER_BYTE)

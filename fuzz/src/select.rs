@@ -1,6 +1,6 @@
 //! Selections and lists of cameras.
 
-use super::{Allowed, PER_BYTE_OF_TOML, allowed, check_error};
+use super::check::{Allowed, PER_BYTE_OF_TOML, allowed, check_error};
 use halfline_files::read::{ReadOptions, Selection, Sequence, cameras};
 use std::io::Cursor;
 use std::path::Path;

@@ -274,27 +274,24 @@ fn a_broken_npy_is_refused_with_its_row() {
     assert!(begun.elapsed() < Duration::from_secs(5), "a header of 2^60 rows takes no time");
 }
 
+/// Files of spheres, which a scene names; tests/corpus.rs damages files of all formats by themselves.
 #[test]
-fn a_damaged_file_is_read_or_refused() {
+fn a_damaged_file_of_spheres_is_read_or_refused() {
     let npy = npy_of("<f8", "False", "(2, 4)", &little(&[0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0]));
-    let good: [(&str, &[u8]); 4] =
-        [("s.toml", TOML.as_bytes()), ("s.nff", NFF.as_bytes()), ("a.csv", CSV.as_bytes()), ("a.npy", &npy)];
     let mut rng = Rng::new(0x9e37_79b9_7f4a_7c15);
-    for (name, good) in good {
-        let scene = if name.starts_with('a') { "scene.toml" } else { name };
+    for (name, good) in [("a.csv", CSV.as_bytes()), ("a.npy", &npy)] {
         let folder = folder(&[("scene.toml", format!("{CAMERA}[[spheres]]\nfile = '{name}'\n").as_bytes())]);
-        let (begun, mut refused) = (Instant::now(), 0);
+        let mut refused = 0;
         for round in 0..2000 {
             let mut bytes = good.to_vec();
             (0..=rng.below(3)).for_each(|_| damage(&mut bytes, good, &mut rng));
             std::fs::write(folder.path().join(name), &bytes).expect("a temporary file");
-            match halfline_files::read::scene(&folder.path().join(scene), &ReadOptions::default()) {
+            match halfline_files::read::scene(&folder.path().join("scene.toml"), &ReadOptions::default()) {
                 Ok(frame) => frame.scene.check().unwrap_or_else(|e| panic!("{name} {round}: read, but {e}: {bytes:?}")),
                 Err(Error::Scene { .. } | Error::Io { .. }) => refused += 1,
                 Err(other) => panic!("{name} {round}: {other}: {bytes:?}"),
             }
         }
         assert!((200..2000).contains(&refused), "{name}: {refused} of 2000 refused");
-        assert!(begun.elapsed() < Duration::from_secs(60), "{name}: {:?}", begun.elapsed());
     }
 }

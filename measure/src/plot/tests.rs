@@ -195,13 +195,3 @@ fn cells_of_one_colour_are_one_path() {
     assert!(svg.contains(r##"<path fill="#000000" d="M0 0h3v2h-3z"/>"##), "{svg}");
     assert!(svg.contains(r##"<path fill="#ff0000" d="M1 0h1v1h-1z"/>"##), "{svg}");
 }
-
-#[test]
-#[ignore = "writes them to a folder, for a person to look at"]
-fn look_at_them() {
-    for (name, record) in ["ladder", "scene", "families"].iter().zip(samples()) {
-        let dir = std::env::temp_dir().join("halfline-plots").join(name);
-        std::fs::create_dir_all(&dir).expect("a folder");
-        crate::report::write(&record, &dir).expect("a report");
-    }
-}

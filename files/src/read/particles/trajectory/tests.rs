@@ -329,9 +329,8 @@ fn the_number_of_titles_counts_where_their_marker_is_wrong() {
     assert_eq!(read(&two).expect("frames"), read(&good).expect("frames"));
 }
 
-/// No change of a byte, and no end, makes a reader panic; a file that ends early is never a whole one.
 #[test]
-fn damaged_trajectories_are_read_or_refused() {
+fn a_file_that_ends_early_is_never_a_whole_one() {
     let cell = Some([20.0, 0.5, 30.0, 0.0, 0.0, 40.0]);
     let files = [
         (Format::Xtc, xtc()),
@@ -341,12 +340,6 @@ fn damaged_trajectories_are_read_or_refused() {
     for (format, bytes) in files {
         let all = frames(format, &bytes, &["vx"]).expect("frames").len();
         for at in 0..bytes.len() {
-            for change in [1, 0x80, 0xff] {
-                let mut damaged = bytes.clone();
-                damaged[at] ^= change;
-                let _ = frames(format, &damaged, &["vx"]);
-                let _ = open(format, &damaged, None, &[]).skip();
-            }
             let cut = frames(format, &bytes[..at], &["vx"]);
             assert!(cut.is_err() || cut.is_ok_and(|found| found.len() < all), "{format:?} of {at} bytes");
         }

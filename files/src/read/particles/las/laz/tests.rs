@@ -87,28 +87,9 @@ fn the_points_of_several_chunks_are_those_that_were_written() {
     }
 }
 
-/// Bytes are changed and ends are cut: no panic, and no more points than bytes can hold. The fuzz target `las` changes more.
 #[test]
-fn damaged_files_are_errors_or_other_points() {
+fn a_file_that_ends_within_its_points_is_refused() {
     for (format, bytes) in SAMPLES {
-        let (mut refused, mut other) = (0, 0);
-        let mut damaged = bytes.to_vec();
-        for at in (0..bytes.len()).step_by(5) {
-            for value in [0xff, bytes[at] ^ 1] {
-                damaged[at] = value;
-                match read(&damaged) {
-                    Ok(found) => other += usize::from(found.positions.len() <= 100 * bytes.len()),
-                    // A number of points for which there are no ids has no place.
-                    Err(error) => {
-                        refused +=
-                            usize::from(["byte ", "32-bit ids"].iter().any(|word| error.to_string().contains(word)))
-                    }
-                }
-            }
-            damaged[at] = bytes[at];
-        }
-        assert_eq!(refused + other, 2 * bytes.len().div_ceil(5), "format {format}");
-        assert!(refused > 5 && other > 5, "format {format}: {refused} refused, {other} read");
         // The table of chunks behind the points, 8 bytes and 4 of its own at least, is not read.
         for end in (0..bytes.len() - 12).rev().step_by(3) {
             if let Ok(found) = read(&bytes[..end]) {

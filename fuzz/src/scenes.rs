@@ -1,0 +1,118 @@
+//! Scenes in every format.
+
+use super::check::{
+    Allowed, PER_BYTE, PER_BYTE_OF_TOML, POINTS_OF_LAZ, Pieces, Unpacked, allowed, allowed_points, check_error,
+    check_words, unpacked,
+};
+use halfline_files::read::style::{Coloring, Scale, Style};
+use halfline_files::read::{Format, ReadOptions, SceneFrame, Sequence};
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+/// Reads all frames of a scene.
+pub(super) fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
+    let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
+    let Some(Unpacked { length, whole }) = unpacked(content) else { return allowed(0, 0) };
+    let options = options(format, *choice);
+    let at_once = read(Cursor::new(content.to_vec()), &options, length);
+    // The same bytes in pieces must give the same scene. For a damaged stream, a decompressor delivers more or fewer
+    // bytes before its error, depending on the pieces.
+    if choice & 0x80 != 0 {
+        let in_pieces = read(Pieces::new(content), &options, length);
+        assert!(at_once == in_pieces || !whole, "at once {at_once:?}, in pieces {in_pieces:?}");
+    }
+    match format {
+        Some(Format::Native | Format::Pcd) => allowed(length, PER_BYTE_OF_TOML),
+        Some(Format::Las) | None => allowed_points(length),
+        _ => allowed(length, PER_BYTE),
+    }
+}
+
+/// Options that select other paths of the readers, by the bits of a byte.
+fn options(format: Option<Format>, choice: u8) -> ReadOptions {
+    let columns: &[&str] = match choice & 3 {
+        0 => &[],
+        1 => &["x"],
+        2 => &["vx", "vy"],
+        _ => &["chain"],
+    };
+    let mut options = ReadOptions { format, frames: "1-".parse().expect("frames"), ..ReadOptions::default() };
+    if !columns.is_empty() {
+        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
+        let scale = Scale { log: choice & 0x40 != 0 && choice & 3 == 1, ..Scale::of(columns) };
+        options.style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+    }
+    if matches!(format, Some(Format::Pdb | Format::Mmcif)) {
+        match choice >> 2 & 7 {
+            1 => options.assembly = Some("1".into()),
+            2 => options.altloc = "highest".parse().expect("an alternate location"),
+            3 => options.altloc = "A".parse().expect("an alternate location"),
+            4 => options.model = Some(2),
+            5 => {
+                options.assembly = Some("1".into());
+                options.frames = "1".parse().expect("frames");
+            }
+            _ => {}
+        }
+    } else if choice & 4 != 0 {
+        options.frames = "2-3".parse().expect("frames");
+    } else if choice & 8 != 0 {
+        options.frames = "1".parse().expect("frames");
+    }
+    options.strict = choice & 0x20 != 0;
+    options
+}
+
+/// The result of reading: a line for every frame, and one for the error that ended them.
+fn read(reader: impl Read + Send + 'static, options: &ReadOptions, length: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut sequence = match Sequence::from_reader(reader, Path::new("fuzzed"), options) {
+        Ok(sequence) => sequence,
+        Err(error) => return vec![check_error(&error)],
+    };
+    loop {
+        match sequence.next_scene() {
+            Ok(None) => return lines,
+            Ok(Some(shot)) => lines.push(check_shot(&shot, options, length)),
+            Err(error) => {
+                lines.push(check_error(&error));
+                return lines;
+            }
+        }
+    }
+}
+
+/// Checks that a scene can be rendered; returns its description in a line.
+fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String {
+    let (scene, spheres) = (&shot.scene, &shot.scene.spheres);
+    scene.check().expect("a scene that was read can be rendered");
+    assert!(spheres.radii.iter().all(|radius| *radius > 0.0 && radius.is_finite()));
+    assert!(spheres.centers.iter().flatten().all(|x| x.is_finite()));
+    if let Some(colors) = &spheres.colors {
+        assert_eq!(colors.len(), spheres.len());
+        assert!(colors.iter().flatten().all(|c| *c >= 0.0 && c.is_finite()), "colours are light");
+    }
+    // A sphere has three coordinates of at least one byte each; an assembly repeats spheres. In compressed formats it has
+    // at least two bits (XTC), and three bytes decompress to at most 264 (PCD), in which a point has at least three. A
+    // point like the one before takes 0.0075 bits of LAZ.
+    let most = match options.format {
+        Some(Format::Xtc) => 4 * length,
+        Some(Format::Pcd) => 30 * length,
+        Some(Format::Las) | None => POINTS_OF_LAZ * length,
+        _ => length / 3,
+    };
+    assert!(options.assembly.is_some() || spheres.len() <= most, "{} spheres of {length} bytes", spheres.len());
+    if let Some(cell) = &shot.cell {
+        assert!(cell.origin.iter().chain(cell.edges.iter().flatten()).all(|x| x.is_finite()), "{cell:?}");
+    }
+    if let Some(legend) = &shot.legend {
+        assert!(
+            legend.categories.is_empty()
+                || legend.categories.iter().map(|c| c.count).sum::<u64>() <= spheres.len() as u64
+        );
+        assert!(legend.range[0] <= legend.range[1], "{:?}", legend.range);
+    }
+    let warnings = shot.skipped.warnings();
+    warnings.iter().for_each(|warning| check_words(warning));
+    format!("{} {} {} {warnings:?}", shot.number, scene.fingerprint(), spheres.len())
+}
