@@ -23,16 +23,40 @@ fn read(path: impl AsRef<Path>) -> String {
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The floors in the order of the table: their names and their rooms.
-fn floors(architecture: &str) -> Vec<(String, Vec<String>)> {
-    let table = architecture.split("| floor | rooms |").nth(1).expect("the table of floors");
+/// The rows of the table that begins with these cells: the first cell, and the words in backquotes of the second.
+fn table(architecture: &str, begin: &str) -> Vec<(String, Vec<String>)> {
+    let table = architecture.split(begin).nth(1).expect("the table");
     let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
     let row = |line: &str| {
         let cells: Vec<_> = line.split('|').collect();
-        let rooms = cells[2].split('`').skip(1).step_by(2).map(str::to_owned).collect();
-        (cells[1].trim().to_owned(), rooms)
+        let words = cells[2].split('`').skip(1).step_by(2).map(str::to_owned).collect();
+        (cells[1].trim().to_owned(), words)
     };
     rows.map(row).collect()
+}
+
+/// The crates of the workspace that the crate in `folder` depends on.
+fn depends_on(folder: &str) -> Vec<String> {
+    let manifest = read(Path::new(folder).join("Cargo.toml"));
+    let dependencies = manifest.split("\n[dependencies]\n").nth(1).expect("dependencies");
+    let lines = dependencies.lines().take_while(|line| !line.starts_with('['));
+    let name = |line: &str| line.split(['.', ' ', '=']).next().unwrap_or_default().to_owned();
+    lines.map(name).filter(|name| name.starts_with("halfline")).collect()
+}
+
+#[test]
+fn crates_import_only_crates_above() {
+    let crates = table(&read("ARCHITECTURE.md"), "| crate | folder |");
+    let names: Vec<_> = crates.iter().map(|(name, _)| name.trim_matches('`').to_owned()).collect();
+    let mut found = 0;
+    for (n, (_, folders)) in crates.iter().enumerate() {
+        let folder = if folders[0] == "src/" { "." } else { &folders[0] };
+        for other in depends_on(folder) {
+            assert!(names[..n].contains(&other), "{} imports {other}, which is not above it", names[n]);
+            found += 1;
+        }
+    }
+    assert!(found >= 10 && names.len() >= 6, "{found} imports of {names:?}");
 }
 
 /// The code of a file without comments and without its module of tests.
@@ -266,7 +290,7 @@ fn circles(imports: &Imports) -> Vec<String> {
 
 #[test]
 fn rooms_import_only_downwards() {
-    let floors = floors(&read("ARCHITECTURE.md"));
+    let floors = table(&read("ARCHITECTURE.md"), "| floor | rooms |");
     let order: Vec<String> = floors.iter().flat_map(|(_, rooms)| rooms.clone()).collect();
     let files = files("src");
     let rooms: BTreeSet<_> = files.keys().filter_map(|module| module.first().cloned()).collect();

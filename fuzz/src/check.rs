@@ -16,7 +16,7 @@ pub(crate) struct Allowed {
 /// Bytes that a reader may use for any file: its buffers, blocks of lines, a decompressor, names of columns.
 const FREE: usize = 24 << 20;
 
-/// Bytes per byte of a file, decompressed. A byte of TOML can be a table (`src/read/native/room.rs`), a byte of an
+/// Bytes per byte of a file, decompressed. A byte of TOML can be a table (`files/src/read/native/room.rs`), a byte of an
 /// array a number that exists in several forms.
 pub(crate) const PER_BYTE: usize = 256;
 pub(crate) const PER_BYTE_OF_TOML: usize = 1500;
