@@ -10,7 +10,8 @@ mod cloud;
 
 use cloud::cloud;
 use criterion::{Criterion, criterion_group, criterion_main};
-use halfline::{Accuracy, Aov, Backend, ReadOptions, Renderer, Scene, Settings, Watch};
+use halfline::{Accuracy, Aov, Backend, Renderer, Scene, Settings, Watch};
+use halfline_files::read::{self, ReadOptions};
 use std::time::{Duration, Instant};
 
 fn scene(name: &str) -> Scene {
@@ -18,7 +19,7 @@ fn scene(name: &str) -> Scene {
         Some(count) => cloud(count.parse::<f64>().expect("a count") as usize),
         None => {
             let file = format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-            let scene = Scene::read(file.as_ref(), &ReadOptions::default()).expect("a scene of the repository");
+            let scene = read::scene(file.as_ref(), &ReadOptions::default()).expect("a scene of the repository");
             // Viewing rays alone.
             Scene { lighting: Default::default(), ..scene }
         }

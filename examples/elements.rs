@@ -5,10 +5,10 @@
 //! cargo run --release --example elements -- FILE...
 //! ```
 
-use halfline::read::Style;
-use halfline::read::style::Coloring;
-use halfline::read::style::elements::element;
-use halfline::{ReadOptions, Scene};
+use halfline_files::read::Style;
+use halfline_files::read::style::Coloring;
+use halfline_files::read::style::elements::element;
+use halfline_files::read::{self, ReadOptions};
 use serde_json::json;
 use std::collections::HashMap;
 
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The elements are identified by their colours, which must differ; unknown elements are deep pink.
     let linear = |n: u8| {
         let color = element(n).map_or(0xff1493, |element| element.color);
-        halfline::read::style::color(&format!("#{color:06x}")).map(|rgb| rgb.map(f32::to_bits))
+        halfline_files::read::style::color(&format!("#{color:06x}")).map(|rgb| rgb.map(f32::to_bits))
     };
     let mut symbols = HashMap::new();
     for n in (0..=109).rev() {
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let style = Style { coloring: Coloring::Element, radius: Some(1.0), ..Style::default() };
     let options = ReadOptions { style, ..ReadOptions::default() };
     for file in std::env::args().skip(1) {
-        let line = match Scene::read(file.as_ref(), &options) {
+        let line = match read::scene(file.as_ref(), &options) {
             Ok(scene) => {
                 let colors = scene.spheres.colors.unwrap_or_default();
                 let found: Vec<_> = colors.iter().map(|color| symbols.get(&color.map(f32::to_bits))).collect();

@@ -10,9 +10,9 @@
 mod cloud;
 
 use cloud::cloud;
-use halfline::measure::plot::growth::{Curve, Growth, Panel};
-use halfline::measure::record::PlaceRecord;
 use halfline::{Accuracy, Aov, Backend, Renderer, Scene, Settings};
+use halfline_measure::plot::growth::{Curve, Growth, Panel};
+use halfline_measure::record::PlaceRecord;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

@@ -8,7 +8,8 @@
 mod cloud;
 
 use cloud::cloud;
-use halfline::{Accuracy, Aov, Backend, ReadOptions, Renderer, Scene, Settings};
+use halfline::{Accuracy, Aov, Backend, Renderer, Scene, Settings};
+use halfline_files::read::{self, ReadOptions};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut scene = match name.strip_prefix("cloud:") {
             Some(count) => cloud(count.parse()?),
             // Viewing rays alone.
-            None => Scene { lighting: Default::default(), ..Scene::read(name.as_ref(), &ReadOptions::default())? },
+            None => Scene { lighting: Default::default(), ..read::scene(name.as_ref(), &ReadOptions::default())? },
         };
         (scene.image.width, scene.image.height) = (side, side);
         let mut times = [Vec::new(), Vec::new()];

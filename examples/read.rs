@@ -8,7 +8,7 @@
 //! ```
 
 use flate2::{Compression, write::GzEncoder};
-use halfline::read::{ReadOptions, Sequence};
+use halfline_files::read::{ReadOptions, Sequence};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -7,9 +7,9 @@
 //!     [--periodic wrap|unwrap]
 //! ```
 
-use halfline::ReadOptions;
-use halfline::read::style::{Coloring, Scale};
-use halfline::read::{Hold, Periodic, Sequence};
+use halfline_files::ReadOptions;
+use halfline_files::read::style::{Coloring, Scale};
+use halfline_files::read::{Hold, Periodic, Sequence};
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -7,11 +7,11 @@
 
 use halfline::camera::{Camera, Lens, Look};
 use halfline::error::{Error, Result};
-use halfline::measure::plot::growth::{Curve, Growth, Panel};
-use halfline::measure::record::PlaceRecord;
-use halfline::read::{ReadOptions, SphereBlocks};
 use halfline::render::stream::Stream;
 use halfline::{Aov, ImagePlane, Renderer, Scene, Settings, Spheres};
+use halfline_files::read::{ReadOptions, SphereBlocks};
+use halfline_measure::plot::growth::{Curve, Growth, Panel};
+use halfline_measure::record::PlaceRecord;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

@@ -145,8 +145,6 @@ mod tests {
     use super::*;
     use crate::intersect::Method;
     use crate::memory::Pool;
-    use crate::read::ReadOptions;
-    use crate::scene::Scene;
     use crate::search::nearest::nearest_of;
     use crate::window::Window;
 
@@ -177,9 +175,7 @@ mod tests {
 
     #[test]
     fn rows_of_any_width_are_answered_as_single_rays() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
-        (scene.image.width, scene.image.height) = (64, 36);
+        let scene = crate::testing::weekend([64, 36]);
         for width in [3, 8, 21] {
             let window = Window { x0: 30, y0: 12, x1: 30 + width, y1: 21 };
             let raster = crate::view::raster::Raster::centres(window);

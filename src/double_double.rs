@@ -124,7 +124,8 @@ pub(crate) fn cross(a: Dd3, b: Dd3) -> Dd3 {
 }
 
 /// The e with 2^e <= |x| < 2^(e+1) for a normal or subnormal x; 0 for zero.
-pub(crate) fn exponent(x: f64) -> i32 {
+#[must_use]
+pub fn exponent(x: f64) -> i32 {
     if x == 0.0 {
         return 0;
     }

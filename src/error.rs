@@ -173,7 +173,7 @@ impl fmt::Display for Place {
 }
 
 /// The element of `all` with this name.
-pub(crate) fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'static str) -> Result<T> {
+pub fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'static str) -> Result<T> {
     all.iter().copied().find(|x| of(*x) == name).ok_or_else(|| {
         let names: Vec<_> = all.iter().map(|x| of(*x)).collect();
         Error::settings(format!("there is no {kind} '{name}'"), format!("choose from {}", names.join(", ")))
@@ -181,7 +181,7 @@ pub(crate) fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T)
 }
 
 /// Moves an error of a check that knows only the field to that field's place in the file.
-pub(crate) fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
+pub fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
     match error {
         Error::Scene { place: old, problem, mend, source } => {
             let place = Box::new(place(old.field.as_deref().unwrap_or_default()));

@@ -5,9 +5,7 @@ mod free;
 mod room;
 
 pub(crate) use free::free;
-pub(crate) use room::{
-    Ledger, SPHERE, check, check_ids, check_spheres, check_wide_ids, entries, extend_to, ids_fit, reserve,
-};
+pub use room::{Ledger, SPHERE, check, check_ids, check_spheres, check_wide_ids, entries, extend_to, ids_fit, reserve};
 
 use crate::error::{Error, Result};
 use std::any::Any;
@@ -16,7 +14,7 @@ use std::sync::Mutex;
 /// Vectors of earlier frames for reuse: allocating and clearing the pages of every frame takes a third of a frame's
 /// time.
 #[derive(Debug, Default)]
-pub(crate) struct Pool(Mutex<Vec<Spare>>);
+pub struct Pool(Mutex<Vec<Spare>>);
 
 #[derive(Debug)]
 struct Spare {

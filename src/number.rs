@@ -2,6 +2,8 @@
 
 pub mod vector;
 
+pub use crate::double_double::exponent;
+
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Truth values: one for each number that was compared.

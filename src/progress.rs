@@ -167,7 +167,7 @@ impl Watch {
     ///
     /// # Errors
     /// [`Error::Interrupted`] if the work was cancelled.
-    pub(crate) fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         if self.goes_on() { Ok(()) } else { Err(Error::Interrupted) }
     }
 
@@ -176,7 +176,7 @@ impl Watch {
     ///
     /// # Errors
     /// Those of the work, [`Error::Interrupted`], and [`Error::Limits`] where no thread can be started.
-    pub(crate) fn wait_for<T: Send + 'static>(&self, work: impl FnOnce() -> Result<T> + Send + 'static) -> Result<T> {
+    pub fn wait_for<T: Send + 'static>(&self, work: impl FnOnce() -> Result<T> + Send + 'static) -> Result<T> {
         let worker = thread::Builder::new().name("halfline work".into()).spawn(work).map_err(|e| Error::Limits {
             problem: format!("no thread could be started: {e}"),
             mend: "allow the process more threads".into(),
@@ -189,7 +189,7 @@ impl Watch {
     }
 
     /// Begins a step of `total` spheres or pixels.
-    pub(crate) fn begin(&self, step: Step, total: u64) -> Doing<'_> {
+    pub fn begin(&self, step: Step, total: u64) -> Doing<'_> {
         let doing = Doing { watch: self, step, total, done: AtomicU64::new(0) };
         doing.report();
         doing
@@ -197,7 +197,7 @@ impl Watch {
 }
 
 /// A running step.
-pub(crate) struct Doing<'a> {
+pub struct Doing<'a> {
     watch: &'a Watch,
     step: Step,
     total: u64,
@@ -206,7 +206,7 @@ pub(crate) struct Doing<'a> {
 
 impl Doing<'_> {
     /// Reports that `more` are about to be done; returns whether to do them.
-    pub(crate) fn next(&self, more: u64) -> bool {
+    pub fn next(&self, more: u64) -> bool {
         let on = self.watch.goes_on();
         if on {
             self.done.fetch_add(more, Ordering::Relaxed);
@@ -226,7 +226,7 @@ impl Doing<'_> {
     ///
     /// # Errors
     /// [`Error::Interrupted`] if the work was cancelled, even if it is complete.
-    pub(crate) fn end(self) -> Result<()> {
+    pub fn end(self) -> Result<()> {
         self.watch.check()?;
         self.done.store(self.total, Ordering::Relaxed);
         // The last report must not be dropped, so this waits for the lock.

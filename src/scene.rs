@@ -22,8 +22,7 @@ use camera::Camera;
 use glam::DVec3;
 
 pub use cell::Cell;
-pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
-pub(crate) use check::{is_center, is_radius};
+pub use check::{MAX_SIDE, check_color, check_size, check_sphere, is_center, is_radius};
 pub use fit::{Framing, Reach};
 pub use gradient::SkyColors;
 pub(crate) use gradient::{Gradient, SkyLight};
@@ -89,7 +88,7 @@ impl Spheres {
     }
 
     /// Removes all spheres, and keeps the memory.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.centers.to_mut().clear();
         self.radii.to_mut().clear();
         (self.colors, self.materials) = (None, None);
@@ -113,7 +112,7 @@ impl Spheres {
     }
 
     /// Remembers that the numbers of every sphere were checked, until they are changed.
-    pub(crate) fn checked(self) -> Self {
+    pub fn checked(self) -> Self {
         let (centers, radii) = (List::sound(self.centers.into_vec()), List::sound(self.radii.into_vec()));
         Self { centers, radii, ..self }
     }
@@ -153,7 +152,7 @@ impl Spheres {
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
-    pub(crate) fn grow(&mut self, more: usize, colored: bool) -> Result<()> {
+    pub fn grow(&mut self, more: usize, colored: bool) -> Result<()> {
         let n = self.len();
         // The capacity of a shared list is 0: it is copied before it grows.
         let room = |capacity: usize| capacity.saturating_sub(n) >= more;
@@ -179,7 +178,7 @@ impl Spheres {
     ///
     /// # Errors
     /// [`Error::Limits`].
-    pub(crate) fn add(&mut self, center: [f64; 3], radius: f64, color: Option<[f32; 3]>) -> Result<()> {
+    pub fn add(&mut self, center: [f64; 3], radius: f64, color: Option<[f32; 3]>) -> Result<()> {
         self.grow(1, color.is_some())?;
         self.push(center, radius, color);
         Ok(())
@@ -229,7 +228,7 @@ impl Spheres {
 }
 
 /// Keeps the values whose flag is set; an empty list stays empty.
-pub(crate) fn keep<T>(values: &mut Vec<T>, flags: &[bool]) {
+pub fn keep<T>(values: &mut Vec<T>, flags: &[bool]) {
     let mut flags = flags.iter();
     values.retain(|_| flags.next().copied().unwrap_or(true));
 }
@@ -260,7 +259,7 @@ impl Skipped {
     }
 
     /// Adds what another part left out.
-    pub(crate) fn append(&mut self, more: Self) {
+    pub fn append(&mut self, more: Self) {
         more.kinds.into_iter().for_each(|(kind, n)| self.count(kind, n));
         self.assumed.extend(more.assumed);
     }
@@ -282,7 +281,7 @@ impl Skipped {
     }
 
     /// Counts one more of `kind`, or returns an error where it is `strict`.
-    pub(crate) fn meet(&mut self, kind: &'static str, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
+    pub fn meet(&mut self, kind: &'static str, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
         if strict {
             let mend = "remove it, or read without strict to skip it";
             return Err(Error::scene(place(), format!("expected a sphere, found a {kind}"), mend));

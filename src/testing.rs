@@ -1,6 +1,9 @@
 //! What the unit tests of several rooms share.
 
+use crate::camera::{Camera, Lens, Look};
 use crate::gpu::device;
+use crate::scene::{ImagePlane, Lighting, Scene, Skipped, Spheres};
+use glam::DVec3;
 
 #[path = "../tests/common/skip.rs"]
 mod skip;
@@ -17,6 +20,32 @@ pub(crate) fn adapter_or_skip() -> Option<device::FoundAdapter> {
     let found = found.expect("an adapter; tests/run installs and pins one");
     println!("adapter: {} ({})", found.summary.name, found.summary.driver);
     Some(found)
+}
+
+/// scenes/weekend.toml without its lights, in an image of this size. The readers of files are in another crate, so the
+/// spheres are taken line by line.
+pub(crate) fn weekend([width, height]: [u32; 2]) -> Scene {
+    let text = include_str!("../scenes/weekend.toml");
+    let numbers = |line: &str| -> Vec<f64> {
+        line.trim_matches(['[', ']']).split(", ").map(|number| number.parse().expect("a number")).collect()
+    };
+    let of = |sphere: &str, field: &str| {
+        let line = sphere.lines().find_map(|line| line.strip_prefix(field)?.strip_prefix(" = "));
+        numbers(line.expect("the field"))
+    };
+    let mut spheres = Spheres::default();
+    for sphere in text.split("[[sphere]]").skip(1) {
+        let [center, color] = ["center", "color"].map(|field| <[f64; 3]>::try_from(of(sphere, field)).expect("three"));
+        spheres.push(center, of(sphere, "radius")[0], Some(color.map(|part| part as f32)));
+    }
+    let camera = Camera {
+        eye: DVec3::new(13.0, 2.0, 3.0),
+        look: Look::At(DVec3::ZERO),
+        up: DVec3::Y,
+        lens: Lens::Vfov { degrees: 20.0, distance: 1.0 },
+    };
+    let image = ImagePlane { width, height, background: [0.0; 3] };
+    Scene { camera, image, spheres, skipped: Skipped::default(), lighting: Lighting::default() }
 }
 
 /// SplitMix64: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014.

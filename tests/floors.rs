@@ -42,7 +42,7 @@ fn collect(folder: &Path, outer: &[String], files: &mut Files) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-        let is_apart = outer.is_empty() && ["main", "cli", "testing"].contains(&&*name);
+        let is_apart = outer.is_empty() && name == "testing";
         if name == "tests" || is_apart {
             continue;
         }

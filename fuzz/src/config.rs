@@ -1,6 +1,6 @@
 //! The configuration file's reader, from the command's source.
 
-#[path = "../../src/cli/config.rs"]
+#[path = "../../command/src/config.rs"]
 #[expect(dead_code, reason = "the command needs more of it")]
 mod real;
 

@@ -9,8 +9,8 @@ mod rays;
 mod select;
 
 use halfline::error::Error;
-use halfline::read::style::{Coloring, Scale, Style};
-use halfline::read::{Format, ReadOptions, SceneFrame, Sequence};
+use halfline_files::read::style::{Coloring, Scale, Style};
+use halfline_files::read::{Format, ReadOptions, SceneFrame, Sequence};
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 

@@ -2,7 +2,7 @@
 
 use super::{Allowed, PER_BYTE, Pieces, Unpacked, allowed, check_error, unpacked};
 use halfline::Watch;
-use halfline::read::rays::{RayBlock, RayOptions, RayReader};
+use halfline_files::read::rays::{RayBlock, RayOptions, RayReader};
 use std::io::{Cursor, Read};
 use std::path::Path;
 

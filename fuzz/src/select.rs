@@ -1,7 +1,7 @@
 //! Selections and lists of cameras.
 
 use super::{Allowed, PER_BYTE_OF_TOML, allowed, check_error};
-use halfline::read::{ReadOptions, Selection, Sequence, cameras};
+use halfline_files::read::{ReadOptions, Selection, Sequence, cameras};
 use std::io::Cursor;
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! The library's tables of the elements, and what it infers from names.
 
 use crate::errors::OrRaise;
-use halfline::read::style::elements::{atomic_number, element};
-use halfline::read::style::{Radii, color_of_element};
-use halfline::read::{NamedAtoms, elements_of_names};
+use halfline_files::read::style::elements::{atomic_number, element};
+use halfline_files::read::style::{Radii, color_of_element};
+use halfline_files::read::{NamedAtoms, elements_of_names};
 use pyo3::prelude::*;
 
 /// Radii and linear RGB.

@@ -3,9 +3,9 @@
 use crate::errors::OrRaise;
 use crate::work::begin;
 use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens, Look};
-use halfline::read::cameras::{self, ListedCamera, ListedLens};
 use halfline::scene::{Facing, Framing, NamedView, Outlook, Spread};
 use halfline::{Camera as Exact, Error};
+use halfline_files::read::cameras::{self, ListedCamera, ListedLens};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 

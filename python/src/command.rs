@@ -1,6 +1,5 @@
 //! The command `halfline` of the wheel.
 
-use crate::cli;
 use crate::work::begin;
 use pyo3::prelude::*;
 use std::ffi::OsString;
@@ -9,5 +8,5 @@ use std::ffi::OsString;
 #[pyfunction]
 pub(crate) fn command(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
     begin()?;
-    Ok(py.detach(|| cli::command(std::iter::once("halfline".into()).chain(arguments))))
+    Ok(py.detach(|| halfline_command::command(std::iter::once("halfline".into()).chain(arguments))))
 }

@@ -6,12 +6,12 @@ use crate::renderer::{Shared, keep_if_forked};
 use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
-use halfline::measure::plot::inset::Panels;
 use halfline::render::origin;
 use halfline::settings::Settings;
-use halfline::write::file::Target;
-use halfline::write::format::{FileFormat, FormatOptions};
 use halfline::{Aov, Frame as Exact, Scene};
+use halfline_files::write::file::Target;
+use halfline_files::write::format::{FileFormat, FormatOptions};
+use halfline_measure::plot::inset::Panels;
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -150,7 +150,6 @@ impl Frame {
                 Data::I32(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<i32>>::into_any),
                 Data::I64(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<i64>>::into_any),
                 Data::U8(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<u8>>::into_any),
-                _ => Err(Error::settings(format!("{name} has another type"), "update halfline")).or_raise(),
             }
         }
     }

@@ -2,10 +2,11 @@
 
 use crate::scene::Scene;
 use halfline::error::{Error, Result};
-use halfline::measure::plot::inset::{Corner, Insets as Exact, Label, LabelValues, Panels, ScaleBar};
-use halfline::read::style::Legend;
 use halfline::scene::ImagePlane;
-use halfline::write::file::check_writable;
+use halfline_files::read::style::Legend;
+use halfline_files::write::file::check_writable;
+use halfline_measure::plot::inset::{Corner, Insets as Exact, Label, LabelValues, Panels, ScaleBar};
+use halfline_measure::plot::legend::DrawnLegend;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -36,7 +37,7 @@ impl Insets {
         };
         self.label()?;
         if let Some(path) = &self.legend_file {
-            Legend::check_file(path)?;
+            DrawnLegend::check_file(path)?;
             check_writable(path)?;
         }
         if self.legend.is_some() || self.legend_file.is_some() {
@@ -62,7 +63,7 @@ impl Insets {
 
     /// Writes the file of the legend, if one is requested.
     pub(crate) fn write(&self, scene: &Scene) -> Result<()> {
-        self.legend_file.as_deref().map_or(Ok(()), |path| self.legend_of(scene)?.write(path))
+        self.legend_file.as_deref().map_or(Ok(()), |path| DrawnLegend(self.legend_of(scene)?).write(path))
     }
 
     /// The shares of the width of this scene's picture that its legend takes at the left and the right.
@@ -96,7 +97,7 @@ impl Insets {
         let is_png = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         let of_file = self.legend_file.as_ref().filter(|path| is_png(path)).and(scene.legend.as_deref());
         let mut all: Vec<String> = panels.and_then(Panels::warning).into_iter().collect();
-        all.extend(of_file.and_then(Legend::warning).filter(|words| !all.contains(words)));
+        all.extend(of_file.and_then(|legend| DrawnLegend(legend).warning()).filter(|words| !all.contains(words)));
         all
     }
 }

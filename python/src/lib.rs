@@ -4,8 +4,6 @@
 mod arrays;
 mod atoms;
 mod camera;
-#[path = "../../src/cli/mod.rs"]
-mod cli;
 mod command;
 mod errors;
 mod frame;

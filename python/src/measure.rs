@@ -4,8 +4,8 @@ use crate::camera::Camera;
 use crate::errors::OrRaise;
 use crate::scene::Scene;
 use crate::work::Job;
-use halfline::measure::run::{Options, Subject, measure as run};
 use halfline::settings::Tolerance;
+use halfline_measure::run::{Options, Subject, measure as run};
 use pyo3::prelude::*;
 
 /// Measures methods in a scene; the record as JSON.

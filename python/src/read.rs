@@ -4,12 +4,12 @@ use crate::errors::OrRaise;
 use crate::scene::{Scene, bead};
 use crate::work::Job;
 use halfline::error::{Error, Result};
-use halfline::read::style::{self, Coloring, Scale};
-use halfline::read::{
+use halfline::scene::arrange::Arrangement;
+use halfline_files::read::style::{self, Coloring, Scale};
+use halfline_files::read::{
     Altloc, ColumnNames, Format, FrameRange, HeldCamera, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection,
     Style,
 };
-use halfline::scene::arrange::Arrangement;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -140,7 +140,7 @@ impl Options {
 pub(crate) struct Sequence(Mutex<Opened>);
 
 struct Opened {
-    sequence: halfline::read::Sequence,
+    sequence: halfline_files::read::Sequence,
     arrangement: Arrangement,
     file: Option<String>,
     job: Job,
@@ -210,7 +210,7 @@ impl Sequence {
             return Err(Error::settings("hold='all' is an option of the command only", mend)).or_raise();
         }
         let held = HeldCamera::new(holds && read.hold != Hold::None);
-        let sequence = job.run(py, None, || halfline::read::Sequence::open(&path, &read))?;
+        let sequence = job.run(py, None, || halfline_files::read::Sequence::open(&path, &read))?;
         let arrangement = options.arrangement();
         let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
         Ok(Self(Mutex::new(Opened { sequence, arrangement, file, job, size, held, any: false })))

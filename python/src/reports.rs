@@ -2,7 +2,7 @@
 
 use crate::errors::{OrRaise, exception};
 use crate::work::Job;
-use halfline::read::ReadOptions;
+use halfline_files::read::ReadOptions;
 use pyo3::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -40,5 +40,5 @@ pub(crate) fn info(
     let job = Job::default();
     let options =
         ReadOptions { format, columns_named, skip_invalid, model, watch: job.watch(), ..ReadOptions::default() };
-    json(&job.run(py, None, || halfline::read::info(&path, &options))?)
+    json(&job.run(py, None, || halfline_files::read::info(&path, &options))?)
 }

@@ -94,7 +94,6 @@ mod tests {
     use super::vector::LANES;
     use super::*;
     use crate::certify::{Certify, TERMS};
-    use crate::read::ReadOptions;
     use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::raster::Raster;
@@ -104,9 +103,7 @@ mod tests {
     /// The adversary checks single rays. This test extends its results to strips: both give the same bits.
     #[test]
     fn a_strip_answers_as_single_rays() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
-        (scene.image.width, scene.image.height) = (136, 77);
+        let scene = crate::testing::weekend([136, 77]);
         let window = Window::full(136, 77);
         same_as_single::<false>(&scene, Raster::centres(window));
         let settings = Settings { samples: 9, seed: 3, ..Settings::default() };

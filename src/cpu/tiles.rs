@@ -198,18 +198,14 @@ mod tests {
     use crate::certify::binned::BinnedScene;
     use crate::intersect::Method;
     use crate::memory::Pool;
-    use crate::read::ReadOptions;
     use crate::render::plan::Plan;
-    use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::View;
 
     /// Checks that tests/answers/tiles.rs detects a list that lacks one sphere.
     #[test]
     fn a_sphere_missing_from_a_list_is_found() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
-        (scene.image.width, scene.image.height) = (131, 74);
+        let scene = crate::testing::weekend([131, 74]);
         let (view, pool) = (View::new(&scene).expect("a view"), Pool::default());
         let mut binned =
             BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a projection");

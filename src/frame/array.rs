@@ -138,7 +138,7 @@ impl Array {
     }
 
     /// Marks the values as levels of a picture: 0 is black, the maximum of their type is white.
-    pub(crate) fn picture(mut self) -> Self {
+    pub fn picture(mut self) -> Self {
         self.picture = true;
         self
     }

@@ -5,7 +5,6 @@ use crate::error::{Error, Result};
 
 /// The values of one buffer, row by row from the top, components innermost.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum Data {
     /// Color, normal, alpha, shadow, occlusion.
     F32(Vec<f32>),

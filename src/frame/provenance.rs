@@ -48,7 +48,7 @@ pub struct Provenance(Vec<(String, String)>);
 
 impl Provenance {
     /// The provenance of a file with these buffers, without what its format adds.
-    pub(crate) fn new(origin: &Origin<'_>, aovs: &[Aov]) -> Self {
+    pub fn new(origin: &Origin<'_>, aovs: &[Aov]) -> Self {
         let Origin { fingerprint, tolerance, seed, report, window, full: [width, height] } = origin;
         let mut words = Self::default();
         words.set("Software", format!("halfline {}", report.halfline));
@@ -152,20 +152,20 @@ impl Provenance {
 
     /// The provenance with the hash of the samples.
     #[must_use]
-    pub(crate) fn with_pixels(mut self, hash: &str) -> Self {
+    pub fn with_pixels(mut self, hash: &str) -> Self {
         self.set(PIXELS, hash);
         self
     }
 
     /// The provenance of the rendering alone: without window and hash.
     #[must_use]
-    pub(crate) fn rendering(&self) -> Self {
+    pub fn rendering(&self) -> Self {
         self.0.iter().filter(|(key, _)| !OF_THE_PART.contains(&key.as_str())).cloned().collect()
     }
 
     /// The provenance without the hash of the samples.
     #[must_use]
-    pub(crate) fn without_pixels(&self) -> Self {
+    pub fn without_pixels(&self) -> Self {
         self.0.iter().filter(|(key, _)| key != PIXELS).cloned().collect()
     }
 
@@ -177,7 +177,7 @@ impl Provenance {
     }
 
     /// The first keyword that differs, except those of the part, and both texts.
-    pub(crate) fn foreign(&self, other: &Self) -> Option<[String; 3]> {
+    pub fn foreign(&self, other: &Self) -> Option<[String; 3]> {
         let keys = self.0.iter().chain(&other.0).map(|(key, _)| key);
         let keys = keys.filter(|key| !OF_THE_PART.contains(&key.as_str()));
         let text = |words: &Self, key: &str| words.get(key).unwrap_or("nothing").to_owned();
@@ -186,7 +186,7 @@ impl Provenance {
     }
 
     /// One JSON object on one line, in ASCII, in the order of the keywords.
-    pub(crate) fn to_json(&self) -> String {
+    pub fn to_json(&self) -> String {
         let json = serde_json::to_string(self).unwrap_or_default();
         let mut ascii = String::with_capacity(json.len());
         for c in json.chars() {
@@ -201,17 +201,23 @@ impl Provenance {
     }
 
     /// Parses the output of [`Provenance::to_json`]; `None` for anything else.
-    pub(crate) fn from_json(json: &[u8]) -> Option<Self> {
+    pub fn from_json(json: &[u8]) -> Option<Self> {
         if json.len() > LONGEST { None } else { serde_json::from_slice(json).ok() }
     }
 
     /// The block after the last number, for formats whose headers cannot hold metadata.
-    pub(crate) fn trailer(&self) -> String {
+    pub fn trailer(&self) -> String {
         trailer::of(&self.to_json())
     }
 
+    /// Whether these bytes have the form of a trailer.
+    #[must_use]
+    pub fn is_trailer(bytes: &[u8]) -> bool {
+        trailer::json(bytes).is_some()
+    }
+
     /// Parses the output of [`Provenance::trailer`]; `None` for anything else.
-    pub(crate) fn from_trailer(bytes: &[u8]) -> Option<Self> {
+    pub fn from_trailer(bytes: &[u8]) -> Option<Self> {
         let words = Self::from_json(trailer::json(bytes)?);
         words.filter(|words| words.trailer().as_bytes() == bytes)
     }

@@ -10,7 +10,7 @@ pub fn level(linear: f32) -> u8 {
 }
 
 /// The 8-bit levels of many components.
-pub(crate) fn levels(linear: &[f32]) -> Vec<u8> {
+pub fn levels(linear: &[f32]) -> Vec<u8> {
     let mut levels = vec![0; linear.len()];
     let table = &*TABLE;
     levels.par_chunks_mut(1 << 14).zip(linear.par_chunks(1 << 14)).for_each(|(levels, linear)| {

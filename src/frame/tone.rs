@@ -102,7 +102,7 @@ impl Toning {
     }
 
     /// The keywords of provenance: what differs from linear light without exposure.
-    pub(crate) fn words(self) -> impl Iterator<Item = (&'static str, String)> {
+    pub fn words(self) -> impl Iterator<Item = (&'static str, String)> {
         let tone = (self.tone != Tone::Linear).then(|| ("halfline:tone", self.tone.name().to_owned()));
         let exposure = (self.stops != 0.0).then(|| ("halfline:exposure", format!("{:?}", self.stops)));
         tone.into_iter().chain(exposure)

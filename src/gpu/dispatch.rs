@@ -367,12 +367,9 @@ mod tests {
     use crate::intersect::Method;
     use crate::kernel::{Generals, Sharing};
     use crate::memory::Pool;
-    use crate::read::ReadOptions;
-    use crate::scene::Scene;
     use crate::search::tile_candidates::{CandidateList, TileCandidates};
     use crate::shade::Shade;
     use crate::view::View;
-    use std::path::Path;
 
     /// All ways of sharing loaded spheres give the same bits.
     #[test]
@@ -380,9 +377,7 @@ mod tests {
         let Some(found) = crate::testing::adapter_or_skip() else { return };
         let lanes = found.summary.subgroup.map_or(0, |[least, _]| least);
         let mut gpu = Gpu::new(device::open(&found).expect("a device"), found.summary);
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
-        (scene.image.width, scene.image.height) = (131, 74);
+        let scene = crate::testing::weekend([131, 74]);
         // Includes the low parts for the kernels that read them.
         let mut view = View::new(&scene).expect("a view");
         view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);

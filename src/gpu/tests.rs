@@ -11,8 +11,6 @@ use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
-use crate::read::ReadOptions;
-use crate::scene::Scene;
 use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::shade::Shade;
 use crate::testing::adapter_or_skip;
@@ -29,9 +27,7 @@ fn frame(gpu: &mut Gpu, kernel: &Kernel, bands: usize) -> (Result<Raw, Error>, u
 
 /// The same; `go_on` is called before every band, with its number from 1.
 fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) -> (Result<Raw, Error>, usize) {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
-    [scene.image.width, scene.image.height] = SIZE;
+    let scene = crate::testing::weekend(SIZE);
     let mut view = View::new(&scene).expect("a view");
     view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
     let pool = Pool::default();

@@ -15,7 +15,7 @@ const RESERVE: u64 = 32 << 20;
 ///
 /// # Errors
 /// [`Error::Limits`] with the number of entries that would fit.
-pub(crate) fn entries(len: usize, more: usize, each: usize, what: &str) -> Result<usize> {
+pub fn entries(len: usize, more: usize, each: usize, what: &str) -> Result<usize> {
     entries_in(len, more, each, what, || free(&Pool::default()))
 }
 
@@ -40,7 +40,7 @@ fn entries_in(len: usize, more: usize, each: usize, what: &str, free: impl Fn() 
 }
 
 /// Whether 32-bit ids can number this many spheres.
-pub(crate) fn ids_fit(spheres: u64) -> bool {
+pub fn ids_fit(spheres: u64) -> bool {
     spheres <= i32::MAX as u64
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn ids_fit(spheres: u64) -> bool {
 ///
 /// # Errors
 /// [`Error::Limits`] with both numbers.
-pub(crate) fn check_ids(spheres: u64) -> Result<()> {
+pub fn check_ids(spheres: u64) -> Result<()> {
     if ids_fit(spheres) {
         return Ok(());
     }
@@ -60,7 +60,7 @@ pub(crate) fn check_ids(spheres: u64) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Limits`] with both numbers.
-pub(crate) fn check_wide_ids(spheres: u64) -> Result<()> {
+pub fn check_wide_ids(spheres: u64) -> Result<()> {
     const MOST: u64 = i64::MAX as u64;
     if spheres <= MOST {
         return Ok(());
@@ -73,7 +73,7 @@ pub(crate) fn check_wide_ids(spheres: u64) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Limits`].
-pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<()> {
+pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<()> {
     if list.capacity() - list.len() >= more {
         return Ok(());
     }
@@ -85,7 +85,7 @@ pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Limits`] where the allocation fails.
-pub(crate) fn extend_to<T>(list: &mut Vec<T>, entries: usize) -> Result<()> {
+pub fn extend_to<T>(list: &mut Vec<T>, entries: usize) -> Result<()> {
     list.try_reserve_exact(entries.saturating_sub(list.len())).map_err(|_| Error::Limits {
         problem: format!("{} bytes of memory could not be allocated", entries.saturating_mul(size_of::<T>())),
         mend: "read a smaller scene".into(),
@@ -93,14 +93,14 @@ pub(crate) fn extend_to<T>(list: &mut Vec<T>, entries: usize) -> Result<()> {
 }
 
 /// Bytes of a sphere in a scene: centre and radius, without a colour.
-pub(crate) const SPHERE: u64 = 32;
+pub const SPHERE: u64 = 32;
 const COLOR: u64 = 12;
 
 /// Refuses a scene of `spheres` spheres before they are read.
 ///
 /// # Errors
 /// [`Error::Limits`] with the number that would fit.
-pub(crate) fn check_spheres(spheres: u64, colored: bool) -> Result<()> {
+pub fn check_spheres(spheres: u64, colored: bool) -> Result<()> {
     check_spheres_in(spheres, colored, || free(&Pool::default()))
 }
 
@@ -123,7 +123,7 @@ fn check_spheres_in(spheres: u64, colored: bool, free: impl Fn() -> Option<u64>)
 ///
 /// # Errors
 /// [`Error::Limits`] with both numbers.
-pub(crate) fn check(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
+pub fn check(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
     if bytes < GRAIN {
         return Ok(());
     }
@@ -138,7 +138,7 @@ pub(crate) fn check(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
 
 /// Counts the bytes that a reader keeps in many small pieces: names, texts, maps of them.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Ledger {
+pub struct Ledger {
     bytes: u64,
     /// The bytes for which free memory was checked.
     checked: u64,
@@ -150,7 +150,7 @@ impl Ledger {
     ///
     /// # Errors
     /// [`Error::Limits`].
-    pub(crate) fn add(&mut self, bytes: usize) -> Result<()> {
+    pub fn add(&mut self, bytes: usize) -> Result<()> {
         self.bytes = self.bytes.saturating_add(bytes as u64);
         if self.bytes > self.checked.max(GRAIN) {
             let next = self.bytes.saturating_add(GRAIN);

@@ -11,7 +11,7 @@ pub struct Cell {
 
 impl Cell {
     /// The point at these fractions of the edges.
-    pub(crate) fn place(&self, parts: [f64; 3]) -> [f64; 3] {
+    pub fn place(&self, parts: [f64; 3]) -> [f64; 3] {
         let along = |k: usize| (0..3).map(|edge| parts[edge] * self.edges[edge][k]).sum::<f64>();
         [0, 1, 2].map(|k| self.origin[k] + along(k))
     }

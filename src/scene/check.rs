@@ -19,13 +19,13 @@ pub fn check_size([width, height]: [i64; 2], place: impl FnOnce() -> Place) -> R
 
 /// Whether a sphere may have this centre; the rule of [`check_sphere`], without a branch.
 #[inline]
-pub(crate) fn is_center(center: &[f64; 3]) -> bool {
+pub fn is_center(center: &[f64; 3]) -> bool {
     center[0].is_finite() & center[1].is_finite() & center[2].is_finite()
 }
 
 /// Whether a sphere may have this radius; the rule of [`check_sphere`], without a branch.
 #[inline]
-pub(crate) fn is_radius(radius: &f64) -> bool {
+pub fn is_radius(radius: &f64) -> bool {
     (*radius > 0.0) & radius.is_finite()
 }
 

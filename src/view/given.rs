@@ -35,6 +35,14 @@ impl Rays<'_> {
         self.directions.is_empty()
     }
 
+    /// The point of ray `n` at parameter `t`: origin + t direction.
+    #[must_use]
+    #[inline]
+    pub fn at(&self, n: usize, t: f64) -> [f64; 3] {
+        let ray = self.ray(n);
+        [0, 1, 2].map(|axis| ray.origin[axis] + t * ray.direction[axis])
+    }
+
     #[inline(always)]
     pub(crate) fn ray(&self, n: usize) -> GivenRay {
         GivenRay {

@@ -12,11 +12,11 @@ use glam::DVec3;
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
-use halfline::read::ReadOptions;
 use halfline::render::Renderer;
 use halfline::scene::{Light, LightSource, Lighting, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::window::Window;
+use halfline_files::read::{self, ReadOptions};
 use std::path::Path;
 
 const SIZE: [u32; 2] = [97, 61];
@@ -33,7 +33,7 @@ fn lighting() -> Lighting {
 
 fn scenes() -> Vec<(&'static str, Scene)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let mut weekend = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let mut weekend = read::scene(&path, &ReadOptions::default()).expect("weekend");
     [weekend.image.width, weekend.image.height] = SIZE;
     weekend.lighting = lighting();
     let mut inside = cloud(2, 300, [0.0; 3], 1.0, 0.05);

@@ -10,13 +10,13 @@ use glam::DVec3;
 use halfline::camera::{Aperture, Camera, Lens, Look};
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
-use halfline::read::{ReadOptions, Sequence};
 use halfline::render::Renderer;
 use halfline::render::stream::Stream;
 use halfline::scene::{ImagePlane, Scene, Skipped, Sky, Spheres};
 use halfline::settings::{Accuracy, Settings};
 use halfline::shade::Shade;
 use halfline::window::Window;
+use halfline_files::read::{ReadOptions, Sequence};
 use std::path::Path;
 
 const SIZE: [u32; 2] = [60, 44];

@@ -7,9 +7,9 @@ use crate::adapter::cpu;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::frame::Aov;
-use halfline::read::ReadOptions;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
+use halfline_files::read::{self, ReadOptions};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -54,7 +54,7 @@ struct Pixel {
 
 fn file() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/eclipse.toml");
-    Scene::read(&path, &ReadOptions::default()).expect("the eclipse")
+    read::scene(&path, &ReadOptions::default()).expect("the eclipse")
 }
 
 impl Eclipse {

@@ -23,10 +23,10 @@ use crate::{nff, planets};
 use glam::DVec3;
 use halfline::camera::Look;
 use halfline::frame::{Aov, Data, Frame};
-use halfline::measure::suite::extremes::{FAMILIES, Family};
 use halfline::render::Renderer;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Settings, Tolerance};
+use halfline_measure::suite::extremes::{FAMILIES, Family};
 
 /// The same cases in every run.
 const SEEDS: [u64; 3] = [0x5eed_0003, 0x5eed_0005, 0x5eed_0007];

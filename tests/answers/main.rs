@@ -18,12 +18,8 @@ mod planets;
 mod rng;
 #[path = "../common/skip.rs"]
 mod skip;
-#[path = "../common/test_dir.rs"]
-#[expect(dead_code, reason = "the other test programs use more of it")]
-mod test_dir;
 
 mod cloud;
-mod command;
 mod crop;
 mod depth_of_field;
 mod eclipse;
@@ -32,7 +28,6 @@ mod frames;
 mod given;
 mod instances;
 mod light;
-mod measure;
 mod metamorphic;
 mod oblique;
 mod off_center;
@@ -45,7 +40,6 @@ mod score;
 mod selftest;
 mod stream;
 mod tiles;
-mod trace;
 mod tree;
 mod truth;
 mod twins;

@@ -11,12 +11,12 @@ use halfline::camera::{Camera, CameraRecord, Lens, Look};
 use halfline::exact::Judge;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
-use halfline::measure::run::{Options, Subject, measure};
 use halfline::progress::Watch;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
 use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::window::Window;
+use halfline_measure::run::{Options, Subject, measure};
 
 const SIZE: [u32; 2] = [88, 61];
 

@@ -15,12 +15,12 @@ use halfline::exact::{Judge, Root};
 use halfline::explain::explain;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
-use halfline::measure::run::{Options, Subject, measure};
 use halfline::predict::Prediction;
 use halfline::progress::Watch;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
 use halfline::settings::{Accuracy, Search, Settings, Tolerance};
+use halfline_measure::run::{Options, Subject, measure};
 
 const AOVS: [Aov; 9] =
     [Aov::Color, Aov::Distance, Aov::Depth, Aov::Normal, Aov::Position, Aov::Id, Aov::Mask, Aov::Certainty, Aov::Bound];

@@ -1,13 +1,12 @@
 //! The promise of a plan: it states what rendering does, and for a tolerance it chooses the cheapest sufficient method.
 
 use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
-use crate::test_dir::{NO_ADAPTER, TestDir};
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::read::ReadOptions;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
+use halfline_files::read::{self, ReadOptions};
 use std::path::Path;
 
 /// Spheres from 5 to 2000 radii away, without colours.
@@ -25,7 +24,7 @@ fn scene() -> Scene {
 
 fn weekend() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let scene = read::scene(&path, &ReadOptions::default()).expect("weekend");
     // Its light and its sky take rays of their own.
     Scene { lighting: Default::default(), ..scene }
 }
@@ -290,8 +289,4 @@ fn the_printed_shader_is_complete() {
     let exact = Settings { accuracy: Accuracy::Exact, ..settings(Backend::Cpu, None, &colored) };
     let error = cpu().wgsl(&weekend(), &exact).expect_err("no kernel").to_string();
     assert!(error.contains("without a kernel"), "{error}");
-    let weekend = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/weekend.toml");
-    let printed = TestDir::new(&[]).run_with(&["plan", weekend, "--aov", "depth=z.npy", "--wgsl"], &NO_ADAPTER);
-    assert_eq!(printed.code, 0, "{}", printed.err);
-    naga::front::wgsl::parse_str(&printed.text()).expect("WGSL");
 }

@@ -15,13 +15,13 @@ use halfline::camera::{Camera, Lens, Look};
 use halfline::exact::Judge;
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::measure::score::Truths;
-use halfline::measure::suite::extremes::FAMILIES;
 use halfline::predict::Prediction;
-use halfline::read::ReadOptions;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
 use halfline::settings::Settings;
+use halfline_files::read::{self, ReadOptions};
+use halfline_measure::score::Truths;
+use halfline_measure::suite::extremes::FAMILIES;
 use std::path::Path;
 
 const SEED: u64 = 0x5eed_0003;
@@ -225,7 +225,7 @@ fn errors_of_ordinary_scenes_come_within_a_hundredth_of_the_prediction() {
         path
     });
     for path in [weekend].into_iter().chain(balls) {
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("a scene");
+        let mut scene = read::scene(&path, &ReadOptions::default()).expect("a scene");
         // Fewer rays where there are many spheres.
         (scene.image.width, scene.image.height) = match scene.spheres.len() {
             0..1000 => (128, 96),

@@ -2,13 +2,14 @@
 //! the next one.
 
 use crate::adapter::{cpu, gpu, renderers};
-use halfline::{Accuracy, Aov, Cancel, Error, Method, Progress, ReadOptions, Scene, Search, Settings, Step, Watch};
+use halfline::{Accuracy, Aov, Cancel, Error, Method, Progress, Scene, Search, Settings, Step, Watch};
+use halfline_files::read::{self, ReadOptions};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 fn weekend(width: u32, height: u32) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let mut scene = read::scene(&path, &ReadOptions::default()).expect("weekend");
     (scene.image.width, scene.image.height) = (width, height);
     scene.lighting = Default::default();
     scene

@@ -10,18 +10,18 @@ use glam::DVec3;
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
-use halfline::read::ReadOptions;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Sky, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use halfline::{Camera, Lens};
+use halfline_files::read::{self, ReadOptions};
 use std::path::Path;
 
 fn weekend() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let mut scene = read::scene(&path, &ReadOptions::default()).expect("weekend");
     (scene.image.width, scene.image.height) = (61, 43);
     // Shadows need a light, and with that of the file every sample would have a ray to it.
     let lights = vec![Light::white(LightSource::Direction(DVec3::new(1.0, 2.0, 0.5)))];

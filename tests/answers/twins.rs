@@ -13,11 +13,11 @@ use crate::rng::Rng;
 use glam::DVec3;
 use halfline::frame::{Aov, Data, Frame};
 use halfline::intersect::Method;
-use halfline::read::ReadOptions;
 use halfline::render::Renderer;
 use halfline::scene::{Scene, Spheres};
 use halfline::settings::Settings;
 use halfline::shade::Shade;
+use halfline_files::read::{self, ReadOptions};
 use std::path::Path;
 
 /// The buffers that a kernel writes, and those that are derived from them.
@@ -45,7 +45,7 @@ fn scenes() -> Vec<(String, Scene)> {
     let mut scenes = Vec::new();
     for entry in folder.read_dir().expect("scenes/") {
         let path = entry.expect("an entry").path();
-        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("a good scene");
+        let mut scene = read::scene(&path, &ReadOptions::default()).expect("a good scene");
         (scene.image.width, scene.image.height) = (131, 74);
         scenes.push((path.display().to_string(), scene));
     }

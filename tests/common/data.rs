@@ -4,6 +4,12 @@
 use crate::skip::skip;
 use std::path::{Path, PathBuf};
 
+/// A path in the checkout, which contains the packages that tests are in.
+pub(crate) fn in_checkout(path: &str) -> PathBuf {
+    let checkout = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().find(|folder| folder.join("Cargo.lock").is_file());
+    checkout.expect("a workspace").join(path)
+}
+
 /// The path of a real file, or `None`.
 pub(crate) fn real(name: &str) -> Option<PathBuf> {
     everywhere(name).next()
@@ -11,8 +17,7 @@ pub(crate) fn real(name: &str) -> Option<PathBuf> {
 
 /// The path of a real file in each folder that has it.
 pub(crate) fn everywhere(name: &str) -> impl Iterator<Item = PathBuf> {
-    let checkout = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shared = std::env::var_os("HALFLINE_DATA").map_or(checkout.join("../shared/data"), PathBuf::from);
+    let shared = std::env::var_os("HALFLINE_DATA").map_or(in_checkout("../shared/data"), PathBuf::from);
     // Cargo gives tests the folder `tmp` of its target folder.
     let package = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("real-files");
     [shared, package].map(|folder| folder.join(name)).into_iter().filter(|path| path.is_file())

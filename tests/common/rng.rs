@@ -1,6 +1,6 @@
 //! The random generator of all tests: that of the library's suites, extended by random integers.
 
-use halfline::measure::suite::Random;
+use halfline_measure::suite::Random;
 
 /// A seeded generator: the same numbers on every machine.
 pub(crate) struct Rng(Random);

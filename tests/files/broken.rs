@@ -4,8 +4,7 @@ use crate::damage::damage;
 use crate::rng::Rng;
 use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, little, npy, npy_of, read, read_spheres};
 use halfline::error::Error;
-use halfline::read::ReadOptions;
-use halfline::scene::Scene;
+use halfline_files::read::{self, ReadOptions};
 use std::time::{Duration, Instant};
 
 #[test]
@@ -288,7 +287,7 @@ fn a_damaged_file_is_read_or_refused() {
             let mut bytes = good.to_vec();
             (0..=rng.below(3)).for_each(|_| damage(&mut bytes, good, &mut rng));
             std::fs::write(folder.path().join(name), &bytes).expect("a temporary file");
-            match Scene::read(&folder.path().join(scene), &ReadOptions::default()) {
+            match read::scene(&folder.path().join(scene), &ReadOptions::default()) {
                 Ok(scene) => scene.check().unwrap_or_else(|e| panic!("{name} {round}: read, but {e}: {bytes:?}")),
                 Err(Error::Scene { .. } | Error::Io { .. }) => refused += 1,
                 Err(other) => panic!("{name} {round}: {other}: {bytes:?}"),

@@ -7,10 +7,10 @@ use crate::skip::skip;
 use halfline::frame::{Aov, Data, Frame};
 use halfline::settings::Settings;
 use halfline::window::Window;
-use halfline::write::buffers::FrameFile;
-use halfline::write::file::Target;
-use halfline::write::format::{Bits, FileFormat, FormatOptions, NoReturn};
-use halfline::write::image_file::{ImageFile, SampleType};
+use halfline_files::write::buffers::FrameFile;
+use halfline_files::write::file::Target;
+use halfline_files::write::format::{Bits, FileFormat, FormatOptions, NoReturn};
+use halfline_files::write::image_file::{ImageFile, SampleType};
 use std::path::Path;
 use std::process::Command;
 

@@ -4,11 +4,11 @@
 use crate::formats::{samples, written};
 use crate::random_frames::frame;
 use halfline::frame::{Aov, Buffer, Data, Frame};
-use halfline::measure::Values;
-use halfline::write::buffers::FrameFile;
-use halfline::write::file::Target;
-use halfline::write::format::FormatOptions;
-use halfline::write::image_file::ImageFile;
+use halfline_files::write::buffers::FrameFile;
+use halfline_files::write::file::Target;
+use halfline_files::write::format::FormatOptions;
+use halfline_files::write::image_file::ImageFile;
+use halfline_measure::Values;
 
 #[test]
 fn shadows_have_a_component_for_each_light() {

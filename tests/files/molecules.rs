@@ -4,13 +4,13 @@
 //! The entries are those of ../shared/data and of the package MDAnalysisTests (`tests/real_files`), as far as present.
 
 use crate::data::real_or_skip;
-use halfline::read::style::{Coloring, Scale, Style, elements};
-use halfline::read::{Altloc, ReadOptions, Sequence};
 use halfline::scene::Scene;
+use halfline_files::read::style::{Coloring, Scale, Style, elements};
+use halfline_files::read::{self, Altloc, ReadOptions, Sequence};
 use std::path::Path;
 
 fn read(path: &Path, options: &ReadOptions) -> Scene {
-    Scene::read(path, options).unwrap_or_else(|error| panic!("{error}"))
+    read::scene(path, options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The number of spheres with the van der Waals radius of an element, which differs among those that are counted.
@@ -161,7 +161,7 @@ fn assemblies_are_those_that_gemmi_makes() {
         let ids = ASSEMBLIES.iter().filter(|assembly| assembly.file == name).count();
         let missing = (ids + 1).to_string();
         let refused = |options: ReadOptions, words: &[&str]| {
-            let error = Scene::read(&path, &options).expect_err("it is missing").to_string();
+            let error = read::scene(&path, &options).expect_err("it is missing").to_string();
             assert!(words.iter().all(|word| error.contains(word)), "{name}: {error}");
         };
         refused(ReadOptions { assembly: Some(missing), ..ReadOptions::default() }, &["the file has 1"]);

@@ -8,9 +8,9 @@ use crate::scenes::{
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::Error;
-use halfline::read::{ReadOptions, Sequence};
 use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Material, Scene, Sky, SkyColors};
 use halfline::settings::{FileLook, Look as PictureLook};
+use halfline_files::read::{self, ReadOptions, Sequence};
 use std::io::{Cursor, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -104,11 +104,11 @@ fn ids_begin_with_inline_spheres_and_files_are_found_beside_the_scene() {
     let b = npy_of("<f8", "False", "(1, 4)", &little(&[3.0, 3.0, 3.0, 3.0]));
     let folder = folder(&[("s.toml", scene.as_bytes()), ("a.csv", b"x,y,z,radius\n1,1,1,1\n2,2,2,2"), ("b.npy", &b)]);
     let path = folder.path().join("s.toml");
-    let scene = Scene::read(&path, &strict()).expect("three kinds of spheres");
+    let scene = read::scene(&path, &strict()).expect("three kinds of spheres");
     assert_eq!(scene.spheres.radii, [9.0, 1.0, 2.0, 3.0]);
     assert_eq!(scene.spheres.colors, None);
     std::fs::remove_file(folder.path().join("b.npy")).expect("removed");
-    match Scene::read(&path, &ReadOptions::default()) {
+    match read::scene(&path, &ReadOptions::default()) {
         Err(Error::Io { path, .. }) => assert_eq!(path, folder.path().join("b.npy")),
         other => panic!("a missing file is an Io error: {other:?}"),
     }
@@ -131,7 +131,7 @@ fn an_unreadable_file_is_an_io_error() {
     let folder = folder(&[]);
     for name in ["missing.toml", "missing.nff", "missing", "."] {
         let path = folder.path().join(name);
-        match Scene::read(&path, &ReadOptions::default()) {
+        match read::scene(&path, &ReadOptions::default()) {
             Err(Error::Io { path: named, action: "read", .. }) => assert_eq!(named, path),
             other => panic!("{name}: {other:?}"),
         }
@@ -158,7 +158,7 @@ reach = 2.5
     let path = folder.path().join("s.toml");
     // The spheres that a light may name include those of files, wherever the tables are.
     std::fs::write(&path, format!("{TOML}{lines}[[spheres]]\nfile = 'a.csv'\n")).expect("written");
-    let Lighting { lights, shadows, sky, .. } = Scene::read(&path, &ReadOptions::default()).expect("a scene").lighting;
+    let Lighting { lights, shadows, sky, .. } = read::scene(&path, &ReadOptions::default()).expect("a scene").lighting;
     let place = DVec3::new(4.0, 3.0, 2.0);
     let expected = [
         Light::white(LightSource::Direction(DVec3::new(-1.0, 2.5, 1e-3))),
@@ -295,7 +295,7 @@ fn strict_reading_refuses_what_is_otherwise_counted() {
 fn a_scene_is_read_from_standard_input() {
     const CHILD: &str = "HALFLINE_TEST_STDIN";
     if let Ok(spheres) = std::env::var(CHILD) {
-        let scene = Scene::read(Path::new("-"), &ReadOptions::default()).expect("the parent's scene");
+        let scene = read::scene(Path::new("-"), &ReadOptions::default()).expect("the parent's scene");
         assert_eq!(scene.spheres.len().to_string(), spheres);
         return;
     }
@@ -371,7 +371,7 @@ fn the_databases_real_files_hold_the_same_scenes() {
     ];
     for ((name, text), (known, expected)) in nff::all().into_iter().zip(FINGERPRINTS) {
         let scene = read(name, &text).expect("a scene");
-        let real = data::everywhere(name).map(|path| Scene::read(&path, &ReadOptions::default()).expect("a scene"));
+        let real = data::everywhere(name).map(|path| read::scene(&path, &ReadOptions::default()).expect("a scene"));
         for real in real {
             assert_eq!((name, &*fingerprint(&real)), (known, expected), "the real file");
             assert_eq!((scene.camera, scene.image, &scene.skipped), (real.camera, real.image, &real.skipped), "{name}");
@@ -388,7 +388,7 @@ fn the_planets_of_the_ephemeris_have_their_exact_values() {
     for path in data::everywhere("solar_system.csv") {
         let csv = std::fs::read(&path).expect("the planets");
         assert_refused(read_spheres("a.csv", &csv), "a.csv:1:1", "header", "its columns have other names");
-        let planets = Scene::read(&path, &ReadOptions::default()).expect("the Sun and its planets");
+        let planets = read::scene(&path, &ReadOptions::default()).expect("the Sun and its planets");
         assert_eq!((planets.spheres.len(), planets.spheres.radii[0]), (11, 695700.0));
         assert_eq!(planets.spheres.centers[3], [76580651.925311, 114940047.833629, 49846795.759752], "the Earth");
         all.push(planets.spheres);

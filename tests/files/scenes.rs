@@ -1,8 +1,8 @@
 //! Small scenes in the formats that describe spheres, and how tests read them.
 
 use halfline::error::{Error, Result};
-use halfline::read::ReadOptions;
 use halfline::scene::Scene;
+use halfline_files::read::{self, ReadOptions};
 
 pub(crate) fn strict() -> ReadOptions {
     ReadOptions { strict: true, ..ReadOptions::default() }
@@ -76,7 +76,7 @@ pub(crate) fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
 
 pub(crate) fn read_with(name: &str, content: &[u8], options: &ReadOptions) -> Result<Scene> {
     let folder = folder(&[(name, content)]);
-    Scene::read(&folder.path().join(name), options)
+    read::scene(&folder.path().join(name), options)
 }
 
 pub(crate) fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Scene> {
@@ -87,7 +87,7 @@ pub(crate) fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Scene> {
 pub(crate) fn read_spheres(name: &str, content: &[u8]) -> Result<Scene> {
     let scene = format!("{CAMERA}[[spheres]]\nfile = '{name}'\n");
     let folder = folder(&[("scene.toml", scene.as_bytes()), (name, content)]);
-    Scene::read(&folder.path().join("scene.toml"), &ReadOptions::default())
+    read::scene(&folder.path().join("scene.toml"), &ReadOptions::default())
 }
 
 /// An NPY file of version 1 with this header text, from numpy's description of the format.

@@ -1,0 +1,67 @@
+//! `--camera-from`: the camera of a picture or buffer that halfline wrote, or of a report.
+
+use halfline::camera::{Camera, CameraRecord, Lens};
+use halfline::error::{Error, Place, Result};
+use halfline_files::write::image_file::ImageFile;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// The most bytes of a report.
+const LONGEST: u64 = 1 << 24;
+
+/// The camera in a file: of a picture or buffer with a provenance, or of the first JSON object of `render --json` or
+/// `plan --json`.
+///
+/// # Errors
+/// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for one without a camera.
+pub(super) fn read(path: &Path) -> Result<CameraRecord> {
+    let place = Place::file(path.display().to_string());
+    let mend = "use a picture or a buffer that halfline wrote, or the output of render --json";
+    let record = match report(path)? {
+        Some(report) => report.get("camera").cloned().and_then(|camera| serde_json::from_value(camera).ok()),
+        None => ImageFile::read(path)?.head.provenance.camera(),
+    };
+    let record: CameraRecord =
+        record.ok_or_else(|| Error::scene(place.clone().named("camera"), "the file has no camera", mend))?;
+    let camera = record.camera();
+    let [width, height] = record.size;
+    camera.basis().and_then(|_| camera.viewport(width, height)).map(|_| record).map_err(|error| match error {
+        Error::Scene { problem, .. } => Error::scene(place.named("camera"), problem, mend),
+        other => other,
+    })
+}
+
+/// The first JSON object of a file; `None` if the file does not begin with one.
+fn report(path: &Path) -> Result<Option<serde_json::Value>> {
+    let mut text = Vec::new();
+    let opened = File::open(path).and_then(|file| file.take(LONGEST).read_to_end(&mut text));
+    opened.map_err(|e| Error::read(path, e))?;
+    if text.trim_ascii_start().first() != Some(&b'{') {
+        return Ok(None);
+    }
+    Ok(serde_json::Deserializer::from_slice(&text).into_iter().next().and_then(Result::ok))
+}
+
+/// The camera for pictures of this size; pixels that were square stay square, with the height of the view.
+pub(super) fn resized(record: &CameraRecord, size: Option<(u32, u32)>) -> Camera {
+    let camera = record.camera();
+    let [vw, vh] = record.viewport;
+    let [w, h] = record.size.map(f64::from);
+    match (size, record.distance) {
+        (Some((width, height)), Some(distance)) if [width, height] != record.size => {
+            if let Lens::Intrinsics { fx, fy, cx, cy } = camera.lens {
+                // The principal point keeps its distance from the middle, in heights of the view.
+                let scale = f64::from(height) / h;
+                let [cx, cy] = [(cx, w, width), (cy, h, height)]
+                    .map(|(center, from, to)| (center - from / 2.0) * scale + f64::from(to) / 2.0);
+                let lens = Lens::Intrinsics { fx: fx * scale, fy: fy * scale, cx, cy };
+                return Camera { lens, ..camera };
+            }
+            let shape = vw * h / (vh * w);
+            let vw = vh * shape * f64::from(width) / f64::from(height);
+            Camera { lens: Lens::Viewport { vw, vh, distance }, ..camera }
+        }
+        _ => camera,
+    }
+}

@@ -1,0 +1,245 @@
+//! The output files of `render`: which buffers go where, and how they are stored.
+
+use super::clash::place;
+use super::film::{FPS, Film};
+use super::read_args::color;
+use super::scene_frames::{check_pattern, numbered};
+use clap::builder::ArgPredicate;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
+use halfline::error::{Error, Result};
+use halfline::frame::Aov;
+use halfline::scene::Scene;
+use halfline_files::write::file::{Target, is_special, is_standard_output};
+use halfline_files::write::format::{Bits, Dpi, FileFormat, FormatOptions, NoReturn};
+use std::path::{Path, PathBuf};
+
+/// Buffers and their file; `None` for the file of -o.
+type AovArgument = (Vec<Aov>, Option<PathBuf>);
+
+/// The output files and the options of their formats.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(super) struct FileArgs {
+    /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw; - is a PNG on standard output. For several pictures
+    /// %d or %04d is replaced by the number, or .mp4 or .gif is a film of them, made by ffmpeg.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Pictures per second of a film [default: 25].
+    #[arg(long, value_name = "N", value_parser = fps, allow_negative_numbers = true)]
+    fps: Option<f64>,
+    /// Buffers: color, distance, depth, normal, position, id, mask, certainty, bound, alpha, shadow (of each
+    /// light), occlusion (open share of the sky). An .exr or .npz can hold
+    /// several; without FILE they are stored in that of -o. Examples: depth=d.pfm, depth,id=all.exr, depth,normal.
+    #[arg(long, value_name = "NAME[,NAME..][=FILE]", value_parser = named)]
+    aov: Vec<AovArgument>,
+    /// Bits per component in PNG: 8, 16.
+    #[arg(long, value_name = "N", default_value = "8")]
+    bits: Bits,
+    #[command(flatten)]
+    dpi: DpiArgs,
+    /// Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss.
+    #[arg(long, value_name = "X", default_value = "0.001", value_parser = unit, allow_negative_numbers = true)]
+    unit: f64,
+    /// Distance and depth of a miss: inf, nan (as in ROS), zero (as in OpenCV); in PNG always 0.
+    #[arg(long, value_name = "V", default_value = "inf")]
+    no_return: NoReturn,
+    /// Writes little-endian numbers without a header to standard output, as in .raw files.
+    #[arg(long)]
+    raw: bool,
+    /// Background colour: a CSS name such as white, #rgb or #rrggbb in sRGB, or r,g,b in linear RGB.
+    #[arg(long, help_heading = "Image", value_name = "C", value_parser = color, conflicts_with = "transparent")]
+    background: Option<[f32; 3]>,
+    /// Makes the background transparent; alpha is stored in .png, .exr and .npz.
+    // --background on the command line overrides a configuration file that makes all backgrounds transparent.
+    #[arg(long, help_heading = "Image", default_value_if("background", ArgPredicate::IsPresent, "false"))]
+    transparent: bool,
+}
+
+/// The resolution of PNG files.
+#[derive(Debug)]
+struct DpiArgs {
+    dpi: Option<Dpi>,
+    /// Whether the command line gives it; a preference from elsewhere may apply to no file.
+    is_typed: bool,
+}
+
+#[derive(Debug, Args)]
+struct DpiOption {
+    /// Pixels per inch, stored in PNG for print; the number of pixels is that of --size.
+    #[arg(long, value_name = "N")]
+    dpi: Option<Dpi>,
+}
+
+impl Args for DpiArgs {
+    fn augment_args(command: Command) -> Command {
+        DpiOption::augment_args(command)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        DpiOption::augment_args_for_update(command)
+    }
+}
+
+impl FromArgMatches for DpiArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let is_typed = matches.value_source("dpi") == Some(ValueSource::CommandLine);
+        Ok(Self { dpi: DpiOption::from_arg_matches(matches)?.dpi, is_typed })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl FileArgs {
+    /// Applies the options that change the scene.
+    pub(super) fn apply(&self, scene: &mut Scene) {
+        let given = if self.transparent { Some([0.0; 3]) } else { self.background };
+        if let Some(color) = given {
+            scene.set_background(color);
+        }
+    }
+
+    /// The files of picture `number`, each with its buffers.
+    pub(super) fn targets(&self, number: u64) -> Result<Vec<Target>> {
+        let mut files: Vec<(PathBuf, Vec<Aov>)> = Vec::new();
+        for (aovs, path) in self.named()? {
+            let path = numbered(path, number);
+            // Pipes and devices can receive one file after another.
+            let is_once =
+                |other: &Path| !is_special(&path) && !is_standard_output(&path) && place(other) == place(&path);
+            match files.iter_mut().find(|(other, _)| is_once(other)) {
+                Some((_, together)) if FileFormat::of(&path).is_some_and(FileFormat::holds_many) => {
+                    together.extend(aovs)
+                }
+                Some(_) => {
+                    let problem = format!("{} would be written twice", path.display());
+                    return Err(Error::settings(problem, "use a separate file for each buffer, or one .exr or .npz"));
+                }
+                None => files.push((path, aovs)),
+            }
+        }
+        if self.raw && !files.iter().any(|(path, _)| is_standard_output(path)) {
+            return Err(Error::settings(
+                "--raw applies to standard output only",
+                "add NAME=-, or use the file name extension .raw",
+            ));
+        }
+        files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect()
+    }
+
+    /// Returns an error for a --dpi of the command line that none of the files would hold.
+    pub(super) fn check_dpi(&self, targets: &[Target]) -> Result<()> {
+        let film = self.film().map(|film| film.path());
+        let holds = |target: &Target| target.format() == FileFormat::Png && Some(target.path()) != film;
+        if !self.dpi.is_typed || targets.iter().any(holds) {
+            return Ok(());
+        }
+        let problem = "--dpi applies to PNG files, and none is written";
+        Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"))
+    }
+
+    /// The file of -o, with a pattern for the number. It is the first of [`FileArgs::targets`].
+    pub(super) fn picture(&self) -> Option<&Path> {
+        self.output.as_deref()
+    }
+
+    /// The film that -o names.
+    pub(super) fn film(&self) -> Option<Film<'_>> {
+        self.output.as_deref().and_then(|path| Film::of(path, self.fps.unwrap_or(FPS)))
+    }
+
+    /// Returns an error for --fps without a film.
+    pub(super) fn check_fps(&self) -> Result<()> {
+        if self.fps.is_none() || self.film().is_some() {
+            return Ok(());
+        }
+        let problem = "--fps is the rate of a film, and none is written";
+        Err(Error::settings(problem, "use -o with the file name extension .mp4 or .gif, or remove --fps"))
+    }
+
+    /// Whether standard output receives numbers without a header.
+    pub(super) fn is_raw(&self) -> bool {
+        self.raw
+    }
+
+    /// Whether the background is transparent.
+    pub(super) fn is_transparent(&self) -> bool {
+        self.transparent
+    }
+
+    /// The buffers of --aov.
+    pub(super) fn buffers(&self) -> Vec<Aov> {
+        self.aov.iter().flat_map(|(aovs, _)| aovs).copied().collect()
+    }
+
+    /// The names of all files, with patterns for the number.
+    pub(super) fn names(&self) -> Result<Vec<&Path>> {
+        Ok(self.named()?.into_iter().map(|(_, path)| path).collect())
+    }
+
+    /// Returns an error for names that several pictures would share.
+    pub(super) fn check_many(&self) -> Result<()> {
+        let film = self.film().map(|film| film.path());
+        let names = self.named()?;
+        names.iter().filter(|(_, path)| Some(*path) != film).try_for_each(|(_, path)| check_pattern(path))
+    }
+
+    fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
+        let Self { bits, unit, no_return, transparent, dpi: DpiArgs { dpi, .. }, .. } = *self;
+        let style = FormatOptions { bits, unit, no_return, transparent, dpi };
+        match aovs {
+            [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),
+            [Aov::Color] if self.film().is_some_and(|film| film.path() == path) => Ok(Target::film(path, style)),
+            _ => Target::new(aovs, path, style),
+        }
+    }
+
+    /// The buffers and their files in the order of the command line, the picture first.
+    fn named(&self) -> Result<Vec<(Vec<Aov>, &Path)>> {
+        let output = self.output.as_deref();
+        let mut named: Vec<_> = output.map(|path| (vec![Aov::Color], path)).into_iter().collect();
+        for (aovs, path) in &self.aov {
+            let together = output.filter(|path| FileFormat::of(path).is_some_and(FileFormat::holds_many));
+            let path = path.as_deref().or(together).ok_or_else(|| {
+                let names = aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(",");
+                let mend = "use NAME=FILE, or an .exr or .npz file for -o, which can hold several buffers";
+                Error::settings(format!("--aov {names} has no file"), mend)
+            })?;
+            named.push((aovs.clone(), path));
+        }
+        Ok(named)
+    }
+}
+
+fn named(text: &str) -> Result<AovArgument, String> {
+    let (names, file) = text.split_once('=').map_or((text, None), |(names, file)| (names, Some(file)));
+    if file == Some("") {
+        return Err("expected a file name after '='".into());
+    }
+    // A file's name may hold commas and equals signs, but not the name of a buffer between them.
+    let begins = |part: &str| part.split_once('=').is_some_and(|(name, _)| name.parse::<Aov>().is_ok());
+    if let Some((at, _)) = text.match_indices(',').find(|(at, _)| names.len() < *at && begins(&text[at + 1..])) {
+        let [first, second] = [&text[..at], &text[at + 1..]];
+        let mend = format!("use --aov once for each file, as in --aov {first} --aov {second}");
+        return Err(format!("{second} is in the name of a file; {mend}"));
+    }
+    let aovs = names.split(',').map(|name| name.parse().map_err(|e: Error| e.to_string())).collect::<Result<_, _>>()?;
+    Ok((aovs, file.map(PathBuf::from)))
+}
+
+fn fps(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && x <= 1000.0 => Ok(x),
+        _ => Err("expected a number of pictures per second, such as 25".into()),
+    }
+}
+
+fn unit(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("expected a positive number, such as 0.001".into()),
+    }
+}

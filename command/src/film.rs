@@ -1,0 +1,207 @@
+//! Films: the pictures of a sequence, piped to the program ffmpeg as PNG, one after the other.
+
+use super::go_on;
+use super::scene_args::SceneArgs;
+use super::scene_frames::check_pattern;
+use halfline::error::{Error, Result};
+use halfline_files::write::file::write_by_program;
+use std::env;
+use std::fs::File;
+use std::io::{self, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, Stdio};
+
+/// Pictures per second where `--fps` does not say it. A GIF counts in hundredths of a second, so 25 is exact there.
+pub(super) const FPS: f64 = 25.0;
+
+/// The program that encodes.
+const PROGRAM: &str = "ffmpeg";
+
+/// A film that is to be written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Film<'a> {
+    path: &'a Path,
+    kind: FilmKind,
+    fps: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FilmKind {
+    Mp4,
+    Gif,
+}
+
+impl FilmKind {
+    fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        [Self::Mp4, Self::Gif].into_iter().find(|kind| kind.name() == ending)
+    }
+
+    /// The extension, and the name of the format in ffmpeg.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Mp4 => "mp4",
+            Self::Gif => "gif",
+        }
+    }
+
+    /// How the pictures are encoded. H.264 with colours at half the resolution plays everywhere, and needs even sides; the
+    /// colours are those of BT.709 and say so. A GIF has a palette per picture: one for all would keep every picture in
+    /// memory until the last.
+    fn encoding(self) -> Vec<&'static str> {
+        match self {
+            Self::Mp4 => vec![
+                "-vf",
+                "crop=trunc(iw/2)*2:trunc(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
+                "-c:v",
+                "libx264",
+                "-crf",
+                "18",
+                "-colorspace",
+                "bt709",
+                "-color_primaries",
+                "bt709",
+                "-color_trc",
+                "bt709",
+                "-color_range",
+                "tv",
+                "-movflags",
+                "+faststart",
+            ],
+            Self::Gif => {
+                vec!["-vf", "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer"]
+            }
+        }
+    }
+}
+
+impl<'a> Film<'a> {
+    /// The film at `path`, if its extension is that of one.
+    pub(super) fn of(path: &'a Path, fps: f64) -> Option<Self> {
+        Some(Self { path, kind: FilmKind::of(path)?, fps })
+    }
+
+    pub(super) fn path(&self) -> &'a Path {
+        self.path
+    }
+
+    /// Returns an error for options that make no film, and where ffmpeg is missing.
+    pub(super) fn check(&self, args: &SceneArgs, resume: bool) -> Result<()> {
+        let name = self.path.display();
+        let refuse = |problem: String, mend: &str| Err(Error::settings(problem, mend));
+        if check_pattern(self.path).is_ok() {
+            return refuse(format!("{name} is one film, not a file for each picture"), "use a name without %d");
+        }
+        if !args.is_many() {
+            let mend = "use .png for a picture, or --frames A-B, --spin N or --cameras FILE for a film";
+            return refuse(format!("{name} is a film, but there is one picture"), mend);
+        }
+        if resume {
+            let stem = self.path.with_extension("%04d.png");
+            let mend = format!("remove --resume, or resume pictures, -o {}", stem.display());
+            return refuse(format!("--resume: {name} is made in one run"), &mend);
+        }
+        if args.files.is_transparent() {
+            return refuse(format!("{name} cannot be transparent"), "use --background, or .png for the pictures");
+        }
+        let folders = env::var_os("PATH").unwrap_or_default();
+        let program = format!("{PROGRAM}{}", env::consts::EXE_SUFFIX);
+        if env::split_paths(&folders).any(|folder| folder.join(&program).is_file()) {
+            return Ok(());
+        }
+        let pictures = self.path.with_extension("%04d.png");
+        let mend = format!("install it, or use -o {} and where ffmpeg is: {}", pictures.display(), self.line());
+        refuse(format!("{name} needs the program ffmpeg, and no folder of PATH has it"), &mend)
+    }
+
+    /// The line that makes the film of its pictures as files.
+    fn line(&self) -> String {
+        let pictures = self.path.with_extension("*.png").display().to_string();
+        let (fps, name) = (self.fps.to_string(), self.path.display().to_string());
+        let input = [PROGRAM, "-framerate", &fps, "-pattern_type", "glob", "-i", &pictures];
+        let words = input.into_iter().chain(self.kind.encoding()).chain([name.as_str()]);
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.:/=+%".contains(c);
+        let quoted = |word: &str| if word.chars().all(is_plain) { word.to_owned() } else { format!("'{word}'") };
+        words.map(quoted).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Writes the film of the pictures that `fill` adds, completely or not at all.
+    ///
+    /// # Errors
+    /// Those of `fill`, and [`Error::Io`] with what ffmpeg says.
+    pub(super) fn write(&self, fill: impl FnOnce(&mut FilmWriter) -> Result<()>) -> Result<()> {
+        write_by_program(self.path, |name| {
+            let mut writer = FilmWriter::start(self, name)?;
+            match fill(&mut writer) {
+                Ok(()) => writer.finish(),
+                Err(error) => Err(io::Error::other(error)),
+            }
+        })
+    }
+}
+
+/// A film that is being encoded. Without [`FilmWriter::finish`] the encoder is ended.
+pub(super) struct FilmWriter {
+    path: PathBuf,
+    encoder: Child,
+    /// Closed after the last picture.
+    pictures: Option<ChildStdin>,
+    /// What the encoder says.
+    said: File,
+}
+
+impl FilmWriter {
+    fn start(film: &Film<'_>, name: &Path) -> io::Result<Self> {
+        let said = tempfile::tempfile()?;
+        let mut command = Command::new(PROGRAM);
+        command.args(["-hide_banner", "-loglevel", "error", "-nostats", "-f", "image2pipe", "-c:v", "png"]);
+        command.args(["-framerate", &film.fps.to_string(), "-i", "pipe:0"]).args(film.kind.encoding());
+        command.args(["-f", film.kind.name(), "-y"]).arg(name);
+        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(said.try_clone()?);
+        let mut encoder = command.spawn()?;
+        let pictures = encoder.stdin.take();
+        Ok(Self { path: film.path.to_path_buf(), encoder, pictures, said })
+    }
+
+    /// Adds a picture, the bytes of a PNG.
+    pub(super) fn add(&mut self, png: &[u8]) -> Result<()> {
+        let Some(pictures) = &mut self.pictures else { return Ok(()) };
+        let Err(error) = pictures.write_all(png) else { return Ok(()) };
+        if !go_on() {
+            return Err(Error::Interrupted);
+        }
+        // An encoder that has ended says why.
+        self.pictures = None;
+        let why = self.end().err().unwrap_or(error);
+        Err(Error::write(&self.path, why))
+    }
+
+    /// Ends the input and waits for the file.
+    fn finish(mut self) -> io::Result<()> {
+        self.pictures = None;
+        let ended = self.end();
+        if go_on() { ended } else { Err(io::Error::other(Error::Interrupted)) }
+    }
+
+    /// Waits for the end of the encoder.
+    fn end(&mut self) -> io::Result<()> {
+        let status = self.encoder.wait()?;
+        if status.success() {
+            return Ok(());
+        }
+        let mut said = Vec::new();
+        self.said.rewind()?;
+        (&mut self.said).take(1 << 12).read_to_end(&mut said)?;
+        let said = String::from_utf8_lossy(&said);
+        let said = said.lines().map(str::trim).find(|line| !line.is_empty());
+        Err(io::Error::other(said.map_or(format!("ffmpeg: {status}"), |said| format!("ffmpeg: {said}"))))
+    }
+}
+
+impl Drop for FilmWriter {
+    fn drop(&mut self) {
+        // Both fail where the encoder has ended.
+        let _ = self.encoder.kill();
+        let _ = self.encoder.wait();
+    }
+}

@@ -1,0 +1,312 @@
+//! Where the camera is: directions in words, points and selections to look at, and what is framed.
+
+use super::read_args::numbers;
+use super::scene_args::{CameraArgs, PoseArgs, SceneArgs};
+use glam::DVec3;
+use halfline::camera::{Camera, Look};
+use halfline::error::{Error, Result};
+use halfline::quote::{list, quote};
+use halfline::scene::{Facing, Framing, ImagePlane, NamedView, Outlook, Spheres, Spread};
+use halfline_files::read::{Mark, SceneFrame, Selection};
+
+/// What `--at` looks at.
+#[derive(Debug, Clone)]
+pub(super) enum Aimed {
+    Point(DVec3),
+    /// The centre of the selected spheres.
+    Selected(Selection),
+}
+
+/// The direction of `--view`.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Direction {
+    Vector(DVec3),
+    Named(NamedView),
+}
+
+/// How a camera gets its direction.
+pub(super) enum Way {
+    /// From the options or from the file.
+    Given(Look, DVec3),
+    /// From a given eye toward the middle of the spheres.
+    Middle(DVec3),
+    /// Along the principal axes of the spheres.
+    Axes,
+}
+
+/// The margin around what `--focus` frames, as a share of the image: its surroundings are seen.
+const FOCUS_MARGIN: f64 = 0.25;
+
+/// A focus of which less than this share is seen has a warning.
+const HIDDEN: f64 = 0.5;
+
+pub(super) fn target(text: &str) -> Result<Aimed, String> {
+    if let Some(point) = numbers(text) {
+        return Ok(Aimed::Point(DVec3::from_array(point)));
+    }
+    // No expression has a comma between numbers.
+    if text.split(',').all(|part| part.trim().parse::<f64>().is_ok()) {
+        return Err("expected three finite numbers, such as 1,-2,3.5, or an expression such as `resname HEM`".into());
+    }
+    text.parse().map(Aimed::Selected).map_err(|e: Error| e.to_string())
+}
+
+pub(super) fn direction(text: &str) -> Result<Direction, String> {
+    if let Some(vector) = numbers(text) {
+        return Ok(Direction::Vector(DVec3::from_array(vector)));
+    }
+    let names = list(NamedView::ALL.iter().map(|view| view.name()));
+    text.trim()
+        .parse()
+        .map(Direction::Named)
+        .map_err(|_| format!("expected three finite numbers, such as 0,0,-1, or {names}"))
+}
+
+impl PoseArgs {
+    /// The direction and the up vector of these options alone, for a camera or a scanner with an eye: `at` takes precedence.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a direction that depends on the spheres, which a scanner does not have.
+    pub(super) fn turn(&self, camera: &mut Camera, has_camera: bool) -> Result<()> {
+        let problem =
+            |what: &str| Err(Error::settings(format!("{what} depends on the spheres of a picture"), "use X,Y,Z"));
+        camera.eye = self.eye.unwrap_or(camera.eye);
+        if self.at.is_some() && self.view.is_some() {
+            return Err(Error::settings("--at and --view give two directions", "remove one of them"));
+        }
+        let up = match (&self.at, self.view) {
+            (Some(Aimed::Selected(_)), _) => return problem("--at EXPR"),
+            (Some(Aimed::Point(at)), _) => {
+                camera.look = Look::At(*at);
+                None
+            }
+            (None, Some(Direction::Vector(view))) => {
+                camera.look = Look::View(view);
+                None
+            }
+            (None, Some(Direction::Named(view))) => {
+                let Some(facing) = view.facing() else { return problem("--view auto") };
+                camera.look = Look::View(facing.view);
+                Some(facing.up)
+            }
+            (None, None) => None,
+        };
+        camera.up = self.up.or(up).unwrap_or_else(|| upright(camera.look, camera.up, has_camera));
+        Ok(())
+    }
+}
+
+/// The up vector of a camera whose options give none: its own, or z where it is not a file's and looks along its own.
+fn upright(look: Look, up: DVec3, has_camera: bool) -> DVec3 {
+    match look {
+        Look::View(view) if !has_camera && view.cross(up).length() <= 1e-6 * view.length() => DVec3::Z,
+        _ => up,
+    }
+}
+
+impl CameraArgs {
+    /// Checks the combination of the eye, the point and the direction.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for all three.
+    pub(super) fn check(&self) -> Result<()> {
+        let PoseArgs { eye, at, view, .. } = &self.pose;
+        if eye.is_some() && at.is_some() && view.is_some() {
+            let problem = "--eye and --at give the direction, and --view another one";
+            return Err(Error::settings(problem, "remove one of the three"));
+        }
+        Ok(())
+    }
+
+    /// The selections that are looked at, in the order of a frame's marks.
+    pub(super) fn marks(&self) -> Vec<Selection> {
+        let at = match &self.pose.at {
+            Some(Aimed::Selected(selection)) => Some(selection),
+            _ => None,
+        };
+        at.into_iter().chain(&self.focus).cloned().collect()
+    }
+
+    /// The point to look at, where it is given by its coordinates.
+    pub(super) fn point(&self) -> Option<DVec3> {
+        match &self.pose.at {
+            Some(Aimed::Point(at)) => Some(*at),
+            _ => None,
+        }
+    }
+
+    /// The point to look at.
+    fn at(&self, frame: &SceneFrame) -> Result<Option<DVec3>> {
+        match &self.pose.at {
+            None => Ok(None),
+            Some(Aimed::Point(at)) => Ok(Some(*at)),
+            Some(Aimed::Selected(_)) => match chosen("--at", frame.marks.first(), frame)? {
+                None => Ok(None),
+                Some(spheres) => Ok(Some(center(spheres))),
+            },
+        }
+    }
+
+    /// The spheres to frame; `None` for all.
+    pub(super) fn focused<'a>(&self, frame: &'a SceneFrame) -> Result<Option<&'a Spheres>> {
+        if self.focus.is_none() { Ok(None) } else { chosen("--focus", frame.marks.last(), frame) }
+    }
+
+    /// The point that the camera turns about in place of the middle of all spheres.
+    pub(super) fn pivot(&self, frame: &SceneFrame) -> Result<Option<DVec3>> {
+        Ok(self.at(frame)?.or(self.focused(frame)?.map(Spheres::middle)))
+    }
+
+    /// How the scene is framed, if it is: a file without a camera is, unless the eye is given.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for parallel rays without a height from a given eye.
+    pub(super) fn framing(&self, has_camera: bool, at: Option<DVec3>, aside: [f64; 2]) -> Result<Option<Framing>> {
+        let keep_height = !matches!(self.ortho, None | Some(None));
+        if self.pose.eye.is_some() {
+            return match self.ortho {
+                Some(None) => Err(Error::settings("--ortho needs a height when --eye is given", "use --ortho HEIGHT")),
+                _ => Ok(None),
+            };
+        }
+        let PoseArgs { at: looks_at, view, .. } = &self.pose;
+        let is_placed = looks_at.is_some() && view.is_some() || matches!(view, Some(Direction::Named(_)));
+        let is_framed = self.fit || self.ortho == Some(None) || !has_camera || self.focus.is_some() || is_placed;
+        let margin = if self.focus.is_some() { FOCUS_MARGIN } else { Framing::default().margin };
+        Ok(is_framed.then(|| Framing { margin, ball: self.spin.is_some(), keep_height, aside, aim: at }))
+    }
+
+    /// The direction of a camera.
+    pub(super) fn way(&self, camera: &Camera, has_camera: bool, is_molecule: bool, at: Option<DVec3>) -> Way {
+        let own = if has_camera { camera.up } else { Facing::FRONT.up };
+        let given = |look: Look, up: Option<DVec3>| {
+            let up = self.pose.up.or(up).unwrap_or_else(|| upright(look, own, has_camera));
+            Way::Given(look, up)
+        };
+        let named =
+            |view: NamedView| view.facing().map_or(Way::Axes, |facing| given(Look::View(facing.view), Some(facing.up)));
+        match (self.pose.view, at) {
+            (Some(Direction::Vector(view)), _) => given(Look::View(view), None),
+            (Some(Direction::Named(view)), _) => named(view),
+            (None, Some(at)) if has_camera || self.pose.eye.is_some() => given(Look::At(at), None),
+            (None, None) if has_camera => given(camera.look, None),
+            (None, None) if self.pose.eye.is_some() => Way::Middle(self.pose.up.unwrap_or(own)),
+            // A lone point is looked at in the default direction.
+            (None, _) => named(if is_molecule { NamedView::Auto } else { NamedView::Front }),
+        }
+    }
+}
+
+/// Those of the spheres of a mark that are drawn; `None` in a scene without spheres.
+fn chosen<'a>(option: &str, mark: Option<&'a Mark>, frame: &SceneFrame) -> Result<Option<&'a Spheres>> {
+    let Some(mark) = mark.filter(|_| !frame.scene.spheres.is_empty()) else { return Ok(None) };
+    if !mark.spheres.is_empty() {
+        return Ok(Some(&mark.spheres));
+    }
+    let count = frame.scene.spheres.len();
+    let problem =
+        format!("{option} {}: the expression selects none of the {count} spheres that are drawn", quote(&mark.text));
+    let mend = match &mark.notes[..] {
+        [] => "use another expression; halfline info lists the columns of the file".to_owned(),
+        notes => notes.join("; "),
+    };
+    Err(Error::settings(problem, mend))
+}
+
+/// The mean of the centres.
+fn center(spheres: &Spheres) -> DVec3 {
+    let (middle, count) = (spheres.middle(), spheres.len() as f64);
+    middle + spheres.centers.iter().map(|center| (DVec3::from_array(*center) - middle) / count).sum::<DVec3>()
+}
+
+/// Applies the options of the camera to a frame, and frames the spheres where they do not give its place. `aside` is what a
+/// legend takes of the width. Returns how the scene is framed, if it is.
+///
+/// # Errors
+/// [`Error::Settings`] for a selection without spheres, and those of [`Camera::fit`].
+pub(super) fn point(args: &SceneArgs, frame: &mut SceneFrame, aside: [f64; 2]) -> Result<Option<Framing>> {
+    let options = &args.camera;
+    options.apply_lens(&mut frame.scene.camera);
+    let at = options.at(frame)?;
+    let framing = options.framing(frame.has_camera, at, aside)?;
+    let mut camera = frame.scene.camera;
+    let way = options.way(&camera, frame.has_camera, frame.is_molecule, at);
+    let (image, spheres) = (frame.scene.image, &frame.scene.spheres);
+    let mut warning = None;
+    match (framing, options.focused(frame)?) {
+        (Some(framing), Some(focus)) => {
+            let found = look_at_focus(&way, options, &camera, image, [focus, spheres], &framing)?;
+            if found.seen < HIDDEN {
+                let percent = (100.0 * found.seen).round();
+                warning = Some(format!(
+                    "{percent} % of --focus is seen, the rest is behind other spheres; --hide or --clip removes these, --view \
+                     auto looks from where least is hidden"
+                ));
+            }
+            camera = found.camera;
+        }
+        (framing, _) => {
+            turn(&mut camera, &way, options, || {
+                (spheres.middle(), Spread::of(spheres).facing(image.height > image.width))
+            });
+            if let Some(framing) = &framing {
+                camera.fit(image, spheres, framing)?;
+            }
+        }
+    }
+    frame.scene.camera = camera;
+    let notes = frame.marks.iter().flat_map(|mark| mark.notes.iter().cloned());
+    frame.scene.skipped.assumed.extend(notes.chain(warning));
+    Ok(framing)
+}
+
+/// Gives a camera its direction; `of_spheres` returns their middle and the direction of their axes.
+pub(super) fn turn(camera: &mut Camera, way: &Way, options: &CameraArgs, of_spheres: impl FnOnce() -> (DVec3, Facing)) {
+    match way {
+        Way::Given(look, up) => (camera.look, camera.up) = (*look, *up),
+        Way::Middle(up) => (camera.look, camera.up) = (Look::At(of_spheres().0), *up),
+        Way::Axes => {
+            of_spheres().1.turn(camera);
+            camera.up = options.pose.up.unwrap_or(camera.up);
+        }
+    }
+}
+
+/// The camera that shows the focus.
+fn look_at_focus(
+    way: &Way,
+    options: &CameraArgs,
+    camera: &Camera,
+    image: ImagePlane,
+    [focus, all]: [&Spheres; 2],
+    framing: &Framing,
+) -> Result<Outlook> {
+    let facing = match way {
+        Way::Given(Look::View(view), up) => Facing { view: *view, up: *up },
+        Way::Given(Look::At(at), up) => Facing { view: *at - camera.eye, up: *up },
+        Way::Middle(_) | Way::Axes => {
+            let found = Outlook::least_hidden(camera, image, focus, all, framing)?;
+            let (Some(up), Look::View(view)) = (options.pose.up, found.camera.look) else { return Ok(found) };
+            Facing { view, up }
+        }
+    };
+    Outlook::from(facing, camera, image, focus, all, framing)
+}
+
+/// What the options frame, in words, for `halfline plan`; `None` where the eye is given.
+pub(super) fn words(args: &SceneArgs, frame: &SceneFrame, framing: Option<&Framing>) -> Option<String> {
+    let framing = framing?;
+    let options = &args.camera;
+    let what = match (&options.focus, frame.marks.last()) {
+        (Some(_), Some(mark)) => format!("{} ({} of the spheres)", quote(&mark.text), mark.spheres.len()),
+        _ => "all spheres".to_owned(),
+    };
+    let way = match options.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, framing.aim) {
+        Way::Axes if options.focus.is_some() => ", from where least of it is hidden (--view auto)",
+        Way::Axes => ", along its principal axes (--view auto)",
+        Way::Given(..) | Way::Middle(_) => "",
+    };
+    let aim = if framing.aim.is_some() { ", with --at in the middle" } else { "" };
+    let beside = if framing.aside == [0.0; 2] { "" } else { ", beside the legend" };
+    Some(format!("{what}{way}{aim}{beside}"))
+}

@@ -1,0 +1,151 @@
+//! Legend, label and scale bar inside the picture, as options.
+
+use super::scene_args::SceneArgs;
+use super::scene_frames::Numbered;
+use clap::Args;
+use halfline::error::{Error, Result};
+use halfline_files::read::SceneFrame;
+use halfline_files::read::style::Legend;
+use halfline_files::write::file::is_standard_output;
+use halfline_measure::plot::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
+use std::ffi::OsString;
+
+/// The options for what is drawn inside the picture.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Image")]
+pub(super) struct InsetArgs {
+    /// Draws the legend of the colours, of --color-by or else of the elements, inside the picture: right (the default),
+    /// top-left, top-right, bottom-left, bottom-right. What is framed lies beside it. The corner may also follow a blank.
+    #[arg(long, value_name = "CORNER", num_args = 0..=1, require_equals = true, default_missing_value = "right")]
+    legend_in: Option<Corner>,
+    /// Draws text at the top left; {frame}, {file} and {count} are replaced by the frame's number, the file's name and the
+    /// number of spheres, {time} and {step} by the frame's time and step if its file has them.
+    #[arg(long, value_name = "TEXT")]
+    label: Option<Label>,
+    /// Draws a bar of a round length in scene units at the bottom left, with this unit in its label. With a perspective
+    /// camera the length is that at the distance of the scene's middle.
+    #[arg(long, value_name = "UNIT", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    scale_bar: Option<String>,
+}
+
+const LEGEND_IN: &str = "--legend-in";
+
+impl InsetArgs {
+    fn is_given(&self) -> bool {
+        self.legend_in.is_some() || self.label.is_some() || self.scale_bar.is_some()
+    }
+
+    /// Checks the combination with other options before any work.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a part of a picture, and for a picture that is neither PNG nor EXR.
+    pub(super) fn check(&self, args: &SceneArgs) -> Result<()> {
+        if !self.is_given() {
+            return Ok(());
+        }
+        let refuse = |problem: &str, mend: &str| {
+            let what = "--legend-in, --label and --scale-bar";
+            Err(Error::settings(format!("{what} {problem}"), mend))
+        };
+        if args.image.is_part() {
+            return refuse("are drawn into whole pictures, because parts would not merge", "remove --crop or --tile");
+        }
+        let is_picture = |path: &std::path::Path| {
+            let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+            is_standard_output(path) || ending.is_some_and(|ending| ending == "png" || ending == "exr")
+        };
+        match args.files.picture() {
+            Some(path) if is_picture(path) && !args.files.is_raw() => Ok(()),
+            _ => refuse("are drawn into a PNG or EXR picture", "use -o with the file name extension .png or .exr"),
+        }
+    }
+
+    /// Whether a legend is drawn.
+    pub(super) fn has_legend(&self) -> bool {
+        self.legend_in.is_some()
+    }
+
+    /// The shares of the width of a picture that its legend takes at the left and the right.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a picture that is too small for its legend.
+    pub(super) fn aside(&self, frame: &SceneFrame) -> Result<[f64; 2]> {
+        let (Some(corner), Some(legend)) = (self.legend_in, &frame.legend) else { return Ok([0.0; 2]) };
+        let insets = Insets { legend: Some((legend.clone(), corner)), ..Insets::default() };
+        insets.aside(frame.scene.image.width, frame.scene.image.height)
+    }
+
+    /// What is drawn into one picture; `None` for nothing.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a picture that is too small for it, a time that the frame does not have, and a scale bar of
+    /// a scene that is not in front of the camera.
+    pub(super) fn panels(&self, args: &SceneArgs, picture: &Numbered) -> Result<Option<Panels>> {
+        if !self.is_given() {
+            return Ok(None);
+        }
+        let scene = &picture.scene;
+        let legend = |legend: &Legend| self.legend_in.map(|corner| (legend.clone(), corner));
+        let insets = Insets {
+            legend: picture.legend.as_ref().and_then(legend),
+            label: self.label.as_ref().map(|label| label.text(&values(args, picture))).transpose()?,
+            scale_bar: self.scale_bar.as_ref().map(|unit| ScaleBar::of(scene, unit)).transpose()?,
+        };
+        insets.panels(scene.image.width, scene.image.height).map(Some)
+    }
+
+    /// What the panels of a picture do not show everywhere or leave free, in sentences.
+    pub(super) fn words(&self, picture: &Numbered) -> impl Iterator<Item = String> {
+        let is_vague = self.scale_bar.is_some() && !picture.scene.camera.lens.is_orthographic();
+        let vague = "the scale bar holds at the distance of the scene's middle; with --ortho everywhere";
+        let covers = self.legend_in.is_some() && picture.legend.is_some() && picture.framed.is_none();
+        let covering = "the camera is given, so the legend may cover spheres";
+        [(is_vague, vague), (covers, covering)].into_iter().filter(|(is, _)| *is).map(|(_, words)| words.to_owned())
+    }
+}
+
+/// What the names in braces of a label stand for.
+fn values(args: &SceneArgs, picture: &Numbered) -> LabelValues {
+    let name = args.scene.file_name().unwrap_or(args.scene.as_os_str());
+    LabelValues {
+        frame: picture.number,
+        file: Some(name.to_string_lossy().into_owned()),
+        count: picture.scene.spheres.len(),
+        when: picture.when,
+    }
+}
+
+/// The words of a command line in which the name of a corner behind `--legend-in` and a blank is joined to it by `=`, up
+/// to `--`. For an option with an optional value clap would take any next word, also that of the scene file.
+pub(super) fn joined(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let (mut all, mut ended): (Vec<OsString>, bool) = (Vec::new(), false);
+    for word in words {
+        ended |= word == "--";
+        let corner = word.to_str().filter(|word| !ended && Corner::ALL.iter().any(|corner| corner.name() == *word));
+        match (corner, all.last_mut()) {
+            (Some(corner), Some(option)) if option == LEGEND_IN => option.push(format!("={corner}")),
+            _ => all.push(word),
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_corner_is_joined_to_its_option() {
+        for (typed, words) in [
+            ("render a.pdb --legend-in top-right -o b", "render a.pdb --legend-in=top-right -o b"),
+            ("render --legend-in right", "render --legend-in=right"),
+            ("render --legend-in a.pdb", "render --legend-in a.pdb"),
+            ("render --legend-in ./right", "render --legend-in ./right"),
+            ("render --legend-in=right right", "render --legend-in=right right"),
+            ("render right -- --legend-in right", "render right -- --legend-in right"),
+        ] {
+            let typed = joined(typed.split(' ').map(OsString::from));
+            assert_eq!(typed.join(" ".as_ref()), words);
+        }
+    }
+}

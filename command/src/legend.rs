@@ -1,0 +1,63 @@
+//! `--legend`: checks the legend's file name and writes the file.
+
+use super::clash::place;
+use super::scene_args::SceneArgs;
+use super::scene_frames::{Numbered, check_pattern, numbered};
+use halfline::error::{Error, Result};
+use halfline_files::read::Hold;
+use halfline_files::read::style::Legend;
+use halfline_files::write::file::check_writable;
+use halfline_measure::plot::legend::DrawnLegend;
+use std::path::{Path, PathBuf};
+
+/// Checks the name of the legend's file before any work.
+pub(super) fn check(args: &SceneArgs) -> Result<()> {
+    let Some(path) = &args.color.legend else { return Ok(()) };
+    DrawnLegend::check_file(path)?;
+    if args.files.names()?.iter().any(|other| place(other) == place(path)) {
+        let problem = format!("{} would be written twice", path.display());
+        return Err(Error::settings(problem, "use another file for the legend"));
+    }
+    // Without a common range each frame has a legend of its own.
+    let is_common = args.color.range().is_some() || args.read.hold != Hold::None;
+    if !is_common && args.read.frames().is_some_and(|frames| frames.count() > 1) {
+        check_pattern(path)?;
+    }
+    Ok(())
+}
+
+/// Returns an error where a legend is requested and there is none to show.
+///
+/// # Errors
+/// [`Error::Settings`] for spheres without elements, a column and colours of selections.
+pub(super) fn check_content(args: &SceneArgs, picture: &Numbered) -> Result<()> {
+    let is_requested = args.insets.has_legend() || args.color.legend.is_some();
+    if !is_requested || args.color.is_by_column() || picture.legend.is_some() || picture.scene.spheres.is_empty() {
+        return Ok(());
+    }
+    let option = if args.insets.has_legend() { "--legend-in" } else { "--legend" };
+    let problem = format!("{option}: the spheres have neither elements nor a column that gives them their colours");
+    let mend = "add --color-by COLUMN, or --color 'EXPR=COLOR' for a row, or remove it";
+    Err(Error::settings(problem, mend))
+}
+
+/// The legend's file for picture `number`, if one is requested and can be written.
+pub(super) fn file(args: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
+    let path = args.color.legend.as_deref().map(|path| numbered(path, number));
+    path.as_deref().map_or(Ok(()), check_writable)?;
+    Ok(path)
+}
+
+/// What the file does not show as it is written. An SVG takes letters from the fonts of the machine that shows it.
+pub(super) fn warning(args: &SceneArgs, legend: Option<&Legend>) -> Option<String> {
+    args.color
+        .legend
+        .as_deref()
+        .filter(|path| is_png(path))
+        .and(legend)
+        .and_then(|legend| DrawnLegend(legend).warning())
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case("png"))
+}

@@ -1,0 +1,158 @@
+//! The command line: one file per subcommand, and the exit codes in one place.
+
+mod adapters;
+mod bar;
+mod camera_file;
+mod camera_list;
+mod clash;
+mod compare;
+mod config;
+mod exhaustion;
+mod failure;
+mod file_args;
+mod film;
+mod framing;
+mod info;
+mod inset_args;
+mod legend;
+mod lens_args;
+mod light_args;
+mod lines;
+mod measure;
+mod merge;
+mod messages;
+mod plan;
+mod preview;
+mod process;
+mod read_args;
+mod render;
+mod scene_args;
+mod scene_frames;
+mod shell;
+mod signals;
+mod standard;
+mod threads;
+mod trace;
+
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use config::Config;
+use failure::fail;
+use halfline::error::{Error, Result};
+use halfline::progress::Watch;
+use halfline_files::write::file::refuse_standard_output;
+use messages::{note, say};
+use process::ExitCode;
+use signals::go_on;
+use std::ffi::OsString;
+use std::io::{self, IsTerminal, Write};
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::prelude::*;
+
+/// Renders spheres, from atoms to planets, and bounds the error of every pixel.
+#[derive(Debug, Parser)]
+#[command(name = "halfline", version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(Box<render::Render>),
+    Info(info::Info),
+    Adapters(adapters::Adapters),
+    Compare(compare::Compare),
+    Merge(merge::Merge),
+    Measure(Box<measure::Measure>),
+    Plan(Box<plan::PlanArgs>),
+    Trace(Box<trace::Trace>),
+    Completions(shell::Completions),
+    Man(shell::Man),
+}
+
+/// Runs the command with these arguments, the first of which is its name, and prints at most one error; the exit code.
+pub fn command(given: impl Iterator<Item = OsString>) -> u8 {
+    process::start(given);
+    if standard::output_is_closed() {
+        refuse_standard_output();
+    }
+    arguments().and_then(|arguments| run(&arguments)).unwrap_or_else(|error| fail(&error)).0
+}
+
+/// The parsed arguments: flags, else environment variables, else the configuration file, else the defaults.
+/// Clap prints usage errors itself and exits with 2.
+fn arguments() -> Result<Arguments> {
+    exhaustion::listen();
+    let known = || plan::of_a_picture(Arguments::command());
+    let configured = Config::load().and_then(|config| config.apply(known()));
+    let (command, fault) = match configured {
+        Ok(command) => (command, None),
+        Err(fault) => (Config::default().apply(known())?, Some(fault)),
+    };
+    read_args::check_range(process::all_arguments())?;
+    let words = inset_args::joined(process::all_arguments().iter().cloned());
+    let mut matches = command.clone().try_get_matches_from(words).unwrap_or_else(|error| end(&error));
+    // A configuration file that cannot be read is an error only for commands that use it; help does not.
+    if let Some(fault) = fault.filter(|_| matches.subcommand_name().is_some_and(config::is_configured)) {
+        return Err(fault);
+    }
+    Arguments::from_arg_matches_mut(&mut matches).or_else(|error| end(&error.format(&mut command.clone())))
+}
+
+/// Prints a message of clap and ends the process. Help and version are results, so failing to print them is an error.
+fn end(told: &clap::Error) -> ! {
+    // Without any argument the commands that most people need say more than a list of options.
+    if told.use_stderr() && process::arguments().eq(["render"]) {
+        let _ = io::stderr().write_all(render::START.as_bytes());
+        std::process::exit(2);
+    }
+    failure::print_usage(told);
+    let arrived = told.print().and_then(|()| io::stdout().flush()).and_then(|()| check_output());
+    std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })
+}
+
+/// Runs the chosen subcommand.
+fn run(arguments: &Arguments) -> Result<ExitCode> {
+    // RUST_LOG: a level, or TARGET=LEVEL between commas. Without it, or where it cannot be read, nothing is logged.
+    let levels = std::env::var("RUST_LOG").ok().and_then(|text| text.parse::<Targets>().ok()).unwrap_or_default();
+    let colored = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    // Where standard error cannot be written, the subscriber would report that to standard error, and panic.
+    let log = tracing_subscriber::fmt::layer().with_ansi(colored).with_writer(io::stderr).log_internal_errors(false);
+    tracing_subscriber::registry().with(log.with_filter(levels)).init();
+    signals::listen();
+    threads::start();
+    match &arguments.command {
+        Command::Render(render) => render.run(),
+        Command::Info(info) => info.run(),
+        Command::Adapters(adapters) => adapters.run(),
+        Command::Compare(compare) => compare.run(),
+        Command::Merge(merge) => merge.run(),
+        Command::Measure(measure) => measure.run(),
+        Command::Plan(plan) => plan.run(),
+        Command::Trace(trace) => trace.run(),
+        Command::Completions(completions) => completions.run(),
+        Command::Man(man) => man.run(),
+    }
+}
+
+/// Ends work on ctrl-C or a request to terminate.
+fn watch() -> Watch {
+    Watch::default().while_true(go_on)
+}
+
+/// An error for a standard output that is closed.
+fn check_output() -> io::Result<()> {
+    match standard::output_is_closed() {
+        true => Err(io::Error::other("standard output is closed")),
+        false => Ok(()),
+    }
+}
+
+/// Prints a result on standard output; failing to do so is an error.
+fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    check_output()
+        .and_then(|()| out.write_all(text.as_bytes()))
+        .and_then(|()| out.flush())
+        .map_err(|error| Error::write("-", error))
+}

@@ -1,0 +1,324 @@
+//! How a scene is read and what its particles look like, as options.
+
+use super::{note, watch};
+use clap::Args;
+use halfline::error::{Error, Result};
+use halfline::scene::arrange::{Arrangement, Bead};
+use halfline_files::read::style::{self, ColorMap, Coloring, Radii, Scale};
+use halfline_files::read::{
+    Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style,
+};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// The heading of the options that change how the spheres look.
+const LOOK: &str = "Spheres and colours";
+
+/// The heading of the options that select particles.
+const SELECTION: &str = "Selection";
+
+/// The options for reading a file that determine its spheres.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Input")]
+pub(super) struct ReadArgs {
+    /// File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, cif, gro, dump, data, ply, csv,
+    /// npy, npz, xtc, trr, dcd, poscar, pcd, las, gsd.
+    #[arg(long, value_name = "F")]
+    format: Option<Format>,
+    /// Columns of a table by meaning, with names or numbers from 1, such as x=pos_x,y=pos_y,z=pos_z or x=1,y=2,z=3,radius=4;
+    /// meanings are x, y, z, radius, diameter, r, g, b, element. With numbers only the table needs no header.
+    #[arg(long, value_name = "M=C,...")]
+    columns: Option<ColumnNames>,
+    /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
+    #[arg(long, value_name = "A-B")]
+    frames: Option<FrameRange>,
+    /// Where the camera, default radii and the range of colours of a sequence come from: first (frame of the file), all
+    /// (frames of the file, which is read twice), none (each frame by itself).
+    #[arg(long, value_name = "H", default_value = "first", hide_default_value = true)]
+    pub(super) hold: Hold,
+    /// File with the atoms of a trajectory (xtc, trr, dcd), such as a PDB or GRO file: elements, radii and columns.
+    #[arg(long, value_name = "FILE")]
+    topology: Option<PathBuf>,
+    /// Model number in a PDB or mmCIF file.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    model: Option<i64>,
+    /// Alternate locations of atoms: all, highest (occupancy), or an identifier.
+    #[arg(long, value_name = "A", default_value = "all")]
+    altloc: Altloc,
+    /// Biological assembly to build, by its identifier, such as 1.
+    #[arg(long, value_name = "ID")]
+    assembly: Option<String>,
+    /// Takes the atoms of a small-molecule CIF as listed; by default its symmetry fills the cell.
+    #[arg(long)]
+    as_listed: bool,
+    /// Fails if the scene contains anything but spheres.
+    #[arg(long)]
+    strict: bool,
+    /// Takes only the particles that an expression selects, such as "protein and not name H*", "chain A B", "resid
+    /// 10:20", "element C N", "type 2", "bfactor < 30", "within 5 of (resname HEM)"; if repeated, those of any.
+    #[arg(long, help_heading = SELECTION, value_name = "EXPR")]
+    select: Vec<Selection>,
+    /// Leaves out the particles that an expression selects; may be repeated.
+    #[arg(long, help_heading = SELECTION, value_name = "EXPR")]
+    hide: Vec<Selection>,
+    /// Radii of elements: vdw (van der Waals), covalent.
+    #[arg(long, help_heading = LOOK, value_name = "R", default_value = "vdw")]
+    radii: Radii,
+    /// Radius of all spheres, or with EXPR=X of selected ones; overrides the file. Repeated, later ones win.
+    #[arg(long, help_heading = LOOK, value_name = "[EXPR=]X", value_parser = radius_rule, allow_negative_numbers = true)]
+    radius: Vec<Rule<f64>>,
+    /// Multiplies every radius.
+    #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive,
+        allow_negative_numbers = true)]
+    radius_scale: f64,
+    /// Moves every particle into the periodic cell of the file, before --copies.
+    #[arg(long, help_heading = LOOK, conflicts_with = "unwrap")]
+    wrap: bool,
+    /// Makes molecules whole that the cell cuts: by the image flags ix, iy, iz, else along bonds (by distance, where elements
+    /// are known) and by the numbers mol of molecules or by residues. What stays cut is said.
+    #[arg(long, help_heading = LOOK)]
+    unwrap: bool,
+    /// Periodic copies along the three edges of the file's cell, original included.
+    #[arg(long, help_heading = LOOK, value_name = "A,B,C", value_parser = copies)]
+    copies: Option<[u32; 3]>,
+    /// Removes spheres whose centre c has X,Y,Z . c > D; may be repeated.
+    #[arg(long, help_heading = LOOK, value_name = "X,Y,Z,D", value_parser = plane, allow_hyphen_values = true)]
+    clip: Vec<[f64; 4]>,
+    /// Draws the edges of the file's periodic cell with beads, of this radius if given.
+    #[arg(long, help_heading = LOOK, value_name = "RADIUS", value_parser = positive, num_args = 0..=1,
+        require_equals = true)]
+    cell: Option<Option<f64>>,
+    /// The earlier name of --cell.
+    #[arg(long, hide = true, value_name = "RADIUS", value_parser = positive, num_args = 0..=1, require_equals = true,
+        conflicts_with = "cell")]
+    outline: Option<Option<f64>>,
+}
+
+/// The options for the colours of the spheres.
+#[derive(Debug, Args)]
+#[command(next_help_heading = LOOK)]
+pub(super) struct ColorArgs {
+    /// Colour of all spheres, or with EXPR=C of selected ones: a CSS name such as red, #rgb or #rrggbb in sRGB, or
+    /// r,g,b in linear RGB. Repeated, later ones win.
+    #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
+    color: Vec<Rule<[f32; 3]>>,
+    /// Colours by element, chain, x, y, z, or any column of the file; several columns (vx,vy,vz) by their length.
+    #[arg(long, value_name = "COLUMN,...")]
+    color_by: Option<String>,
+    /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category [default:
+    /// category for names, else viridis].
+    #[arg(long, value_name = "M")]
+    map: Option<ColorMap>,
+    /// Values at the ends of the colour map [default: minimum and maximum].
+    #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by",
+        allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+    /// Uses a logarithmic colour scale.
+    #[arg(long, requires = "color_by")]
+    log: bool,
+    /// Writes the legend of the colours, of --color-by or else of the elements: .svg or .png; with %d for several frames
+    /// without --range.
+    #[arg(long, value_name = "FILE")]
+    pub(super) legend: Option<PathBuf>,
+}
+
+impl ReadArgs {
+    /// The options for reading, with the colours of the file. Says that an option has another name now.
+    pub(super) fn options(&self) -> ReadOptions {
+        if self.outline.is_some() {
+            note(format_args!("--outline is now called --cell; the outlines of spheres are drawn by --silhouette"));
+        }
+        ReadOptions {
+            strict: self.strict,
+            format: self.format,
+            columns_named: self.columns.clone().unwrap_or_default(),
+            // `halfline trace` has the option for its rays.
+            skip_invalid: false,
+            frames: self.frames.clone().unwrap_or_default(),
+            hold: self.hold,
+            topology: self.topology.clone(),
+            model: self.model,
+            altloc: self.altloc.clone(),
+            assembly: self.assembly.clone(),
+            as_operators: false,
+            as_listed: self.as_listed,
+            periodic: match (self.wrap, self.unwrap) {
+                (true, _) => Periodic::Wrap,
+                (_, true) => Periodic::Unwrap,
+                _ => Periodic::AsListed,
+            },
+            select: self.select.clone(),
+            hide: self.hide.clone(),
+            keep: Keep::Nothing,
+            // Those of the camera, which `halfline trace` does not have.
+            marks: Vec::new(),
+            survey: None,
+            style: Style {
+                radii: self.radii,
+                radius: Rule::for_all(&self.radius),
+                radius_scale: self.radius_scale,
+                sizes: Rule::selected(&self.radius),
+                ..Style::default()
+            },
+            watch: watch(),
+        }
+    }
+
+    /// What the frames of a sequence are held to; `None` for a single picture.
+    pub(super) fn hold(&self) -> Option<&'static str> {
+        self.frames.as_ref().map(|_| self.hold.name())
+    }
+
+    /// The same in words.
+    pub(super) fn hold_words(&self) -> Option<String> {
+        let from = match (self.hold()?, self.hold) {
+            (_, Hold::First) => "the first frame",
+            (_, Hold::All) => "all frames",
+            (_, Hold::None) => return None,
+        };
+        Some(format!("camera, default radii and the range of colours are those of {from} of the file (see --hold)"))
+    }
+
+    /// The selected frames of a sequence.
+    pub(super) fn frames(&self) -> Option<&FrameRange> {
+        self.frames.as_ref()
+    }
+
+    /// The file with the atoms of a trajectory.
+    pub(super) fn topology(&self) -> Option<&PathBuf> {
+        self.topology.as_ref()
+    }
+
+    /// The arrangement of the spheres.
+    pub(super) fn arrangement(&self) -> Arrangement {
+        let bead = |radius: Option<f64>| radius.map_or(Bead::Thin, Bead::Radius);
+        let outline = self.cell.or(self.outline).map(bead);
+        Arrangement { copies: self.copies.unwrap_or([1; 3]), clip: self.clip.clone(), outline }
+    }
+}
+
+impl ColorArgs {
+    /// The same options with these colours.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for one colour and a column.
+    pub(super) fn of(&self, options: ReadOptions) -> Result<ReadOptions> {
+        let style = Style { coloring: self.coloring()?, paints: Rule::selected(&self.color), ..options.style };
+        Ok(ReadOptions { style, ..options })
+    }
+
+    fn coloring(&self) -> Result<Coloring> {
+        Ok(match (Rule::for_all(&self.color), self.color_by.as_deref()) {
+            (Some(_), Some(_)) => {
+                let mend = "remove one of them, or colour selected spheres with --color 'EXPR=COLOR'";
+                return Err(Error::settings("--color for all spheres and --color-by exclude each other", mend));
+            }
+            (Some(color), None) => Coloring::One(color),
+            (None, Some("element")) => Coloring::Element,
+            (None, Some(names)) => Coloring::Column(Scale {
+                columns: names.split(',').map(|name| name.trim().to_owned()).collect(),
+                map: self.map,
+                range: self.range,
+                log: self.log,
+                names: Vec::new(),
+            }),
+            (None, None) => Coloring::File,
+        })
+    }
+
+    /// Whether a column gives the colours.
+    pub(super) fn is_by_column(&self) -> bool {
+        self.color_by.is_some()
+    }
+
+    /// The values at the ends of the colour map, if they are given.
+    pub(super) fn range(&self) -> Option<[f64; 2]> {
+        self.range
+    }
+}
+
+/// A value for all spheres, or for those that an expression selects.
+#[derive(Debug, Clone)]
+struct Rule<T> {
+    selection: Option<Selection>,
+    value: T,
+}
+
+impl<T: Copy> Rule<T> {
+    /// Parses `EXPR=VALUE` or `VALUE`; an expression may contain an equals sign, a value does not.
+    fn parse(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<Self, String> {
+        match text.rsplit_once('=') {
+            None => Ok(Self { selection: None, value: value(text)? }),
+            Some((expression, last)) => {
+                let selection = expression.parse().map_err(|e: Error| e.to_string())?;
+                Ok(Self { selection: Some(selection), value: value(last.trim())? })
+            }
+        }
+    }
+
+    /// The value for all spheres; the last one wins.
+    fn for_all(rules: &[Self]) -> Option<T> {
+        rules.iter().rev().find(|rule| rule.selection.is_none()).map(|rule| rule.value)
+    }
+
+    /// The rules for selected spheres.
+    fn selected(rules: &[Self]) -> Vec<(Selection, T)> {
+        rules.iter().filter_map(|rule| Some((rule.selection.clone()?, rule.value))).collect()
+    }
+}
+
+fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
+    Rule::parse(text, positive)
+}
+
+fn color_rule(text: &str) -> Result<Rule<[f32; 3]>, String> {
+    Rule::parse(text, color)
+}
+
+/// Finite numbers separated by commas, exactly `N` of them.
+pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>()?;
+    <[f64; N]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|x| x.is_finite()))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "expected a positive number".into())
+}
+
+pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
+    style::color(text).map_err(|e| e.to_string())
+}
+
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let wanted = "expected two different finite numbers with a comma between them, such as --range 0,1.5";
+    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| wanted.into())
+}
+
+/// Refuses a range of two words, of which clap would take the second one for a file.
+///
+/// # Errors
+/// [`Error::Settings`] with the words as they are meant.
+pub(super) fn check_range(words: &[OsString]) -> Result<()> {
+    let words: Vec<&str> = words.iter().map(|word| word.to_str().unwrap_or("")).collect();
+    let joined = words.windows(2).filter_map(|pair| Some([pair[0].strip_prefix("--range=")?, pair[1]]));
+    let apart = words.windows(3).filter(|three| three[0] == "--range").map(|three| [three[1], three[2]]);
+    match joined.chain(apart).find(|pair| pair.iter().all(|word| word.parse::<f64>().is_ok())) {
+        Some([low, high]) => Err(Error::settings(
+            format!("--range has two words, {low} and {high}"),
+            format!("put a comma between its numbers: --range={low},{high}"),
+        )),
+        None => Ok(()),
+    }
+}
+
+fn plane(text: &str) -> Result<[f64; 4], String> {
+    numbers(text)
+        .filter(|p| p[..3] != [0.0; 3])
+        .ok_or_else(|| "expected a direction and a number, such as 0,0,1,2.5".into())
+}
+
+fn copies(text: &str) -> Result<[u32; 3], String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok().filter(|n| *n > 0)).collect();
+    let numbers = numbers.and_then(|numbers| <[u32; 3]>::try_from(numbers).ok());
+    numbers.ok_or_else(|| "expected three positive whole numbers, such as 2,2,1".into())
+}

@@ -1,0 +1,278 @@
+//! `halfline render SCENE`.
+
+mod picture;
+mod stream;
+
+use super::bar::Bar;
+use super::camera_list::WrittenCameras;
+use super::clash::check_inputs;
+use super::film::FilmWriter;
+use super::lines::ProgressOutput;
+use super::messages::QuietArgs;
+use super::preview::Preview;
+use super::process::ExitCode;
+use super::scene_args::SceneArgs;
+use super::scene_frames::{Numbered, SceneFrames};
+use super::{go_on, legend, note, print, threads, watch};
+use clap::Args;
+use halfline::error::{Error, Result};
+use halfline::frame::Aov;
+use halfline::progress::Cancel;
+use halfline::render::Renderer;
+use halfline::report::Report;
+use halfline::settings::Settings;
+use halfline_files::write::file::{Target, is_special};
+use picture::{Messages, Picture};
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+
+/// Renders a picture of a scene or of particles, and the buffers behind it.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, next_line_help = true)]
+pub(crate) struct Render {
+    #[command(flatten)]
+    args: SceneArgs,
+    /// Skips files that exist, are complete and come from the same rendering.
+    #[arg(long, help_heading = "Output")]
+    resume: bool,
+    /// Reads the scene in blocks and keeps only spheres that some ray may hit, so that a file of rows (npy, csv, xyz, dump,
+    /// ply, las) may be larger than memory; by itself where it is. Buffers of camera rays, with the same bytes.
+    #[arg(long)]
+    stream: bool,
+    /// Prints one JSON object about the rendering on standard output.
+    #[arg(long, help_heading = REPORTING)]
+    json: bool,
+    /// Progress reporting: auto (a line on a terminal), none, json (lines on standard error), openjd (Open Job
+    /// Description on standard output).
+    #[arg(long, help_heading = REPORTING, value_name = "P", value_enum, hide_possible_values = true,
+        default_value = "auto")]
+    progress: ProgressOutput,
+    /// Shows the picture in a terminal with 24-bit colours; =blocks shows it on any standard error.
+    #[arg(long, help_heading = REPORTING, value_name = "blocks", num_args = 0..=1, require_equals = true,
+        default_missing_value = "auto")]
+    preview: Option<Preview>,
+    /// Renders N times in one process, for time measurements.
+    #[arg(long, help_heading = REPORTING, value_name = "N", default_value = "1")]
+    repeat: NonZeroU32,
+    #[command(flatten)]
+    quiet: QuietArgs,
+}
+
+/// The most spheres of all scenes that are in memory together, and the most pixels of their frames: some hundred bytes
+/// each.
+const TOGETHER: usize = 1 << 22;
+
+/// The opened file, unless it was a stream, and its first scene.
+type First<'a> = (Option<SceneFrames<'a>>, Option<Numbered>);
+
+/// The heading of the options that report on the rendering.
+const REPORTING: &str = "Reporting";
+
+const EXAMPLES: &str = "\
+Examples:
+  halfline render molecule.pdb -o molecule.png
+  halfline render molecule.pdb --color-by chain --background white -o chains.png
+  halfline render run.dump --frames 1-100 --color-by vx,vy,vz --range 0,3 -o frame.%04d.png
+  halfline render molecule.pdb --spin 100 --background white -o molecule.mp4
+  halfline render scenes/weekend.toml -o w.png --aov id=id.npy --aov depth=z.npy
+  halfline render planet.toml -o p.png --eye 0,1.7,0 --view 0,0,-1 --vfov 60";
+
+/// The message of `halfline render` without arguments.
+pub(super) const START: &str = "\
+error: halfline render needs a file
+
+A molecule, with the radii and colours of its elements:
+  halfline render molecule.pdb -o molecule.png
+Particles, coloured by a column of their file:
+  halfline render particles.csv --color-by speed --legend speed.svg -o particles.png
+A scene file, with the depth of every pixel:
+  halfline render scene.toml -o scene.png --aov depth=depth.npy
+
+All options: halfline render --help
+";
+
+/// What is in memory beside the picture that is rendered.
+#[derive(Clone, Copy)]
+enum Room {
+    /// Nothing.
+    Alone,
+    /// The next scene.
+    Next,
+    /// At most this many pictures that are rendered together.
+    Pictures(usize),
+}
+
+impl Room {
+    /// The number of pictures that are rendered together. The serial parts of one run beside the others; a device does
+    /// the rest of one picture at a time.
+    fn lanes(self, is_gpu: bool) -> usize {
+        match self {
+            Self::Alone | Self::Next => 1,
+            Self::Pictures(most) => most.min(if is_gpu { 2 } else { rayon::current_num_threads() }).max(1),
+        }
+    }
+}
+
+impl Render {
+    pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
+        let targets = self.check()?;
+        let mut settings = self.args.settings(&targets);
+        if self.preview.is_some() && !settings.aovs.contains(&Aov::Color) {
+            settings.aovs.push(Aov::Color);
+        }
+        // Opening a device takes time, so it runs beside the reading of the scene.
+        let cancel = Cancel::default();
+        let first = || self.first(&settings, &targets, &cancel);
+        let (opened, renderer) = threads::both(first, || Renderer::new(&settings));
+        // Errors of the scene are reported before those of the adapter.
+        let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
+        let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
+        if renderer.has_no_adapter() {
+            note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
+        }
+        let room = picture.as_ref().map_or(Room::Alone, |first| self.room(first, &targets));
+        let mut renderers = vec![renderer.watched_by(bar.watch())];
+        let lanes = room.lanes(renderers[0].is_gpu());
+        while renderers.len() < lanes {
+            // Progress is that of the first.
+            renderers.push(Renderer::new(&settings)?.watched_by(watch()));
+        }
+        let (messages, mut cameras) = (Messages::new(&bar), WrittenCameras::default());
+        let mut next = || match picture.take() {
+            Some(first) => Ok(Some(first)),
+            None => scene_frames.as_mut().map_or(Ok(None), |frames| self.ready(frames)),
+        };
+        let each = |renderer: &mut Renderer, numbered: Numbered| {
+            if !go_on() {
+                return Err(Error::Interrupted);
+            }
+            self.picture(&numbered, &settings, renderer, &messages)
+        };
+        let mut all = |mut film: Option<&mut FilmWriter>| {
+            let mut done = |picture: Picture| {
+                cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.camera);
+                if let (Some(film), Some(still)) = (&mut film, &picture.still) {
+                    film.add(still)?;
+                }
+                self.print_report(&picture.report)
+            };
+            match room {
+                Room::Alone => {
+                    while let Some(numbered) = next()? {
+                        done(each(&mut renderers[0], numbered)?)?;
+                    }
+                    Ok(())
+                }
+                _ => threads::pipeline(&mut next, std::mem::take(&mut renderers), &cancel, each, done),
+            }
+        };
+        match self.args.files.film() {
+            Some(film) => film.write(|writer| all(Some(writer)))?,
+            None => all(None)?,
+        }
+        bar.finish();
+        if let Some(list) = self.args.camera_list()? {
+            cameras.write(list.parent().unwrap_or(Path::new("")))?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// What there is room for beside the first picture. Pictures that are shown, piped or timed are rendered one after
+    /// the other.
+    fn room(&self, first: &Numbered, targets: &[Target]) -> Room {
+        let image = first.scene.image;
+        let size = first.scene.spheres.len().max(image.width as usize * image.height as usize).max(1);
+        let is_piped = targets.iter().any(|target| target.is_standard() || is_special(target.path()));
+        let in_turn = self.preview.is_some() || self.repeat.get() > 1 || self.progress.is_lines() || is_piped;
+        match TOGETHER / size {
+            _ if !self.args.is_many() => Room::Alone,
+            0 => Room::Alone,
+            1 => Room::Next,
+            _ if in_turn => Room::Next,
+            most => Room::Pictures(most),
+        }
+    }
+
+    /// Prints the report if --json is given.
+    fn print_report(&self, report: &Report) -> Result<()> {
+        if !self.json {
+            return Ok(());
+        }
+        let text = serde_json::to_string(report).map_err(|e| Error::write("-", e.into()))?;
+        print(&format!("{text}\n"))
+    }
+
+    /// The opened file and its first scene; a stream has no other.
+    fn first(&self, settings: &Settings, targets: &[Target], cancel: &Cancel) -> Result<First<'_>> {
+        let streamed = |why: Option<String>| {
+            let source = stream::Source::new(&self.args, cancel, why)?;
+            Ok((None, Some(source.visible(settings, targets)?)))
+        };
+        if self.stream {
+            return streamed(None);
+        }
+        let in_memory = || {
+            let mut scene_frames = SceneFrames::open(&self.args, settings, cancel)?;
+            let first = self.ready(&mut scene_frames)?;
+            Ok((Some(scene_frames), first))
+        };
+        match in_memory() {
+            Err(Error::Limits { problem, mend }) if !self.reads_standard() => {
+                let why = format!("{problem}: the file is read as a stream (see --stream)");
+                // A scene that cannot be a stream is one that does not fit.
+                streamed(Some(why)).map_err(|error| match error {
+                    Error::Settings { .. } => Error::Limits { problem, mend },
+                    Error::Limits { mend, .. } => Error::Limits { problem, mend },
+                    other => other,
+                })
+            }
+            opened => opened,
+        }
+    }
+
+    fn reads_standard(&self) -> bool {
+        self.args.scene == Path::new("-")
+    }
+
+    /// The next scene, once its files are known to be writable.
+    fn ready(&self, scene_frames: &mut SceneFrames<'_>) -> Result<Option<Numbered>> {
+        let Some(mut picture) = scene_frames.next_frame()? else { return Ok(None) };
+        let targets = self.args.files.targets(picture.number)?;
+        let legend = legend::file(&self.args, picture.number)?;
+        let list = self.args.camera_list()?;
+        let written = targets.iter().map(Target::path).chain(legend.as_deref()).chain(list.as_deref());
+        check_inputs(written, &scene_frames.inputs())?;
+        targets.iter().try_for_each(Target::check)?;
+        // Shared numbers are checked once, and not again for every repeated frame.
+        picture.scene.spheres.share();
+        picture.scene.check()?;
+        Ok(Some(picture))
+    }
+
+    /// The files of the first picture; checks combinations of options.
+    fn check(&self) -> Result<Vec<Target>> {
+        if let Some(film) = self.args.files.film() {
+            film.check(&self.args, self.resume)?;
+        }
+        self.args.files.check_fps()?;
+        let targets = self.args.files.targets(1)?;
+        if self.args.is_many() {
+            self.args.files.check_many()?;
+        }
+        legend::check(&self.args)?;
+        self.args.insets.check(&self.args)?;
+        self.args.check_outputs()?;
+        self.args.files.check_dpi(&targets)?;
+        if targets.is_empty() && !self.json && self.preview.is_none() {
+            let problem = "no output is requested";
+            return Err(Error::settings(problem, "use -o for a picture, --aov for a buffer, or --json"));
+        }
+        let standard = targets.iter().filter(|target| target.is_standard()).count();
+        if standard + usize::from(self.json) + usize::from(self.progress == ProgressOutput::Openjd) > 1 {
+            let problem = "standard output can hold only one of: a picture, a buffer, the JSON, the lines of openjd";
+            return Err(Error::settings(problem, "use files for the others"));
+        }
+        Ok(targets)
+    }
+}

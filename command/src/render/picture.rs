@@ -1,0 +1,202 @@
+//! One picture of `halfline render`: rendered, written, and reported in its turn.
+
+use super::Render;
+use crate::bar::Bar;
+use crate::scene_frames::Numbered;
+use crate::{go_on, legend, note, say};
+use halfline::camera::CameraRecord;
+use halfline::error::Result;
+use halfline::frame::Frame;
+use halfline::frame::provenance::Origin;
+use halfline::render::{Renderer, origin};
+use halfline::report::Report;
+use halfline::scene::Scene;
+use halfline::settings::{Accuracy, Settings};
+use halfline_files::write::file::Target;
+use halfline_measure::plot::inset::Panels;
+use halfline_measure::plot::legend::DrawnLegend;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// Messages on standard error, each once for all pictures. A warning that differs in its numbers only from that of an earlier
+/// picture is not printed again.
+pub(super) struct Messages<'a> {
+    bar: &'a Bar,
+    /// For each kind of message the first picture that has it, and what was printed for that.
+    printed: Mutex<BTreeMap<String, (u64, BTreeSet<String>)>>,
+}
+
+impl<'a> Messages<'a> {
+    pub(super) fn new(bar: &'a Bar) -> Self {
+        Self { bar, printed: Mutex::default() }
+    }
+
+    fn note(&self, number: u64, words: String) {
+        self.once(number, words.clone(), words, note);
+    }
+
+    fn warn(&self, number: u64, warning: &str) {
+        let kind = warning.chars().filter(|c| !c.is_ascii_digit()).collect();
+        self.once(number, kind, format!("warning: {warning}"), say);
+    }
+
+    fn once(&self, number: u64, kind: String, words: String, print: fn(fmt::Arguments<'_>)) {
+        let mut printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
+        let (first, all) = printed.entry(kind).or_insert_with(|| (number, BTreeSet::new()));
+        if *first == number && !all.contains(&words) {
+            self.bar.aside(|| print(format_args!("{words}")));
+            all.insert(words);
+        }
+    }
+}
+
+/// A picture that is written.
+pub(super) struct Picture {
+    pub(super) number: u64,
+    /// The files that show it.
+    pub(super) files: Vec<PathBuf>,
+    pub(super) camera: CameraRecord,
+    pub(super) report: Report,
+    /// Its bytes in PNG, of a film.
+    pub(super) still: Option<Vec<u8>>,
+}
+
+impl Render {
+    /// Renders one scene and writes its files, unless all exist.
+    pub(super) fn picture(
+        &self,
+        numbered: &Numbered,
+        settings: &Settings,
+        renderer: &mut Renderer,
+        messages: &Messages<'_>,
+    ) -> Result<Picture> {
+        let (scene, image, number) = (&numbered.scene, numbered.scene.image, numbered.number);
+        let mut targets = self.args.files.targets(numbered.number)?;
+        let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
+        let camera = CameraRecord::new(&scene.camera, image.width, image.height)?;
+        let camera = camera.through(numbered.lens.aperture, &scene.camera)?;
+        let written = |files, report, still| Picture { number, files, camera, report, still };
+        let panels = self.args.insets.panels(&self.args, numbered)?;
+        if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
+            target.set_drawn(panels.words());
+        }
+        let settings = &self.args.settings_for(numbered, settings, &targets)?;
+        if self.resume && !targets.is_empty() {
+            let mut report = renderer.dry_run(scene, settings)?;
+            report.look = numbered.look.name();
+            report.spheres = numbered.ids.as_ref().map_or(report.spheres, |ids| ids.count);
+            let origin = origin(scene, settings, &report, settings.window_of(scene)?);
+            targets.retain(|target| !target.is_there(&origin, &go_on));
+            if targets.is_empty() {
+                messages.note(number, already_there(&files));
+                self.write_legend(numbered)?;
+                return Ok(written(files, Report { resumed: true, number, ..report }, None));
+            }
+        }
+        messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
+        let mut frame = self.frames(renderer, scene, settings, &targets)?;
+        if let Some(ids) = &numbered.ids {
+            ids.restore(&mut frame);
+        }
+        frame.report.number = number;
+        frame.report.hold = self.args.read.hold();
+        frame.report.look = numbered.look.name();
+        frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
+        let of_legend = legend::warning(&self.args, numbered.legend.as_ref());
+        frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
+        self.args
+            .read
+            .hold_words()
+            .into_iter()
+            .chain(numbered.look.words())
+            .chain(numbered.lens.words())
+            .for_each(|words| messages.note(number, words));
+        if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
+            messages.note(number, frame.report.reason.clone());
+        }
+        frame.report.warnings.iter().for_each(|warning| messages.warn(number, warning));
+        let mut still = None;
+        if !targets.is_empty() {
+            self.args.insets.words(numbered).for_each(|words| messages.note(number, words));
+            let (report, window) = (frame.report.clone(), frame.window);
+            still = self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
+            if still.is_some() && (window.width() % 2 == 1 || window.height() % 2 == 1) {
+                messages.note(number, "a film has even sides, so the last column or row of pixels is left out".into());
+            }
+        }
+        self.write_legend(numbered)?;
+        if let Some(preview) = self.preview {
+            preview.show(&frame);
+        }
+        let written = written(files, frame.report.clone(), still);
+        renderer.recycle(frame);
+        Ok(written)
+    }
+
+    /// Renders the repeated frames; returns the last one with the times of all and the warnings of its files.
+    fn frames(&self, renderer: &mut Renderer, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Frame> {
+        let mut frame = renderer.render(scene, settings)?;
+        let mut times = frame.report.frame_ms.clone();
+        let mut kernels = frame.report.kernel_ms.clone();
+        for _ in 1..self.repeat.get() {
+            renderer.recycle(frame);
+            frame = renderer.render(scene, settings)?;
+            times.extend(&frame.report.frame_ms);
+            kernels.extend(&frame.report.kernel_ms);
+        }
+        (frame.report.frame_ms, frame.report.kernel_ms) = (times, kernels);
+        let beyond: Vec<_> = targets.iter().flat_map(|target| target.warnings(&frame)).collect();
+        frame.report.warnings.extend(beyond);
+        Ok(frame)
+    }
+
+    fn write_legend(&self, numbered: &Numbered) -> Result<()> {
+        match (legend::file(&self.args, numbered.number)?, &numbered.legend) {
+            (Some(path), Some(legend)) => DrawnLegend(legend).write(&path),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes the files, and returns the bytes of the picture of a film; the panels are drawn into the picture, and into no
+    /// other file.
+    fn write(
+        &self,
+        frame: &mut Frame,
+        targets: &[Target],
+        panels: Option<&Panels>,
+        origin: &Origin<'_>,
+    ) -> Result<Option<Vec<u8>>> {
+        let (pictures, others): (Vec<_>, Vec<_>) = targets.iter().partition(|target| target.is_drawn_on());
+        let (film, still) = (self.args.files.film(), OnceLock::new());
+        let put = |frame: &Frame, target: &Target| match film {
+            Some(film) if film.path() == target.path() => {
+                target.encode(frame, origin, &go_on).map(|bytes| _ = still.set(bytes))
+            }
+            _ => target.write_while(frame, origin, &go_on),
+        };
+        let write = |frame: &Frame, targets: &[&Target]| targets.par_iter().try_for_each(|target| put(frame, target));
+        if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {
+            let covered = panels.draw(frame, self.args.files.is_transparent());
+            let written = write(frame, &pictures);
+            covered.restore(frame);
+            written?;
+        }
+        write(frame, &others)?;
+        Ok(still.into_inner())
+    }
+}
+
+/// That the files of a picture need no rendering.
+fn already_there(files: &[PathBuf]) -> String {
+    let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+    match &names[..] {
+        [name] => format!("{name} is already there: it is complete and comes from the same rendering"),
+        names => {
+            let names = names.join(", ");
+            format!("{names} are already there: they are complete and come from the same rendering")
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! `--stream`: a scene of more spheres than fit in memory, read in blocks.
+
+use crate::camera_file;
+use crate::clash::check_inputs;
+use crate::framing::{Way, turn};
+use crate::legend;
+use crate::lens_args::PictureLens;
+use crate::note;
+use crate::scene_args::SceneArgs;
+use crate::scene_frames::{Numbered, options, size};
+use glam::DVec3;
+use halfline::camera::{Camera, CameraRecord};
+use halfline::error::{Error, Result};
+use halfline::frame::Aov;
+use halfline::progress::Cancel;
+use halfline::quote::count;
+use halfline::render::stream::{Stream, Visible};
+use halfline::scene::arrange::Arrangement;
+use halfline::scene::instances::Instances;
+use halfline::scene::{Facing, Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, Spread, middle};
+use halfline::settings::{FileLook, Settings};
+use halfline_files::read::style::{Coloring, Legend};
+use halfline_files::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
+use halfline_files::write::file::Target;
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+
+/// Where the scene is read.
+pub(super) struct Source<'a> {
+    args: &'a SceneArgs,
+    options: ReadOptions,
+    taken: Option<CameraRecord>,
+    arrangement: Arrangement,
+    /// Why the scene is read as a stream, until it is said.
+    why: Cell<Option<String>>,
+    /// Whether the range of the colours is that of all particles and not known yet.
+    lacks_range: bool,
+}
+
+/// A scene that is copies of spheres in memory.
+struct Copied {
+    instances: Instances,
+    about: About,
+}
+
+/// What is known of a scene once all of its spheres were read.
+struct About {
+    skipped: Skipped,
+    legend: Option<Legend>,
+    when: FrameTime,
+    is_molecule: bool,
+}
+
+impl About {
+    /// What blocks that were read say.
+    fn of(blocks: &SphereBlocks) -> Self {
+        let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());
+        Self { skipped, legend, when: FrameTime::default(), is_molecule: blocks.is_molecule() }
+    }
+}
+
+impl<'a> Source<'a> {
+    /// Checks the options. `why` is said when the first block was read.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for those that need the scene in memory.
+    pub(super) fn new(args: &'a SceneArgs, cancel: &Cancel, why: Option<String>) -> Result<Self> {
+        let options = options(args, cancel)?;
+        let refuse = |problem: &str, mend: &str| Err(Error::settings(format!("--stream: {problem}"), mend));
+        if args.is_many() {
+            return refuse(
+                "a stream is one picture",
+                "render the frames, turns or cameras one by one, or without --stream",
+            );
+        }
+        let arrangement = args.read.arrangement();
+        if arrangement.outline.is_some() {
+            return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");
+        }
+        let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
+        if args.camera.lens.is_given() || taken.is_some_and(|record| record.lens_size().is_some()) {
+            return refuse("a lens with a size sees spheres that a stream has forgotten", "remove --aperture");
+        }
+        let lacks_range = matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none());
+        Ok(Self { args, options, taken, arrangement, why: Cell::new(why), lacks_range })
+    }
+
+    /// Reads the scene: the spheres that some ray may hit, and what else belongs to the picture.
+    ///
+    /// # Errors
+    /// Those of reading and of [`Stream`].
+    pub(super) fn visible(mut self, settings: &Settings, targets: &[Target]) -> Result<Numbered> {
+        let inputs: Vec<PathBuf> =
+            [Some(&self.args.scene), self.args.camera.from.as_ref()].into_iter().flatten().cloned().collect();
+        check_inputs(targets.iter().map(Target::path), &inputs)?;
+        targets.iter().try_for_each(Target::check)?;
+        let mut frame = self.bare()?;
+        // What a stream cannot do is found before the file is read.
+        self.begin(frame.scene.clone(), settings, targets)?;
+        let copied = self.copied()?;
+        let framed = match self.taken {
+            Some(_) => false,
+            None => self.aim(&mut frame, copied.as_ref())?,
+        };
+        if copied.is_none() && self.lacks_range {
+            self.check_repeatable("the range of colours is that of all particles", "add --range LOW,HIGH")?;
+            self.survey(
+                "the range of colours is that of all particles, so the file is read for it first (see --range)",
+            )?;
+        }
+        self.args.camera.zoom(&mut frame.scene)?;
+        let (mut picture, mut stream) = self.begin(frame.scene, settings, targets)?;
+        let (visible, about) = match copied {
+            Some(Copied { instances, about }) => {
+                if self.arrangement.clip.is_empty() {
+                    targets.iter().try_for_each(|target| target.check_ids(instances.total()))?;
+                }
+                let (settings, watch) = (stream.settings(), &self.options.watch);
+                (Stream::of_instances(&picture.scene, settings, &instances, watch)?, about)
+            }
+            None => {
+                let about = self.each(|block| stream.add(&block))?;
+                (stream.finish()?, about)
+            }
+        };
+        let Visible { mut scene, ids } = visible;
+        targets.iter().try_for_each(|target| target.check_ids(ids.count))?;
+        let kept = count(ids.ids.len() as u64, "sphere");
+        note(format_args!("{kept} of {} may be hit first and are in memory", ids.count));
+        if ids.are_wide() && targets.iter().any(|target| target.aovs().contains(&Aov::Id)) {
+            note(format_args!("ids are int64: {} spheres are more than 32 bits can number", ids.count));
+        }
+        let request = self.args.look_request(FileLook::PARTICLES, settings.aovs.contains(&Aov::Color));
+        if self.args.light.would_be_soft(request) {
+            note(format_args!(
+                "look plain: a stream is lit from the eye, because lights and a sky need all spheres in memory"
+            ));
+        }
+        scene.skipped = about.skipped;
+        (picture.legend, picture.when) = (about.legend, about.when);
+        let framed = framed.then(|| "all spheres".to_owned());
+        let picture = Numbered { scene, framed, ids: Some(ids), ..picture };
+        legend::check_content(self.args, &picture)?;
+        Ok(picture)
+    }
+
+    /// The picture of a scene whose spheres are still to come.
+    fn begin(&self, mut scene: Scene, settings: &Settings, targets: &[Target]) -> Result<(Numbered, Stream)> {
+        // The look is plain unless another is requested, which the stream refuses.
+        let request = self.args.look_request(FileLook::default(), settings.aovs.contains(&Aov::Color));
+        let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), request)?;
+        let picture = Numbered {
+            number: 1,
+            scene,
+            legend: None,
+            look,
+            lens: PictureLens::default(),
+            when: FrameTime::default(),
+            framed: None,
+            ids: None,
+        };
+        let settings = self.args.settings_for(&picture, settings, targets)?;
+        let stream = Stream::new(&picture.scene, &settings)?;
+        Ok((picture, stream))
+    }
+
+    /// The image, and the camera as far as it does not depend on the spheres.
+    fn bare(&self) -> Result<SceneFrame> {
+        let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
+        let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
+        scene.frame_all(&Framing::default())?;
+        let mut frame = SceneFrame::new(1, scene);
+        size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
+        match &self.taken {
+            Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
+            None => self.args.camera.apply_lens(&mut frame.scene.camera),
+        }
+        Ok(frame)
+    }
+
+    /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
+    /// twice more, and once more for its principal axes. Returns whether they are framed.
+    fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<bool> {
+        let camera = &self.args.camera;
+        let at = camera.point();
+        let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
+        let way = |frame: &SceneFrame| camera.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
+        let given = way(frame);
+        if let (None, Way::Given(..)) = (framing, &given) {
+            turn(&mut frame.scene.camera, &given, camera, || (DVec3::ZERO, Facing::FRONT));
+            return Ok(false);
+        }
+        let watch = self.options.watch.clone();
+        let bounds = match copied {
+            Some(Copied { instances, about }) => {
+                (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend.clone());
+                instances.bounds(&watch)?
+            }
+            None => {
+                self.check_repeatable("the camera depends on all spheres", "give --eye and --at, or --view")?;
+                let why = "the camera depends on all spheres, so the file is read for it first (see --eye and --at)";
+                let (bounds, about) = self.survey(why)?;
+                (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend);
+                bounds
+            }
+        };
+        let (way, middle, mut spread) = (way(frame), middle(bounds), Spread::about(bounds));
+        if let Way::Axes = way {
+            match copied {
+                Some(Copied { instances, .. }) => instances.each_block(&watch, |block| spread.add(&block.centers))?,
+                None => drop(self.each(|block| {
+                    spread.add(&block.centers);
+                    Ok(())
+                })?),
+            }
+        }
+        let ImagePlane { width, height, .. } = frame.scene.image;
+        turn(&mut frame.scene.camera, &way, camera, || (middle, spread.facing(height > width)));
+        let aside = self.args.insets.aside(frame)?;
+        let Some(framing) = framing.map(|framing| Framing { aside, ..framing }) else { return Ok(false) };
+        if let Some(Copied { instances, .. }) = copied {
+            let reach = frame.scene.reach_of(&framing, instances, middle, &watch)?;
+            return frame.scene.fit_to(&framing, &reach).map(|()| true);
+        }
+        let mut reach = Reach::about(middle);
+        self.each(|block| {
+            let mut part = Scene { spheres: block, ..frame.scene.clone() };
+            if let Some(more) = part.reach(&framing, Some(&reach))? {
+                reach = reach.with(&more);
+            }
+            // A point to look at has become a direction.
+            frame.scene.camera = part.camera;
+            Ok(())
+        })?;
+        frame.scene.fit_to(&framing, &reach).map(|()| true)
+    }
+
+    /// Returns an error for standard input, which can be read once.
+    fn check_repeatable(&self, why: &str, mend: &str) -> Result<()> {
+        if self.args.scene != Path::new("-") {
+            return Ok(());
+        }
+        Err(Error::settings(format!("--stream: {why}, and standard input can be read once"), mend))
+    }
+
+    /// The box around all spheres of the file, and what else is known of them. The same pass finds the range of the colours, where it is not given. `why` is
+    /// said when the first block was read.
+    fn survey(&mut self, why: &str) -> Result<([DVec3; 2], About)> {
+        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let blocks = self.read(SphereBlocks::survey(&self.args.scene, &self.options)?, |block| {
+            let [low, high] = block.bounds();
+            if bounds[0].x > bounds[1].x {
+                note(format_args!("{why}"));
+            }
+            bounds = [bounds[0].min(low), bounds[1].max(high)];
+            Ok(())
+        })?;
+        if let Coloring::Column(scale) = &mut self.options.style.coloring
+            && self.lacks_range
+        {
+            // Where no value is a number, any range gives the same colours.
+            scale.range = blocks.range().or(Some([0.0, 1.0]));
+            self.lacks_range = false;
+        }
+        let mut about = About::of(&blocks);
+        if let (Some(legend), Some(range)) = (&mut about.legend, blocks.range()) {
+            legend.range = range;
+        }
+        Ok((bounds, about))
+    }
+
+    /// What `--copies` or the operators of an assembly repeat is in memory, the copies are not.
+    fn copied(&self) -> Result<Option<Copied>> {
+        let is_assembly = self.options.assembly.is_some() && self.options.topology.is_none();
+        if self.arrangement.copies == [1; 3] && !is_assembly {
+            return Ok(None);
+        }
+        let options = ReadOptions { as_operators: is_assembly, ..self.options.clone() };
+        let mut sequence = Sequence::open(&self.args.scene, &options)?;
+        let SceneFrame { mut scene, has_camera, legend, cell, instances, when, is_molecule, .. } =
+            sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
+        if has_camera {
+            let mend = "remove --stream, or use a file of particles";
+            return Err(Error::settings("--stream: a scene with a camera of its own is in memory", mend));
+        }
+        scene.spheres.share();
+        let instances = match instances.filter(|_| self.arrangement.copies == [1; 3]) {
+            Some(instances) => instances.clipped(&self.arrangement.clip),
+            None => self.arrangement.copies(&scene.spheres, cell.as_ref())?,
+        };
+        if self.is_by_itself() && instances.are_wide() {
+            let problem = format!("{} spheres are more than 32-bit ids can number", instances.total());
+            return Err(Error::Limits { problem, mend: "add --stream; ids are then int64".into() });
+        }
+        self.say_why();
+        Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when, is_molecule } }))
+    }
+
+    /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a
+    /// reasonable time.
+    fn is_by_itself(&self) -> bool {
+        let why = self.why.take();
+        let is_some = why.is_some();
+        self.why.set(why);
+        is_some
+    }
+
+    fn say_why(&self) {
+        if let Some(why) = self.why.take() {
+            note(format_args!("{why}"));
+        }
+    }
+
+    /// Every block of the file.
+    fn each(&self, each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
+        let blocks = self.read(SphereBlocks::open(&self.args.scene, &self.options)?, each)?;
+        Ok(About::of(&blocks))
+    }
+
+    /// All blocks, as they are arranged.
+    fn read(&self, mut blocks: SphereBlocks, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<SphereBlocks> {
+        while let Some(mut block) = blocks.next_block()? {
+            self.arrangement.apply(&mut block, None, &self.options.watch)?;
+            self.say_why();
+            each(block)?;
+        }
+        Ok(blocks)
+    }
+}

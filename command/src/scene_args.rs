@@ -1,0 +1,402 @@
+//! The options that `render` and `plan` share: the scene, the camera, the image and its buffers, and the accuracy.
+
+use super::camera_list::{CameraListArgs, list_in};
+use super::clash::{check_inputs, check_numbered, place};
+use super::file_args::FileArgs;
+use super::framing::{self, Aimed, Direction};
+use super::inset_args::InsetArgs;
+use super::lens_args::LensArgs;
+use super::light_args::{LightArgs, LookRequest};
+use super::read_args::{ColorArgs, ReadArgs, numbers};
+use super::scene_frames::{Numbered, SceneFrames, number_in};
+use clap::Args;
+use glam::DVec3;
+use halfline::camera::{Camera, Lens};
+use halfline::error::{Error, Result};
+use halfline::frame::tone::{Tone, Toning};
+use halfline::intersect::Method;
+use halfline::progress::Cancel;
+use halfline::scene::Scene;
+use halfline::settings::{Accuracy, Backend, FileLook, Search, Settings, Tolerance};
+use halfline::shade::Shade;
+use halfline::window::Window;
+use halfline_files::read::Selection;
+use halfline_files::write::file::{Target, is_standard_output};
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+
+/// The options of `render` and `plan`, in the groups of their help.
+#[derive(Debug, Args)]
+pub(super) struct SceneArgs {
+    /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, xtc, trr, dcd;
+    /// also .gz or .bz2); - for standard input.
+    pub(super) scene: PathBuf,
+    #[command(flatten)]
+    pub(super) read: ReadArgs,
+    /// Leaves out rows of tables, XYZ, LAMMPS dump and PLY text whose coordinates are not finite numbers or whose radius is
+    /// not positive, and counts them; otherwise the first one is an error.
+    #[arg(long, help_heading = "Input")]
+    pub(super) skip_invalid: bool,
+    #[command(flatten)]
+    pub(super) color: ColorArgs,
+    #[command(flatten)]
+    pub(super) camera: CameraArgs,
+    #[command(flatten)]
+    pub(super) image: ImageArgs,
+    #[command(flatten)]
+    pub(super) insets: InsetArgs,
+    #[command(flatten)]
+    pub(super) light: LightArgs,
+    #[command(flatten)]
+    pub(super) accuracy: AccuracyArgs,
+    #[command(flatten)]
+    pub(super) files: FileArgs,
+}
+
+/// The camera options, which replace parts of the scene's camera.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub(super) struct CameraArgs {
+    #[command(flatten)]
+    pub(super) pose: PoseArgs,
+    /// Frames the spheres that an expression selects, with a margin, within the whole scene; --view auto, the default of
+    /// molecules, looks from where least of them is hidden. Where the eye would be inside of a sphere it steps back, and the
+    /// viewport narrows.
+    #[arg(long, value_name = "EXPR", conflicts_with_all = ["eye", "fit"])]
+    pub(super) focus: Option<Selection>,
+    /// Moves the eye so that all spheres are in view; the default for files without a camera.
+    #[arg(long, conflicts_with = "eye")]
+    pub(super) fit: bool,
+    /// Takes the camera and the size of a picture or buffer that halfline wrote, or of a report of --json.
+    #[arg(long = "camera-from", value_name = "FILE",
+        conflicts_with_all = ["eye", "at", "view", "up", "focus", "fit", "vfov", "ortho"])]
+    pub(super) from: Option<PathBuf>,
+    /// Vertical field of view, degrees; makes the camera a perspective one.
+    #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
+    vfov: Option<f64>,
+    /// Orthographic camera with a view of this height in scene units; without HEIGHT it shows all spheres. Answers are
+    /// always certified or exact.
+    #[arg(long, value_name = "HEIGHT", value_parser = height, num_args = 0..=1, allow_negative_numbers = true,
+        conflicts_with = "vfov")]
+    pub(super) ortho: Option<Option<f64>>,
+    /// Magnifies the picture X times about its middle; below 1 it shows more. The eye stays, also where it is framed, and the
+    /// viewport is narrower by that factor.
+    #[arg(long, value_name = "X", value_parser = zoom, allow_negative_numbers = true)]
+    zoom: Option<f64>,
+    #[command(flatten)]
+    pub(super) lens: LensArgs,
+    #[command(flatten)]
+    pub(super) list: CameraListArgs,
+    /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
+    #[arg(long, value_name = "N")]
+    pub(super) spin: Option<NonZeroU32>,
+}
+
+/// The pose of a camera or of a scanner.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub(super) struct PoseArgs {
+    /// Position of the eye.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(super) eye: Option<DVec3>,
+    /// Point to look at, or an expression such as "resname HEM" for the centre of what it selects. Without --eye all fits,
+    /// with the point in the middle.
+    #[arg(long, value_name = "X,Y,Z|EXPR", value_parser = framing::target, allow_hyphen_values = true)]
+    pub(super) at: Option<Aimed>,
+    /// Direction to look in: X,Y,Z, or front (along -z, y up), back, left, right, top, bottom, iso, which frame all; auto
+    /// turns the largest face to the eye and the longest axis across, the default for molecules.
+    #[arg(long, value_name = "X,Y,Z|WORD", value_parser = framing::direction, allow_hyphen_values = true)]
+    pub(super) view: Option<Direction>,
+    /// Up direction of the scene.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(super) up: Option<DVec3>,
+}
+
+/// The image options.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Image")]
+pub(super) struct ImageArgs {
+    /// Image size in pixels [default: the scene file's, else 512x512]. With a vfov the width of the view follows; a
+    /// viewport keeps its size.
+    #[arg(long, value_name = "WxH", value_parser = scene_size)]
+    pub(super) size: Option<(u32, u32)>,
+    /// Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number. Other buffers use the
+    /// pixel's centre [default: the scene file's, else 1, and 4 in the look soft].
+    #[arg(long, value_name = "N")]
+    samples: Option<NonZeroU32>,
+    /// Seed of the sample positions.
+    #[arg(long, value_name = "S", default_value = "0")]
+    seed: u32,
+    /// Multiplies the light of pictures in 8 and 16 bits by 2 to this power. Linear files (.exr, .npy, .npz, .pfm, .raw) keep
+    /// the light as it is.
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = stops, allow_negative_numbers = true)]
+    exposure: f64,
+    /// Light beyond 1 in pictures in 8 and 16 bits: linear (cut off), soft (the colour becomes whiter, so that shapes stay
+    /// visible) [default: soft where lights or a sky light the picture, else linear].
+    #[arg(long, value_name = "T")]
+    tone: Option<Tone>,
+    /// Renders only columns X0 to X1 and rows Y0 to Y1, counted from 0 at the top left, ends excluded.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
+    crop: Option<Window>,
+    /// Renders only tile I of N equal ones, counted from 1 row by row; see halfline merge.
+    #[arg(long, value_name = "I/N", value_parser = tile, conflicts_with = "crop")]
+    tile: Option<(u32, u32)>,
+    /// Shading: flat (the sphere's colour), normal (as a colour), headlight (lights, or a light at the eye in a scene
+    /// without any). A picture of particles then has the look plain [default: headlight; see --look].
+    // After the lights, to which it belongs.
+    #[arg(long, help_heading = "Light", display_order = 1000, value_name = "S")]
+    shade: Option<Shade>,
+}
+
+/// The options for accuracy and speed.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Accuracy and speed")]
+pub(super) struct AccuracyArgs {
+    #[command(flatten)]
+    pub(super) compute: ComputeArgs,
+    /// Allowed error of distances (relative) and outlines (in radii), at least 2^-50. Certified answers stay within it
+    /// (1e-5 if not given); with accuracy auto, the cheapest method that does is used.
+    #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
+    tolerance: Option<Tolerance>,
+    /// Candidate search: auto, all, tiles.
+    #[arg(long, value_name = "S", default_value = "auto")]
+    search: Search,
+}
+
+/// How and where answers are computed.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Accuracy and speed")]
+pub(super) struct ComputeArgs {
+    /// Accuracy of the answers: auto, fast, certified, exact [default: auto].
+    #[arg(long, value_name = "A")]
+    accuracy: Option<Accuracy>,
+    /// Uses one intersection method, uncertified: textbook, unit, geometric, stable, f64, double-float.
+    #[arg(long, value_name = "M")]
+    method: Option<Method>,
+    /// Where to compute: auto, gpu, cpu.
+    #[arg(long, value_name = "B", default_value = "auto")]
+    pub(super) backend: Backend,
+    /// Adapter, by index or part of its name (see halfline adapters).
+    #[arg(long, value_name = "NAME|INDEX")]
+    adapter: Option<String>,
+}
+
+impl ComputeArgs {
+    /// The settings of these options.
+    pub(super) fn settings(&self) -> Settings {
+        Settings {
+            backend: self.backend,
+            adapter: self.adapter.clone(),
+            method: self.method,
+            accuracy: self.accuracy.unwrap_or_default(),
+            ..Settings::default()
+        }
+    }
+}
+
+impl SceneArgs {
+    /// The scene with the options applied, for these settings; of several, the first.
+    pub(super) fn first(&self, settings: &Settings) -> Result<Numbered> {
+        let first = SceneFrames::open(self, settings, &Cancel::default())?.next_frame()?;
+        first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))
+    }
+
+    /// What decides about the look of a picture of a file that says this.
+    pub(super) fn look_request(&self, file: FileLook, has_picture: bool) -> LookRequest {
+        let Self { image, .. } = self;
+        LookRequest { file, has_picture, samples: image.samples.map(NonZeroU32::get), shade: image.shade }
+    }
+
+    /// Whether several pictures are rendered.
+    pub(super) fn is_many(&self) -> bool {
+        self.expected() > 1
+    }
+
+    /// The number of pictures by the arguments alone: the selected frames, the turns, or one. The file may have fewer frames.
+    pub(super) fn expected(&self) -> u32 {
+        match (self.read.frames(), self.camera.turns()) {
+            (Some(frames), _) => frames.count().try_into().unwrap_or(u32::MAX),
+            (None, turns) => turns.unwrap_or(1),
+        }
+    }
+
+    /// The file `cameras.json` that --cameras writes: in the folder of the first file.
+    pub(super) fn camera_list(&self) -> Result<Option<PathBuf>> {
+        let names = self.files.names()?;
+        let first = names.iter().find(|name| !is_standard_output(name)).filter(|_| self.camera.list.file.is_some());
+        Ok(first.map(|name| list_in(name.parent().unwrap_or(Path::new("")))))
+    }
+
+    /// The numbers that go into names, by the arguments alone; only the first of very many.
+    fn numbers(&self) -> Vec<u64> {
+        const MANY: usize = 1 << 16;
+        match (self.read.frames(), self.camera.turns()) {
+            (Some(frames), _) => frames.numbers().take(MANY).collect(),
+            (None, turns) => (1..=u64::from(turns.unwrap_or(1))).take(MANY).collect(),
+        }
+    }
+
+    /// Returns an error for outputs that are one file, or the scene file or its topology. `SceneFrames::inputs` gives the other files that
+    /// are read.
+    pub(super) fn check_outputs(&self) -> Result<()> {
+        let mut names = self.files.names()?;
+        names.extend(self.color.legend.as_deref());
+        names.retain(|name| !is_standard_output(name));
+        let numbers = self.numbers();
+        check_numbered(&names, numbers.iter().copied())?;
+        let inputs: Vec<PathBuf> = [&self.scene].into_iter().chain(self.read.topology()).cloned().collect();
+        for input in &inputs {
+            let file = place(input);
+            // By a later frame of a numbered pattern.
+            let over = |name: &&Path| number_in(&place(name), &file).is_some_and(|number| numbers.contains(&number));
+            if names.iter().any(over) {
+                check_inputs([input.as_path()], std::slice::from_ref(input))?;
+            }
+        }
+        check_inputs(names, &inputs)
+    }
+
+    /// The selected window of the scene's image.
+    pub(super) fn window(&self, scene: &Scene) -> Result<Option<Window>> {
+        let image = &scene.image;
+        let tile = self.image.tile.map(|(number, count)| Window::tile(number, count, image.width, image.height));
+        Ok(tile.transpose()?.or(self.image.crop))
+    }
+
+    /// The settings for one picture, whose frame is written to these files.
+    pub(super) fn settings_for(&self, picture: &Numbered, settings: &Settings, targets: &[Target]) -> Result<Settings> {
+        let scene = &picture.scene;
+        let window = self.window(scene)?;
+        let columns = window.map_or(scene.image.width, |window| window.x1.saturating_sub(window.x0));
+        let reserve = targets
+            .iter()
+            .map(|target| target.memory(columns, scene.lighting.lights.len()))
+            .fold(0, u64::saturating_add);
+        let aperture = picture.lens.aperture;
+        Ok(Settings { window, reserve, aperture, ..picture.look.settings(settings) })
+    }
+
+    /// The settings for these files, without those that depend on the scene.
+    pub(super) fn settings(&self, targets: &[Target]) -> Settings {
+        Settings {
+            search: self.accuracy.search,
+            tolerance: self.accuracy.tolerance,
+            aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
+            seed: self.image.seed,
+            tone: self.image.tone,
+            exposure: self.image.exposure,
+            part: self.image.is_part(),
+            ..self.accuracy.compute.settings()
+        }
+    }
+}
+
+impl ImageArgs {
+    /// Whether only a part of the picture is rendered.
+    pub(super) fn is_part(&self) -> bool {
+        self.crop.is_some() || self.tile.is_some()
+    }
+}
+
+impl CameraArgs {
+    /// The number of pictures of one scene: the turns, or the cameras of a list; `None` without either. A list that
+    /// cannot be read counts as several, and is reported when it is opened.
+    pub(super) fn turns(&self) -> Option<u32> {
+        let listed = || match self.list.listed() {
+            Ok(listed) => listed.map(|listed| u32::try_from(listed.len()).unwrap_or(u32::MAX)),
+            Err(_) => Some(2),
+        };
+        self.spin.map(NonZeroU32::get).or_else(listed)
+    }
+
+    /// The lens of `--vfov`.
+    pub(super) fn vfov(&self) -> Option<Lens> {
+        self.vfov.map(|degrees| Lens::Vfov { degrees, distance: 1.0 })
+    }
+
+    /// Narrows the viewport of the scene's final camera and image by --zoom.
+    pub(super) fn zoom(&self, scene: &mut Scene) -> Result<()> {
+        let (width, height) = (scene.image.width, scene.image.height);
+        self.zoom.map_or(Ok(()), |factor| scene.camera.zoom(factor, width, height))
+    }
+
+    /// Replaces the eye and the lens that the options give.
+    pub(super) fn apply_lens(&self, camera: &mut Camera) {
+        camera.eye = self.pose.eye.unwrap_or(camera.eye);
+        if let Some(degrees) = self.vfov {
+            let distance = match camera.lens {
+                Lens::Viewport { distance, .. } | Lens::Vfov { distance, .. } => distance,
+                Lens::RowCentres { .. } | Lens::Orthographic { .. } | Lens::Intrinsics { .. } => 1.0,
+            };
+            camera.lens = Lens::Vfov { degrees, distance };
+        }
+        if let Some(height) = self.ortho {
+            camera.lens = Lens::Orthographic { height: height.unwrap_or(1.0) };
+        }
+    }
+}
+
+impl PoseArgs {
+    /// Whether an option is given.
+    pub(super) fn is_given(&self) -> bool {
+        self.eye.is_some() || self.up.is_some() || self.at.is_some() || self.view.is_some()
+    }
+}
+
+pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let sides = sides.ok_or("expected WxH, such as 1920x1080")?;
+    halfline::scene::check_size(sides, || "--size".into()).map_err(|e| match e {
+        // The message already names the option.
+        Error::Scene { problem, mend, .. } => format!("{problem}; {mend}"),
+        other => other.to_string(),
+    })
+}
+
+fn crop(text: &str) -> Result<Window, String> {
+    let sides: Option<Vec<u32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    match sides.as_deref() {
+        Some(&[x0, y0, x1, y1]) => Ok(Window { x0, y0, x1, y1 }),
+        _ => Err("expected four whole numbers X0,Y0,X1,Y1, such as 0,0,640,360".into()),
+    }
+}
+
+fn tile(text: &str) -> Result<(u32, u32), String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    numbers.ok_or_else(|| "expected I/N, such as 3/16".into())
+}
+
+fn vector(text: &str) -> Result<DVec3, String> {
+    numbers(text).map(DVec3::from_array).ok_or_else(|| "expected three finite numbers, such as 1,-2,3.5".into())
+}
+
+fn stops(text: &str) -> Result<f64, String> {
+    let stops = text.parse().ok().and_then(|stops| Toning::check_stops(stops).ok());
+    stops.ok_or_else(|| format!("expected a number of stops from -{0} to {0}, such as 0.5", Toning::MOST_STOPS))
+}
+
+pub(super) fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let number = text.parse().map_err(|_| "expected a number".to_owned())?;
+    Tolerance::new(number).map_err(|e| e.to_string())
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
+        _ => Err("expected an angle between 0 and 180 degrees, ends excluded".into()),
+    }
+}
+
+fn zoom(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("expected a positive number, such as 2".into()),
+    }
+}
+
+fn height(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("expected a positive number, in the scene's unit".into()),
+    }
+}

@@ -1,0 +1,371 @@
+//! The scenes of one command: a single one, the frames of a sequence, or the turns of `--spin`, each with the options
+//! applied.
+
+use super::camera_file;
+use super::framing;
+use super::legend;
+use super::lens_args::PictureLens;
+use super::light_args::{PictureLook, SphereLights};
+use super::read_args::ReadArgs;
+use super::scene_args::SceneArgs;
+use super::watch;
+use glam::{DQuat, DVec3};
+use halfline::camera::{Aperture, Camera, Look};
+use halfline::error::{Error, Result};
+use halfline::frame::Aov;
+use halfline::progress::Cancel;
+use halfline::render::stream::StreamIds;
+use halfline::scene::arrange::Arrangement;
+use halfline::scene::{Framing, Reach, Scene};
+use halfline::settings::Settings;
+use halfline_files::read::style::Coloring;
+use halfline_files::read::style::Legend;
+use halfline_files::read::{FrameTime, HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// Iterates over the scenes.
+pub(super) struct SceneFrames<'a> {
+    args: &'a SceneArgs,
+    sequence: Sequence,
+    /// The number of scenes so far.
+    count: u32,
+    /// The scene that `--spin` shows from all sides.
+    standing: Option<SceneFrame>,
+    /// The camera that all frames have, and the point that it turns about.
+    held: HeldCamera,
+    /// Whether the colour of pictures is computed.
+    has_picture: bool,
+    /// The size of the picture whose camera is taken.
+    size: Option<(u32, u32)>,
+    /// The lens of that camera.
+    aperture: Option<Aperture>,
+    /// What the last camera that was found frames, in words.
+    framed: Option<String>,
+}
+
+/// A scene that is ready to render, and its number for file names.
+pub(super) struct Numbered {
+    /// The number of the frame or the turn, from 1.
+    pub(super) number: u64,
+    pub(super) scene: Scene,
+    pub(super) legend: Option<Legend>,
+    pub(super) look: PictureLook,
+    pub(super) lens: PictureLens,
+    pub(super) when: FrameTime,
+    /// What the camera frames, in words, if that is not given.
+    pub(super) framed: Option<String>,
+    /// The ids of the spheres, where the scene is what is left of a stream.
+    pub(super) ids: Option<StreamIds>,
+}
+
+/// The options for reading.
+///
+/// # Errors
+/// Those of the colours.
+pub(super) fn options(args: &SceneArgs, cancel: &Cancel) -> Result<ReadOptions> {
+    args.camera.check()?;
+    let mut options = args.color.of(args.read.options())?;
+    options.marks = args.camera.marks();
+    options.watch = options.watch.cancelled_by(cancel);
+    options.skip_invalid = args.skip_invalid;
+    Ok(options)
+}
+
+impl<'a> SceneFrames<'a> {
+    /// Opens the scene file for frames with these settings; `cancel` ends the reading of frames.
+    pub(super) fn open(args: &'a SceneArgs, settings: &Settings, cancel: &Cancel) -> Result<Self> {
+        let mut options = options(args, cancel)?;
+        args.camera.list.listed()?;
+        let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
+        let mut held = HeldCamera::new(args.read.frames().is_some() && args.read.hold != Hold::None);
+        if options.hold == Hold::All
+            && args.read.frames().is_some()
+            && let Some((camera, middle)) = hold_all(args, &mut options)?
+        {
+            held.set_camera(camera);
+            held.set_middle(middle);
+        }
+        if let Some(record) = &taken {
+            held.set_camera(camera_file::resized(record, args.image.size));
+        }
+        let aperture = taken.and_then(|record| record.lens_size());
+        let size = taken.map(|record| record.size.into());
+        let sequence = Sequence::open(&args.scene, &options)?;
+        let has_picture = settings.aovs.contains(&Aov::Color);
+        Ok(Self { args, sequence, count: 0, standing: None, held, has_picture, size, aperture, framed: None })
+    }
+
+    /// Every file that is read.
+    pub(super) fn inputs(&self) -> Vec<PathBuf> {
+        let scene = [self.args.scene.clone()].into_iter();
+        scene
+            .chain(self.sequence.files().iter().cloned())
+            .chain(self.args.camera.from.clone())
+            .chain(self.args.camera.list.file.clone())
+            .collect()
+    }
+
+    /// The next scene; `None` after the last.
+    pub(super) fn next_frame(&mut self) -> Result<Option<Numbered>> {
+        let (camera, count) = (&self.args.camera, self.count);
+        self.count += 1;
+        let turns = camera.turns().filter(|_| self.args.read.frames().is_none());
+        let frame = match turns {
+            Some(turns) if count >= turns => return Ok(None),
+            Some(_) => {
+                if self.standing.is_none() {
+                    self.standing = self.sequence.next_scene()?;
+                }
+                let standing = self.standing.as_mut().map(SceneFrame::copy);
+                standing.map(|frame| SceneFrame { number: u64::from(count) + 1, ..frame })
+            }
+            None => {
+                if let Some(mut first) = self.sequence.unselected_first()? {
+                    self.prepare(&mut first)?;
+                }
+                self.sequence.next_scene()?
+            }
+        };
+        let Some(mut frame) = frame else {
+            return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
+        };
+        self.prepare(&mut frame)?;
+        let mut request = self.args.look_request(frame.look, self.has_picture);
+        let lens = camera.lens.lens(&frame, self.aperture, &mut request)?;
+        if let Some(turns) = camera.spin {
+            let scene = &mut frame.scene;
+            // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
+            let middle = self.held.middle().unwrap_or_else(|| scene.spheres.middle());
+            spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
+        }
+        // The light from above left belongs to the final camera.
+        let look = self.args.light.apply(&mut frame.scene, &self.args.files.buffers(), request)?;
+        let SceneFrame { number, scene, legend, when, .. } = frame;
+        let framed = self.framed.clone();
+        let picture = Numbered { number, scene, legend, look, lens, when, framed, ids: None };
+        legend::check_content(self.args, &picture)?;
+        Ok(Some(picture))
+    }
+
+    /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
+    fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
+        let (args, image) = (self.args, self.args.image.size.or(self.size));
+        let is_listed = args.camera.list.file.is_some();
+        if !is_listed {
+            self.held.see(frame, &args.read.arrangement(), &watch(), |whole| {
+                size(image, args, whole);
+                let aside = args.insets.aside(whole)?;
+                framing::point(args, whole, aside).map(drop)
+            })?;
+        }
+        arrange(&args.read, frame)?;
+        size(image, args, frame);
+        if is_listed {
+            args.camera.list.apply(frame.number, args.image.size, args.camera.vfov(), &mut frame.scene)?;
+        } else {
+            // A later frame of a film may have nothing of what the first one is turned about.
+            if self.held.middle().is_none()
+                && let Some(pivot) = args.camera.pivot(frame)?
+            {
+                self.held.set_middle(pivot);
+            }
+            let framed = &mut self.framed;
+            self.held.apply(frame, |frame| {
+                let aside = args.insets.aside(frame)?;
+                let framing = framing::point(args, frame, aside)?;
+                *framed = framing::words(args, frame, framing.as_ref());
+                Ok(())
+            })?;
+        }
+        args.camera.zoom(&mut frame.scene)
+    }
+}
+
+/// The camera that shows all frames of the file, and the middle of the first; their default radius and range of colours
+/// are set in `options`.
+fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camera, DVec3)>> {
+    if args.scene == Path::new("-") {
+        let mend = "use --hold first, or a file instead of standard input";
+        return Err(Error::settings("--hold all reads the file twice, and standard input can be read once", mend));
+    }
+    let mut all = AllFrames::read(args, options, [0.0; 2])?;
+    if let Coloring::Column(scale) = &mut options.style.coloring {
+        scale.range = scale.range.or(all.range);
+        scale.names = std::mem::take(&mut all.names);
+    }
+    if all.aside != [0.0; 2] {
+        // The legend of all frames is known only now, and the spheres are framed beside it.
+        let aside = all.aside;
+        all = AllFrames::read(args, options, aside)?;
+    }
+    let Some((mut first, framing)) = all.first else { return Ok(None) };
+    if let (Some(framing), Some(reach)) = (framing, all.reach) {
+        first.scene.fit_to(&framing, &reach)?;
+    }
+    let pivot = args.camera.pivot(&first)?;
+    Ok(Some((first.scene.camera, pivot.unwrap_or_else(|| first.scene.spheres.middle()))))
+}
+
+/// What all frames of a file have in common.
+#[derive(Default)]
+struct AllFrames {
+    /// The first frame with spheres, whose camera has the direction and the lens of all, and how it is framed.
+    first: Option<(SceneFrame, Option<Framing>)>,
+    reach: Option<Reach>,
+    range: Option<[f64; 2]>,
+    names: Vec<String>,
+    /// The widest legend.
+    aside: [f64; 2],
+}
+
+impl AllFrames {
+    /// Reads all frames, to be framed with this part of the width free.
+    fn read(args: &SceneArgs, options: &ReadOptions, aside: [f64; 2]) -> Result<Self> {
+        let each = ReadOptions { frames: "1-".parse()?, ..options.clone() };
+        let mut sequence = Sequence::open(&args.scene, &each)?;
+        let (mut all, mut known) = (Self::default(), HashSet::new());
+        while let Some(mut frame) = sequence.next_scene()? {
+            if frame.scene.spheres.is_empty() {
+                continue;
+            }
+            size(args.image.size, args, &mut frame);
+            if let Some(legend) = &mut frame.legend {
+                all.names.extend(legend.names.iter().filter(|name| known.insert((*name).clone())).cloned());
+                if legend.is_scale() {
+                    let [low, high] = all.range.unwrap_or(legend.range);
+                    legend.range = [low.min(legend.range[0]), high.max(legend.range[1])];
+                    all.range = Some(legend.range);
+                }
+            }
+            let beside = args.insets.aside(&frame)?;
+            all.aside.iter_mut().zip(beside).for_each(|(widest, beside)| *widest = widest.max(beside));
+            arrange(&args.read, &mut frame)?;
+            if !frame.scene.spheres.is_empty() {
+                all.add(args, frame, aside)?;
+            }
+        }
+        Ok(all)
+    }
+
+    fn add(&mut self, args: &SceneArgs, mut frame: SceneFrame, aside: [f64; 2]) -> Result<()> {
+        let framing = match &self.first {
+            Some((first, framing)) => {
+                frame.scene.camera = first.scene.camera;
+                *framing
+            }
+            None => framing::point(args, &mut frame, aside)?,
+        };
+        let (image, mut camera) = (frame.scene.image, frame.scene.camera);
+        if let Some(framing) = &framing {
+            let spheres = match &args.camera.focus {
+                // A later frame may have nothing of it.
+                Some(_) => frame.marks.last().map(|mark| &mark.spheres),
+                None => Some(&frame.scene.spheres),
+            };
+            let reach =
+                spheres.map(|spheres| camera.reach(image, spheres, framing, self.reach.as_ref())).transpose()?;
+            if let Some(reach) = reach.flatten() {
+                self.reach = Some(self.reach.map_or(reach, |all| all.with(&reach)));
+            }
+        }
+        self.first.get_or_insert((frame, framing));
+        Ok(())
+    }
+}
+
+/// Applies the size of the image and its background.
+pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut SceneFrame) {
+    let scene = &mut frame.scene;
+    if let Some((width, height)) = size {
+        (scene.image.width, scene.image.height) = (width, height);
+    }
+    args.files.apply(scene);
+}
+
+/// Applies copies, clip planes and outline.
+pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, cell, marks, .. }: &mut SceneFrame) -> Result<()> {
+    let (count, lights) = (scene.spheres.len(), SphereLights::of(scene));
+    let arrangement = read.arrangement();
+    arrangement.apply(&mut scene.spheres, cell.as_ref(), &watch())?;
+    lights.follow(scene);
+    // What is looked at is that of the file itself, as far as it is drawn, not its copies.
+    let clip = Arrangement { clip: arrangement.clip, ..Arrangement::default() };
+    marks.iter_mut().try_for_each(|mark| clip.apply(&mut mark.spheres, None, &watch()))?;
+    if count > 0 && scene.spheres.is_empty() {
+        scene.skipped.assumed.push(format!("--clip removes all {count} spheres of the file"));
+    }
+    Ok(())
+}
+
+/// Rotates the camera about the up axis through a point, by a share of a full turn.
+fn spin(scene: &mut Scene, middle: DVec3, share: f64) {
+    let camera = &mut scene.camera;
+    let Some(axis) = camera.up.try_normalize() else { return };
+    if share == 0.0 {
+        return;
+    }
+    let turn = DQuat::from_axis_angle(axis, std::f64::consts::TAU * share);
+    let look = match camera.look {
+        Look::At(at) => at - camera.eye,
+        Look::View(view) => view,
+    };
+    camera.look = Look::View(turn * look);
+    camera.eye = middle + turn * (camera.eye - middle);
+}
+
+/// `path` with the number in place of `%d`, or of `%04d` with at least that many digits; unchanged where there is no
+/// such place.
+pub(super) fn numbered(path: &Path, number: u64) -> PathBuf {
+    let Some((place, width)) = path.to_str().and_then(pattern) else { return path.to_path_buf() };
+    let text = path.to_string_lossy();
+    PathBuf::from(format!("{}{number:0width$}{}", &text[..place.0], &text[place.1..]))
+}
+
+/// The number that turns `path` into `file`, if there is one.
+pub(super) fn number_in(path: &Path, file: &Path) -> Option<u64> {
+    let ((start, end), _) = path.to_str().and_then(pattern)?;
+    let text = path.to_str()?;
+    let digits = file.to_str()?.strip_prefix(&text[..start])?.strip_suffix(&text[end..])?;
+    digits.parse().ok().filter(|number| numbered(path, *number) == file)
+}
+
+/// The position of the pattern and its digits.
+fn pattern(text: &str) -> Option<((usize, usize), usize)> {
+    text.match_indices('%').find_map(|(at, _)| {
+        let digits = text[at + 1..].find(|c: char| !c.is_ascii_digit())?;
+        let width = &text[at + 1..at + 1 + digits];
+        let end = at + 1 + digits;
+        text[end..].starts_with('d').then(|| ((at, end + 1), width.parse().unwrap_or(0).min(32)))
+    })
+}
+
+/// Returns an error for a name without a place for the number when there are several pictures.
+pub(super) fn check_pattern(path: &Path) -> Result<()> {
+    if path.to_str().and_then(pattern).is_some() || path == Path::new("-") {
+        return Ok(());
+    }
+    let name = path.display();
+    let (stem, ending) = (path.file_stem().unwrap_or_default(), path.extension().unwrap_or_default());
+    let mend = format!("use a name with a place for the number: {}.%04d.{}", stem.display(), ending.display());
+    Err(Error::settings(format!("several pictures cannot have the same name {name}"), mend))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_go_into_names() {
+        let name = |text: &str| numbered(Path::new(text), 7).display().to_string();
+        assert_eq!(name("a.%04d.png"), "a.0007.png");
+        assert_eq!(name("100%-%d.png"), "100%-7.png");
+        assert_eq!(name("plain.png"), "plain.png");
+        assert_eq!(name("%99999999999999999999d"), "7");
+        let number = |pattern: &str, file: &str| number_in(Path::new(pattern), Path::new(file));
+        assert_eq!((number("a.%04d.png", "a.0007.png"), number("a.%04d.png", "a.7.png")), (Some(7), None));
+        assert_eq!((number("a%d", "a+7"), number("a%d", "a"), number("a", "a")), (None, None, None));
+        check_pattern(Path::new("x.png")).expect_err("no place");
+        check_pattern(Path::new("x%d.png")).expect("a place");
+    }
+}

@@ -1,0 +1,278 @@
+//! `halfline trace SCENE`: given rays instead of a camera's.
+
+mod report;
+mod source;
+
+use super::bar::Bar;
+use super::clash::{check_inputs, place};
+use super::lines::ProgressOutput;
+use super::messages::QuietArgs;
+use super::process::ExitCode;
+use super::read_args::ReadArgs;
+use super::scene_args::{ComputeArgs, PoseArgs};
+use super::scene_frames::arrange;
+use super::{go_on, note, print, say, threads, watch};
+use clap::Args;
+use halfline::error::{Error, Result};
+use halfline::frame::Aov;
+use halfline::progress::{Cancel, Progress, Step};
+use halfline::render::Renderer;
+use halfline::render::trace::Tracer;
+use halfline::settings::{Search, Settings};
+use halfline_files::read::{SceneFrame, Sequence};
+use halfline_files::write::file::{check_writable, is_standard};
+use halfline_files::write::hits::{HitFile, HitWriter, Query};
+use report::{Cloud, Tally, TraceReport};
+use source::{RaySource, SourceArgs};
+use std::path::{Path, PathBuf};
+
+use std::time::Instant;
+
+/// Traces given rays, or the beams of a spinning scanner, and writes the nearest hit of each.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, next_line_help = true)]
+pub(crate) struct Trace {
+    /// The scene or particle file, as for halfline render; - for standard input. Of its camera only the pose is used,
+    /// for --pattern.
+    scene: PathBuf,
+    #[command(flatten)]
+    source: SourceArgs,
+    #[command(flatten)]
+    pose: PoseArgs,
+    #[command(flatten)]
+    read: ReadArgs,
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
+    /// The hits: .npz with the arrays id, t, distance, normal, position and certainty, or .csv, a row per ray; - is CSV on
+    /// standard output. Or as a point cloud without the misses, with distance, sphere, ray and colour: .ply (f64), .pcd
+    /// (f32), .las.
+    #[arg(short, long, help_heading = "Output", value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Only whether each ray hits anything: the columns hit and certainty.
+    #[arg(long, help_heading = "Output")]
+    any: bool,
+    /// Prints one JSON object about the rays on standard output.
+    #[arg(long, help_heading = "Reporting")]
+    json: bool,
+    /// Progress reporting: auto (a line on a terminal), none, json (lines on standard error), openjd (Open Job
+    /// Description on standard output).
+    #[arg(
+        long,
+        help_heading = "Reporting",
+        value_name = "P",
+        value_enum,
+        hide_possible_values = true,
+        default_value = "auto"
+    )]
+    progress: ProgressOutput,
+    #[command(flatten)]
+    quiet: QuietArgs,
+}
+
+/// The options for accuracy and speed.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Accuracy and speed")]
+struct AccuracyArgs {
+    #[command(flatten)]
+    compute: ComputeArgs,
+    /// Candidate search: auto, all, tree. The answers do not depend on it.
+    #[arg(long, value_name = "S", default_value = "auto")]
+    search: Search,
+}
+
+const EXAMPLES: &str = "\
+A ray is a row ox,oy,oz,dx,dy,dz[,tmax]: origin, direction of any length, and a limit of t, in units of the direction.
+
+Examples:
+  halfline trace capsid.toml --rays rays.npy -o hits.npz
+  halfline trace molecule.pdb --rays rays.csv --any -o occluded.csv --skip-invalid
+  generate-rays | halfline trace cloud.ply --radius 0.05 --rays - -o - > hits.csv
+  halfline trace street.npy -o scan.ply --pattern lidar:rings=64,vfov=-25..15,step=0.2,range=120 \\
+      --eye 0,0,1.8 --view 1,0,0 --up 0,0,1 --rays-out beams.npy";
+
+impl Trace {
+    pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
+        let file = self.check()?;
+        let settings = self.settings();
+        // Opening a device takes time, so it runs beside the reading of the scene.
+        let (opened, renderer) = threads::both(|| self.scene(), || Renderer::new(&settings));
+        let (frame, inputs) = opened?;
+        check_inputs(self.outputs(), &inputs)?;
+        let mut renderer = renderer?.watched_by(watch());
+        if renderer.has_no_adapter() {
+            note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
+        }
+        self.outputs().into_iter().try_for_each(check_writable)?;
+        let cancel = Cancel::default();
+        let mut source = self.source.open(&self.pose, &frame, watch().cancelled_by(&cancel))?;
+        if let Some(lidar) = source.lidar() {
+            note(format_args!("{} rings x {} azimuths", lidar.rings(), lidar.azimuths()));
+        }
+        self.source.write_beams(&source)?;
+
+        let skipped = frame.scene.skipped;
+        let mut spheres = frame.scene.spheres;
+        if !file.as_ref().is_some_and(HitFile::has_colors) {
+            // Colours take memory and are not used.
+            spheres.colors = None;
+        }
+        let mut warnings = skipped.warnings();
+        warnings.extend_from_slice(renderer.passed_over());
+        warn(&warnings);
+        let bar = Bar::with_output(self.progress, 1);
+        let mut tracer = renderer.tracer(&spheres, &settings)?;
+        let passed_over: Vec<String> = tracer.warning().map(str::to_owned).into_iter().collect();
+        warn(&passed_over);
+        warnings.extend(passed_over);
+        note(format_args!("tracing on {} ({})", tracer.adapter(), tracer.driver()));
+        let start = Instant::now();
+        let mut work = Work { bar: &bar, total: source.count().unwrap_or(0), any: self.any, tally: Tally::default() };
+        let scan = source.lidar().map(|lidar| [lidar.rings(), lidar.azimuths()]);
+        let cloud = match &file {
+            Some(file) => file
+                .write(&watch(), scan, &spheres, |out| work.run(&mut source, &cancel, &mut tracer, Some(out)))?
+                .map(|summary| Cloud::new(file.path(), summary)),
+            None => {
+                work.run(&mut source, &cancel, &mut tracer, None)?;
+                None
+            }
+        };
+        if let Some(cloud) = &cloud {
+            bar.aside(|| note(format_args!("{}", cloud.words())));
+        }
+        let tally = work.tally;
+        let mut more = tally.warnings(&spheres);
+        more.extend(cloud.as_ref().and_then(Cloud::warning));
+        bar.aside(|| warn(&more));
+        warnings.extend(more);
+        let report = TraceReport {
+            spheres: spheres.len() as u64,
+            skipped: skipped.total(),
+            pattern: source.lidar().map(Into::into),
+            cloud,
+            elapsed_ms: start.elapsed().as_secs_f64() * 1e3,
+            warnings,
+            ..TraceReport::new(&tracer, tally, self.any)
+        };
+        bar.finish();
+        if self.json {
+            let text = serde_json::to_string(&report).map_err(|e| Error::write("-", e.into()))?;
+            print(&format!("{text}\n"))?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Checks combinations of options; the file of the hits.
+    fn check(&self) -> Result<Option<HitFile>> {
+        let query = if self.any { Query::Any } else { Query::Nearest };
+        let file = self.output.as_deref().map(|path| HitFile::new(path, query)).transpose()?;
+        if file.is_none() && !self.json {
+            return Err(Error::settings("no output is requested", "use -o for the hits, or --json for a report"));
+        }
+        let prints_hits = file.as_ref().is_some_and(HitFile::is_standard);
+        if usize::from(prints_hits) + usize::from(self.json) + usize::from(self.progress == ProgressOutput::Openjd) > 1
+        {
+            let problem = "standard output can hold only one of: the hits, the JSON, the lines of openjd";
+            return Err(Error::settings(problem, "use files for the others"));
+        }
+        if self.read.frames().is_some_and(|frames| frames.count() > 1) {
+            return Err(Error::settings("rays are traced in one frame", "use --frames with a single number"));
+        }
+        self.source.check(&self.pose)?;
+        let inputs: Vec<_> =
+            [&self.scene].into_iter().chain(self.read.topology()).chain(self.source.rays()).cloned().collect();
+        if inputs.iter().filter(|input| is_standard(input)).count() > 1 {
+            let problem = "two inputs cannot both come from standard input";
+            return Err(Error::settings(problem, "use a file for one of them"));
+        }
+        let outputs = self.outputs();
+        if let [hits, beams] = outputs[..]
+            && place(hits) == place(beams)
+        {
+            let problem = format!("{} would be written twice", hits.display());
+            return Err(Error::settings(problem, "use another file for the beams"));
+        }
+        check_inputs(outputs, &inputs)?;
+        Ok(file)
+    }
+
+    /// The files that are written.
+    fn outputs(&self) -> Vec<&Path> {
+        self.output.iter().chain(self.source.beams()).map(PathBuf::as_path).collect()
+    }
+
+    fn settings(&self) -> Settings {
+        Settings {
+            search: self.accuracy.search,
+            aovs: if self.any { Vec::new() } else { vec![Aov::Normal] },
+            ..self.accuracy.compute.settings()
+        }
+    }
+
+    /// The scene, and every file that is read for it.
+    fn scene(&self) -> Result<(SceneFrame, Vec<PathBuf>)> {
+        let mut sequence = Sequence::open(&self.scene, &self.read.options())?;
+        let frame = sequence.next_scene()?;
+        let mut frame = frame.ok_or_else(|| sequence.nothing())?;
+        arrange(&self.read, &mut frame)?;
+        Ok((frame, sequence.files().to_vec()))
+    }
+}
+
+fn warn(warnings: &[String]) {
+    warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
+}
+
+/// The rays that are traced together. Their answers do not depend on it.
+const BLOCK: usize = 1 << 19;
+
+/// The work on all blocks.
+struct Work<'a> {
+    bar: &'a Bar,
+    /// The number of rays, or 0 if it is not known.
+    total: u64,
+    any: bool,
+    tally: Tally,
+}
+
+impl Work<'_> {
+    /// Traces all rays block by block, while the next block is read.
+    fn run(
+        &mut self,
+        source: &mut RaySource,
+        cancel: &Cancel,
+        tracer: &mut Tracer<'_>,
+        mut out: Option<&mut HitWriter<'_>>,
+    ) -> Result<()> {
+        self.progress(self.total);
+        threads::ahead(
+            || source.next_block(BLOCK),
+            cancel,
+            |block| {
+                if !go_on() {
+                    return Err(Error::Interrupted);
+                }
+                let start = Instant::now();
+                if self.any {
+                    let occlusion = tracer.occluded(&block.rays())?;
+                    self.tally.occlusion(&block, &occlusion, start);
+                    out.as_mut().map_or(Ok(()), |out| out.occlusion(&occlusion, &block.invalid))?;
+                } else {
+                    let hits = tracer.hits(&block.rays())?;
+                    self.tally.hits(&block, &hits, start);
+                    out.as_mut().map_or(Ok(()), |out| out.hits(&block.rays(), &hits, &block.invalid))?;
+                }
+                self.tally.fault = self.tally.fault.take().or(block.fault);
+                self.progress(self.total);
+                Ok(())
+            },
+        )?;
+        self.progress(self.tally.rays);
+        Ok(())
+    }
+
+    fn progress(&self, total: u64) {
+        self.bar.report(Progress { step: Step::Rays, done: self.tally.rays, total });
+    }
+}

@@ -1,0 +1,48 @@
+//! Promises of the command line, on the CPU path.
+
+#[path = "../../../tests/common/data.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod data;
+#[path = "../../../tests/common/nff.rs"]
+mod nff;
+#[path = "../../../tests/common/random_frames.rs"]
+mod random_frames;
+#[path = "../../../tests/common/rng.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod rng;
+#[path = "../../../tests/common/skip.rs"]
+mod skip;
+#[path = "../common/test_dir.rs"]
+mod test_dir;
+
+mod blocks;
+mod cameras;
+mod clash;
+mod clouds;
+mod compare;
+mod exit_codes;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+mod faults;
+mod film;
+mod films;
+mod framing;
+mod habits;
+mod info;
+mod insets;
+#[cfg(target_os = "linux")]
+mod lens;
+mod light;
+mod limits;
+mod looks;
+mod merge;
+mod messages;
+mod one_look;
+mod options;
+mod resume;
+mod select;
+mod shots;
+mod sky;
+#[cfg(unix)]
+mod streams;
+mod tables;
+mod trace;

@@ -1,0 +1,170 @@
+//! Spheres from a NumPy array file: float64 (or float32, converted exactly) of shape (n, 4) = x, y, z, radius or (n, 7)
+//! = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, and arrays of
+//! records with named fields. Rows count from 0, as in NumPy.
+
+mod records;
+mod rows;
+
+use super::input::{Counts, Input, fill};
+use crate::error::{Error, Place, Result, relocate};
+use crate::frame::provenance::Provenance;
+use crate::memory::{check, reserve};
+use crate::npy::{DType, Fault, Header, Scalar};
+use crate::progress::Watch;
+use crate::scene::Spheres;
+use std::io::{self, BufRead, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+pub(super) use records::Array;
+
+/// The remedy for spheres.
+const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";
+
+/// The bytes that are read at a time, so that two blocks fit into a core's cache.
+const BLOCK: usize = 1 << 20;
+
+/// Appends the spheres of the file. Memory grows with the content of the file, not with the counts in its header.
+pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
+    let mut npy = Npy::new(Input::open(path, watch)?, path, MEND);
+    let header = npy.header()?;
+    npy.spheres(&header, &[4, 7], spheres, None).map(drop)
+}
+
+/// An array file while it is read.
+pub(super) struct Npy<R> {
+    pub(super) path: PathBuf,
+    pub(super) reader: R,
+    /// The file's length, or a lower bound.
+    pub(super) bytes: u64,
+    /// The counters of the input.
+    pub(super) counts: Arc<Counts>,
+    /// What to save instead of an array that cannot be used.
+    pub(super) mend: &'static str,
+}
+
+/// The rows of an array of two dimensions.
+#[derive(Clone, Copy)]
+pub(super) struct Table {
+    pub(super) rows: u64,
+    pub(super) width: usize,
+    pub(super) scalar: Scalar,
+}
+
+impl Table {
+    /// Bytes of a row.
+    pub(super) fn row(&self) -> usize {
+        self.width * self.scalar.size()
+    }
+}
+
+impl Npy<Input> {
+    /// The array at the beginning of `reader`.
+    pub(super) fn new(reader: Input, path: &Path, mend: &'static str) -> Self {
+        let (bytes, counts) = (reader.length(), reader.counts());
+        Self { path: path.to_path_buf(), reader, bytes, counts, mend }
+    }
+}
+
+impl<R: BufRead> Npy<R> {
+    /// The header of the array.
+    pub(super) fn header(&mut self) -> Result<Header> {
+        Header::read(&mut self.reader).map_err(|fault| match fault {
+            Fault::Io(error) => Error::read(&self.path, error),
+            fault => self.fail(fault.field(), fault.to_string()),
+        })
+    }
+
+    /// The rows of an array of floats that has one of these widths.
+    pub(super) fn table(&self, header: &Header, widths: &[u64]) -> Result<Table> {
+        let (rows, width) = match header.shape[..] {
+            [rows, width] if widths.contains(&width) => (rows, width as usize),
+            ref other => {
+                let expected: Vec<_> = widths.iter().map(|width| format!("(n, {width})")).collect();
+                return Err(self.fail("shape", format!("found {other:?}, expected {}", expected.join(" or "))));
+            }
+        };
+        let scalar = header.dtype.scalar().filter(|scalar| !scalar.is_whole());
+        let unknown = || self.fail("dtype", format!("found {}, expected float64 or float32", header.dtype));
+        Ok(Table { rows, width, scalar: scalar.ok_or_else(unknown)? })
+    }
+
+    /// Replaces the content of `block` by rows of `row` bytes, at most `most`; returns their number, which is 0 at the end.
+    pub(super) fn block(&mut self, most: u64, row: usize, block: &mut Vec<u8>) -> io::Result<u64> {
+        // The content of an earlier block is overwritten, not cleared.
+        block.resize(most.min((BLOCK / row).max(1) as u64) as usize * row, 0);
+        let filled = fill(&mut self.reader, block)?;
+        block.truncate(filled - filled % row);
+        self.counts.found();
+        Ok((filled / row) as u64)
+    }
+
+    /// The numbers of an array of one or two dimensions, row by row. Memory grows with the data read.
+    pub(super) fn numbers(&mut self, header: &Header) -> Result<Vec<f64>> {
+        let Some(scalar) = header.dtype.scalar() else {
+            let is_plain = matches!(header.dtype, DType::Plain(_));
+            let expected = if is_plain { "integers, float32 or float64" } else { "numbers" };
+            return Err(self.fail("dtype", format!("found {}, expected {expected}", header.dtype)));
+        };
+        let (rows, width) = match header.shape[..] {
+            [n] => (n, 1),
+            [n, width @ 1..=16] => (n, width as usize),
+            ref other => return Err(self.fail("shape", format!("found {other:?}, expected (n,) or (n, 3)"))),
+        };
+        let numbers = self.stored(&Table { rows, width, scalar }, |numbers| numbers / width as u64)?;
+        if !header.fortran || width == 1 {
+            return Ok(numbers);
+        }
+        check(8 * numbers.len() as u64, || "the array in the order of its rows".into())?;
+        let rows = numbers.len() / width;
+        Ok((0..numbers.len()).map(|at| numbers[at % width * rows + at / width]).collect())
+    }
+
+    /// The numbers of an array in the order of the file; `complete` has the rows that are complete with so many numbers.
+    fn stored(&mut self, table: &Table, complete: impl Fn(u64) -> u64) -> Result<Vec<f64>> {
+        let (mut numbers, mut block) = (Vec::new(), Vec::new());
+        let (size, mut left) = (table.scalar.size(), table.rows * table.width as u64);
+        while left > 0 {
+            let read = self.block(left, size, &mut block);
+            let done = complete(numbers.len() as u64);
+            match read.map_err(|error| self.cut(error, done, table.rows))? {
+                0 => return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), done, table.rows)),
+                found => left -= found,
+            }
+            reserve(&mut numbers, block.len() / size)?;
+            numbers.extend(block.chunks_exact(size).map(|number| table.scalar.number(number)));
+        }
+        Ok(numbers)
+    }
+
+    /// Checks that nothing follows the last row but a provenance.
+    pub(super) fn end(&mut self, rows: u64) -> Result<()> {
+        let mut rest = Vec::new();
+        match self.reader.by_ref().take(1 << 17).read_to_end(&mut rest) {
+            Ok(_) if rest.is_empty() || Provenance::is_trailer(&rest) => Ok(()),
+            Ok(_) => Err(self.fail("data", format!("bytes follow the {rows} rows of the header"))),
+            Err(e) => Err(Error::read(&self.path, e)),
+        }
+    }
+
+    /// The error for an array of which only `found` rows could be read.
+    pub(super) fn cut(&self, error: io::Error, found: u64, rows: u64) -> Error {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => self.fail("data", format!("the file ends after {found} of {rows} rows")),
+            _ => Error::read(&self.path, error),
+        }
+    }
+
+    /// The error of a row.
+    pub(super) fn in_row(&self, row: u64, error: Error) -> Error {
+        relocate(error, |field| self.place(format!("row {row} {field}")))
+    }
+
+    pub(super) fn place(&self, field: impl Into<String>) -> Place {
+        Place::file(self.path.display().to_string()).named(field)
+    }
+
+    pub(super) fn fail(&self, field: &str, problem: impl Into<String>) -> Error {
+        Error::scene(self.place(field), problem, self.mend)
+    }
+}

@@ -1,0 +1,412 @@
+//! The style of particles: how their radii and colours are chosen when they become spheres.
+
+mod categories;
+pub(super) mod color;
+mod colormap;
+pub mod elements;
+mod numbers;
+mod placed;
+mod scale;
+
+pub use color::color;
+pub use colormap::ColorMap;
+pub use scale::{Category, Legend, Scale};
+
+use super::particles::Particles;
+use super::select::selection::Selection;
+use crate::error::{Error, Place, Result};
+use crate::frame::srgb;
+use crate::memory::check_spheres;
+use crate::quote::{number, quote};
+use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere, is_center, is_radius};
+pub(super) use categories::joined_elements;
+pub use color::linear;
+
+use color::of_hex;
+use elements::{Element, element};
+use rayon::prelude::*;
+use std::str::FromStr;
+
+/// The style of particles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Style {
+    /// The kind of element radius, where the file has no radii.
+    pub radii: Radii,
+    /// One radius for all, overriding the file.
+    pub radius: Option<f64>,
+    /// Multiplies every radius.
+    pub radius_scale: f64,
+    /// The source of the colours.
+    pub coloring: Coloring,
+    /// Colours of selected particles, linear RGB; later ones win.
+    pub paints: Vec<(Selection, [f32; 3])>,
+    /// The radius of particles without radii and elements, before it is scaled; `None` takes half their mean spacing.
+    pub default_radius: Option<f64>,
+    /// Radii of selected particles, before they are scaled; later ones win.
+    pub sizes: Vec<(Selection, f64)>,
+}
+
+impl Default for Style {
+    /// The file's own radii and colours, or those of the elements.
+    fn default() -> Self {
+        Self {
+            radii: Radii::Vdw,
+            radius: None,
+            radius_scale: 1.0,
+            coloring: Coloring::File,
+            default_radius: None,
+            paints: Vec::new(),
+            sizes: Vec::new(),
+        }
+    }
+}
+
+/// Radii of elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Radii {
+    /// Van der Waals: space-filling.
+    #[default]
+    Vdw,
+    /// Covalent: bound atoms touch.
+    Covalent,
+}
+
+impl Radii {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[Self::Vdw, Self::Covalent];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vdw => "vdw",
+            Self::Covalent => "covalent",
+        }
+    }
+
+    /// The radius of an element by its atomic number, ångström; that of unknown elements where there is none.
+    #[must_use]
+    pub fn radius(self, number: u8) -> f64 {
+        element(number).and_then(|element| self.of(element)).unwrap_or(UNKNOWN_RADIUS)
+    }
+
+    fn of(self, element: &Element) -> Option<f64> {
+        match self {
+            Self::Vdw => element.vdw,
+            Self::Covalent => element.covalent,
+        }
+    }
+}
+
+impl FromStr for Radii {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self> {
+        crate::error::by_name("kind of radii", name, Self::ALL, Self::name)
+    }
+}
+
+/// The source of the colours.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Coloring {
+    /// The file's colours, else those of the elements, else none.
+    #[default]
+    File,
+    /// The elements' colours, even if the file has colours.
+    Element,
+    /// One linear RGB for all.
+    One([f32; 3]),
+    /// A column of numbers through a colour map.
+    Column(Scale),
+}
+
+/// Linear RGB of each particle.
+type Colors = Vec<[f32; 3]>;
+
+/// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
+const UNKNOWN_RADIUS: f64 = 1.6;
+
+/// Linear RGB of an element by its atomic number; deep pink if it is unknown.
+#[must_use]
+pub fn color_of_element(number: u8) -> [f32; 3] {
+    of_hex(categories::of_element(number))
+}
+
+impl Style {
+    /// The columns that the reader must keep.
+    #[must_use]
+    pub fn columns(&self) -> &[String] {
+        match &self.coloring {
+            Coloring::Column(scale) => &scale.columns,
+            _ => &[],
+        }
+    }
+
+    /// The selections of its rules.
+    pub(super) fn selections(&self) -> impl Iterator<Item = &Selection> {
+        let paints = self.paints.iter().map(|(selection, _)| selection);
+        paints.chain(self.sizes.iter().map(|(selection, _)| selection))
+    }
+
+    /// Applies the style to spheres that already have radii.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where a column gives the colours or selections do: such scenes have no columns.
+    pub(super) fn restyle(&self, spheres: &mut Spheres) -> Result<()> {
+        if self.selections().next().is_some() {
+            return Err(no_selections());
+        }
+        let scale = self.radius_scale;
+        spheres.radii.to_mut().par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
+        match &self.coloring {
+            Coloring::File => Ok(()),
+            Coloring::One(color) => {
+                spheres.colors = Some(vec![*color; spheres.len()].into());
+                Ok(())
+            }
+            Coloring::Element => Err(Error::settings("this scene has no elements", "remove --color-by")),
+            Coloring::Column(_) => {
+                Err(Error::settings("this scene has no columns to colour by", "use a particle file"))
+            }
+        }
+    }
+
+    /// Turns particles into spheres. Assumptions are added to what was skipped.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an invalid sphere, [`Error::Settings`] for a missing column, [`Error::Limits`].
+    pub(super) fn dress(&self, mut particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
+        check_spheres(particles.positions.len() as u64, true)?;
+        let mut skipped = std::mem::take(&mut particles.skipped);
+        let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
+        let mut radii = self.radii_of(&particles, &mut skipped)?;
+        self.apply_rules(&particles, &mut colors, &mut radii);
+        let legend = self.with_overrides(legend, &particles);
+        let are_checked = particles.checked && self.keeps_radii(&particles);
+        let (centers, colors) = (particles.positions.into(), colors.map(Into::into));
+        let spheres = Spheres { centers, radii: radii.into(), colors, materials: None };
+        let of_two = |(center, radius)| !(is_center(center) & is_radius(radius));
+        let all = || spheres.centers.par_iter().zip(&spheres.radii);
+        if let Some(n) = (!are_checked).then(all).and_then(|all| all.position_first(of_two)) {
+            let place = || file.clone().named(format!("particle {}", particles.before + n as u64));
+            check_sphere(spheres.centers[n], spheres.radii[n], place)?;
+        }
+        Ok((spheres, skipped, legend))
+    }
+
+    /// Whether the radii of the spheres are those of the file.
+    fn keeps_radii(&self, particles: &Particles) -> bool {
+        self.radius.is_none() && self.radius_scale == 1.0 && !particles.radii.is_empty() && particles.size.is_empty()
+    }
+
+    /// Half the mean spacing, where it is the radius of these particles.
+    pub(super) fn spacing_of(&self, particles: &Particles) -> Option<f64> {
+        let elements = particles.elements.iter().any(|number| *number != 0);
+        let is_used = self.radius.is_none() && particles.radii.is_empty() && !elements;
+        is_used.then(|| spacing(&particles.positions) / 2.0)
+    }
+
+    /// Takes the radius, the names and, if `ranges`, the range of colours of this frame for the following ones.
+    pub(super) fn hold(&mut self, spacing: Option<f64>, legend: Option<&Legend>, ranges: bool) {
+        self.default_radius = self.default_radius.or(spacing);
+        let (Coloring::Column(scale), Some(legend)) = (&mut self.coloring, legend) else { return };
+        if scale.names.is_empty() {
+            scale.names.clone_from(&legend.names);
+        }
+        if ranges && legend.is_scale() {
+            scale.range = scale.range.or(Some(legend.range));
+        }
+    }
+
+    /// Applies the colours and radii of selected particles.
+    fn apply_rules(&self, particles: &Particles, colors: &mut Option<Colors>, radii: &mut [f64]) {
+        // Rules count from 1; 0 is none.
+        let rule = |number: u16| usize::from(number).checked_sub(1);
+        if !particles.paint.is_empty() {
+            let colors = colors.get_or_insert_with(|| vec![DEFAULT_COLOR; radii.len()]);
+            colors.par_iter_mut().zip(&particles.paint).for_each(|(color, number)| {
+                *color = rule(*number).map_or(*color, |rule| self.paints[rule].1);
+            });
+        }
+        radii.par_iter_mut().zip(&particles.size).for_each(|(radius, number)| {
+            *radius = rule(*number).map_or(*radius, |rule| self.sizes[rule].1 * self.radius_scale);
+        });
+    }
+
+    /// The legend with a row for each rule that gives some particle its colour; a legend of these where there is none.
+    fn with_overrides(&self, legend: Option<Legend>, particles: &Particles) -> Option<Legend> {
+        let mut counts = vec![0_u64; self.paints.len()];
+        particles.paint.iter().filter_map(|rule| usize::from(*rule).checked_sub(1)).for_each(|rule| counts[rule] += 1);
+        let row = |((selection, color), count): (&(Selection, [f32; 3]), u64)| Category {
+            label: selection.to_string(),
+            color: color.map(srgb::level),
+            count,
+        };
+        let rows = self.paints.iter().zip(counts).filter(|(_, count)| *count > 0);
+        let overrides: Vec<Category> = rows.map(row).collect();
+        match legend {
+            Some(legend) => Some(Legend { overrides, ..legend }),
+            None if overrides.is_empty() => None,
+            None => Some(Legend::of_selections(overrides)),
+        }
+    }
+
+    fn radii_of(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Vec<f64>> {
+        let (n, scale) = (particles.positions.len(), self.radius_scale);
+        if let Some(radius) = self.radius {
+            return Ok(vec![radius * scale; n]);
+        }
+        if !particles.radii.is_empty() {
+            let missing = particles.radii.par_iter().filter(|radius| radius.is_nan()).count();
+            if missing == 0 {
+                return Ok(particles.radii.par_iter().map(|radius| radius * scale).collect());
+            }
+            skipped.assumed.push(format!(
+                "{missing} of {n} particles have no radius in the file, so the radius of their element is used, or {UNKNOWN_RADIUS}"
+            ));
+            let own = |n: usize| particles.elements.get(n).map_or(UNKNOWN_RADIUS, |number| self.radii.radius(*number));
+            let radius = |(n, radius): (usize, &f64)| {
+                if radius.is_nan() { own(n) } else { *radius }
+            };
+            return Ok(particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect());
+        }
+        if let Some(spacing) = self.spacing_of(particles) {
+            let radius = self.default_radius.unwrap_or(spacing);
+            if n > 0 {
+                let particles = if n == 1 { "particle has" } else { "particles have" };
+                skipped.assumed.push(format!(
+                    "{n} {particles} no radius, so half the mean spacing is used, {}; use --radius to set another",
+                    number(radius, 4)
+                ));
+            }
+            return Ok(vec![radius * scale; n]);
+        }
+        let known = |number: &u8| element(*number).and_then(|element| self.radii.of(element));
+        let missing = particles.elements.par_iter().filter(|number| known(number).is_none()).count();
+        if missing > 0 {
+            let names: Vec<String> = particles.unknown.iter().map(|(name, n)| format!("{n} {}", quote(name))).collect();
+            let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+            skipped.assumed.push(format!(
+                "{missing} of {n} atoms have no {} radius{names}, so {UNKNOWN_RADIUS} is used; use --radius to set one for all",
+                self.radii.name()
+            ));
+        }
+        Ok(particles.elements.par_iter().map(|number| self.radii.radius(*number) * scale).collect())
+    }
+
+    /// Takes the file's colours where the style uses them.
+    fn colors(&self, particles: &mut Particles, skipped: &mut Skipped) -> Result<(Option<Colors>, Option<Legend>)> {
+        let elements = || {
+            // The table is computed once, not a power for every atom.
+            let table: Vec<[f32; 3]> = (0..=118).map(color_of_element).collect();
+            let of = |number: &u8| table[usize::from(*number).min(118)];
+            (!particles.elements.is_empty()).then(|| particles.elements.par_iter().map(of).collect())
+        };
+        let colors = match &self.coloring {
+            Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
+            Coloring::File if !particles.colors.is_empty() => {
+                let mut colors = std::mem::take(&mut particles.colors);
+                if is_8_bit(&colors) {
+                    let said =
+                        "the colours are whole numbers up to 255, so they are read as 8-bit sRGB, not as linear RGB";
+                    skipped.assumed.push(said.into());
+                    colors.par_iter_mut().for_each(|color| *color = linear(color.map(|level| level as u8)));
+                }
+                Some(colors)
+            }
+            Coloring::File => {
+                let legend = || categories::elements(&particles.elements, &particles.paint);
+                return Ok(elements().map_or((None, None), |colors| (Some(colors), Some(legend()))));
+            }
+            Coloring::Element => {
+                let colors = elements().ok_or_else(|| {
+                    Error::settings("the file has no elements to colour by", "remove --color-by, or use a column")
+                })?;
+                return Ok((Some(colors), Some(categories::elements(&particles.elements, &particles.paint))));
+            }
+            Coloring::Column(scale) => {
+                let (colors, legend) = scale.apply(particles, skipped)?;
+                return Ok((Some(colors), legend));
+            }
+        };
+        Ok((colors, None))
+    }
+}
+
+/// The error for selections of a scene that has no particles.
+pub(super) fn no_selections() -> Error {
+    let mend = "select particles of a particle file, or add select = \"...\" to a [[spheres]] table of the scene";
+    Error::settings("this scene has no columns to select by", mend)
+}
+
+/// Whether colours are 8-bit levels, not linear RGB: whole numbers up to 255, some above 1.
+pub(super) fn is_8_bit(colors: &[[f32; 3]]) -> bool {
+    let level = |x: &f32| x.fract() == 0.0 && (0.0..=255.0).contains(x);
+    colors.par_iter().flatten().all(level) && colors.par_iter().flatten().any(|x| *x > 1.0)
+}
+
+/// The mean distance between neighbours if the particles filled their box evenly; 1 for one particle.
+fn spacing(positions: &[[f64; 3]]) -> f64 {
+    let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for position in positions {
+        for (axis, x) in position.iter().enumerate() {
+            (ends[0][axis], ends[1][axis]) = (ends[0][axis].min(*x), ends[1][axis].max(*x));
+        }
+    }
+    spacing_of(ends, positions.len() as u64)
+}
+
+/// The same for this number of particles between these least and largest coordinates.
+pub(super) fn spacing_of([low, high]: [[f64; 3]; 2], count: u64) -> f64 {
+    let sides = low.iter().zip(high).map(|(a, b)| b - a).filter(|side| *side > 0.0 && side.is_finite());
+    let sides: Vec<f64> = sides.collect();
+    let spread = sides.iter().map(|side| side.ln()).sum::<f64>() - (count.max(1) as f64).ln();
+    if sides.is_empty() { 1.0 } else { (spread / sides.len() as f64).exp() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn particles(n: usize) -> Particles {
+        Particles { positions: (0..n).map(|k| [k as f64, 0.0, 0.0]).collect(), ..Particles::default() }
+    }
+
+    #[test]
+    fn radii_come_from_the_option_the_file_the_element_or_the_spacing() {
+        let mut p = particles(5);
+        let radii = |style: &Style, p: &Particles| {
+            let mut skipped = Skipped::default();
+            (style.radii_of(p, &mut skipped).expect("radii"), skipped.assumed.len())
+        };
+        let style = Style::default();
+        let (spaced, warned) = radii(&style, &p);
+        // Five in a row at a spacing of one fill a length of four.
+        assert!((spaced[0] - 0.4).abs() < 1e-12 && warned == 1, "{spaced:?}");
+        p.elements = vec![6, 1, 0, 8, 118];
+        let (of_elements, warned) = radii(&style, &p);
+        assert_eq!((&of_elements[..], warned), (&[1.7, 1.2, UNKNOWN_RADIUS, 1.52, UNKNOWN_RADIUS][..], 1));
+        let covalent = Style { radii: Radii::Covalent, radius_scale: 2.0, ..style.clone() };
+        assert_eq!(radii(&covalent, &p).0[..2], [1.52, 0.62]);
+        p.radii = vec![3.0; 5];
+        assert_eq!(radii(&style, &p), (vec![3.0; 5], 0));
+        p.radii[1..3].fill(f64::NAN);
+        assert_eq!(radii(&style, &p), (vec![3.0, 1.2, UNKNOWN_RADIUS, 3.0, 3.0], 1));
+        p.radii = vec![3.0; 5];
+        assert_eq!(radii(&Style { radius: Some(0.5), ..covalent }, &p), (vec![1.0; 5], 0));
+    }
+
+    #[test]
+    fn colours_of_files_may_be_levels_of_8_bits() {
+        let colored = |colors: &[[f32; 3]]| {
+            let mut p = particles(colors.len());
+            p.colors = colors.to_vec();
+            let mut skipped = Skipped::default();
+            let (found, _) = Style::default().colors(&mut p, &mut skipped).expect("colours");
+            (found.expect("colours"), skipped.assumed.len())
+        };
+        assert_eq!(colored(&[[255.0, 0.0, 128.0]]), (vec![linear([255, 0, 128])], 1));
+        for linear in [[[1.0, 0.0, 1.0]], [[0.5, 2.0, 0.0]], [[256.0, 0.0, 0.0]]] {
+            assert_eq!(colored(&linear), (linear.to_vec(), 0), "linear, beyond 1 too");
+        }
+    }
+}

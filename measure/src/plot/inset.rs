@@ -1,0 +1,259 @@
+//! What is drawn inside a picture: the legend of its colours, a label, a scale bar. Each is dark on a translucent white
+//! panel, which is readable on dark and on light backgrounds, with letters whose size follows the picture's.
+
+mod label;
+mod page;
+mod scale;
+
+use super::canvas::plain;
+use super::raster::{missing, warning};
+use halfline::error::{Error, Result};
+use halfline::frame::{Aov, Buffer, Data, Frame};
+use halfline_files::read::style::{Legend, linear};
+use page::Page;
+use std::collections::BTreeSet;
+use tiny_skia::Pixmap;
+
+pub use label::{Label, LabelValues};
+
+/// Where the legend is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Corner {
+    /// In the middle of the right side.
+    #[default]
+    Right,
+    /// At the top left, below the label.
+    TopLeft,
+    /// At the top right.
+    TopRight,
+    /// At the bottom left, above the scale bar.
+    BottomLeft,
+    /// At the bottom right.
+    BottomRight,
+}
+
+impl Corner {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Right, Self::TopLeft, Self::TopRight, Self::BottomLeft, Self::BottomRight];
+
+    /// The name on the command line and in provenance.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::TopLeft => "top-left",
+            Self::TopRight => "top-right",
+            Self::BottomLeft => "bottom-left",
+            Self::BottomRight => "bottom-right",
+        }
+    }
+}
+
+impl std::str::FromStr for Corner {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        halfline::error::by_name("corner", name, &Self::ALL, Self::name)
+    }
+}
+
+/// A bar of a known length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScaleBar {
+    /// Scene units in a pixel.
+    pub per_pixel: f64,
+    /// The unit in its label; empty for none.
+    pub unit: String,
+}
+
+/// What is drawn inside one picture.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Insets {
+    /// The legend, and where it is.
+    pub legend: Option<(Legend, Corner)>,
+    /// Text at the top left.
+    pub label: Option<String>,
+    /// A scale bar at the bottom left.
+    pub scale_bar: Option<ScaleBar>,
+}
+
+/// Drawn panels at their places in the picture.
+#[derive(Debug, Clone)]
+pub struct Panels {
+    panels: Vec<Panel>,
+    words: String,
+    /// Letters of the texts that the font lacks.
+    unknown: BTreeSet<char>,
+}
+
+#[derive(Debug, Clone)]
+struct Panel {
+    at: [usize; 2],
+    pixels: Pixmap,
+}
+
+/// The part of a frame's colour and alpha that panels cover.
+#[derive(Debug)]
+pub struct Covered(Vec<(Aov, usize, Vec<f32>)>);
+
+/// The largest share of the picture's width that a legend takes from what is framed beside it.
+const WIDEST: f64 = 0.8;
+
+/// The most letters of a label.
+pub const MOST_LETTERS: usize = 1000;
+
+impl Insets {
+    /// Whether nothing is drawn.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The shares of the picture's width that the legend takes at its left and right side, with its distance from them.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] if the picture is too small for the legend.
+    pub fn aside(&self, width: u32, height: u32) -> Result<[f64; 2]> {
+        let Some((legend, corner)) = &self.legend else { return Ok([0.0; 2]) };
+        let page = Page::new(width, height);
+        let (pixels, _) = page.legend(legend)?;
+        let share = (f64::from(page.margin) + f64::from(pixels.width())) / f64::from(width);
+        if share > WIDEST {
+            return Err(page.too_small("the legend beside the spheres"));
+        }
+        Ok(match corner {
+            Corner::TopLeft | Corner::BottomLeft => [share, 0.0],
+            Corner::Right | Corner::TopRight | Corner::BottomRight => [0.0, share],
+        })
+    }
+
+    /// The panels for a picture of `width` x `height` pixels. Texts that do not fit are cut.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] if the picture is too small for one of them, or a scale bar has no length.
+    pub fn panels(&self, width: u32, height: u32) -> Result<Panels> {
+        let page = Page::new(width, height);
+        let (mut words, mut unknown) = (Vec::new(), BTreeSet::new());
+        let legend = match &self.legend {
+            Some((legend, corner)) => {
+                let (pixels, [title, text]) = page.legend(legend)?;
+                unknown.extend(missing(&title, true).chain(missing(&text, false)));
+                words.push(format!("legend {}: {title}{text}", corner.name()));
+                Some((pixels, *corner))
+            }
+            None => None,
+        };
+        let on_the_right =
+            legend.as_ref().filter(|(_, corner)| !matches!(corner, Corner::TopLeft | Corner::BottomLeft));
+        let taken = on_the_right.map_or(0.0, |(pixels, _)| pixels.width() as f32 + page.margin);
+        let free = page.width - 2.0 * page.margin - taken;
+        let label = self.label.as_deref().map(plain).filter(|label| !label.trim().is_empty());
+        let label = label.map(|label| page.label(&label, free).map(|pixels| (pixels, label))).transpose()?;
+        let bar = self.scale_bar.as_ref().map(|bar| page.scale_bar(bar.per_pixel, &bar.unit, free)).transpose()?;
+        if let Some((_, label)) = &label {
+            unknown.extend(missing(label, false));
+            words.push(format!("label: {label}"));
+        }
+        if let Some((_, text)) = &bar {
+            unknown.extend(missing(text, false));
+            words.push(format!("scale bar: {text}"));
+        }
+        let mut panels = Vec::new();
+        let (mut top, mut bottom) = (page.margin, page.height - page.margin);
+        if let Some((pixels, _)) = label {
+            let panel = Panel { at: [page.margin as usize, top as usize], pixels };
+            if legend.as_ref().is_some_and(|(_, corner)| *corner == Corner::TopLeft) {
+                top += panel.pixels.height() as f32 + page.margin;
+            }
+            panels.push(panel);
+        }
+        if let Some((pixels, _)) = bar {
+            let row = bottom - pixels.height() as f32;
+            if legend.as_ref().is_some_and(|(_, corner)| *corner == Corner::BottomLeft) {
+                bottom = row - page.margin;
+            }
+            panels.push(Panel { at: [page.margin as usize, row.max(0.0) as usize], pixels });
+        }
+        if let Some((pixels, corner)) = legend {
+            let [wide, high] = [pixels.width() as f32, pixels.height() as f32];
+            if high > bottom - top {
+                return Err(page.too_small("the legend"));
+            }
+            let left = match corner {
+                Corner::TopLeft | Corner::BottomLeft => page.margin,
+                _ => page.width - page.margin - wide,
+            };
+            let row = match corner {
+                Corner::TopLeft | Corner::TopRight => top,
+                Corner::BottomLeft | Corner::BottomRight => bottom - high,
+                Corner::Right => ((page.height - high) / 2.0).floor(),
+            };
+            panels.push(Panel { at: [left.max(0.0) as usize, row.max(0.0) as usize], pixels });
+        }
+        Ok(Panels { panels, words: words.join("; "), unknown })
+    }
+}
+
+impl Panels {
+    /// What is drawn, for provenance: everything that the panels depend on besides the picture's size.
+    #[must_use]
+    pub fn words(&self) -> &str {
+        &self.words
+    }
+
+    /// What the panels do not show as it is written, in a whole sentence: letters that the font lacks.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        warning(&self.unknown)
+    }
+
+    /// Draws the panels on the colour of a whole frame, and in its alpha if the background is transparent; returns what they cover.
+    pub fn draw(&self, frame: &mut Frame, transparent: bool) -> Covered {
+        let mut covered = Vec::new();
+        let columns = frame.width as usize;
+        for Panel { at: [left, top], pixels } in &self.panels {
+            for (row, line) in pixels.pixels().chunks(pixels.width() as usize).enumerate() {
+                let line = &line[..line.len().min(columns.saturating_sub(*left))];
+                for buffer in &mut frame.buffers {
+                    let channels = buffer.channels();
+                    let Some(values) = values(buffer, transparent) else { continue };
+                    let start = channels * ((top + row) * columns + left);
+                    let Some(values) = values.get_mut(start..start + channels * line.len()) else { continue };
+                    covered.push((if channels == 3 { Aov::Color } else { Aov::Alpha }, start, values.to_vec()));
+                    for (values, pixel) in values.chunks_exact_mut(channels).zip(line) {
+                        let (alpha, own) = (f32::from(pixel.alpha()) / 255.0, pixel.demultiply());
+                        let own = linear([own.red(), own.green(), own.blue()]);
+                        for (channel, value) in values.iter_mut().enumerate() {
+                            // Over: colour is premultiplied by alpha where that is written.
+                            let above = if channels == 3 { own[channel] } else { 1.0 };
+                            *value = alpha * above + (1.0 - alpha) * *value;
+                        }
+                    }
+                }
+            }
+        }
+        Covered(covered)
+    }
+}
+
+impl Covered {
+    /// Puts back what the panels cover.
+    pub fn restore(self, frame: &mut Frame) {
+        // The last drawn first, where panels overlap.
+        for (aov, start, old) in self.0.into_iter().rev() {
+            let buffer = frame.buffers.iter_mut().find(|buffer| buffer.aov == aov);
+            if let Some(values) = buffer.and_then(|buffer| values(buffer, true)) {
+                values[start..start + old.len()].copy_from_slice(&old);
+            }
+        }
+    }
+}
+
+/// The values of a buffer that panels change.
+fn values(buffer: &mut Buffer, transparent: bool) -> Option<&mut [f32]> {
+    match (buffer.aov, &mut buffer.data) {
+        (Aov::Color, Data::F32(values)) => Some(values),
+        (Aov::Alpha, Data::F32(values)) if transparent => Some(values),
+        _ => None,
+    }
+}

@@ -1,0 +1,32 @@
+//! The length that a scale bar shows.
+
+use super::ScaleBar;
+use halfline::error::{Error, Result};
+use halfline::scene::Scene;
+use halfline::scene::camera::Viewport;
+
+impl ScaleBar {
+    /// The bar of a scene: with a perspective camera its length is that at the distance of the middle of all spheres.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a scene whose middle is not in front of the camera.
+    pub fn of(scene: &Scene, unit: &str) -> Result<Self> {
+        Ok(Self { per_pixel: per_pixel(scene)?, unit: unit.to_owned() })
+    }
+}
+
+/// Scene units in a pixel: everywhere with an orthographic camera, else at the distance of the middle of all spheres.
+fn per_pixel(scene: &Scene) -> Result<f64> {
+    let Viewport { vw, d, .. } = scene.camera.viewport(scene.image.width, scene.image.height)?;
+    let pixel = vw / f64::from(scene.image.width);
+    if scene.camera.lens.is_orthographic() {
+        return Ok(pixel);
+    }
+    let basis = scene.camera.basis()?;
+    let depth = (basis.e - scene.spheres.middle()).dot(basis.w);
+    if depth > 0.0 {
+        return Ok(pixel * depth / d);
+    }
+    let problem = "--scale-bar needs the middle of all spheres in front of the camera";
+    Err(Error::settings(problem, "use --ortho or another camera, or remove --scale-bar"))
+}
