@@ -40,7 +40,8 @@ pub(super) struct FileArgs {
     #[arg(long, value_name = "N")]
     dpi: Option<Dpi>,
     /// Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss.
-    #[arg(long, value_name = "X", default_value = "0.001", value_parser = positive("number, such as 0.001"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value = "0.001", value_parser = positive("number, such as 0.001"),
+        allow_negative_numbers = true)]
     unit: f64,
     /// Distance and depth of a miss: inf, nan (as in ROS), zero (as in OpenCV); in PNG always 0.
     #[arg(long, value_name = "V", default_value = "inf")]
