@@ -39,10 +39,6 @@ struct Notes {
 }
 
 impl Bar {
-    pub(super) fn new() -> Self {
-        Self::with_output(ProgressOutput::Auto, 1)
-    }
-
     /// The progress line, or the chosen output for programs, for `frames` frames.
     pub(super) fn with_output(output: ProgressOutput, frames: u32) -> Self {
         let notes = Arc::<Mutex<Notes>>::default();

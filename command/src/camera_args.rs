@@ -36,8 +36,8 @@ pub(super) struct CameraArgs {
     vfov: Option<f64>,
     /// Orthographic camera with a view of this height in scene units; without HEIGHT it shows all spheres. Answers are
     /// always certified or exact.
-    #[arg(long, value_name = "HEIGHT", value_parser = positive("number, in the scene's unit"), num_args = 0..=1, allow_negative_numbers = true,
-        conflicts_with = "vfov")]
+    #[arg(long, value_name = "HEIGHT", value_parser = positive("number, in the scene's unit"), num_args = 0..=1,
+        allow_negative_numbers = true, conflicts_with = "vfov")]
     pub(super) ortho: Option<Option<f64>>,
     /// Magnifies the picture X times about its middle; below 1 it shows more. It makes the viewport
     /// narrower by that factor, after the scene is framed, and does not move the eye.

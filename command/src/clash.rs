@@ -29,18 +29,12 @@ pub(super) fn check_inputs<'a>(outputs: impl IntoIterator<Item = &'a Path>, inpu
     Ok(())
 }
 
-/// An error for a file that two outputs name.
-///
-/// # Errors
-/// [`Error::Settings`], always.
+/// The error of a file that two outputs name.
 pub(super) fn written_twice<T>(path: &Path, mend: &str) -> Result<T> {
     Err(Error::settings(format!("{} would be written twice", path.display()), mend))
 }
 
 /// Returns an error for several results on standard output; `what` names those before the JSON and the lines of openjd.
-///
-/// # Errors
-/// [`Error::Settings`] with all that can be there.
 pub(super) fn check_one_standard(what: &str, are_there: impl IntoIterator<Item = bool>) -> Result<()> {
     if are_there.into_iter().filter(|is_there| *is_there).count() < 2 {
         return Ok(());

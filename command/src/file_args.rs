@@ -3,10 +3,10 @@
 use super::clash::{place, written_twice};
 use super::film::{FPS, Film};
 use super::names::{check_pattern, numbered};
+use super::process::is_typed;
 use super::values::{color, positive};
+use clap::Args;
 use clap::builder::ArgPredicate;
-use clap::parser::ValueSource;
-use clap::{ArgMatches, Args, Command, FromArgMatches};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::scene::Scene;
@@ -24,7 +24,7 @@ pub(super) struct FileArgs {
     /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw; - is a PNG on standard output. For several pictures
     /// %d or %04d is replaced by the number, or .mp4 or .gif is a film of them, made by ffmpeg.
     #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Pictures per second of a film [default: 25].
     #[arg(long, value_name = "N", value_parser = fps, allow_negative_numbers = true)]
     fps: Option<f64>,
@@ -36,61 +36,26 @@ pub(super) struct FileArgs {
     /// Bits per component in PNG: 8, 16.
     #[arg(long, value_name = "N", default_value = "8")]
     bits: Bits,
-    #[command(flatten)]
-    dpi: DpiArgs,
+    /// Pixels per inch, stored in PNG for print; the number of pixels is that of --size.
+    #[arg(long, value_name = "N")]
+    dpi: Option<Dpi>,
     /// Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss.
-    #[arg(long, value_name = "X", default_value = "0.001", value_parser = positive("number, such as 0.001"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value = "0.001", value_parser = positive("number, such as 0.001"),
+        allow_negative_numbers = true)]
     unit: f64,
     /// Distance and depth of a miss: inf, nan (as in ROS), zero (as in OpenCV); in PNG always 0.
     #[arg(long, value_name = "V", default_value = "inf")]
     no_return: NoReturn,
     /// Writes little-endian numbers without a header to standard output, as in .raw files.
     #[arg(long)]
-    raw: bool,
+    pub(super) raw: bool,
     /// Background colour: a CSS name such as white, #rgb or #rrggbb in sRGB, or r,g,b in linear RGB.
     #[arg(long, help_heading = "Image", value_name = "C", value_parser = color, conflicts_with = "transparent")]
     background: Option<[f32; 3]>,
     /// Makes the background transparent; alpha is stored in .png, .exr and .npz.
     // --background on the command line overrides a configuration file that makes all backgrounds transparent.
     #[arg(long, help_heading = "Image", default_value_if("background", ArgPredicate::IsPresent, "false"))]
-    transparent: bool,
-}
-
-/// The resolution of PNG files.
-#[derive(Debug)]
-struct DpiArgs {
-    dpi: Option<Dpi>,
-    /// Whether the command line gives it; a preference from elsewhere may apply to no file.
-    is_typed: bool,
-}
-
-#[derive(Debug, Args)]
-struct DpiOption {
-    /// Pixels per inch, stored in PNG for print; the number of pixels is that of --size.
-    #[arg(long, value_name = "N")]
-    dpi: Option<Dpi>,
-}
-
-impl Args for DpiArgs {
-    fn augment_args(command: Command) -> Command {
-        DpiOption::augment_args(command)
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        DpiOption::augment_args_for_update(command)
-    }
-}
-
-impl FromArgMatches for DpiArgs {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let is_typed = matches.value_source("dpi") == Some(ValueSource::CommandLine);
-        Ok(Self { dpi: DpiOption::from_arg_matches(matches)?.dpi, is_typed })
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
+    pub(super) transparent: bool,
 }
 
 impl FileArgs {
@@ -129,20 +94,16 @@ impl FileArgs {
         files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect()
     }
 
-    /// Returns an error for a --dpi of the command line that none of the files would hold.
+    /// Returns an error for a --dpi of the command line that none of the files would hold; a preference from elsewhere may
+    /// apply to no file.
     pub(super) fn check_dpi(&self, targets: &[Target]) -> Result<()> {
-        let film = self.film().map(|film| film.path());
+        let film = self.film().map(|film| film.path);
         let holds = |target: &Target| target.format() == FileFormat::Png && Some(target.path()) != film;
-        if !self.dpi.is_typed || targets.iter().any(holds) {
+        if !is_typed("--dpi") || targets.iter().any(holds) {
             return Ok(());
         }
         let problem = "--dpi applies to PNG files, and none is written";
         Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"))
-    }
-
-    /// The file of -o, with a pattern for the number. It is the first of [`FileArgs::targets`].
-    pub(super) fn picture(&self) -> Option<&Path> {
-        self.output.as_deref()
     }
 
     /// The film that -o names.
@@ -162,16 +123,6 @@ impl FileArgs {
         Err(Error::settings(problem, "use -o with the file name extension .mp4 or .gif, or remove --fps"))
     }
 
-    /// Whether standard output receives numbers without a header.
-    pub(super) fn is_raw(&self) -> bool {
-        self.raw
-    }
-
-    /// Whether the background is transparent.
-    pub(super) fn is_transparent(&self) -> bool {
-        self.transparent
-    }
-
     /// The buffers of --aov.
     pub(super) fn buffers(&self) -> Vec<Aov> {
         self.aov.iter().flat_map(|(aovs, _)| aovs).copied().collect()
@@ -184,17 +135,17 @@ impl FileArgs {
 
     /// Returns an error for names that several pictures would share.
     pub(super) fn check_many(&self) -> Result<()> {
-        let film = self.film().map(|film| film.path());
+        let film = self.film().map(|film| film.path);
         let names = self.named()?;
         names.iter().filter(|(_, path)| Some(*path) != film).try_for_each(|(_, path)| check_pattern(path))
     }
 
     fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
-        let Self { bits, unit, no_return, transparent, dpi: DpiArgs { dpi, .. }, .. } = *self;
+        let Self { bits, unit, no_return, transparent, dpi, .. } = *self;
         let style = FormatOptions { bits, unit, no_return, transparent, dpi };
         match aovs {
             [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),
-            [Aov::Color] if self.film().is_some_and(|film| film.path() == path) => Ok(Target::film(path, style)),
+            [Aov::Color] if self.film().is_some_and(|film| film.path == path) => Ok(Target::film(path, style)),
             _ => Target::new(aovs, path, style),
         }
     }

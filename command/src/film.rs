@@ -19,7 +19,7 @@ const PROGRAM: &str = "ffmpeg";
 /// A film that is to be written.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Film<'a> {
-    path: &'a Path,
+    pub(super) path: &'a Path,
     kind: FilmKind,
     fps: f64,
 }
@@ -78,10 +78,6 @@ impl<'a> Film<'a> {
     /// The film at `path`, if its extension is that of one.
     pub(super) fn of(path: &'a Path, fps: f64) -> Option<Self> {
         Some(Self { path, kind: FilmKind::of(path)?, fps })
-    }
-
-    pub(super) fn path(&self) -> &'a Path {
-        self.path
     }
 
     /// Returns an error for options that make no film, and where ffmpeg is missing.

@@ -18,7 +18,7 @@ pub(super) struct InsetArgs {
     /// Draws the legend of the colours, of --color-by or else of the elements, inside the picture: right (the default),
     /// top-left, top-right, bottom-left, bottom-right. Spheres that are framed lie beside it. CORNER may follow = or a space.
     #[arg(long, value_name = "CORNER", num_args = 0..=1, require_equals = true, default_missing_value = "right")]
-    legend_in: Option<Corner>,
+    pub(super) legend_in: Option<Corner>,
     /// Draws text at the top left; {frame}, {file} and {count} are replaced by the frame's number, the file's name and the
     /// number of spheres, {time} and {step} by the frame's time and step if its file has them.
     #[arg(long, value_name = "TEXT")]
@@ -55,15 +55,10 @@ impl InsetArgs {
             let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
             is_standard_output(path) || ending.is_some_and(|ending| ending == "png" || ending == "exr")
         };
-        match files.picture() {
-            Some(path) if is_picture(path) && !files.is_raw() => Ok(()),
+        match files.output.as_deref() {
+            Some(path) if is_picture(path) && !files.raw => Ok(()),
             _ => refuse("are drawn into a PNG or EXR picture", "use -o with the file name extension .png or .exr"),
         }
-    }
-
-    /// Whether a legend is drawn.
-    pub(super) fn has_legend(&self) -> bool {
-        self.legend_in.is_some()
     }
 
     /// The shares of the width of a picture that its legend takes at the left and the right.

@@ -19,8 +19,8 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
         return written_twice(path, "use another file for the legend");
     }
     // Without a common range each frame has a legend of its own.
-    let is_common = args.color.range().is_some() || args.read.hold != Hold::None;
-    if !is_common && args.read.frames().is_some_and(|frames| frames.count() > 1) {
+    let is_common = args.color.range.is_some() || args.read.hold != Hold::None;
+    if !is_common && args.read.frames.as_ref().is_some_and(|frames| frames.count() > 1) {
         check_pattern(path)?;
     }
     Ok(())
@@ -31,11 +31,11 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Settings`] for spheres without elements, a column and colours of selections.
 pub(super) fn check_content(args: &SceneArgs, picture: &PictureScene) -> Result<()> {
-    let is_requested = args.insets.has_legend() || args.color.legend.is_some();
-    if !is_requested || args.color.is_by_column() || picture.legend.is_some() || picture.scene.spheres.is_empty() {
+    let is_requested = args.insets.legend_in.is_some() || args.color.legend.is_some();
+    if !is_requested || args.color.color_by.is_some() || picture.legend.is_some() || picture.scene.spheres.is_empty() {
         return Ok(());
     }
-    let option = if args.insets.has_legend() { "--legend-in" } else { "--legend" };
+    let option = if args.insets.legend_in.is_some() { "--legend-in" } else { "--legend" };
     let problem = format!("{option}: the spheres have neither elements nor a column that gives them their colours");
     let mend = "add --color-by COLUMN, or --color 'EXPR=COLOR' for a row, or remove it";
     Err(Error::settings(problem, mend))

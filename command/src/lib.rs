@@ -51,7 +51,11 @@ use tracing_subscriber::prelude::*;
 
 /// Renders spheres, from atoms to planets, and bounds the error of every pixel.
 #[derive(Debug, Parser)]
-#[command(name = "halfline", version, about)]
+#[command(
+    name = "halfline",
+    version,
+    about = "A GPU compute ray tracer for spheres, from atoms to planets: headless, fast, and it says how far from exact it is"
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -58,13 +58,6 @@ pub(super) struct LookRequest {
     pub(super) shade: Option<Shade>,
 }
 
-impl LookRequest {
-    /// Whether options or the file ask for samples.
-    pub(super) fn has_samples(&self) -> bool {
-        self.samples.or(self.file.samples).is_some()
-    }
-}
-
 /// The look of one picture: what its options stand for, and its lens.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PictureLook {

@@ -4,6 +4,7 @@ mod table;
 
 use super::bar::Bar;
 use super::clash::check_inputs;
+use super::lines::ProgressOutput;
 use super::messages::{QuietArgs, note, warn};
 use super::process::{ExitCode, arguments};
 use super::scene_args::{scene_size, tolerance};
@@ -126,7 +127,7 @@ impl Measure {
             command: command(),
         };
         let subject = self.subject()?;
-        let bar = Bar::new();
+        let bar = Bar::with_output(ProgressOutput::Auto, 1);
         measure(&subject, &options, &bar.watch(), &mut |line| bar.aside(|| note(format_args!("{line}"))))
     }
 

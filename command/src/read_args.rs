@@ -34,14 +34,14 @@ pub(super) struct ReadArgs {
     columns: Option<ColumnNames>,
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
     #[arg(long, value_name = "A-B")]
-    frames: Option<FrameRange>,
+    pub(super) frames: Option<FrameRange>,
     /// Where the camera, default radii and the range of colours of a sequence come from: first (frame of the file), all
     /// (frames of the file, which is read twice), none (each frame by itself).
     #[arg(long, value_name = "H", default_value = "first", hide_default_value = true)]
     pub(super) hold: Hold,
     /// File with the atoms of a trajectory (xtc, trr, dcd), such as a PDB or GRO file: elements, radii and columns.
     #[arg(long, value_name = "FILE")]
-    topology: Option<PathBuf>,
+    pub(super) topology: Option<PathBuf>,
     /// Model number in a PDB or mmCIF file.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     model: Option<i64>,
@@ -107,7 +107,7 @@ pub(super) struct ColorArgs {
     color: Vec<Rule<[f32; 3]>>,
     /// Colours by element, chain, x, y, z, or any column of the file; several columns (vx,vy,vz) by their length.
     #[arg(long, value_name = "COLUMN,...")]
-    color_by: Option<String>,
+    pub(super) color_by: Option<String>,
     /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category [default:
     /// category for names, else viridis].
     #[arg(long, value_name = "M")]
@@ -115,7 +115,7 @@ pub(super) struct ColorArgs {
     /// Values at the ends of the colour map [default: minimum and maximum].
     #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by",
         allow_hyphen_values = true)]
-    range: Option<[f64; 2]>,
+    pub(super) range: Option<[f64; 2]>,
     /// Uses a logarithmic colour scale.
     #[arg(long, requires = "color_by")]
     log: bool,
@@ -182,16 +182,6 @@ impl ReadArgs {
         Some(format!("camera, default radii and the range of colours are those of {from} of the file (see --hold)"))
     }
 
-    /// The selected frames of a sequence.
-    pub(super) fn frames(&self) -> Option<&FrameRange> {
-        self.frames.as_ref()
-    }
-
-    /// The file with the atoms of a trajectory.
-    pub(super) fn topology(&self) -> Option<&PathBuf> {
-        self.topology.as_ref()
-    }
-
     /// The arrangement of the spheres.
     pub(super) fn arrangement(&self) -> Arrangement {
         let bead = |radius: Option<f64>| radius.map_or(Bead::Thin, Bead::Radius);
@@ -227,16 +217,6 @@ impl ColorArgs {
             }),
             (None, None) => Coloring::File,
         })
-    }
-
-    /// Whether a column gives the colours.
-    pub(super) fn is_by_column(&self) -> bool {
-        self.color_by.is_some()
-    }
-
-    /// The values at the ends of the colour map, if they are given.
-    pub(super) fn range(&self) -> Option<[f64; 2]> {
-        self.range
     }
 }
 

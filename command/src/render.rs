@@ -24,7 +24,6 @@ use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::render::Renderer;
-use halfline::report::Report;
 use halfline::settings::Settings;
 use halfline_files::write::file::{Target, is_special};
 use picture::{Messages, Picture, PictureWriter};
@@ -164,7 +163,7 @@ impl Render {
                 if let (Some(film), Some(still)) = (&mut film, &picture.still) {
                     film.add(still)?;
                 }
-                self.print_report(&picture.report)
+                if self.json { print_json(&picture.report) } else { Ok(()) }
             };
             match room {
                 Room::Alone => {
@@ -203,14 +202,6 @@ impl Render {
         }
     }
 
-    /// Prints the report if --json is given.
-    fn print_report(&self, report: &Report) -> Result<()> {
-        if !self.json {
-            return Ok(());
-        }
-        print_json(report)
-    }
-
     /// The opened file and its first scene; a stream has no other.
     fn first(&self, settings: &Settings, targets: &[Target], cancel: &Cancel) -> Result<First<'_>> {
         let streamed = |why: Option<String>| {
@@ -226,7 +217,7 @@ impl Render {
             Ok((Some(scene_frames), first))
         };
         match in_memory() {
-            Err(Error::Limits { problem, mend }) if !self.reads_standard() => {
+            Err(Error::Limits { problem, mend }) if self.args.scene != Path::new("-") => {
                 let why = format!("{problem}: the file is read as a stream (see --stream)");
                 // A scene that cannot be a stream is one that does not fit.
                 streamed(Some(why)).map_err(|error| match error {
@@ -237,10 +228,6 @@ impl Render {
             }
             opened => opened,
         }
-    }
-
-    fn reads_standard(&self) -> bool {
-        self.args.scene == Path::new("-")
     }
 
     /// The next scene, once its files are known to be writable.

@@ -146,7 +146,7 @@ impl SceneArgs {
 
     /// The number of pictures by the arguments alone: the selected frames, the turns, or one. The file may have fewer frames.
     pub(super) fn expected(&self) -> u32 {
-        match (self.read.frames(), self.camera.turns()) {
+        match (&self.read.frames, self.camera.turns()) {
             (Some(frames), _) => frames.count().try_into().unwrap_or(u32::MAX),
             (None, turns) => turns.unwrap_or(1),
         }
@@ -162,7 +162,7 @@ impl SceneArgs {
     /// The numbers that go into names, by the arguments alone; only the first of very many.
     fn numbers(&self) -> Vec<u64> {
         const MANY: usize = 1 << 16;
-        match (self.read.frames(), self.camera.turns()) {
+        match (&self.read.frames, self.camera.turns()) {
             (Some(frames), _) => frames.numbers().take(MANY).collect(),
             (None, turns) => (1..=u64::from(turns.unwrap_or(1))).take(MANY).collect(),
         }
@@ -176,7 +176,7 @@ impl SceneArgs {
         names.retain(|name| !is_standard_output(name));
         let numbers = self.numbers();
         check_numbered(&names, numbers.iter().copied())?;
-        let inputs: Vec<PathBuf> = [&self.scene].into_iter().chain(self.read.topology()).cloned().collect();
+        let inputs: Vec<PathBuf> = [&self.scene].into_iter().chain(&self.read.topology).cloned().collect();
         for input in &inputs {
             let file = place(input);
             // By a later frame of a numbered pattern.

@@ -59,9 +59,9 @@ impl<'a> SceneFrames<'a> {
         let mut options = options(args, cancel)?;
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        let mut common = HeldCamera::new(args.read.frames().is_some() && args.read.hold != Hold::None);
+        let mut common = HeldCamera::new(args.read.frames.is_some() && args.read.hold != Hold::None);
         if options.hold == Hold::All
-            && args.read.frames().is_some()
+            && args.read.frames.is_some()
             && let Some((camera, middle)) = hold_all(args, &mut options)?
         {
             common.set_camera(camera);
@@ -89,7 +89,7 @@ impl<'a> SceneFrames<'a> {
     pub(super) fn next_frame(&mut self) -> Result<Option<PictureScene>> {
         let (camera, count) = (&self.args.camera, self.count);
         self.count += 1;
-        let turns = camera.turns().filter(|_| self.args.read.frames().is_none());
+        let turns = camera.turns().filter(|_| self.args.read.frames.is_none());
         let frame = match turns {
             Some(turns) if count >= turns => return Ok(None),
             Some(_) => {
@@ -112,7 +112,8 @@ impl<'a> SceneFrames<'a> {
         self.prepare(&mut frame)?;
         let request = self.args.look_request(frame.look, self.has_picture);
         let taken = self.taken.and_then(|record| record.lens_size());
-        let lens = camera.lens.lens(&frame, taken, request.has_samples())?;
+        let has_samples = request.samples.or(request.file.samples).is_some();
+        let lens = camera.lens.lens(&frame, taken, has_samples)?;
         if let Some(turns) = camera.spin {
             let scene = &mut frame.scene;
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.

@@ -163,12 +163,12 @@ impl Trace {
         }
         let prints_hits = file.as_ref().is_some_and(HitFile::is_standard);
         check_one_standard("the hits", [prints_hits, self.json, self.progress.is_openjd()])?;
-        if self.read.frames().is_some_and(|frames| frames.count() > 1) {
+        if self.read.frames.as_ref().is_some_and(|frames| frames.count() > 1) {
             return Err(Error::settings("rays are traced in one frame", "use --frames with a single number"));
         }
         self.source.check(&self.pose)?;
         let inputs: Vec<_> =
-            [&self.scene].into_iter().chain(self.read.topology()).chain(self.source.rays()).cloned().collect();
+            [&self.scene].into_iter().chain(&self.read.topology).chain(self.source.rays()).cloned().collect();
         if inputs.iter().filter(|input| is_standard(input)).count() > 1 {
             let problem = "two inputs cannot both come from standard input";
             return Err(Error::settings(problem, "use a file for one of them"));

@@ -183,14 +183,14 @@ impl PictureWriter<'_> {
         let (pictures, others): (Vec<_>, Vec<_>) = targets.iter().partition(|target| target.is_drawn_on());
         let (film, still) = (self.args.files.film(), OnceLock::new());
         let put = |frame: &Frame, target: &Target| match film {
-            Some(film) if film.path() == target.path() => {
+            Some(film) if film.path == target.path() => {
                 target.encode(frame, origin, &go_on).map(|bytes| _ = still.set(bytes))
             }
             _ => target.write_while(frame, origin, &go_on),
         };
         let write = |frame: &Frame, targets: &[&Target]| targets.par_iter().try_for_each(|target| put(frame, target));
         if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {
-            let covered = panels.draw(frame, self.args.files.is_transparent());
+            let covered = panels.draw(frame, self.args.files.transparent);
             let written = write(frame, &pictures);
             covered.restore(frame);
             written?;
