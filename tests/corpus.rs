@@ -45,7 +45,7 @@ fn fault(target: &Target, content: &[u8]) -> Option<String> {
 // One test, because memory is counted for the whole process.
 #[test]
 fn every_input_of_the_corpus_is_read_or_refused_and_so_are_damaged_ones() {
-    let runs: usize = std::env::var("HALFLINE_FUZZ_RUNS").map_or(300, |runs| runs.parse().expect("a number of runs"));
+    let runs: usize = std::env::var("HALFLINE_FUZZ_RUNS").map_or(1000, |runs| runs.parse().expect("a number of runs"));
     let only = std::env::var("HALFLINE_FUZZ_TARGET").ok();
     let mut faults = Vec::new();
     for target in Target::all().iter().filter(|target| only.as_deref().is_none_or(|only| only == target.name)) {
