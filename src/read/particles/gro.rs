@@ -26,8 +26,6 @@ pub(in crate::read) struct Gro {
     survey: Option<Survey>,
     /// Whether the way elements were found was reported.
     told: bool,
-    /// Whether the current line has not been parsed yet.
-    held: bool,
     /// The time and the step in the title of the current frame.
     when: FrameTime,
 }
@@ -102,19 +100,19 @@ impl Gro {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         let wanted = named(&request.columns, &KINDS);
         let lines = Lines::new(source.reader, &source.path).of_any_bytes();
-        Self { lines, wanted, survey: request.survey, told: false, held: false, when: FrameTime::default() }
+        Self { lines, wanted, survey: request.survey, told: false, when: FrameTime::default() }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
     fn count(&mut self) -> Result<Option<u64>> {
         // A title may be empty; blank lines after the last frame are not titles.
         let mut titled = false;
-        while std::mem::take(&mut self.held) || self.lines.advance()? {
+        while self.lines.advance()? {
             let text = self.lines.text().trim();
             if titled && !text.is_empty() {
                 let count = text.parse().map_err(|_| {
                     let problem = format!("{} is not a number of atoms", quote(text));
-                    self.fail(0, "count", problem, "add a title, and the number of atoms on the line after it")
+                    self.lines.fail(0, "count", problem, "add a title, and the number of atoms on the line after it")
                 })?;
                 return check_ids(count).map(|()| Some(count));
             }
@@ -130,12 +128,7 @@ impl Gro {
         if self.lines.advance()? {
             return Ok(());
         }
-        let end = self.lines.text().len();
-        Err(self.fail(end, what, "the file ends within a frame", "give as many atoms as the count says, and the box"))
-    }
-
-    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
-        Error::scene(self.lines.place(byte).named(field), problem, mend)
+        Err(self.lines.ends(what, "the file ends within a frame", "give as many atoms as the count says, and the box"))
     }
 
     fn field(&self, columns: Range<usize>) -> &[u8] {
@@ -154,7 +147,7 @@ impl Gro {
         let [first, second] = [points.next(), points.next()];
         first.zip(second).map(|(first, second)| second - first).ok_or_else(|| {
             let problem = "no two numbers with a decimal point follow column 20";
-            self.fail(X.min(self.lines.text().len()), "x", problem, "write coordinates in the format %8.3f")
+            self.lines.fail(X.min(self.lines.text().len()), "x", problem, "write coordinates in the format %8.3f")
         })
     }
 
@@ -181,7 +174,7 @@ impl Gro {
                     let blanks = found.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
                     let problem = format!("expected a finite number, found {}", quote(found.trim_ascii()));
                     let byte = (at + blanks % found.len().max(1)).min(self.lines.text().len());
-                    self.fail(byte, axis, problem, "use the columns of the first atom of the frame")
+                    self.lines.fail(byte, axis, problem, "use the columns of the first atom of the frame")
                 })?;
         }
         inference.push(&names_of, &mut particles.elements);
@@ -209,7 +202,7 @@ impl Gro {
         let numbers: Vec<bool> = numbers.take(10).collect();
         let problem = format!("expected {count} atoms, found {n} before the box");
         let is_box = matches!(numbers[..], [true, true, true]) || numbers.len() == 9 && numbers.iter().all(|is| *is);
-        is_box.then(|| self.fail(0, "count", problem, "correct the count"))
+        is_box.then(|| self.lines.fail(0, "count", problem, "correct the count"))
     }
 
     /// Checks that the current line is not an atom after the last of `count`.
@@ -233,7 +226,7 @@ impl Gro {
             [ax, by, cz, ay, az, bx, bz, cx, cy] => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
             _ => {
                 let problem = format!("a box has {} numbers", numbers.len());
-                return Err(self.fail(0, "box", problem, "use 3 or 9, and check the number of atoms"));
+                return Err(self.lines.fail(0, "box", problem, "use 3 or 9, and check the number of atoms"));
             }
         };
         let some = numbers.iter().any(|x| *x != 0.0);
@@ -306,8 +299,11 @@ impl ParticleFrames for Gro {
         self.check_end(frame.width, count)?;
         particles.cell = self.cell()?;
         // The line after the box is the next frame's title, not an atom.
-        self.held = self.lines.advance()?;
+        let more = self.lines.advance()?;
         self.check_end(frame.width, count)?;
+        if more {
+            self.lines.give_back();
+        }
         let there = KINDS.iter().filter(|(_, kind)| kind.is_there(moving));
         particles.has = there.map(|(name, _)| (*name).to_owned()).collect();
         let labels = ["name", "resname"].into_iter().zip(&frame.names);
