@@ -230,7 +230,7 @@ impl Pdb {
                 AtomProperty::Altloc => name(location)?,
                 AtomProperty::Icode => name(field(line, ICODE))?,
                 AtomProperty::Record => name(field(line, RECORD))?,
-                AtomProperty::Asym | AtomProperty::Entity | AtomProperty::Copy => 0.0,
+                _ => 0.0,
             })
         })
     }
