@@ -22,11 +22,13 @@ pub(super) struct Lines<R> {
     text: String,
     number: u64,
     any_bytes: bool,
+    /// Whether the current line is the next one too.
+    again: bool,
 }
 
 impl<R: BufRead> Lines<R> {
     pub(super) fn new(reader: R, path: &Path) -> Self {
-        Self { reader, path: path.to_path_buf(), text: String::new(), number: 0, any_bytes: false }
+        Self { reader, path: path.to_path_buf(), text: String::new(), number: 0, any_bytes: false, again: false }
     }
 
     /// Accepts lines that are not UTF-8, with a question mark for each byte that is not ASCII, so that columns stay in
@@ -36,8 +38,16 @@ impl<R: BufRead> Lines<R> {
         self
     }
 
+    /// Lets the next [`Lines::advance`] find the current line again.
+    pub(super) fn give_back(&mut self) {
+        self.again = true;
+    }
+
     /// Reads the next line; returns false at the end of the file, where the last line is kept.
     pub(super) fn advance(&mut self) -> Result<bool> {
+        if std::mem::take(&mut self.again) {
+            return Ok(true);
+        }
         let mut bytes = std::mem::take(&mut self.text).into_bytes();
         bytes.clear();
         let mut line = (&mut self.reader).take(LONGEST);
@@ -133,6 +143,18 @@ impl<R: BufRead> Lines<R> {
     /// The place of a byte of this line.
     pub(super) fn place(&self, byte: usize) -> Place {
         self.spot(byte).of(self.file())
+    }
+}
+
+impl<R: BufRead> Lines<R> {
+    /// An error at a byte of this line.
+    pub(super) fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: impl Into<String>) -> Error {
+        Error::scene(self.place(byte).named(field), problem, mend)
+    }
+
+    /// An error at the end of this line.
+    pub(super) fn ends(&self, field: &str, problem: impl Into<String>, mend: impl Into<String>) -> Error {
+        self.fail(self.text.len(), field, problem, mend)
     }
 }
 

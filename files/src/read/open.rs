@@ -4,9 +4,10 @@ use super::format::Format;
 use super::frame_range::FrameRange;
 use super::npy::records;
 use super::options::ReadOptions;
-use super::particles::frame::ParticleFrames;
+use super::particles::frame::{OneFrame, ParticleFrames, Particles};
+use super::particles::table::Table;
 use super::particles::trajectory::{Topology, Trajectory};
-use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, table, xyz};
+use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, xyz};
 use super::source::SceneSource;
 use crate::error::{Error, Result};
 use std::path::Path;
@@ -39,19 +40,27 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Format::Pdb | Format::Pqr | Format::Pdbqt => Box::new(pdb::Pdb::new(source, request)),
         Format::Xyz => Box::new(xyz::Xyz::new(source, request)),
         Format::Dump => Box::new(dump::Dump::new(source, request)),
-        Format::Data => Box::new(data::LammpsData::new(source, request)),
-        Format::Ply => Box::new(ply::Ply::new(source, request)),
-        Format::Csv => Box::new(table::OneTable::new(source, request)?),
+        Format::Data => one(move || data::read(source, &request)),
+        Format::Ply => one(move || ply::read(source, &request)),
+        Format::Csv => {
+            let table = Table::open(source, &request)?;
+            one(move || table.all())
+        }
         Format::Npy => Box::new(records::Array::new(source, request)),
         Format::Npz => Box::new(npz::Npz::new(source, request)),
         Format::Xtc | Format::Trr | Format::Dcd => Box::new(Trajectory::new(source, topology, &request)),
-        Format::Poscar => Box::new(poscar::Poscar::new(source, request)),
-        Format::Pcd => Box::new(pcd::Pcd::new(source, request)),
-        Format::Las => Box::new(las::Las::new(source, request)),
+        Format::Poscar => one(move || poscar::read(source, &request)),
+        Format::Pcd => one(move || pcd::read(source, &request)),
+        Format::Las => one(move || las::read(source, &request)),
         Format::Gsd => Box::new(gsd::Gsd::new(source, request)),
         _ => return Ok(Err(source)),
     };
     Ok(Ok(frames))
+}
+
+/// The frames of a file that has one.
+fn one(read: impl FnOnce() -> Result<Particles> + Send + 'static) -> Box<dyn ParticleFrames> {
+    Box::new(OneFrame::new(read))
 }
 
 /// Whether files of this format have columns of any name.

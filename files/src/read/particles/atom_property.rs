@@ -33,11 +33,14 @@ pub(super) enum AtomProperty {
     Icode,
     /// `ATOM` or `HETATM`.
     Record,
+    Vx,
+    Vy,
+    Vz,
 }
 
 impl AtomProperty {
     /// All of them, by their names in `--color-by` and selections.
-    pub(super) const ALL: [(&'static str, Self); 16] = [
+    pub(super) const ALL: [(&'static str, Self); 19] = [
         ("name", Self::Name),
         ("resname", Self::Resname),
         ("residue", Self::Residue),
@@ -54,6 +57,9 @@ impl AtomProperty {
         ("asym", Self::Asym),
         ("entity", Self::Entity),
         ("copy", Self::Copy),
+        ("vx", Self::Vx),
+        ("vy", Self::Vy),
+        ("vz", Self::Vz),
     ];
 
     /// Whether its values are names.

@@ -3,7 +3,7 @@
 
 mod header;
 
-use super::frame::{Column, ParticleFrames, Particles};
+use super::frame::{Column, Particles};
 use super::layout::{Layout, is_wanted};
 use super::masses;
 use super::request::Request;
@@ -16,14 +16,21 @@ use crate::read::elements::element;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Word, Words};
 use crate::read::source::SceneSource;
-use header::{DataHeader, body, fail};
+use header::{DataHeader, body};
 use std::collections::HashMap;
 
-/// The reader.
-pub(in crate::read) struct LammpsData {
+/// Reads the sections with atoms, their masses and velocities.
+///
+/// # Errors
+/// [`Error::Scene`] with line and column, [`Error::Io`], [`Error::Limits`].
+pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+    LammpsData { lines: Lines::new(source.reader, &source.path), request }.read()
+}
+
+/// The file, while it is read.
+struct LammpsData<'a> {
     lines: Lines<Input>,
-    request: Request,
-    done: bool,
+    request: &'a Request,
 }
 
 /// The columns of the Atoms section by style. `x y z` are coordinates, `diameter` is a diameter.
@@ -73,18 +80,19 @@ struct SectionData {
     atoms: bool,
 }
 
-impl LammpsData {
-    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        Self { lines: Lines::new(source.reader, &source.path), request, done: false }
-    }
-
+impl LammpsData<'_> {
     fn read(&mut self) -> Result<Particles> {
         let (mut particles, mut found) = (Particles::default(), SectionData::default());
         // The first line is free text.
         let reduced = self.lines.advance()? && self.lines.text().contains("units = lj");
         let head = DataHeader::read(&mut self.lines)?;
         let count = head.atoms.ok_or_else(|| {
-            self.fail(0, "header", "the number of atoms is not known", "add a line such as `12 atoms` to the header")
+            self.lines.fail(
+                0,
+                "header",
+                "the number of atoms is not known",
+                "add a line such as `12 atoms` to the header",
+            )
         })?;
         let mut there = self.is_section();
         while there || self.next_section()? {
@@ -93,10 +101,10 @@ impl LammpsData {
                 "Velocities" if found.atoms => self.velocities(count, &found, &mut particles)?,
                 "Velocities" => {
                     let mend = "put the section Atoms before Velocities";
-                    return Err(self.fail(0, "Velocities", "the section Velocities comes before Atoms", mend));
+                    return Err(self.lines.fail(0, "Velocities", "the section Velocities comes before Atoms", mend));
                 }
                 _ if found.atoms => {
-                    return Err(self.fail(0, "Atoms", "the section Atoms occurs twice", "remove one of them"));
+                    return Err(self.lines.fail(0, "Atoms", "the section Atoms occurs twice", "remove one of them"));
                 }
                 _ => particles = self.atoms(count, &head, &mut found)?,
             }
@@ -146,7 +154,7 @@ impl LammpsData {
             }
         }
         let problem = format!("the {what} ends after {read} of {count} lines of {section}");
-        Err(self.fail(self.lines.text().len(), section, problem, "give as many lines as the header says"))
+        Err(self.lines.ends(section, problem, "give as many lines as the header says"))
     }
 
     /// Moves to the next line with content, and checks that it is not a row of the section, which has `count` rows.
@@ -173,7 +181,7 @@ impl LammpsData {
             let name = words.next().map_or_else(String::new, |word| word.text.to_owned());
             let Some(mass) = words.next() else {
                 let problem = "expected a type and its mass";
-                return Err(self.fail(0, "Masses", problem, "give as many masses as there are atom types"));
+                return Err(self.lines.fail(0, "Masses", problem, "give as many masses as there are atom types"));
             };
             let mass = mass.positive("mass")?;
             ledger.add(TYPE + name.len())?;
@@ -206,7 +214,7 @@ impl LammpsData {
             return Err(Error::scene(line.named(heading), format!("{} is not an atom style", quote(&style)), mend));
         };
         let columns = &self.with_flags(columns, &style);
-        let mut layout = Layout::whole(&self.request);
+        let mut layout = Layout::whole(self.request);
         for name in columns.split(' ') {
             let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
             layout.add(name, Role::of_field(name)).map_err(twice)?;
@@ -278,7 +286,7 @@ impl LammpsData {
             _ => {
                 let problem = format!("the style of atoms with {} columns is not known", whole.len());
                 let mend = "add the style to the section's heading, such as Atoms # sphere";
-                return Err(self.fail(0, "Atoms", problem, mend));
+                return Err(self.lines.fail(0, "Atoms", problem, mend));
             }
         };
         Ok(style.to_owned())
@@ -312,13 +320,12 @@ impl LammpsData {
             }
             let Some(atom) = atom else {
                 let problem = format!("no atom has the number {id}");
-                return Err(self.fail(0, "Velocities", problem, "use the number of an atom"));
+                return Err(self.lines.fail(0, "Velocities", problem, "use the number of an atom"));
             };
             let mut velocity = [f64::NAN; 3];
             for (component, name) in velocity.iter_mut().zip(["vx", "vy", "vz"]) {
                 let Some(word) = words.next() else {
-                    let end = self.lines.text().len();
-                    return Err(self.fail(end, name, "the line ends before it", "give a number and three components"));
+                    return Err(self.lines.ends(name, "the line ends before it", "give a number and three components"));
                 };
                 *component = word.number(name)?;
             }
@@ -330,10 +337,6 @@ impl LammpsData {
         let named = axes.iter().zip(columns);
         particles.columns.extend(named.map(|(k, values)| Column { name: ["vx", "vy", "vz"][*k].into(), values }));
         Ok(())
-    }
-
-    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
-        fail(&self.lines, byte, field, problem, mend)
     }
 }
 
@@ -364,12 +367,6 @@ fn name_elements(found: &SectionData, particles: &mut Particles) {
     let most = found.of.iter().copied().max().unwrap_or(0).min(1 << 16);
     let table: Vec<u8> = (0..=most).map(|of| place(of).and_then(|k| numbers.get(k)).copied().unwrap_or(0)).collect();
     particles.elements = found.of.iter().map(|of| table.get(*of as usize).copied().unwrap_or(0)).collect();
-}
-
-impl ParticleFrames for LammpsData {
-    fn next(&mut self) -> Result<Option<Particles>> {
-        if std::mem::replace(&mut self.done, true) { Ok(None) } else { self.read().map(Some) }
-    }
 }
 
 #[cfg(test)]

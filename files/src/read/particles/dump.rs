@@ -20,8 +20,6 @@ use std::io::BufRead;
 pub(in crate::read) struct Dump {
     lines: Lines<Input>,
     request: Request,
-    /// Whether the current line has not been parsed yet.
-    held: bool,
 }
 
 /// The sections before a frame's atoms; the line with their columns is the current one.
@@ -37,14 +35,14 @@ const AXES: [([&str; 3], bool); 4] =
 
 impl Dump {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        Self { lines: Lines::new(source.reader, &source.path), request, held: false }
+        Self { lines: Lines::new(source.reader, &source.path), request }
     }
 
     fn head(&mut self) -> Result<Option<DumpHeader>> {
         let (mut count, mut cell, mut begun, mut foreign) = (None, None, false, false);
         let (mut time, mut step) = (None, None);
         loop {
-            if !std::mem::take(&mut self.held) && !self.lines.advance()? {
+            if !self.lines.advance()? {
                 return if begun { Err(self.ends("ITEM")) } else { Ok(None) };
             }
             let text = self.lines.text().trim();
@@ -53,7 +51,7 @@ impl Dump {
                     continue;
                 }
                 let problem = format!("{} is not an ITEM", quote(text));
-                return Err(self.fail(0, "ITEM", problem, "give as many atoms as NUMBER OF ATOMS says"));
+                return Err(self.lines.fail(0, "ITEM", problem, "give as many atoms as NUMBER OF ATOMS says"));
             };
             (begun, foreign) = (true, false);
             if item == "TIMESTEP" {
@@ -67,7 +65,7 @@ impl Dump {
                 let text = self.lines.text().trim();
                 let atoms = text.parse().map_err(|_| {
                     let problem = format!("{} is not a number of atoms", quote(text));
-                    self.fail(0, "NUMBER OF ATOMS", problem, "use a whole number")
+                    self.lines.fail(0, "NUMBER OF ATOMS", problem, "use a whole number")
                 })?;
                 check_ids(atoms)?;
                 count = Some(atoms);
@@ -76,7 +74,7 @@ impl Dump {
                 cell = Some(self.cell(&kind)?);
             } else if item.split_whitespace().next() == Some("ATOMS") {
                 let count = count.ok_or_else(|| {
-                    self.fail(
+                    self.lines.fail(
                         0,
                         "ITEM",
                         "the number of atoms is not known",
@@ -116,8 +114,7 @@ impl Dump {
         let mut bounds = [0.0; 4];
         for bound in &mut bounds[..count] {
             let Some(word) = words.next() else {
-                let end = self.lines.text().len();
-                return Err(self.fail(end, "BOX BOUNDS", format!("expected {count} numbers"), "give all of them"));
+                return Err(self.lines.ends("BOX BOUNDS", format!("expected {count} numbers"), "give all of them"));
             };
             *bound = word.finite("BOX BOUNDS")?;
         }
@@ -129,7 +126,7 @@ impl Dump {
     fn layout(&mut self, count: u64) -> Result<(Layout, bool)> {
         let names = || Words::of(&self.lines).skip(2);
         let at = names().next().map_or(self.lines.text().len(), |word| word.at);
-        let fail = |problem: String, mend| Err(self.fail(at, "ITEM: ATOMS", problem, mend));
+        let fail = |problem: String, mend| Err(self.lines.fail(at, "ITEM: ATOMS", problem, mend));
         let has = |name: &str| names().any(|word| word.text == name);
         let Some((axes, scaled)) = AXES.into_iter().find(|(axes, _)| axes.iter().all(|axis| has(axis))) else {
             return fail("no three columns are coordinates".into(), "dump x y z, xu yu zu, xs ys zs or xsu ysu zsu");
@@ -166,9 +163,12 @@ impl Dump {
             if self.lines.text().trim().is_empty() {
                 continue;
             }
-            self.held = true;
             let is_row = |lines: &Lines<Input>| layout.fits(Words::of(lines), lines);
-            return if is_row(&self.lines) { surplus(&mut self.lines, count, "atoms", is_row) } else { Ok(()) };
+            if is_row(&self.lines) {
+                return surplus(&mut self.lines, count, "atoms", is_row);
+            }
+            self.lines.give_back();
+            break;
         }
         Ok(())
     }
@@ -179,12 +179,7 @@ impl Dump {
     }
 
     fn ends(&self, what: &str) -> Error {
-        let end = self.lines.text().len();
-        self.fail(end, what, "the file ends within a frame", "give as many atoms as the frame says")
-    }
-
-    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
-        Error::scene(self.lines.place(byte).named(field), problem, mend)
+        self.lines.ends(what, "the file ends within a frame", "give as many atoms as the frame says")
     }
 }
 

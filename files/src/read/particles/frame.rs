@@ -378,6 +378,21 @@ pub(crate) trait ParticleFrames: Send {
     }
 }
 
+/// A file with one frame, by what reads it.
+pub(in crate::read) struct OneFrame<F>(Option<F>);
+
+impl<F: FnOnce() -> Result<Particles> + Send> OneFrame<F> {
+    pub(in crate::read) fn new(read: F) -> Self {
+        Self(Some(read))
+    }
+}
+
+impl<F: FnOnce() -> Result<Particles> + Send> ParticleFrames for OneFrame<F> {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        self.0.take().map(|read| read()).transpose()
+    }
+}
+
 /// All frames, for the readers' tests.
 #[cfg(test)]
 pub(super) fn all(mut frames: impl ParticleFrames) -> Result<Vec<Particles>> {

@@ -2,14 +2,13 @@
 //! (manual.gromacs.org/current/reference-manual/file-formats.html#gro). Lengths are nanometres in the file and are
 //! multiplied by ten to ångström. Velocities keep the file's unit, nm/ps.
 
-use super::frame::{Column, ParticleFrames, Particles};
+use super::atom_property::{AtomProperty, NameTable};
+use super::frame::{ParticleFrames, Particles};
 use super::frame_time::FrameTime;
-use super::infer::{self, AtomNames, Inference};
-use super::layout::named;
-use super::names::Names;
+use super::infer::{AtomNames, Inference};
+use super::molecule::{Copies, Model};
 use super::request::Request;
 use super::rows::surplus;
-use super::survey::Survey;
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
@@ -22,70 +21,22 @@ use std::ops::Range;
 /// The reader.
 pub(in crate::read) struct Gro {
     lines: Lines<Input>,
-    wanted: Vec<GroColumn>,
-    survey: Option<Survey>,
+    request: Request,
     /// Whether the way elements were found was reported.
     told: bool,
-    /// Whether the current line has not been parsed yet.
-    held: bool,
     /// The time and the step in the title of the current frame.
     when: FrameTime,
 }
 
-/// The columns of an atom besides its position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum GroColumn {
-    /// Number of its residue.
-    Residue,
-    Serial,
-    Velocity(usize),
-    /// Name of the atom.
-    Name,
-    /// Name of its residue.
-    Resname,
-}
-
-impl GroColumn {
-    /// Whether a frame has this column; `moving` says whether it has velocities.
-    fn is_there(self, moving: bool) -> bool {
-        moving || !matches!(self, Self::Velocity(_))
-    }
-
-    /// The column without values.
-    fn column(self) -> Column {
-        let name = KINDS.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| name);
-        Column { name: name.to_owned(), values: Vec::new() }
-    }
-}
-
-/// A frame while it is read.
-#[derive(Default)]
-struct GroFrame {
-    /// The width of a coordinate.
-    width: usize,
-    /// The requested columns that the frame has.
-    wanted: Vec<GroColumn>,
-    /// The names of atoms and of residues.
-    names: [Names; 2],
-    inference: Inference,
-}
-
-impl GroFrame {
-    /// Takes the requested columns that the frame has; `moving` says whether it has velocities.
-    fn begin(&mut self, wanted: &[GroColumn], moving: bool, particles: &mut Particles) {
-        self.wanted = wanted.iter().filter(|kind| kind.is_there(moving)).copied().collect();
-        particles.columns = self.wanted.iter().map(|kind| kind.column()).collect();
-    }
-}
-
-const KINDS: [(&str, GroColumn); 7] = [
-    ("name", GroColumn::Name),
-    ("resname", GroColumn::Resname),
-    ("residue", GroColumn::Residue),
-    ("serial", GroColumn::Serial),
-    ("vx", GroColumn::Velocity(0)),
-    ("vy", GroColumn::Velocity(1)),
-    ("vz", GroColumn::Velocity(2)),
+/// The columns of an atom besides its position; a frame may have no velocities.
+const HAS: [AtomProperty; 7] = [
+    AtomProperty::Name,
+    AtomProperty::Resname,
+    AtomProperty::Residue,
+    AtomProperty::Serial,
+    AtomProperty::Vx,
+    AtomProperty::Vy,
+    AtomProperty::Vz,
 ];
 
 /// The columns before the coordinates, from 0.
@@ -100,21 +51,20 @@ const NANOMETRE: f64 = 10.0;
 
 impl Gro {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        let wanted = named(&request.columns, &KINDS);
         let lines = Lines::new(source.reader, &source.path).of_any_bytes();
-        Self { lines, wanted, survey: request.survey, told: false, held: false, when: FrameTime::default() }
+        Self { lines, request, told: false, when: FrameTime::default() }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
     fn count(&mut self) -> Result<Option<u64>> {
         // A title may be empty; blank lines after the last frame are not titles.
         let mut titled = false;
-        while std::mem::take(&mut self.held) || self.lines.advance()? {
+        while self.lines.advance()? {
             let text = self.lines.text().trim();
             if titled && !text.is_empty() {
                 let count = text.parse().map_err(|_| {
                     let problem = format!("{} is not a number of atoms", quote(text));
-                    self.fail(0, "count", problem, "add a title, and the number of atoms on the line after it")
+                    self.lines.fail(0, "count", problem, "add a title, and the number of atoms on the line after it")
                 })?;
                 return check_ids(count).map(|()| Some(count));
             }
@@ -130,12 +80,7 @@ impl Gro {
         if self.lines.advance()? {
             return Ok(());
         }
-        let end = self.lines.text().len();
-        Err(self.fail(end, what, "the file ends within a frame", "give as many atoms as the count says, and the box"))
-    }
-
-    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
-        Error::scene(self.lines.place(byte).named(field), problem, mend)
+        Err(self.lines.ends(what, "the file ends within a frame", "give as many atoms as the count says, and the box"))
     }
 
     fn field(&self, columns: Range<usize>) -> &[u8] {
@@ -154,23 +99,14 @@ impl Gro {
         let [first, second] = [points.next(), points.next()];
         first.zip(second).map(|(first, second)| second - first).ok_or_else(|| {
             let problem = "no two numbers with a decimal point follow column 20";
-            self.fail(X.min(self.lines.text().len()), "x", problem, "write coordinates in the format %8.3f")
+            self.lines.fail(X.min(self.lines.text().len()), "x", problem, "write coordinates in the format %8.3f")
         })
     }
 
     /// Parses the atom of the current line.
-    fn atom(&self, frame: &mut GroFrame, particles: &mut Particles) -> Result<()> {
-        let GroFrame { width, wanted, names, inference } = frame;
-        let width = *width;
+    fn atom(&self, width: usize, names: &mut NameTable, model: &mut Model) -> Result<()> {
         let [name, residue, site] = [NAME, RESIDUE_NAME, RESIDUE].map(|columns| self.field(columns).trim_ascii());
-        let names_of = AtomNames { symbol: b"", name, residue, site };
-        if let Some(survey) = &self.survey
-            && survey.is_full(particles.positions.len())
-            && inference.decides_before(&names_of)
-        {
-            particles.count_part(inference, survey);
-        }
-        particles.grow(1, infer::BYTES)?;
+        let atom = AtomNames { symbol: b"", name, residue, site };
         let mut position = [0.0; 3];
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let at = X + k * width;
@@ -181,26 +117,23 @@ impl Gro {
                     let blanks = found.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
                     let problem = format!("expected a finite number, found {}", quote(found.trim_ascii()));
                     let byte = (at + blanks % found.len().max(1)).min(self.lines.text().len());
-                    self.fail(byte, axis, problem, "use the columns of the first atom of the frame")
+                    self.lines.fail(byte, axis, problem, "use the columns of the first atom of the frame")
                 })?;
         }
-        inference.push(&names_of, &mut particles.elements);
-        particles.positions.push(position);
-        for (kind, column) in wanted.iter().zip(&mut particles.columns) {
-            let columns = match kind {
-                GroColumn::Residue => RESIDUE,
-                GroColumn::Serial => SERIAL,
-                GroColumn::Velocity(k) => X + (3 + k) * width..X + (4 + k) * width,
-                GroColumn::Name | GroColumn::Resname => continue,
-            };
-            column.values.push(self.number(columns).unwrap_or(f64::NAN));
-        }
-        for (text, word) in [(GroColumn::Name, name), (GroColumn::Resname, residue)] {
-            let Some(at) = wanted.iter().position(|kind| *kind == text) else { continue };
-            let number = names[usize::from(text == GroColumn::Resname)].number(word)?;
-            particles.columns[at].values.push(f64::from(number));
-        }
-        Ok(())
+        let number = |columns| self.number(columns).unwrap_or(f64::NAN);
+        let velocity = |k: usize| number(X + (3 + k) * width..X + (4 + k) * width);
+        model.push(&atom, position, 0, |kind| {
+            Ok(match kind {
+                AtomProperty::Name => names.number(kind, name)?,
+                AtomProperty::Resname => names.number(kind, residue)?,
+                AtomProperty::Residue => number(RESIDUE),
+                AtomProperty::Serial => number(SERIAL),
+                AtomProperty::Vx => velocity(0),
+                AtomProperty::Vy => velocity(1),
+                AtomProperty::Vz => velocity(2),
+                _ => 0.0,
+            })
+        })
     }
 
     /// The error for a box in place of atom `n`, from 0.
@@ -209,7 +142,7 @@ impl Gro {
         let numbers: Vec<bool> = numbers.take(10).collect();
         let problem = format!("expected {count} atoms, found {n} before the box");
         let is_box = matches!(numbers[..], [true, true, true]) || numbers.len() == 9 && numbers.iter().all(|is| *is);
-        is_box.then(|| self.fail(0, "count", problem, "correct the count"))
+        is_box.then(|| self.lines.fail(0, "count", problem, "correct the count"))
     }
 
     /// Checks that the current line is not an atom after the last of `count`.
@@ -233,7 +166,7 @@ impl Gro {
             [ax, by, cz, ay, az, bx, bz, cx, cy] => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
             _ => {
                 let problem = format!("a box has {} numbers", numbers.len());
-                return Err(self.fail(0, "box", problem, "use 3 or 9, and check the number of atoms"));
+                return Err(self.lines.fail(0, "box", problem, "use 3 or 9, and check the number of atoms"));
             }
         };
         let some = numbers.iter().any(|x| *x != 0.0);
@@ -282,40 +215,35 @@ fn is_atom(line: &[u8], width: usize) -> bool {
 impl ParticleFrames for Gro {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
-        let mut particles = Particles::default();
-        for name in ["name", "resname"] {
-            // The names follow at the end of the frame.
-            particles.labels.insert(name.into(), Vec::new());
-        }
-        let (mut frame, mut moving) = (GroFrame::default(), false);
-        frame.begin(&self.wanted, moving, &mut particles);
+        let mut model = Model::new(&self.request, &HAS[..4], Inference::new(false));
+        let (mut names, mut width) = (NameTable::default(), 0);
         for n in 0..count {
             self.need("atom")?;
             if n == 0 {
-                frame.width = self.width()?;
-                moving = !self.field(X + 3 * frame.width..usize::MAX).trim_ascii().is_empty();
-                frame.begin(&self.wanted, moving, &mut particles);
+                width = self.width()?;
+                let moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
+                model = Model::new(&self.request, if moving { &HAS } else { &HAS[..4] }, Inference::new(false));
             }
-            if let Err(error) = self.atom(&mut frame, &mut particles) {
+            if let Err(error) = self.atom(width, &mut names, &mut model) {
                 return Err(self.early_box(n, count).unwrap_or(error));
             }
             self.lines.found();
         }
-        particles.when = self.when;
         self.need("box")?;
-        self.check_end(frame.width, count)?;
-        particles.cell = self.cell()?;
+        self.check_end(width, count)?;
+        let cell = self.cell()?;
         // The line after the box is the next frame's title, not an atom.
-        self.held = self.lines.advance()?;
-        self.check_end(frame.width, count)?;
-        let there = KINDS.iter().filter(|(_, kind)| kind.is_there(moving));
-        particles.has = there.map(|(name, _)| (*name).to_owned()).collect();
-        let labels = ["name", "resname"].into_iter().zip(&frame.names);
-        particles.labels.extend(labels.map(|(name, names)| (name.to_owned(), names.labels())));
-        let said = particles.infer(frame.inference, self.survey.as_ref());
+        let more = self.lines.advance()?;
+        self.check_end(width, count)?;
+        if more {
+            self.lines.give_back();
+        }
+        let mut particles = model.finish(Copies::None, &[], &self.lines.file())?;
+        (particles.cell, particles.when) = (cell, self.when);
+        names.label(&mut particles);
         // All frames would have the same message.
-        if !std::mem::replace(&mut self.told, true) {
-            particles.skipped.assumed.extend(said);
+        if std::mem::replace(&mut self.told, true) {
+            particles.skipped.assumed.clear();
         }
         Ok(Some(particles))
     }
@@ -334,6 +262,7 @@ impl ParticleFrames for Gro {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read::particles::frame::Column;
 
     fn gro(text: &str, columns: &[&str]) -> Gro {
         Gro::new(SceneSource::of_text(text), Request::of(columns))

@@ -5,7 +5,7 @@ mod format;
 mod laz;
 
 use super::bytes::BinaryFile;
-use super::frame::{ParticleFrames, Particles};
+use super::frame::Particles;
 use super::layout::Layout;
 use super::request::Request;
 use super::role::Role;
@@ -15,12 +15,6 @@ use crate::read::source::SceneSource;
 use format::{DAMAGED, FORMATS, PointFormat, u16_at, u32_at};
 use laz::{Laz, LazScheme};
 use rayon::prelude::*;
-
-/// The reader.
-pub(in crate::read) struct Las {
-    file: Option<BinaryFile>,
-    request: Request,
-}
 
 /// What the header says of the points.
 struct LasHeader {
@@ -53,76 +47,69 @@ fn f64_at(bytes: &[u8], at: usize) -> f64 {
     f64::from_bits(u64_at(bytes, at))
 }
 
-impl Las {
-    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        Self { file: Some(BinaryFile::new(source)), request }
-    }
-
-    fn read(&self, mut file: BinaryFile) -> Result<Particles> {
-        let mut header = LasHeader::read(&mut file)?;
-        let layout = self.layout(header.format, &file)?;
-        let mut particles = layout.begin();
-        let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
-        if let Some(scheme) = header.scheme.take() {
-            let mut laz = Laz::new(file, scheme, header.format, header.record)?;
-            for point in 0..header.points {
-                numbers.clear();
-                header.numbers(laz.next()?, &mut numbers);
-                layout.numbers(&numbers, &mut particles)?;
-                if point % BLOCK == 0 {
-                    laz.found();
-                }
+/// Reads the points.
+///
+/// # Errors
+/// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
+pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+    let mut file = BinaryFile::new(source);
+    let mut header = LasHeader::read(&mut file)?;
+    let layout = columns(header.format, &file, request)?;
+    let mut particles = layout.begin();
+    let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
+    if let Some(scheme) = header.scheme.take() {
+        let mut laz = Laz::new(file, scheme, header.format, header.record)?;
+        for point in 0..header.points {
+            numbers.clear();
+            header.numbers(laz.next()?, &mut numbers);
+            layout.numbers(&numbers, &mut particles)?;
+            if point % BLOCK == 0 {
+                laz.found();
             }
-            light(&mut particles);
-            return Ok(particles);
-        }
-        while read < header.points {
-            let count = BLOCK.min(header.points - read);
-            file.block(count * header.record as u64, &mut block, "points")?;
-            for record in block.chunks_exact(header.record) {
-                numbers.clear();
-                header.numbers(record, &mut numbers);
-                layout.numbers(&numbers, &mut particles)?;
-            }
-            read += count;
-            file.found();
         }
         light(&mut particles);
-        Ok(particles)
+        return Ok(particles);
     }
-
-    /// The columns, in the order of [`LasHeader::numbers`].
-    fn layout(&self, format: PointFormat, file: &BinaryFile) -> Result<Layout> {
-        let mut layout = Layout::new(&self.request);
-        let mut add = |name: &str, role| {
-            let wrong = |problem: String| file.fail(104, "point format", problem, DAMAGED);
-            layout.add(name, role).map_err(wrong)
-        };
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            add(name, Role::Position(axis))?;
+    while read < header.points {
+        let count = BLOCK.min(header.points - read);
+        file.block(count * header.record as u64, &mut block, "points")?;
+        for record in block.chunks_exact(header.record) {
+            numbers.clear();
+            header.numbers(record, &mut numbers);
+            layout.numbers(&numbers, &mut particles)?;
         }
-        for name in COMMON {
-            add(name, Role::Other)?;
-        }
-        if format.gps_time.is_some() {
-            add("gps_time", Role::Other)?;
-        }
-        if format.color.is_some() {
-            for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
-                add(name, Role::Color(channel))?;
-            }
-        }
-        if format.infrared.is_some() {
-            add("nir", Role::Other)?;
-        }
-        Ok(layout)
+        read += count;
+        file.found();
     }
+    light(&mut particles);
+    Ok(particles)
 }
 
-impl ParticleFrames for Las {
-    fn next(&mut self) -> Result<Option<Particles>> {
-        self.file.take().map(|file| self.read(file)).transpose()
+/// The columns, in the order of [`LasHeader::numbers`].
+fn columns(format: PointFormat, file: &BinaryFile, request: &Request) -> Result<Layout> {
+    let mut layout = Layout::new(request);
+    let mut add = |name: &str, role| {
+        let wrong = |problem: String| file.fail(104, "point format", problem, DAMAGED);
+        layout.add(name, role).map_err(wrong)
+    };
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        add(name, Role::Position(axis))?;
     }
+    for name in COMMON {
+        add(name, Role::Other)?;
+    }
+    if format.gps_time.is_some() {
+        add("gps_time", Role::Other)?;
+    }
+    if format.color.is_some() {
+        for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
+            add(name, Role::Color(channel))?;
+        }
+    }
+    if format.infrared.is_some() {
+        add("nir", Role::Other)?;
+    }
+    Ok(layout)
 }
 
 impl LasHeader {
@@ -269,8 +256,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
-        let mut las = Las::new(SceneSource::of_bytes(bytes), Request::of(columns));
-        Ok(las.next()?.expect("one frame"))
+        super::read(SceneSource::of_bytes(bytes), &Request::of(columns))
     }
 
     #[test]

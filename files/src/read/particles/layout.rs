@@ -213,8 +213,7 @@ impl Layout {
         for (count, slot) in self.slots.iter().enumerate() {
             let Some(word) = words.next() else {
                 let problem = format!("expected {} fields, found {count}", self.slots.len());
-                let place = lines.place(lines.text().len()).named(&slot.name);
-                return Err(Error::scene(place, problem, "use one field per column"));
+                return Err(lines.ends(&slot.name, problem, "use one field per column"));
             };
             slot.word(&word, &mut making, particles)?;
         }

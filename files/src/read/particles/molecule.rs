@@ -1,4 +1,4 @@
-//! Common parts of PDB and mmCIF: which atoms of a model are read, what is stored of them, and what is reported.
+//! Common parts of PDB, mmCIF and GRO: which atoms of a model are read, what is stored of them, and what is reported.
 
 use super::assembly::{self, Assembly};
 use super::atom_property::AtomProperty;
@@ -82,7 +82,8 @@ const SITE: usize = 160;
 pub(super) struct Model {
     particles: Particles,
     altloc: Altloc,
-    columns: Vec<(AtomProperty, Vec<f64>)>,
+    /// What the columns of the particles contain.
+    kinds: Vec<AtomProperty>,
     /// The chain of every atom, stored for an assembly.
     chains: Option<Vec<u32>>,
     /// For [`Altloc::Highest`]: for every atom with several locations, the chosen one and its occupancy.
@@ -112,11 +113,14 @@ impl Model {
         let there = |kind: AtomProperty| has.contains(&kind) || copy && kind == AtomProperty::Copy;
         let names = AtomProperty::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
         let texts = wanted.iter().filter(|kind| kind.is_text()).map(|kind| (kind.name().to_owned(), Vec::new()));
+        let kinds: Vec<AtomProperty> = wanted.iter().filter(|kind| there(**kind)).copied().collect();
+        let columns = kinds.iter().map(|kind| Column { name: kind.name().to_owned(), values: Vec::new() });
+        let columns = columns.collect();
         Self {
             // The names of these columns follow at the end of the model.
-            particles: Particles { has: names.collect(), labels: texts.collect(), ..Particles::default() },
+            particles: Particles { has: names.collect(), labels: texts.collect(), columns, ..Particles::default() },
             altloc: request.altloc.clone(),
-            columns: wanted.iter().filter(|kind| there(**kind)).map(|kind| (*kind, Vec::new())).collect(),
+            kinds,
             chains: request.assembly.is_some().then(Vec::new),
             best: HashMap::new(),
             beaten: Vec::new(),
@@ -190,21 +194,21 @@ impl Model {
         chain: u32,
         mut value: impl FnMut(AtomProperty) -> Result<f64>,
     ) -> Result<()> {
-        let full = |survey: &Survey| survey.is_full(self.particles.positions.len());
-        if self.survey.as_ref().is_some_and(full) && self.inference.decides_before(atom) {
-            self.count();
+        if let Some(survey) = &self.survey
+            && survey.is_full(self.particles.positions.len())
+            && self.inference.decides_before(atom)
+        {
+            self.particles.count_part(&mut self.inference, survey);
         }
-        let beside = self.columns.len() * size_of::<f64>() + size_of::<u32>() + infer::BYTES;
-        self.particles.grow(1, beside)?;
+        self.particles.grow(1, size_of::<u32>() + infer::BYTES)?;
         self.inference.push(atom, &mut self.particles.elements);
         self.particles.positions.push(position);
         if let Some(chains) = &mut self.chains {
             reserve(chains, 1)?;
             chains.push(chain);
         }
-        for (kind, values) in &mut self.columns {
-            reserve(values, 1)?;
-            values.push(value(*kind)?);
+        for (kind, column) in self.kinds.iter().zip(&mut self.particles.columns) {
+            column.values.push(value(*kind)?);
         }
         Ok(())
     }
@@ -214,31 +218,11 @@ impl Model {
         self.particles.radii.push(radius);
     }
 
-    /// Counts the atoms so far and drops them.
-    fn count(&mut self) {
-        let Some(survey) = &self.survey else { return };
-        let survey = survey.clone();
-        self.move_columns();
-        self.particles.count_part(&mut self.inference, &survey);
-        let columns = std::mem::take(&mut self.particles.columns).into_iter().map(|column| column.values);
-        self.columns.iter_mut().zip(columns).for_each(|((_, values), empty)| *values = empty);
-    }
-
-    /// Moves the columns to the particles.
-    fn move_columns(&mut self) {
-        let columns = self
-            .columns
-            .iter_mut()
-            .map(|(kind, values)| Column { name: kind.name().to_owned(), values: std::mem::take(values) });
-        self.particles.columns = columns.collect();
-    }
-
     /// The particles with their copies; in an assembly chains are indices of `names`.
     ///
     /// # Errors
     /// Those of [`assembly::build`] and of `copies`.
     pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
-        self.move_columns();
         if self.survey.is_some() {
             let said = self.particles.infer(std::mem::take(&mut self.inference), self.survey.as_ref());
             self.particles.skipped.assumed.extend(said);

@@ -6,11 +6,11 @@ mod header;
 mod lzf;
 
 use super::bytes::BinaryFile;
-use super::frame::{ParticleFrames, Particles};
+use super::frame::Particles;
 use super::request::Request;
 use super::role::Role;
 use super::rows::surplus;
-use crate::error::{Error, Place, Result, relocate};
+use crate::error::{Place, Result, relocate};
 use crate::memory::check;
 use crate::npy::Scalar;
 use crate::read::color::light;
@@ -19,12 +19,6 @@ use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
 use header::{PcdEncoding, PcdHeader, PcdKind, header};
 use std::path::PathBuf;
-
-/// The reader.
-pub(in crate::read) struct Pcd {
-    source: Option<SceneSource>,
-    request: Request,
-}
 
 /// The points, while they are read.
 struct Points<'a> {
@@ -45,36 +39,28 @@ const BEHIND: u64 = 1 << 29;
 
 const DAMAGED: &str = "the file is damaged; copy or write it again";
 
-impl Pcd {
-    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        Self { source: Some(source), request }
+/// Reads the points.
+///
+/// # Errors
+/// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
+pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+    let path = source.path.clone();
+    let mut lines = Lines::new(source.reader, &path);
+    let header = header(&mut lines, request)?;
+    let mut points = Points {
+        header: &header,
+        particles: header.layout.begin(),
+        strict: request.strict,
+        file: lines.file(),
+        numbers: Vec::new(),
+        read: 0,
+    };
+    match header.encoding {
+        PcdEncoding::Ascii => points.ascii(&mut lines)?,
+        PcdEncoding::Binary => points.binary(lines, path)?,
+        PcdEncoding::Compressed => points.compressed(lines, path)?,
     }
-
-    fn read(&self, source: SceneSource) -> Result<Particles> {
-        let path = source.path.clone();
-        let mut lines = Lines::new(source.reader, &path);
-        let header = header(&mut lines, &self.request)?;
-        let mut points = Points {
-            header: &header,
-            particles: header.layout.begin(),
-            strict: self.request.strict,
-            file: lines.file(),
-            numbers: Vec::new(),
-            read: 0,
-        };
-        match header.encoding {
-            PcdEncoding::Ascii => points.ascii(&mut lines)?,
-            PcdEncoding::Binary => points.binary(lines, path)?,
-            PcdEncoding::Compressed => points.compressed(lines, path)?,
-        }
-        Ok(points.particles)
-    }
-}
-
-impl ParticleFrames for Pcd {
-    fn next(&mut self) -> Result<Option<Particles>> {
-        self.source.take().map(|source| self.read(source)).transpose()
-    }
+    Ok(points.particles)
 }
 
 impl Points<'_> {
@@ -82,7 +68,7 @@ impl Points<'_> {
         while self.read < self.header.points {
             if !lines.advance()? {
                 let problem = format!("the file ends after {} of {} points", self.read, self.header.points);
-                return Err(Error::scene(lines.place(0).named("point"), problem, "correct POINTS in the header"));
+                return Err(lines.fail(0, "point", problem, "correct POINTS in the header"));
             }
             if lines.text().trim().is_empty() {
                 continue;
@@ -91,8 +77,7 @@ impl Points<'_> {
             let mut words = Words::of(lines);
             for field in &self.header.fields {
                 for _ in 0..field.count {
-                    let place = || lines.place(lines.text().len()).named("point");
-                    let ends = || Error::scene(place(), "the line ends before the last field", "give every field");
+                    let ends = || lines.ends("point", "the line ends before the last field", "give every field");
                     let word = words.next().ok_or_else(ends)?;
                     match field.kind {
                         PcdKind::Padding => {}
@@ -106,8 +91,7 @@ impl Points<'_> {
                 }
             }
             if let Some(word) = words.next() {
-                let place = lines.place(word.at).named("point");
-                return Err(Error::scene(place, "the line has more numbers than the fields", "correct COUNT"));
+                return Err(lines.fail(word.at, "point", "the line has more numbers than the fields", "correct COUNT"));
             }
             self.push(|| lines.place(0))?;
             lines.found();
@@ -259,8 +243,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], strict: bool) -> Result<Particles> {
-        let mut pcd = Pcd::new(SceneSource::of_bytes(bytes), Request { strict, ..Request::of(&["t", "n"]) });
-        Ok(pcd.next()?.expect("one frame"))
+        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t", "n"]) })
     }
 
     #[test]

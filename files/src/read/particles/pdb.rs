@@ -31,8 +31,6 @@ pub(in crate::read) struct Pdb {
     lines: Lines<Input>,
     dialect: Format,
     request: Request,
-    /// Whether the current line has not been parsed yet.
-    held: bool,
     /// The number of the last model, and whether the selected one was read.
     number: i64,
     done: bool,
@@ -91,7 +89,6 @@ impl Pdb {
             lines: Lines::new(source.reader, &source.path).of_any_bytes(),
             dialect: source.format,
             request,
-            held: false,
             number: 0,
             done: false,
             passed: Passed::default(),
@@ -104,20 +101,16 @@ impl Pdb {
         }
     }
 
-    fn advance(&mut self) -> Result<bool> {
-        Ok(std::mem::take(&mut self.held) || self.lines.advance()?)
-    }
-
     /// Moves to the beginning of the next model and returns its number.
     fn seek(&mut self) -> Result<Option<i64>> {
-        while self.advance()? {
+        while self.lines.advance()? {
             match record(self.line()) {
                 PdbRecord::Model => {
                     let written = text(field(self.line(), 10..14)).parse();
                     return Ok(Some(written.unwrap_or(self.number + 1)));
                 }
                 PdbRecord::Atom => {
-                    self.held = true;
+                    self.lines.give_back();
                     return Ok(Some(self.number + 1));
                 }
                 PdbRecord::End => {}
@@ -129,7 +122,7 @@ impl Pdb {
 
     /// Reads the model that begins here into `model`, or skips it.
     fn body(&mut self, mut model: Option<&mut Model>) -> Result<()> {
-        while self.advance()? {
+        while self.lines.advance()? {
             match (record(self.line()), &mut model) {
                 (PdbRecord::Atom, Some(model)) => {
                     self.lines.found();
@@ -142,7 +135,7 @@ impl Pdb {
                 (PdbRecord::Atom, None) => self.lines.found(),
                 (PdbRecord::End, _) => break,
                 (PdbRecord::Model, _) => {
-                    self.held = true;
+                    self.lines.give_back();
                     break;
                 }
                 (PdbRecord::Other, _) => self.header()?,
@@ -237,7 +230,7 @@ impl Pdb {
                 AtomProperty::Altloc => name(location)?,
                 AtomProperty::Icode => name(field(line, ICODE))?,
                 AtomProperty::Record => name(field(line, RECORD))?,
-                AtomProperty::Asym | AtomProperty::Entity | AtomProperty::Copy => 0.0,
+                _ => 0.0,
             })
         })
     }
@@ -250,7 +243,7 @@ impl Pdb {
             if announced.is_some() {
                 particles.skipped.assumed.push(more_models(announced));
             } else if self.seek()?.is_some() {
-                self.held = true;
+                self.lines.give_back();
                 particles.skipped.assumed.push(more_models(None));
             }
         }

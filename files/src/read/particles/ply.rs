@@ -5,7 +5,7 @@ mod binary;
 mod header;
 mod text;
 
-use super::frame::{ParticleFrames, Particles};
+use super::frame::Particles;
 use super::layout::Layout;
 use super::request::Request;
 use super::role::Role;
@@ -20,97 +20,80 @@ use header::{PlyElement, PlyEncoding, header};
 use std::io::BufReader;
 use text::{rest_of_text, text};
 
-/// The reader.
-pub(in crate::read) struct Ply {
-    source: Option<SceneSource>,
-    request: Request,
+/// Reads the vertices.
+///
+/// # Errors
+/// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
+pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+    let path = source.path.clone();
+    let mut lines = Lines::new(source.reader, &path);
+    let (form, elements) = header(&mut lines)?;
+    let Some(place) = elements.iter().position(|element| element.name == "vertex") else {
+        let mend = "use a file with points";
+        return Err(lines.fail(0, "header", "the element vertex is missing", mend));
+    };
+    let layout = columns(&elements[place], &lines, request)?;
+    let mut particles = layout.begin();
+    for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
+        let kind = match other.name.as_str() {
+            "face" => "face",
+            "edge" => "edge",
+            _ => "other element",
+        };
+        particles.skipped.meet(kind, request.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
+        if let Some((_, count)) = particles.skipped.kinds.iter_mut().find(|(found, _)| *found == kind) {
+            *count = count.saturating_add(other.count - 1);
+        }
+    }
+    let (before, vertices, behind) = (&elements[..place], &elements[place], &elements[place + 1..]);
+    check_ids(vertices.count)?;
+    match form {
+        PlyEncoding::Text => {
+            for element in before {
+                lines.pass(element.count)?;
+            }
+            text(&mut lines, vertices, &layout, &mut particles)?;
+            particles.tell_left_out();
+            rest_of_text(&mut lines, vertices, behind, &mut particles)?;
+        }
+        PlyEncoding::Binary { .. } => {
+            let mut binary = Binary { reader: BufReader::with_capacity(1 << 16, lines.into_reader()), path };
+            for element in before {
+                binary.pass(element)?;
+            }
+            binary.vertices(vertices, &layout, &mut particles)?;
+            binary.rest(vertices, behind, &mut particles)?;
+        }
+    }
+    Ok(particles)
 }
 
-impl Ply {
-    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        Self { source: Some(source), request }
-    }
-
-    fn read(&self, source: SceneSource) -> Result<Particles> {
-        let path = source.path.clone();
-        let mut lines = Lines::new(source.reader, &path);
-        let (form, elements) = header(&mut lines)?;
-        let Some(place) = elements.iter().position(|element| element.name == "vertex") else {
-            let mend = "use a file with points";
-            return Err(Error::scene(lines.place(0).named("header"), "the element vertex is missing", mend));
+/// The columns of a vertex: its properties that are not lists.
+fn columns(vertex: &PlyElement, lines: &Lines<Input>, request: &Request) -> Result<Layout> {
+    let wrong = |problem: String| {
+        let mend = "give the vertices the properties x, y and z, each once";
+        Error::scene(lines.file().named("vertex"), problem, mend)
+    };
+    let mut layout = Layout::new(request);
+    let colored = ["red", "green", "blue"].iter().all(|name| vertex.properties.iter().any(|p| p.name == *name));
+    for property in vertex.properties.iter().filter(|property| property.length.is_none()) {
+        let role = match property.name.as_str() {
+            "red" if colored => Role::Color(0),
+            "green" if colored => Role::Color(1),
+            "blue" if colored => Role::Color(2),
+            name => Role::of_field(name),
         };
-        let layout = self.layout(&elements[place], &lines)?;
-        let mut particles = layout.begin();
-        for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
-            let kind = match other.name.as_str() {
-                "face" => "face",
-                "edge" => "edge",
-                _ => "other element",
-            };
-            particles
-                .skipped
-                .meet(kind, self.request.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
-            if let Some((_, count)) = particles.skipped.kinds.iter_mut().find(|(found, _)| *found == kind) {
-                *count = count.saturating_add(other.count - 1);
-            }
-        }
-        let (before, vertices, behind) = (&elements[..place], &elements[place], &elements[place + 1..]);
-        check_ids(vertices.count)?;
-        match form {
-            PlyEncoding::Text => {
-                for element in before {
-                    lines.pass(element.count)?;
-                }
-                text(&mut lines, vertices, &layout, &mut particles)?;
-                particles.tell_left_out();
-                rest_of_text(&mut lines, vertices, behind, &mut particles)?;
-            }
-            PlyEncoding::Binary { .. } => {
-                let mut binary = Binary { reader: BufReader::with_capacity(1 << 16, lines.into_reader()), path };
-                for element in before {
-                    binary.pass(element)?;
-                }
-                binary.vertices(vertices, &layout, &mut particles)?;
-                binary.rest(vertices, behind, &mut particles)?;
-            }
-        }
-        Ok(particles)
+        layout.add(&property.name, role).map_err(wrong)?;
     }
-
-    /// The columns of a vertex: its properties that are not lists.
-    fn layout(&self, vertex: &PlyElement, lines: &Lines<Input>) -> Result<Layout> {
-        let wrong = |problem: String| {
-            let mend = "give the vertices the properties x, y and z, each once";
-            Error::scene(lines.file().named("vertex"), problem, mend)
-        };
-        let mut layout = Layout::new(&self.request);
-        let colored = ["red", "green", "blue"].iter().all(|name| vertex.properties.iter().any(|p| p.name == *name));
-        for property in vertex.properties.iter().filter(|property| property.length.is_none()) {
-            let role = match property.name.as_str() {
-                "red" if colored => Role::Color(0),
-                "green" if colored => Role::Color(1),
-                "blue" if colored => Role::Color(2),
-                name => Role::of_field(name),
-            };
-            layout.add(&property.name, role).map_err(wrong)?;
-        }
-        match (0..3).find(|k| !layout.contains(Role::Position(*k))) {
-            None => Ok(layout),
-            Some(k) => Err(wrong(format!("a vertex has no {}", ["x", "y", "z"][k]))),
-        }
-    }
-}
-
-impl ParticleFrames for Ply {
-    fn next(&mut self) -> Result<Option<Particles>> {
-        self.source.take().map(|source| self.read(source)).transpose()
+    match (0..3).find(|k| !layout.contains(Role::Position(*k))) {
+        None => Ok(layout),
+        Some(k) => Err(wrong(format!("a vertex has no {}", ["x", "y", "z"][k]))),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::particles::frame::all;
 
     const BODY: &str = "comment by hand\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 2\n\
         property float x\nproperty double y\nproperty short z\nproperty uchar red\nproperty uchar green\n\
@@ -140,8 +123,7 @@ mod tests {
     }
 
     fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
-        let mut ply = Ply::new(SceneSource::of_bytes(bytes), Request { strict, ..Request::of(&["t"]) });
-        Ok(ply.next()?.expect("one frame"))
+        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t"]) })
     }
 
     #[test]
@@ -217,7 +199,7 @@ mod tests {
             ("ply\nwhat\n".into(), ":2:1: header: `what`"),
         ] {
             let error =
-                all(Ply::new(SceneSource::of_text(&text), Request::of(&[]))).map(drop).expect_err(&text).to_string();
+                super::read(SceneSource::of_text(&text), &Request::of(&[])).map(drop).expect_err(&text).to_string();
             assert!(error.contains(told), "{error}");
         }
     }

@@ -2,7 +2,7 @@
 //! positions in order of the species (vasp.at/wiki/POSCAR). VASP 4 has no line of species; there the words of the comment
 //! are taken where all are symbols. Lengths are ångström. Velocities are skipped.
 
-use super::frame::{Column, ParticleFrames, Particles};
+use super::frame::{Column, Particles};
 use super::layout::is_wanted;
 use super::request::Request;
 use super::rows::surplus;
@@ -14,13 +14,6 @@ use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
-
-/// The reader.
-pub(in crate::read) struct Poscar {
-    lines: Option<Lines<Input>>,
-    /// Whether the column of species is stored.
-    wanted: bool,
-}
 
 /// The column of species.
 const SPECIES: &str = "species";
@@ -40,68 +33,59 @@ struct PoscarHeader {
     direct: bool,
 }
 
-impl Poscar {
-    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        let wanted = is_wanted(&request.columns, SPECIES);
-        Self { lines: Some(Lines::new(source.reader, &source.path).of_any_bytes()), wanted }
+/// Reads the positions.
+///
+/// # Errors
+/// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
+pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+    let mut lines = Lines::new(source.reader, &source.path).of_any_bytes();
+    let header = header(&mut lines)?;
+    let mut particles = Particles { has: vec![SPECIES.into()], ..Particles::default() };
+    // A species that occurs again has the label of the first.
+    let (mut labels, mut places) = (Vec::new(), Vec::new());
+    for (k, (name, _)) in header.species.iter().enumerate() {
+        let label = if name.is_empty() { format!("{}", k + 1) } else { name.clone() };
+        let place = labels.iter().position(|known| *known == label).unwrap_or(labels.len());
+        places.push(place as f64);
+        if place == labels.len() {
+            labels.push(label);
+        }
     }
-
-    fn read(&self, mut lines: Lines<Input>) -> Result<Particles> {
-        let header = header(&mut lines)?;
-        let mut particles = Particles { has: vec![SPECIES.into()], ..Particles::default() };
-        // A species that occurs again has the label of the first.
-        let (mut labels, mut places) = (Vec::new(), Vec::new());
-        for (k, (name, _)) in header.species.iter().enumerate() {
-            let label = if name.is_empty() { format!("{}", k + 1) } else { name.clone() };
-            let place = labels.iter().position(|known| *known == label).unwrap_or(labels.len());
-            places.push(place as f64);
-            if place == labels.len() {
-                labels.push(label);
-            }
-        }
-        if self.wanted {
-            particles.columns.push(Column { name: SPECIES.into(), values: Vec::new() });
-            particles.labels.insert(SPECIES.into(), labels);
-        }
-        let known = header.species.iter().any(|(name, _)| !name.is_empty());
-        for ((name, count), place) in header.species.iter().zip(places) {
-            let number = atomic_number(symbol(name));
-            for _ in 0..*count {
-                need(&mut lines, "position")?;
-                particles.grow(1, 0)?;
-                particles.positions.push(position(&lines, &header)?);
-                if known {
-                    particles.elements.push(number);
-                }
-                if let Some(column) = particles.columns.first_mut() {
-                    column.values.push(place);
-                }
-                lines.found();
-            }
-            if known && number == 0 && *count > 0 {
-                particles.meet_unknown(name, *count);
-            }
-        }
-        // Velocities follow a blank line.
-        let is_row =
-            |lines: &Lines<Input>| Words::of(lines).take(3).filter(|word| word.finite("x").is_ok()).count() == 3;
-        if lines.advance()? && is_row(&lines) {
-            let count = header.species.iter().map(|(_, count)| count).sum();
-            return surplus(&mut lines, count, "atoms", is_row);
-        }
-        if !known && !particles.positions.is_empty() {
-            let said = "the file names no species, so there are no elements; write their symbols before the counts";
-            particles.skipped.assumed.push(said.into());
-        }
-        particles.cell = Some(Cell { origin: [0.0; 3], edges: header.edges });
-        Ok(particles)
+    if is_wanted(&request.columns, SPECIES) {
+        particles.columns.push(Column { name: SPECIES.into(), values: Vec::new() });
+        particles.labels.insert(SPECIES.into(), labels);
     }
-}
-
-impl ParticleFrames for Poscar {
-    fn next(&mut self) -> Result<Option<Particles>> {
-        self.lines.take().map(|lines| self.read(lines)).transpose()
+    let known = header.species.iter().any(|(name, _)| !name.is_empty());
+    for ((name, count), place) in header.species.iter().zip(places) {
+        let number = atomic_number(symbol(name));
+        for _ in 0..*count {
+            need(&mut lines, "position")?;
+            particles.grow(1, 0)?;
+            particles.positions.push(position(&lines, &header)?);
+            if known {
+                particles.elements.push(number);
+            }
+            if let Some(column) = particles.columns.first_mut() {
+                column.values.push(place);
+            }
+            lines.found();
+        }
+        if known && number == 0 && *count > 0 {
+            particles.meet_unknown(name, *count);
+        }
     }
+    // Velocities follow a blank line.
+    let is_row = |lines: &Lines<Input>| Words::of(lines).take(3).filter(|word| word.finite("x").is_ok()).count() == 3;
+    if lines.advance()? && is_row(&lines) {
+        let count = header.species.iter().map(|(_, count)| count).sum();
+        return surplus(&mut lines, count, "atoms", is_row);
+    }
+    if !known && !particles.positions.is_empty() {
+        let said = "the file names no species, so there are no elements; write their symbols before the counts";
+        particles.skipped.assumed.push(said.into());
+    }
+    particles.cell = Some(Cell { origin: [0.0; 3], edges: header.edges });
+    Ok(particles)
 }
 
 /// The symbol of a species: `Fe` of `Fe_pv` and of `Fe/0123abc`.
@@ -109,22 +93,18 @@ fn symbol(name: &str) -> &str {
     name.split(['_', '/']).next().unwrap_or_default()
 }
 
-fn fail(lines: &Lines<Input>, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
-    Error::scene(lines.place(byte).named(field), problem, mend)
-}
-
 fn need(lines: &mut Lines<Input>, field: &str) -> Result<()> {
     if lines.advance()? {
         return Ok(());
     }
-    Err(fail(lines, lines.text().len(), field, "the file ends before it", "give as many positions as the counts say"))
+    Err(lines.ends(field, "the file ends before it", "give as many positions as the counts say"))
 }
 
 /// Three numbers at the beginning of the current line.
 fn three(lines: &Lines<Input>, field: &str) -> Result<[f64; 3]> {
     let (mut numbers, mut words) = ([0.0; 3], Words::of(lines));
     for number in &mut numbers {
-        let missing = || fail(lines, lines.text().len(), field, "the line has fewer than three numbers", "write three");
+        let missing = || lines.ends(field, "the line has fewer than three numbers", "write three");
         *number = words.next().ok_or_else(missing)?.finite(field)?;
     }
     Ok(numbers)
@@ -164,7 +144,7 @@ fn header(lines: &mut Lines<Input>) -> Result<PoscarHeader> {
     let counts = counts(lines)?;
     if named && names.len() != counts.len() {
         let problem = format!("{} species have {} counts", names.len(), counts.len());
-        return Err(fail(lines, 0, "counts", problem, "give a count for each species"));
+        return Err(lines.fail(0, "counts", problem, "give a count for each species"));
     }
     let words: Vec<String> = comment.split_whitespace().take(counts.len() + 1).map(str::to_owned).collect();
     let symbols =
@@ -183,7 +163,7 @@ fn header(lines: &mut Lines<Input>) -> Result<PoscarHeader> {
     let direct = !lines.text().trim_start().starts_with(['c', 'C', 'k', 'K']);
     if !lines.text().trim_start().starts_with(['c', 'C', 'k', 'K', 'd', 'D']) {
         let problem = format!("{} is neither Direct nor Cartesian", quote(lines.text().trim()));
-        return Err(fail(lines, 0, "Direct or Cartesian", problem, "write one of the words before the positions"));
+        return Err(lines.fail(0, "Direct or Cartesian", problem, "write one of the words before the positions"));
     }
     Ok(PoscarHeader { edges, scale, species: names.into_iter().zip(counts).collect(), direct })
 }
@@ -206,7 +186,7 @@ fn line_of_names(lines: &Lines<Input>) -> Result<Vec<String>> {
     for word in Words::of(lines) {
         if names.len() == MOST || word.text.len() > LONGEST {
             let problem = format!("more than {MOST} species, or a name of more than {LONGEST} bytes");
-            return Err(fail(lines, word.at, "species", problem, "write the symbol of each species once"));
+            return Err(lines.fail(word.at, "species", problem, "write the symbol of each species once"));
         }
         names.push(unquoted(word.text).to_string());
     }
@@ -222,12 +202,12 @@ fn counts(lines: &Lines<Input>) -> Result<Vec<u64>> {
             _ if !counts.is_empty() => break,
             _ => {
                 let problem = format!("{} is not a number of atoms", quote(word.text));
-                return Err(fail(lines, word.at, "counts", problem, "write the number of atoms of each species"));
+                return Err(lines.fail(word.at, "counts", problem, "write the number of atoms of each species"));
             }
         }
     }
     if counts.is_empty() {
-        return Err(fail(lines, 0, "counts", "the line is blank", "write the number of atoms of each species"));
+        return Err(lines.fail(0, "counts", "the line is blank", "write the number of atoms of each species"));
     }
     Ok(counts)
 }
@@ -235,12 +215,11 @@ fn counts(lines: &Lines<Input>) -> Result<Vec<u64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::particles::frame::all;
 
     const CELL: &str = "2.0 0 0\n1.0 3.0 0.0\n0 0 4\n";
 
     fn read(text: &str) -> Result<Particles> {
-        Ok(all(Poscar::new(SceneSource::of_text(text), Request::of(&["species"])))?.remove(0))
+        super::read(SceneSource::of_text(text), &Request::of(&["species"]))
     }
 
     #[test]

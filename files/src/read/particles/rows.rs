@@ -86,7 +86,7 @@ mod tests {
     use crate::read::particles::frame::ParticleFrames;
     use crate::read::particles::frame::all;
     use crate::read::particles::request::Request;
-    use crate::read::particles::table::OneTable;
+    use crate::read::particles::table::Table;
     use crate::read::particles::xyz::Xyz;
     use crate::read::source::SceneSource;
 
@@ -150,16 +150,11 @@ mod tests {
 
     #[test]
     fn tables_keep_their_comments_and_blank_lines() {
+        let read = |text: &str| Table::open(SceneSource::of_text(text), &Request::default())?.all();
         let rows: String = (0..COUNT).map(|n| format!("{n},2,3\n{}", ["", "\n", "# no row\n"][n % 3])).collect();
-        let table =
-            all(OneTable::new(SceneSource::of_text(&format!("x,y,z\n{rows}")), Request::of(&[])).expect("a header"))
-                .expect("a table")
-                .remove(0);
+        let table = read(&format!("x,y,z\n{rows}")).expect("a table");
         assert!(table.positions.len() == COUNT && table.positions.iter().enumerate().all(|(n, p)| p[0] == n as f64));
-        let error = all(OneTable::new(SceneSource::of_text(&format!("x,y,z\n{rows}1,2,3,4\n")), Request::of(&[]))
-            .expect("a header"))
-        .map(drop)
-        .expect_err("a row");
+        let error = read(&format!("x,y,z\n{rows}1,2,3,4\n")).map(drop).expect_err("a row");
         // The header, the rows, and two lines for every three rows.
         let line = 1 + COUNT + COUNT / 3 * 2 + 1 + 1;
         assert!(error.to_string().contains(&format!("text:{line}:7: row")), "{error}");

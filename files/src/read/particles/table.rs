@@ -8,7 +8,7 @@ pub(in crate::read) mod fields;
 mod header;
 pub(in crate::read) mod names;
 
-use super::frame::{ParticleFrames, Particles};
+use super::frame::Particles;
 use super::layout::Layout;
 use super::request::Request;
 use super::role::Role;
@@ -41,7 +41,7 @@ impl<R: BufRead> Table<R> {
         }
         let mut layout = Layout::default();
         for word in fields(&lines, 0, b',') {
-            let fail = |problem: String| Error::scene(lines.place(word.at).named("header"), problem, allowed);
+            let fail = |problem: String| lines.fail(word.at, "header", problem, allowed);
             let role = role(word.text).ok_or_else(|| fail(format!("unknown column {}", quote(word.text))))?;
             layout.add(word.text, role).map_err(fail)?;
         }
@@ -93,8 +93,19 @@ impl<R: BufRead> Table<R> {
 }
 
 impl Table<Input> {
-    /// Adds all rows.
-    fn all(mut self) -> Result<Particles> {
+    /// The table of a file of particles.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a header that is not understood.
+    pub(in crate::read) fn open(source: SceneSource, request: &Request) -> Result<Self> {
+        Self::tolerant(Lines::new(source.reader, &source.path), request)
+    }
+
+    /// The particles of all rows.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with line and column.
+    pub(in crate::read) fn all(mut self) -> Result<Particles> {
         let (layout, delimiter) = (self.layout, self.delimiter);
         let mut particles = layout.begin();
         particles.skipped.assumed.extend(self.assumed);
@@ -118,34 +129,17 @@ fn row<R: BufRead>(lines: &Lines<R>, delimiter: u8, layout: &Layout, particles: 
         None => Ok(()),
         Some(word) => {
             let problem = format!("the row has more than the {} fields of the header", layout.len());
-            Err(Error::scene(lines.place(word.at).named("row"), problem, "use one field per column"))
+            Err(lines.fail(word.at, "row", problem, "use one field per column"))
         }
-    }
-}
-
-/// The single frame of a table.
-pub(in crate::read) struct OneTable(Option<Table<Input>>);
-
-impl OneTable {
-    pub(in crate::read) fn new(source: SceneSource, request: Request) -> Result<Self> {
-        let lines = Lines::new(source.reader, &source.path);
-        Ok(Self(Some(Table::tolerant(lines, &request)?)))
-    }
-}
-
-impl ParticleFrames for OneTable {
-    fn next(&mut self) -> Result<Option<Particles>> {
-        self.0.take().map(Table::all).transpose()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::particles::frame::all;
 
     fn read(text: &str, columns: &[&str]) -> Result<Particles> {
-        Ok(all(OneTable::new(SceneSource::of_text(text), Request::of(columns))?)?.remove(0))
+        Table::open(SceneSource::of_text(text), &Request::of(columns))?.all()
     }
 
     #[test]
@@ -186,7 +180,7 @@ mod tests {
     fn named(text: &str, columns: &str) -> Result<Particles> {
         let columns_named = columns.parse()?;
         let options = Request { columns_named, ..Request::default() };
-        Ok(OneTable::new(SceneSource::of_text(text), options.clone())?.next()?.expect("a table"))
+        Table::open(SceneSource::of_text(text), &options)?.all()
     }
 
     #[test]
@@ -232,9 +226,7 @@ mod tests {
     #[test]
     fn invalid_rows_are_left_out_and_counted() {
         let options = Request { skip_invalid: true, ..Request::default() };
-        let read = |text: &str| -> Result<Particles> {
-            Ok(OneTable::new(SceneSource::of_text(text), options.clone())?.next()?.expect("a table"))
-        };
+        let read = |text: &str| -> Result<Particles> { Table::open(SceneSource::of_text(text), &options)?.all() };
         let text = "name,x,y,z,radius\na,1,2,3,1\n\nb,nan,2,3,1\nc,4,5,6,0\nd,,5,6,1\ne,7,8,inf,1\nf,7,8,9,2\n";
         let found = read(text).expect("rows");
         assert_eq!(

@@ -21,19 +21,17 @@ use crate::scene::Cell;
 pub(in crate::read) struct Xyz {
     lines: Lines<Input>,
     request: Request,
-    /// Whether the current line has not been parsed yet.
-    held: bool,
 }
 
 impl Xyz {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        Self { lines: Lines::new(source.reader, &source.path), request, held: false }
+        Self { lines: Lines::new(source.reader, &source.path), request }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
     fn count(&mut self) -> Result<Option<u64>> {
         loop {
-            if !std::mem::take(&mut self.held) && !self.lines.advance()? {
+            if !self.lines.advance()? {
                 return Ok(None);
             }
             let text = self.lines.text().trim();
@@ -42,7 +40,7 @@ impl Xyz {
             }
             let count = text.parse().map_err(|_| {
                 let problem = format!("{} is not a number of atoms", quote(text));
-                self.fail(0, "count", problem, "begin each frame with its number of atoms")
+                self.lines.fail(0, "count", problem, "begin each frame with its number of atoms")
             })?;
             return check_ids(count).map(|()| Some(count));
         }
@@ -59,11 +57,11 @@ impl Xyz {
                 break;
             }
         }
-        self.held = true;
         let is_row = |lines: &Lines<Input>| layout.fits(Words::of(lines), lines);
         if is_row(&self.lines) {
             return surplus(&mut self.lines, count, "atoms", is_row);
         }
+        self.lines.give_back();
         let text = self.lines.text().trim();
         if text.parse::<u64>().is_err() {
             let [place, text] = [self.lines.place(0).to_string(), quote(text).to_string()];
@@ -78,12 +76,7 @@ impl Xyz {
     }
 
     fn ends(&self, what: &str) -> Error {
-        let end = self.lines.text().len();
-        self.fail(end, what, "the file ends within a frame", "give as many lines as the count says")
-    }
-
-    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
-        Error::scene(self.lines.place(byte).named(field), problem, mend)
+        self.lines.ends(what, "the file ends within a frame", "give as many lines as the count says")
     }
 
     /// The columns, the cell, and the time of the comment line.
@@ -100,7 +93,7 @@ impl Xyz {
             }
         }
         let wrong = |problem: String| {
-            self.fail(at, "Properties", problem, "write name:type:columns triples such as species:S:1:pos:R:3")
+            self.lines.fail(at, "Properties", problem, "write name:type:columns triples such as species:S:1:pos:R:3")
         };
         let mut parts = properties.split(':');
         let mut layout = Layout::new(&self.request);
@@ -134,7 +127,7 @@ impl Xyz {
             }
             _ => {
                 let problem = format!("{} is not a cell", quote(text));
-                Err(self.fail(at, "Lattice", problem, "use three vectors of finite numbers, nine in all"))
+                Err(self.lines.fail(at, "Lattice", problem, "use three vectors of finite numbers, nine in all"))
             }
         }
     }

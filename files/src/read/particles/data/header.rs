@@ -1,6 +1,6 @@
 //! The header of LAMMPS data.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
@@ -40,7 +40,7 @@ impl DataHeader {
             let whole = || {
                 words[0].parse().map_err(|_| {
                     let problem = format!("{} is not a number of {}", quote(words[0]), words[1..].join(" "));
-                    fail(lines, 0, "header", problem, "use a whole number")
+                    lines.fail(0, "header", problem, "use a whole number")
                 })
             };
             match words[..] {
@@ -78,8 +78,4 @@ impl DataHeader {
 pub(super) fn body(lines: &Lines<Input>) -> &str {
     let text = lines.text();
     text.split_once('#').map_or(text, |(body, _)| body).trim()
-}
-
-pub(super) fn fail(lines: &Lines<Input>, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
-    Error::scene(lines.place(byte).named(field), problem, mend)
 }

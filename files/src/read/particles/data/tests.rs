@@ -1,9 +1,8 @@
 use super::*;
-use crate::read::particles::frame::all;
 use crate::scene::Cell;
 
 fn read(text: &str, columns: &[&str]) -> Result<Particles> {
-    Ok(all(LammpsData::new(SceneSource::of_text(text), Request::of(columns)))?.remove(0))
+    super::read(SceneSource::of_text(text), &Request::of(columns))
 }
 
 const HEAD: &str = "by hand\n\n2 atoms # so many\n2 atom types\n0 2 xlo xhi\n-1 3 ylo yhi\n0 5 zlo zhi\n";

@@ -76,11 +76,11 @@ pub(super) fn header(lines: &mut Lines<Input>, request: &Request) -> Result<PcdH
     for _ in 0..MOST_LINES {
         if !lines.advance()? {
             let problem = "the file ends within its header";
-            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with the line DATA"));
+            return Err(lines.fail(0, "header", problem, "end the header with the line DATA"));
         }
         let mut words = lines.text().split_whitespace();
         let Some(key) = words.next().filter(|key| !key.starts_with('#')) else { continue };
-        let fail = |problem: String| Error::scene(lines.place(0).named("header"), problem, MEND);
+        let fail = |problem: String| lines.fail(0, "header", problem, MEND);
         // Older files call the fields columns.
         let key = if key == "COLUMNS" { "FIELDS" } else { key };
         if let Some(list) = LISTS.iter().position(|name| *name == key) {
@@ -100,7 +100,7 @@ pub(super) fn header(lines: &mut Lines<Input>, request: &Request) -> Result<PcdH
                 _ => {
                     let mend = "the encodings are ascii, binary and binary_compressed";
                     let problem = format!("{} has no known encoding", quote(lines.text()));
-                    return Err(Error::scene(lines.place(0).named("header"), problem, mend));
+                    return Err(lines.fail(0, "header", problem, mend));
                 }
             };
             let [width, height, points] = sizes;
@@ -114,7 +114,7 @@ pub(super) fn header(lines: &mut Lines<Input>, request: &Request) -> Result<PcdH
         }
     }
     let problem = format!("the header has more than {MOST_LINES} lines");
-    Err(Error::scene(lines.place(0).named("header"), problem, "end the header with the line DATA"))
+    Err(lines.fail(0, "header", problem, "end the header with the line DATA"))
 }
 
 /// The fields and their columns.

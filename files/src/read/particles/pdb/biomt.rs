@@ -58,7 +58,7 @@ impl Biomt {
 
     /// A row: `BIOMT1`, the operator's number, three numbers of the matrix, one of the shift.
     fn row<R: BufRead>(&mut self, lines: &Lines<R>, row: &str, at: usize) -> Result<()> {
-        let fail = |problem: String, mend: &str| Error::scene(lines.place(at).named("REMARK 350"), problem, mend);
+        let fail = |problem: String, mend: &str| lines.fail(at, "REMARK 350", problem, mend);
         let mut words = Words::of(lines).skip(3);
         let name = words.next().map(|word| word.text).unwrap_or_default();
         let expected = self.rows.len() + 1;

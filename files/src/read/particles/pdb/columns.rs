@@ -1,6 +1,6 @@
 //! The columns of a PDB record.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::quote::quote;
 use crate::read::lines::Lines;
 use std::io::BufRead;
@@ -71,7 +71,7 @@ pub(super) fn coordinate<R: BufRead>(lines: &Lines<R>, columns: Range<usize>, ax
             word => format!("expected a finite number, found {}", quote(word)),
         };
         let mend = format!("write {axis} in columns {} to {}, such as -12.345", columns.start + 1, columns.end);
-        Error::scene(lines.place(at).named(axis), problem, mend)
+        lines.fail(at, axis, problem, mend)
     })
 }
 

@@ -5,7 +5,7 @@
 //! blanks; charge and radius follow the three coordinates.
 
 use super::columns::{COORDINATE, NAME, RESIDUE_ID, RESIDUE_NAME, X, coordinate, field};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::quote::quote;
 use crate::read::lines::{Lines, Word, Words};
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
@@ -62,13 +62,12 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, names: &mut NameTable, model: &m
     };
     let [charge, radius, element @ ..] = rest else {
         let problem = "expected charge and radius after the coordinates";
-        let place = lines.place(lines.text().len()).named("radius");
-        return Err(Error::scene(place, problem, "add two numbers, or use --format pdb"));
+        return Err(lines.ends("radius", problem, "add two numbers, or use --format pdb"));
     };
     let (charge, length) = (charge.finite("charge")?, radius.finite("radius")?);
     if length < 0.0 {
         let problem = format!("{} is negative", quote(radius.text));
-        return Err(Error::scene(lines.place(radius.at).named("radius"), problem, "use 0 or more"));
+        return Err(lines.fail(radius.at, "radius", problem, "use 0 or more"));
     }
     // Some programs append the element.
     let symbol = element.last().map_or("", |word| word.text).as_bytes();

@@ -37,25 +37,21 @@ pub(super) fn header(lines: &mut Lines<Input>) -> Result<(PlyEncoding, Vec<PlyEl
     let (mut form, mut elements) = (None, Vec::<PlyElement>::new());
     let (mut properties, mut bytes) = (0, 0);
     if !lines.advance()? || lines.text().trim() != "ply" {
-        return Err(Error::scene(
-            lines.place(0).named("header"),
-            "this is not a polygon file",
-            "begin with the line ply",
-        ));
+        return Err(lines.fail(0, "header", "this is not a polygon file", "begin with the line ply"));
     }
     loop {
         if !lines.advance()? {
             let problem = "the file ends within its header";
-            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with end_header"));
+            return Err(lines.fail(0, "header", problem, "end the header with end_header"));
         }
         bytes += lines.text().len() + 1;
         if bytes > LONGEST {
             let problem = format!("the header has more than {LONGEST} bytes");
-            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with end_header"));
+            return Err(lines.fail(0, "header", problem, "end the header with end_header"));
         }
         let wrong = |what: &str| {
             let problem = format!("{} {what}", quote(lines.text()));
-            Error::scene(lines.place(0).named("header"), problem, "write it as in the description of the format")
+            lines.fail(0, "header", problem, "write it as in the description of the format")
         };
         let words: Vec<&str> = lines.text().split_whitespace().take(8).collect();
         let scalar = |name: &str| {
@@ -93,11 +89,7 @@ pub(super) fn header(lines: &mut Lines<Input>) -> Result<(PlyEncoding, Vec<PlyEl
     }
     match form {
         Some(form) => Ok((form, elements)),
-        None => Err(Error::scene(
-            lines.place(0).named("header"),
-            "the format line is missing",
-            "add the line `format ascii 1.0`",
-        )),
+        None => Err(lines.fail(0, "header", "the format line is missing", "add the line `format ascii 1.0`")),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The vertices of a polygon file in text.
 
 use super::header::{PlyElement, short_of, truncated};
-use crate::error::{Error, Result, relocate};
+use crate::error::{Result, relocate};
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
@@ -25,10 +25,7 @@ pub(super) fn text(
         let mut invalid = None;
         let mut words = Words::of(lines);
         for property in &element.properties {
-            let need = || {
-                let place = lines.place(lines.text().len()).named(&property.name);
-                Error::scene(place, "the line ends before it", "give every property of the vertex")
-            };
+            let need = || lines.ends(&property.name, "the line ends before it", "give every property of the vertex");
             let word = words.next().ok_or_else(need)?;
             match property.length {
                 Some(_) => {
@@ -62,7 +59,7 @@ pub(super) fn text(
             let problem =
                 format!("{} is one number more than the {} properties", quote(word.text), element.properties.len());
             let mend = "correct the number of vertices and the list of their properties";
-            return Err(Error::scene(lines.place(word.at).named("vertex"), problem, mend));
+            return Err(lines.fail(word.at, "vertex", problem, mend));
         }
         match invalid {
             Some(error) => particles.left_out.add(error),

@@ -1,8 +1,8 @@
 //! The samples are written by tests/independent/laz.py with lazrs; `expected` has the formulas of that script.
 
 use crate::error::Result;
-use crate::read::particles::frame::{ParticleFrames, Particles};
-use crate::read::particles::las::Las;
+use crate::read::particles::frame::Particles;
+use crate::read::particles::las;
 use crate::read::particles::request::Request;
 use crate::read::source::SceneSource;
 
@@ -31,8 +31,7 @@ const NAMES: [&str; 9] = [
 ];
 
 fn read(bytes: &[u8]) -> Result<Particles> {
-    let mut las = Las::new(SceneSource::of_bytes(bytes), Request::of(&NAMES));
-    Ok(las.next()?.expect("one frame"))
+    las::read(SceneSource::of_bytes(bytes), &Request::of(&NAMES))
 }
 
 /// Position, columns and colour of point `n`.
