@@ -21,7 +21,7 @@
 //! - [`drawing`]: the legend, the label and the scale bar of a picture, and the page of plots.
 //! - [`settings`]: the settings of a rendering.
 //! - [`plan`]: decides what a scene requires: method, accuracy, search.
-//! - [`quote`]: quotes text of files in messages.
+//! - [`quote`]: quotes text of files in messages, and names settings in them.
 //! - [`progress`]: progress reporting and cancellation.
 //! - [`measure`]: compares frames, and measures speed against error of every method, with exact arithmetic as the
 //!   reference.

@@ -10,6 +10,7 @@ pub(crate) use room::{
 };
 
 use crate::error::{Error, Result};
+use crate::quote::setting::SIZE;
 use std::any::Any;
 use std::sync::Mutex;
 
@@ -57,7 +58,7 @@ impl Pool {
                 "{} bytes for one buffer of the frame cannot be allocated",
                 n.saturating_mul(size_of::<T>())
             ),
-            mend: "render a smaller --size or fewer buffers".into(),
+            mend: format!("render a smaller {SIZE} or fewer buffers"),
         })?;
         vector.resize(n, T::default());
         Ok(vector)

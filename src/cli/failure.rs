@@ -1,5 +1,6 @@
 //! Failures: the exit codes, the message on standard error, and with `--json` an object on standard output.
 
+use super::messages::flags;
 use super::process::{ExitCode, arguments};
 use super::say;
 use halfline::error::Error;
@@ -31,7 +32,7 @@ const SETTINGS: (&str, u8) = ("settings", 2);
 
 /// Reports a failure; the exit code of the process.
 pub(super) fn fail(error: &Error) -> ExitCode {
-    let message = error.to_string();
+    let message = flags(&error.to_string());
     say(format_args!("{message}"));
     let class = class(error);
     print_object(class, &message);

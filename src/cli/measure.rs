@@ -4,7 +4,7 @@ mod table;
 
 use super::bar::Bar;
 use super::clash::check_inputs;
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, flags};
 use super::process::{ExitCode, arguments};
 use super::scene_args::{scene_size, tolerance};
 use super::{go_on, note, print, say, watch};
@@ -98,7 +98,7 @@ impl Measure {
         }
         let record = match &self.subject.from {
             Some(path) => read(path)?,
-            None => self.measure()?,
+            None => with_flags(self.measure()?),
         };
         for warning in &record.warnings {
             say(format_args!("warning: {warning}"));
@@ -153,6 +153,13 @@ impl Measure {
             None => subject,
         })
     }
+}
+
+/// The record with the options of the command in its messages.
+fn with_flags(mut record: Record) -> Record {
+    let refusals = record.runs.iter_mut().filter_map(|run| run.refused.as_mut());
+    record.warnings.iter_mut().chain(refusals).for_each(|message| *message = flags(message));
+    record
 }
 
 fn read(path: &Path) -> Result<Record> {

@@ -152,7 +152,7 @@ fn check_output() -> io::Result<()> {
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     check_output()
-        .and_then(|()| out.write_all(text.as_bytes()))
+        .and_then(|()| out.write_all(messages::flags(text).as_bytes()))
         .and_then(|()| out.flush())
         .map_err(|error| Error::write("-", error))
 }

@@ -9,6 +9,7 @@ mod pfm;
 use super::{Array, bytes_of};
 use crate::error::{Error, Place, Result};
 use crate::frame::provenance::Provenance;
+use crate::quote::setting::AOV;
 use crate::quote::{list, quote};
 use crate::write::{npy, png};
 use std::io::Cursor;
@@ -98,7 +99,7 @@ impl FrameFile {
             if nameless.buffers.iter().any(|buffer| buffer.name.is_none()) {
                 let problem =
                     format!("{} has an unnamed buffer, which may be any of those of {}", nameless.name, other.name);
-                return Err(Error::settings(problem, format!("choose with --aov: {}", other.names())));
+                return Err(Error::settings(problem, format!("choose with {AOV}: {}", other.names())));
             }
         }
         let (mut common, mut missing) = (Vec::new(), Vec::new());

@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Aov, Frame};
 use crate::gpu::device;
 use crate::progress::Watch;
+use crate::quote::setting::{ADAPTER, BACKEND, METHODS, PATIENCE, SIZE};
 use crate::render::Renderer;
 use crate::scene::Scene;
 use crate::settings::{Backend, Search, Settings, Tolerance};
@@ -121,7 +122,7 @@ pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dy
     }
     match refusal {
         Some(problem) if record.runs.iter().all(|run| run.refused.is_some()) => {
-            Err(Error::Accuracy { problem, mend: "use other --methods or another --backend".into() })
+            Err(Error::Accuracy { problem, mend: format!("use other {METHODS} or another {BACKEND}") })
         }
         _ => Ok(record),
     }
@@ -165,9 +166,10 @@ fn stations(options: &Options, watch: &Watch, warnings: &mut Vec<String>) -> Res
     let cpu = || open(Backend::Cpu, None);
     match options.backend {
         Backend::Gpu => Ok(vec![gpu()?]),
-        Backend::Cpu if options.adapter.is_some() => {
-            Err(Error::settings("--backend cpu does not use an adapter", "remove --adapter or use --backend gpu"))
-        }
+        Backend::Cpu if options.adapter.is_some() => Err(Error::settings(
+            format!("{BACKEND} cpu does not use an adapter"),
+            format!("remove {ADAPTER} or use {BACKEND} gpu"),
+        )),
         Backend::Cpu => Ok(vec![cpu()?]),
         Backend::Auto if options.adapter.is_none() && device::find()?.is_empty() => {
             warnings.push("no Vulkan, Metal or DX12 adapter was found: only the CPU path was measured".into());
@@ -359,6 +361,6 @@ impl Turns<'_> {
             return Ok(());
         }
         let problem = format!("{} would take about {seconds:.0} s per frame on the CPU path", variant.name());
-        Err(Error::Limits { problem, mend: format!("use a smaller --size, or a --patience above {patience} s") })
+        Err(Error::Limits { problem, mend: format!("use a smaller {SIZE}, or a {PATIENCE} above {patience} s") })
     }
 }

@@ -46,3 +46,4 @@ mod sky;
 mod streams;
 mod tables;
 mod trace;
+mod words;

@@ -7,6 +7,7 @@
 use super::columns::{COORDINATE, NAME, RESIDUE_ID, RESIDUE_NAME, X, coordinate, field};
 use crate::error::{Error, Result};
 use crate::quote::quote;
+use crate::quote::setting::FORMAT;
 use crate::read::lines::{Lines, Word, Words};
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
@@ -63,7 +64,7 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, names: &mut NameTable, model: &m
     let [charge, radius, element @ ..] = rest else {
         let problem = "expected charge and radius after the coordinates";
         let place = lines.place(lines.text().len()).named("radius");
-        return Err(Error::scene(place, problem, "add two numbers, or use --format pdb"));
+        return Err(Error::scene(place, problem, format!("add two numbers, or use {FORMAT} pdb")));
     };
     let (charge, length) = (charge.finite("charge")?, radius.finite("radius")?);
     if length < 0.0 {
