@@ -1,5 +1,6 @@
 //! Errors, classified by who can correct them: scene author, caller or machine.
 
+use crate::quote::setting::{ADAPTER, SIZE};
 use crate::quote::{printable, shortened};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ pub type Source = Box<dyn std::error::Error + Send + Sync>;
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Every failure of the library. The variant says who can correct it: the author of the scene, the caller or the owner
-/// of the machine.
+/// of the machine. Messages name settings as [`quote::setting`](crate::quote::setting) has them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -53,7 +54,12 @@ pub enum Error {
         mend: String,
     },
     /// The device was lost during the work.
-    #[error("the device was lost: {}; try again, with a smaller --size or another --adapter", printable(.0))]
+    #[error(
+        "the device was lost: {}; try again, with a smaller {} or another {}",
+        printable(.0),
+        SIZE,
+        ADAPTER
+    )]
     DeviceLost(String),
     /// The promised accuracy cannot be reached here.
     #[error("{}; {}", printable(problem), printable(mend))]

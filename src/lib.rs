@@ -20,7 +20,7 @@
 //! - [`trace`](mod@trace): traces given rays, which [`read::rays`] reads, [`scene::lidar`] makes, and [`write::hits`] writes.
 //! - [`settings`]: the settings of a rendering.
 //! - [`plan`]: decides what a scene requires: method, accuracy, search.
-//! - [`quote`]: quotes text of files in messages.
+//! - [`quote`]: quotes text of files in messages, and names settings in them.
 //! - [`progress`]: progress reporting and cancellation.
 //! - [`measure`]: compares frames, and measures speed against error of every method, with exact arithmetic as the
 //!   reference.

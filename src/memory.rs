@@ -8,6 +8,7 @@ pub(crate) use free::free;
 pub use room::{Ledger, SPHERE, check, check_ids, check_spheres, check_wide_ids, entries, extend_to, ids_fit, reserve};
 
 use crate::error::{Error, Result};
+use crate::quote::setting::SIZE;
 use std::any::Any;
 use std::sync::Mutex;
 
@@ -55,7 +56,7 @@ impl Pool {
                 "{} bytes for one buffer of the frame cannot be allocated",
                 n.saturating_mul(size_of::<T>())
             ),
-            mend: "render a smaller --size or fewer buffers".into(),
+            mend: format!("render a smaller {SIZE} or fewer buffers"),
         })?;
         vector.resize(n, T::default());
         Ok(vector)

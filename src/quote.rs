@@ -1,5 +1,7 @@
 //! Quotes text of files in messages: words, column names, paths. Control characters never reach the terminal, and long
-//! texts are shortened.
+//! texts are shortened. The names of settings, which each front end writes in its own way.
+
+pub mod setting;
 
 use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter, Write};
@@ -62,24 +64,49 @@ pub fn count(n: u64, noun: &str) -> String {
     }
 }
 
-/// A message with every control character escaped, except line feeds.
+/// What opens the name of a [`setting`]. The second character has no width, and [`quote`] escapes it in text of files.
+const OPEN: &str = "`\u{2060}";
+
+/// The message with a front end's word in place of each [`setting`], its backticks included: an option, a keyword.
+#[must_use]
+pub fn reworded(message: &str, word: impl Fn(&str) -> String) -> String {
+    let mut parts = message.split(OPEN);
+    let mut words = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = named(part).map_or((OPEN.to_owned(), part), |(name, rest)| (word(name), rest));
+        words += &name;
+        words += rest;
+    }
+    words
+}
+
+/// The name of a setting and what follows it, behind what opens it.
+fn named(text: &str) -> Option<(&str, &str)> {
+    let is_name = |name: &str| !name.is_empty() && name.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
+    text.split_once('`').filter(|(name, _)| is_name(name))
+}
+
+/// A message with every control character escaped, except line feeds; the marks of settings stay.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    let safe = |c: char| c == '\n' || !is_control(c);
-    if text.chars().all(safe) {
+    let is_safe = |(at, c): (usize, char)| {
+        let marks = || text[..at + c.len_utf8()].ends_with(OPEN) && named(&text[at + c.len_utf8()..]).is_some();
+        c == '\n' || !is_control(c) || marks()
+    };
+    if text.char_indices().all(is_safe) {
         return Cow::Borrowed(text);
     }
     let mut escaped = String::with_capacity(text.len() + 16);
-    for c in text.chars() {
-        if safe(c) { escaped.push(c) } else { escaped.extend(c.escape_default()) }
+    for (at, c) in text.char_indices() {
+        if is_safe((at, c)) { escaped.push(c) } else { escaped.extend(c.escape_default()) }
     }
     Cow::Owned(escaped)
 }
 
 /// Whether a terminal interprets the character: control characters (C0, DEL, C1), and those that change the direction
-/// of text (Unicode 15, Bidi_Control).
+/// of text (Unicode 15, Bidi_Control); and the mark of a setting.
 fn is_control(c: char) -> bool {
     c.is_control()
-        || matches!(c, '\u{61c}' | '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+        || matches!(c, '\u{2060}' | '\u{61c}' | '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Quoted text for a message.
@@ -110,6 +137,7 @@ impl Display for Quote<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::setting::{ACCURACY, DEPTH_CUE};
     use super::*;
 
     #[test]
@@ -162,6 +190,21 @@ mod tests {
         let names: Vec<String> = (0..20).map(|n| n.to_string()).collect();
         assert!(list(&names).ends_with("14, 15, 4 more"), "{}", list(&names));
         assert_eq!(list(["a", "\u{1b}"]), "a, \\u{1b}");
+    }
+
+    #[test]
+    fn settings_are_reworded_and_texts_of_files_are_not() {
+        let message = format!("use {ACCURACY} certified or {DEPTH_CUE}");
+        let flags = |text: &str| reworded(text, |name| format!("--{}", name.replace('_', "-")));
+        assert_eq!(flags(&message), "use --accuracy certified or --depth-cue");
+        assert_eq!(printable(&message), message);
+        assert_eq!(message.replace('\u{2060}', ""), "use `accuracy` certified or `depth_cue`");
+        let forged = quote(ACCURACY).to_string();
+        assert_eq!((flags(&forged), printable(&forged)), (forged.clone(), forged.clone().into()), "{forged}");
+        for text in ["`\u{2060}", "`\u{2060}a b`", "`\u{2060}``", "\u{2060}x`"] {
+            assert_eq!(flags(text), text);
+            assert!(!printable(text).contains('\u{2060}'), "{text:?}");
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ use crate::error::{Error, Place, Result, named};
 use crate::frame::tone::{Tone, Toning};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
+use crate::quote::setting::SUN;
 use crate::scene::camera::Aperture;
 use crate::scene::{Scene, Sky};
 use crate::shade::Shade;
@@ -147,7 +148,7 @@ impl Settings {
     #[must_use]
     pub fn no_light() -> Error {
         let problem = "the buffer shadow needs a light, and the scene has none";
-        Error::settings(problem, "add --sun X,Y,Z, or [[light]] tables to the scene file")
+        Error::settings(problem, format!("add {SUN} X,Y,Z, or [[light]] tables to the scene file"))
     }
 
     /// The part of `scene`'s frame that is rendered.

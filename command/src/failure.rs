@@ -1,6 +1,6 @@
 //! Failures: the exit codes, the message on standard error, and with `--json` an object on standard output.
 
-use super::messages::say;
+use super::messages::{flags, say};
 use super::process::{ExitCode, arguments};
 use halfline::error::Error;
 use serde_json::json;
@@ -31,7 +31,7 @@ const SETTINGS: (&str, u8) = ("settings", 2);
 
 /// Reports a failure; the exit code of the process.
 pub(super) fn fail(error: &Error) -> ExitCode {
-    let message = error.to_string();
+    let message = flags(&error.to_string());
     say(format_args!("{message}"));
     let class = class(error);
     print_object(class, &message);

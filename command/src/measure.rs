@@ -5,7 +5,7 @@ mod table;
 use super::bar::Bar;
 use super::clash::check_inputs;
 use super::lines::ProgressOutput;
-use super::messages::{QuietArgs, note, warn};
+use super::messages::{QuietArgs, flags, note, warn};
 use super::process::{ExitCode, arguments};
 use super::scene_args::{scene_size, tolerance};
 use super::signals::{go_on, watch};
@@ -100,7 +100,7 @@ impl Measure {
         }
         let record = match &self.subject.from {
             Some(path) => read(path)?,
-            None => self.measure()?,
+            None => with_flags(self.measure()?),
         };
         warn(&record.warnings);
         if let Some(folder) = &self.out {
@@ -153,6 +153,13 @@ impl Measure {
             None => subject,
         })
     }
+}
+
+/// The record with the options of the command in its messages.
+fn with_flags(mut record: Record) -> Record {
+    let refusals = record.runs.iter_mut().filter_map(|run| run.refused.as_mut());
+    record.warnings.iter_mut().chain(refusals).for_each(|message| *message = flags(message));
+    record
 }
 
 fn read(path: &Path) -> Result<Record> {

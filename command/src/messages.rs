@@ -1,6 +1,6 @@
 //! Messages on standard error: errors and warnings, and notes, which `--quiet` leaves out.
 
-use halfline::quote::printable;
+use halfline::quote::{printable, reworded};
 use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,11 +29,16 @@ pub(super) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
+/// A message of the library with the options of the command in place of the names of settings.
+pub(super) fn flags(message: &str) -> String {
+    reworded(message, |setting| format!("--{}", setting.replace('_', "-")))
+}
+
 /// Prints an error or a warning on standard error. A standard error that cannot be written is not a failure; `eprintln`
 /// would panic.
 pub(crate) fn say(message: fmt::Arguments<'_>) {
     // One write, so that lines of several processes do not mix.
-    let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&message.to_string())).as_bytes());
+    let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&flags(&message.to_string()))).as_bytes());
 }
 
 /// Prints warnings on standard error.

@@ -1,6 +1,7 @@
 //! Results on standard output, and whether the process began with one. The standard library opens /dev/null in place of one
 //! that is closed, so that what is written there would be lost without an error.
 
+use super::messages::flags;
 use halfline::error::{Error, Result};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -26,7 +27,7 @@ pub(super) fn check_output() -> io::Result<()> {
 pub(super) fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     check_output()
-        .and_then(|()| out.write_all(text.as_bytes()))
+        .and_then(|()| out.write_all(flags(text).as_bytes()))
         .and_then(|()| out.flush())
         .map_err(|error| Error::write("-", error))
 }

@@ -12,6 +12,7 @@ use glam::DVec3;
 use halfline::error::{Error, Result};
 use halfline::frame::{Aov, Frame};
 use halfline::progress::Watch;
+use halfline::quote::setting::{ADAPTER, BACKEND, METHODS, PATIENCE, SIZE};
 use halfline::render::Renderer;
 use halfline::scene::Scene;
 use halfline::settings::{Backend, Search, Settings, Tolerance};
@@ -120,7 +121,7 @@ pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dy
     }
     match refusal {
         Some(problem) if record.runs.iter().all(|run| run.refused.is_some()) => {
-            Err(Error::Accuracy { problem, mend: "use other --methods or another --backend".into() })
+            Err(Error::Accuracy { problem, mend: format!("use other {METHODS} or another {BACKEND}") })
         }
         _ => Ok(record),
     }
@@ -164,9 +165,10 @@ fn stations(options: &Options, watch: &Watch, warnings: &mut Vec<String>) -> Res
     let cpu = || open(Backend::Cpu, None);
     match options.backend {
         Backend::Gpu => Ok(vec![gpu()?]),
-        Backend::Cpu if options.adapter.is_some() => {
-            Err(Error::settings("--backend cpu does not use an adapter", "remove --adapter or use --backend gpu"))
-        }
+        Backend::Cpu if options.adapter.is_some() => Err(Error::settings(
+            format!("{BACKEND} cpu does not use an adapter"),
+            format!("remove {ADAPTER} or use {BACKEND} gpu"),
+        )),
         Backend::Cpu => Ok(vec![cpu()?]),
         Backend::Auto if options.adapter.is_none() && halfline::adapters()?.is_empty() => {
             warnings.push("no Vulkan, Metal or DX12 adapter was found: only the CPU path was measured".into());
@@ -358,6 +360,6 @@ impl Turns<'_> {
             return Ok(());
         }
         let problem = format!("{} would take about {seconds:.0} s per frame on the CPU path", variant.name());
-        Err(Error::Limits { problem, mend: format!("use a smaller --size, or a --patience above {patience} s") })
+        Err(Error::Limits { problem, mend: format!("use a smaller {SIZE}, or a {PATIENCE} above {patience} s") })
     }
 }

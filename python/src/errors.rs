@@ -1,6 +1,7 @@
 //! Errors of the library as exceptions of Python, in the command's own words.
 
 use halfline::Error;
+use halfline::quote::reworded;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -49,39 +50,22 @@ fn system_words(error: &std::io::Error) -> String {
     text.split(" (os error").next().unwrap_or_default().to_owned()
 }
 
-/// Options of the command that have another name here.
-const RENAMED: [(&str, &str); 8] = [
+/// Settings that have another name here.
+const RENAMED: [(&str, &str); 7] = [
     ("aov", "aovs"),
     ("eye", "Camera(eye)"),
     ("fit", "Camera.fit"),
     ("frames", "frame"),
-    ("legend-in", "legend"),
     ("ortho", "Camera(height=)"),
     ("tile", "crop"),
     ("vfov", "Camera(vfov=)"),
 ];
 
-/// The text with keywords of Python in place of options of the command: `--color-by` is `color_by`.
-pub(crate) fn keywords(text: &str) -> String {
-    let mut words = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(start) = rest.find("--") {
-        let option = &rest[start + 2..];
-        let is_name = option.starts_with(|c: char| c.is_ascii_lowercase()) && !rest[..start].ends_with('-');
-        words.push_str(&rest[..start]);
-        if is_name {
-            let end = option.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(option.len());
-            match RENAMED.iter().find(|(name, _)| *name == &option[..end]) {
-                Some((_, name)) => words.push_str(name),
-                None => words.push_str(&option[..end].replace('-', "_")),
-            }
-            rest = &option[end..];
-        } else {
-            words.push_str("--");
-            rest = option;
-        }
-    }
-    words + rest
+/// A message of the library with keywords of Python in place of the names of settings.
+pub(crate) fn keywords(message: &str) -> String {
+    let keyword =
+        |setting: &str| RENAMED.iter().find(|(name, _)| *name == setting).map_or(setting, |(_, word)| *word).to_owned();
+    reworded(message, keyword)
 }
 
 /// The library's result as a result of Python.

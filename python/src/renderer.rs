@@ -1,7 +1,7 @@
 //! The renderer: a device, or the CPU path, kept for many frames.
 
 use crate::camera::Camera;
-use crate::errors::OrRaise;
+use crate::errors::{OrRaise, keywords};
 use crate::frame::Frame;
 use crate::many::Frames;
 use crate::options::{Accurate, Picture};
@@ -47,7 +47,7 @@ impl Renderer {
             adapter: exact.adapter().to_owned(),
             driver: exact.driver(),
             is_gpu: exact.is_gpu(),
-            warnings: exact.passed_over().to_vec(),
+            warnings: exact.passed_over().iter().map(|warning| keywords(warning)).collect(),
             shared: Shared::new(exact),
         })
     }

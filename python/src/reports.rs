@@ -1,6 +1,6 @@
 //! Reports as JSON: adapters and files.
 
-use crate::errors::{OrRaise, exception};
+use crate::errors::{OrRaise, exception, keywords};
 use crate::work::Job;
 use halfline_files::read::ReadOptions;
 use pyo3::prelude::*;
@@ -9,7 +9,8 @@ use std::path::PathBuf;
 
 /// A report as JSON.
 pub(crate) fn json(report: &impl Serialize) -> PyResult<String> {
-    serde_json::to_string(report).map_err(|error| exception(halfline::Error::write("-", error.into())))
+    let text = serde_json::to_string(report).map_err(|error| exception(halfline::Error::write("-", error.into())))?;
+    Ok(keywords(&text))
 }
 
 /// Every adapter with the measured properties of its arithmetic.

@@ -311,7 +311,7 @@ impl Scene {
     /// What the reader left out or assumed.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.skipped.warnings()
+        self.skipped.warnings().iter().map(|warning| keywords(warning)).collect()
     }
 
     /// The camera for an image of this size.

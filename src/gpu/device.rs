@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::kernel::{Generals, Kernel, RaySource, Sharing};
+use crate::quote::setting::{ADAPTER, BACKEND};
 use serde::Serialize;
 use std::sync::{Arc, Mutex};
 
@@ -184,10 +185,10 @@ pub(crate) fn open_first<T>(
 pub(crate) fn none_found() -> Error {
     Error::Adapter {
         problem: "no Vulkan, Metal or DX12 adapter was found".into(),
-        mend:
+        mend: format!(
             "install a driver (software Vulkan on Debian or Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1), \
-               or use --backend cpu"
-                .into(),
+             or use {BACKEND} cpu"
+        ),
     }
 }
 
@@ -227,7 +228,7 @@ pub(crate) fn open(found: &FoundAdapter) -> Result<Open> {
     let (device, queue) =
         pollster::block_on(found.adapter.request_device(&descriptor)).map_err(|e| Error::Adapter {
             problem: format!("{} cannot be opened: {e}", found.summary.name),
-            mend: "choose another --adapter, or --backend cpu".into(),
+            mend: format!("choose another {ADAPTER}, or {BACKEND} cpu"),
         })?;
     let lost = Arc::new(Mutex::new(None));
     let note = Arc::clone(&lost);

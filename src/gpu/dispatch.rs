@@ -12,6 +12,7 @@ use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
 use crate::gpu::validate::{compile, validate};
 use crate::kernel::{Kernel, KernelOutput, RaySource};
+use crate::quote::setting::{ADAPTER, BACKEND, SIZE};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
 use std::collections::HashMap;
@@ -99,11 +100,11 @@ impl Gpu {
             None => outcome,
             Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::Limits {
                 problem: format!("{} is out of memory", self.summary.name),
-                mend: "render fewer spheres, or use a smaller --size".into(),
+                mend: format!("render fewer spheres, or use a smaller {SIZE}"),
             }),
             Some(error) => Err(Error::Adapter {
                 problem: format!("{} failed: {error}", self.summary.name),
-                mend: "use another --adapter or --backend cpu, and report this as a bug".into(),
+                mend: format!("use another {ADAPTER} or {BACKEND} cpu, and report this as a bug"),
             }),
         }
     }
@@ -155,7 +156,7 @@ impl Gpu {
                     "{} spheres exceed what {} can bind for this image ({largest} bytes per binding)",
                     record.spheres, self.summary.name
                 ),
-                mend: format!("render at most {fit} spheres, or use --backend cpu"),
+                mend: format!("render at most {fit} spheres, or use {BACKEND} cpu"),
             });
         }
         let widest = (self.limits.max_compute_workgroups_per_dimension * TILE)
@@ -166,7 +167,7 @@ impl Gpu {
                     "{} columns exceed what {} can write in one dispatch",
                     record.columns, self.summary.name
                 ),
-                mend: format!("render at most {widest} columns, or use --backend cpu"),
+                mend: format!("render at most {widest} columns, or use {BACKEND} cpu"),
             });
         }
         Ok(())
@@ -321,7 +322,7 @@ impl Gpu {
                 "{bytes} bytes of {name} exceed the largest binding of {} ({largest} bytes)",
                 self.summary.name
             ),
-            mend: "render fewer spheres or rays at a time, or use --backend cpu".into(),
+            mend: format!("render fewer spheres or rays at a time, or use {BACKEND} cpu"),
         })
     }
 

@@ -21,6 +21,7 @@ use crate::gpu::compose::{Part, Source, binding_numbers, compose, files};
 use crate::gpu::layout::buffers;
 use crate::gpu::validate::{compile, validate};
 use crate::intersect::Method;
+use crate::quote::setting::{BACKEND, METHOD};
 use crate::view::ViewRecord;
 use bytemuck::Zeroable;
 use naga::valid::Capabilities;
@@ -98,7 +99,7 @@ impl Gpu {
             None => Ok(()),
             Some(reason) => Err(Error::Accuracy {
                 problem: format!("method {} cannot run on {}: {reason}", method.name(), self.summary.name),
-                mend: "leave out --method, or use --backend cpu".into(),
+                mend: format!("leave out {METHOD}, or use {BACKEND} cpu"),
             }),
         }
     }

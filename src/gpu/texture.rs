@@ -3,6 +3,7 @@
 
 use super::Gpu;
 use crate::error::{Error, Result};
+use crate::quote::setting::BACKEND;
 
 /// Texels in a row; search/tree.wgsl counts them.
 pub(crate) const ROW: u32 = 1 << 12;
@@ -26,7 +27,7 @@ impl Gpu {
                     bytes.len(),
                     self.summary.name
                 ),
-                mend: "trace fewer spheres, or use --backend cpu".into(),
+                mend: format!("trace fewer spheres, or use {BACKEND} cpu"),
             });
         }
         if self.textures.get(name).is_none_or(|(texture, _)| (texture.height() as usize) < rows) {

@@ -14,6 +14,7 @@
 use super::{Form, Method};
 use crate::error::{Error, Result};
 use crate::quote::number;
+use crate::quote::setting::ACCURACY;
 use crate::scene::{Scene, Spheres};
 use crate::view::{SphereRecord, View};
 use rayon::prelude::*;
@@ -131,7 +132,7 @@ impl Prediction {
             let sphere = self.sphere;
             format!(
                 "method {} places outlines only within {outline} radii and distances within {distance}, worst at \
-                 sphere {sphere}, {radii} radii away; use --accuracy certified",
+                 sphere {sphere}, {radii} radii away; use {ACCURACY} certified",
                 method.name()
             )
         })

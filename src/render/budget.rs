@@ -9,6 +9,7 @@ use crate::exact;
 use crate::frame::Aov;
 use crate::kernel::Kernel;
 use crate::memory::SPHERE;
+use crate::quote::setting::{CROP, SIZE, TILE};
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
 use crate::view::{SphereRecord, SphereResiduals, View};
@@ -145,8 +146,8 @@ impl Need {
             self.sphere
         );
         let mend = match self.fitting(free) {
-            _ if self.beside_spheres() > free => "render a smaller --size or fewer buffers".to_owned(),
-            fit => format!("render at most {fit} spheres, or a smaller --size"),
+            _ if self.beside_spheres() > free => format!("render a smaller {SIZE} or fewer buffers"),
+            fit => format!("render at most {fit} spheres, or a smaller {SIZE}"),
         };
         Err(Error::Limits { problem, mend })
     }
@@ -157,7 +158,7 @@ impl Need {
             return Ok(());
         }
         let problem = format!("{} pixels are more than 32-bit indices can number", self.count);
-        Err(Error::Limits { problem, mend: "render tiles with --tile or --crop, and merge them".into() })
+        Err(Error::Limits { problem, mend: format!("render tiles with {TILE} or {CROP}, and merge them") })
     }
 }
 
@@ -246,11 +247,11 @@ mod tests {
         let with = |spheres: u64| GIB + spheres * 100 + (spheres - total) * SPHERE;
         assert!(with(fit) <= free && with(fit + 1) > free);
         let error = need.check(Some(GIB - 1)).expect_err("too many pixels").to_string();
-        assert!(error.contains("--size") && !error.contains("at most"), "{error}");
+        assert!(error.contains(SIZE) && !error.contains("at most"), "{error}");
         let error = Need { pixels: u64::MAX / 2, ..need }.check(Some(GIB)).expect_err("absurd").to_string();
         assert!(error.contains("bytes"), "{error}");
         let error = Need { count: 1 << 32, ..need }.check(None).expect_err("no numbers").to_string();
-        assert!(error.contains("4294967296 pixels") && error.contains("--tile"), "{error}");
+        assert!(error.contains("4294967296 pixels") && error.contains(TILE), "{error}");
         let error = Need { spheres: MOST + 1, ..need }.check(None).expect_err("no ids").to_string();
         assert!(error.contains(&MOST.to_string()), "{error}");
     }

@@ -17,6 +17,7 @@ use crate::gpu::compose::compose;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Pool};
+use crate::quote::setting::{ACCURACY, BOUNCES, OCCLUSION, SHADOWS};
 use crate::scene::camera::CameraRecord;
 use crate::scene::{Light, Scene, Sky};
 use crate::settings::{Accuracy, Backend, Settings};
@@ -68,7 +69,7 @@ impl Renderer {
             let setup = FrameSetup::new(plan, scene, settings, raster, &Pool::default(), &mut Timings::default())?;
             if !setup.is_traced() {
                 let problem = "exact answers are computed on the CPU without a kernel";
-                return Err(Error::settings(problem, "use another --accuracy or camera"));
+                return Err(Error::settings(problem, format!("use another {ACCURACY} or camera")));
             }
             Ok(compose(&this.kernel_of(&setup)).with_banners())
         };
@@ -224,26 +225,28 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
 fn leave_light(plan: &Plan, scene: &Scene, settings: &Settings, leave: &mut impl FnMut(&'static str, &str)) {
     let (lighting, shade) = (&scene.lighting, shading(plan));
     if !has_shadows(plan, scene, settings) {
+        let unrequested = format!("the lights cast none without {SHADOWS}, and no buffer of them is requested");
         leave(
             "shadows",
             match shade {
                 None => "no picture and no buffer of shadows is requested",
                 _ if lighting.lights.is_empty() => "the light is at the eye, which sees none of its shadows",
-                Some(Shade::Headlight) => "the lights cast none without --shadows, and no buffer of them is requested",
+                Some(Shade::Headlight) => &unrequested,
                 Some(_) => "this shading uses no lights",
             },
         );
     }
     if settings.sky(scene).is_none() {
-        leave("occlusion", "neither --occlusion, [occlusion] or [sky] nor a buffer of it is requested");
+        leave("occlusion", &format!("neither {OCCLUSION}, [occlusion] or [sky] nor a buffer of it is requested"));
     }
     if bounces(plan, scene) == 0 {
+        let off = format!("{BOUNCES} 0 switches them off");
         leave(
             "mirrors and glass",
             match shade {
                 _ if MaterialCounts::of(scene).is_none() => "no sphere asks for them",
                 None => "no picture is requested",
-                Some(Shade::Headlight) => "--bounces 0 switches them off",
+                Some(Shade::Headlight) => &off,
                 Some(_) => "this shading shows none",
             },
         );

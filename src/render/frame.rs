@@ -19,6 +19,7 @@ use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::progress::Step;
+use crate::quote::setting::{ACCURACY, BACKEND};
 use crate::scene::Scene;
 use crate::scene::camera::CameraRecord;
 use crate::search::tile_candidates::CandidateList;
@@ -83,7 +84,7 @@ impl Renderer {
         if settings.backend == Backend::Gpu {
             return Err(Error::Accuracy {
                 problem: blocker,
-                mend: "use --backend auto or cpu, or --accuracy fast".into(),
+                mend: format!("use {BACKEND} auto or cpu, or {ACCURACY} fast"),
             });
         }
         let adapter = std::mem::replace(&mut self.place, Executor::Cpu);

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::frame::Aov;
+use crate::quote::setting::SAMPLES;
 use crate::scene::Scene;
 use crate::scene::camera::{Aperture, Camera, CentredFrame};
 use crate::settings::Settings;
@@ -56,7 +57,7 @@ pub(super) fn raster(samples: Option<Raster>, scene: &Scene, settings: &Settings
         Some(samples) => samples.with_margin(reach, &scene.image).map(Some),
         None if settings.asks(&[Aov::Color, Aov::Alpha]) => {
             let problem = "a lens with a size needs several samples per pixel, which leave from its points";
-            Err(Error::settings(problem, "use more samples, such as --samples 64, or remove the aperture"))
+            Err(Error::settings(problem, format!("use more samples, such as {SAMPLES} 64, or remove the aperture")))
         }
         None => Ok(None),
     }

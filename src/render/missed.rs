@@ -1,6 +1,7 @@
 //! Explains a picture without a hit.
 
 use crate::quote::number;
+use crate::quote::setting::{EYE, FIT, ORTHO, SIZE, VFOV};
 use crate::scene::camera::Look;
 use crate::scene::{Scene, point};
 use crate::window::Window;
@@ -23,7 +24,7 @@ pub(super) fn missed(scene: &Scene, window: Option<Window>) -> Option<String> {
         "no {ray} hits {spheres}, so the picture is background; the eye is at {} and looks {looks}, {}; {}",
         point(scene.camera.eye),
         scene.spheres.extent(),
-        slips_through(scene).unwrap_or_else(|| "use --fit to frame them".into())
+        slips_through(scene).unwrap_or_else(|| format!("use {FIT} to frame them"))
     ))
 }
 
@@ -43,13 +44,13 @@ fn slips_through(scene: &Scene) -> Option<String> {
     let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii);
     let largest = spheres.filter_map(|(center, radius)| across(center, *radius)).reduce(|| 0.0, f64::max);
     let mend = match v.is_parallel() {
-        true => "a smaller --ortho",
-        false => "a nearer --eye, a smaller --vfov",
+        true => format!("a smaller {ORTHO}"),
+        false => format!("a nearer {EYE}, a smaller {VFOV}"),
     };
     (largest > 0.0 && largest < std::f64::consts::SQRT_2).then(|| {
         format!(
             "the largest sphere in view is {} pixels across and lies between the rays: \
-             {mend} or a larger --size shows it",
+             {mend} or a larger {SIZE} shows it",
             number(largest, 2)
         )
     })

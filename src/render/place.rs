@@ -5,6 +5,7 @@ use crate::gpu::Gpu;
 use crate::gpu::device::{self, FoundAdapter};
 use crate::gpu::selftest::Pace;
 use crate::quote::number;
+use crate::quote::setting::{ADAPTER, BACKEND};
 use crate::settings::{Backend, Settings};
 
 /// The device of a renderer.
@@ -32,8 +33,8 @@ impl ChosenDevice {
     pub(super) fn of(settings: &Settings) -> Result<Self> {
         if settings.backend == Backend::Cpu && settings.adapter.is_some() {
             return Err(Error::settings(
-                "--backend cpu does not use an adapter",
-                "remove --adapter or use --backend gpu",
+                format!("{BACKEND} cpu does not use an adapter"),
+                format!("remove {ADAPTER} or use {BACKEND} gpu"),
             ));
         }
         if settings.backend == Backend::Cpu {

@@ -11,6 +11,7 @@ use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
 use crate::kernel::Kernel;
+use crate::quote::setting::{ACCURACY, METHOD};
 use crate::scene::Scene;
 use crate::scene::camera::Lens;
 use crate::settings::{Accuracy, Search, Settings};
@@ -116,7 +117,7 @@ impl Plan {
                 method.name(),
                 settings.accuracy.name()
             );
-            return Err(Error::settings(problem, "remove --method or --accuracy"));
+            return Err(Error::settings(problem, format!("remove {METHOD} or {ACCURACY}")));
         }
         let method = settings.method.unwrap_or(Method::Stable);
         let kernel = Kernel::bare(method);

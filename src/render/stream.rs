@@ -12,6 +12,7 @@ use crate::certify::sieve::{Sieve, Sifted};
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
 use crate::memory::{check_wide_ids, ids_fit};
+use crate::quote::setting::{ACCURACY, APERTURE, DEPTH_CUE, LOOK, METHOD, STREAM};
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
@@ -210,13 +211,19 @@ const FIRST: usize = FEW + 1;
 fn check(scene: &Scene, settings: &Settings) -> Result<()> {
     let lit = scene.lighting.is_lit();
     let (problem, mend) = if settings.method.is_some() || settings.accuracy == Accuracy::Fast {
-        ("answers of a stream are certified or exact", "remove --method, and use --accuracy certified or exact")
+        (
+            "answers of a stream are certified or exact",
+            format!("remove {METHOD}, and use {ACCURACY} certified or exact"),
+        )
     } else if settings.asks(&[Aov::Shadow, Aov::Occlusion]) || lit && settings.asks(&[Aov::Color]) {
-        ("lights and a sky need all spheres in memory", "use --look plain, without lights, shadow and occlusion")
+        (
+            "lights and a sky need all spheres in memory",
+            format!("use {LOOK} plain, without lights, shadow and occlusion"),
+        )
     } else if settings.aperture.is_some() {
-        ("a lens with a size sees spheres that a stream has forgotten", "remove --aperture, or --stream")
+        ("a lens with a size sees spheres that a stream has forgotten", format!("remove {APERTURE}, or {STREAM}"))
     } else if settings.depth_cue {
-        ("a depth cue needs the depths of all spheres", "remove --depth-cue")
+        ("a depth cue needs the depths of all spheres", format!("remove {DEPTH_CUE}"))
     } else {
         return Ok(());
     };

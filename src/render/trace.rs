@@ -10,6 +10,7 @@ use super::renderer::Renderer;
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::report::milliseconds;
+use crate::quote::setting::{ACCURACY, BACKEND};
 use crate::scene::Spheres;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Backend, Search, Settings};
@@ -192,9 +193,10 @@ impl Renderer {
         }
         match self.certification_blocker(plan.accuracy)? {
             None => Ok((true, None)),
-            Some(blocker) if backend == Backend::Gpu => {
-                Err(Error::Accuracy { problem: blocker, mend: "use --backend auto or cpu, or --accuracy fast".into() })
-            }
+            Some(blocker) if backend == Backend::Gpu => Err(Error::Accuracy {
+                problem: blocker,
+                mend: format!("use {BACKEND} auto or cpu, or {ACCURACY} fast"),
+            }),
             Some(blocker) => Ok((false, Some(format!("{blocker}: the CPU path is used instead")))),
         }
     }

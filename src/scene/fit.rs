@@ -6,6 +6,7 @@ use super::orient::{Facing, Spread, middle};
 use super::{ImagePlane, Scene, Spheres};
 use crate::error::{Error, Place, Result};
 use crate::progress::Watch;
+use crate::quote::setting;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -162,7 +163,7 @@ impl Camera {
         let viewport = self.viewport(image.width, image.height)?;
         if matches!(self.lens, Lens::Intrinsics { .. }) {
             let problem = "a lens of intrinsics belongs to its pose, and is not moved to show all spheres";
-            return Err(Error::settings(problem, "use a viewport or --vfov"));
+            return Err(Error::settings(problem, format!("use a viewport or {}", setting::VFOV)));
         }
         Ok((basis, viewport))
     }

@@ -5,6 +5,7 @@
 //! sampled at one of them, chosen by a hash of row, column, sample and seed.
 
 use crate::error::{Error, Result};
+use crate::quote::setting::{APERTURE, SAMPLES, SIZE};
 use crate::scene::{ImagePlane, MAX_SIDE};
 use crate::window::Window;
 
@@ -43,7 +44,7 @@ impl Raster {
         if strata > most {
             let side = u64::from(most) * u64::from(most);
             let problem = format!("{samples} samples per pixel are too many for an image of this size");
-            return Err(Error::Limits { problem, mend: format!("use at most {side}, or a smaller --size") });
+            return Err(Error::Limits { problem, mend: format!("use at most {side}, or a smaller {SIZE}") });
         }
         let mut jitter = FINEST;
         while strata * jitter > most {
@@ -69,7 +70,7 @@ impl Raster {
         let samples = self.count();
         let problem =
             format!("the lens moves the frame by {pixels:.0} pixels, which is too far for {samples} samples per pixel");
-        Err(Error::Limits { problem, mend: "use a smaller --aperture, fewer --samples or a smaller --size".into() })
+        Err(Error::Limits { problem, mend: format!("use a smaller {APERTURE}, fewer {SAMPLES} or a smaller {SIZE}") })
     }
 
     /// Samples of a pixel.

@@ -10,6 +10,7 @@ use glam::DVec3;
 use halfline::camera::{Aperture, Camera, Lens, Look};
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
+use halfline::quote::setting::SAMPLES;
 use halfline::render::Renderer;
 use halfline::render::stream::Stream;
 use halfline::scene::{ImagePlane, Scene, Sky, Spheres};
@@ -212,7 +213,7 @@ fn what_has_no_lens_is_refused() {
     let settings = settings(&[Aov::Color]);
     let error = |scene: &Scene, settings: &Settings| cpu().render(scene, settings).expect_err("an error");
     let one = error(&scene, &Settings { samples: 1, ..settings.clone() });
-    assert!(matches!(&one, Error::Settings { .. }) && one.to_string().contains("--samples"), "{one}");
+    assert!(matches!(&one, Error::Settings { .. }) && one.to_string().contains(SAMPLES), "{one}");
     let mut parallel = scene.clone();
     parallel.camera.lens = Lens::Orthographic { height: 3.0 };
     let error = error(&parallel, &settings);

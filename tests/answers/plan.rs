@@ -5,6 +5,7 @@ use crate::weekend::weekend;
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
+use halfline::quote::setting::SIZE;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
 use std::path::Path;
@@ -163,7 +164,7 @@ fn the_plan_says_how_many_spheres_fit() {
     let mut wide = scene();
     (wide.image.width, wide.image.height) = (1 << 20, 1 << 20);
     let error = explain(&wide, &settings(Backend::Cpu, None, &[Aov::Color])).expect_err("too large").to_string();
-    assert!(error.contains("bytes") && error.contains("--size"), "{error}");
+    assert!(error.contains("bytes") && error.contains(SIZE), "{error}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use crate::numpy::python_or_skip;
 use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;
 use halfline::frame::{Aov, Data, Frame};
+use halfline::quote::setting::UNIT;
 use halfline::settings::Settings;
 use halfline::window::Window;
 use halfline_files::write::buffers::FrameFile;
@@ -321,7 +322,7 @@ fn depth_beyond_the_range_of_png_has_a_warning_with_a_unit_that_fits() {
     };
     let warning = warnings(Aov::Depth, "d.png", 0.001).concat();
     assert!(
-        warning.starts_with(&format!("{beyond} values of depth")) && warning.contains("--unit 0.00122"),
+        warning.starts_with(&format!("{beyond} values of depth")) && warning.contains(&format!("{UNIT} 0.00122")),
         "{warning}"
     );
     assert_eq!(warnings(Aov::Depth, "d.png", 0.01), [""; 0]);

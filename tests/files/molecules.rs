@@ -4,6 +4,7 @@
 //! The entries are those of ../shared/data and of the package MDAnalysisTests (`tests/real_files`), as far as present.
 
 use crate::data::real_or_skip;
+use halfline::quote::setting::ASSEMBLY;
 use halfline::scene::Scene;
 use halfline_files::read::SceneFrame;
 use halfline_files::read::style::{Coloring, Scale, Style};
@@ -172,7 +173,7 @@ fn assemblies_are_those_that_gemmi_makes() {
         refused(ReadOptions { assembly: Some(missing), ..ReadOptions::default() }, &["the file has 1"]);
         refused(ReadOptions { model: Some(2), ..ReadOptions::default() }, &["no model 2", "the file has 1"]);
         let copies = ASSEMBLIES.iter().find(|assembly| assembly.file == name).map_or(1, |assembly| assembly.copies);
-        let offer = format!("{copies} copies; use --assembly 1");
+        let offer = format!("{copies} copies; use {ASSEMBLY} 1");
         let warnings = read_frame(&path, &ReadOptions::default()).skipped.warnings();
         assert!(copies == 1 || warnings.iter().any(|warning| warning.contains(&offer)), "{name}: {warnings:?}");
     }

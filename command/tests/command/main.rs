@@ -48,3 +48,4 @@ mod sky;
 mod streams;
 mod tables;
 mod trace;
+mod words;

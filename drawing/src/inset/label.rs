@@ -3,6 +3,7 @@
 use super::MOST_LETTERS;
 use halfline::error::{Error, Result};
 use halfline::quote::number;
+use halfline::quote::setting::LABEL;
 use std::str::FromStr;
 
 /// The text of a label, in parts.
@@ -109,7 +110,7 @@ fn brief(time: f64) -> String {
 /// The error for a name in braces that the picture has nothing for; `other` is one that it has.
 fn lacking(name: &str, of: &str, what: &str, other: Option<&str>) -> Error {
     let other = other.map_or(String::new(), |other| format!(", or use {other}"));
-    Error::settings(format!("--label has {name}, but the {of} has no {what}"), format!("remove {name}{other}"))
+    Error::settings(format!("{LABEL} has {name}, but the {of} has no {what}"), format!("remove {name}{other}"))
 }
 
 #[cfg(test)]

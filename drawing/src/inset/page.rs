@@ -4,6 +4,7 @@ use crate::canvas::{plain, shortened};
 use crate::raster::{letters, letters_width};
 use halfline::error::{Error, Result};
 use halfline::frame::legend::{Category, Legend};
+use halfline::quote::setting::SIZE;
 use std::fmt::Write;
 use tiny_skia::{Color, FillRule, Paint, Pixmap, Rect, Transform};
 
@@ -38,7 +39,7 @@ impl Page {
 
     pub(super) fn too_small(&self, what: &str) -> Error {
         let problem = format!("a picture of {} x {} pixels is too small for {what}", self.width, self.height);
-        Error::settings(problem, "use a larger --size")
+        Error::settings(problem, format!("use a larger {SIZE}"))
     }
 
     /// An empty panel for content of this size.

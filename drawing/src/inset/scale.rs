@@ -2,6 +2,7 @@
 
 use super::ScaleBar;
 use halfline::error::{Error, Result};
+use halfline::quote::setting::{ORTHO, SCALE_BAR};
 use halfline::scene::Scene;
 use halfline::scene::camera::Viewport;
 
@@ -27,6 +28,6 @@ fn per_pixel(scene: &Scene) -> Result<f64> {
     if depth > 0.0 {
         return Ok(pixel * depth / d);
     }
-    let problem = "--scale-bar needs the middle of all spheres in front of the camera";
-    Err(Error::settings(problem, "use --ortho or another camera, or remove --scale-bar"))
+    let problem = format!("{SCALE_BAR} needs the middle of all spheres in front of the camera");
+    Err(Error::settings(problem, format!("use {ORTHO} or another camera, or remove {SCALE_BAR}")))
 }

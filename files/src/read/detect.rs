@@ -3,6 +3,7 @@
 use super::format::Format;
 use super::particles::table::names::axes;
 use super::{foreign, nff};
+use crate::quote::setting::{COLUMNS, FORMAT};
 use std::path::Path;
 
 /// The format of a file with this beginning and name, or the problem and its remedy.
@@ -33,8 +34,9 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Format, (String, St
         let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
         let row = said(&lines).next().unwrap_or_default();
         let table = row.split([',', ';', '\t', ' ']).filter(|word| word.trim().parse::<f64>().is_ok()).count() >= 3;
-        let table = if table { "name the columns of a table with --columns x=1,y=2,z=3, or " } else { "" };
-        let mend = format!("{table}set it with --format: {}", names.join(", "));
+        let table =
+            if table { format!("name the columns of a table with {COLUMNS} x=1,y=2,z=3, or ") } else { String::new() };
+        let mend = format!("{table}set it with {FORMAT}: {}", names.join(", "));
         ("the format cannot be detected from content or name".to_owned(), mend)
     })
 }

@@ -4,6 +4,7 @@
 use super::input::Input;
 use crate::error::{Error, Place, Result};
 use crate::quote::quote;
+use crate::quote::setting::FORMAT;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
@@ -60,7 +61,7 @@ impl<R: BufRead> Lines<R> {
             return Err(Error::scene(
                 self.file().at(self.number, 1),
                 problem,
-                "check the format of the file, or set it with --format",
+                format!("check the format of the file, or set it with {FORMAT}"),
             ));
         }
         if self.any_bytes && std::str::from_utf8(&bytes).is_err() {

@@ -10,13 +10,14 @@ use super::particles::trajectory::{Topology, Trajectory};
 use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, xyz};
 use super::source::SceneSource;
 use crate::error::{Error, Result};
+use crate::quote::setting::{COLUMNS, FORMAT, TOPOLOGY};
 use std::path::Path;
 
 /// The frames of a particle file; `None` for formats that contain a whole scene.
 pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
     if !options.columns_named.is_empty() && source.format != Format::Csv {
-        let problem = format!("--columns names the columns of tables, but the file is {}", source.format.name());
-        return Err(Error::settings(problem, "remove it, or add --format csv if the file is a table"));
+        let problem = format!("{COLUMNS} names the columns of tables, but the file is {}", source.format.name());
+        return Err(Error::settings(problem, format!("remove it, or add {FORMAT} csv if the file is a table")));
     }
     let trajectory = matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd);
     let request = options.request(source.format);
@@ -25,7 +26,7 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Some(path) if trajectory => Some(topology(path, &source.path, options)?),
         Some(_) => {
             let problem = format!("{} files contain their atoms and take no topology", source.format.name());
-            return Err(Error::settings(problem, "remove --topology, or read a trajectory (xtc, trr, dcd)"));
+            return Err(Error::settings(problem, format!("remove {TOPOLOGY}, or read a trajectory (xtc, trr, dcd)")));
         }
     };
     if topology.is_none() {

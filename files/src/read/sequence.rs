@@ -18,6 +18,7 @@ use super::style::no_selections;
 use super::{native, nff};
 use crate::error::{Error, Place, Result};
 use crate::frame::legend::Legend;
+use crate::quote::setting::{AT, COLOR, FOCUS, FRAMES, HIDE, HOLD, MODEL, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP};
 use crate::quote::{count, quote};
 use crate::scene::camera::{Aperture, Camera};
 use crate::scene::instances::Instances;
@@ -168,8 +169,8 @@ impl Sequence {
                 }
                 match options.periodic {
                     Periodic::AsListed => {}
-                    Periodic::Wrap => return Err(no_cell("--wrap")),
-                    Periodic::Unwrap => return Err(no_cell("--unwrap")),
+                    Periodic::Wrap => return Err(no_cell(WRAP)),
+                    Periodic::Unwrap => return Err(no_cell(UNWRAP)),
                 }
                 options.style.restyle(&mut scene.spheres)?;
                 let frame = SceneFrame { skipped, has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
@@ -240,7 +241,7 @@ impl Sequence {
             {
                 let said = format!(
                     "all values of {name} in frame {number} are {value}, and the colours of the other frames are held to this \
-                     range; use --range LOW,HIGH or --hold all"
+                     range; use {RANGE} LOW,HIGH or {HOLD} all"
                 );
                 let said_of_film = if frames.contains(number) { &mut skipped.assumed } else { &mut self.said };
                 said_of_film.push(said);
@@ -337,7 +338,7 @@ impl Sequence {
             0 | 1 => "the file has no frame".to_owned(),
             n => format!("the file has {}, none of them selected", count(n - 1, "frame")),
         };
-        Error::scene(place, problem, "use other --frames, or another --model")
+        Error::scene(place, problem, format!("use other {FRAMES}, or another {MODEL}"))
     }
 }
 
@@ -346,9 +347,9 @@ fn check_operators(options: &ReadOptions) -> Result<()> {
     if !options.selects() {
         return Ok(());
     }
-    let problem = "--stream: selections need all atoms of an assembly in memory";
+    let problem = format!("{STREAM}: selections need all atoms of an assembly in memory");
     Err(Error::settings(
         problem,
-        "remove selections (--select, --hide, --at, --focus, and those of --color and --radius), or --stream",
+        format!("remove selections ({SELECT}, {HIDE}, {AT}, {FOCUS}, and those of {COLOR} and {RADIUS}), or {STREAM}"),
     ))
 }

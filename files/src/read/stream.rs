@@ -12,6 +12,7 @@ use super::style::{Coloring, is_8_bit, joined_elements};
 use crate::error::{Error, Place, Result};
 use crate::frame::legend::Legend;
 use crate::quote::count;
+use crate::quote::setting::{AT, COLOR, FOCUS, FRAMES, HIDE, MAP, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP};
 use crate::scene::Spheres;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -62,8 +63,8 @@ impl SphereBlocks {
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         check(options)?;
         if needs_range(options) {
-            let problem = "--stream: the range of colours is that of all particles";
-            return Err(Error::settings(problem, "add --range LOW,HIGH"));
+            let problem = format!("{STREAM}: the range of colours is that of all particles");
+            return Err(Error::settings(problem, format!("add {RANGE} LOW,HIGH")));
         }
         Self::begin(path, options, false)
     }
@@ -82,14 +83,14 @@ impl SphereBlocks {
         let source = SceneSource::open(path, options.known_format(), &options.watch)?;
         if !ROWS.contains(&source.format) {
             let problem = format!("{} files are not read as a stream", source.format.name());
-            let mend = "remove --stream, or use an array (npy), a table (csv), xyz, a LAMMPS dump, ply or las";
+            let mend = format!("remove {STREAM}, or use an array (npy), a table (csv), xyz, a LAMMPS dump, ply or las");
             return Err(Error::settings(problem, mend));
         }
         let format = source.format;
         let (sender, parts) = sync_channel(AHEAD);
         let passing = ReadOptions { survey: Some(Survey::passing(sender, BLOCK)), ..options.clone() };
         let Ok(frames) = open_particles(source, &passing)? else {
-            return Err(Error::settings("scenes are not read as a stream", "remove --stream"));
+            return Err(Error::settings("scenes are not read as a stream", format!("remove {STREAM}")));
         };
         let number = options.frames.numbers().next().unwrap_or(1);
         // The thread must hold the only sender, so that the receiver sees the end.
@@ -97,7 +98,7 @@ impl SphereBlocks {
         let reader = thread::Builder::new().name("halfline blocks".into()).spawn(move || frame(frames, number));
         let reader = reader.map_err(|e| Error::Limits {
             problem: format!("no thread could be started to read the file: {e}"),
-            mend: "allow the process more threads, or remove --stream".into(),
+            mend: format!("allow the process more threads, or remove {STREAM}"),
         })?;
         let file = Place::file(path.display().to_string());
         Ok(Self {
@@ -132,7 +133,7 @@ impl SphereBlocks {
         let Some(reader) = self.reader.take() else { return Ok(None) };
         let rest = reader.join().unwrap_or(Err(Error::Interrupted))?;
         let Some(rest) = rest else {
-            return Err(Error::scene(self.file.clone(), "the file has no such frame", "use another --frames"));
+            return Err(Error::scene(self.file.clone(), "the file has no such frame", format!("use another {FRAMES}")));
         };
         self.dress(rest).map(Some)
     }
@@ -172,13 +173,13 @@ impl SphereBlocks {
         }
         if self.options.style.default_radius.is_none() && self.options.style.spacing_of(&part).is_some() {
             let problem = "the file has no radii, and half the mean spacing needs all particles";
-            return Err(Error::settings(problem, "add --radius, or remove --stream"));
+            return Err(Error::settings(problem, format!("add {RADIUS}, or remove {STREAM}")));
         }
         if self.options.style.coloring == Coloring::File && !part.colors.is_empty() {
             let levels = is_8_bit(&part.colors);
             if *self.levels.get_or_insert(levels) != levels {
                 let problem = "the colours of one part are whole numbers up to 255, and those of another are not";
-                return Err(Error::settings(problem, "add --color, or remove --stream"));
+                return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
             }
         }
         // The reader speaks of the whole file, the style of a part.
@@ -209,10 +210,10 @@ impl SphereBlocks {
     fn see(&mut self, legend: Option<&Legend>) -> Result<()> {
         let Some(Legend { name, range: [low, high], categories, .. }) = legend else { return Ok(()) };
         if !categories.is_empty() {
-            let problem = format!("--stream: {name} has categories, whose colours need all particles in memory");
+            let problem = format!("{STREAM}: {name} has categories, whose colours need all particles in memory");
             return Err(Error::settings(
                 problem,
-                "add --range LOW,HIGH or --map to colour by numbers, or remove --stream",
+                format!("add {RANGE} LOW,HIGH or {MAP} to colour by numbers, or remove {STREAM}"),
             ));
         }
         let [least, most] = self.range.unwrap_or([*low, *high]);
@@ -237,19 +238,19 @@ fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Part
 fn check(options: &ReadOptions) -> Result<()> {
     let (problem, mend) = if options.selects() {
         (
-            "selections need all particles in memory",
-            "remove --select, --hide, --at and --focus with expressions, and selected colours and radii",
+            "selections need all particles in memory".to_owned(),
+            format!("remove {SELECT}, {HIDE}, {AT} and {FOCUS} with expressions, and selected colours and radii"),
         )
     } else if options.periodic != Periodic::AsListed {
-        ("--wrap and --unwrap need all particles in memory", "remove them")
+        (format!("{WRAP} and {UNWRAP} need all particles in memory"), "remove them".to_owned())
     } else if options.topology.is_some() {
-        ("a trajectory with a topology is not read as a stream", "remove --stream")
+        ("a trajectory with a topology is not read as a stream".to_owned(), format!("remove {STREAM}"))
     } else if options.frames.count() > 1 {
-        ("a stream is one frame", "select one with --frames N")
+        ("a stream is one frame".to_owned(), format!("select one with {FRAMES} N"))
     } else {
         return Ok(());
     };
-    Err(Error::settings(format!("--stream: {problem}"), mend))
+    Err(Error::settings(format!("{STREAM}: {problem}"), mend))
 }
 
 /// Whether the range of the colours is that of all particles.

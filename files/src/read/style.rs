@@ -15,6 +15,7 @@ use crate::error::{Error, Place, Result};
 use crate::frame::legend::{Category, Legend};
 use crate::frame::srgb::{self, linear};
 use crate::memory::check_spheres;
+use crate::quote::setting::{COLOR_BY, RADIUS};
 use crate::quote::{number, quote};
 use crate::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 pub(super) use categories::joined_elements;
@@ -160,7 +161,7 @@ impl Style {
                 spheres.colors = Some(vec![*color; spheres.len()].into());
                 Ok(())
             }
-            Coloring::Element => Err(Error::settings("this scene has no elements", "remove --color-by")),
+            Coloring::Element => Err(Error::settings("this scene has no elements", format!("remove {COLOR_BY}"))),
             Coloring::Column(_) => {
                 Err(Error::settings("this scene has no columns to colour by", "use a particle file"))
             }
@@ -271,7 +272,7 @@ impl Style {
             if n > 0 {
                 let particles = if n == 1 { "particle has" } else { "particles have" };
                 skipped.assumed.push(format!(
-                    "{n} {particles} no radius, so half the mean spacing is used, {}; use --radius to set another",
+                    "{n} {particles} no radius, so half the mean spacing is used, {}; use {RADIUS} to set another",
                     number(radius, 4)
                 ));
             }
@@ -283,7 +284,7 @@ impl Style {
             let names: Vec<String> = particles.unknown.iter().map(|(name, n)| format!("{n} {}", quote(name))).collect();
             let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
             skipped.assumed.push(format!(
-                "{missing} of {n} atoms have no {} radius{names}, so {UNKNOWN_RADIUS} is used; use --radius to set one for all",
+                "{missing} of {n} atoms have no {} radius{names}, so {UNKNOWN_RADIUS} is used; use {RADIUS} to set one for all",
                 self.radii.name()
             ));
         }
@@ -316,7 +317,10 @@ impl Style {
             }
             Coloring::Element => {
                 let colors = elements().ok_or_else(|| {
-                    Error::settings("the file has no elements to colour by", "remove --color-by, or use a column")
+                    Error::settings(
+                        "the file has no elements to colour by",
+                        format!("remove {COLOR_BY}, or use a column"),
+                    )
                 })?;
                 return Ok((Some(colors), Some(categories::elements(&particles.elements, &particles.paint))));
             }

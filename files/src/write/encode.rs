@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::frame::tone::Toning;
 use crate::frame::{Aov, Buffer, Data, Frame, srgb};
 use crate::quote::number;
+use crate::quote::setting::{SELECT, UNIT};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -192,7 +193,7 @@ pub(super) fn check_ids(buffer: &Buffer) -> Result<()> {
     match ids.par_iter().copied().max().filter(|id| number_of(*id).is_none()) {
         Some(id) => {
             let problem = format!("the id {id} does not fit into a 16-bit PNG, which holds ids up to 65534");
-            Err(Error::settings(problem, "write .npy or .exr, or --select fewer spheres"))
+            Err(Error::settings(problem, format!("write .npy or .exr, or {SELECT} fewer spheres")))
         }
         None => Ok(()),
     }
@@ -210,7 +211,7 @@ pub(super) fn warning(buffer: &Buffer, unit: f64) -> Option<String> {
     let (aov, enough) = (buffer.aov, farthest / STEPS);
     Some(format!(
         "{count} values of {aov} exceed 65535 units of {unit} and are written as 65535; the largest is {farthest}; \
-         use --unit {} or more, or write .exr or .npy",
+         use {UNIT} {} or more, or write .exr or .npy",
         number(enough, 4)
     ))
 }

@@ -16,6 +16,7 @@ use super::atomic::{check_writable, is_special, is_standard_output, write_atomic
 use super::npz::write_archive;
 use crate::error::{Error, Result};
 use crate::progress::Watch;
+use crate::quote::setting::ANY;
 use crate::render::trace::{Hits, Occlusion, Rays};
 use crate::scene::Spheres;
 use archive::Spool;
@@ -60,8 +61,8 @@ impl HitFile {
         let format = format.or((is_standard_output(path) || is_special(path)).then_some(HitFormat::Csv));
         match format {
             Some(HitFormat::Cloud(_)) if query == Query::Any => {
-                let problem = format!("{} is a point cloud, and --any finds no points", path.display());
-                Err(Error::settings(problem, "remove --any, or use the file name extension .npz or .csv"))
+                let problem = format!("{} is a point cloud, and {ANY} finds no points", path.display());
+                Err(Error::settings(problem, format!("remove {ANY}, or use the file name extension .npz or .csv")))
             }
             Some(format) => Ok(Self { path: path.to_path_buf(), format, query }),
             None => {

@@ -9,6 +9,7 @@ use super::image_file::Opened;
 use super::rows::{Head, Rows};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
+use crate::quote::setting::CROP;
 use crate::window::Window;
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -88,7 +89,7 @@ impl Mosaic {
             }
             let problem =
                 format!("no tile covers {} of {width} x {height} pixels ({pixels} pixels)", named.join(" and "));
-            let mend = "render each missing part with --crop x0,y0,x1,y1 and add it to the list";
+            let mend = format!("render each missing part with {CROP} x0,y0,x1,y1 and add it to the list");
             return Err(Error::scene(Place::file(format!("{} tiles", tiles.len())), problem, mend));
         }
         let provenance = common.head.provenance.without_pixels().of_window(full);

@@ -15,6 +15,7 @@ use crate::gpu::input::{Input, KernelRays, Output};
 use crate::intersect::Method;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
+use crate::quote::setting::BACKEND;
 use crate::search::tile_candidates::CandidateList;
 use crate::settings::Tolerance;
 use crate::shade::Shade;
@@ -112,7 +113,7 @@ impl Gpu {
         let binned = BinnedScene::new(&scene, &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
         let binned = binned.ok_or_else(|| Error::Adapter {
             problem: "the scene of the measurement has no candidate lists".into(),
-            mend: "use --backend cpu, and report this as a bug".into(),
+            mend: format!("use {BACKEND} cpu, and report this as a bug"),
         })?;
         let kernel = Kernel {
             shade: Some(Shade::default()),

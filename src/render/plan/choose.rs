@@ -5,6 +5,7 @@ use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
 use crate::quote::number;
+use crate::quote::setting::METHOD;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
 
@@ -81,7 +82,7 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
 fn parallel(settings: &Settings) -> Result<String> {
     if let Some(method) = settings.method {
         let problem = format!("method {} does not support orthographic cameras", method.name());
-        return Err(Error::settings(problem, "remove --method, or give the camera a vfov"));
+        return Err(Error::settings(problem, format!("remove {METHOD}, or give the camera a vfov")));
     }
     Ok(match (settings.accuracy, settings.tolerance) {
         (Accuracy::Certified, _) => "accuracy certified is requested".into(),

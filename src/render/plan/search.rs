@@ -1,6 +1,7 @@
 //! Chooses how the candidates of a ray are found.
 
 use crate::error::{Error, Result};
+use crate::quote::setting::SEARCH;
 use crate::settings::Search;
 
 /// Up to this number of spheres a method tests all of them. With 16 spheres, lists already save a fifth on lavapipe and
@@ -35,7 +36,7 @@ const MOST: usize = 10_000;
 pub(super) fn for_given_rays(requested: Search, by_method: bool, spheres: usize) -> Result<Search> {
     match requested {
         Search::Tiles => {
-            let problem = "given rays have no pixels, so --search tiles does not apply";
+            let problem = format!("given rays have no pixels, so {SEARCH} tiles does not apply");
             Err(Error::settings(problem, "use the search tree, all or auto"))
         }
         Search::Tree if by_method => {
@@ -55,5 +56,5 @@ pub(super) fn for_given_rays(requested: Search, by_method: bool, spheres: usize)
 /// The error for a tree with viewing rays.
 pub(super) fn only_given_rays() -> Error {
     let problem = "the search tree is for given rays; viewing rays use tiles, which cost less to build";
-    Error::settings(problem, "use --search tiles or all, or remove it")
+    Error::settings(problem, format!("use {SEARCH} tiles or all, or remove it"))
 }

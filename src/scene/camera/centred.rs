@@ -5,6 +5,7 @@
 use super::{Camera, Lens, Viewport};
 use crate::double_double::{self as dd, Dd};
 use crate::error::{Error, Place, Result};
+use crate::quote::setting::{APERTURE, SAMPLES};
 
 /// The most columns and rows of a frame, 2^20: twice as many odd numbers are exact in f32.
 const MOST: i64 = 1 << 20;
@@ -94,7 +95,7 @@ impl CentredFrame {
                 let problem = format!("the lens is so large that a frame needs {wide} places, and {MOST} are possible");
                 return Err(Error::Limits {
                     problem,
-                    mend: "use a smaller --aperture, fewer --samples or a smaller image".into(),
+                    mend: format!("use a smaller {APERTURE}, fewer {SAMPLES} or a smaller image"),
                 });
             }
             *side = *side * wide / count;
@@ -136,7 +137,7 @@ impl Camera {
                  frame of {columns} x {rows} places, and {MOST} are possible",
                 strata * strata
             );
-            return Err(Error::Limits { problem, mend: "use fewer --samples, or a smaller image".into() });
+            return Err(Error::Limits { problem, mend: format!("use fewer {SAMPLES}, or a smaller image") });
         }
         let [w, h] = [columns, rows].map(|side| side as f64 / fine as f64);
         let pitch = if fx == fy { [1.0; 2] } else { [fx, fy] };

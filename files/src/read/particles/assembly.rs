@@ -5,6 +5,7 @@ use super::placed::PlacedPart;
 use crate::error::{Error, Place, Result};
 use crate::memory::{check, check_spheres, extend_to};
 use crate::progress::Watch;
+use crate::quote::setting::ASSEMBLY;
 use crate::quote::{list, quote};
 use crate::scene::instances::Operator;
 use std::collections::HashMap;
@@ -45,7 +46,7 @@ pub(super) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Re
 pub(super) fn unknown<'a>(id: &str, ids: impl Iterator<Item = &'a String>, file: &Place) -> Error {
     let ids = list(ids);
     let mend = match &ids[..] {
-        "" => "the file has none; remove --assembly".to_owned(),
+        "" => format!("the file has none; remove {ASSEMBLY}"),
         ids => format!("the file has {ids}"),
     };
     Error::settings(format!("{file}: there is no assembly {}", quote(id)), mend)
@@ -152,7 +153,7 @@ fn total(assembly: &Assembly, atoms: &Members<'_>, file: &Place) -> Result<u64> 
     let total = assembly.parts.iter().map(copies).fold(0, u64::saturating_add);
     if total == 0 {
         let problem = format!("assembly {} has no atoms, because the file has none of its chains", quote(&assembly.id));
-        return Err(Error::scene(file.clone(), problem, "remove --assembly, or use another"));
+        return Err(Error::scene(file.clone(), problem, format!("remove {ASSEMBLY}, or use another")));
     }
     Ok(total)
 }

@@ -12,6 +12,7 @@ use super::survey::{Counted, Counts, Part, Survey};
 use super::vectors;
 use crate::error::{Error, Result};
 use crate::memory::{check, entries, extend_to};
+use crate::quote::setting::STREAM;
 use crate::read::format::Format;
 use crate::read::skipped::Skipped;
 use crate::scene::{Cell, keep};
@@ -264,11 +265,11 @@ impl Particles {
     pub(super) fn split_off(&mut self) -> Result<Part> {
         if self.species != Species::default() {
             let problem = "the column of elements has atom names, which are understood only from the whole file";
-            return Err(Error::settings(problem, "remove --stream"));
+            return Err(Error::settings(problem, format!("remove {STREAM}")));
         }
         if !self.texts.is_empty() {
             let problem = "the colours of a column of names depend on all names of the file";
-            return Err(Error::settings(problem, "use a column of numbers, or remove --stream"));
+            return Err(Error::settings(problem, format!("use a column of numbers, or remove {STREAM}")));
         }
         self.room = 0;
         let columns = self.columns.iter_mut();

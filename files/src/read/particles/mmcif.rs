@@ -14,6 +14,7 @@ use super::molecule::{Copies, Model, Passed, more_models, not_assembled};
 use super::request::Request;
 use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;
+use crate::quote::setting::{FRAMES, MODEL};
 use crate::read::lines::Lines;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
@@ -245,7 +246,7 @@ impl Mmcif {
         if self.request.assembly.is_some() && !self.operators.known() && self.state == State::AtomRow {
             if self.request.model.is_none() && self.count < self.request.frames.last() {
                 let problem = "the operators of the assembly come after the atoms of several models";
-                let mend = "select one model with --model or --frames";
+                let mend = format!("select one model with {MODEL} or {FRAMES}");
                 return Err(Error::settings(format!("{}: {problem}", self.tokens.file()), mend));
             }
             while self.state == State::AtomRow {

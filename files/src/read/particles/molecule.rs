@@ -10,6 +10,7 @@ use super::survey::Survey;
 use crate::error::{Error, Place, Result};
 use crate::memory::{Ledger, reserve};
 use crate::progress::Watch;
+use crate::quote::setting::{ALTLOC, AS_LISTED, ASSEMBLY, FRAMES, MODEL};
 use crate::quote::{quote, unquoted};
 use crate::read::format::Format;
 use crate::scene::{Cell, keep};
@@ -31,13 +32,18 @@ pub(in crate::read) fn check(format: Format, request: &Request) -> Result<()> {
     let entry = matches!(format, Format::Pdb | Format::Mmcif);
     let columns = entry || format == Format::Pdbqt;
     let asked = [
-        (request.assembly.is_some(), entry, "biological assemblies", "remove --assembly"),
-        (request.model.is_some(), columns, "numbered models", "remove --model, or use --frames, which counts from 1"),
-        (request.as_listed, format == Format::Mmcif, "symmetry of crystals", "remove --as-listed"),
-        (request.altloc != Altloc::All, columns, "alternate locations", "remove --altloc"),
+        (request.assembly.is_some(), entry, "biological assemblies", format!("remove {ASSEMBLY}")),
+        (
+            request.model.is_some(),
+            columns,
+            "numbered models",
+            format!("remove {MODEL}, or use {FRAMES}, which counts from 1"),
+        ),
+        (request.as_listed, format == Format::Mmcif, "symmetry of crystals", format!("remove {AS_LISTED}")),
+        (request.altloc != Altloc::All, columns, "alternate locations", format!("remove {ALTLOC}")),
     ];
-    match asked.iter().find(|(asked, known, ..)| *asked && !known) {
-        Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), *mend)),
+    match asked.into_iter().find(|(asked, known, ..)| *asked && !known) {
+        Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), mend)),
         None => Ok(()),
     }
 }
@@ -258,11 +264,11 @@ impl Model {
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
         let said = match &self.altloc {
             Altloc::All => {
-                format!("{of} and all are shown; use --altloc highest or {} to show one", unquoted(&self.first))
+                format!("{of} and all are shown; use {ALTLOC} highest or {} to show one", unquoted(&self.first))
             }
             Altloc::Named(name) if !self.found => {
                 format!(
-                    "{of}, but none of them has the identifier {}, so none is shown; use --altloc {} to show some",
+                    "{of}, but none of them has the identifier {}, so none is shown; use {ALTLOC} {} to show some",
                     quote(name),
                     unquoted(&self.first)
                 )
@@ -277,10 +283,13 @@ impl Model {
 pub(super) fn more_models(count: Option<u64>) -> String {
     match count {
         Some(n) => {
-            format!("the file has {n} models and the first is shown; use --model N or --frames 1-{n} to show others")
+            format!("the file has {n} models and the first is shown; use {MODEL} N or {FRAMES} 1-{n} to show others")
         }
-        None => "the file has more than one model and the first is shown; use --model N or --frames 1- to show others"
-            .into(),
+        None => {
+            format!(
+                "the file has more than one model and the first is shown; use {MODEL} N or {FRAMES} 1- to show others"
+            )
+        }
     }
 }
 
@@ -289,7 +298,7 @@ pub(super) fn not_assembled(assemblies: impl Iterator<Item = (String, u64)>) -> 
     let several = assemblies.into_iter().find(|(_, operators)| *operators > 1);
     several.map(|(id, operators)| {
         format!(
-            "the atoms are shown as in the file, not the biological assembly of {operators} copies; use --assembly {} to build it",
+            "the atoms are shown as in the file, not the biological assembly of {operators} copies; use {ASSEMBLY} {} to build it",
             unquoted(&id)
         )
     })
@@ -336,16 +345,16 @@ mod tests {
     fn options_of_molecules_are_refused_for_other_formats() {
         let plain = Request::default();
         for (options, word) in [
-            (Request { assembly: Some("1".into()), ..plain.clone() }, "--assembly"),
-            (Request { model: Some(1), ..plain.clone() }, "--model"),
-            (Request { altloc: Altloc::Highest, ..plain.clone() }, "--altloc"),
-            (Request { as_listed: true, ..plain.clone() }, "--as-listed"),
+            (Request { assembly: Some("1".into()), ..plain.clone() }, ASSEMBLY),
+            (Request { model: Some(1), ..plain.clone() }, MODEL),
+            (Request { altloc: Altloc::Highest, ..plain.clone() }, ALTLOC),
+            (Request { as_listed: true, ..plain.clone() }, AS_LISTED),
         ] {
             for format in Format::ALL {
                 let known = match format {
                     Format::Mmcif => true,
-                    Format::Pdb => word != "--as-listed",
-                    Format::Pdbqt => ["--model", "--altloc"].contains(&word),
+                    Format::Pdb => word != AS_LISTED,
+                    Format::Pdbqt => [MODEL, ALTLOC].contains(&word),
                     _ => false,
                 };
                 let found = check(*format, &options);

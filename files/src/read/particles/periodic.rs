@@ -10,6 +10,7 @@ use super::frame::{Column, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check;
 use crate::quote::count;
+use crate::quote::setting::{UNWRAP, WRAP};
 use atoms::Atoms;
 use edges::Edges;
 use glam::DVec3;
@@ -55,11 +56,11 @@ pub(in crate::read) fn columns() -> impl Iterator<Item = &'static str> {
 pub(in crate::read) fn apply(periodic: Periodic, particles: &mut Particles) -> Result<()> {
     let (option, what) = match periodic {
         Periodic::AsListed => return Ok(()),
-        Periodic::Wrap => ("--wrap", "wrapping"),
-        Periodic::Unwrap => ("--unwrap", "unwrapping"),
+        Periodic::Wrap => (WRAP, "wrapping"),
+        Periodic::Unwrap => (UNWRAP, "unwrapping"),
     };
     let Some(cell) = &particles.cell else {
-        return Err(no_cell(option));
+        return Err(no_cell(&option));
     };
     let Some(frame) = Edges::of(cell) else {
         let problem = format!("{what} needs a cell with a volume, but the edges of the cell are {:?}", cell.edges);
@@ -114,9 +115,10 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
     };
     let atoms = Atoms::of(particles);
     if groups.is_empty() && !atoms.has_elements {
-        let problem = "--unwrap needs image flags (ix, iy, iz), molecules (mol), residues or elements, but the file has none of \
-                       them";
-        return Err(Error::settings(problem, "use a file with one of them, or remove --unwrap"));
+        let problem = format!(
+            "{UNWRAP} needs image flags (ix, iy, iz), molecules (mol), residues or elements, but the file has none of them"
+        );
+        return Err(Error::settings(problem, format!("use a file with one of them, or remove {UNWRAP}")));
     }
     let mut joined = Joined::along(frame, positions, &pairs(frame, positions, &atoms.bonds, |_, _| true));
     joined.link(frame, positions, &joined.links(&groups));
@@ -128,16 +130,14 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
     if let Some(Endless { first, size }) = endless.first() {
         let whole = if endless.len() == 1 { "it" } else { "them" };
         said.push(format!(
-            "--unwrap: {} bonded to an own image across the cell, so nothing makes {whole} whole; the first has {}, from particle \
+            "{UNWRAP}: {} bonded to an own image across the cell, so nothing makes {whole} whole; the first has {}, from particle \
              {first} on",
             are(endless.len() as u64, "molecule"),
-            count(*size, "particle"),
+            count(*size, "particle")
         ));
     }
     if are_residues && !atoms.has_elements && !positions.is_empty() {
-        said.push(
-            "--unwrap: no element is known, so each residue is whole, but chains of them may stay cut".to_owned(),
-        );
+        said.push(format!("{UNWRAP}: no element is known, so each residue is whole, but chains of them may stay cut"));
     }
     particles.skipped.assumed.extend(said);
     Ok(moved)

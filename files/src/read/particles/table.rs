@@ -137,6 +137,7 @@ fn row<R: BufRead>(lines: &Lines<R>, delimiter: u8, layout: &Layout, particles: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quote::setting::COLUMNS;
 
     fn read(text: &str, columns: &[&str]) -> Result<Particles> {
         Table::open(SceneSource::of_text(text), &Request::of(columns))?.all()
@@ -208,7 +209,7 @@ mod tests {
             (
                 "a,b,c\n1,2,3\n",
                 "x=a,y=b,z=d",
-                ":1:1: header: the table has no column `d`; correct --columns; the columns are a, b, c",
+                ":1:1: header: the table has no column `d`; correct `\u{2060}columns`; the columns are a, b, c",
             ),
             ("a,b,c\n1,2,3\n", "x=1,y=2,z=7", "column 7 is named, but the table has 3"),
             ("1,2,3\n", "x=1,y=2,z=7", "column 7 is named, but the table has 3"),
@@ -254,7 +255,7 @@ mod tests {
             let found = read(text, &[]).expect("rows");
             assert_eq!((&found.positions[..], &found.radii[..]), (&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][..], radii));
             let [said] = &found.skipped.assumed[..] else { panic!("{:?}", found.skipped.assumed) };
-            assert!(said.contains(&format!("are read as {what}; name them with --columns")), "{said}");
+            assert!(said.contains(&format!("are read as {what}; name them with {COLUMNS}")), "{said}");
         }
     }
 
@@ -263,7 +264,7 @@ mod tests {
         for (text, told) in [
             ("", "text: header: the columns x, y and z are missing"),
             ("1,2\n", ":1:1: header: the columns x, y and z are missing"),
-            ("1,2,3,4,5\n", "or name the columns with --columns x=1,y=2,z=3"),
+            ("1,2,3,4,5\n", "or name the columns with `\u{2060}columns` x=1,y=2,z=3"),
             ("a,b,c\n1,2,3\n", ":1:1: header: the columns x, y and z are missing"),
             ("1,2,3\n4,5,6,7\n", ":2:7: row: the row has more than the 3 fields"),
             ("1 2 3 -1\n", ":1:7: radius: `-1`"),

@@ -15,6 +15,7 @@ use super::request::Request;
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use crate::quote::count;
+use crate::quote::setting::TOPOLOGY;
 use crate::read::format::Format;
 use crate::read::source::SceneSource;
 use moment::{Moment, Moments};
@@ -74,7 +75,7 @@ impl Trajectory {
             return Err(Error::scene(
                 self.file.clone().named("number of atoms"),
                 problem,
-                "use the --topology of the atoms that the trajectory was written for",
+                format!("use the {TOPOLOGY} of the atoms that the trajectory was written for"),
             ));
         }
         let each = size_of::<[f64; 3]>() + 32 + atoms.columns.len() * size_of::<f64>();
@@ -97,11 +98,10 @@ impl ParticleFrames for Trajectory {
             None => Particles::default(),
         };
         if self.topology.is_none() && !self.told {
-            particles.skipped.assumed.push(
-                "a trajectory has no elements; use --topology FILE with a structure of the same atoms (PDB, GRO, ...) for \
+            particles.skipped.assumed.push(format!(
+                "a trajectory has no elements; use {TOPOLOGY} FILE with a structure of the same atoms (PDB, GRO, ...) for \
                  elements, radii and names"
-                    .into(),
-            );
+            ));
         }
         self.told = true;
         if moment.has_velocities {

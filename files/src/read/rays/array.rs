@@ -1,7 +1,7 @@
 //! Rays from a NumPy array: float64 (or float32, converted exactly) of shape (n, 6) or (n, 7), row by row, in either
 //! byte order. Rows count from 0, as in NumPy.
 
-use super::block::{MEND_ROW, REQUIRED, RayBlock, RayOptions, Row, flaw};
+use super::block::{REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
 use crate::error::{Error, Result};
 use crate::read::input::Input;
 use crate::read::npy::{Npy, Table};
@@ -69,7 +69,7 @@ impl RayArray {
                 None => block.push(row, width > REQUIRED),
                 Some((field, problem)) => block.leave_out(options, || {
                     let place = self.npy.place(format!("row {} (from 0) {field}", self.done));
-                    Error::scene(place, problem, MEND_ROW)
+                    Error::scene(place, problem, mend_row())
                 })?,
             }
             self.done += 1;

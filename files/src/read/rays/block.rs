@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::progress::Watch;
+use crate::quote::setting::SKIP_INVALID;
 use crate::render::trace::Rays;
 
 /// The names of the columns, in the order of a row's numbers.
@@ -97,4 +98,6 @@ pub(super) fn flaw([ox, oy, oz, dx, dy, dz, tmax]: &Row) -> Option<(&'static str
 }
 
 /// The remedy for an invalid row.
-pub(super) const MEND_ROW: &str = "correct the row, or use --skip-invalid to count it as a miss";
+pub(super) fn mend_row() -> String {
+    format!("correct the row, or use {SKIP_INVALID} to count it as a miss")
+}

@@ -2,7 +2,7 @@
 //! the columns in any order; without one they are in the order of a row. Blank lines and lines that begin with `#` are
 //! ignored.
 
-use super::block::{COLUMNS, MEND_ROW, REQUIRED, RayBlock, RayOptions, Row, flaw};
+use super::block::{COLUMNS, REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
 use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::read::input::Input;
@@ -105,7 +105,7 @@ impl Form {
         match self.row(lines) {
             Ok(row) => block.push(row, self.places.len() > REQUIRED),
             Err(Error::Scene { place, problem, source, .. }) => {
-                block.leave_out(options, || Error::Scene { place, problem, mend: MEND_ROW.into(), source })?
+                block.leave_out(options, || Error::Scene { place, problem, mend: mend_row(), source })?
             }
             Err(other) => return Err(other),
         }

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::frame::color_map::ColorMap;
 use crate::frame::legend::{Category, Legend};
 use crate::frame::srgb::linear;
+use crate::quote::setting::{LOG, RANGE};
 use crate::read::elements::element;
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::skipped::Skipped;
@@ -81,13 +82,13 @@ pub(super) fn apply(
     }
     let name = &scale.columns.join(", ");
     let refused =
-        |what: &str, mend: &str| Err(Error::settings(format!("{name} has categories, which have no {what}"), mend));
-    let [column] = columns else { return refused("length", "use one column") };
+        |what: &str, mend: String| Err(Error::settings(format!("{name} has categories, which have no {what}"), mend));
+    let [column] = columns else { return refused("length", "use one column".into()) };
     if scale.range.is_some() {
-        return refused("range", "remove --range, or use a column of numbers");
+        return refused("range", format!("remove {RANGE}, or use a column of numbers"));
     }
     if scale.log {
-        return refused("logarithm", "remove --log, or use a column of numbers");
+        return refused("logarithm", format!("remove {LOG}, or use a column of numbers"));
     }
     let (names, numbers) = labels.map(|labels| joined(&scale.names, labels)).unzip();
     let names: Vec<String> = names.unwrap_or_default();

@@ -4,6 +4,7 @@ use super::categories;
 use super::scale::{Colored, Scale};
 use crate::error::{Error, Result};
 use crate::frame::legend::Legend;
+use crate::quote::setting::LOG;
 use crate::quote::{list, quote};
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::particles::vectors;
@@ -19,7 +20,7 @@ impl Scale {
     pub(super) fn apply(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Colored> {
         if let Some([a, b]) = self.range.filter(|ends| self.log && ends.iter().any(|end| *end <= 0.0)) {
             let problem = format!("the range {a},{b} is not positive, so it has no logarithm");
-            return Err(Error::settings(problem, "use two positive numbers, or remove --log"));
+            return Err(Error::settings(problem, format!("use two positive numbers, or remove {LOG}")));
         }
         let column = |name: &String| {
             let known = particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name));

@@ -3,6 +3,7 @@
 use super::{Coloring, Style};
 use crate::error::{Error, Place, Result};
 use crate::frame::legend::Legend;
+use crate::quote::setting::{RADIUS, STREAM};
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::skipped::Skipped;
 use crate::scene::Spheres;
@@ -54,15 +55,24 @@ impl Style {
         };
         let has = |name: &str| particles.has.iter().any(|known| known.eq_ignore_ascii_case(name));
         let (problem, mend) = if self.default_radius.is_none() && self.spacing_of(particles).is_some() {
-            ("the file has no radii, and half the mean spacing needs all copies", "add --radius, or remove --stream")
+            (
+                "the file has no radii, and half the mean spacing needs all copies",
+                format!("add {RADIUS}, or remove {STREAM}"),
+            )
         } else if ["x", "y", "z"].iter().any(|axis| is(&[axis]) && !has(axis)) {
-            ("colours by coordinates need all copies in memory", "colour by another column, or remove --stream")
+            (
+                "colours by coordinates need all copies in memory",
+                format!("colour by another column, or remove {STREAM}"),
+            )
         } else if is(&["copy"]) && self.columns().len() > 1 {
-            ("colours by the copy and other columns need all copies in memory", "use one column, or remove --stream")
+            (
+                "colours by the copy and other columns need all copies in memory",
+                format!("use one column, or remove {STREAM}"),
+            )
         } else {
             return Ok(());
         };
-        Err(Error::settings(format!("--stream: {problem}"), mend))
+        Err(Error::settings(format!("{STREAM}: {problem}"), mend))
     }
 }
 

@@ -5,6 +5,7 @@ use super::tokens::{Tokens, number};
 use crate::error::{Error, Place, Result};
 use crate::memory::{check, check_spheres};
 use crate::progress::Watch;
+use crate::quote::setting::AS_LISTED;
 use crate::quote::{quote, unquoted};
 use crate::read::elements::atomic_number;
 use crate::read::lines::Spot;
@@ -129,7 +130,7 @@ impl Symmetry {
             return Err(Error::scene(
                 place,
                 problem,
-                "list each operator once, or use --as-listed to show the atoms as listed",
+                format!("list each operator once, or use {AS_LISTED} to show the atoms as listed"),
             ));
         }
         let mut found = Vec::new();
@@ -212,7 +213,7 @@ impl Symmetry {
         let count = operators.len();
         let name = if self.name.is_empty() { String::new() } else { format!(" of {}", unquoted(&self.name)) };
         whole.skipped.assumed.push(format!(
-            "{count} operators{name} make {} atoms in the cell from the {atoms} in the file; use --as-listed to show only those",
+            "{count} operators{name} make {} atoms in the cell from the {atoms} in the file; use {AS_LISTED} to show only those",
             places.len()
         ));
         Ok(whole)

@@ -1,4 +1,5 @@
 use super::*;
+use crate::quote::setting;
 use crate::read::particles::request::Altloc;
 
 fn options(columns: &[&str]) -> Request {
@@ -127,10 +128,14 @@ fn assemblies_are_built_wherever_their_operators_stand() {
     }
     let text = format!("data_X\n{ASSEMBLY}{ATOMS}");
     let unit = read(&text, &options(&[])).expect("as they stand").remove(0);
-    assert!(unit.skipped.assumed.iter().any(|said| said.contains("2 copies; use --assembly 1")), "{:?}", unit.skipped);
+    assert!(
+        unit.skipped.assumed.iter().any(|said| said.contains(&format!("2 copies; use {} 1", setting::ASSEMBLY))),
+        "{:?}",
+        unit.skipped
+    );
     let behind = format!("data_X\n{ATOMS}{ASSEMBLY}");
     let all = Request { frames: "1-".parse().expect("frames"), ..with("1") };
-    assert!(refused(&behind, &all).contains("--model"));
+    assert!(refused(&behind, &all).contains(setting::MODEL));
     assert_eq!(xs(&read(&behind, &Request { model: Some(2), ..all }).expect("one model")[0]), [5.0, 105.0]);
     let error = refused(&text.replace("100 P", "x P"), &with("1"));
     assert!(error.contains("text:24:1: _pdbx_struct_oper_list: operator `P` does not have 12"), "{error}");

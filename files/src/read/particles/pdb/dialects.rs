@@ -7,6 +7,7 @@
 use super::columns::{COORDINATE, NAME, RESIDUE_ID, RESIDUE_NAME, X, coordinate, field};
 use crate::error::Result;
 use crate::quote::quote;
+use crate::quote::setting::FORMAT;
 use crate::read::lines::{Lines, Word, Words};
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
@@ -62,7 +63,7 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, names: &mut NameTable, model: &m
     };
     let [charge, radius, element @ ..] = rest else {
         let problem = "expected charge and radius after the coordinates";
-        return Err(lines.ends("radius", problem, "add two numbers, or use --format pdb"));
+        return Err(lines.ends("radius", problem, format!("add two numbers, or use {FORMAT} pdb")));
     };
     let (charge, length) = (charge.finite("charge")?, radius.finite("radius")?);
     if length < 0.0 {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::quote::setting::ASSEMBLY;
 
 fn options(columns: &[&str]) -> Request {
     Request::of(columns)
@@ -46,7 +47,7 @@ fn columns_hold_what_the_format_says() {
         frame.skipped.assumed,
         [
             "the file gives no element for 1 of 2 atoms; inferred: 1 as single ions",
-            "1 of 2 atoms are alternate locations and all are shown; use --altloc highest or A to show one",
+            "1 of 2 atoms are alternate locations and all are shown; use `\u{2060}altloc` highest or A to show one",
         ]
     );
     assert!(!frame.has.contains(&"copy".to_owned()) && frame.has.contains(&"bfactor".to_owned()));
@@ -173,7 +174,7 @@ fn assemblies_are_built() {
     assert!(error.contains("no assembly `3`") && error.contains("the file has 1, 2"), "{error}");
     let unit = read(&text, &options(&[])).expect("as they stand").remove(0);
     assert_eq!(unit.positions.len(), 4);
-    assert!(unit.skipped.assumed[0].contains("2 copies; use --assembly 1"), "{:?}", unit.skipped);
+    assert!(unit.skipped.assumed[0].contains(&format!("2 copies; use {ASSEMBLY} 1")), "{:?}", unit.skipped);
     for (old, new, problem) in [
         ("BIOMT2   2", "BIOMT3   2", "text:9:14: REMARK 350: found BIOMT3 of operator `2`, expected BIOMT2"),
         ("-1.000000  0.000000  0.000000      100.00000", "-1.0 0 0", "expected four numbers"),

@@ -3,6 +3,7 @@
 use super::fields::{delimiter, fields, next};
 use super::names::{Axes, axes, split};
 use crate::error::{Error, Place, Result};
+use crate::quote::setting::COLUMNS;
 use crate::quote::{list, quote};
 use crate::read::lines::Lines;
 use crate::read::particles::column_names::ColumnNames;
@@ -21,8 +22,9 @@ pub(super) struct TableHeader {
 }
 
 /// What to do about a table whose coordinates are not named.
-const NAME_THEM: &str =
-    "add a header that names x, y and z, such as x,y,z,radius, or name the columns with --columns x=1,y=2,z=3";
+fn name_them() -> String {
+    format!("add a header that names x, y and z, such as x,y,z,radius, or name the columns with {COLUMNS} x=1,y=2,z=3")
+}
 
 impl TableHeader {
     /// Finds the header, which may be a comment or missing, and whether the current line is a row. `given` has the meaning
@@ -61,7 +63,7 @@ impl TableHeader {
         let problem = "the columns x, y and z are missing";
         above
             .map(|header| (header, false))
-            .ok_or_else(|| Error::scene(lines.file().named("header"), problem, NAME_THEM))
+            .ok_or_else(|| Error::scene(lines.file().named("header"), problem, name_them()))
     }
 
     /// The columns of a table whose first row is the current line; `None` for a line that is no row.
@@ -80,7 +82,7 @@ impl TableHeader {
             let (3 | 4, false) = (numbers.len(), numbers.contains(&false)) else { return None };
             let what = if numbers.len() == 3 { "x, y and z" } else { "x, y, z and radius" };
             let said = format!(
-                "{place}: the table has no header, so its columns are read as {what}; name them with --columns"
+                "{place}: the table has no header, so its columns are read as {what}; name them with {COLUMNS}"
             );
             return Some(header(roles[..numbers.len()].to_vec(), Some(said)));
         }
@@ -110,7 +112,7 @@ impl TableHeader {
             let fixed = match given.roles(&names) {
                 Ok(fixed) => fixed,
                 Err(lack) => {
-                    let mend = format!("correct --columns; the columns are {}", list(&names));
+                    let mend = format!("correct {COLUMNS}; the columns are {}", list(&names));
                     problem.get_or_insert((lack, mend));
                     continue;
                 }
@@ -120,7 +122,7 @@ impl TableHeader {
                 Some(column) => Some(Axes::of_unit(split(&names[column]).1)),
                 None => axes(&names),
             };
-            let missing = || ("the columns x, y and z are missing".to_owned(), NAME_THEM.to_owned());
+            let missing = || ("the columns x, y and z are missing".to_owned(), name_them());
             let Some(axes) = axes else {
                 problem.get_or_insert_with(missing);
                 continue;

@@ -2,6 +2,7 @@
 //! [`waters`]; TRR and DCD are put together here from the descriptions of the formats.
 
 use super::*;
+use crate::quote::setting::TOPOLOGY;
 use crate::read::particles::frame_time::FrameTime;
 
 /// Four waters in the box 20 x 30 x 40, in two runs of small differences, compressed with a precision of 1000.
@@ -48,7 +49,7 @@ fn xtc_has_the_positions_that_another_program_wrote() {
         assert_eq!(frame.cell.expect("a box").edges, [[20.0, 0.0, 0.0], [0.0, 30.0, 0.0], [0.0, 0.0, 40.0]]);
     }
     assert_eq!((found[0].skipped.assumed.len(), found[1].skipped.assumed.len()), (1, 0), "told once");
-    assert!(found[0].skipped.assumed[0].contains("--topology"), "{:?}", found[0].skipped);
+    assert!(found[0].skipped.assumed[0].contains(TOPOLOGY), "{:?}", found[0].skipped);
     let mut passed = open(Format::Xtc, &[xtc(), xtc()].concat(), None, &[]);
     assert!(passed.skip().expect("one"));
     assert_eq!(passed.next().expect("read").expect("the second").positions, found[0].positions);

@@ -1,0 +1,25 @@
+//! The names of settings as messages have them: in backticks, and marked for [`reworded`](super::reworded), so that each front
+//! end writes its own word: the command its option, Python its keyword. Each is the name of the option with underscores.
+
+macro_rules! settings {
+    ($($constant:ident $name:literal,)*) => {
+        $(
+            #[doc = concat!("`", $name, "` in a message.")]
+            pub const $constant: &str = concat!("`\u{2060}", $name, "`");
+        )*
+
+        /// The names of all.
+        pub const ALL: &[&str] = &[$($name),*];
+    };
+}
+
+settings! {
+    ACCURACY "accuracy", ADAPTER "adapter", ALTLOC "altloc", ANY "any", AOV "aov", APERTURE "aperture",
+    AS_LISTED "as_listed", ASSEMBLY "assembly", AT "at", BACKEND "backend", BOUNCES "bounces", COLOR "color",
+    COLOR_BY "color_by", COLUMNS "columns", CROP "crop", DEPTH_CUE "depth_cue", EYE "eye", FIT "fit", FOCUS "focus",
+    FORMAT "format", FRAMES "frames", HIDE "hide", HOLD "hold", LABEL "label", LOG "log", LOOK "look", MAP "map",
+    METHOD "method", METHODS "methods", MODEL "model", OCCLUSION "occlusion", ORTHO "ortho", PATIENCE "patience",
+    RADIUS "radius", RANGE "range", SAMPLES "samples", SCALE_BAR "scale_bar", SEARCH "search", SELECT "select",
+    SHADOWS "shadows", SIZE "size", SKIP_INVALID "skip_invalid", STREAM "stream", SUN "sun", TILE "tile",
+    TOPOLOGY "topology", UNIT "unit", UNWRAP "unwrap", VFOV "vfov", WRAP "wrap",
+}
