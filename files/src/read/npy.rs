@@ -43,13 +43,13 @@ pub(super) struct Npy<R> {
 
 /// The rows of an array of two dimensions.
 #[derive(Clone, Copy)]
-pub(super) struct Table {
+pub(super) struct Matrix {
     pub(super) rows: u64,
     pub(super) width: usize,
     pub(super) scalar: Scalar,
 }
 
-impl Table {
+impl Matrix {
     /// Bytes of a row.
     pub(super) fn row(&self) -> usize {
         self.width * self.scalar.size()
@@ -74,7 +74,7 @@ impl<R: BufRead> Npy<R> {
     }
 
     /// The rows of an array of floats that has one of these widths.
-    pub(super) fn table(&self, header: &Header, widths: &[u64]) -> Result<Table> {
+    pub(super) fn matrix(&self, header: &Header, widths: &[u64]) -> Result<Matrix> {
         let (rows, width) = match header.shape[..] {
             [rows, width] if widths.contains(&width) => (rows, width as usize),
             ref other => {
@@ -84,7 +84,7 @@ impl<R: BufRead> Npy<R> {
         };
         let scalar = header.dtype.scalar().filter(|scalar| !scalar.is_whole());
         let unknown = || self.fail("dtype", format!("found {}, expected float64 or float32", header.dtype));
-        Ok(Table { rows, width, scalar: scalar.ok_or_else(unknown)? })
+        Ok(Matrix { rows, width, scalar: scalar.ok_or_else(unknown)? })
     }
 
     /// Replaces the content of `block` by rows of `row` bytes, at most `most`; returns their number, which is 0 at the end.
@@ -109,7 +109,7 @@ impl<R: BufRead> Npy<R> {
             [n, width @ 1..=16] => (n, width as usize),
             ref other => return Err(self.fail("shape", format!("found {other:?}, expected (n,) or (n, 3)"))),
         };
-        let numbers = self.stored(&Table { rows, width, scalar }, |numbers| numbers / width as u64)?;
+        let numbers = self.stored(&Matrix { rows, width, scalar }, |numbers| numbers / width as u64)?;
         if !header.fortran || width == 1 {
             return Ok(numbers);
         }
@@ -119,18 +119,18 @@ impl<R: BufRead> Npy<R> {
     }
 
     /// The numbers of an array in the order of the file; `complete` has the rows that are complete with so many numbers.
-    fn stored(&mut self, table: &Table, complete: impl Fn(u64) -> u64) -> Result<Vec<f64>> {
+    fn stored(&mut self, matrix: &Matrix, complete: impl Fn(u64) -> u64) -> Result<Vec<f64>> {
         let (mut numbers, mut block) = (Vec::new(), Vec::new());
-        let (size, mut left) = (table.scalar.size(), table.rows * table.width as u64);
+        let (size, mut left) = (matrix.scalar.size(), matrix.rows * matrix.width as u64);
         while left > 0 {
             let read = self.block(left, size, &mut block);
             let done = complete(numbers.len() as u64);
-            match read.map_err(|error| self.cut(error, done, table.rows))? {
-                0 => return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), done, table.rows)),
+            match read.map_err(|error| self.cut(error, done, matrix.rows))? {
+                0 => return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), done, matrix.rows)),
                 found => left -= found,
             }
             reserve(&mut numbers, block.len() / size)?;
-            numbers.extend(block.chunks_exact(size).map(|number| table.scalar.number(number)));
+            numbers.extend(block.chunks_exact(size).map(|number| matrix.scalar.number(number)));
         }
         Ok(numbers)
     }

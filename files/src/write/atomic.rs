@@ -72,7 +72,7 @@ pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Re
         Destination::Special => filled(File::options().write(true).open(path)?, |out| fill(out)),
         Destination::File(path) => replace(&path, |out| fill(out)),
     });
-    written.map_err(|error| told(path, error))
+    written.map_err(|error| failure(path, error))
 }
 
 /// As [`write_atomically`], with seeking. A pipe gets the file when it is complete.
@@ -92,7 +92,7 @@ pub(super) fn write_anywhere(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io
             _ => io::copy(&mut whole, &mut File::options().write(true).open(path)?).map(drop),
         }
     });
-    written.map_err(|error| told(path, error))
+    written.map_err(|error| failure(path, error))
 }
 
 /// As [`write_atomically`], by another program: `fill` gets the name of the unfinished file, which the program may open, seek and
@@ -112,7 +112,7 @@ pub fn write_by_program(path: &Path, fill: impl FnOnce(&Path) -> io::Result<()>)
         }
         _ => Err(io::Error::other("only a file can be written in several passes")),
     });
-    written.map_err(|error| told(path, error))
+    written.map_err(|error| failure(path, error))
 }
 
 /// An anonymous file for parts of what will be written to `path`: in its folder, which has room for it, or in the
@@ -125,7 +125,7 @@ pub(super) fn scratch(path: &Path) -> io::Result<File> {
 }
 
 /// The error of writing `path`, unless it wraps an [`Error`].
-fn told(path: &Path, error: io::Error) -> Error {
+fn failure(path: &Path, error: io::Error) -> Error {
     error.downcast::<Error>().unwrap_or_else(|error| Error::write(path, error))
 }
 

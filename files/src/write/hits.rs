@@ -12,7 +12,7 @@ mod rows;
 pub use cloud::CloudSummary;
 pub use rows::Query;
 
-use super::atomic::{check_writable, is_special, is_standard_output, write_atomically};
+use super::atomic::{is_special, is_standard_output, write_atomically};
 use super::npz::write_archive;
 use crate::error::{Error, Result};
 use crate::progress::Watch;
@@ -91,14 +91,6 @@ impl HitFile {
     #[must_use]
     pub fn has_colors(&self) -> bool {
         matches!(self.format, HitFormat::Cloud(_))
-    }
-
-    /// Checks that the file can be written, for use before the work begins.
-    ///
-    /// # Errors
-    /// See [`check_writable`].
-    pub fn check(&self) -> Result<()> {
-        check_writable(&self.path)
     }
 
     /// Writes the rows that `fill` adds, completely or not at all; a pipe or standard output receives CSV as it is

@@ -35,7 +35,7 @@ fn header(head: &Head) -> io::Result<String> {
 }
 
 /// What a header says.
-struct Layout {
+struct PfmHeader {
     channels: usize,
     width: usize,
     height: usize,
@@ -45,7 +45,7 @@ struct Layout {
     size: usize,
 }
 
-impl Layout {
+impl PfmHeader {
     /// The layout of the file that begins with `bytes`, or why it has none.
     fn of(bytes: &[u8]) -> Result<Self, &'static str> {
         let mut at = 0;
@@ -75,7 +75,7 @@ pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Foun
         if bytes.split(|byte| *byte == b'\n').nth(2) != Some(&b"-1.0"[..]) {
             return Err(fail("the header was not written by halfline"));
         }
-        let Layout { start, size, .. } = Layout::of(bytes).map_err(fail)?;
+        let PfmHeader { start, size, .. } = PfmHeader::of(bytes).map_err(fail)?;
         let end = (start as u64).checked_add(size as u64).filter(|end| *end <= length);
         end.map(|end| [start as u64, end]).ok_or_else(|| fail("it ends before its last number"))
     };
@@ -85,7 +85,7 @@ pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Foun
 /// Reads the numbers in `bytes`, a complete file of any program.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<Array> {
     let fail = |why: &str| malformed(name, "PFM", why);
-    let Layout { channels, width, height, scale, start, size } = Layout::of(bytes).map_err(fail)?;
+    let PfmHeader { channels, width, height, scale, start, size } = PfmHeader::of(bytes).map_err(fail)?;
     let data = bytes.get(start..).unwrap_or_default();
     let (data, rest) = data.split_at_checked(size).ok_or_else(|| fail("it ends before its last number"))?;
     if !rest.is_empty() && Provenance::from_trailer(rest).is_none() {

@@ -1,6 +1,6 @@
 //! The rows of an array as spheres: read in blocks, converted on all cores.
 
-use super::{Npy, Table};
+use super::{Matrix, Npy};
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
 use crate::npy::Header;
@@ -24,39 +24,39 @@ impl Npy<Input> {
         spheres: &mut Spheres,
         survey: Option<&Survey>,
     ) -> Result<usize> {
-        let table = self.table(header, widths)?;
-        let there = table.rows.min(self.bytes / table.row() as u64);
+        let matrix = self.matrix(header, widths)?;
+        let there = matrix.rows.min(self.bytes / matrix.row() as u64);
         if survey.is_none() {
-            check_spheres(spheres.len() as u64 + there, table.width == COLUMNS.len())?;
-            spheres.grow(there as usize, table.width == COLUMNS.len())?;
+            check_spheres(spheres.len() as u64 + there, matrix.width == COLUMNS.len())?;
+            spheres.grow(there as usize, matrix.width == COLUMNS.len())?;
         }
         if header.fortran {
-            self.by_columns(&table, spheres)?;
+            self.by_columns(&matrix, spheres)?;
         } else {
-            self.by_rows(&table, spheres, survey)?;
+            self.by_rows(&matrix, spheres, survey)?;
         }
-        self.end(table.rows).map(|()| table.width)
+        self.end(matrix.rows).map(|()| matrix.width)
     }
 
     /// Appends the spheres of an array that is stored row by row: all cores convert a block of rows while the next is
     /// read.
-    fn by_rows(&mut self, table: &Table, spheres: &mut Spheres, survey: Option<&Survey>) -> Result<()> {
+    fn by_rows(&mut self, matrix: &Matrix, spheres: &mut Spheres, survey: Option<&Survey>) -> Result<()> {
         let (mut block, mut next, mut done) = (Vec::new(), Vec::new(), 0);
-        let mut read = self.block(table.rows, table.row(), &mut block);
+        let mut read = self.block(matrix.rows, matrix.row(), &mut block);
         loop {
-            let found = read.map_err(|error| self.cut(error, done, table.rows))?;
-            if found == 0 && done < table.rows {
-                return Err(self.cut(ErrorKind::UnexpectedEof.into(), done, table.rows));
+            let found = read.map_err(|error| self.cut(error, done, matrix.rows))?;
+            if found == 0 && done < matrix.rows {
+                return Err(self.cut(ErrorKind::UnexpectedEof.into(), done, matrix.rows));
             } else if found == 0 {
                 return Ok(());
             }
-            let left = table.rows - done - found;
+            let left = matrix.rows - done - found;
             let converted;
             (converted, read) =
-                rayon::join(|| table.convert(&block, spheres), || self.block(left, table.row(), &mut next));
+                rayon::join(|| matrix.convert(&block, spheres), || self.block(left, matrix.row(), &mut next));
             converted.map_err(|(row, error)| self.in_row(done + row, error))?;
             if let Some(survey) = survey {
-                survey.take_spheres(spheres, table.width > 3).map_err(|error| self.in_row(done, error))?;
+                survey.take_spheres(spheres, matrix.width > 3).map_err(|error| self.in_row(done, error))?;
             }
             done += found;
             std::mem::swap(&mut block, &mut next);
@@ -64,14 +64,14 @@ impl Npy<Input> {
     }
 
     /// Appends the spheres of an array that is stored column by column: no row is complete before the last column begins.
-    fn by_columns(&mut self, table: &Table, spheres: &mut Spheres) -> Result<()> {
-        let before_last = (table.width as u64 - 1) * table.rows;
-        let columns = self.stored(table, |numbers| numbers.saturating_sub(before_last))?;
-        let rows = columns.len() / table.width;
+    fn by_columns(&mut self, matrix: &Matrix, spheres: &mut Spheres) -> Result<()> {
+        let before_last = (matrix.width as u64 - 1) * matrix.rows;
+        let columns = self.stored(matrix, |numbers| numbers.saturating_sub(before_last))?;
+        let rows = columns.len() / matrix.width;
         for row in 0..rows {
             let mut values = [0.0; 7];
-            values[..table.width].iter_mut().zip(columns[row..].iter().step_by(rows)).for_each(|(to, x)| *to = *x);
-            push(values, table.width, spheres).map_err(|error| self.in_row(row as u64, error))?;
+            values[..matrix.width].iter_mut().zip(columns[row..].iter().step_by(rows)).for_each(|(to, x)| *to = *x);
+            push(values, matrix.width, spheres).map_err(|error| self.in_row(row as u64, error))?;
         }
         Ok(())
     }
@@ -87,7 +87,7 @@ fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Sphere
     spheres.add([x, y, z], radius, color)
 }
 
-impl Table {
+impl Matrix {
     /// Appends the spheres of a block of rows.
     ///
     /// # Errors

@@ -4,7 +4,7 @@
 use super::block::{REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
 use crate::error::{Error, Result};
 use crate::read::input::Input;
-use crate::read::npy::{Npy, Table};
+use crate::read::npy::{Matrix, Npy};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ const ROWS: u64 = 1 << 14;
 
 pub(super) struct RayArray {
     npy: Npy<Input>,
-    table: Table,
+    matrix: Matrix,
     /// Rows that were read.
     done: u64,
     bytes: Vec<u8>,
@@ -25,27 +25,27 @@ impl RayArray {
     pub(super) fn open(reader: Input, path: &Path) -> Result<Self> {
         let mut npy = Npy::new(reader, path, MEND);
         let header = npy.header()?;
-        let table = npy.table(&header, &[6, 7])?;
+        let matrix = npy.matrix(&header, &[6, 7])?;
         if header.fortran {
             let problem = "the array is stored column by column, so no ray is complete before the last column";
             let mend = "save numpy.ascontiguousarray(rays)";
             return Err(Error::scene(npy.place("fortran_order"), problem, mend));
         }
-        let there = npy.reader.left().map(|left| left / table.row() as u64);
-        if let Some(found) = there.filter(|found| *found < table.rows) {
-            return Err(npy.cut(ErrorKind::UnexpectedEof.into(), found, table.rows));
+        let there = npy.reader.left().map(|left| left / matrix.row() as u64);
+        if let Some(found) = there.filter(|found| *found < matrix.rows) {
+            return Err(npy.cut(ErrorKind::UnexpectedEof.into(), found, matrix.rows));
         }
-        Ok(Self { npy, table, done: 0, bytes: Vec::new() })
+        Ok(Self { npy, matrix, done: 0, bytes: Vec::new() })
     }
 
     pub(super) fn count(&self) -> u64 {
-        self.table.rows
+        self.matrix.rows
     }
 
     /// The next rows; none after the last.
     pub(super) fn block(&mut self, most: usize, options: &RayOptions) -> Result<RayBlock> {
         let mut block = RayBlock::default();
-        let rows = self.table.rows;
+        let rows = self.matrix.rows;
         if self.done == rows {
             self.npy.end(rows)?;
         }
@@ -57,12 +57,12 @@ impl RayArray {
 
     /// Adds the next rows, at most `most`.
     fn part(&mut self, most: u64, options: &RayOptions, block: &mut RayBlock) -> Result<()> {
-        let Table { rows, width, scalar } = self.table;
-        let read = self.npy.block(most, self.table.row(), &mut self.bytes);
+        let Matrix { rows, width, scalar } = self.matrix;
+        let read = self.npy.block(most, self.matrix.row(), &mut self.bytes);
         if read.map_err(|e| Error::read(&self.npy.path, e))? == 0 {
             return Err(self.npy.cut(ErrorKind::UnexpectedEof.into(), self.done, rows));
         }
-        for bytes in self.bytes.chunks_exact(self.table.row()) {
+        for bytes in self.bytes.chunks_exact(self.matrix.row()) {
             let mut row: Row = [f64::INFINITY; 7];
             row.iter_mut().zip(bytes.chunks_exact(scalar.size())).for_each(|(x, bytes)| *x = scalar.number(bytes));
             match flaw(&row) {

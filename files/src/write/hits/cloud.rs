@@ -46,12 +46,8 @@ pub(super) struct Cloud {
     bounds: [[f64; 3]; 2],
 }
 
-/// How the points are encoded.
-enum Encoding {
-    Ply,
-    Pcd,
-    Las(LasGrid),
-}
+/// The header of a cloud, and what adds a point of a colour to the bytes and returns the coordinates that it has there.
+type Encoding = (Vec<u8>, Box<dyn Fn(&Point, [f32; 3], &mut Vec<u8>) -> [f64; 3]>);
 
 /// Points that are encoded between two checks for cancellation.
 const BLOCK: usize = 1 << 16;
@@ -108,16 +104,10 @@ impl Cloud {
     /// Writes the cloud, coloured by the spheres.
     pub(super) fn write(mut self, spheres: &Spheres, out: &mut dyn Write, watch: &Watch) -> Result<CloudSummary> {
         let failed = |path: &Path, error| Error::write(path, error);
-        let encoding = self.encoding()?;
-        let (count, is_scan) = (self.summary.points, self.scan.is_some());
-        let header = match &encoding {
-            Encoding::Ply => ply::header(count, is_scan),
-            Encoding::Pcd => pcd::header(count, is_scan),
-            Encoding::Las(grid) => grid.header(count, is_scan),
-        };
+        let (header, add) = self.encoding()?;
         out.write_all(&header).map_err(|error| failed(&self.path, error))?;
         self.file.rewind().map_err(|error| failed(&self.path, error))?;
-        let (mut points, mut bytes, mut left) = (vec![Point::default(); BLOCK], Vec::new(), count);
+        let (mut points, mut bytes, mut left) = (vec![Point::default(); BLOCK], Vec::new(), self.summary.points);
         while left > 0 {
             watch.check()?;
             let size = left.min(BLOCK as u64) as usize;
@@ -126,12 +116,7 @@ impl Cloud {
             bytes.clear();
             for point in &points[..size] {
                 let color = spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[point.id as usize]);
-                let written = match &encoding {
-                    Encoding::Ply => ply::point(point, color, is_scan, &mut bytes),
-                    Encoding::Pcd => pcd::point(point, color, is_scan, &mut bytes),
-                    Encoding::Las(grid) => grid.point(point, color, is_scan, &mut bytes),
-                };
-                for (written, exact) in written.into_iter().zip(point.position) {
+                for (written, exact) in add(point, color, &mut bytes).into_iter().zip(point.position) {
                     self.summary.rounding = self.summary.rounding.max((written - exact).abs());
                 }
             }
@@ -147,18 +132,23 @@ impl Cloud {
             let problem = format!("{} cannot hold the hits: {what}", self.path.display());
             Error::settings(problem, "use .ply, whose coordinates are f64")
         };
-        match self.format {
-            CloudFormat::Ply => Ok(Encoding::Ply),
+        let (count, is_scan) = (self.summary.points, self.scan.is_some());
+        Ok(match self.format {
+            CloudFormat::Ply => {
+                (ply::header(count, is_scan), Box::new(move |point, color, out| ply::point(point, color, is_scan, out)))
+            }
             CloudFormat::Pcd => {
                 let largest = self.bounds.iter().flatten().fold(self.summary.farthest, |most, x| most.max(x.abs()));
-                let fits = self.summary.points == 0 || (largest as f32).is_finite();
-                let why = || beyond(&format!("{largest:e} is beyond the range of its f32"));
-                fits.then_some(Encoding::Pcd).ok_or_else(why)
+                if count > 0 && !(largest as f32).is_finite() {
+                    return Err(beyond(&format!("{largest:e} is beyond the range of its f32")));
+                }
+                (pcd::header(count, is_scan), Box::new(move |point, color, out| pcd::point(point, color, is_scan, out)))
             }
             CloudFormat::Las => {
                 let grid = LasGrid::of(self.bounds);
-                grid.map(Encoding::Las).ok_or_else(|| beyond("they are farther apart than f64 can number"))
+                let grid = grid.ok_or_else(|| beyond("they are farther apart than f64 can number"))?;
+                (grid.header(count, is_scan), Box::new(move |point, color, out| grid.point(point, color, is_scan, out)))
             }
-        }
+        })
     }
 }

@@ -1,4 +1,6 @@
-//! The members of a ZIP archive, one after the other, without its directory.
+//! The members of a ZIP archive, one after the other, without its directory. The crate zip reads streams too, but not
+//! deflated members whose size follows them (9.4.1: "The file length is not available in the local header"), as
+//! numpy.savez_compressed writes them to a pipe.
 
 use crate::error::{Error, Place, Result};
 use crate::quote::unquoted;
@@ -55,8 +57,8 @@ impl Archive {
             let problem = format!("the compression method {method} of {} is not supported", unquoted(&name));
             return Err(self.fail("archive", problem));
         }
-        let told = flags & 8 == 0;
-        if !told && method == 0 {
+        let known = flags & 8 == 0;
+        if !known && method == 0 {
             let problem = "an uncompressed array was written to a pipe, so its size follows it";
             let mend = "save with numpy.savez_compressed, or to a file";
             return Err(Error::scene(self.place("archive"), problem, mend));
@@ -64,8 +66,8 @@ impl Archive {
         Ok(Some(Member {
             name,
             deflated: method == 8,
-            packed: told.then_some(packed),
-            crc: told.then_some(four(10)),
+            packed: known.then_some(packed),
+            crc: known.then_some(four(10)),
             long: wide.is_some(),
         }))
     }
