@@ -8,5 +8,3 @@ pub mod read;
 pub mod write;
 
 pub use read::ReadOptions;
-
-use halfline::{error, frame, memory, progress, quote, render, scene, settings, window};

@@ -4,7 +4,7 @@
 mod literal;
 mod scalar;
 
-use crate::quote::quote;
+use halfline::quote::quote;
 use literal::Literal;
 pub(crate) use scalar::{NumberKind, Scalar};
 use std::fmt::{self, Display, Formatter};

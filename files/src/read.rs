@@ -28,7 +28,7 @@ mod source;
 mod stream;
 pub mod style;
 
-use crate::error::Result;
+use halfline::error::Result;
 use std::path::Path;
 
 pub use columns::{Codes, ColumnValues, Columns};
@@ -56,8 +56,8 @@ pub use style::Style;
 /// it.
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io) for a file that cannot be read, [`Error::Scene`](crate::Error::Scene) for content that
-/// is not a scene, [`Error::Settings`](crate::Error::Settings) for options that do not apply to it.
+/// [`Error::Io`](halfline::Error::Io) for a file that cannot be read, [`Error::Scene`](halfline::Error::Scene) for content that
+/// is not a scene, [`Error::Settings`](halfline::Error::Settings) for options that do not apply to it.
 pub fn scene(path: &Path, options: &ReadOptions) -> Result<SceneFrame> {
     let mut sequence = Sequence::open(path, options)?;
     sequence.next_scene()?.ok_or_else(|| sequence.nothing())

@@ -14,7 +14,7 @@ pub use axes::{AxesProblem, check_axes};
 pub use lens::{ListedLens, lens_of};
 pub use listed::ListedCamera;
 
-use crate::error::{Error, Place, Result};
+use halfline::error::{Error, Place, Result};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! Colours in sRGB and in text.
 
-use crate::error::{Error, Result};
-use crate::frame::srgb::linear;
 use crate::npy::{NumberKind, Scalar};
-use crate::quote::quote;
 use color_name::css::COLORS_DATA;
+use halfline::error::{Error, Result};
+use halfline::frame::srgb::linear;
+use halfline::quote::quote;
 use std::sync::LazyLock;
 use strsim::damerau_levenshtein;
 
@@ -73,7 +73,7 @@ pub(super) fn of_hex(rgb: u32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::srgb;
+    use halfline::frame::srgb;
 
     #[test]
     fn colours_are_read() {

@@ -5,10 +5,10 @@ use super::elements::element;
 use super::particles::frame::{Column, Particles};
 use super::select::selection::Selection;
 use super::select::{self, candidates};
-use crate::error::{Error, Result};
-use crate::memory::check;
-use crate::quote::{list, quote};
-use crate::scene::Spheres;
+use halfline::error::{Error, Result};
+use halfline::memory::check;
+use halfline::quote::{list, quote};
+use halfline::scene::Spheres;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

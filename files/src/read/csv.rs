@@ -6,9 +6,9 @@ use super::lines::Lines;
 use super::particles::frame::Particles;
 use super::particles::role::Role;
 use super::particles::table::Table;
-use crate::error::{Error, Result};
-use crate::progress::Watch;
-use crate::scene::Spheres;
+use halfline::error::{Error, Result};
+use halfline::progress::Watch;
+use halfline::scene::Spheres;
 use std::path::Path;
 
 /// The columns, in the order of a sphere's numbers.

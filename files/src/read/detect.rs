@@ -3,7 +3,7 @@
 use super::format::Format;
 use super::particles::table::names::axes;
 use super::{foreign, nff};
-use crate::quote::setting::{COLUMNS, FORMAT};
+use halfline::quote::setting::{COLUMNS, FORMAT};
 use std::path::Path;
 
 /// The format of a file with this beginning and name, or the problem and its remedy.

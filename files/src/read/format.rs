@@ -1,6 +1,6 @@
 //! The formats of scene files, and their names.
 
-use crate::error::{Error, Result};
+use halfline::error::{Error, Result};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -131,7 +131,7 @@ impl Format {
 impl FromStr for Format {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("format", name, Self::ALL, Self::name)
+        halfline::error::by_name("format", name, Self::ALL, Self::name)
     }
 }
 

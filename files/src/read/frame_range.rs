@@ -1,6 +1,6 @@
 //! Which frames of a sequence are read.
 
-use crate::error::{Error, Result};
+use halfline::error::{Error, Result};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 

@@ -2,11 +2,11 @@
 //! and colours.
 
 use super::sequence::SceneFrame;
-use crate::error::Result;
-use crate::progress::Watch;
-use crate::scene::arrange::Arrangement;
-use crate::scene::camera::Camera;
 use glam::DVec3;
+use halfline::error::Result;
+use halfline::progress::Watch;
+use halfline::scene::arrange::Arrangement;
+use halfline::scene::camera::Camera;
 
 /// The camera that the frames of a film have. Every frame passes [`HeldCamera::see`] with the spheres of the file and, once
 /// they are arranged, [`HeldCamera::apply`]; so do frames that only set what the others are held to
@@ -96,7 +96,7 @@ impl HeldCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Framing, ImagePlane, Scene, Spheres};
+    use halfline::scene::{Framing, ImagePlane, Scene, Spheres};
 
     /// A frame with spheres of radius 1 at these places on the x axis.
     fn frame(number: u64, places: &[f64]) -> SceneFrame {

@@ -1,10 +1,10 @@
 //! The decompressed bytes of a scene file. Every reader reads from an [`Input`]. Cancellation ends it, even while a
 //! pipe is silent, and a stream that contains no data for too long is an error.
 
-use crate::error::{Error, Result};
-use crate::progress::Watch;
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::MultiGzDecoder;
+use halfline::error::{Error, Result};
+use halfline::progress::Watch;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
@@ -339,9 +339,9 @@ impl Read for Pipe {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::progress::Cancel;
     use flate2::Compression;
     use flate2::write::GzEncoder;
+    use halfline::progress::Cancel;
     use std::io::Write;
 
     fn gz(bytes: &[u8]) -> Vec<u8> {

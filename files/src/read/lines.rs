@@ -2,9 +2,9 @@
 //! invalid UTF-8.
 
 use super::input::Input;
-use crate::error::{Error, Place, Result};
-use crate::quote::quote;
-use crate::quote::setting::FORMAT;
+use halfline::error::{Error, Place, Result};
+use halfline::quote::quote;
+use halfline::quote::setting::FORMAT;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 

@@ -16,14 +16,14 @@
 use super::input::Input;
 use super::lines::{Lines, Spot};
 use super::skipped::Skipped;
-use crate::error::{Error, Place, Result, relocate};
-use crate::quote::{count, quote};
-use crate::scene::camera::{Camera, Lens, Look};
-use crate::scene::{
+use glam::DVec3;
+use halfline::error::{Error, Place, Result, relocate};
+use halfline::quote::{count, quote};
+use halfline::scene::camera::{Camera, Lens, Look};
+use halfline::scene::{
     ImagePlane, Light, LightSource, Lighting, Material, Materials, Scene, Spheres, check_color, check_size,
     check_sphere,
 };
-use glam::DVec3;
 use std::fmt;
 use std::path::Path;
 

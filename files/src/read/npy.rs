@@ -6,12 +6,12 @@ pub(super) mod records;
 mod rows;
 
 use super::input::{Counts, Input, fill};
-use crate::error::{Error, Place, Result, relocate};
-use crate::frame::provenance::Provenance;
-use crate::memory::{check, reserve};
 use crate::npy::{DType, Fault, Header, Scalar};
-use crate::progress::Watch;
-use crate::scene::Spheres;
+use halfline::error::{Error, Place, Result, relocate};
+use halfline::frame::provenance::Provenance;
+use halfline::memory::{check, reserve};
+use halfline::progress::Watch;
+use halfline::scene::Spheres;
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

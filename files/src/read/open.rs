@@ -9,8 +9,8 @@ use super::particles::table::Table;
 use super::particles::trajectory::{Topology, Trajectory};
 use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, xyz};
 use super::source::SceneSource;
-use crate::error::{Error, Result};
-use crate::quote::setting::{COLUMNS, FORMAT, TOPOLOGY};
+use halfline::error::{Error, Result};
+use halfline::quote::setting::{COLUMNS, FORMAT, TOPOLOGY};
 use std::path::Path;
 
 /// The frames of a particle file; `None` for formats that contain a whole scene.

@@ -12,8 +12,8 @@ use super::select::candidates;
 use super::select::{Selections, selection::Selection};
 use super::source::KnownFormat;
 use super::style::Style;
-use crate::error::{Error, Result};
-use crate::progress::Watch;
+use halfline::error::{Error, Result};
+use halfline::progress::Watch;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -204,6 +204,6 @@ impl Hold {
 impl FromStr for Hold {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("hold", name, Self::ALL, Self::name)
+        halfline::error::by_name("hold", name, Self::ALL, Self::name)
     }
 }

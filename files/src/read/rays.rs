@@ -11,9 +11,9 @@ mod table;
 mod tests;
 
 use super::input::Input;
-use crate::error::{Error, Place, Result};
 use crate::npy::MAGIC;
 use array::RayArray;
+use halfline::error::{Error, Place, Result};
 use std::io::Read;
 use std::path::Path;
 use table::RayTable;

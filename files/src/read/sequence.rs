@@ -16,14 +16,16 @@ use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::style::no_selections;
 use super::{native, nff};
-use crate::error::{Error, Place, Result};
-use crate::frame::legend::Legend;
-use crate::quote::setting::{AT, COLOR, FOCUS, FRAMES, HIDE, HOLD, MODEL, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP};
-use crate::quote::{count, quote};
-use crate::scene::camera::{Aperture, Camera};
-use crate::scene::instances::Instances;
-use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
-use crate::settings::FileLook;
+use halfline::error::{Error, Place, Result};
+use halfline::frame::legend::Legend;
+use halfline::quote::setting::{
+    AT, COLOR, FOCUS, FRAMES, HIDE, HOLD, MODEL, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP,
+};
+use halfline::quote::{count, quote};
+use halfline::scene::camera::{Aperture, Camera};
+use halfline::scene::instances::Instances;
+use halfline::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
+use halfline::settings::FileLook;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! The report of reading: what a file contains that a scene does not, and what was assumed.
 
-use crate::error::{Error, Place, Result};
-use crate::quote::count;
+use halfline::error::{Error, Place, Result};
+use halfline::quote::count;
 
 /// What a reader left out, counted by kind in the order of first occurrence, and what it assumed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

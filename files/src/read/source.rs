@@ -3,8 +3,8 @@
 use super::detect::recognise;
 use super::format::Format;
 use super::input::Input;
-use crate::error::{Error, Place, Result};
-use crate::progress::Watch;
+use halfline::error::{Error, Place, Result};
+use halfline::progress::Watch;
 use std::path::{Path, PathBuf};
 
 /// An opened scene file.

@@ -9,11 +9,11 @@ use super::particles::survey::{Part, Survey};
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::style::{Coloring, is_8_bit, joined_elements};
-use crate::error::{Error, Place, Result};
-use crate::frame::legend::Legend;
-use crate::quote::count;
-use crate::quote::setting::{AT, COLOR, FOCUS, FRAMES, HIDE, MAP, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP};
-use crate::scene::Spheres;
+use halfline::error::{Error, Place, Result};
+use halfline::frame::legend::Legend;
+use halfline::quote::count;
+use halfline::quote::setting::{AT, COLOR, FOCUS, FRAMES, HIDE, MAP, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP};
+use halfline::scene::Spheres;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -120,7 +120,7 @@ impl SphereBlocks {
     }
 
     /// The next spheres; `None` after the last. Their numbers are checked here, where the row or the particle of the file is
-    /// known, and nowhere else: [`Stream::add`](crate::render::stream::Stream::add) relies on it as long as they are not
+    /// known, and nowhere else: [`Stream::add`](halfline::render::stream::Stream::add) relies on it as long as they are not
     /// changed.
     ///
     /// # Errors

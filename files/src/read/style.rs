@@ -11,14 +11,14 @@ pub use scale::Scale;
 use super::particles::frame::Particles;
 use super::select::selection::Selection;
 use super::skipped::Skipped;
-use crate::error::{Error, Place, Result};
-use crate::frame::legend::{Category, Legend};
-use crate::frame::srgb::{self, linear};
-use crate::memory::check_spheres;
-use crate::quote::setting::{COLOR_BY, RADIUS};
-use crate::quote::{number, quote};
-use crate::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 pub(super) use categories::joined_elements;
+use halfline::error::{Error, Place, Result};
+use halfline::frame::legend::{Category, Legend};
+use halfline::frame::srgb::{self, linear};
+use halfline::memory::check_spheres;
+use halfline::quote::setting::{COLOR_BY, RADIUS};
+use halfline::quote::{number, quote};
+use halfline::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 
 use super::color::of_hex;
 use super::elements::{Element, element};
@@ -99,7 +99,7 @@ impl Radii {
 impl FromStr for Radii {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("kind of radii", name, Self::ALL, Self::name)
+        halfline::error::by_name("kind of radii", name, Self::ALL, Self::name)
     }
 }
 

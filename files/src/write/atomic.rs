@@ -1,7 +1,7 @@
 //! Atomic files: a file is written completely or not at all, even if the process is killed.
 
 use super::rows::Sink;
-use crate::error::{Error, Result};
+use halfline::error::{Error, Result};
 use stale::folder;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};

@@ -1,10 +1,10 @@
 //! The buffers of a file as named arrays, whatever its format and program.
 
 use super::{exr, npy, npz, pfm, png};
-use crate::error::{Error, Place, Result};
-use crate::frame::array::Array;
-use crate::frame::provenance::Provenance;
-use crate::memory::check;
+use halfline::error::{Error, Place, Result};
+use halfline::frame::array::Array;
+use halfline::frame::provenance::Provenance;
+use halfline::memory::check;
 use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! The hash of a file's samples, stored in its provenance to detect corrupted or edited files.
 
 use super::rows::{Head, Rows, malformed};
-use crate::error::Result;
-use crate::frame::provenance::Provenance;
+use halfline::error::Result;
+use halfline::frame::provenance::Provenance;
 
 /// BLAKE3 of each buffer's samples in the order of [`Rows`], and of these hashes: 32 hexadecimal digits.
 pub(super) struct Digest(Vec<blake3::Hasher>);

@@ -3,11 +3,11 @@
 use super::format::{FileFormat, FormatOptions};
 use super::layer::{LayerFormat, SampleType};
 use super::rows::Rows;
-use crate::error::{Error, Result};
-use crate::frame::tone::Toning;
-use crate::frame::{Aov, Buffer, Data, Frame, srgb};
-use crate::quote::number;
-use crate::quote::setting::{SELECT, UNIT};
+use halfline::error::{Error, Result};
+use halfline::frame::tone::Toning;
+use halfline::frame::{Aov, Buffer, Data, Frame, srgb};
+use halfline::quote::number;
+use halfline::quote::setting::{SELECT, UNIT};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;

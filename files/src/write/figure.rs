@@ -2,7 +2,7 @@
 
 use super::file::write_atomically;
 use super::png;
-use crate::error::{Error, Result};
+use halfline::error::{Error, Result};
 use std::path::Path;
 
 /// Whether a file name has this extension.

@@ -1,10 +1,10 @@
 //! File formats, the buffers that each can hold, and the options of the formats.
 
 use super::layer::{LayerFormat, SampleType};
-use crate::error::{Error, Result};
-use crate::frame::Aov;
-use crate::frame::provenance::Provenance;
-use crate::quote::quote;
+use halfline::error::{Error, Result};
+use halfline::frame::Aov;
+use halfline::frame::provenance::Provenance;
+use halfline::quote::quote;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -191,7 +191,7 @@ impl FromStr for NoReturn {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("value of a miss", name, &Self::ALL, Self::name)
+        halfline::error::by_name("value of a miss", name, &Self::ALL, Self::name)
     }
 }
 

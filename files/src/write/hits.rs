@@ -14,13 +14,13 @@ pub use rows::Query;
 
 use super::atomic::{is_special, is_standard_output, write_atomically};
 use super::npz::write_archive;
-use crate::error::{Error, Result};
-use crate::progress::Watch;
-use crate::quote::setting::ANY;
-use crate::render::trace::{Hits, Occlusion, Rays};
-use crate::scene::Spheres;
 use archive::Spool;
 use cloud::{Cloud, CloudFormat};
+use halfline::error::{Error, Result};
+use halfline::progress::Watch;
+use halfline::quote::setting::ANY;
+use halfline::render::trace::{Hits, Occlusion, Rays};
+use halfline::scene::Spheres;
 use rows::Rows;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -180,7 +180,7 @@ impl HitWriter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::Search;
+    use halfline::settings::Search;
 
     #[test]
     fn answers_of_the_other_query_are_refused() {

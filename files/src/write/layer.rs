@@ -1,6 +1,6 @@
 //! How a file stores a buffer.
 
-use crate::frame::Aov;
+use halfline::frame::Aov;
 
 /// The type of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,12 +6,12 @@ use super::format::{FileFormat, FormatOptions};
 use super::layer::{LayerFormat, SampleType};
 use super::plain;
 use super::rows::{Found, Head, Rows, SeekRead, Sink, invalid, pulled};
-use crate::error::{Error, Place, Result};
-use crate::frame::Buffer;
-use crate::frame::array::{Array, Values};
-use crate::frame::provenance::Provenance;
-use crate::memory::check;
 use crate::npy::{Header, NumberKind, Scalar};
+use halfline::error::{Error, Place, Result};
+use halfline::frame::Buffer;
+use halfline::frame::array::{Array, Values};
+use halfline::frame::provenance::Provenance;
+use halfline::memory::check;
 use std::io::{self, Write};
 
 pub use crate::npy::MAGIC;

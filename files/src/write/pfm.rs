@@ -6,10 +6,10 @@ use super::format::FileFormat;
 use super::layer::SampleType;
 use super::plain::{self, reverse};
 use super::rows::{Found, Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
-use crate::error::Result;
-use crate::frame::array::{Array, Values};
-use crate::frame::provenance::Provenance;
-use crate::memory::check;
+use halfline::error::Result;
+use halfline::frame::array::{Array, Values};
+use halfline::frame::provenance::Provenance;
+use halfline::memory::check;
 use std::io;
 
 /// Writes the only buffer; a scale of -1 means little-endian. The provenance follows the last number.

@@ -2,8 +2,8 @@
 
 use super::format::FileFormat;
 use super::rows::{Found, Head, Rows, SeekRead, malformed};
-use crate::error::{Error, Result};
-use crate::frame::provenance::Provenance;
+use halfline::error::{Error, Result};
+use halfline::frame::provenance::Provenance;
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;

@@ -7,11 +7,11 @@ mod strips;
 use super::format::{Dpi, FileFormat};
 use super::layer::SampleType;
 use super::rows::{Found, Head, Rows, SeekRead, Sink, invalid, pulled};
-use crate::error::{Error, Place, Result};
-use crate::frame::array::{Array, Values};
-use crate::frame::srgb::levels;
-use crate::frame::{Aov, Buffer, Data};
-use crate::memory::check;
+use halfline::error::{Error, Place, Result};
+use halfline::frame::array::{Array, Values};
+use halfline::frame::srgb::levels;
+use halfline::frame::{Aov, Buffer, Data};
+use halfline::memory::check;
 use png::{BitDepth, ColorType, PixelDimensions, Unit};
 use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
@@ -24,7 +24,7 @@ pub const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// Keyword and text of each provenance chunk; keywords are Latin-1, 1 to 79 characters.
 type TextChunks = [(String, String)];
 
-/// Writes the colour buffer as 8-bit RGB, each component [encoded](crate::frame::srgb::level) and marked as sRGB, with `words`
+/// Writes the colour buffer as 8-bit RGB, each component [encoded](halfline::frame::srgb::level) and marked as sRGB, with `words`
 /// as iTXt chunks. Equal buffers and words give equal bytes: no date and no machine name is written.
 ///
 /// # Errors
@@ -177,7 +177,7 @@ pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Foun
     Ok(Some((head, Box::new(lines))))
 }
 
-/// Bytes that the decoder may allocate for text and for rows, which have at most [`crate::scene::MAX_SIDE`] pixels;
+/// Bytes that the decoder may allocate for text and for rows, which have at most [`halfline::scene::MAX_SIDE`] pixels;
 /// larger claims of a damaged file are rejected.
 const ROWS_AND_WORDS: usize = 64 << 20;
 

@@ -1,9 +1,9 @@
 //! Given rays as a NumPy array, in the form that [`crate::read::rays`] reads.
 
 use super::atomic::write_atomically;
-use crate::error::{Error, Result};
 use crate::npy::Header;
-use crate::render::trace::Rays;
+use halfline::error::{Error, Result};
+use halfline::render::trace::Rays;
 use std::io;
 use std::path::Path;
 

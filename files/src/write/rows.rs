@@ -4,9 +4,9 @@
 
 use super::format::{Bits, FileFormat};
 use super::layer::LayerFormat;
-use crate::error::{Error, Place, Result};
-use crate::frame::provenance::Provenance;
-use crate::window::Window;
+use halfline::error::{Error, Place, Result};
+use halfline::frame::provenance::Provenance;
+use halfline::window::Window;
 use std::borrow::Cow;
 use std::io::{self, BufRead, Seek, Write};
 use std::ops::Range;
@@ -17,7 +17,7 @@ pub(super) const EXR_ROWS: usize = 16;
 /// Everything in a file except its samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Head {
-    /// Its buffers, in the order of [`Aov::ALL`](crate::Aov::ALL).
+    /// Its buffers, in the order of [`Aov::ALL`](halfline::Aov::ALL).
     pub forms: Vec<LayerFormat>,
     /// Their provenance.
     pub provenance: Provenance,

@@ -1,8 +1,8 @@
 //! Cameras in JSON: a list, or an object with `frames` (NeRF), `cameras` or `poses`.
 
 use super::listed::ListedCamera;
-use crate::error::{Error, Place, Result};
-use crate::scene::camera::{Intrinsics, Lens, Look};
+use halfline::error::{Error, Place, Result};
+use halfline::scene::camera::{Intrinsics, Lens, Look};
 use serde_json::{Map, Value};
 
 /// The keys of lists, in order of preference.

@@ -1,7 +1,7 @@
 //! The lens of a camera of a list.
 
-use crate::error::{Error, Result};
-use crate::scene::camera::{Camera, Intrinsics, Lens};
+use halfline::error::{Error, Result};
+use halfline::scene::camera::{Camera, Intrinsics, Lens};
 
 /// The lens of a camera of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]

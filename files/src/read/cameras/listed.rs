@@ -2,8 +2,8 @@
 
 use super::axes::{AxesProblem, check_axes};
 use super::lens::ListedLens;
-use crate::scene::camera::{Camera, Intrinsics, Lens, Look};
 use glam::DVec3;
+use halfline::scene::camera::{Camera, Intrinsics, Lens, Look};
 
 /// A camera of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,11 +2,11 @@
 //! or `fx, fy, cx, cy`; a row for each camera.
 
 use super::listed::ListedCamera;
-use crate::error::{Error, Place, Result};
-use crate::quote::quote;
 use crate::read::lines::Lines;
 use crate::read::particles::table::fields::{delimiter, fields, has_content};
-use crate::scene::camera::{Intrinsics, Lens, Look};
+use halfline::error::{Error, Place, Result};
+use halfline::quote::quote;
+use halfline::scene::camera::{Intrinsics, Lens, Look};
 use std::path::Path;
 
 const MEND: &str = "use the columns eye_x,eye_y,eye_z, view_x,view_y,view_z or at_x,at_y,at_z, up_x,up_y,up_z, and \

@@ -1,9 +1,9 @@
 //! The image of a native scene file: `[image]`.
 
 use super::table::TomlTable;
-use crate::error::{Error, Result};
-use crate::scene::{ImagePlane, check_size};
-use crate::settings::{FileLook, Look};
+use halfline::error::{Error, Result};
+use halfline::scene::{ImagePlane, check_size};
+use halfline::settings::{FileLook, Look};
 
 /// What the table says.
 #[derive(Default)]

@@ -1,8 +1,8 @@
 //! The size of the lens in a native scene file: `aperture` and `focus` of `[camera]`.
 
 use super::table::TomlTable;
-use crate::error::{Error, Result, relocate};
-use crate::scene::camera::{Aperture, Camera};
+use halfline::error::{Error, Result, relocate};
+use halfline::scene::camera::{Aperture, Camera};
 
 /// The lens of a camera, which is a pinhole without `aperture`.
 pub(super) fn read(table: &TomlTable<'_>, camera: &Camera) -> Result<Option<Aperture>> {

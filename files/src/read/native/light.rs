@@ -1,9 +1,9 @@
 //! The lights and the sky of a native scene file: `[[light]]`, `[sky]` and `[occlusion]`.
 
 use super::table::{TomlName, TomlTable};
-use crate::error::{Error, Place, Result};
-use crate::scene::{Light, LightSource, Lighting, MOST_RAYS, Sky, SkyColors};
 use glam::DVec3;
+use halfline::error::{Error, Place, Result};
+use halfline::scene::{Light, LightSource, Lighting, MOST_RAYS, Sky, SkyColors};
 
 /// Reads the lighting of a scene of that many spheres. The lights of a file cast shadows.
 pub(super) fn read(root: &TomlTable<'_>, spheres: usize) -> Result<Lighting> {

@@ -1,9 +1,9 @@
 //! What a `[[sphere]]` of a native scene file is made of.
 
 use super::table::TomlTable;
-use crate::error::{Error, Result};
-use crate::quote::quote;
-use crate::scene::Material;
+use halfline::error::{Error, Result};
+use halfline::quote::quote;
+use halfline::scene::Material;
 
 /// The keys that belong to some materials.
 const KEYS: [&str; 6] = ["diffuse", "specular", "shine", "transmission", "index", "fuzz"];

@@ -1,9 +1,6 @@
 //! `[[spheres]]`: the spheres of a file, or the selected ones of them.
 
 use super::table::TomlTable;
-use crate::error::{Error, Place, Result};
-use crate::progress::Watch;
-use crate::quote::quote;
 use crate::read::format::{Format, ending};
 use crate::read::open::open;
 use crate::read::options::ReadOptions;
@@ -11,7 +8,10 @@ use crate::read::select::selection::Selection;
 use crate::read::select::{add_selected, apply};
 use crate::read::source::{KnownFormat, SceneSource};
 use crate::read::{csv, npy};
-use crate::scene::Spheres;
+use halfline::error::{Error, Place, Result};
+use halfline::progress::Watch;
+use halfline::quote::quote;
+use halfline::scene::Spheres;
 use std::path::{Path, PathBuf};
 
 /// A table `[[spheres]]`.

@@ -1,8 +1,8 @@
 //! Tables and values of a TOML document, whose errors have the line, column and key.
 
-use crate::error::{Error, Place, Result};
 use crate::read::style::color;
-use crate::scene::check_color;
+use halfline::error::{Error, Place, Result};
+use halfline::scene::check_color;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 

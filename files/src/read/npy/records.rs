@@ -1,7 +1,6 @@
 //! A NumPy array as a scene: rows of numbers, or records with named fields.
 
 use super::{MEND, Npy};
-use crate::error::Result;
 use crate::npy::{DType, Field, Header, Scalar};
 use crate::read::color::light_of;
 use crate::read::input::Input;
@@ -11,7 +10,8 @@ use crate::read::particles::request::Request;
 use crate::read::particles::role::Role;
 use crate::read::particles::vectors::component;
 use crate::read::source::SceneSource;
-use crate::scene::Spheres;
+use halfline::error::Result;
+use halfline::scene::Spheres;
 use std::io::ErrorKind;
 
 /// The reader.

@@ -1,13 +1,13 @@
 //! The rows of an array as spheres: read in blocks, converted on all cores.
 
 use super::{Matrix, Npy};
-use crate::error::{Error, Place, Result};
-use crate::memory::check_spheres;
 use crate::npy::Header;
 use crate::read::csv::COLUMNS;
 use crate::read::input::Input;
 use crate::read::particles::survey::Survey;
-use crate::scene::{Spheres, check_color, check_sphere, is_center, is_radius};
+use halfline::error::{Error, Place, Result};
+use halfline::memory::check_spheres;
+use halfline::scene::{Spheres, check_color, check_sphere, is_center, is_radius};
 use rayon::prelude::*;
 use std::io::ErrorKind;
 

@@ -2,12 +2,12 @@
 
 use super::frame::{Column, Particles};
 use super::placed::PlacedPart;
-use crate::error::{Error, Place, Result};
-use crate::memory::{check, check_spheres, extend_to};
-use crate::progress::Watch;
-use crate::quote::setting::ASSEMBLY;
-use crate::quote::{list, quote};
-use crate::scene::instances::Operator;
+use halfline::error::{Error, Place, Result};
+use halfline::memory::{check, check_spheres, extend_to};
+use halfline::progress::Watch;
+use halfline::quote::setting::ASSEMBLY;
+use halfline::quote::{list, quote};
+use halfline::scene::instances::Operator;
 use std::collections::HashMap;
 
 /// The most operators in an assembly; without a limit, a short expression could demand more than memory holds.

@@ -2,7 +2,7 @@
 
 use super::frame::Particles;
 use super::names::Names;
-use crate::error::Result;
+use halfline::error::Result;
 
 /// Columns of an atom that colours and selections can read; names are numbered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! Binary files as a sequence of bytes, with the place of every byte. What is read grows with the content of the file,
 //! not with the counts in its header.
 
-use crate::error::{Error, Place, Result};
-use crate::memory::reserve;
 use crate::read::input::{Input, fill};
 use crate::read::source::SceneSource;
+use halfline::error::{Error, Place, Result};
+use halfline::memory::reserve;
 use std::io::BufRead;
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
 //! Which columns of a table have which meaning, where their names do not say it.
 
 use super::role::Role;
-use crate::error::{Error, Result};
-use crate::quote::{list, quote};
+use halfline::error::{Error, Result};
+use halfline::quote::{list, quote};
 use std::str::FromStr;
 
 /// Columns of a table by meaning: `x=pos_x,y=pos_y,z=pos_z,radius=r`, or by their number from 1: `x=1,y=2,z=3`.

@@ -9,13 +9,13 @@ use super::masses;
 use super::request::Request;
 use super::role::Role;
 use super::rows::surplus;
-use crate::error::{Error, Result};
-use crate::memory::{Ledger, check, check_ids, reserve};
-use crate::quote::{quote, unquoted};
 use crate::read::elements::element;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Word, Words};
 use crate::read::source::SceneSource;
+use halfline::error::{Error, Result};
+use halfline::memory::{Ledger, check, check_ids, reserve};
+use halfline::quote::{quote, unquoted};
 use header::{DataHeader, body};
 use std::collections::HashMap;
 

@@ -10,12 +10,12 @@ use super::names::Names;
 use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use super::vectors;
-use crate::error::{Error, Result};
-use crate::memory::{check, entries, extend_to};
-use crate::quote::setting::STREAM;
 use crate::read::format::Format;
 use crate::read::skipped::Skipped;
-use crate::scene::{Cell, keep};
+use halfline::error::{Error, Result};
+use halfline::memory::{check, entries, extend_to};
+use halfline::quote::setting::STREAM;
+use halfline::scene::{Cell, keep};
 use std::collections::BTreeMap;
 
 /// One frame of particles, as the file has them.
@@ -32,7 +32,7 @@ pub(crate) struct Particles {
     /// The columns of [`ReadOptions::columns`](crate::read::ReadOptions::columns) that the file has, with a number for
     /// every particle. Names of columns in files are converted to lower case.
     pub(crate) columns: Vec<Column>,
-    /// Whether the reader has checked the positions and the radii by [`check_sphere`](crate::scene::check_sphere), and named the
+    /// Whether the reader has checked the positions and the radii by [`check_sphere`](halfline::scene::check_sphere), and named the
     /// row of the first that is not valid.
     pub(in crate::read) checked: bool,
     /// The number of particles before them, in the parts of the file that were passed on.

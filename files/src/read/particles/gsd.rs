@@ -9,11 +9,11 @@ use super::frame::{Column, ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::layout::is_wanted;
 use super::request::Request;
-use crate::error::Result;
-use crate::memory::{check, check_ids};
 use crate::read::source::SceneSource;
-use crate::scene::Cell;
 use file::{Chunk, GsdFile, until_zero};
+use halfline::error::Result;
+use halfline::memory::{check, check_ids};
+use halfline::scene::Cell;
 
 /// The reader.
 pub(in crate::read) struct Gsd {

@@ -7,7 +7,7 @@ pub(in crate::read) mod rules;
 pub(in crate::read) mod slices;
 pub(super) mod species;
 
-use crate::quote::{count, quote};
+use halfline::quote::{count, quote};
 use residues::{ResidueClass, class};
 use rules::{InferenceRule, Site};
 use std::collections::BTreeMap;

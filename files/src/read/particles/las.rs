@@ -9,10 +9,10 @@ use super::frame::Particles;
 use super::layout::Layout;
 use super::request::Request;
 use super::role::Role;
-use crate::error::Result;
-use crate::memory::check_ids;
 use crate::read::source::SceneSource;
 use format::{DAMAGED, FORMATS, PointFormat, u16_at, u32_at};
+use halfline::error::Result;
+use halfline::memory::check_ids;
 use laz::{Laz, LazScheme};
 use rayon::prelude::*;
 

@@ -6,11 +6,11 @@ use super::names::Names;
 use super::request::Request;
 use super::role::Role;
 use super::survey::Survey;
-use crate::error::{Error, Place, Result};
-use crate::quote::quote;
 use crate::read::elements::element;
 use crate::read::lines::{Lines, Word};
-use crate::scene::check_color;
+use halfline::error::{Error, Place, Result};
+use halfline::quote::quote;
+use halfline::scene::check_color;
 use std::io::BufRead;
 
 /// The columns of a row in the order of the file.

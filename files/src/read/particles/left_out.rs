@@ -1,7 +1,7 @@
 //! Rows of text that are left out because their coordinates or their radius are invalid.
 
-use crate::error::{Error, Place};
-use crate::quote::{count, shortened};
+use halfline::error::{Error, Place};
+use halfline::quote::{count, shortened};
 
 /// The number of rows, and the first of them.
 #[derive(Debug, Clone, Default)]

@@ -1,8 +1,8 @@
 //! Texts among the numbers of columns. A survey counts them, and the column is one of text; other readings report the
 //! first of them as an error.
 
-use crate::error::Result;
-use crate::memory::Ledger;
+use halfline::error::Result;
+use halfline::memory::Ledger;
 use std::collections::BTreeMap;
 
 /// The number of each text, by the index of its column.
@@ -19,7 +19,7 @@ impl Mixed {
     /// Counts a text.
     ///
     /// # Errors
-    /// [`Error::Limits`](crate::error::Error::Limits) where memory is short.
+    /// [`Error::Limits`](halfline::error::Error::Limits) where memory is short.
     pub(super) fn meet(&mut self, column: usize, text: &str, count: u64) -> Result<()> {
         let counts = self.counts.entry(column).or_default();
         if let Some(known) = counts.get_mut(text) {

@@ -7,13 +7,13 @@ use super::infer::{self, AtomNames, Inference, is_site};
 use super::layout::named;
 use super::request::{Altloc, Request};
 use super::survey::Survey;
-use crate::error::{Error, Place, Result};
-use crate::memory::{Ledger, reserve};
-use crate::progress::Watch;
-use crate::quote::setting::{ALTLOC, AS_LISTED, ASSEMBLY, FRAMES, MODEL};
-use crate::quote::{quote, unquoted};
 use crate::read::format::Format;
-use crate::scene::{Cell, keep};
+use halfline::error::{Error, Place, Result};
+use halfline::memory::{Ledger, reserve};
+use halfline::progress::Watch;
+use halfline::quote::setting::{ALTLOC, AS_LISTED, ASSEMBLY, FRAMES, MODEL};
+use halfline::quote::{quote, unquoted};
+use halfline::scene::{Cell, keep};
 use std::collections::HashMap;
 
 /// The copies to make of the atoms of a model.

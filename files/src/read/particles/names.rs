@@ -1,7 +1,7 @@
 //! Names numbered in the order of their first occurrence, for columns of text.
 
-use crate::error::Result;
-use crate::memory::Ledger;
+use halfline::error::Result;
+use halfline::memory::Ledger;
 use std::collections::HashMap;
 
 /// Names numbered in the order of first occurrence.

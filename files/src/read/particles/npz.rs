@@ -6,14 +6,14 @@ mod archive;
 use super::frame::{Column, ParticleFrames, Particles};
 use super::layout::is_wanted;
 use super::request::Request;
-use crate::error::{Error, Place, Result};
-use crate::memory::check;
 use crate::npy::{DType, Header};
-use crate::quote::{list, quote};
 use crate::read::npy::Npy;
 use crate::read::source::SceneSource;
-use crate::scene::check_color;
 use archive::{Archive, MEND};
+use halfline::error::{Error, Place, Result};
+use halfline::memory::check;
+use halfline::quote::{list, quote};
+use halfline::scene::check_color;
 use std::io::BufRead;
 use std::sync::Arc;
 

@@ -10,13 +10,13 @@ use super::frame::Particles;
 use super::request::Request;
 use super::role::Role;
 use super::rows::surplus;
-use crate::error::{Place, Result, relocate};
-use crate::memory::check;
 use crate::npy::Scalar;
 use crate::read::color::light;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
+use halfline::error::{Place, Result, relocate};
+use halfline::memory::check;
 use header::{PcdEncoding, PcdHeader, PcdKind, header};
 use std::path::PathBuf;
 

@@ -13,17 +13,17 @@ use super::frame::{ParticleFrames, Particles};
 use super::infer::{AtomNames, Inference};
 use super::molecule::{Copies, Model, Passed, cell, more_models, not_assembled};
 use super::request::{Altloc, Request};
-use crate::error::{Error, Result};
 use crate::read::format::Format;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::source::SceneSource;
-use crate::scene::Cell;
 use biomt::Biomt;
 use columns::{
     BFACTOR, CHAIN, CHARGE, COORDINATE, ICODE, LOCATION, NAME, OCCUPANCY, PdbRecord, RECORD, RESIDUE, RESIDUE_ID,
     RESIDUE_NAME, SEGMENT, SERIAL, SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,
 };
+use halfline::error::{Error, Result};
+use halfline::scene::Cell;
 use std::ops::Range;
 
 /// The reader.

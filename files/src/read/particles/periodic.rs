@@ -7,13 +7,13 @@ mod join;
 mod pairs;
 
 use super::frame::{Column, Particles};
-use crate::error::{Error, Result};
-use crate::memory::check;
-use crate::quote::count;
-use crate::quote::setting::{UNWRAP, WRAP};
 use atoms::Atoms;
 use edges::Edges;
 use glam::DVec3;
+use halfline::error::{Error, Result};
+use halfline::memory::check;
+use halfline::quote::count;
+use halfline::quote::setting::{UNWRAP, WRAP};
 use join::{Endless, Joined};
 use pairs::pairs;
 use rayon::prelude::*;
@@ -60,7 +60,7 @@ pub(in crate::read) fn apply(periodic: Periodic, particles: &mut Particles) -> R
         Periodic::Unwrap => (UNWRAP, "unwrapping"),
     };
     let Some(cell) = &particles.cell else {
-        return Err(no_cell(&option));
+        return Err(no_cell(option));
     };
     let Some(frame) = Edges::of(cell) else {
         let problem = format!("{what} needs a cell with a volume, but the edges of the cell are {:?}", cell.edges);
@@ -169,7 +169,7 @@ fn residues(particles: &Particles) -> Vec<Option<u64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Cell;
+    use halfline::scene::Cell;
 
     /// A tilted cell whose numbers and inverse are dyadic, so that all results are exact.
     const CELL: Cell = Cell { origin: [-1.0, 0.0, 0.5], edges: [[4.0, 0.0, 0.0], [2.0, 8.0, 0.0], [0.0, 4.0, 2.0]] };

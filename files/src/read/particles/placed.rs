@@ -1,6 +1,6 @@
 //! Copies of particles that are operators over them.
 
-use crate::scene::instances::Operator;
+use halfline::scene::instances::Operator;
 
 /// Particles that follow each other, and their copies.
 #[derive(Debug, Clone, Default)]

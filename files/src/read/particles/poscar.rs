@@ -6,14 +6,14 @@ use super::frame::{Column, Particles};
 use super::layout::is_wanted;
 use super::request::Request;
 use super::rows::surplus;
-use crate::error::{Error, Result};
-use crate::memory::check_ids;
-use crate::quote::{quote, unquoted};
 use crate::read::elements::atomic_number;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
-use crate::scene::Cell;
+use halfline::error::{Error, Result};
+use halfline::memory::check_ids;
+use halfline::quote::{quote, unquoted};
+use halfline::scene::Cell;
 
 /// The column of species.
 const SPECIES: &str = "species";

@@ -4,9 +4,9 @@ use super::column_names::ColumnNames;
 use super::survey::Survey;
 #[cfg(test)]
 use super::vectors;
-use crate::error::{Error, Result};
-use crate::progress::Watch;
 use crate::read::frame_range::FrameRange;
+use halfline::error::{Error, Result};
+use halfline::progress::Watch;
 use std::str::FromStr;
 
 /// What is asked of a reader. Each format reads the part that it has.

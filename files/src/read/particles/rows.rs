@@ -3,9 +3,9 @@
 
 use super::frame::Particles;
 use super::layout::Layout;
-use crate::error::{Error, Result};
 use crate::read::input::Input;
 use crate::read::lines::{Block, Lines};
+use halfline::error::{Error, Result};
 use rayon::prelude::*;
 
 /// Reads at most `most` lines into `particles`, which `layout` began; returns their number. `row` parses the current

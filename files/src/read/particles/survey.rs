@@ -2,8 +2,8 @@
 //! or passed on.
 
 use super::infer::{Inference, code_of_unknown};
-use crate::error::{Error, Result};
-use crate::scene::{Cell, Spheres};
+use halfline::error::{Error, Result};
+use halfline::scene::{Cell, Spheres};
 use std::collections::BTreeMap;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -13,12 +13,12 @@ use super::layout::Layout;
 use super::request::Request;
 use super::role::Role;
 use super::rows::rows;
-use crate::error::{Error, Result};
-use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::source::SceneSource;
 use fields::{delimiter, fields, has_content, next};
+use halfline::error::{Error, Result};
+use halfline::quote::quote;
 use header::TableHeader;
 use std::io::BufRead;
 
@@ -137,7 +137,7 @@ fn row<R: BufRead>(lines: &Lines<R>, delimiter: u8, layout: &Layout, particles: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quote::setting::COLUMNS;
+    use halfline::quote::setting::COLUMNS;
 
     fn read(text: &str, columns: &[&str]) -> Result<Particles> {
         Table::open(SceneSource::of_text(text), &Request::of(columns))?.all()

@@ -12,12 +12,12 @@ use super::bytes::BinaryFile;
 use super::frame::{Column, ParticleFrames, Particles};
 use super::layout::is_wanted;
 use super::request::Request;
-use crate::error::{Error, Place, Result};
-use crate::memory::check;
-use crate::quote::count;
-use crate::quote::setting::TOPOLOGY;
 use crate::read::format::Format;
 use crate::read::source::SceneSource;
+use halfline::error::{Error, Place, Result};
+use halfline::memory::check;
+use halfline::quote::count;
+use halfline::quote::setting::TOPOLOGY;
 use moment::{Moment, Moments};
 use std::path::PathBuf;
 

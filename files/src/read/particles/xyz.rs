@@ -9,13 +9,13 @@ use super::request::Request;
 use super::role::Role;
 use super::rows::{rows, surplus};
 use super::vectors::component;
-use crate::error::{Error, Result};
-use crate::memory::check_ids;
-use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
-use crate::scene::Cell;
+use halfline::error::{Error, Result};
+use halfline::memory::check_ids;
+use halfline::quote::quote;
+use halfline::scene::Cell;
 
 /// The reader.
 pub(in crate::read) struct Xyz {

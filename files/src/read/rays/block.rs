@@ -1,9 +1,9 @@
 //! Rows of rays: their numbers, what makes one invalid, and blocks of them.
 
-use crate::error::{Error, Result};
-use crate::progress::Watch;
-use crate::quote::setting::SKIP_INVALID;
-use crate::render::trace::Rays;
+use halfline::error::{Error, Result};
+use halfline::progress::Watch;
+use halfline::quote::setting::SKIP_INVALID;
+use halfline::render::trace::Rays;
 
 /// The names of the columns, in the order of a row's numbers.
 pub const COLUMNS: [&str; 7] = ["ox", "oy", "oz", "dx", "dy", "dz", "tmax"];

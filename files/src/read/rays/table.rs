@@ -3,11 +3,11 @@
 //! ignored.
 
 use super::block::{COLUMNS, REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
-use crate::error::{Error, Result};
-use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Block, Lines};
 use crate::read::particles::table::fields::{delimiter, fields, has_content};
+use halfline::error::{Error, Result};
+use halfline::quote::quote;
 use rayon::prelude::*;
 use std::io::BufRead;
 use std::path::Path;

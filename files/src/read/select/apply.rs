@@ -2,10 +2,10 @@
 
 use super::evaluate::{Evaluator, Mask};
 use super::selection::Selection;
-use crate::error::Result;
-use crate::memory::check;
 use crate::read::particles::frame::Particles;
-use crate::scene::Spheres;
+use halfline::error::Result;
+use halfline::memory::check;
+use halfline::scene::Spheres;
 use rayon::prelude::*;
 
 /// What is selected of the particles of a frame.
@@ -104,7 +104,7 @@ pub(in crate::read) fn mask(selection: &Selection, particles: &Particles) -> Res
 /// coordinates and a radius.
 ///
 /// # Errors
-/// Those of the selection, [`Error::Limits`](crate::error::Error::Limits).
+/// Those of the selection, [`Error::Limits`](halfline::error::Error::Limits).
 pub(in crate::read) fn add_selected(
     selection: &Selection,
     part: Spheres,

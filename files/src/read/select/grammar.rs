@@ -11,8 +11,8 @@
 //! ```
 
 use super::expression::{Comparison, Kind, Near, Node, Operation, Sign, Value};
-use crate::error::{Error, Result};
-use crate::quote::quote;
+use halfline::error::{Error, Result};
+use halfline::quote::quote;
 use winnow::ascii::multispace0;
 use winnow::combinator::{alt, delimited, not, opt, preceded, repeat, terminated};
 use winnow::error::{ContextError, ErrMode, StrContext, StrContextValue};

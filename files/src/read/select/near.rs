@@ -1,7 +1,7 @@
 //! Particles near others, by a grid of cells whose side is the distance.
 
-use crate::error::Result;
-use crate::memory::check;
+use halfline::error::Result;
+use halfline::memory::check;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -15,7 +15,7 @@ const POINT: u64 = 96;
 /// periodic; a chosen point is near itself.
 ///
 /// # Errors
-/// [`Error::Limits`](crate::error::Error::Limits) where memory is short.
+/// [`Error::Limits`](halfline::error::Error::Limits) where memory is short.
 pub(super) fn near(points: &[[f64; 3]], chosen: &[bool], reach: f64) -> Result<Vec<bool>> {
     let count = chosen.par_iter().filter(|chosen| **chosen).count() as u64;
     check(POINT.saturating_mul(count), || format!("the distances to {count} selected particles"))?;

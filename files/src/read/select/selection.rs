@@ -3,8 +3,8 @@
 use super::columns::{Key, keys};
 use super::expression::{Node, Operation};
 use super::grammar;
-use crate::error::{Error, Result};
-use crate::quote::{Quote, shortened};
+use halfline::error::{Error, Result};
+use halfline::quote::{Quote, shortened};
 use std::fmt;
 use std::str::FromStr;
 

@@ -1,7 +1,7 @@
 use super::evaluate::Evaluator;
 use super::selection::Selection;
-use crate::error::Result;
 use crate::read::particles::frame::{Column, Particles};
+use halfline::error::Result;
 
 /// Ten atoms on the x axis: two residues of a protein, a ligand without a number for one charge, and two waters.
 fn atoms() -> Particles {

@@ -2,9 +2,9 @@
 
 use super::expression::Value;
 use super::selection::Selection;
-use crate::error::{Error, Result};
-use crate::quote::quote;
 use glob::Pattern;
+use halfline::error::{Error, Result};
+use halfline::quote::quote;
 use std::fmt;
 
 impl fmt::Display for Value {

@@ -1,14 +1,14 @@
 //! Colours of categories: names, numbers that identify, elements.
 
 use super::scale::{Colored, Scale};
-use crate::error::{Error, Result};
-use crate::frame::color_map::ColorMap;
-use crate::frame::legend::{Category, Legend};
-use crate::frame::srgb::linear;
-use crate::quote::setting::{LOG, RANGE};
 use crate::read::elements::element;
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::skipped::Skipped;
+use halfline::error::{Error, Result};
+use halfline::frame::color_map::ColorMap;
+use halfline::frame::legend::{Category, Legend};
+use halfline::frame::srgb::linear;
+use halfline::quote::setting::{LOG, RANGE};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 

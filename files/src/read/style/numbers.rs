@@ -2,13 +2,13 @@
 
 use super::categories;
 use super::scale::{Colored, Scale};
-use crate::error::{Error, Result};
-use crate::frame::legend::Legend;
-use crate::quote::setting::LOG;
-use crate::quote::{list, quote};
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::particles::vectors;
 use crate::read::skipped::Skipped;
+use halfline::error::{Error, Result};
+use halfline::frame::legend::Legend;
+use halfline::quote::setting::LOG;
+use halfline::quote::{list, quote};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -89,7 +89,7 @@ fn own(particles: &Particles, name: &str) -> Option<Column> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::color_map::ColorMap;
+    use halfline::frame::color_map::ColorMap;
 
     fn particles(n: usize) -> Particles {
         Particles { positions: (0..n).map(|k| [k as f64, 0.0, 0.0]).collect(), ..Particles::default() }

@@ -1,13 +1,13 @@
 //! The style of particles whose copies are operators: radii and colours per particle, and colours by copy per operator.
 
 use super::{Coloring, Style};
-use crate::error::{Error, Place, Result};
-use crate::frame::legend::Legend;
-use crate::quote::setting::{RADIUS, STREAM};
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::skipped::Skipped;
-use crate::scene::Spheres;
-use crate::scene::instances::Instances;
+use halfline::error::{Error, Place, Result};
+use halfline::frame::legend::Legend;
+use halfline::quote::setting::{RADIUS, STREAM};
+use halfline::scene::Spheres;
+use halfline::scene::instances::Instances;
 use std::ops::Range;
 
 impl Style {

@@ -1,7 +1,7 @@
 //! Scales of colours.
 
-use crate::frame::color_map::ColorMap;
-use crate::frame::legend::Legend;
+use halfline::frame::color_map::ColorMap;
+use halfline::frame::legend::Legend;
 
 /// How numbers become colours.
 #[derive(Debug, Clone, PartialEq)]

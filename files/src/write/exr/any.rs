@@ -2,11 +2,11 @@
 //! are `color`, A is `alpha`, Z is `depth`, and `layer.X`, `layer.Y`, `layer.Z` are the components of `layer`, as are
 //! `layer.0`, `layer.1` and so on. In files with several parts the name of a buffer includes its part's name.
 
-use crate::error::Result;
-use crate::frame::array::{Array, Values};
-use crate::memory::check;
 use crate::write::rows::malformed;
 use exr::prelude::*;
+use halfline::error::Result;
+use halfline::frame::array::{Array, Values};
+use halfline::memory::check;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 

@@ -3,9 +3,9 @@
 
 use super::rows::{Query, Rows};
 use crate::npy::Header;
-use crate::progress::Watch;
 use crate::write::atomic::scratch;
 use crate::write::npz::Archive;
+use halfline::progress::Watch;
 use std::fs::File;
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;

@@ -2,7 +2,7 @@
 //! 32 bits times a scale plus an offset. What else a hit has is in extra bytes, which a record of the header names.
 
 use super::point::{Point, names};
-use crate::frame::srgb::level16;
+use halfline::frame::srgb::level16;
 
 /// The scale, the offset and the bounds of the coordinates.
 pub(super) struct LasGrid {

@@ -1,6 +1,6 @@
 //! A point of a cloud.
 
-use crate::frame::srgb;
+use halfline::frame::srgb;
 
 /// A hit, as it is kept until the cloud is written.
 #[derive(Debug, Clone, Copy, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]

@@ -1,7 +1,7 @@
 //! The answers to a block of rays as columns: of numbers for archives and clouds, or as lines of text.
 
-use crate::render::trace::{Hits, Occlusion, Rays};
 use crate::write::encode::plain;
+use halfline::render::trace::{Hits, Occlusion, Rays};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::fmt::Write as _;

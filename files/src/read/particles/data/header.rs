@@ -1,10 +1,10 @@
 //! The header of LAMMPS data.
 
-use crate::error::Result;
-use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
-use crate::scene::Cell;
+use halfline::error::Result;
+use halfline::quote::quote;
+use halfline::scene::Cell;
 
 /// The content of the header.
 #[derive(Default)]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::Cell;
+use halfline::scene::Cell;
 
 fn read(text: &str, columns: &[&str]) -> Result<Particles> {
     super::read(SceneSource::of_text(text), &Request::of(columns))

@@ -1,11 +1,11 @@
 //! The layers of a GSD file: a header, an index of chunks, a list of their names, and the chunks, anywhere in the file
 //! (gsd.readthedocs.io/en/stable/file-layer.html). All numbers are little-endian.
 
-use crate::error::{Error, Place, Result};
-use crate::memory::check;
 use crate::npy::Scalar;
-use crate::quote::quote;
 use crate::read::particles::bytes::BinaryFile;
+use halfline::error::{Error, Place, Result};
+use halfline::memory::check;
+use halfline::quote::quote;
 use std::collections::HashMap;
 
 /// A file in memory.

@@ -1,9 +1,9 @@
 //! Elements of atoms that another program holds, by the rules for files that give no elements.
 
 use super::{AtomNames, Inference, is_site, unknown};
-use crate::error::{Error, Result};
-use crate::quote::{count, quote};
 use crate::read::particles::masses;
+use halfline::error::{Error, Result};
+use halfline::quote::{count, quote};
 use std::collections::BTreeMap;
 
 /// Atoms of another program, as slices with an entry for each. All but the names may be empty, where nothing is known.

@@ -3,8 +3,8 @@
 //! carbon's, can only be names.
 
 use super::{NAMES, is_virtual, rules};
-use crate::quote::{count, quote};
 use crate::read::elements::{atomic_number, element};
+use halfline::quote::{count, quote};
 use std::collections::BTreeMap;
 
 /// Codes above all atomic numbers: a symbol that may be a name is its atomic number plus [`UNSURE`]; a virtual site has

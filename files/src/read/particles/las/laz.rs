@@ -14,9 +14,9 @@ mod sequential;
 mod time;
 
 use super::format::{DAMAGED, PointFormat, u16_at, u32_at};
-use crate::error::{Error, Result};
 use crate::read::particles::bytes::BinaryFile;
 use arithmetic::{Decoder, INVALID, Source};
+use halfline::error::{Error, Result};
 use layer::Layer;
 use layered::{LAYERS, Layered};
 use sequential::Sequential;

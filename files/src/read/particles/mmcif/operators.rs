@@ -3,14 +3,14 @@
 
 use super::symmetry::{self, Symmetry};
 use super::tokens::{Tokens, number};
-use crate::error::{Error, Place, Result};
-use crate::memory::Ledger;
-use crate::quote::quote;
 use crate::read::lines::Spot;
 use crate::read::particles::assembly::{Assembly, AssemblyPart, MOST_OPERATORS, unknown};
 use crate::read::particles::molecule::cell;
-use crate::scene::Cell;
-use crate::scene::instances::Operator;
+use halfline::error::{Error, Place, Result};
+use halfline::memory::Ledger;
+use halfline::quote::quote;
+use halfline::scene::Cell;
+use halfline::scene::instances::Operator;
 use std::collections::HashMap;
 
 /// A value that is stored.

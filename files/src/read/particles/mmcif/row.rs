@@ -2,14 +2,14 @@
 
 use super::symmetry::Symmetry;
 use super::tokens::{Token, Tokens, number};
-use crate::error::{Error, Place, Result};
-use crate::quote::quote;
 use crate::read::lines::Spot;
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
 use crate::read::particles::layout::is_wanted;
 use crate::read::particles::molecule::Model;
 use crate::read::particles::request::{Altloc, Request};
+use halfline::error::{Error, Place, Result};
+use halfline::quote::quote;
 
 /// The meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,16 +2,16 @@
 //! dictionary, `_space_group_symop_operation_xyz`; Hahn, International Tables for Crystallography A).
 
 use super::tokens::{Tokens, number};
-use crate::error::{Error, Place, Result};
-use crate::memory::{check, check_spheres};
-use crate::progress::Watch;
-use crate::quote::setting::AS_LISTED;
-use crate::quote::{quote, unquoted};
 use crate::read::elements::atomic_number;
 use crate::read::lines::Spot;
 use crate::read::particles::frame::{Column, Particles};
-use crate::scene::Cell;
-use crate::scene::instances::Operator;
+use halfline::error::{Error, Place, Result};
+use halfline::memory::{check, check_spheres};
+use halfline::progress::Watch;
+use halfline::quote::setting::AS_LISTED;
+use halfline::quote::{quote, unquoted};
+use halfline::scene::Cell;
+use halfline::scene::instances::Operator;
 use rayon::prelude::*;
 use std::collections::HashSet;
 

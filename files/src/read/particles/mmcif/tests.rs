@@ -1,6 +1,6 @@
 use super::*;
-use crate::quote::setting;
 use crate::read::particles::request::Altloc;
+use halfline::quote::setting;
 
 fn options(columns: &[&str]) -> Request {
     Request::of(columns)

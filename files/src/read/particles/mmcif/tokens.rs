@@ -1,9 +1,9 @@
 //! The words of a CIF file (Hall, Allen and Brown, Acta Cryst. A47, 655 (1991);
 //! iucr.org/resources/cif/spec/version1.1), independent of line breaks.
 
-use crate::error::{Error, Place, Result};
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Spot};
+use halfline::error::{Error, Place, Result};
 use std::ops::Range;
 
 /// The kind of a word.

@@ -2,11 +2,11 @@
 //! deflated members whose size follows them (9.4.1: "The file length is not available in the local header"), as
 //! numpy.savez_compressed writes them to a pipe.
 
-use crate::error::{Error, Place, Result};
-use crate::quote::unquoted;
 use crate::read::input::Input;
 use flate2::CrcReader;
 use flate2::bufread::DeflateDecoder;
+use halfline::error::{Error, Place, Result};
+use halfline::quote::unquoted;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 

@@ -1,15 +1,15 @@
 //! The header of a point cloud: its fields and the number of points.
 
-use crate::error::{Error, Place, Result};
-use crate::memory::check_ids;
 use crate::npy::Scalar;
-use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::particles::layout::Layout;
 use crate::read::particles::request::Request;
 use crate::read::particles::role::Role;
 use crate::read::particles::vectors::component;
+use halfline::error::{Error, Place, Result};
+use halfline::memory::check_ids;
+use halfline::quote::quote;
 
 /// How the points are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

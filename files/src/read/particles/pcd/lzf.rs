@@ -1,13 +1,13 @@
 //! LZF, the compression of PCD: runs of plain bytes, and copies of bytes before (the format of liblzf,
 //! oldhome.schmorp.de/marc/liblzf.html). The crate lzf 1.0 is deprecated by its author.
 
-use crate::error::Result;
-use crate::memory::reserve;
+use halfline::error::Result;
+use halfline::memory::reserve;
 
 /// Decompresses `packed` to exactly `size` bytes; `None` where it is damaged. The list grows with the bytes that exist.
 ///
 /// # Errors
-/// [`Error::Limits`](crate::Error::Limits).
+/// [`Error::Limits`](halfline::Error::Limits).
 pub(super) fn unpack(mut packed: &[u8], size: u64) -> Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     while let Some((control, rest)) = packed.split_first() {

@@ -1,12 +1,12 @@
 //! REMARK 350 of a PDB file: biological assemblies, as lists of chains and the operators that are applied to them
 //! (wwPDB format 3.3, remark 350).
 
-use crate::error::{Error, Result};
-use crate::memory::Ledger;
-use crate::quote::{quote, unquoted};
 use crate::read::lines::{Lines, Words};
 use crate::read::particles::assembly::{Assembly, AssemblyPart};
-use crate::scene::instances::Operator;
+use halfline::error::{Error, Result};
+use halfline::memory::Ledger;
+use halfline::quote::{quote, unquoted};
+use halfline::scene::instances::Operator;
 use std::io::BufRead;
 
 /// The part of the remark that was read.

@@ -1,8 +1,8 @@
 //! The columns of a PDB record.
 
-use crate::error::Result;
-use crate::quote::quote;
 use crate::read::lines::Lines;
+use halfline::error::Result;
+use halfline::quote::quote;
 use std::io::BufRead;
 use std::ops::Range;
 

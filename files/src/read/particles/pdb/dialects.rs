@@ -5,13 +5,13 @@
 //! blanks; charge and radius follow the three coordinates.
 
 use super::columns::{COORDINATE, NAME, RESIDUE_ID, RESIDUE_NAME, X, coordinate, field};
-use crate::error::Result;
-use crate::quote::quote;
-use crate::quote::setting::FORMAT;
 use crate::read::lines::{Lines, Word, Words};
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
 use crate::read::particles::molecule::Model;
+use halfline::error::Result;
+use halfline::quote::quote;
+use halfline::quote::setting::FORMAT;
 use std::io::BufRead;
 
 /// The element symbol of an AutoDock type: aromatic carbon, donors and acceptors of hydrogen bonds, carbon of a ring

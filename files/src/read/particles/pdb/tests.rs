@@ -1,5 +1,5 @@
 use super::*;
-use crate::quote::setting::ASSEMBLY;
+use halfline::quote::setting::ASSEMBLY;
 
 fn options(columns: &[&str]) -> Request {
     Request::of(columns)

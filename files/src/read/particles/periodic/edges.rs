@@ -1,7 +1,7 @@
 //! The edges of a periodic cell: positions as fractions of them, and moves by whole edges.
 
-use crate::scene::Cell;
 use glam::{DMat3, DVec3};
+use halfline::scene::Cell;
 
 /// The edges of a cell and their inverse.
 pub(super) struct Edges {

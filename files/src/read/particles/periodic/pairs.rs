@@ -109,7 +109,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Cell;
+    use halfline::scene::Cell;
 
     /// All pairs, all images.
     fn by_all_pairs(cell: &Cell, positions: &[[f64; 3]], reaches: &[f32]) -> Vec<[u32; 2]> {

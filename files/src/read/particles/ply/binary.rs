@@ -1,11 +1,11 @@
 //! The vertices of a polygon file in binary.
 
 use super::header::{PlyElement, Property, short_of, truncated};
-use crate::error::{Error, Place, Result, relocate};
 use crate::npy::Scalar;
 use crate::read::input::Input;
 use crate::read::particles::frame::Particles;
 use crate::read::particles::layout::Layout;
+use halfline::error::{Error, Place, Result, relocate};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;
 

@@ -1,13 +1,13 @@
 //! The header of a polygon file: its elements and their properties.
 
-use crate::error::{Error, Place, Result};
 use crate::npy::Scalar;
-use crate::quote::quote;
 use crate::read::color::light_of;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::particles::layout::Layout;
 use crate::read::particles::role::Role;
+use halfline::error::{Error, Place, Result};
+use halfline::quote::quote;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum PlyEncoding {

@@ -1,14 +1,14 @@
 //! The vertices of a polygon file in text.
 
 use super::header::{PlyElement, short_of, truncated};
-use crate::error::{Result, relocate};
-use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::particles::frame::Particles;
 use crate::read::particles::layout::Layout;
 use crate::read::particles::role::Role;
 use crate::read::particles::rows::surplus;
+use halfline::error::{Result, relocate};
+use halfline::quote::quote;
 
 pub(super) fn text(
     lines: &mut Lines<Input>,

@@ -1,7 +1,7 @@
 //! The fields of a line of a table.
 
-use crate::error::Result;
 use crate::read::lines::{Lines, Word};
+use halfline::error::Result;
 use std::io::BufRead;
 
 /// Whether a line is neither blank nor a comment.

@@ -2,12 +2,12 @@
 
 use super::fields::{delimiter, fields, next};
 use super::names::{Axes, axes, split};
-use crate::error::{Error, Place, Result};
-use crate::quote::setting::COLUMNS;
-use crate::quote::{list, quote};
 use crate::read::lines::Lines;
 use crate::read::particles::column_names::ColumnNames;
 use crate::read::particles::role::Role;
+use halfline::error::{Error, Place, Result};
+use halfline::quote::setting::COLUMNS;
+use halfline::quote::{list, quote};
 use std::io::BufRead;
 
 /// The columns of a table.

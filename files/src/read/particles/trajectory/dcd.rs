@@ -3,12 +3,12 @@
 //! (www.ks.uiuc.edu/Research/vmd/plugins/molfile/dcdplugin.html, academiccharmm.org/documentation).
 
 use super::moment::{Moment, Moments};
-use crate::error::Result;
-use crate::memory::{check, check_ids, reserve};
 use crate::read::particles::bytes::BinaryFile;
 use crate::read::particles::frame_time::FrameTime;
 use crate::read::particles::molecule;
-use crate::scene::Cell;
+use halfline::error::Result;
+use halfline::memory::{check, check_ids, reserve};
+use halfline::scene::Cell;
 
 /// The reader.
 pub(super) struct Dcd {

@@ -3,8 +3,8 @@
 //! with the atom before it, because oxygen is the middle of water. A description is in the comments of xdrfile
 //! (gitlab.com/gromacs/gromacs, src/gromacs/fileio/libxdrf.cpp).
 
-use crate::error::{Error, Result};
-use crate::memory::reserve;
+use halfline::error::{Error, Result};
+use halfline::memory::reserve;
 
 /// Compressed positions.
 pub(super) struct Packed<'a> {

@@ -1,8 +1,8 @@
 //! A frame of a trajectory, and the trait of its decoders.
 
-use crate::error::Result;
 use crate::read::particles::frame_time::FrameTime;
-use crate::scene::Cell;
+use halfline::error::Result;
+use halfline::scene::Cell;
 
 /// A frame of a trajectory.
 #[derive(Debug, Default)]

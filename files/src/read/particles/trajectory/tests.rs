@@ -2,8 +2,8 @@
 //! [`waters`]; TRR and DCD are put together here from the descriptions of the formats.
 
 use super::*;
-use crate::quote::setting::TOPOLOGY;
 use crate::read::particles::frame_time::FrameTime;
+use halfline::quote::setting::TOPOLOGY;
 
 /// Four waters in the box 20 x 30 x 40, in two runs of small differences, compressed with a precision of 1000.
 const XTC: &str = "000007cb0000000c00000000000000004000000000000000000000000000000040400000000000000000000000000000\

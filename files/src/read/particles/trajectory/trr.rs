@@ -4,9 +4,9 @@
 
 use super::moment::{Moment, Moments};
 use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
-use crate::error::Result;
 use crate::read::particles::bytes::BinaryFile;
 use crate::read::particles::frame_time::FrameTime;
+use halfline::error::Result;
 
 /// The reader.
 pub(super) struct Trr {

@@ -1,9 +1,9 @@
 //! Numbers of XDR, the encoding of GROMACS files (RFC 4506): big-endian, in words of four bytes.
 
-use crate::error::Result;
-use crate::memory::{check_ids, reserve};
 use crate::read::particles::bytes::BinaryFile;
-use crate::scene::Cell;
+use halfline::error::Result;
+use halfline::memory::{check_ids, reserve};
+use halfline::scene::Cell;
 
 /// Ångström per nanometre.
 pub(super) const NANOMETRE: f64 = 10.0;

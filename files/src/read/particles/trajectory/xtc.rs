@@ -6,10 +6,10 @@
 use super::ints::{self, Packed};
 use super::moment::{Moment, Moments};
 use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
-use crate::error::Result;
 use crate::read::particles::bytes::BinaryFile;
 use crate::read::particles::frame_time::FrameTime;
-use crate::scene::Cell;
+use halfline::error::Result;
+use halfline::scene::Cell;
 
 /// The reader.
 pub(super) struct Xtc {

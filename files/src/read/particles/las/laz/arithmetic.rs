@@ -4,7 +4,7 @@
 //! In every state `value < length` and `length >= 2^24`, and a model gives every symbol a part of the length, so that no
 //! input can make an operation overflow or a symbol leave its model.
 
-use crate::error::{Error, Result};
+use halfline::error::{Error, Result};
 
 /// Where coded bytes come from.
 pub(super) trait Source {

@@ -1,7 +1,7 @@
 //! Colours in LAZ: bytes as differences from the last colour, green and blue also from the change of red.
 
 use super::arithmetic::{Decoder, Source, Symbols};
-use crate::error::Result;
+use halfline::error::Result;
 
 /// A decoder of red, green and blue.
 pub(super) struct Colors {

@@ -1,7 +1,7 @@
 //! Whole numbers of LAZ, coded as differences from what is expected, and the running median that is expected.
 
 use super::arithmetic::{Bit, Decoder, Models, Source};
-use crate::error::Result;
+use halfline::error::Result;
 
 /// The most bits of a difference that have a model; lower bits have none.
 const MODELLED: u32 = 8;

@@ -1,8 +1,8 @@
 //! The bytes of a layer.
 
 use super::arithmetic::{INVALID, Source};
-use crate::error::{Error, Place, Result};
 use crate::read::particles::las::format::DAMAGED;
+use halfline::error::{Error, Place, Result};
 
 /// The bytes of a layer.
 pub(super) struct Layer {

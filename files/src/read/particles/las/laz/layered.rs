@@ -6,8 +6,8 @@ use super::color::{Colors, Infrared};
 use super::integer::{Integers, Median, axis_context};
 use super::layer::Layer;
 use super::time::Times;
-use crate::error::Result;
 use crate::read::particles::las::format::PointFormat;
+use halfline::error::Result;
 
 /// The layers of the first 30 bytes, in the order of the file.
 pub(super) const LAYERS: usize = 9;

@@ -4,8 +4,8 @@ use super::arithmetic::{Decoder, Models, Source, Symbols};
 use super::color::Colors;
 use super::integer::{Integers, Median, axis_context};
 use super::time::Times;
-use crate::error::Result;
 use crate::read::particles::las::format::PointFormat;
+use halfline::error::Result;
 
 /// The decoder of a chunk's points behind the first.
 pub(super) struct Sequential {

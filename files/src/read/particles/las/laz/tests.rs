@@ -1,10 +1,10 @@
 //! The samples are written by tests/independent/laz.py with lazrs; `expected` has the formulas of that script.
 
-use crate::error::Result;
 use crate::read::particles::frame::Particles;
 use crate::read::particles::las;
 use crate::read::particles::request::Request;
 use crate::read::source::SceneSource;
+use halfline::error::Result;
 
 const SAMPLES: [(u8, &[u8]); 7] = [
     (0, include_bytes!("samples/format-0.laz")),

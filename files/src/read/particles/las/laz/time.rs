@@ -2,7 +2,7 @@
 
 use super::arithmetic::{Decoder, Source, Symbols};
 use super::integer::Integers;
-use crate::error::Result;
+use halfline::error::Result;
 
 /// A decoder of times; they are the bits of f64 as whole numbers.
 pub(super) struct Times {
