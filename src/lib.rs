@@ -3,11 +3,10 @@
 //! The data flows one way, and the modules follow it:
 //!
 //! ```text
-//! scene file -> Scene (f64, world) -> View (canonical camera) -> rays -> nearest hit -> shade -> Frame -> files
+//! Scene (f64, world) -> View (canonical camera) -> rays -> nearest hit -> shade -> Frame
 //! ```
 //!
 //! - [`scene`]: spheres, colours, camera and image in f64, taken as exact.
-//! - [`read`]: reads scene files, and turns particles into spheres.
 //! - [`camera`]: the general perspective camera and the orthographic one, by the names of the lecture: eye, view, up;
 //!   basis u, v, w; viewport vw x vh at distance d.
 //! - [`view`]: *move the world, not the ray*. Spheres are moved into the canonical camera in f64 and rounded once.
@@ -15,15 +14,15 @@
 //! - [`intersect`]: the list of forms of the ray-sphere quadratic, each a WGSL file with a CPU twin.
 //! - [`shade`]: the colour of a hit.
 //! - [`frame`]: colour, distance, depth, normal, position, id, mask as plain buffers, and their provenance.
-//! - [`write`](mod@write): the files of frames, written, read back and merged.
 //! - [`render`](mod@render): renders one frame from scene to buffers; a [`Renderer`] keeps device and kernels for many.
-//! - [`trace`](mod@trace): traces given rays, which [`read::rays`] reads, [`scene::lidar`] makes, and [`write::hits`] writes.
+//! - [`trace`](mod@trace): traces given rays, such as those that [`scene::lidar`] makes.
 //! - [`settings`]: the settings of a rendering.
 //! - [`plan`]: decides what a scene requires: method, accuracy, search.
 //! - [`quote`]: quotes text of files in messages, and names settings in them.
 //! - [`progress`]: progress reporting and cancellation.
-//! - [`measure`]: compares frames, and measures speed against error of every method, with exact arithmetic as the
-//!   reference.
+//!
+//! Scenes are read from files, and frames written to files, by the crate `halfline-files`; `halfline-measure` compares frames with exact
+//! arithmetic.
 //!
 //! # Ten lines
 //!

@@ -129,7 +129,7 @@ impl Default for Watch {
 
 impl fmt::Debug for Watch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Watch").field("told", &self.callback.is_some()).finish_non_exhaustive()
+        f.debug_struct("Watch").field("callback", &self.callback.is_some()).finish_non_exhaustive()
     }
 }
 

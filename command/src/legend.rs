@@ -1,4 +1,4 @@
-//! `--legend`: checks the legend's file name and writes the file.
+//! `--legend`: checks the legend's file name and its content.
 
 use super::clash::{place, written_twice};
 use super::names::{check_pattern, numbered};

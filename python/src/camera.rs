@@ -2,7 +2,7 @@
 
 use crate::errors::OrRaise;
 use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens, Look};
-use halfline::{Camera as Exact, Error};
+use halfline::{Camera as CoreCamera, Error};
 use halfline_files::read::cameras::{self, ListedCamera, ListedLens};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[pyclass(frozen, from_py_object)]
 #[derive(Clone, Copy)]
 pub(crate) struct Camera {
-    pub(crate) camera: Exact,
+    pub(crate) camera: CoreCamera,
     /// The size of its lens; `None` for a pinhole.
     pub(crate) aperture: Option<Aperture>,
     #[pyo3(get)]
@@ -56,7 +56,7 @@ impl Camera {
             (Some(at), _) => Look::At(at.into()),
             (None, view) => Look::View(view.unwrap_or([0.0, 0.0, -1.0]).into()),
         };
-        let camera = Exact { eye: eye.into(), look, up: up.into(), lens: lens_of(&lens, size).or_raise()? };
+        let camera = CoreCamera { eye: eye.into(), look, up: up.into(), lens: lens_of(&lens, size).or_raise()? };
         let (width, height) = size.unwrap_or((1, 1));
         camera.basis().and_then(|_| camera.viewport(width, height)).or_raise()?;
         let aperture = aperture.map(|diameter| Aperture { diameter, focus });
@@ -100,7 +100,7 @@ pub(crate) fn read_cameras(
             Error::settings(problem, "give size=(width, height)")
         })?;
         let lens = lens.for_image(index, width, height)?;
-        Ok(Camera { camera: Exact { lens, ..found.camera }, aperture: None, size, in_pixels })
+        Ok(Camera { camera: CoreCamera { lens, ..found.camera }, aperture: None, size, in_pixels })
     };
     cameras::read(&path).and_then(|found| found.iter().enumerate().map(camera).collect()).or_raise()
 }

@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use crate::work::begin;
 use halfline::camera::Look;
 use halfline::scene::{Facing, Framing, NamedView, Spread, Surroundings};
-use halfline::{Camera as Exact, Error};
+use halfline::{Camera as CoreCamera, Error};
 use pyo3::prelude::*;
 
 /// A camera that shows all spheres of a scene, or those of `focus`, from a direction or one with a name.
@@ -30,7 +30,7 @@ pub(crate) fn fit_camera(
     let framed = scene.sized(None, Some(size), None).or_raise()?;
     let framing = Framing { margin, ..Framing::default() };
     let image = framed.image;
-    let mut camera = Exact { lens: lens_of(&lens, None).or_raise()?, ..framed.camera };
+    let mut camera = CoreCamera { lens: lens_of(&lens, None).or_raise()?, ..framed.camera };
     let named = named.map(str::parse::<NamedView>).transpose().or_raise()?;
     let fixed = match (view, named) {
         (Some(view), _) => Some(Facing { view: view.into(), ..Facing::FRONT }),

@@ -9,7 +9,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::Data;
 use halfline::render::origin;
 use halfline::settings::Settings;
-use halfline::{Aov, Frame as Exact, Scene};
+use halfline::{Aov, Frame as CoreFrame, Scene};
 use halfline_drawing::inset::Panels;
 use halfline_files::write::file::Target;
 use halfline_files::write::format::{FileFormat, FormatOptions};
@@ -24,7 +24,7 @@ use std::sync::OnceLock;
 #[pyclass(frozen)]
 pub(crate) struct Frame {
     /// Present until it is dropped.
-    frame: Option<Exact>,
+    frame: Option<CoreFrame>,
     scene: Scene,
     settings: Settings,
     renderer: Shared,
@@ -53,9 +53,9 @@ impl Frame {
     }
 
     /// A copy of these buffers of the frame, with the panels in its colour.
-    fn drawn(&self, panels: &Panels, aovs: &[Aov]) -> Result<Exact> {
+    fn drawn(&self, panels: &Panels, aovs: &[Aov]) -> Result<CoreFrame> {
         let exact = self.exact()?;
-        let mut frame = Exact {
+        let mut frame = CoreFrame {
             buffers: exact.buffers.iter().filter(|buffer| aovs.contains(&buffer.aov)).cloned().collect(),
             report: exact.report.clone(),
             ..*exact
@@ -64,7 +64,7 @@ impl Frame {
         Ok(frame)
     }
 
-    fn exact(&self) -> Result<&Exact> {
+    fn exact(&self) -> Result<&CoreFrame> {
         self.frame.as_ref().ok_or_else(|| Error::settings("the frame is gone", "render another one"))
     }
 

@@ -5,7 +5,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::scene::ImagePlane;
 
-use halfline_drawing::inset::{Corner, Insets as Exact, Label, LabelValues, Panels, ScaleBar};
+use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar};
 use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
 use pyo3::prelude::*;
@@ -71,7 +71,7 @@ impl Insets {
 
     /// The shares of the width of this scene's picture that its legend takes at the left and the right.
     pub(crate) fn aside(&self, scene: &Scene, image: ImagePlane) -> Result<[f64; 2]> {
-        Exact { legend: self.shown(scene)?, ..Exact::default() }.aside(image.width, image.height)
+        CoreInsets { legend: self.shown(scene)?, ..CoreInsets::default() }.aside(image.width, image.height)
     }
 
     /// The legend in the picture and its corner.
@@ -87,7 +87,7 @@ impl Insets {
         }
         let (time, step) = scene.when();
         let values = LabelValues { frame: number, file: scene.file.clone(), count: exact.spheres.len(), time, step };
-        let insets = Exact {
+        let insets = CoreInsets {
             legend: self.shown(scene)?,
             label: self.label()?.map(|label| label.text(&values)).transpose()?,
             scale_bar: self.scale_bar.as_deref().map(|unit| ScaleBar::of(exact, unit)).transpose()?,

@@ -8,7 +8,7 @@ use crate::options::{Accurate, Picture};
 use crate::scene::Scene;
 use crate::shared::Shared;
 use crate::work::Job;
-use halfline::Renderer as Exact;
+use halfline::Renderer as CoreRenderer;
 use halfline::settings::{Backend, Settings};
 use pyo3::prelude::*;
 
@@ -41,7 +41,7 @@ impl Renderer {
     fn new(py: Python<'_>, backend: &str, adapter: Option<String>) -> PyResult<Self> {
         let backend = backend.parse::<Backend>().or_raise()?;
         let settings = Settings { backend, adapter, ..Settings::default() };
-        let exact = Job::default().run(py, None, || Exact::new(&settings))?;
+        let exact = Job::default().run(py, None, || CoreRenderer::new(&settings))?;
         Ok(Self {
             backend,
             adapter: exact.adapter().to_owned(),

@@ -10,7 +10,7 @@ use halfline::progress::Watch;
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, Framing, ImagePlane, check_color};
 use halfline::settings::FileLook;
-use halfline::{Camera as Exact, Error, Scene as ExactScene, Spheres};
+use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
 use halfline_files::read::Skipped;
 use halfline_files::read::{Codes, ColumnValues, Columns, SceneFrame, Selection};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// A scene; it does not change, so that any number of threads may render it.
 #[pyclass(frozen)]
 pub(crate) struct Scene {
-    scene: Arc<ExactScene>,
+    scene: Arc<CoreScene>,
     /// What its reader left out or assumed.
     pub(crate) skipped: Skipped,
     /// The size of the lens of its file's camera; `None` for a pinhole.
@@ -78,7 +78,7 @@ impl Scene {
     }
 
     /// The same spheres, of which there may be more, with everything that is known of them.
-    fn with(&self, scene: ExactScene) -> Self {
+    fn with(&self, scene: CoreScene) -> Self {
         Self {
             scene: Arc::new(scene),
             skipped: self.skipped.clone(),
@@ -107,7 +107,7 @@ impl Scene {
     }
 
     /// Frames the spheres beside a legend that takes these shares of the picture's width, unless the file has a camera.
-    pub(crate) fn frame_beside(&self, exact: &mut ExactScene, aside: [f64; 2]) -> halfline::Result<()> {
+    pub(crate) fn frame_beside(&self, exact: &mut CoreScene, aside: [f64; 2]) -> halfline::Result<()> {
         if self.held {
             return Ok(());
         }
@@ -125,7 +125,7 @@ impl Scene {
     }
 
     /// The scene with another camera or size; its own camera shows all spheres, unless it is the file's.
-    pub(crate) fn exact(&self, camera: Option<&Camera>, size: Option<(u32, u32)>) -> halfline::Result<ExactScene> {
+    pub(crate) fn exact(&self, camera: Option<&Camera>, size: Option<(u32, u32)>) -> halfline::Result<CoreScene> {
         let mut exact = self.sized(camera, size, None)?;
         if camera.is_none() {
             self.frame_beside(&mut exact, [0.0; 2])?;
@@ -139,7 +139,7 @@ impl Scene {
         camera: Option<&Camera>,
         size: Option<(u32, u32)>,
         background: Option<[f32; 3]>,
-    ) -> halfline::Result<ExactScene> {
+    ) -> halfline::Result<CoreScene> {
         let mut scene = (*self.scene).clone();
         let own = camera.filter(|camera| camera.in_pixels).and_then(|camera| camera.size);
         if let (Some(size), Some(own)) = (size, own)
@@ -187,8 +187,8 @@ impl Scene {
         };
         py.detach(|| check(&spheres)).or_raise()?;
         check_color(background, || "background".into()).or_raise()?;
-        let scene = ExactScene {
-            camera: Exact::CANONICAL,
+        let scene = CoreScene {
+            camera: CoreCamera::CANONICAL,
             image: ImagePlane { background, ..ImagePlane::default() },
             spheres,
             lighting: Default::default(),

@@ -27,7 +27,7 @@ pub(crate) fn unsure(ids: &[u32]) -> Vec<u32> {
     ids.par_iter().positions(|id| *id == UNSURE).map(|pixel| pixel as u32).collect()
 }
 
-/// The most candidates held at once: 64 MiB, and as much again for each pixel's own lists.
+/// The most candidates reserved at once: 64 MiB, and as much again for each pixel's own lists.
 const AT_ONCE: usize = 1 << 24;
 
 /// Decides every unsure pixel among the spheres that may be its nearest hit, by their lower bounds of depth. The CPU
@@ -44,10 +44,10 @@ pub(crate) fn settle(
     let mut settled = Vec::with_capacity(unsure.len());
     let mut left = unsure;
     while !left.is_empty() {
-        let mut held = 0;
+        let mut reserved = 0;
         let fits = |pixel: &&u32| {
-            held += settler.most(**pixel);
-            held <= AT_ONCE
+            reserved += settler.most(**pixel);
+            reserved <= AT_ONCE
         };
         let (now, later) = left.split_at(left.iter().take_while(fits).count().max(1));
         settled.extend(settler.decide(now)?);

@@ -5,7 +5,7 @@ use super::constants::{
     STEP, SUM, SUM_A, TOTAL, TOTAL_SLANT,
 };
 
-/// The constants of the bounds, in units of the last place (docs/certificate.md). A test removes each in turn.
+/// The constants of the bounds, in multiples of UNIT = 2^-23 (docs/certificate.md). A test removes each in turn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Terms {
     /// |d|^2 rho^2 of a projected sphere: constant part, and part per unit of |d|^2 - 1.
@@ -20,7 +20,7 @@ pub(crate) struct Terms {
     pub(crate) power: [f32; 3],
     /// a r^2 per unit of |d|^2 and constant; g.g; a component of g.
     pub(crate) cross: [f32; 4],
-    /// The quotient; the sum per unit of |d|^2 and constant.
+    /// t of a general sphere as c/q; as (b + sqrt D)/a, per unit of |d|^2 and constant.
     pub(crate) root: [f32; 3],
     /// Rounding on the host: projected centres, in units of their own last place.
     pub(crate) host: f32,

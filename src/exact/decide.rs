@@ -202,7 +202,7 @@ pub(crate) struct Meeting {
 }
 
 impl Meeting {
-    /// Whether the sphere is hit at some t > 0 by the root that [`root`] names, and whether the ray is tangent there.
+    /// `None` where the ray hits nothing at t > 0, else whether it is tangent at its first hit, which [`root`] names.
     ///
     /// From outside both roots have the sign of b'. On the surface they are 0 and 2 b'/a'. From inside they differ in
     /// sign and D' > 0.
@@ -251,7 +251,8 @@ impl Meeting {
     }
 }
 
-/// The root that counts for t > 0: the far one on the surface and inside, where the near one is not ahead.
+/// Which root is the first t > 0 of a sphere that is hit: the far one on the surface and inside, where the near one is not
+/// ahead.
 pub(crate) fn root(power: Ordering) -> Root {
     if power == Ordering::Greater { Root::Near } else { Root::Far }
 }

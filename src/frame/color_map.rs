@@ -144,8 +144,8 @@ mod tests {
         for name in ["jet", "rainbow", "Jet"] {
             let error = name.parse::<ColorMap>().expect_err(name).to_string();
             let known = name.to_lowercase();
-            for told in [&known, "lightness", "edges", "turbo", "viridis"] {
-                assert!(error.contains(told), "{told}: {error}");
+            for expected in [&known, "lightness", "edges", "turbo", "viridis"] {
+                assert!(error.contains(expected), "{expected}: {error}");
             }
         }
     }

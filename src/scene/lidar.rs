@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn an_invalid_pattern_is_refused_with_its_key() {
-        for (text, told) in [
+        for (text, expected) in [
             ("radar:rings=1", "no pattern `radar:rings=1`"),
             ("lidar:", "no ``"),
             ("lidar:rings=0,vfov=0..1,step=1", "rings"),
@@ -259,7 +259,7 @@ mod tests {
             ("lidar:rings=2,fov=0..1,step=1", "no `fov`"),
         ] {
             let error = text.parse::<Lidar>().expect_err(text).to_string();
-            assert!(error.contains(told), "{text}: {error}");
+            assert!(error.contains(expected), "{text}: {error}");
         }
     }
 }

@@ -96,12 +96,12 @@ fn key(adapter: &AdapterSummary) -> String {
 
 /// The processor's name where the system tells it, else its architecture.
 fn processor() -> String {
-    let told = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+    let model = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
         let line = text.lines().find(|line| line.starts_with("model name"))?;
         Some(line.split_once(':')?.1.trim().to_owned())
     });
-    let told = told.or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok());
-    told.unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+    let model = model.or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok());
+    model.unwrap_or_else(|| std::env::consts::ARCH.to_owned())
 }
 
 impl Gpu {

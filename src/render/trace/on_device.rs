@@ -21,7 +21,7 @@ use rayon::prelude::*;
 #[derive(Debug, Default)]
 pub(super) struct OnDevice {
     /// It holds the tree.
-    held: bool,
+    is_uploaded: bool,
     /// Rays that f32 left unsure.
     pub(super) refined: u64,
 }
@@ -40,7 +40,7 @@ impl OnDevice {
         (records, boxes) = numbers.par_iter().map(|&n| device_ray(given, n)).unzip();
         let rays: Vec<CertifiedRayRecord> =
             records.par_iter().map(|record| record.unwrap_or(CertifiedRayRecord::NOTHING)).collect();
-        let (nodes, spheres) = match self.held {
+        let (nodes, spheres) = match self.is_uploaded {
             true => (Vec::new(), Vec::new()),
             false => (given.tree.device_nodes(), given.tree.device_spheres()),
         };
@@ -62,7 +62,7 @@ impl OnDevice {
         let mut raw = Raw::new(&kernel, rays.len(), &Pool::default())?;
         let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
         gpu.run(&kernel, &input, &mut output, &|_| watch.goes_on())?;
-        self.held = true;
+        self.is_uploaded = true;
         let decide = |((place, record), &n): ((&u32, &Option<CertifiedRayRecord>), &u32)| match (*place, record) {
             (UNSURE, _) | (_, None) => Q::UNSURE,
             (NONE, _) => Q::NONE,

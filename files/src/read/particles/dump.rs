@@ -312,7 +312,7 @@ mod tests {
     #[test]
     fn errors_are_reported_with_line_and_column() {
         let one = |columns: &str, atoms: &str| frame(CUBE, columns, atoms);
-        for (text, told) in [
+        for (text, expected) in [
             (one("x y z", "1 2 b"), ":10:5: z: `b`"),
             (one("x y z", "1 2"), ":10:4: z"),
             (one("x y z x", "1 2 3 4"), ":9:13: ITEM: ATOMS: `x` occurs twice"),
@@ -328,7 +328,7 @@ mod tests {
             ("ITEM: TIMESTEP\n".into(), "ends within"),
         ] {
             let error = read(&text, &[]).map(drop).expect_err(&text).to_string();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(expected), "{error}");
         }
     }
 }

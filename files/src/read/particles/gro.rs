@@ -23,7 +23,7 @@ pub(in crate::read) struct Gro {
     lines: Lines<Input>,
     request: Request,
     /// Whether the way elements were found was reported.
-    told: bool,
+    is_noted: bool,
     /// The time and the step in the title of the current frame.
     when: FrameTime,
 }
@@ -52,7 +52,7 @@ const NANOMETRE: f64 = 10.0;
 impl Gro {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         let lines = Lines::new(source.reader, &source.path).of_any_bytes();
-        Self { lines, request, told: false, when: FrameTime::default() }
+        Self { lines, request, is_noted: false, when: FrameTime::default() }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
@@ -242,7 +242,7 @@ impl ParticleFrames for Gro {
         (particles.cell, particles.when) = (cell, self.when);
         names.label(&mut particles);
         // All frames would have the same message.
-        if std::mem::replace(&mut self.told, true) {
+        if std::mem::replace(&mut self.is_noted, true) {
             particles.skipped.assumed.clear();
         }
         Ok(Some(particles))

@@ -1,4 +1,4 @@
-//! GSD files of HOOMD-blue: frames of positions, types, diameters, velocities and the box
+//! GSD files of HOOMD-blue: frames of positions, types, diameters, velocities, masses, charges, bodies and the box
 //! (gsd.readthedocs.io/en/stable/schema-hoomd.html). What a frame lacks is that of the first frame, where both have the
 //! same number of particles, or the default of the schema. There is no crate for the format.
 

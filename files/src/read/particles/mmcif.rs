@@ -319,7 +319,7 @@ impl ParticleFrames for Mmcif {
                 said.push(more_models(None));
             }
             if assembly.is_none() && !std::mem::replace(&mut self.told, true) {
-                said.extend(not_assembled(self.operators.told()));
+                said.extend(not_assembled(self.operators.counts()));
             }
             if asked.is_some() {
                 self.state = State::End;

@@ -280,7 +280,7 @@ mod tests {
         size[at + 4] ^= 1;
         let mut damaged = compressed();
         damaged[at + 8] = 200;
-        for (bytes, told) in [
+        for (bytes, expected) in [
             (HEAD.as_bytes().to_vec(), "the file ends within its header"),
             (head("FIELDS x", "FIELDS q"), "a point has no x"),
             (head("SIZE 4", "SIZE 3"), "TYPE of x: the type `F` of size `3`"),
@@ -299,8 +299,8 @@ mod tests {
             (size, "are not those of 3 points of 33 bytes"),
             (damaged, "points: they do not decompress to 99 bytes"),
         ] {
-            let error = read(&bytes, false).map(drop).expect_err(told).to_string();
-            assert!(error.contains(told), "{told}: {error}");
+            let error = read(&bytes, false).map(drop).expect_err(expected).to_string();
+            assert!(error.contains(expected), "{expected}: {error}");
         }
         let more = [binary(), vec![0; 5]].concat();
         let said = read(&more, false).expect("points").skipped.assumed;

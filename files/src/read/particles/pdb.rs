@@ -42,9 +42,9 @@ pub(in crate::read) struct Pdb {
     biomt: Biomt,
     names: NameTable,
     /// Warnings from before the atoms.
-    said: Vec<String>,
+    early_warnings: Vec<String>,
     /// Whether it was reported that assemblies are not built.
-    told: bool,
+    assembly_noted: bool,
 }
 
 /// The columns of an atom by format: those of PDB, and in PDBQT a charge in place of the segment.
@@ -96,8 +96,8 @@ impl Pdb {
             cell: None,
             biomt: Biomt::default(),
             names: NameTable::default(),
-            said: Vec::new(),
-            told: false,
+            early_warnings: Vec::new(),
+            assembly_noted: false,
         }
     }
 
@@ -161,9 +161,9 @@ impl Pdb {
             let number = |columns: Range<usize>| number(field(line, columns)).unwrap_or(f64::NAN);
             let lengths = [number(6..15), number(15..24), number(24..33)];
             let angles = [number(33..40), number(40..47), number(47..54)];
-            if self.said.is_empty() && lengths.iter().chain(&angles).any(|number| number.is_nan()) {
+            if self.early_warnings.is_empty() && lengths.iter().chain(&angles).any(|number| number.is_nan()) {
                 let place = self.lines.place(6);
-                self.said
+                self.early_warnings
                     .push(format!("{place}: CRYST1 does not have the six numbers of a cell, so the file has no cell"));
             }
             self.cell = cell(lengths, angles);
@@ -237,7 +237,7 @@ impl Pdb {
 
     /// Reports the selected model and what else is relevant.
     fn say(&mut self, particles: &mut Particles) -> Result<()> {
-        particles.skipped.assumed.append(&mut self.said);
+        particles.skipped.assumed.append(&mut self.early_warnings);
         if self.request.any_model() {
             let announced = self.announced.filter(|n| *n > 1);
             if announced.is_some() {
@@ -247,8 +247,8 @@ impl Pdb {
                 particles.skipped.assumed.push(more_models(None));
             }
         }
-        if self.request.assembly.is_none() && !std::mem::replace(&mut self.told, true) {
-            particles.skipped.assumed.extend(not_assembled(self.biomt.told()));
+        if self.request.assembly.is_none() && !std::mem::replace(&mut self.assembly_noted, true) {
+            particles.skipped.assumed.extend(not_assembled(self.biomt.counts()));
         }
         Ok(())
     }

@@ -162,7 +162,7 @@ impl Operators {
     }
 
     /// The names of the assemblies, and the most operators that each can have, where it is known.
-    pub(super) fn told(&self) -> impl Iterator<Item = (String, u64)> {
+    pub(super) fn counts(&self) -> impl Iterator<Item = (String, u64)> {
         let places = self.places();
         let count = move |generator: &Generator| match self.groups(&generator.expression, &places) {
             Ok(groups) => groups.iter().map(|group| group.len() as u64).fold(1, u64::saturating_mul),

@@ -105,7 +105,7 @@ impl Biomt {
     }
 
     /// The names of the assemblies, and the most operators that each can have.
-    pub(super) fn told(&self) -> impl Iterator<Item = (String, u64)> {
+    pub(super) fn counts(&self) -> impl Iterator<Item = (String, u64)> {
         let most = |assembly: &Assembly| assembly.parts.iter().map(|part| part.operators.len()).max().unwrap_or(0);
         self.assemblies.iter().map(move |assembly| (assembly.id.clone(), most(assembly) as u64))
     }
