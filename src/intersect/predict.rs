@@ -1,7 +1,7 @@
 //! Predicts the worst-case rounding error of a method before anything is rendered: a bound from the spheres' extents
 //! alone, for every ray of every picture from this eye. docs/prediction.md derives it line by line.
 //!
-//! Two numbers, each the exact counterpart of what [`crate::measure::score`] observes:
+//! Two numbers, each the exact counterpart of what a score of `halfline-measure` observes:
 //!
 //! - *outline*: a ray whose distance l from a sphere's centre differs from its radius r by more than outline * r has
 //!   the right answer: no false hit, no false miss;

@@ -104,7 +104,7 @@ impl Stream {
     }
 
     /// Adds the next spheres. Blocks of some 10^5 are fast. Those of
-    /// [`SphereBlocks`](crate::read::SphereBlocks) were checked by their reader, and others are checked here.
+    /// `halfline_files::read::SphereBlocks` were checked by their reader, and others are checked here.
     ///
     /// # Errors
     /// [`Error::Scene`] for spheres that cannot be rendered, and for colours or materials that only some have;
