@@ -2,6 +2,7 @@
 
 use super::Array;
 use halfline::error::{Error, Result};
+use halfline::quote::setting::AOV;
 use halfline::quote::{list, quote};
 use halfline_files::write::buffers::FrameFile;
 
@@ -44,7 +45,7 @@ impl<'a> MatchedBuffers<'a> {
             if nameless.buffers.iter().any(|buffer| buffer.name.is_none()) {
                 let problem =
                     format!("{} has an unnamed buffer, which may be any of those of {}", nameless.name, other.name);
-                return Err(Error::settings(problem, format!("choose with --aov: {}", names(other))));
+                return Err(Error::settings(problem, format!("choose with {AOV}: {}", names(other))));
             }
         }
         let (mut common, mut missing) = (Vec::new(), Vec::new());

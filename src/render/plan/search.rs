@@ -1,7 +1,7 @@
 //! Chooses how the candidates of a ray are found.
 
 use crate::error::{Error, Result};
-use crate::quote::setting::SEARCH;
+use crate::quote::setting::{ACCURACY, SEARCH};
 use crate::settings::Search;
 
 /// Up to this number of spheres a method tests all of them. With 16 spheres, lists already save a fifth on lavapipe and
@@ -41,11 +41,12 @@ pub(super) fn for_given_rays(requested: Search, by_method: bool, spheres: usize)
         }
         Search::Tree if by_method => {
             let problem = "the search tree is for certified and exact answers; a method tests all spheres";
-            Err(Error::settings(problem, "use --search all or auto, or --accuracy certified without a method"))
+            let mend = format!("use {SEARCH} all or auto, or {ACCURACY} certified without a method");
+            Err(Error::settings(problem, mend))
         }
         _ if by_method && spheres > MOST => Err(Error::Limits {
             problem: format!("a method tests all spheres for every ray, at most {MOST}, and there are {spheres}"),
-            mend: "use --accuracy certified without a method, which is faster here".into(),
+            mend: format!("use {ACCURACY} certified without a method, which is faster here"),
         }),
         Search::Auto if !by_method => Ok(Search::Tree),
         Search::Auto => Ok(Search::All),
