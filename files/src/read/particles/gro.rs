@@ -158,7 +158,12 @@ impl Gro {
         for word in Words::of(&self.lines) {
             let ends = fields(word.text);
             for (start, end) in ends.iter().zip(&ends[1..]) {
-                numbers.push(self.lines.word(word.at + start, word.at + end).finite("box")? * NANOMETRE);
+                let edge = self.lines.word(word.at + start, word.at + end).finite("box")? * NANOMETRE;
+                if edge.is_infinite() {
+                    let problem = "an edge is too long for a number in angstrom";
+                    return Err(self.lines.fail(word.at + start, "box", problem, "correct the box"));
+                }
+                numbers.push(edge);
             }
         }
         let edges = match numbers[..] {
@@ -371,6 +376,7 @@ MD of 2 waters, t= 0.0
             ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "", "text:3:21: x: no two numbers"),
             ("  0.190", "    inf", "text:4:26: x: expected a finite number, found `inf`"),
             ("   1.82060   1.82060   1.82060", "   1.82060   1.82060", "text:6:1: box: a box has 2 numbers"),
+            ("   1.82060   1.82060   1.82060", " 1 -1e308 1", "text:6:4: box: an edge is too long"),
             (" 1 2 3 0 0 0.25 0 0.5 0.75\n", "", "ends within a frame"),
             ("WATER  OW1    1   0.126", "W\u{fc}TER \u{20ac}W1    1   0.126", "text:3:"),
         ] {
