@@ -126,7 +126,7 @@ impl ReadOptions {
         }
     }
 
-    /// What is asked of the reader of a file of this format: of molecules all columns are kept.
+    /// The request to the reader of a file of this format. All columns of molecules are kept.
     pub(super) fn request(&self, format: Format) -> Request {
         use Format::{Gro, Mmcif, Pdb, Pdbqt, Pqr};
         let all = self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro);

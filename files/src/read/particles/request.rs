@@ -1,4 +1,4 @@
-//! What is asked of a reader of particles, and nothing of what is done with them.
+//! The request to a reader of particles: what it keeps and how it treats rows. Selection and style are not part of it.
 
 use super::column_names::ColumnNames;
 use super::survey::Survey;
@@ -9,7 +9,7 @@ use halfline::error::{Error, Result};
 use halfline::progress::Watch;
 use std::str::FromStr;
 
-/// What is asked of a reader. Each format reads the part that it has.
+/// The request to a reader. Each format uses the part that applies to it.
 #[derive(Debug, Clone, Default)]
 pub(in crate::read) struct Request {
     /// The columns to keep, as far as the file has them; [`EVERY`](super::layout::EVERY) is all.
