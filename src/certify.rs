@@ -9,8 +9,8 @@ mod answer;
 pub(crate) mod binned;
 pub(crate) mod constants;
 pub(crate) mod general;
+pub(crate) mod general_lists;
 pub(crate) mod given;
-pub(crate) mod near;
 pub(crate) mod projected;
 mod projection;
 pub(crate) mod sieve;
@@ -25,7 +25,7 @@ use crate::view::ViewRecord;
 use binned::BinnedScene;
 use constants::VANISH;
 use general::{General, general_answer, general_low};
-use near::NearLists;
+use general_lists::GeneralLists;
 use projected::{Projected, projected_answer, projected_low};
 use std::ops::Range;
 use tiles::Lists;
@@ -42,15 +42,15 @@ pub(crate) struct Certify<'a, R> {
     pub(crate) projection: &'a ProjectionRecord,
     pub(crate) lists: &'a Lists,
     pub(crate) generals: Vec<General<R>>,
-    pub(crate) nears: &'a NearLists,
+    pub(crate) general_lists: &'a GeneralLists,
     pub(crate) terms: &'a Terms,
 }
 
 impl<'a, R: Number> Certify<'a, R> {
     pub(crate) fn new(view: &'a ViewRecord, binned: &'a BinnedScene) -> Self {
         let generals = binned.generals.iter().map(General::new).collect();
-        let BinnedScene { projection, lists, nears, .. } = binned;
-        Self { view, projection, lists, generals, nears, terms: &TERMS }
+        let BinnedScene { projection, lists, general_lists, .. } = binned;
+        Self { view, projection, lists, generals, general_lists, terms: &TERMS }
     }
 }
 
@@ -77,7 +77,7 @@ impl<R: Number> Certify<'_, R> {
     pub(crate) fn general_lows(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
         let low = |slot: &u32| (general_low(s, &self.generals[*slot as usize], self.terms), GENERAL | *slot);
         let [row, column] = self.pixel(s);
-        self.nears.of(row, column).iter().map(low)
+        self.general_lists.of(row, column).iter().map(low)
     }
 
     /// The lower bound of depth of every candidate with its slot; certain misses are omitted.

@@ -69,7 +69,7 @@ impl Settler<'_> {
     fn most(&self, pixel: u32) -> usize {
         let [row, column] = self.twin.view.place(pixel);
         let [first, end] = self.twin.lists.range(row, column);
-        (end - first) as usize + self.twin.nears.of(row, column).len()
+        (end - first) as usize + self.twin.general_lists.of(row, column).len()
     }
 
     /// The spheres that may be the nearest hit of `pixel`, in the scene's order.

@@ -3,7 +3,7 @@
 
 use super::answer::ProjectionRecord;
 use super::general::GeneralRecord;
-use super::near::{Near, NearLists};
+use super::general_lists::{GeneralLists, GeneralTree};
 use super::projection::cover::{Cover, Coverage};
 use super::projection::project::Eight;
 use super::projection::stage::Staged;
@@ -26,7 +26,7 @@ pub(crate) struct BinnedScene {
     pub(crate) lists: Lists,
     pub(crate) generals: Vec<GeneralRecord>,
     /// Which of them the rays of a tile may hit first.
-    pub(crate) nears: NearLists,
+    pub(crate) general_lists: GeneralLists,
     /// Projected spheres that some ray may hit.
     pub(crate) seen: u64,
 }
@@ -121,9 +121,9 @@ impl BinnedScene {
         let lists = Lists::new(bins, entries, view.record.tiles(), level, &placing, pool);
         let SphereBins { bins, generals, seen, .. } = sphere_bins;
         pool.put_back(bins);
-        let near = Near::new(&projection, &generals, [width, height], tolerance);
-        let nears = near.lists(view.record.tiles(), level);
-        Ok(Some(Self { projection: record, lists, generals, nears, seen }))
+        let near = GeneralTree::new(&projection, &generals, [width, height], tolerance);
+        let general_lists = near.lists(view.record.tiles(), level);
+        Ok(Some(Self { projection: record, lists, generals, general_lists, seen }))
     }
 }
 

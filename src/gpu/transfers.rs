@@ -152,7 +152,7 @@ impl<'a> Bands<'a> {
                 let tile_candidates: u64 = binned.lists.rows(band.first, band.count).map(count).sum();
                 let generals = match candidates {
                     CandidateList::Certified(binned) => {
-                        binned.nears.rows(band.first, band.count).map(count).sum::<u64>() as f64
+                        binned.general_lists.rows(band.first, band.count).map(count).sum::<u64>() as f64
                             * f64::from(TILE * TILE)
                     }
                     CandidateList::Uncertified(_) => pixels * binned.generals.len() as f64,
@@ -187,18 +187,18 @@ pub(crate) struct Entries {
     /// The range in the lists of the whole frame.
     all: Range<usize>,
     /// The range in the general spheres of all tiles.
-    nears: Range<usize>,
+    general_lists: Range<usize>,
 }
 
 impl Entries {
     pub(crate) fn of(candidates: &CandidateList<'_>, band: &Band) -> Self {
         let binned = candidates.binned();
         let lists: Vec<_> = binned.lists.rows(band.first, band.count).collect();
-        let nears: Vec<_> = match candidates {
-            CandidateList::Certified(binned) => binned.nears.rows(band.first, band.count).collect(),
+        let general_lists: Vec<_> = match candidates {
+            CandidateList::Certified(binned) => binned.general_lists.rows(band.first, band.count).collect(),
             CandidateList::Uncertified(_) => vec![[0; 2]; lists.len()],
         };
-        let [all, generals] = [span(&lists), span(&nears)];
+        let [all, generals] = [span(&lists), span(&general_lists)];
         // The general spheres lie in the same buffer, behind the tiles and the chunks.
         let before = 4 * lists.len() + all.len() / CHUNK;
         let inside = |[a, b]: [u32; 2], span: &Range<usize>, before: usize| match a < b {
@@ -206,8 +206,8 @@ impl Entries {
             false => [0; 2],
         };
         let tile = |(own, near)| [inside(own, &all, 0), inside(near, &generals, before)];
-        let tiles = lists.into_iter().zip(nears).map(tile).collect();
-        Self { tiles, all, nears: generals }
+        let tiles = lists.into_iter().zip(general_lists).map(tile).collect();
+        Self { tiles, all, general_lists: generals }
     }
 
     /// The band's first entry in the lists of the whole frame.
@@ -222,7 +222,7 @@ impl Entries {
             CandidateList::Certified(binned) => vec![
                 ("projected", entries * size_of::<ProjectedRecord>()),
                 ("others", size_of_val(&binned.generals[..]) + entries * size_of::<ProjectedDetailRecord>()),
-                ("lists", tiles + (entries / CHUNK + self.nears.len()) * size_of::<u32>()),
+                ("lists", tiles + (entries / CHUNK + self.general_lists.len()) * size_of::<u32>()),
             ],
             CandidateList::Uncertified(tile_candidates) => {
                 let places = tile_candidates.generals() + entries;
@@ -251,9 +251,11 @@ impl Entries {
                 upload("projected", &[bytemuck::cast_slice(&lists.projected[all.clone()])])?;
                 let details = bytemuck::cast_slice(&lists.details[all]);
                 upload("others", &[bytemuck::cast_slice::<GeneralRecord, u8>(&binned.generals), details])?;
-                let [tiles, nears] =
-                    [bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(&binned.nears.slots[self.nears])];
-                upload("lists", &[tiles, bytemuck::cast_slice(chunk_min_depths), nears])
+                let [tiles, general_lists] = [
+                    bytemuck::cast_slice(&self.tiles),
+                    bytemuck::cast_slice(&binned.general_lists.slots[self.general_lists]),
+                ];
+                upload("lists", &[tiles, bytemuck::cast_slice(chunk_min_depths), general_lists])
             }
             CandidateList::Uncertified(tile_candidates) => {
                 // The general spheres precede the lists.

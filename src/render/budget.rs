@@ -107,7 +107,7 @@ impl Need {
         let Some(binned) = binned.filter(|binned| !binned.generals.is_empty()) else { return self };
         let [[left, right], [top, bottom]] = view.record.tiles();
         let tiles = u64::from(right - left + 1) * u64::from(bottom - top + 1);
-        let lists = NEAR_TILE * tiles + NEAR_ENTRY * binned.nears.slots.len() as u64;
+        let lists = NEAR_TILE * tiles + NEAR_ENTRY * binned.general_lists.slots.len() as u64;
         Self { generals: GENERAL * binned.generals.len() as u64 + lists, ..self }
     }
 
@@ -220,8 +220,9 @@ mod tests {
             let need = bare.with_generals(Some(binned), &setup.view);
             // What is still allocated once the lists are made.
             let ranges = 64 * 64 * size_of::<[u32; 2]>();
-            let held =
-                size_of::<GeneralRecord>() * binned.generals.capacity() + 4 * binned.nears.slots.capacity() + ranges;
+            let held = size_of::<GeneralRecord>() * binned.generals.capacity()
+                + 4 * binned.general_lists.slots.capacity()
+                + ranges;
             let counted = need.bytes() - bare.bytes();
             println!(
                 "{count} of radius {radius}: {} general, {counted} bytes counted, {held} held",

@@ -46,7 +46,7 @@ impl Staged {
             projection: &binned.projection,
             lists: &binned.lists,
             generals: Vec::new(),
-            nears: &binned.nears,
+            general_lists: &binned.general_lists,
             terms,
         };
         let s = twin.slopes(self.pixel[0], self.pixel[1]);

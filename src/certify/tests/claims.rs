@@ -72,8 +72,8 @@ impl Case {
         f: impl FnOnce(&Certify<'_, R>) -> T,
     ) -> T {
         let generals: Vec<_> = binned.generals.iter().map(General::new).collect();
-        let BinnedScene { projection, lists, nears, .. } = binned;
-        f(&Certify { view: &self.view.record, projection, lists, generals, nears, terms })
+        let BinnedScene { projection, lists, general_lists, .. } = binned;
+        f(&Certify { view: &self.view.record, projection, lists, generals, general_lists, terms })
     }
 
     /// Depth in the frame's unit, relative to the reference depth.

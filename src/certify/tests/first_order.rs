@@ -99,7 +99,7 @@ impl OrderedShot<'_> {
             projection: &binned.projection,
             lists: &binned.lists,
             generals: vec![],
-            nears: &binned.nears,
+            general_lists: &binned.general_lists,
             terms: self.terms,
         };
         let s = twin.slopes(*i, *j);

@@ -75,7 +75,7 @@ impl<const SAMPLED: bool> Strip<SAMPLED> {
     pub(super) fn nearest_two(&self, certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> NearestTwos {
         let mut k = NearestTwos::NONE;
         let (projection, terms, lists) = (certify.projection, *certify.terms, certify.lists);
-        for &slot in certify.nears.of(i, first) {
+        for &slot in certify.general_lists.of(i, first) {
             // Copies: of what a reference leads to, compilers may expect that the loop changes it.
             let general = certify.generals[slot as usize];
             let mut lows = [0.0; LANES];

@@ -4,7 +4,7 @@
 use super::wild::{Mode, Value, Wild, under};
 use crate::certify::binned::BinnedScene;
 use crate::certify::general::{General, general_low};
-use crate::certify::near::{Near, NearLists};
+use crate::certify::general_lists::{GeneralLists, GeneralTree};
 use crate::certify::projection::ProjectionBounds;
 use crate::certify::{Certify, TERMS};
 use crate::double_double as dd;
@@ -94,7 +94,7 @@ fn view(scene: &Scene, raster: Raster) -> View {
 fn same_as_all(name: &str, scene: &Scene, view: &View, tolerance: f64) -> [usize; 2] {
     let listed = binned(scene, view, tolerance);
     let mut whole = listed.clone();
-    whole.nears = NearLists::all(whole.generals.len(), view.record.tiles());
+    whole.general_lists = GeneralLists::all(whole.generals.len(), view.record.tiles());
     let [listed, whole] = [&listed, &whole].map(|binned| Certify::<f32>::new(&view.record, binned));
     let (mut entries, mut certain) = (0, 0);
     for (i, j) in (0..SIZE[1]).flat_map(|i| (0..SIZE[0]).map(move |j| (i, j))) {
@@ -108,7 +108,7 @@ fn same_as_all(name: &str, scene: &Scene, view: &View, tolerance: f64) -> [usize
         });
         assert!(answered[0] == answered[1], "{name}, tolerance {tolerance}, row {i}, column {j}: {answered:?}");
         certain += usize::from(answered[0].3);
-        entries += listed.nears.of(i, j).len();
+        entries += listed.general_lists.of(i, j).len();
     }
     [entries, certain]
 }
@@ -160,7 +160,7 @@ fn the_sphere_that_is_hit_first_is_listed() {
             let [i, j] = [rng.below(SIZE[1]), rng.below(SIZE[0])];
             let Some(truth) = judge.pixel(i, j) else { continue };
             let Ok(slot) = binned.generals.binary_search_by_key(&truth.id, |general| general.id) else { continue };
-            assert!(binned.nears.of(i, j).contains(&(slot as u32)), "{name}, row {i}, column {j}: {truth:?}");
+            assert!(binned.general_lists.of(i, j).contains(&(slot as u32)), "{name}, row {i}, column {j}: {truth:?}");
             found += 1;
         }
     }
@@ -177,7 +177,7 @@ fn the_bounds_of_a_cell_hold_for_its_rays_however_the_device_rounds() {
         let view = view(&scene, Raster::centres(Window::full(SIZE[0], SIZE[1])));
         let binned = binned(&scene, &view, 1e-5);
         let projection = ProjectionBounds::new(&scene.camera, &view, SIZE, &TERMS).expect("a lens");
-        let near = Near::new(&projection, &binned.generals, SIZE, 1e-5);
+        let near = GeneralTree::new(&projection, &binned.generals, SIZE, 1e-5);
         let judge = view.judge(&scene).expect("a judge");
         let twin = Certify::<f32>::new(&view.record, &binned);
         for _ in 0..40 {
@@ -187,7 +187,7 @@ fn the_bounds_of_a_cell_hold_for_its_rays_however_the_device_rounds() {
                 projection: twin.projection,
                 lists: twin.lists,
                 generals: Vec::new(),
-                nears: twin.nears,
+                general_lists: twin.general_lists,
                 terms: twin.terms,
             }
             .slopes(pixel[0], pixel[1]);
@@ -224,7 +224,7 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
     for (name, lens) in [WORLDS[0], WORLDS[3]] {
         let scene = world(name, lens, &mut rng);
         let [full, part] = [Window::full(SIZE[0], SIZE[1]), window]
-            .map(|window| binned(&scene, &view(&scene, Raster::centres(window)), 1e-5).nears);
+            .map(|window| binned(&scene, &view(&scene, Raster::centres(window)), 1e-5).general_lists);
         let mut entries = 0;
         for (i, j) in (window.y0..window.y1).flat_map(|i| (window.x0..window.x1).map(move |j| (i, j))) {
             assert!(full.of(i, j) == part.of(i, j), "{name}, row {i}, column {j}");
@@ -240,7 +240,7 @@ fn one_list_serves_the_whole_image() {
     let scene = world("crowd", degrees(40.0), &mut Rng(10));
     let view = view(&scene, Raster::centres(Window::full(SIZE[0], SIZE[1])));
     let of = |level| BinnedScene::new(&scene, &view, 1e-5, &TERMS, level, &Pool::default()).expect("a stage");
-    let [single, whole] = [0, WHOLE].map(|level| of(level).expect("a lens").nears);
+    let [single, whole] = [0, WHOLE].map(|level| of(level).expect("a lens").general_lists);
     let all = whole.of(0, 0).to_vec();
     assert!((0..SIZE[1]).all(|i| single.of(i, 0).iter().all(|slot| all.contains(slot))));
     assert!(!all.is_empty() && whole.of(SIZE[1] - 1, SIZE[0] - 1) == all);

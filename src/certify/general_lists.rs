@@ -8,7 +8,7 @@ use super::general::GeneralRecord;
 use super::projection::{ProjectionBounds, host_cull_margin};
 use super::tiles::Grid;
 use crate::tile::TILE;
-use cell::{NearSphere, TileBlock};
+use cell::{GeneralSphere, TileBlock};
 use rayon::prelude::*;
 
 /// Slots of one level of cells beyond eight per sphere: 8 MiB. A cell whose list is longer than its share of them is not
@@ -17,7 +17,7 @@ const SPARE: usize = 1 << 21;
 
 /// The general spheres of every tile.
 #[derive(Debug, Clone)]
-pub(crate) struct NearLists {
+pub(crate) struct GeneralLists {
     grid: Grid,
     /// The range in `slots` of every cell of the grid; empty without general spheres.
     ranges: Vec<[u32; 2]>,
@@ -34,16 +34,16 @@ struct Node {
 }
 
 /// What all cells of a frame share.
-pub(in crate::certify) struct Near<'a> {
+pub(in crate::certify) struct GeneralTree<'a> {
     projection: &'a ProjectionBounds,
     /// Columns and rows of tiles of the image.
     tiles: [u32; 2],
-    spheres: Vec<NearSphere>,
+    spheres: Vec<GeneralSphere>,
     /// Relative depth behind what covers a cell from which a sphere is left out.
     margin: f64,
 }
 
-impl<'a> Near<'a> {
+impl<'a> GeneralTree<'a> {
     /// For an image of `size` pixels and distances that are promised to `tolerance`.
     pub(in crate::certify) fn new(
         projection: &'a ProjectionBounds,
@@ -51,7 +51,7 @@ impl<'a> Near<'a> {
         size: [u32; 2],
         tolerance: f64,
     ) -> Self {
-        let spheres = generals.iter().map(NearSphere::new).collect();
+        let spheres = generals.iter().map(GeneralSphere::new).collect();
         let margin = host_cull_margin(tolerance);
         Self { projection, tiles: size.map(|n| n.div_ceil(TILE)), spheres, margin }
     }
@@ -74,10 +74,10 @@ impl<'a> Near<'a> {
     }
 
     /// The lists for squares of 2^`level` tiles that overlap `tiles` (first and last column and row).
-    pub(in crate::certify) fn lists(&self, tiles: [[u32; 2]; 2], level: u32) -> NearLists {
+    pub(in crate::certify) fn lists(&self, tiles: [[u32; 2]; 2], level: u32) -> GeneralLists {
         let grid = Grid::new(level, tiles);
         if self.spheres.is_empty() {
-            return NearLists { grid, ranges: Vec::new(), slots: Vec::new() };
+            return GeneralLists { grid, ranges: Vec::new(), slots: Vec::new() };
         }
         let [columns, rows] = self.tiles;
         let mut top = columns.max(rows).next_power_of_two().ilog2().max(level);
@@ -97,7 +97,7 @@ impl<'a> Near<'a> {
             open = divided;
         }
         done.extend(open);
-        NearLists::laid_out(grid, &done)
+        GeneralLists::laid_out(grid, &done)
     }
 
     /// The quarters of a cell that overlap the window of these tiles.
@@ -111,7 +111,7 @@ impl<'a> Near<'a> {
     }
 }
 
-impl NearLists {
+impl GeneralLists {
     /// One list of all `count` general spheres for every tile of the window.
     #[cfg(test)]
     pub(crate) fn all(count: usize, tiles: [[u32; 2]; 2]) -> Self {

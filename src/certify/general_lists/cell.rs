@@ -16,7 +16,7 @@ const ROUNDED: f64 = 1.0 / (1 << 16) as f64;
 
 /// A general sphere's record in f64.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct NearSphere {
+pub(super) struct GeneralSphere {
     center: [f64; 3],
     square: f64,
     power: f64,
@@ -29,7 +29,7 @@ pub(super) struct NearSphere {
     form: f64,
 }
 
-impl NearSphere {
+impl GeneralSphere {
     pub(super) fn new(record: &GeneralRecord) -> Self {
         let [x, y, z, r] = record.center_radius.map(f64::from);
         Self {
@@ -82,7 +82,7 @@ impl TileBlock {
 
     /// The spheres of `slots` that rays of the cell may hit first: those that no sphere which covers the cell is in front
     /// of by `margin` of its depth.
-    pub(super) fn kept(&self, spheres: &[NearSphere], slots: &[u32], margin: f64) -> Vec<u32> {
+    pub(super) fn kept(&self, spheres: &[GeneralSphere], slots: &[u32], margin: f64) -> Vec<u32> {
         let mut lows = Vec::with_capacity(slots.len());
         let mut least = f64::INFINITY;
         pulp::Arch::new().dispatch(Weigh { cell: self, spheres, slots, lows: &mut lows, least: &mut least });
@@ -93,13 +93,13 @@ impl TileBlock {
 
     /// The bounds of all spheres.
     #[cfg(test)]
-    pub(super) fn all_depths(&self, spheres: &[NearSphere]) -> Vec<Depths> {
+    pub(super) fn all_depths(&self, spheres: &[GeneralSphere]) -> Vec<Depths> {
         spheres.iter().map(|near| self.depths(near)).collect()
     }
 
     /// Bounds of the depths at which the rays of the cell hit one sphere, without branches.
     #[inline(always)]
-    fn depths(&self, n: &NearSphere) -> Depths {
+    fn depths(&self, n: &GeneralSphere) -> Depths {
         let c = |constant: f32| f64::from(constant);
         let ([x, y], [hx, hy], [wide, high]) = (self.slope, self.reach, self.most);
         let ([px, py, pz], [least_a, most_a]) = (n.center, self.square);
@@ -165,7 +165,7 @@ impl TileBlock {
 /// The spheres of a list, eight at a time.
 struct Weigh<'a> {
     cell: &'a TileBlock,
-    spheres: &'a [NearSphere],
+    spheres: &'a [GeneralSphere],
     slots: &'a [u32],
     /// The lower bounds of depth of all of them.
     lows: &'a mut Vec<f64>,
@@ -180,7 +180,7 @@ impl NullaryFnOnce for Weigh<'_> {
     fn call(self) {
         let Self { cell, spheres, slots, lows, least } = self;
         for slots in slots.chunks(LANES) {
-            let mut eight = [NearSphere::default(); LANES];
+            let mut eight = [GeneralSphere::default(); LANES];
             for (near, slot) in eight.iter_mut().zip(slots) {
                 *near = spheres[*slot as usize];
             }
