@@ -5,6 +5,7 @@ use crate::rng::Rng;
 use halfline::camera::Camera;
 use halfline::error::Error;
 use halfline::intersect::Method;
+use halfline::quote::setting::ACCURACY;
 use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 
@@ -49,7 +50,8 @@ fn more_spheres_than_a_method_tests_are_refused() {
     let error = trace(Accuracy::Fast).expect_err("too many spheres");
     assert!(matches!(&error, Error::Limits { .. }), "{error}");
     let words = error.to_string();
-    assert!(["10001", "10000", "--accuracy certified"].iter().all(|word| words.contains(word)), "{words}");
+    let certified = format!("{ACCURACY} certified");
+    assert!(["10001", "10000", &certified].iter().all(|word| words.contains(word)), "{words}");
     assert_eq!(trace(Accuracy::Certified).expect("a certified hit").search, Search::Tree);
 }
 
