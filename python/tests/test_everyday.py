@@ -264,6 +264,7 @@ def test_every_setting_that_the_library_names_is_a_keyword() -> None:
         hl.measure,
         hl.Camera.__init__,
         hl.Camera.fit,
+        hl.Frame.save,
         hl.Renderer.__init__,
         hl.Renderer.trace,
     ):
