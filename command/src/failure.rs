@@ -31,10 +31,9 @@ const SETTINGS: (&str, u8) = ("settings", 2);
 
 /// Reports a failure; the exit code of the process.
 pub(super) fn fail(error: &Error) -> ExitCode {
-    let message = flags(&error.to_string());
-    say(format_args!("{message}"));
+    say(format_args!("{error}"));
     let class = class(error);
-    print_object(class, &message);
+    print_object(class, &flags(&error.to_string()));
     ExitCode(class.1)
 }
 

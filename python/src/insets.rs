@@ -4,7 +4,6 @@ use crate::scene::Scene;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::scene::ImagePlane;
-
 use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar};
 use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
