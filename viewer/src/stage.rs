@@ -1,0 +1,222 @@
+//! What the page asks, as JSON, and [`Stage`], which answers.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::time::Duration;
+
+/// Why there is no answer: the error object of the command line, as `--json` prints it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// The kind: settings, scene, adapter, limits, device-lost, accuracy, io, internal.
+    pub kind: &'static str,
+    /// What is wrong, for people.
+    pub message: String,
+    /// The exit code that the command has for this kind.
+    pub exit: u8,
+}
+
+impl Refusal {
+    /// A request that cannot be answered as it is.
+    pub fn settings(message: impl Into<String>) -> Self {
+        Self { kind: "settings", message: message.into(), exit: 2 }
+    }
+
+    /// A fault of the program.
+    pub fn internal(message: impl Into<String>) -> Self {
+        Self { kind: "internal", message: message.into(), exit: 101 }
+    }
+
+    /// `{"error": {kind, message, exit}}`
+    pub fn json(&self) -> Value {
+        serde_json::json!({ "error": { "kind": self.kind, "message": self.message, "exit": self.exit } })
+    }
+}
+
+/// An answer, or why there is none.
+pub type Answer<T> = Result<T, Refusal>;
+
+/// How wide the camera sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lens {
+    /// The angle of the full height in degrees.
+    Vfov(f64),
+    /// The full height in units of the scene, for an orthographic camera.
+    Height(f64),
+}
+
+/// A camera. In JSON it has exactly one of `vfov` and `height`, and its numbers are finite.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
+pub struct Pose {
+    /// Where the camera is.
+    pub eye: [f64; 3],
+    /// The point in the middle of the picture.
+    pub at: [f64; 3],
+    /// The direction that is upwards in the picture.
+    pub up: [f64; 3],
+    /// How wide it sees.
+    pub lens: Lens,
+}
+
+/// A camera as it is written.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    eye: [f64; 3],
+    at: [f64; 3],
+    up: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vfov: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height: Option<f64>,
+}
+
+impl TryFrom<Written> for Pose {
+    type Error = &'static str;
+
+    fn try_from(Written { eye, at, up, vfov, height }: Written) -> Result<Self, Self::Error> {
+        let lens = match (vfov, height) {
+            (Some(vfov), None) => Lens::Vfov(vfov),
+            (None, Some(height)) => Lens::Height(height),
+            _ => return Err("a camera has either vfov or height"),
+        };
+        let numbers = [eye, at, up].into_iter().flatten().chain(vfov).chain(height);
+        if !numbers.into_iter().all(f64::is_finite) {
+            return Err("the numbers of a camera are finite");
+        }
+        Ok(Self { eye, at, up, lens })
+    }
+}
+
+impl From<Pose> for Written {
+    fn from(Pose { eye, at, up, lens }: Pose) -> Self {
+        let (vfov, height) = match lens {
+            Lens::Vfov(vfov) => (Some(vfov), None),
+            Lens::Height(height) => (None, Some(height)),
+        };
+        Self { eye, at, up, vfov, height }
+    }
+}
+
+/// What a frame is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// The camera moves: soon.
+    Move,
+    /// The camera rests: well.
+    #[default]
+    Still,
+}
+
+/// A frame is wanted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrameRequest {
+    /// Requests are numbered; a greater number makes smaller ones needless.
+    #[serde(default)]
+    pub seq: u64,
+    /// The camera.
+    pub camera: Pose,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The number of the file's frame; without it, the one that is shown.
+    #[serde(default)]
+    pub frame: Option<u64>,
+    /// The spheres that are emphasised.
+    #[serde(default)]
+    pub select: Option<String>,
+    /// The name of a look; without it, that of the scene.
+    #[serde(default)]
+    pub look: Option<String>,
+    /// Samples per pixel; without it, as many as the look has.
+    #[serde(default)]
+    pub samples: Option<u32>,
+    /// What the frame is for.
+    #[serde(default)]
+    pub mode: Mode,
+}
+
+/// The sphere at a pixel is wanted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PickRequest {
+    /// The camera.
+    pub camera: Pose,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The number of the file's frame; without it, the one that is shown.
+    #[serde(default)]
+    pub frame: Option<u64>,
+    /// The spheres that are emphasised.
+    #[serde(default)]
+    pub select: Option<String>,
+    /// The pixel's column, from the left.
+    pub x: u32,
+    /// The pixel's row, from the top.
+    pub y: u32,
+    /// The id of a sphere, to which the distance is wanted.
+    #[serde(default)]
+    pub from: Option<u64>,
+}
+
+/// Spheres are to be counted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SelectRequest {
+    /// The expression.
+    pub expr: String,
+    /// The number of the file's frame; without it, the one that is shown.
+    #[serde(default)]
+    pub frame: Option<u64>,
+}
+
+/// The pixels of a frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Pixels {
+    /// Red, green and blue of each pixel, row by row from the top: sent as JPEG.
+    Rgb {
+        /// Width and height.
+        size: [u32; 2],
+        /// Three bytes for each pixel.
+        levels: Vec<u8>,
+    },
+    /// A whole PNG file, sent as it is.
+    Png(Vec<u8>),
+}
+
+/// A frame and what is said about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// The pixels.
+    pub pixels: Pixels,
+    /// The object of the header `X-Halfline`.
+    pub info: Value,
+}
+
+/// How to make a frame without the page.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Commands {
+    /// The command line.
+    pub shell: String,
+    /// The lines of Python.
+    pub python: String,
+}
+
+/// Who answers the page: one scene file and its renderer. All methods may be called from several threads at once; `frame`
+/// is called by one at a time.
+pub trait Stage: Send + Sync {
+    /// What is known about the scene; waits until the file is read.
+    fn scene(&self) -> Answer<Value>;
+
+    /// A frame. `None` if `go_on` said that it is no longer wanted.
+    fn frame(&self, request: &FrameRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Answer<Option<Picture>>;
+
+    /// The sphere at a pixel, or null.
+    fn pick(&self, request: &PickRequest) -> Answer<Value>;
+
+    /// How many spheres an expression selects.
+    fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value>;
+
+    /// The command and the lines of Python that make the frame.
+    fn command(&self, request: &FrameRequest) -> Answer<Commands>;
+
+    /// How far reading is: returns when it has ended, and at the latest after `wait`.
+    fn progress(&self, wait: Duration) -> Answer<Value>;
+}
