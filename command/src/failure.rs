@@ -37,6 +37,12 @@ pub(super) fn fail(error: &Error) -> ExitCode {
     ExitCode(class.1)
 }
 
+/// The kind of a failure, its exit code, and its message with the options of the command.
+pub(super) fn object(error: &Error) -> (&'static str, u8, String) {
+    let (kind, exit) = class(error);
+    (kind, exit, flags(&error.to_string()))
+}
+
 /// Prints the object of an error of clap, which prints its own message; help and version are no errors.
 pub(super) fn print_usage(error: &clap::Error) {
     if error.use_stderr() {

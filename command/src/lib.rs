@@ -37,6 +37,7 @@ mod standard;
 mod threads;
 mod trace;
 mod values;
+mod view;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
@@ -71,6 +72,7 @@ enum Command {
     Measure(Box<measure::Measure>),
     Plan(Box<plan::PlanArgs>),
     Trace(Box<trace::Trace>),
+    View(Box<view::View>),
     Completions(shell::Completions),
     Man(shell::Man),
 }
@@ -88,7 +90,7 @@ pub fn command(given: impl Iterator<Item = OsString>) -> u8 {
 /// Clap prints usage errors itself and exits with 2.
 fn arguments() -> Result<Arguments> {
     exhaustion::listen();
-    let known = || plan::of_a_picture(Arguments::command());
+    let known = || view::without_files(plan::of_a_picture(Arguments::command()));
     let configured = Config::load().and_then(|config| config.apply(known()));
     let (command, fault) = match configured {
         Ok(command) => (command, None),
@@ -135,6 +137,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Measure(measure) => measure.run(),
         Command::Plan(plan) => plan.run(),
         Command::Trace(trace) => trace.run(),
+        Command::View(view) => view.run(),
         Command::Completions(completions) => completions.run(Arguments::command()),
         Command::Man(man) => man.run(Arguments::command()),
     }

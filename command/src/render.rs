@@ -1,6 +1,6 @@
 //! `halfline render SCENE`.
 
-mod picture;
+pub(super) mod picture;
 mod stream;
 
 use super::adapters::note_fallback;
@@ -35,7 +35,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = EXAMPLES, next_line_help = true)]
 pub(crate) struct Render {
     #[command(flatten)]
-    args: SceneArgs,
+    pub(super) args: SceneArgs,
     /// Skips files that exist, are complete and come from the same rendering.
     #[arg(long, help_heading = "Output")]
     resume: bool,
@@ -138,13 +138,15 @@ impl Render {
             // Progress is that of the first.
             renderers.push(Renderer::new(&settings)?.watched_by(watch()));
         }
+        let messages = Messages::new(Some(&bar));
         let writer = PictureWriter {
             args: &self.args,
             settings: &settings,
             resume: self.resume,
+            in_memory: false,
             repeat: self.repeat,
             preview: self.preview,
-            messages: Messages::new(&bar),
+            messages: &messages,
         };
         let mut cameras = WrittenCameras::default();
         let mut next = || match picture.take() {

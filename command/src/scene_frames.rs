@@ -10,7 +10,7 @@ use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
 use super::signals::watch;
 use glam::{DQuat, DVec3};
-use halfline::camera::{Camera, CameraRecord, Look};
+use halfline::camera::{Aperture, Camera, CameraRecord, Look};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
@@ -18,7 +18,7 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
 use halfline_files::read::style::Coloring;
-use halfline_files::read::{HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
+use halfline_files::read::{HeldCamera, Hold, Keep, ReadOptions, SceneFrame, Sequence};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -56,21 +56,17 @@ pub(super) fn options(args: &SceneArgs, cancel: &Cancel) -> Result<ReadOptions> 
 impl<'a> SceneFrames<'a> {
     /// Opens the scene file for frames with these settings; `cancel` ends the reading of frames.
     pub(super) fn open(args: &'a SceneArgs, settings: &Settings, cancel: &Cancel) -> Result<Self> {
-        let mut options = options(args, cancel)?;
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let mut common = HeldCamera::new(args.read.frames.is_some() && args.read.hold != Hold::None);
-        if options.hold == Hold::All
-            && args.read.frames.is_some()
-            && let Some((camera, middle)) = hold_all(args, &mut options)?
-        {
+        let (sequence, held) = sequence(args, Keep::Nothing, cancel)?;
+        if let Some((camera, middle)) = held {
             common.set_camera(camera);
             common.set_middle(middle);
         }
         if let Some(record) = &taken {
             common.set_camera(camera_file::resized(record, args.image.size));
         }
-        let sequence = Sequence::open(&args.scene, &options)?;
         let has_picture = settings.aovs.contains(&Aov::Color);
         Ok(Self { args, sequence, count: 0, standing: None, common, has_picture, taken, framed: None })
     }
@@ -110,23 +106,16 @@ impl<'a> SceneFrames<'a> {
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
         self.prepare(&mut frame)?;
-        let request = self.args.look_request(frame.look, self.has_picture);
         let taken = self.taken.and_then(|record| record.lens_size());
-        let has_samples = request.samples.or(request.file.samples).is_some();
-        let lens = camera.lens.lens(&frame, taken, has_samples)?;
-        if let Some(turns) = camera.spin {
+        let turn = |frame: &mut SceneFrame| {
+            let Some(turns) = camera.spin else { return };
             let scene = &mut frame.scene;
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
             let middle = self.common.middle().unwrap_or_else(|| scene.spheres.middle());
             spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
-        }
-        // The light from above left belongs to the final camera.
-        let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, lens)?;
-        let SceneFrame { number, scene, skipped, legend, when, .. } = frame;
-        let framed = self.framed.clone();
-        let picture = PictureScene { number, scene, skipped, legend, look, when, framed, ids: None };
-        legend::check_content(self.args, &picture)?;
-        Ok(Some(picture))
+        };
+        let picture = light(self.args, frame, self.has_picture, taken, turn)?;
+        Ok(Some(PictureScene { framed: self.framed.clone(), ..picture }))
     }
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
@@ -161,6 +150,69 @@ impl<'a> SceneFrames<'a> {
         }
         args.camera.zoom(&mut frame.scene)
     }
+}
+
+/// The file with the options for reading, and the camera and the middle of `--hold all`.
+///
+/// # Errors
+/// Those of the options and of opening.
+pub(super) fn sequence(args: &SceneArgs, keep: Keep, cancel: &Cancel) -> Result<(Sequence, Option<(Camera, DVec3)>)> {
+    let mut options = ReadOptions { keep, ..options(args, cancel)? };
+    let holds_all = options.hold == Hold::All && args.read.frames.is_some();
+    let held = if holds_all { hold_all(args, &mut options)? } else { None };
+    Ok((Sequence::open(&args.scene, &options)?, held))
+}
+
+/// Gives a frame that was arranged its size and the camera of its picture: that of `record`, `held` by all frames, or by the
+/// options.
+///
+/// # Errors
+/// Those of the camera.
+pub(super) fn frame_camera(
+    args: &SceneArgs,
+    frame: &mut SceneFrame,
+    record: Option<&CameraRecord>,
+    held: Option<Camera>,
+) -> Result<()> {
+    size(args.image.size.or(record.map(|record| record.size.into())), args, frame);
+    match record.map(|record| camera_file::resized(record, args.image.size)).or(held) {
+        Some(camera) => frame.scene.camera = camera,
+        None => {
+            let aside = args.insets.aside(frame)?;
+            framing::point(&args.camera, frame, aside)?;
+        }
+    }
+    args.camera.zoom(&mut frame.scene)
+}
+
+/// The picture of a frame that was arranged, with the size and the eye that the options give.
+///
+/// # Errors
+/// Those of the camera, the lens and the light.
+pub(super) fn posed(args: &SceneArgs, mut frame: SceneFrame, taken: Option<Aperture>) -> Result<PictureScene> {
+    size(args.image.size, args, &mut frame);
+    framing::point(&args.camera, &mut frame, [0.0; 2])?;
+    light(args, frame, true, taken, |_| ())
+}
+
+/// The picture of a frame whose camera is final but for a turn: with its lens and its light.
+fn light(
+    args: &SceneArgs,
+    mut frame: SceneFrame,
+    has_picture: bool,
+    taken: Option<Aperture>,
+    turn: impl FnOnce(&mut SceneFrame),
+) -> Result<PictureScene> {
+    let request = args.look_request(frame.look, has_picture);
+    let has_samples = request.samples.or(request.file.samples).is_some();
+    let lens = args.camera.lens.lens(&frame, taken, has_samples)?;
+    turn(&mut frame);
+    // The light from above left belongs to the final camera.
+    let look = args.light.apply(&mut frame, &args.files.buffers(), request, lens)?;
+    let SceneFrame { number, scene, skipped, legend, when, .. } = frame;
+    let picture = PictureScene { number, scene, skipped, legend, look, when, framed: None, ids: None };
+    legend::check_content(args, &picture)?;
+    Ok(picture)
 }
 
 /// The camera that shows all frames of the file, and the middle of the first; their default radius and range of colours
@@ -265,10 +317,11 @@ pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut Scene
 }
 
 /// Applies copies, clip planes and outline.
-pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, skipped, cell, marks, .. }: &mut SceneFrame) -> Result<()> {
-    let (count, lights) = (scene.spheres.len(), SphereLights::of(scene));
+pub(super) fn arrange(read: &ReadArgs, frame: &mut SceneFrame) -> Result<()> {
+    let (count, lights) = (frame.scene.spheres.len(), SphereLights::of(&frame.scene));
     let arrangement = read.arrangement();
-    arrangement.apply(&mut scene.spheres, cell.as_ref(), &watch())?;
+    frame.arrange(&arrangement, &watch())?;
+    let SceneFrame { scene, skipped, marks, .. } = frame;
     lights.follow(scene);
     // What is looked at is that of the file itself, as far as it is drawn, not its copies.
     let clip = Arrangement { clip: arrangement.clip, ..Arrangement::default() };

@@ -31,7 +31,7 @@ pub mod style;
 use halfline::error::Result;
 use std::path::Path;
 
-pub use columns::{Codes, ColumnValues, Columns};
+pub use columns::{Codes, ColumnValue, ColumnValues, Columns};
 pub use format::Format;
 pub use frame_range::FrameRange;
 pub use held::HeldCamera;

@@ -171,15 +171,7 @@ impl Opened {
             size(image, whole);
             point(whole)
         })?;
-        let (spheres, cell) = (&mut frame.scene.spheres, frame.cell.as_ref());
-        let rows = match frame.columns.is_empty() || self.arrangement == Arrangement::default() {
-            true => None,
-            false => Some(self.arrangement.rows(spheres, cell, &watch)?),
-        };
-        self.arrangement.apply(spheres, cell, &watch)?;
-        if let Some(rows) = rows {
-            frame.columns = frame.columns.rearranged(&rows, spheres.len().saturating_sub(rows.len()))?;
-        }
+        frame.arrange(&self.arrangement, &watch)?;
         size(image, frame);
         self.held.apply(frame, point)
     }

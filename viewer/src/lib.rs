@@ -4,7 +4,7 @@
 pub mod stage;
 
 pub use stage::{
-    Answer, Commands, FrameRequest, Lens, Mode, PickRequest, Picture, Pixels, Pose, Refusal, SelectRequest, Stage,
+    Answer, Commands, FrameRequest, GoOn, Lens, Mode, PickRequest, Picture, Pixels, Pose, Refusal, SelectRequest, Stage,
 };
 
 use std::io;

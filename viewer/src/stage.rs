@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Why there is no answer: the error object of the command line, as `--json` prints it.
@@ -199,6 +200,9 @@ pub struct Commands {
     pub python: String,
 }
 
+/// Whether a frame is still wanted.
+pub type GoOn = Arc<dyn Fn() -> bool + Send + Sync>;
+
 /// Who answers the page: one scene file and its renderer. All methods may be called from several threads at once; `frame`
 /// is called by one at a time.
 pub trait Stage: Send + Sync {
@@ -206,7 +210,7 @@ pub trait Stage: Send + Sync {
     fn scene(&self) -> Answer<Value>;
 
     /// A frame. `None` if `go_on` said that it is no longer wanted.
-    fn frame(&self, request: &FrameRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Answer<Option<Picture>>;
+    fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>>;
 
     /// The sphere at a pixel, or null.
     fn pick(&self, request: &PickRequest) -> Answer<Value>;

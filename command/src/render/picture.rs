@@ -26,14 +26,14 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Messages on standard error, each once for all pictures. A warning that differs in its numbers only from that of an earlier
 /// picture is not printed again.
-pub(super) struct Messages<'a> {
-    bar: &'a Bar,
+pub(crate) struct Messages<'a> {
+    bar: Option<&'a Bar>,
     /// For each kind of message the first picture that has it, and what was printed for that.
     printed: Mutex<BTreeMap<String, (u64, BTreeSet<String>)>>,
 }
 
 impl<'a> Messages<'a> {
-    pub(super) fn new(bar: &'a Bar) -> Self {
+    pub(crate) fn new(bar: Option<&'a Bar>) -> Self {
         Self { bar, printed: Mutex::default() }
     }
 
@@ -50,36 +50,39 @@ impl<'a> Messages<'a> {
         let mut printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
         let (first, all) = printed.entry(kind).or_insert_with(|| (number, BTreeSet::new()));
         if *first == number && !all.contains(&words) {
-            self.bar.aside(|| print(format_args!("{words}")));
+            let print = || print(format_args!("{words}"));
+            self.bar.map_or_else(print, |bar| bar.aside(print));
             all.insert(words);
         }
     }
 }
 
 /// A picture that is written.
-pub(super) struct Picture {
-    pub(super) number: u64,
+pub(crate) struct Picture {
+    pub(crate) number: u64,
     /// The files that show it.
-    pub(super) files: Vec<PathBuf>,
-    pub(super) report: Report,
-    /// Its bytes in PNG, of a film.
-    pub(super) still: Option<Vec<u8>>,
+    pub(crate) files: Vec<PathBuf>,
+    pub(crate) report: Report,
+    /// Its bytes in PNG, of a film or in memory.
+    pub(crate) still: Option<Vec<u8>>,
 }
 
 /// Renders and writes pictures.
-pub(super) struct PictureWriter<'a> {
-    pub(super) args: &'a SceneArgs,
+pub(crate) struct PictureWriter<'a> {
+    pub(crate) args: &'a SceneArgs,
     /// Those of all pictures.
-    pub(super) settings: &'a Settings,
-    pub(super) resume: bool,
-    pub(super) repeat: NonZeroU32,
-    pub(super) preview: Option<Preview>,
-    pub(super) messages: Messages<'a>,
+    pub(crate) settings: &'a Settings,
+    pub(crate) resume: bool,
+    /// The bytes of the picture are returned, and no file is written.
+    pub(crate) in_memory: bool,
+    pub(crate) repeat: NonZeroU32,
+    pub(crate) preview: Option<Preview>,
+    pub(crate) messages: &'a Messages<'a>,
 }
 
 impl PictureWriter<'_> {
     /// Renders one scene and writes its files, unless all exist.
-    pub(super) fn picture(&self, numbered: &PictureScene, renderer: &mut Renderer) -> Result<Picture> {
+    pub(crate) fn picture(&self, numbered: &PictureScene, renderer: &mut Renderer) -> Result<Picture> {
         let (scene, number) = (&numbered.scene, numbered.number);
         let mut targets = self.args.files.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
@@ -130,7 +133,7 @@ impl PictureWriter<'_> {
             self.args.insets.words(numbered).for_each(|words| self.messages.note(number, words));
             let (report, window) = (frame.report.clone(), frame.window);
             still = self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
-            if still.is_some() && (window.width() % 2 == 1 || window.height() % 2 == 1) {
+            if self.args.files.film().is_some() && (window.width() % 2 == 1 || window.height() % 2 == 1) {
                 self.messages
                     .note(number, "a film has even sides, so the last column or row of pixels is left out".into());
             }
@@ -183,7 +186,7 @@ impl PictureWriter<'_> {
         let (pictures, others): (Vec<_>, Vec<_>) = targets.iter().partition(|target| target.is_drawn_on());
         let (film, still) = (self.args.files.film(), OnceLock::new());
         let put = |frame: &Frame, target: &Target| match film {
-            Some(film) if film.path == target.path() => {
+            film if self.in_memory || film.is_some_and(|film| film.path == target.path()) => {
                 target.encode(frame, origin, &go_on).map(|bytes| _ = still.set(bytes))
             }
             _ => target.write_while(frame, origin, &go_on),

@@ -215,7 +215,28 @@ fn not_kept(name: &str) -> Error {
     Error::settings(problem, format!("read the file with keep=[{name:?}], or keep=True"))
 }
 
+/// A value of a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ColumnValue<'a> {
+    /// A number; NaN where the file has none.
+    Number(f64),
+    /// A text.
+    Text(&'a str),
+}
+
 impl ColumnValues {
+    /// The value of a sphere.
+    ///
+    /// # Panics
+    /// For a number beyond the last sphere.
+    #[must_use]
+    pub fn value(&self, n: usize) -> ColumnValue<'_> {
+        match self {
+            Self::Texts(codes, texts) => ColumnValue::Text(&texts[codes.at(n) as usize]),
+            _ => ColumnValue::Number(self.at(n)),
+        }
+    }
+
     /// The number of a sphere, or the number of its text.
     fn at(&self, n: usize) -> f64 {
         match self {

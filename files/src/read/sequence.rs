@@ -18,10 +18,12 @@ use super::style::no_selections;
 use super::{native, nff};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
+use halfline::progress::Watch;
 use halfline::quote::setting::{
     AT, COLOR, FOCUS, FRAMES, HIDE, HOLD, MODEL, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP,
 };
 use halfline::quote::{count, quote};
+use halfline::scene::arrange::Arrangement;
 use halfline::scene::camera::{Aperture, Camera};
 use halfline::scene::instances::Instances;
 use halfline::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
@@ -123,6 +125,23 @@ impl SceneFrame {
             is_molecule: false,
             marks: Vec::new(),
         }
+    }
+
+    /// Arranges the spheres, and their columns with them.
+    ///
+    /// # Errors
+    /// Those of [`Arrangement::apply`].
+    pub fn arrange(&mut self, arrangement: &Arrangement, watch: &Watch) -> Result<()> {
+        let (spheres, cell) = (&mut self.scene.spheres, self.cell.as_ref());
+        let rows = match self.columns.is_empty() || *arrangement == Arrangement::default() {
+            true => None,
+            false => Some(arrangement.rows(spheres, cell, watch)?),
+        };
+        arrangement.apply(spheres, cell, watch)?;
+        if let Some(rows) = rows {
+            self.columns = self.columns.rearranged(&rows, spheres.len().saturating_sub(rows.len()))?;
+        }
+        Ok(())
     }
 
     /// A copy that shares its spheres with this one.

@@ -1,0 +1,157 @@
+//! `halfline view FILE`: a page that finds the camera.
+
+mod desk;
+mod frames;
+mod given;
+mod lens;
+mod moving;
+mod parse;
+mod pick;
+mod python;
+mod summary;
+
+use super::inset_args::joined;
+use super::messages::{QuietArgs, note};
+use super::process::{ExitCode, all_arguments};
+use super::scene_args::SceneArgs;
+use super::signals::go_on;
+use super::standard::print;
+use clap::{Arg, Args, Command};
+use desk::Desk;
+use given::Given;
+use halfline::error::{Error, Result};
+use halfline_viewer::{Server, open_browser, ssh_line};
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// Shows a scene on a page of the browser: find the camera by looking, pick spheres, and copy the command that renders what
+/// is seen. The page is served to this machine alone; from a remote machine it comes through ssh.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, next_line_help = true)]
+pub(crate) struct View {
+    #[command(flatten)]
+    args: SceneArgs,
+    /// Port of 127.0.0.1; 0 for any free one [default: 8642, or a free one if it is taken].
+    #[arg(long, help_heading = PAGE, value_name = "N")]
+    port: Option<u16>,
+    /// Opens no browser.
+    #[arg(long, help_heading = PAGE)]
+    no_open: bool,
+    /// Ends after this time without a request, such as 30m, 90s or 2h [default: when it is interrupted].
+    #[arg(long, help_heading = PAGE, value_name = "TIME", value_parser = duration)]
+    idle: Option<Duration>,
+    #[command(flatten)]
+    quiet: QuietArgs,
+}
+
+/// The heading of the options of the page.
+const PAGE: &str = "Page";
+
+const EXAMPLES: &str = "\
+The options are those of halfline render that read, select, colour and light. The page has keys: ? lists them.
+
+Examples:
+  halfline view 3SN6.cif --color-by chain
+  halfline view run.dump --color-by velocity --range 0,3 --look plain
+  halfline view particles.npy --port 8700 --no-open --idle 30m";
+
+/// The options of `halfline view` alone.
+const OWN: [&str; 4] = ["port", "no_open", "idle", "quiet"];
+
+/// Options of `halfline render` that make several pictures, parts of one, or files.
+const REFUSED: [&str; 12] =
+    ["output", "aov", "fps", "raw", "legend", "crop", "tile", "spin", "file", "intrinsics", "unit", "no_return"];
+
+/// The command line in which `view` has only the options that it takes.
+pub(super) fn without_files(command: Command) -> Command {
+    command.mut_subcommand("view", |view| {
+        REFUSED.iter().fold(view, |view, id| view.mut_arg(id, |arg: Arg| arg.hide(true)))
+    })
+}
+
+impl View {
+    pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
+        let given = self.given()?;
+        if self.args.scene == Path::new("-") {
+            return Err(Error::settings(
+                "view reads its file again, and standard input can be read once",
+                "use a file",
+            ));
+        }
+        // A file that is not there is an error before a page is shown.
+        File::open(&self.args.scene).map_err(|e| Error::read(&self.args.scene, e))?;
+        let server = Server::bind(self.port).map_err(|error| self.not_bound(&error))?;
+        let desk = Arc::new(Desk::new(given)?);
+        let (url, port, stop) = (server.url(), server.port(), Arc::new(AtomicBool::new(false)));
+        let serve = {
+            let (desk, stop, idle) = (Arc::clone(&desk), Arc::clone(&stop), self.idle);
+            thread::Builder::new().name("server".into()).spawn(move || server.run(desk, idle, &stop))
+        };
+        let serving = serve.map_err(|error| Error::Limits {
+            problem: format!("the system allows no more threads: {error}"),
+            mend: "allow more threads".into(),
+        })?;
+        print(&format!("{url}\n"))?;
+        if let Some(line) = ssh_line(port) {
+            note(format_args!("on your own machine run this, and open the address there: {line}"));
+        }
+        let loaded = desk.load();
+        if loaded.is_ok() && !self.no_open && !open_browser(&url) {
+            note(format_args!("open the address in a browser; ctrl-C ends"));
+        }
+        while loaded.is_ok() && go_on() && !serving.is_finished() {
+            thread::sleep(Duration::from_millis(50));
+        }
+        stop.store(true, Ordering::Relaxed);
+        let served = serving.join();
+        loaded?;
+        match served {
+            Ok(Err(error)) => Err(Error::write("the page", error)),
+            _ if !go_on() => Ok(ExitCode(130)),
+            _ => Ok(ExitCode::SUCCESS),
+        }
+    }
+
+    /// The options that are typed.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for one that a page does not have.
+    fn given(&self) -> Result<Given> {
+        let command = Self::augment_args(Command::new("view"));
+        // The first word is the name of the command, which is that of the program here.
+        let words = joined(all_arguments().iter().skip(1).cloned());
+        let matches = command.clone().try_get_matches_from(words);
+        let matches = matches.map_err(|error| Error::settings(error.to_string(), "use halfline view --help"))?;
+        let typed = |id: &&&str| matches.value_source(**id) == Some(clap::parser::ValueSource::CommandLine);
+        if let Some(id) = REFUSED.iter().find(typed) {
+            let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(Arg::get_long).unwrap_or(id);
+            let problem = format!("--{long} is an option of pictures in files");
+            return Err(Error::settings(problem, "remove it; the page copies a command to which it can be added"));
+        }
+        Ok(Given::of(&command, &matches, &OWN))
+    }
+
+    fn not_bound(&self, error: &std::io::Error) -> Error {
+        let port = self.port.unwrap_or(halfline_viewer::PORT);
+        Error::settings(format!("port {port} of 127.0.0.1 cannot be used: {error}"), "use another --port, or 0 for any")
+    }
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    let wanted = "expected a time such as 30m, 90s or 2h";
+    let (number, unit) = text.split_at(text.trim_end_matches(char::is_alphabetic).len());
+    let scale = match unit {
+        "s" | "" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(wanted.into()),
+    };
+    let seconds = number.parse::<f64>().ok().map(|number| number * scale);
+    let seconds = seconds.filter(|seconds| (0.1..=1e9).contains(seconds)).ok_or(wanted)?;
+    Ok(Duration::from_secs_f64(seconds))
+}

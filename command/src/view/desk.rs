@@ -1,0 +1,313 @@
+//! What the page asks, answered: one file, its frames that were read, and the renderers.
+
+use super::frames::Frames;
+use super::given::{Given, line};
+use super::parse::Parser;
+use super::pick::{describe, distance, pick};
+use super::{lens, moving, python, summary};
+use crate::adapters::note_fallback;
+use crate::camera_file;
+use crate::failure::object;
+use crate::picture_scene::PictureScene;
+use crate::render::picture::{Messages, PictureWriter};
+use crate::scene_args::SceneArgs;
+use crate::scene_frames::{frame_camera, posed};
+use crate::signals::watch;
+use crate::threads::both;
+use halfline::camera::Aperture;
+use halfline::error::{Error, Result};
+use halfline::frame::report::Report;
+use halfline::render::Renderer;
+use halfline::settings::{Backend, Settings};
+use halfline_files::read::{FrameRange, SceneFrame, Selection};
+use halfline_files::write::file::Target;
+use halfline_viewer::{Answer, Commands, FrameRequest, GoOn, Mode, PickRequest, Picture, Pixels, Refusal, Stage};
+use serde_json::{Value, json};
+use std::ffi::OsString;
+use std::num::NonZeroU32;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The file of a page and what renders it.
+pub(super) struct Desk {
+    given: Given,
+    /// `None` until the first frame was read.
+    book: Mutex<Option<Book>>,
+    read: Condvar,
+    renderer: Mutex<Option<Renderer>>,
+    /// Picks do not wait for a picture.
+    picker: Mutex<Renderer>,
+    messages: Messages<'static>,
+}
+
+/// What was read.
+struct Book {
+    parser: Parser,
+    /// The frames with the colours of the command line, and those with a selection.
+    plain: Frames,
+    selected: Option<Frames>,
+    /// The answer to `/scene`, without what changes.
+    summary: Value,
+    /// The lens of `--camera-from`.
+    taken: Option<Aperture>,
+    /// The number of the frame that the page begins with.
+    first: u64,
+    /// Whether pictures name their frame: the file has several, or the command line names one.
+    is_numbered: bool,
+}
+
+/// A picture that is ready to render.
+struct Posed {
+    args: SceneArgs,
+    picture: PictureScene,
+    settings: Settings,
+    targets: Vec<Target>,
+}
+
+impl Desk {
+    /// # Errors
+    /// Those of the CPU path.
+    pub(super) fn new(given: Given) -> Result<Self> {
+        let own = Settings { backend: Backend::Cpu, ..Settings::default() };
+        Ok(Self {
+            given,
+            book: Mutex::default(),
+            read: Condvar::new(),
+            renderer: Mutex::default(),
+            picker: Mutex::new(Renderer::new(&own)?),
+            messages: Messages::new(None),
+        })
+    }
+
+    /// Opens the device, and reads the frame with which the page begins; its camera is that of its picture by
+    /// `halfline render`.
+    ///
+    /// # Errors
+    /// Those of the options, of reading and of the device.
+    pub(super) fn load(&self) -> Result<()> {
+        let mut parser = Parser::new()?;
+        let words = self.given.words(&self.given.initial());
+        let args = parser.args(&words)?;
+        let settings = args.settings(&[]);
+        let read = || self.read_first(Frames::new(words.clone(), parser.args(&words)?), &args);
+        let (read, renderer) = both(read, || Renderer::new(&settings));
+        // Errors of the scene are reported before those of the adapter.
+        let (plain, summary, taken, first) = read?;
+        let renderer = renderer?;
+        note_fallback(&renderer);
+        *lock(&self.renderer) = Some(renderer);
+        let is_numbered = self.given.frames().is_some() || plain.total.is_none();
+        *lock(&self.book) = Some(Book { parser, plain, selected: None, summary, taken, first, is_numbered });
+        self.read.notify_all();
+        Ok(())
+    }
+
+    /// Reads the first frame of the file, whose camera is that of all, and the one with which the page begins.
+    fn read_first(&self, mut frames: Frames, args: &SceneArgs) -> Result<(Frames, Value, Option<Aperture>, u64)> {
+        let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
+        let typed: Option<FrameRange> = self.given.frames().and_then(|text| text.to_str()?.parse().ok());
+        let first = typed.and_then(|range| range.numbers().next()).unwrap_or(1);
+        let mut frame = without_columns(frames.get(1)?);
+        frame_camera(args, &mut frame, record.as_ref(), frames.held)?;
+        let taken = record.and_then(|record| record.lens_size());
+        let picture = posed(args, frame, taken)?;
+        let summary = summary::of(&self.given.scene, frames.get(first)?, &picture)?;
+        frames.has_next()?;
+        Ok((frames, summary, taken, first))
+    }
+
+    /// Works with what was read, once it is there.
+    fn with<T>(&self, work: impl FnOnce(&mut Book) -> Result<T>) -> Answer<T> {
+        let mut book = lock(&self.book);
+        loop {
+            if let Some(book) = book.as_mut() {
+                return work(book).map_err(|error| refusal(&error));
+            }
+            book = self.read.wait(book).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// A request whose frame is named where pictures name it.
+    fn numbered(book: &Book, request: &FrameRequest) -> FrameRequest {
+        let frame = request.frame.filter(|frame| book.is_numbered || *frame != 1);
+        FrameRequest { frame: frame.or(book.is_numbered.then_some(book.first)), ..request.clone() }
+    }
+
+    /// The words of the command that renders the picture of a request.
+    fn words(&self, request: &FrameRequest) -> Vec<OsString> {
+        let mut words = self.given.words(&self.given.options_of(request));
+        words.extend(["-o".into(), self.given.output()]);
+        words
+    }
+
+    /// The picture of a request.
+    fn posed(&self, book: &mut Book, request: &FrameRequest) -> Result<Posed> {
+        let request = Self::numbered(book, request);
+        let args = book.parser.args(&self.words(&request))?;
+        let frame = self.frame_of(book, request.select.as_deref(), request.frame)?;
+        let frame = without_columns(frame);
+        let picture = posed(&args, frame, book.taken)?;
+        let targets = args.files.targets(picture.number)?;
+        let settings = args.settings(&targets);
+        Ok(Posed { args, picture, settings, targets })
+    }
+
+    /// A frame that was read, with the colours of a selection.
+    fn frame_of<'a>(
+        &self,
+        book: &'a mut Book,
+        select: Option<&str>,
+        number: Option<u64>,
+    ) -> Result<&'a mut SceneFrame> {
+        let number = number.unwrap_or(book.first);
+        let Some(selection) = select else { return book.plain.get(number) };
+        let words = self.given.words(&self.given.selected(selection));
+        let selected = match book.selected.take().filter(|selected| selected.are_of(&words)) {
+            Some(selected) => selected,
+            None => Frames::new(words.clone(), book.parser.args(&words)?),
+        };
+        book.selected.insert(selected).get(number)
+    }
+
+    /// A renderer that ends its work when the request is no longer wanted.
+    fn with_renderer<T>(&self, go_on: &GoOn, work: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
+        let mut place = lock(&self.renderer);
+        let Some(renderer) = place.take() else {
+            return Err(Error::settings("the renderer failed before", "start the command again"));
+        };
+        let wanted = GoOn::clone(go_on);
+        let mut renderer = renderer.watched_by(watch().while_true(move || wanted()));
+        let done = work(&mut renderer);
+        *place = Some(renderer);
+        done
+    }
+
+    /// The pixels and the report of a picture.
+    fn render(&self, posed: &Posed, mode: Mode, renderer: &mut Renderer) -> Result<(Pixels, Report)> {
+        let Posed { args, picture, settings, targets } = posed;
+        match mode {
+            Mode::Move => {
+                let settings = args.settings_for(picture, settings, targets)?;
+                moving::render(renderer, &picture.scene, &settings)
+            }
+            Mode::Still => {
+                let writer = PictureWriter {
+                    args,
+                    settings,
+                    resume: false,
+                    in_memory: true,
+                    repeat: NonZeroU32::MIN,
+                    preview: None,
+                    messages: &self.messages,
+                };
+                let written = writer.picture(picture, renderer)?;
+                let still = written.still.ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
+                Ok((Pixels::Png(still), written.report))
+            }
+        }
+    }
+}
+
+impl Stage for Desk {
+    fn scene(&self) -> Answer<Value> {
+        self.with(|book| {
+            let mut summary = book.summary.clone();
+            summary["frames"] = if book.is_numbered { json!(book.plain.total) } else { json!(1) };
+            Ok(summary)
+        })
+    }
+
+    fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>> {
+        let start = Instant::now();
+        let posed = self.with(|book| self.posed(book, request))?;
+        let done = self.with_renderer(go_on, |renderer| self.render(&posed, request.mode, renderer));
+        let (pixels, report) = match done {
+            Err(Error::Interrupted) => return Ok(None),
+            done => done.map_err(|error| refusal(&error))?,
+        };
+        let unit = lens::unit(&posed.picture.scene.camera, request.size).map_err(|error| refusal(&error))?;
+        let ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(Some(Picture { pixels, info: summary::of_frame(request.seq, &report, ms, unit) }))
+    }
+
+    fn pick(&self, request: &PickRequest) -> Answer<Value> {
+        let PickRequest { camera, size, frame, ref select, x, y, from } = *request;
+        let of = FrameRequest {
+            seq: 0,
+            camera,
+            size,
+            frame,
+            select: select.clone(),
+            look: Some("plain".into()),
+            samples: Some(1),
+            mode: Mode::Still,
+        };
+        let Posed { picture, settings, .. } = self.with(|book| self.posed(book, &of))?;
+        let mut picker = lock(&self.picker);
+        let mut found = pick(&mut picker, &picture.scene, &settings, [x, y]).map_err(|error| refusal(&error))?;
+        drop(picker);
+        if let Some(picked) = found.as_object_mut()
+            && let Some(id) = picked.get("id").and_then(Value::as_u64).and_then(|id| usize::try_from(id).ok())
+        {
+            self.with(|book| {
+                let number = Self::numbered(book, &of).frame;
+                let frame = self.frame_of(book, select.as_deref(), number)?;
+                describe(picked, &frame.columns, id);
+                picked.insert("from".into(), from.and_then(|from| distance(frame, id, from)).into());
+                Ok(())
+            })?;
+        }
+        Ok(found)
+    }
+
+    fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value> {
+        self.with(|book| {
+            let selection: Selection = expr.parse()?;
+            let shown = book.plain.get(frame.unwrap_or(book.first))?;
+            let (mask, notes) = shown.columns.select(&selection, &shown.scene.spheres)?;
+            let (count, of) = (mask.iter().filter(|is| **is).count(), mask.len());
+            let legend = self.frame_of(book, Some(expr), frame)?.legend.clone();
+            Ok(json!({ "count": count, "of": of, "legend": summary::legend(legend.as_ref())?, "notes": notes }))
+        })
+    }
+
+    fn command(&self, request: &FrameRequest) -> Answer<Commands> {
+        self.with(|book| {
+            let request = Self::numbered(book, request);
+            let words = self.words(&request);
+            // What the command would refuse is an error here.
+            book.parser.args(&words)?;
+            let python =
+                python::lines(&self.given.scene, &self.given.output(), &self.given.options_of(&request), &request);
+            Ok(Commands { shell: line(&words), python })
+        })
+    }
+
+    fn progress(&self, wait: Duration) -> Answer<Value> {
+        let book = lock(&self.book);
+        let (book, _) =
+            self.read.wait_timeout_while(book, wait, |book| book.is_none()).unwrap_or_else(PoisonError::into_inner);
+        let (state, text) = match *book {
+            Some(_) => ("ready", String::new()),
+            None => ("loading", format!("reading {}", self.given.scene.to_string_lossy())),
+        };
+        Ok(json!({ "state": state, "text": text }))
+    }
+}
+
+/// A copy that shares the spheres and has no columns, which are large and no part of a picture.
+fn without_columns(frame: &mut SceneFrame) -> SceneFrame {
+    let columns = std::mem::take(&mut frame.columns);
+    let copy = frame.copy();
+    frame.columns = columns;
+    copy
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn refusal(error: &Error) -> Refusal {
+    let (kind, exit, message) = object(error);
+    Refusal { kind, message, exit }
+}

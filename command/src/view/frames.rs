@@ -1,0 +1,112 @@
+//! The frames of the file, as one set of options reads them. The last ones are kept.
+
+use crate::scene_args::SceneArgs;
+use crate::scene_frames::{arrange, sequence};
+use halfline::camera::Camera;
+use halfline::error::{Error, Result};
+use halfline::progress::Cancel;
+use halfline::quote::count;
+use halfline_files::read::{Keep, SceneFrame, Sequence};
+use std::collections::VecDeque;
+use std::ffi::OsString;
+
+/// The most spheres of the frames that are kept besides the last one.
+const KEPT: usize = 1 << 22;
+
+/// The frames of a file for one set of options.
+pub(super) struct Frames {
+    words: Vec<OsString>,
+    args: SceneArgs,
+    /// The reading, which goes on behind the last frame that was read.
+    reading: Option<Sequence>,
+    /// The number of frames that it has read.
+    passed: u64,
+    /// Frames with their clip planes, copies and outline.
+    kept: VecDeque<SceneFrame>,
+    /// The number of frames, once the end was reached.
+    pub(super) total: Option<u64>,
+    /// The camera of all frames, with `--hold all`.
+    pub(super) held: Option<Camera>,
+}
+
+impl Frames {
+    /// The frames that `args`, which are of these words, read.
+    pub(super) fn new(words: Vec<OsString>, args: SceneArgs) -> Self {
+        Self { words, args, reading: None, passed: 0, kept: VecDeque::new(), total: None, held: None }
+    }
+
+    /// Whether they are read with these words.
+    pub(super) fn are_of(&self, words: &[OsString]) -> bool {
+        self.words == words
+    }
+
+    /// Frame `number` of the file, from 1.
+    ///
+    /// # Errors
+    /// Those of reading; [`Error::Settings`] for a number beyond the last frame.
+    pub(super) fn get(&mut self, number: u64) -> Result<&mut SceneFrame> {
+        let at = self.kept.iter().position(|kept| kept.number == number);
+        let at = at.map_or_else(|| self.read(number), Ok)?;
+        Ok(&mut self.kept[at])
+    }
+
+    /// Whether the frame behind the last one that was read is there; it is read.
+    pub(super) fn has_next(&mut self) -> Result<bool> {
+        match self.read(self.passed + 1) {
+            Ok(_) => Ok(true),
+            Err(_) if self.total.is_some() => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Reads frame `number`; its place among those that are kept.
+    fn read(&mut self, number: u64) -> Result<usize> {
+        if self.total.is_some_and(|total| number > total) {
+            return Err(self.beyond(number));
+        }
+        let mut reading = match self.reading.take().filter(|_| self.passed < number) {
+            Some(reading) => reading,
+            None => {
+                self.passed = 0;
+                let (sequence, held) = sequence(&self.args, Keep::All, &Cancel::default())?;
+                self.held = held.map(|(camera, _)| camera);
+                sequence
+            }
+        };
+        loop {
+            let Some(mut frame) = reading.next_scene()? else {
+                if self.passed == 0 {
+                    return Err(reading.nothing());
+                }
+                self.total = Some(self.passed);
+                return Err(self.beyond(number));
+            };
+            self.passed = frame.number;
+            if frame.number == number {
+                arrange(&self.args.read, &mut frame)?;
+                frame.scene.spheres.share();
+                frame.scene.check()?;
+                self.keep(frame);
+                self.reading = Some(reading);
+                return Ok(self.kept.len() - 1);
+            }
+        }
+    }
+
+    fn keep(&mut self, frame: SceneFrame) {
+        self.kept.push_back(frame);
+        let size = |kept: &SceneFrame| kept.scene.spheres.len().max(1);
+        let mut all: usize = self.kept.iter().map(size).sum();
+        while self.kept.len() > 1 && all > KEPT {
+            all -= self.kept.pop_front().as_ref().map_or(0, size);
+        }
+    }
+
+    fn beyond(&self, number: u64) -> Error {
+        let total = self.total.unwrap_or(self.passed);
+        Error::settings(
+            format!("there is no frame {number}: the file has {}", count(total, "frame")),
+            "use another frame",
+        )
+    }
+}

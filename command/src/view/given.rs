@@ -1,0 +1,200 @@
+//! The options that the command line of `halfline view` gives, and the command that renders a picture of the page with them.
+
+use clap::{Arg, ArgAction, ArgMatches, Command, parser::ValueSource};
+use halfline_viewer::{FrameRequest, Lens, Pose};
+use std::ffi::{OsStr, OsString};
+
+/// The options that the page sets by itself: those of the camera and of the size.
+const OF_THE_PAGE: [&str; 12] =
+    ["eye", "at", "view", "up", "focus", "fit", "from", "vfov", "ortho", "zoom", "size", "frames"];
+
+/// The colour of spheres that are selected on the page, and that of the others.
+const SELECTED: &str = "darkorange";
+const OTHERS: &str = "silver";
+
+/// An option with its values as they were typed; a flag has none.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct GivenOption {
+    /// Its identifier in the definition of the command.
+    pub(super) id: String,
+    long: String,
+    value: Option<OsString>,
+}
+
+/// The scene file and the options that hold for every picture of the page.
+#[derive(Debug, Clone)]
+pub(super) struct Given {
+    pub(super) scene: OsString,
+    options: Vec<GivenOption>,
+    /// The options of the camera with which the page begins.
+    camera: Vec<GivenOption>,
+}
+
+impl Given {
+    /// What `matches` of `command` has from the command line, without the options of the page and those named `own`.
+    /// Environment and configuration hold for every command alike, so that they are left out.
+    pub(super) fn of(command: &Command, matches: &ArgMatches, own: &[&str]) -> Self {
+        let mut given = Self { scene: OsString::new(), options: Vec::new(), camera: Vec::new() };
+        for arg in command.get_arguments() {
+            let id = arg.get_id().as_str();
+            let is_typed = matches.value_source(id) == Some(ValueSource::CommandLine);
+            if !is_typed || own.contains(&id) {
+                continue;
+            }
+            match arg.get_long() {
+                None => given.scene = matches.get_raw(id).and_then(|mut raw| raw.next()).unwrap_or_default().into(),
+                Some(long) if OF_THE_PAGE.contains(&id) => given.camera.extend(typed(arg, long, matches)),
+                Some(long) => given.options.extend(typed(arg, long, matches)),
+            }
+        }
+        given
+    }
+
+    /// The options of the picture with which the page begins: those that are typed, with all frames of the file.
+    pub(super) fn initial(&self) -> Vec<GivenOption> {
+        let camera = self.camera.iter().filter(|option| option.id != "frames");
+        self.options.iter().chain(camera).cloned().chain([all_frames()]).collect()
+    }
+
+    /// The frames that are typed.
+    pub(super) fn frames(&self) -> Option<&OsStr> {
+        self.camera.iter().find(|option| option.id == "frames").and_then(|option| option.value.as_deref())
+    }
+
+    /// The options of a picture in the order of the command: those given, the colours of a selection, the camera.
+    pub(super) fn options_of(&self, request: &FrameRequest) -> Vec<GivenOption> {
+        let FrameRequest { camera, size, frame, select, look, samples, .. } = request;
+        let mut options = self.colored(select.as_deref());
+        let mut set = |id: &str, value: String| {
+            let is_repeated = id == "color";
+            options.retain(|option| is_repeated || option.id != id);
+            options.push(GivenOption::new(id, Some(value.into())));
+        };
+        if let Some(look) = look {
+            set("look", look.clone());
+        }
+        if let Some(samples) = samples {
+            set("samples", samples.to_string());
+        }
+        if let Some(frame) = frame {
+            set("frames", frame.to_string());
+        }
+        let Pose { eye, at, up, lens } = camera;
+        for (id, vector) in [("eye", eye), ("at", at), ("up", up)] {
+            set(id, vector.map(|x| x.to_string()).join(","));
+        }
+        match lens {
+            Lens::Vfov(degrees) => set("vfov", degrees.to_string()),
+            Lens::Height(height) => set("ortho", height.to_string()),
+        }
+        set("size", format!("{}x{}", size[0], size[1]));
+        options
+    }
+
+    /// The options that all frames of the file are read with, for pictures with a selection.
+    pub(super) fn selected(&self, selection: &str) -> Vec<GivenOption> {
+        let mut options = self.colored(Some(selection));
+        options.push(all_frames());
+        options
+    }
+
+    /// The options that are typed, with the colours of a selection.
+    fn colored(&self, select: Option<&str>) -> Vec<GivenOption> {
+        let mut options = self.options.clone();
+        if let Some(selection) = select {
+            for value in [format!("not ({selection})={OTHERS}"), format!("({selection})={SELECTED}")] {
+                options.push(GivenOption::new("color", Some(value.into())));
+            }
+        }
+        options
+    }
+
+    /// The words of `halfline render` with these options, without an output.
+    pub(super) fn words(&self, options: &[GivenOption]) -> Vec<OsString> {
+        let scene = match self.scene.as_encoded_bytes().first() {
+            // A file whose name looks like an option.
+            Some(b'-') => [OsStr::new("./"), &self.scene].into_iter().collect(),
+            _ => self.scene.clone(),
+        };
+        ["render".into(), scene].into_iter().chain(options.iter().map(GivenOption::word)).collect()
+    }
+
+    /// The name of the file that the copied command writes: never that of the scene.
+    pub(super) fn output(&self) -> OsString {
+        let stem = std::path::Path::new(&self.scene).file_stem().unwrap_or(OsStr::new("view"));
+        [stem, OsStr::new("-view.png")].into_iter().collect()
+    }
+}
+
+impl GivenOption {
+    /// An option whose name is that of its identifier.
+    pub(super) fn new(id: &str, value: Option<OsString>) -> Self {
+        Self { id: id.to_owned(), long: id.replace('_', "-"), value }
+    }
+
+    /// Its name as it is typed.
+    pub(super) fn flag(&self) -> String {
+        format!("--{}", self.long)
+    }
+
+    /// Its value as text; empty for a flag.
+    pub(super) fn text(&self) -> String {
+        self.value.as_ref().map(|value| value.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+
+    /// The option as one word, which no value can be taken from.
+    fn word(&self) -> OsString {
+        let mut word = OsString::from(self.flag());
+        if let Some(value) = &self.value {
+            word.push("=");
+            word.push(value);
+        }
+        word
+    }
+}
+
+fn all_frames() -> GivenOption {
+    GivenOption::new("frames", Some("1-".into()))
+}
+
+/// An option each time that it was typed.
+fn typed(arg: &Arg, long: &str, matches: &ArgMatches) -> Vec<GivenOption> {
+    let id = arg.get_id().as_str();
+    let option = |value| GivenOption { id: id.to_owned(), long: long.to_owned(), value };
+    if matches!(arg.get_action(), ArgAction::SetTrue) {
+        return vec![option(None)];
+    }
+    let occurrences = matches.get_raw_occurrences(id).into_iter().flatten();
+    occurrences.map(|occurrence| option(occurrence.last().map(OsStr::to_os_string))).collect()
+}
+
+/// The words as a line for a POSIX shell.
+pub(super) fn line(words: &[OsString]) -> String {
+    let words = words.iter().map(|word| quoted(&word.to_string_lossy()));
+    std::iter::once("halfline".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// A word for a POSIX shell: as it is where no character has a meaning there, else in single quotes.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_reads_a_quoted_word_back() {
+        for word in
+            ["", "a b", "it's", "$HOME", "`x`", "\"", "a\\b", "*", "~", "é", "--color=(a)=b", "a\nb", "plain-1.5,2"]
+        {
+            let printed =
+                std::process::Command::new("sh").arg("-c").arg(format!("printf %s {}", quoted(word))).output();
+            assert_eq!(String::from_utf8(printed.expect("a shell").stdout).expect("UTF-8"), word);
+        }
+    }
+}

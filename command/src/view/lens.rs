@@ -1,0 +1,46 @@
+//! Cameras of the page and of scenes.
+
+use glam::DVec3;
+use halfline::camera::{Camera, Lens as CameraLens, Look};
+use halfline::error::Result;
+use halfline::scene::Scene;
+use halfline_viewer::{Lens, Pose};
+
+/// The camera of a scene as the page has it: with a point to look at and an angle. A point that the scene does not give lies
+/// where the view passes the middle of the spheres.
+///
+/// # Errors
+/// Those of the camera.
+pub(super) fn pose(scene: &Scene) -> Result<Pose> {
+    let Scene { camera, image, spheres, .. } = scene;
+    let at = match camera.look {
+        Look::At(at) => at,
+        Look::View(view) => {
+            let view = view.normalize();
+            let depth = (spheres.middle() - camera.eye).dot(view);
+            let ahead = if depth > 0.0 && depth.is_finite() { depth } else { 1.0 };
+            camera.eye + ahead * view
+        }
+    };
+    let viewport = camera.viewport(image.width, image.height)?;
+    let lens = match camera.lens {
+        CameraLens::Vfov { degrees, .. } => Lens::Vfov(degrees),
+        lens if lens.is_orthographic() => Lens::Height(viewport.vh),
+        _ => Lens::Vfov(2.0 * (viewport.vh / (2.0 * viewport.d)).atan().to_degrees()),
+    };
+    Ok(Pose { eye: camera.eye.to_array(), at: at.to_array(), up: camera.up.to_array(), lens })
+}
+
+/// The length that a pixel shows at the distance of the point looked at, in scene units.
+///
+/// # Errors
+/// Those of the camera.
+pub(super) fn unit(camera: &Camera, [width, height]: [u32; 2]) -> Result<f64> {
+    let viewport = camera.viewport(width, height)?;
+    let distance = match camera.look {
+        Look::At(at) => at.distance(camera.eye),
+        Look::View(view) => DVec3::length(view),
+    };
+    let scale = if camera.lens.is_orthographic() { 1.0 } else { distance / viewport.d };
+    Ok(viewport.vh / f64::from(height) * scale)
+}

@@ -1,0 +1,38 @@
+//! Words of `halfline render` as its options, as the command line reads them: with environment and configuration.
+
+use crate::config::Config;
+use crate::render::Render;
+use crate::scene_args::SceneArgs;
+use clap::{Args, Command, FromArgMatches};
+use halfline::error::{Error, Result};
+use std::ffi::OsString;
+
+/// The definition of `halfline render`.
+pub(super) struct Parser(Command);
+
+impl Parser {
+    /// # Errors
+    /// Those of the configuration file.
+    pub(super) fn new() -> Result<Self> {
+        let command = Command::new("halfline").no_binary_name(true);
+        let render = Render::augment_args(Command::new("render"));
+        Config::load()?.apply(command.subcommand(render)).map(Self)
+    }
+
+    /// The options of these words, the first of which is `render`.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with clap's words.
+    pub(super) fn args(&mut self, words: &[OsString]) -> Result<SceneArgs> {
+        let matches = self.0.try_get_matches_from_mut(words).map_err(|error| refused(&error))?;
+        let (_, matches) = matches.subcommand().ok_or_else(|| Error::settings("no command", "use render"))?;
+        Ok(Render::from_arg_matches(matches).map_err(|error| refused(&error))?.args)
+    }
+}
+
+/// An error of clap in one line, without its hints on usage.
+fn refused(error: &clap::Error) -> Error {
+    let text = error.render().to_string();
+    let line = text.lines().next().unwrap_or_default();
+    Error::settings(line.strip_prefix("error: ").unwrap_or(line).to_owned(), "use another value")
+}

@@ -1,0 +1,242 @@
+//! The lines of Python that render a picture of the page.
+
+use super::given::GivenOption;
+use halfline_viewer::{FrameRequest, Lens};
+use std::ffi::OsStr;
+
+/// Where an option stands in Python: in the reading of the file, in the rendering, or in the renderer.
+#[derive(Clone, Copy, PartialEq)]
+enum Call {
+    Read,
+    Render,
+    Renderer,
+    Camera,
+    Save,
+}
+
+/// How the value of an option is written.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    Flag,
+    Number,
+    Text,
+    /// Numbers with commas between them.
+    Tuple,
+    /// A tuple each time that the option is given.
+    Tuples,
+    /// A text each time that the option is given.
+    Texts,
+    /// A number or a text, or one for each selection.
+    Rules,
+    /// A number, or `True` without one.
+    NumberOrFlag,
+    /// A text, or `True` without one.
+    TextOrFlag,
+    /// A name, or linear numbers.
+    Color,
+}
+
+/// The keyword of each option whose identifier is another one, or that is not a text of the reading.
+const KEYWORDS: [(&str, &str, Call, Form); 46] = [
+    ("format", "format", Call::Read, Form::Text),
+    ("columns", "columns", Call::Read, Form::Text),
+    ("hold", "hold", Call::Read, Form::Text),
+    ("topology", "topology", Call::Read, Form::Text),
+    ("model", "model", Call::Read, Form::Number),
+    ("altloc", "altloc", Call::Read, Form::Text),
+    ("assembly", "assembly", Call::Read, Form::Text),
+    ("as_listed", "as_listed", Call::Read, Form::Flag),
+    ("strict", "strict", Call::Read, Form::Flag),
+    ("skip_invalid", "skip_invalid", Call::Read, Form::Flag),
+    ("select", "select", Call::Read, Form::Texts),
+    ("hide", "hide", Call::Read, Form::Texts),
+    ("radii", "radii", Call::Read, Form::Text),
+    ("radius", "radius", Call::Read, Form::Rules),
+    ("radius_scale", "radius_scale", Call::Read, Form::Number),
+    ("wrap", "wrap", Call::Read, Form::Flag),
+    ("unwrap", "unwrap", Call::Read, Form::Flag),
+    ("copies", "copies", Call::Read, Form::Tuple),
+    ("clip", "clip", Call::Read, Form::Tuples),
+    ("cell", "cell", Call::Read, Form::NumberOrFlag),
+    ("color", "color", Call::Read, Form::Rules),
+    ("color_by", "color_by", Call::Read, Form::Text),
+    ("map", "map", Call::Read, Form::Text),
+    ("range", "range", Call::Read, Form::Tuple),
+    ("log", "log", Call::Read, Form::Flag),
+    ("frames", "frame", Call::Read, Form::Number),
+    ("samples", "samples", Call::Render, Form::Number),
+    ("seed", "seed", Call::Render, Form::Number),
+    ("exposure", "exposure", Call::Render, Form::Number),
+    ("tone", "tone", Call::Render, Form::Text),
+    ("shade", "shade", Call::Render, Form::Text),
+    ("look", "look", Call::Render, Form::Text),
+    ("occlusion", "occlusion", Call::Render, Form::NumberOrFlag),
+    ("reach", "reach", Call::Render, Form::Number),
+    ("sun", "sun", Call::Render, Form::Tuples),
+    ("shadows", "shadows", Call::Render, Form::Flag),
+    ("bounces", "bounces", Call::Render, Form::Number),
+    ("silhouette", "silhouette", Call::Render, Form::Flag),
+    ("depth_cue", "depth_cue", Call::Render, Form::Flag),
+    ("background", "background", Call::Render, Form::Color),
+    ("legend_in", "legend", Call::Render, Form::TextOrFlag),
+    ("label", "label", Call::Render, Form::Text),
+    ("scale_bar", "scale_bar", Call::Render, Form::TextOrFlag),
+    ("accuracy", "accuracy", Call::Render, Form::Text),
+    ("method", "method", Call::Render, Form::Text),
+    ("tolerance", "tolerance", Call::Render, Form::Number),
+];
+
+/// The others.
+const MORE: [(&str, &str, Call, Form); 6] = [
+    ("search", "search", Call::Render, Form::Text),
+    ("backend", "backend", Call::Renderer, Form::Text),
+    ("adapter", "adapter", Call::Renderer, Form::Text),
+    ("aperture", "aperture", Call::Camera, Form::Number),
+    ("focus_distance", "focus", Call::Camera, Form::Number),
+    ("bits", "bits", Call::Save, Form::Number),
+];
+
+/// Options that [`lines`] writes by themselves: the camera and the size.
+const BY_ITSELF: [&str; 6] = ["eye", "at", "up", "vfov", "ortho", "size"];
+
+/// The lines for these options of the command. An option that Python does not have is named in a comment.
+pub(super) fn lines(scene: &OsStr, output: &OsStr, options: &[GivenOption], request: &FrameRequest) -> String {
+    let known = KEYWORDS.iter().chain(&MORE);
+    let keywords = |call: Call| {
+        let of_call = known.clone().filter(move |(_, _, its, _)| *its == call);
+        of_call
+            .filter_map(|(id, name, _, form)| Some(format!(", {name}={}", value(*form, &values(options, id)?))))
+            .collect::<String>()
+    };
+    let is_known = |option: &&GivenOption| {
+        BY_ITSELF.contains(&option.id.as_str()) || known.clone().any(|(id, ..)| *id == option.id)
+    };
+    let unknown = options.iter().filter(|option| !is_known(option));
+    let notes: String = unknown.map(|option| format!("# {} has no keyword in Python\n", option.flag())).collect();
+    let camera = &request.camera;
+    let [eye, at, up] = [camera.eye, camera.at, camera.up].map(|vector| format!("{vector:?}").replace(['[', ']'], ""));
+    let lens = match camera.lens {
+        Lens::Vfov(degrees) => format!("vfov={degrees:?}"),
+        Lens::Height(height) => format!("height={height:?}"),
+    };
+    let [width, height] = request.size;
+    let (file, output) = (text(&scene.to_string_lossy()), text(&output.to_string_lossy()));
+    let renderer = keywords(Call::Renderer);
+    let render = match renderer.strip_prefix(", ") {
+        Some(renderer) => format!("hl.Renderer({renderer}).render"),
+        None => "hl.render".to_owned(),
+    };
+    format!(
+        "import halfline as hl\n\n{notes}scene = hl.read({file}{})\ncamera = hl.Camera(({eye}), at=({at}), up=({up}), {lens}{})\n\
+         frame = {render}(scene, camera, size=({width}, {height}){})\nframe.save({output}{})\n",
+        keywords(Call::Read),
+        keywords(Call::Camera),
+        keywords(Call::Render),
+        keywords(Call::Save),
+    )
+}
+
+/// The values of an option each time that it is given; `None` if it is not. A flag has an empty one.
+fn values(options: &[GivenOption], id: &str) -> Option<Vec<String>> {
+    let given = options.iter().filter(|option| option.id == id);
+    let values: Vec<String> = given.map(GivenOption::text).collect();
+    Some(values).filter(|values| !values.is_empty())
+}
+
+/// A value in Python.
+fn value(form: Form, values: &[String]) -> String {
+    let last = values.last().map_or("", String::as_str);
+    let several =
+        |one: fn(&str) -> String| format!("[{}]", values.iter().map(|v| one(v)).collect::<Vec<_>>().join(", "));
+    match form {
+        Form::Flag => "True".into(),
+        Form::NumberOrFlag | Form::TextOrFlag if last.is_empty() => "True".into(),
+        Form::Number | Form::NumberOrFlag => last.to_owned(),
+        Form::Text | Form::TextOrFlag => text(last),
+        Form::Tuple => tuple(last),
+        Form::Tuples => several(tuple),
+        Form::Texts => several(text),
+        Form::Color => literal(last),
+        Form::Rules => match values {
+            [one] if !one.contains('=') => literal(one),
+            rules => {
+                let rule = |rule: &String| {
+                    let (selection, value) = rule.rsplit_once('=').unwrap_or(("all", rule));
+                    format!("{}: {}", text(selection), literal(value.trim()))
+                };
+                format!("{{{}}}", rules.iter().map(rule).collect::<Vec<_>>().join(", "))
+            }
+        },
+    }
+}
+
+/// A number, several of them, or a text.
+fn literal(value: &str) -> String {
+    let is_number = |part: &str| part.trim().parse::<f64>().is_ok_and(f64::is_finite);
+    match value.contains(',') {
+        true if value.split(',').all(is_number) => tuple(value),
+        false if is_number(value) => value.to_owned(),
+        _ => text(value),
+    }
+}
+
+fn tuple(value: &str) -> String {
+    format!("({})", value.split(',').map(str::trim).collect::<Vec<_>>().join(", "))
+}
+
+/// A text as a literal of Python, which has the escapes of Rust but for those of characters beyond ASCII.
+fn text(value: &str) -> String {
+    let escaped: String = value
+        .chars()
+        .map(|c| match c {
+            '\\' => "\\\\".into(),
+            '"' => "\\\"".into(),
+            c if c.is_control() => format!("\\U{:08x}", u32::from(c)),
+            c => c.to_string(),
+        })
+        .collect();
+    format!("\"{escaped}\"")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::given::GivenOption;
+    use halfline_viewer::{Mode, Pose};
+
+    #[test]
+    fn options_are_keywords() {
+        let option = |id: &str, value: Option<&str>| GivenOption::new(id, value.map(Into::into));
+        let options = [
+            option("color", Some("not (chain A)=silver")),
+            option("color", Some("(chain A)=1,0.5,0")),
+            option("clip", Some("0,0,1,2.5")),
+            option("cell", None),
+            option("bits", Some("16")),
+            option("dpi", Some("300")),
+            option("backend", Some("cpu")),
+            option("label", Some("a \"b\"\n")),
+        ];
+        let camera = Pose { eye: [0.0, 0.1, 1e-7], at: [0.0; 3], up: [0.0, 1.0, 0.0], lens: Lens::Height(2.0) };
+        let request = FrameRequest {
+            seq: 0,
+            camera,
+            size: [4, 3],
+            frame: None,
+            select: None,
+            look: None,
+            samples: None,
+            mode: Mode::Still,
+        };
+        let lines = lines("a.pdb".as_ref(), "a-view.png".as_ref(), &options, &request);
+        let expected = r#"import halfline as hl
+
+# --dpi has no keyword in Python
+scene = hl.read("a.pdb", clip=[(0, 0, 1, 2.5)], cell=True, color={"not (chain A)": "silver", "(chain A)": (1, 0.5, 0)})
+camera = hl.Camera((0.0, 0.1, 1e-7), at=(0.0, 0.0, 0.0), up=(0.0, 1.0, 0.0), height=2.0)
+frame = hl.Renderer(backend="cpu").render(scene, camera, size=(4, 3), label="a \"b\"\U0000000a")
+frame.save("a-view.png", bits=16)
+"#;
+        assert_eq!(lines, expected);
+    }
+}
