@@ -1,0 +1,60 @@
+//! The requests of one connection and their answers, in turn.
+
+use crate::guard::admit;
+use crate::http::{Input, Trouble, refused};
+use crate::reply::Reply;
+use crate::routes::{Route, Routes};
+use std::io::{Read, Write};
+
+/// Where a connection is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Moment {
+    /// It waits for a request.
+    Idle,
+    /// A request has begun to arrive.
+    Reading,
+    /// It has shown the token, and the stage answers.
+    Working,
+    /// The answer of so many bytes is written.
+    Writing(usize),
+}
+
+/// Answers the requests of a connection until it ends, or until `goes_on` says at a moment that it must.
+pub(crate) fn converse(
+    reader: impl Read,
+    mut writer: impl Write,
+    (routes, token): (&Routes, &str),
+    goes_on: &dyn Fn(Moment) -> bool,
+) {
+    let mut input = Input::new(reader);
+    while goes_on(Moment::Idle) && input.wait() && goes_on(Moment::Reading) {
+        let (reply, keeps_alive): (Reply, bool) = match request(&mut input, token) {
+            Ok((Route::File(file), _, keeps_alive)) => (file, keeps_alive),
+            Ok((Route::Ask(question), body, keeps_alive)) if goes_on(Moment::Working) => {
+                (routes.ask(question, &body), keeps_alive)
+            }
+            // What else is in the connection is not read as a request.
+            Err(Trouble::Refused(refused)) => (refused.into(), false),
+            _ => return,
+        };
+        let goes_on = goes_on(Moment::Writing(reply.body.len()));
+        if !goes_on || reply.write(&mut writer, keeps_alive).is_err() || !keeps_alive {
+            return;
+        }
+    }
+}
+
+/// The next request that may be answered: its route, its body, and whether another may follow. The body is read only then.
+fn request<R: Read>(input: &mut Input<R>, token: &str) -> Result<(Route, Vec<u8>, bool), Trouble> {
+    let head = input.head()?;
+    let route = admit(&head, token)?;
+    let length = match (&route, head.length()?) {
+        (_, Some(length)) => length,
+        (Route::File(_), None) => 0,
+        (Route::Ask(_), None) => return Ok(refused(411, "a body is sent with Content-Length")?),
+    };
+    if matches!(route, Route::File(_)) && length > 0 {
+        return Ok(refused(400, "a request for a file has no body")?);
+    }
+    Ok((route, input.body(length)?, head.keeps_alive()))
+}

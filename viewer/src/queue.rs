@@ -1,0 +1,132 @@
+//! Whose frame is rendered next. One at a time is, in the order in which they were asked for, and the newest wins: a request
+//! with a greater number makes those needless that arrived before it. One that arrives later with a smaller number, from a
+//! page that was loaded again, is as good as any.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+/// The requests for frames.
+#[derive(Default)]
+pub(crate) struct Queue {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    /// In the order of arrival, with the one that is rendered.
+    asked: Vec<Arc<Asked>>,
+    is_rendering: bool,
+}
+
+/// A request.
+struct Asked {
+    seq: u64,
+    is_needless: AtomicBool,
+}
+
+/// A request from its arrival to its end.
+pub(crate) struct Turn<'a> {
+    queue: &'a Queue,
+    asked: Arc<Asked>,
+    is_rendering: bool,
+}
+
+impl Queue {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A request arrives.
+    pub(crate) fn arrive(&self, seq: u64) -> Turn<'_> {
+        let asked = Arc::new(Asked { seq, is_needless: AtomicBool::new(false) });
+        let mut state = self.lock();
+        for other in state.asked.iter().filter(|other| other.seq < seq) {
+            other.is_needless.store(true, Ordering::Relaxed);
+        }
+        state.asked.push(asked.clone());
+        self.changed.notify_all();
+        Turn { queue: self, asked, is_rendering: false }
+    }
+
+    /// Nobody wants a frame any longer.
+    pub(crate) fn clear(&self) {
+        self.lock().asked.iter().for_each(|asked| asked.is_needless.store(true, Ordering::Relaxed));
+        self.changed.notify_all();
+    }
+}
+
+impl Turn<'_> {
+    /// Whether a newer request has arrived.
+    pub(crate) fn is_needless(&self) -> bool {
+        self.asked.is_needless.load(Ordering::Relaxed)
+    }
+
+    /// Waits for the turn; `false` if a newer request arrives before.
+    pub(crate) fn wait(&mut self) -> bool {
+        let mut state = self.queue.lock();
+        while !self.is_needless() {
+            let first = state.asked.iter().find(|asked| !asked.is_needless.load(Ordering::Relaxed));
+            if !state.is_rendering && first.is_some_and(|first| Arc::ptr_eq(first, &self.asked)) {
+                state.is_rendering = true;
+                self.is_rendering = true;
+                return true;
+            }
+            state = self.queue.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        false
+    }
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        let mut state = self.queue.lock();
+        state.asked.retain(|asked| !Arc::ptr_eq(asked, &self.asked));
+        state.is_rendering &= !self.is_rendering;
+        self.queue.changed.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_wins() {
+        let queue = Queue::default();
+        let mut first = queue.arrive(1);
+        assert!(first.wait());
+        let mut second = queue.arrive(2);
+        let third = queue.arrive(3);
+        assert!(first.is_needless() && second.is_needless() && !third.is_needless());
+        assert!(!second.wait(), "it returns at once");
+        drop((first, second));
+        let mut third = third;
+        assert!(third.wait());
+    }
+
+    #[test]
+    fn a_page_that_begins_again_is_served() {
+        let queue = Queue::default();
+        drop(queue.arrive(5000));
+        let old = queue.arrive(5001);
+        let mut new = queue.arrive(1);
+        assert!(!old.is_needless());
+        drop(old);
+        assert!(new.wait() && !new.is_needless());
+        queue.clear();
+        assert!(new.is_needless());
+    }
+
+    #[test]
+    fn a_turn_ends_with_its_thread() {
+        let queue = Queue::default();
+        let result = std::panic::catch_unwind(|| {
+            assert!(queue.arrive(1).wait());
+            let mut turn = queue.arrive(2);
+            assert!(turn.wait());
+            std::panic::resume_unwind(Box::new("the renderer fails"));
+        });
+        assert!(result.is_err() && queue.arrive(3).wait());
+    }
+}

@@ -1,0 +1,168 @@
+//! The questions of the page: JSON to [`Stage`], and its answers back.
+
+use crate::http::{Refused, refused};
+use crate::queue::Queue;
+use crate::reply::Reply;
+use crate::stage::{Answer, FrameRequest, Mode, PickRequest, Pixels, Refusal, SelectRequest, Stage};
+use crate::{jpeg, page};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::any::Any;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// The longest target.
+const TARGET: usize = 1024;
+
+/// The most characters of a message about JSON, which may quote it.
+const MESSAGE: usize = 300;
+
+/// How long the question for progress is held open.
+const HELD: Duration = Duration::from_secs(20);
+
+/// What a request is for.
+#[derive(Debug)]
+pub(crate) enum Route {
+    /// A file of the page.
+    File(Reply),
+    Ask(Question),
+}
+
+/// A question of the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Question {
+    Scene,
+    Frame,
+    Pick,
+    Select,
+    Command,
+    Progress,
+}
+
+impl Question {
+    fn of(name: &str) -> Option<Self> {
+        Some(match name {
+            "scene" => Self::Scene,
+            "frame" => Self::Frame,
+            "pick" => Self::Pick,
+            "select" => Self::Select,
+            "command" => Self::Command,
+            "progress" => Self::Progress,
+            _ => return None,
+        })
+    }
+}
+
+impl Route {
+    pub(crate) fn of(method: &str, target: &str) -> Result<Self, Refused> {
+        let Some(name) = target.strip_prefix('/') else { return refused(400, "the target is not a path") };
+        if target.len() > TARGET {
+            return refused(414, "the target has at most 1,024 bytes");
+        }
+        match (method, Question::of(name), page::file(target)) {
+            ("POST", Some(question), _) => Ok(Self::Ask(question)),
+            ("GET", _, Some(file)) => Ok(Self::File(file)),
+            (_, None, None) => refused(404, "there is nothing at this path"),
+            (_, Some(_), _) => refused(405, "this path is for POST"),
+            _ => refused(405, "this path is for GET"),
+        }
+    }
+}
+
+/// Answers the questions of a page, over HTTP or otherwise.
+pub struct Routes {
+    stage: Arc<dyn Stage>,
+    queue: Queue,
+    is_closed: AtomicBool,
+}
+
+/// The body of a question without parameters.
+#[derive(Deserialize)]
+struct Nothing {}
+
+impl Routes {
+    /// Lets the stage answer.
+    pub fn new(stage: Arc<dyn Stage>) -> Self {
+        Self { stage, queue: Queue::default(), is_closed: AtomicBool::new(false) }
+    }
+
+    /// The answer to a question by its name, such as `frame`, and its body in JSON.
+    pub fn answer(&self, name: &str, body: &[u8]) -> Reply {
+        match Question::of(name) {
+            Some(question) => self.ask(question, body),
+            None => Refused { status: 404, message: "there is no such question" }.into(),
+        }
+    }
+
+    /// Gives up what is rendered, as far as it can be, and what waits.
+    pub fn close(&self) {
+        self.is_closed.store(true, Ordering::Relaxed);
+        self.queue.clear();
+    }
+
+    /// The answer to a question. A panic of the stage is an answer too.
+    pub(crate) fn ask(&self, question: Question, body: &[u8]) -> Reply {
+        match panic::catch_unwind(AssertUnwindSafe(|| self.put(question, body))) {
+            Ok(Ok(reply)) => reply,
+            Ok(Err(refusal)) => Reply::refusal(400, &refusal),
+            Err(payload) => Reply::refusal(500, &Refusal::internal(words(&*payload))),
+        }
+    }
+
+    fn put(&self, question: Question, body: &[u8]) -> Answer<Reply> {
+        match question {
+            Question::Scene => read::<Nothing>(body).and_then(|_| self.stage.scene()).map(|value| Reply::json(&value)),
+            Question::Frame => self.frame(&read(body)?),
+            Question::Pick => self.stage.pick(&read::<PickRequest>(body)?).map(|value| Reply::json(&value)),
+            Question::Select => {
+                let SelectRequest { expr, frame } = read(body)?;
+                self.stage.select(&expr, frame).map(|value| Reply::json(&value))
+            }
+            Question::Command => {
+                let commands = self.stage.command(&read::<FrameRequest>(body)?)?;
+                let value = serde_json::to_value(commands).map_err(|error| Refusal::internal(error.to_string()))?;
+                Ok(Reply::json(&value))
+            }
+            Question::Progress => {
+                read::<Nothing>(body).and_then(|_| self.stage.progress(HELD)).map(|value| Reply::json(&value))
+            }
+        }
+    }
+
+    fn frame(&self, request: &FrameRequest) -> Answer<Reply> {
+        let picture = {
+            let mut turn = self.queue.arrive(request.seq);
+            let is_closed = || self.is_closed.load(Ordering::Relaxed);
+            if is_closed() || !turn.wait() {
+                return Ok(Reply::EMPTY);
+            }
+            // A move that has begun is finished: else a page that asks while it waits would see none.
+            let go_on = || !is_closed() && (request.mode == Mode::Move || !turn.is_needless());
+            self.stage.frame(request, &go_on)?
+        };
+        let Some(picture) = picture else { return Ok(Reply::EMPTY) };
+        // The next frame is rendered while this one is encoded.
+        let reply = match picture.pixels {
+            Pixels::Rgb { size, levels } => Reply::new("image/jpeg", jpeg::encode(size, &levels)?),
+            Pixels::Png(bytes) => Reply::new("image/png", bytes),
+        };
+        Ok(reply.with(picture.info))
+    }
+}
+
+/// A message from JSON.
+fn read<T: DeserializeOwned>(body: &[u8]) -> Answer<T> {
+    serde_json::from_slice(body).map_err(|error| {
+        let words = error.to_string();
+        let shown = words.chars().map(|c| if c.is_control() { ' ' } else { c }).take(MESSAGE);
+        Refusal::settings(format!("the request is not valid: {}", shown.collect::<String>()))
+    })
+}
+
+/// What a panic says.
+fn words(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+    format!("the program failed: {}", text.unwrap_or("it does not say why"))
+}

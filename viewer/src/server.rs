@@ -1,0 +1,185 @@
+//! The server: the port, a thread for each connection, and the end.
+
+use crate::exchange::{Moment, converse};
+use crate::http::Refused;
+use crate::places::{Doing, Places};
+use crate::reply::Reply;
+use crate::routes::Routes;
+use crate::stage::Stage;
+use crate::timed::Timed;
+use std::collections::VecDeque;
+use std::io::{self, Read};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The port that is tried first where none is given.
+pub const PORT: u16 = 8642;
+
+/// The most connections at a time. Browsers open six.
+const CONNECTIONS: usize = 8;
+
+/// The slowest that an answer may be taken, in bytes a second: a picture through a slow line takes longer than a request.
+const SLOWEST: usize = 64 << 10;
+
+/// How often the end is looked for, and how long connections get to end.
+const TICK: Duration = Duration::from_millis(50);
+const PATIENCE: Duration = Duration::from_millis(300);
+
+/// How long things may take.
+#[derive(Debug, Clone, Copy)]
+#[doc(hidden)]
+pub struct Times {
+    /// A request from its first to its last byte, and the first bytes of an answer.
+    pub request: Duration,
+    /// A connection until its next request.
+    pub idle: Duration,
+}
+
+/// A server that listens on 127.0.0.1 and waits for [`run`](Self::run).
+pub struct Server {
+    listener: TcpListener,
+    address: SocketAddr,
+    token: String,
+    times: Times,
+}
+
+/// What the threads share.
+struct Shared {
+    routes: Routes,
+    token: String,
+    times: Times,
+    places: Places,
+    has_ended: AtomicBool,
+}
+
+impl Server {
+    /// Binds a port of 127.0.0.1: the given one, or else [`PORT`], and a free one if that is taken. Port 0 is a free one.
+    pub fn bind(port: Option<u16>) -> io::Result<Self> {
+        let at = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
+        let listener = match port {
+            Some(port) => at(port),
+            None => at(PORT).or_else(|_| at(0)),
+        }?;
+        let address = listener.local_addr()?;
+        let mut random = [0; 16];
+        getrandom::fill(&mut random).map_err(|error| io::Error::other(format!("no random numbers: {error}")))?;
+        let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
+        let times = Times { request: Duration::from_secs(10), idle: Duration::from_secs(60) };
+        Ok(Self { listener, address, token, times })
+    }
+
+    /// With other times, for tests.
+    #[doc(hidden)]
+    pub fn with_times(self, times: Times) -> Self {
+        Self { times, ..self }
+    }
+
+    /// The port.
+    pub fn port(&self) -> u16 {
+        self.address.port()
+    }
+
+    /// The address of the page, with the token in its fragment, which browsers do not send.
+    pub fn url(&self) -> String {
+        format!("http://127.0.0.1:{}/#{}", self.port(), self.token)
+    }
+
+    /// Serves until `stop` is set, or until there was no request for as long as `idle`. It returns within half a second,
+    /// also while the stage is at work; what that still does ends with the process.
+    pub fn run(self, stage: Arc<dyn Stage>, idle: Option<Duration>, stop: &AtomicBool) -> io::Result<()> {
+        let Self { listener, address, token, times } = self;
+        let shared = Arc::new(Shared {
+            routes: Routes::new(stage),
+            token,
+            times,
+            places: Places::new(),
+            has_ended: AtomicBool::new(false),
+        });
+        let doorman = {
+            let shared = shared.clone();
+            thread::Builder::new().name("doorman".into()).spawn(move || shared.accept(&listener))?
+        };
+        while !stop.load(Ordering::Relaxed)
+            && !idle.is_some_and(|idle| shared.places.are_unused_for(idle))
+            && !doorman.is_finished()
+        {
+            thread::sleep(TICK);
+        }
+        shared.has_ended.store(true, Ordering::Relaxed);
+        shared.routes.close();
+        let end = Instant::now() + PATIENCE;
+        while Instant::now() < end && !(doorman.is_finished() && shared.places.is_empty()) {
+            // A connection of its own wakes the thread that waits for one.
+            drop(TcpStream::connect_timeout(&address, TICK));
+            shared.places.close();
+            thread::sleep(TICK / 10);
+        }
+        Ok(())
+    }
+}
+
+impl Shared {
+    /// Accepts connections until the end.
+    fn accept(self: &Arc<Self>, listener: &TcpListener) {
+        // Closing a connection with unread bytes would destroy the answer before it is read, so that the last few stay.
+        let mut refused = VecDeque::new();
+        while !self.has_ended.load(Ordering::Relaxed) {
+            match listener.accept() {
+                Ok(_) if self.has_ended.load(Ordering::Relaxed) => {}
+                Ok((stream, _)) => {
+                    refused.extend(self.receive(Arc::new(stream)));
+                    refused.drain(..refused.len().saturating_sub(CONNECTIONS));
+                }
+                // Of a connection that is gone already, or there are too many open files.
+                Err(_) => thread::sleep(TICK / 5),
+            }
+        }
+    }
+
+    /// Gives a connection a place and a thread, or returns it refused.
+    fn receive(self: &Arc<Self>, stream: Arc<TcpStream>) -> Option<Arc<TcpStream>> {
+        let Some(number) = self.places.take(stream.clone(), CONNECTIONS) else {
+            let refused = Refused { status: 503, message: "8 other requests are being answered" };
+            let _ = stream.set_nonblocking(true);
+            let _ = Reply::from(refused).write(&mut &*stream, false);
+            let _ = stream.shutdown(Shutdown::Write);
+            return Some(stream);
+        };
+        let shared = self.clone();
+        let serve = move || {
+            shared.serve(&stream, number);
+            shared.places.leave(number);
+        };
+        if thread::Builder::new().name("connection".into()).spawn(serve).is_err() {
+            self.places.leave(number);
+        }
+        None
+    }
+
+    /// Answers the requests of a connection.
+    fn serve(&self, stream: &TcpStream, number: u64) {
+        let timed = Timed::new(stream);
+        let _ = stream.set_nodelay(true);
+        let goes_on = |moment| {
+            let (doing, time) = match moment {
+                Moment::Idle => (Some(Doing::Waiting), self.times.idle),
+                Moment::Reading => (Some(Doing::Reading), self.times.request),
+                Moment::Working => (Some(Doing::Working), self.times.request),
+                Moment::Writing(bytes) => (None, self.times.request + Duration::from_secs((bytes / SLOWEST) as u64)),
+            };
+            timed.allow(time);
+            let is_here = doing.is_none_or(|doing| self.places.set(number, doing));
+            is_here && !self.has_ended.load(Ordering::Relaxed)
+        };
+        converse(&timed, &timed, (&self.routes, &self.token), &goes_on);
+        // With unread bytes the last answer would be lost: the other side gets a while to stop.
+        if self.places.set(number, Doing::Waiting) && stream.shutdown(Shutdown::Write).is_ok() {
+            timed.allow(self.times.request.min(Duration::from_secs(1)));
+            let mut reader = (&timed).take(1 << 20);
+            let _ = io::copy(&mut reader, &mut io::sink());
+        }
+    }
+}
