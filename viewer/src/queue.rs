@@ -2,6 +2,7 @@
 //! with a greater number makes those needless that arrived before it. One that arrives later with a smaller number, from a
 //! page that was loaded again, is as good as any.
 
+use crate::stage::GoOn;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -60,6 +61,12 @@ impl Turn<'_> {
     /// Whether a newer request has arrived.
     pub(crate) fn is_needless(&self) -> bool {
         self.asked.is_needless.load(Ordering::Relaxed)
+    }
+
+    /// Whether no newer request has arrived, for work that is not done here.
+    pub(crate) fn go_on(&self) -> GoOn {
+        let asked = Arc::clone(&self.asked);
+        Arc::new(move || !asked.is_needless.load(Ordering::Relaxed))
     }
 
     /// Waits for the turn; `false` if a newer request arrives before.

@@ -3,7 +3,7 @@
 use crate::http::{Refused, refused};
 use crate::queue::Queue;
 use crate::reply::Reply;
-use crate::stage::{Answer, FrameRequest, Mode, PickRequest, Pixels, Refusal, SelectRequest, Stage};
+use crate::stage::{Answer, FrameRequest, GoOn, Mode, PickRequest, Pixels, Refusal, SelectRequest, Stage};
 use crate::{jpeg, page};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -134,12 +134,11 @@ impl Routes {
     fn frame(&self, request: &FrameRequest) -> Answer<Reply> {
         let picture = {
             let mut turn = self.queue.arrive(request.seq);
-            let is_closed = || self.is_closed.load(Ordering::Relaxed);
-            if is_closed() || !turn.wait() {
+            if self.is_closed.load(Ordering::Relaxed) || !turn.wait() {
                 return Ok(Reply::EMPTY);
             }
             // A move that has begun is finished: else a page that asks while it waits would see none.
-            let go_on = || !is_closed() && (request.mode == Mode::Move || !turn.is_needless());
+            let go_on: GoOn = if request.mode == Mode::Move { Arc::new(|| true) } else { turn.go_on() };
             self.stage.frame(request, &go_on)?
         };
         let Some(picture) = picture else { return Ok(Reply::EMPTY) };
