@@ -127,7 +127,8 @@ impl Config {
         Ok(Self(words))
     }
 
-    /// The command with the environment variables and the values of this file added to its options.
+    /// The command with the environment variables and the values of this file added to the options of its subcommands that use
+    /// them.
     ///
     /// # Errors
     /// [`Error::Settings`] with the place of a value that its option does not accept.
@@ -138,7 +139,8 @@ impl Config {
             fault = std::mem::replace(&mut fault, Ok(())).and(checked);
             argument
         };
-        let known = COMMANDS
+        let there: Vec<_> = COMMANDS.into_iter().filter(|name| command.find_subcommand(name).is_some()).collect();
+        let known = there
             .into_iter()
             .fold(command, |command, name| command.mut_subcommand(name, |part| part.mut_args(&mut option)));
         fault.map(|()| known)
