@@ -18,6 +18,7 @@ struct State {
     /// In the order of arrival, with the one that is rendered.
     asked: Vec<Arc<Asked>>,
     is_rendering: bool,
+    arrived: u64,
 }
 
 /// A request.
@@ -46,8 +47,14 @@ impl Queue {
             other.is_needless.store(true, Ordering::Relaxed);
         }
         state.asked.push(asked.clone());
+        state.arrived += 1;
         self.changed.notify_all();
         Turn { queue: self, asked, is_rendering: false }
+    }
+
+    /// How many requests have arrived so far.
+    pub(crate) fn arrived(&self) -> u64 {
+        self.lock().arrived
     }
 
     /// Nobody wants a frame any longer.

@@ -102,6 +102,11 @@ impl Routes {
         self.queue.clear();
     }
 
+    /// How many frames have been asked for so far.
+    pub fn frames(&self) -> u64 {
+        self.queue.arrived()
+    }
+
     /// The answer to a question. A panic of the stage is an answer too.
     pub(crate) fn ask(&self, question: Question, body: &[u8]) -> Reply {
         match panic::catch_unwind(AssertUnwindSafe(|| self.put(question, body))) {
