@@ -1,6 +1,6 @@
 //! A stage without a scene.
 
-use halfline_viewer::{Answer, Commands, FrameRequest, PickRequest, Picture, Pixels, Refusal, Stage};
+use halfline_viewer::{Answer, Commands, FrameRequest, GoOn, PickRequest, Picture, Pixels, Refusal, Stage};
 use serde_json::{Value, json};
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
@@ -64,7 +64,7 @@ impl Stage for Fake {
         Ok(json!({ "schema": 1 }))
     }
 
-    fn frame(&self, request: &FrameRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Answer<Option<Picture>> {
+    fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>> {
         self.call();
         let size @ [width, height] = request.size;
         if width == 0 || height == 0 || width > 10_000 || height > 10_000 {
