@@ -72,7 +72,7 @@ impl Stage for Fake {
         }
         let is_done = match request.look.as_deref() {
             Some("panic") => panic!("as the test wants"),
-            Some("hold") => self.hold(go_on),
+            Some("hold") => self.hold(&**go_on),
             Some("hang") => self.hold(&|| true),
             _ => true,
         };
