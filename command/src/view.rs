@@ -8,7 +8,9 @@ mod moving;
 mod parse;
 mod pick;
 mod python;
+mod rays;
 mod summary;
+mod tree;
 
 use super::inset_args::joined;
 use super::messages::{QuietArgs, note};

@@ -4,7 +4,8 @@ use super::frames::Frames;
 use super::given::{Given, line};
 use super::parse::Parser;
 use super::pick::{describe, distance, pick};
-use super::{lens, moving, python, summary};
+use super::moving::Moving;
+use super::{lens, python, summary};
 use crate::adapters::note_fallback;
 use crate::camera_file;
 use crate::failure::object;
@@ -16,7 +17,6 @@ use crate::signals::watch;
 use crate::threads::both;
 use halfline::camera::Aperture;
 use halfline::error::{Error, Result};
-use halfline::frame::report::Report;
 use halfline::render::Renderer;
 use halfline::settings::{Backend, Settings};
 use halfline_files::read::{FrameRange, SceneFrame, Selection};
@@ -34,7 +34,7 @@ pub(super) struct Desk {
     /// `None` until the first frame was read.
     book: Mutex<Option<Book>>,
     read: Condvar,
-    renderer: Mutex<Option<Renderer>>,
+    place: Mutex<Place>,
     /// Picks do not wait for a picture.
     picker: Mutex<Renderer>,
     messages: Messages<'static>,
@@ -56,6 +56,13 @@ struct Book {
     is_numbered: bool,
 }
 
+/// What makes pictures.
+#[derive(Default)]
+struct Place {
+    renderer: Option<Renderer>,
+    moving: Moving,
+}
+
 /// A picture that is ready to render.
 struct Posed {
     args: SceneArgs,
@@ -73,7 +80,7 @@ impl Desk {
             given,
             book: Mutex::default(),
             read: Condvar::new(),
-            renderer: Mutex::default(),
+            place: Mutex::default(),
             picker: Mutex::new(Renderer::new(&own)?),
             messages: Messages::new(None),
         })
@@ -95,7 +102,7 @@ impl Desk {
         let (plain, summary, taken, first) = read?;
         let renderer = renderer?;
         note_fallback(&renderer);
-        *lock(&self.renderer) = Some(renderer);
+        lock(&self.place).renderer = Some(renderer);
         let is_numbered = self.given.frames().is_some() || plain.total.is_none();
         *lock(&self.book) = Some(Book { parser, plain, selected: None, summary, taken, first, is_numbered });
         self.read.notify_all();
@@ -169,26 +176,22 @@ impl Desk {
         book.selected.insert(selected).get(number)
     }
 
-    /// A renderer that ends its work when the request is no longer wanted.
-    fn with_renderer<T>(&self, go_on: &GoOn, work: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
-        let mut place = lock(&self.renderer);
-        let Some(renderer) = place.take() else {
+    /// The pixels of a picture and what is true of them, by a renderer that ends its work when `go_on` says so.
+    fn render(&self, posed: &Posed, request: &FrameRequest, go_on: &GoOn) -> Result<(Pixels, Value)> {
+        let mut place = lock(&self.place);
+        let Place { renderer, moving } = &mut *place;
+        let Some(idle) = renderer.take() else {
             return Err(Error::settings("the renderer failed before", "start the command again"));
         };
         let wanted = GoOn::clone(go_on);
-        let mut renderer = renderer.watched_by(watch().while_true(move || wanted()));
-        let done = work(&mut renderer);
-        *place = Some(renderer);
-        done
-    }
-
-    /// The pixels and the report of a picture.
-    fn render(&self, posed: &Posed, mode: Mode, renderer: &mut Renderer) -> Result<(Pixels, Report)> {
+        let renderer = renderer.insert(idle.watched_by(watch().while_true(move || wanted())));
         let Posed { args, picture, settings, targets } = posed;
-        match mode {
+        match request.mode {
             Mode::Move => {
                 let settings = args.settings_for(picture, settings, targets)?;
-                moving::render(renderer, &picture.scene, &settings)
+                let moved = moving.render(renderer, (picture.number, &picture.scene), &settings)?;
+                let info = summary::of_moved(&moved);
+                Ok((moved.pixels, info))
             }
             Mode::Still => {
                 let writer = PictureWriter {
@@ -202,7 +205,7 @@ impl Desk {
                 };
                 let written = writer.picture(picture, renderer)?;
                 let still = written.still.ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
-                Ok((Pixels::Png(still), written.report))
+                Ok((Pixels::Png(still), summary::of_still(&written.report)))
             }
         }
     }
@@ -220,14 +223,16 @@ impl Stage for Desk {
     fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>> {
         let start = Instant::now();
         let posed = self.with(|book| self.posed(book, request))?;
-        let done = self.with_renderer(go_on, |renderer| self.render(&posed, request.mode, renderer));
-        let (pixels, report) = match done {
+        let (pixels, mut info) = match self.render(&posed, request, go_on) {
             Err(Error::Interrupted) => return Ok(None),
             done => done.map_err(|error| refusal(&error))?,
         };
         let unit = lens::unit(&posed.picture.scene.camera, request.size).map_err(|error| refusal(&error))?;
-        let ms = start.elapsed().as_secs_f64() * 1e3;
-        Ok(Some(Picture { pixels, info: summary::of_frame(request.seq, &report, ms, unit) }))
+        let ms = (start.elapsed().as_secs_f64() * 1e5).round() / 100.0;
+        for (name, value) in [("seq", json!(request.seq)), ("unit", json!(unit)), ("ms", json!(ms))] {
+            info[name] = value;
+        }
+        Ok(Some(Picture { pixels, info }))
     }
 
     fn pick(&self, request: &PickRequest) -> Answer<Value> {

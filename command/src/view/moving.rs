@@ -1,26 +1,134 @@
-//! Pictures while the camera moves: soon, and without what follows later.
+//! Pictures while the camera moves: soon, by one ray for each pixel, lit from the eye.
+//!
+//! Two ways make them: a frame of the renderer, which stages all spheres for each camera, and a tree of the spheres, whose cost
+//! grows with the pixels. Both are timed, and the faster one is taken.
 
+use super::rays::ViewingRays;
+use super::tree::Tree;
+use glam::{DVec3, Vec3};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
-use halfline::frame::report::Report;
+use halfline::frame::srgb;
 use halfline::render::Renderer;
-use halfline::scene::{Lighting, Scene};
+use halfline::scene::{DEFAULT_COLOR, Lighting, Scene};
 use halfline::settings::Settings;
+use halfline::shade::Shade;
+use halfline::trace::Hits;
 use halfline_viewer::Pixels;
+use rayon::prelude::*;
+use std::time::Instant;
 
-/// The picture of a scene by one ray for each pixel, lit from the eye.
-///
-/// # Errors
-/// Those of a frame.
-pub(super) fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Result<(Pixels, Report)> {
+/// A frame that takes longer than this is worth a tree, milliseconds: with fewer than ten pictures a second hands are lost.
+const SLOW: f64 = 40.0;
+
+/// Frames of the same spheres before a tree is built: a film shows each once.
+const STANDING: u32 = 2;
+
+/// A picture and what is true of it.
+pub(super) struct Moved {
+    pub(super) pixels: Pixels,
+    pub(super) certified: f64,
+    pub(super) settled: u64,
+    pub(super) accuracy: &'static str,
+    pub(super) adapter: String,
+}
+
+/// What is known about the spheres that move.
+#[derive(Default)]
+pub(super) struct Moving {
+    /// The number of the frame of the file.
+    frame: u64,
+    /// How many pictures of it were made.
+    count: u32,
+    tree: Option<Tree>,
+    /// The time of the last frame of the renderer, and that of the tree for each pixel, milliseconds.
+    staged: f64,
+    traced: Option<f64>,
+}
+
+impl Moving {
+    /// The picture of a scene, which is that of frame `number` of the file.
+    ///
+    /// # Errors
+    /// Those of a frame.
+    pub(super) fn render(
+        &mut self,
+        renderer: &mut Renderer,
+        (number, scene): (u64, &Scene),
+        settings: &Settings,
+    ) -> Result<Moved> {
+        if self.frame != number {
+            *self = Self { frame: number, ..Self::default() };
+        }
+        self.count += 1;
+        let start = Instant::now();
+        let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
+        let pixels = f64::from(scene.image.width) * f64::from(scene.image.height);
+        let is_faster = self.traced.is_none_or(|each| each * pixels < self.staged);
+        let is_built = self.tree.as_mut().is_some_and(Tree::is_built);
+        if let Some(tree) = self.tree.as_ref().filter(|_| is_faster && is_built) {
+            let moved = by_tree(tree, scene, settings)?;
+            self.traced = Some(milliseconds() / pixels);
+            return Ok(moved);
+        }
+        let moved = by_frame(renderer, scene, settings)?;
+        self.staged = milliseconds();
+        if self.staged > SLOW && self.count > STANDING && self.tree.is_none() && scene.spheres.materials.is_none() {
+            self.tree = Tree::of(scene.spheres.clone());
+        }
+        Ok(moved)
+    }
+}
+
+fn by_frame(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Result<Moved> {
     let lighting = Lighting { bounces: Some(0), ..Lighting::default() };
     let scene = Scene { lighting, spheres: scene.spheres.clone(), ..*scene };
-    let settings =
-        Settings { aovs: vec![Aov::Color], samples: 1, aperture: None, silhouette: false, ..settings.clone() };
+    let aovs = vec![Aov::Color];
+    let settings = Settings { aovs, samples: 1, aperture: None, silhouette: false, ..settings.clone() };
     let frame = renderer.render(&scene, &settings)?;
     let image = frame.image().ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
     let levels = image.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    let (pixels, report) = (Pixels::Rgb { size: [image.width(), image.height()], levels }, frame.report.clone());
+    let moved = Moved {
+        pixels: Pixels::Rgb { size: [image.width(), image.height()], levels },
+        certified: frame.report.certified,
+        settled: frame.report.settled,
+        accuracy: frame.report.accuracy,
+        adapter: frame.report.adapter.clone(),
+    };
     renderer.recycle(frame);
-    Ok((pixels, report))
+    Ok(moved)
+}
+
+fn by_tree(tree: &Tree, scene: &Scene, settings: &Settings) -> Result<Moved> {
+    let size = [scene.image.width, scene.image.height];
+    let rays = ViewingRays::new(&scene.camera, size)?;
+    let hits = tree.hits(&rays)?;
+    let background = scene.image.background.map(srgb::level);
+    let levels = (0..rays.len()).into_par_iter().flat_map_iter(|n| match usize::try_from(hits.id[n]) {
+        Ok(id) => shaded(scene, settings.shade, rays.nth(n)[1], normal(&hits, n), id).map(srgb::level),
+        Err(_) => background,
+    });
+    let settled = hits.certainty.par_iter().filter(|certainty| **certainty == 1).count();
+    let unproved = hits.certainty.par_iter().filter(|certainty| **certainty != 0).count();
+    Ok(Moved {
+        pixels: Pixels::Rgb { size, levels: levels.collect() },
+        certified: 1.0 - unproved as f64 / rays.len() as f64,
+        settled: settled as u64,
+        accuracy: "certified",
+        adapter: "cpu".into(),
+    })
+}
+
+/// The linear colour of a hit, as the kernels shade without lights.
+fn shaded(scene: &Scene, shade: Shade, direction: DVec3, normal: Vec3, id: usize) -> [f32; 3] {
+    let own = scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id]);
+    match shade {
+        Shade::Flat => own,
+        Shade::Normal => normal.to_array().map(|x| 0.5 * x + 0.5),
+        Shade::Headlight => own.map(|channel| channel * normal.dot(-direction.normalize().as_vec3()).max(0.0)),
+    }
+}
+
+fn normal(hits: &Hits, n: usize) -> Vec3 {
+    hits.normal.as_ref().map_or(Vec3::Z, |normals| Vec3::from_array(normals[n]))
 }

@@ -1,12 +1,15 @@
 //! What a pixel shows, decided exactly.
 
+use super::rays::ViewingRays;
+use glam::DVec3;
 use halfline::error::Result;
 use halfline::frame::{Aov, Data};
 use halfline::render::Renderer;
-use halfline::scene::{Cell, Scene};
+use halfline::scene::{Cell, Lighting, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
 use halfline_files::read::{ColumnValue, Columns, SceneFrame};
+use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 /// The sphere that pixel `x`, `y` of a scene shows: its id is that of the buffer `id`; null on a miss.
@@ -14,6 +17,13 @@ use serde_json::{Map, Value, json};
 /// # Errors
 /// Those of a frame; [`halfline::Error::Settings`] for a pixel that is not in the image.
 pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, [x, y]: [u32; 2]) -> Result<Value> {
+    let rays = ViewingRays::new(&scene.camera, [scene.image.width, scene.image.height])?;
+    // The frame is that of the spheres that the ray comes close to.
+    let near = near_ray(&scene.spheres, rays.ray(x, y));
+    let of = |values: &[[f64; 3]]| near.iter().map(|id| values[*id]).collect::<Vec<_>>().into();
+    let radii = near.iter().map(|id| scene.spheres.radii[*id]).collect::<Vec<_>>().into();
+    let spheres = Spheres { centers: of(&scene.spheres.centers), radii, ..Spheres::default() };
+    let alone = Scene { spheres, lighting: Lighting::default(), ..*scene };
     let window = Window { x0: x, y0: y, x1: x.saturating_add(1), y1: y.saturating_add(1) };
     let settings = Settings {
         accuracy: Accuracy::Certified,
@@ -22,12 +32,13 @@ pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, 
         window: Some(window),
         ..Settings::default()
     };
-    let frame = renderer.render(scene, &settings)?;
-    let (Some(id @ 0..), Some([x, y, z])) = (frame.ids().first().copied(), frame.f64(Aov::Position)) else {
+    let frame = renderer.render(&alone, &settings)?;
+    let found = frame.ids().first().and_then(|id| near.get(usize::try_from(*id).ok()?));
+    let (Some(id), Some([x, y, z])) = (found, frame.f64(Aov::Position)) else {
         return Ok(Value::Null);
     };
     let is_settled = frame.get(Aov::Certainty).is_some_and(|buffer| buffer.data == Data::U8(vec![1]));
-    let (center, radius) = (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
+    let (center, radius) = (scene.spheres.centers[*id], scene.spheres.radii[*id]);
     Ok(json!({
         "id": id,
         "center": center,
@@ -36,6 +47,20 @@ pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, 
         "distance": frame.f64(Aov::Distance).and_then(|distances| distances.first()),
         "certainty": if is_settled { "settled" } else { "certified" },
     }))
+}
+
+/// The spheres that a ray may hit, and those that it passes closely: by some millions of roundings of their distance.
+fn near_ray(spheres: &Spheres, [origin, direction]: [DVec3; 2]) -> Vec<usize> {
+    const SLACK: f64 = 1e-9;
+    let along = direction.normalize();
+    let is_near = |(center, radius): (&[f64; 3], &f64)| {
+        let toward = DVec3::from_array(*center) - origin;
+        let beside = (toward - along * toward.dot(along)).length();
+        // Numbers too large for f64 are no reason to leave a sphere out.
+        !(beside > radius * (1.0 + SLACK) + SLACK * toward.length())
+    };
+    let all = (spheres.centers.par_iter(), spheres.radii.par_iter()).into_par_iter().enumerate();
+    all.filter(|(_, sphere)| is_near(*sphere)).map(|(id, _)| id).collect()
 }
 
 /// What the file says about a sphere: `row`, its number in the file from 0, and `columns`.
@@ -57,7 +82,7 @@ pub(super) fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: u
 pub(super) fn distance(frame: &SceneFrame, id: usize, from: u64) -> Option<Value> {
     let centers = &frame.scene.spheres.centers;
     let (a, b) = (centers.get(usize::try_from(from).ok()?)?, centers.get(id)?);
-    let apart = glam::DVec3::from_array(*b) - glam::DVec3::from_array(*a);
+    let apart = DVec3::from_array(*b) - DVec3::from_array(*a);
     let image = frame.cell.as_ref().map(|cell: &Cell| cell.nearest_image(apart).length());
     Some(json!({ "id": from, "distance": apart.length(), "minimum_image": image }))
 }

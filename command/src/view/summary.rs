@@ -1,6 +1,7 @@
 //! What the page shows about the scene and about a picture.
 
 use super::lens;
+use super::moving::Moved;
 use crate::picture_scene::PictureScene;
 use halfline::error::Result;
 use halfline::frame::legend::Legend;
@@ -51,19 +52,29 @@ pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene) -> Re
     }))
 }
 
-/// The header of a picture.
-pub(super) fn of_frame(seq: u64, report: &Report, ms: f64, unit: f64) -> Value {
+/// What is true of a still picture.
+pub(super) fn of_still(report: &Report) -> Value {
     json!({
-        "seq": seq,
-        "ms": (ms * 100.0).round() / 100.0,
         "accuracy": report.accuracy,
         "certified": report.certified,
         "settled": report.settled,
-        "unit": unit,
         "adapter": report.adapter,
         "look": report.look,
         "samples": report.samples,
         "warnings": report.warnings,
+    })
+}
+
+/// What is true of a picture while the camera moves.
+pub(super) fn of_moved(moved: &Moved) -> Value {
+    json!({
+        "accuracy": moved.accuracy,
+        "certified": moved.certified,
+        "settled": moved.settled,
+        "adapter": moved.adapter,
+        "look": "plain",
+        "samples": 1,
+        "warnings": [],
     })
 }
 
@@ -87,8 +98,9 @@ fn column(values: &ColumnValues) -> Value {
         ColumnValues::Numbers(numbers) => range(&mut numbers.iter().copied()),
         ColumnValues::Whole(numbers) => range(&mut numbers.iter().map(|x| f64::from(*x))),
         ColumnValues::Order(count) => json!({ "type": "number", "min": 0, "max": count.saturating_sub(1) }),
-        ColumnValues::Texts(_, texts) => {
-            json!({ "type": "text", "count": texts.len(), "values": texts.iter().take(MOST_TEXTS).collect::<Vec<_>>() })
+        ColumnValues::Texts(..) => {
+            let used = values.texts();
+            json!({ "type": "text", "count": used.len(), "values": used.iter().take(MOST_TEXTS).collect::<Vec<_>>() })
         }
     }
 }

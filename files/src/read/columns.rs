@@ -237,6 +237,20 @@ impl ColumnValues {
         }
     }
 
+    /// The texts that some sphere has, each once; none of a column of numbers.
+    #[must_use]
+    pub fn texts(&self) -> Vec<&str> {
+        let Self::Texts(codes, texts) = self else { return Vec::new() };
+        let mut is_used = vec![false; texts.len()];
+        let count = match codes {
+            Codes::U8(codes) => codes.len(),
+            Codes::U16(codes) => codes.len(),
+            Codes::U32(codes) => codes.len(),
+        };
+        (0..count).for_each(|n| is_used[codes.at(n) as usize] = true);
+        texts.iter().zip(is_used).filter(|(_, is_used)| *is_used).map(|(text, _)| text.as_str()).collect()
+    }
+
     /// The number of a sphere, or the number of its text.
     fn at(&self, n: usize) -> f64 {
         match self {
