@@ -102,10 +102,10 @@ impl View {
         if let Some(line) = ssh_line(port) {
             note(format_args!("on your own machine run this, and open the address there: {line}"));
         }
-        let loaded = desk.load();
-        if loaded.is_ok() && !self.no_open && !open_browser(&url) {
+        if !self.no_open && !open_browser(&url) {
             note(format_args!("open the address in a browser; ctrl-C ends"));
         }
+        let loaded = desk.load();
         while loaded.is_ok() && go_on() && !serving.is_finished() {
             thread::sleep(Duration::from_millis(50));
         }

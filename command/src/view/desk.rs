@@ -1,10 +1,10 @@
 //! What the page asks, answered: one file, its frames that were read, and the renderers.
 
-use super::frames::Frames;
+use super::frames::{Count, Frames};
 use super::given::{Given, line};
+use super::moving::Moving;
 use super::parse::Parser;
 use super::pick::{describe, distance, pick};
-use super::moving::Moving;
 use super::{lens, python, summary};
 use crate::adapters::note_fallback;
 use crate::camera_file;
@@ -87,7 +87,7 @@ impl Desk {
     }
 
     /// Opens the device, and reads the frame with which the page begins; its camera is that of its picture by
-    /// `halfline render`.
+    /// `halfline render`. Then the page is answered, and the frames of the file are counted.
     ///
     /// # Errors
     /// Those of the options, of reading and of the device.
@@ -99,13 +99,19 @@ impl Desk {
         let read = || self.read_first(Frames::new(words.clone(), parser.args(&words)?), &args);
         let (read, renderer) = both(read, || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
-        let (plain, summary, taken, first) = read?;
+        let (mut plain, summary, taken, first) = read?;
         let renderer = renderer?;
         note_fallback(&renderer);
         lock(&self.place).renderer = Some(renderer);
-        let is_numbered = self.given.frames().is_some() || plain.total.is_none();
+        let rest = plain.count();
+        let is_numbered = self.given.frames().is_some() || plain.total != Some(1);
         *lock(&self.book) = Some(Book { parser, plain, selected: None, summary, taken, first, is_numbered });
         self.read.notify_all();
+        if let Some(total) = rest.and_then(Count::end)
+            && let Some(book) = lock(&self.book).as_mut()
+        {
+            book.plain.total = Some(total);
+        }
         Ok(())
     }
 
@@ -119,7 +125,6 @@ impl Desk {
         let taken = record.and_then(|record| record.lens_size());
         let picture = posed(args, frame, taken)?;
         let summary = summary::of(&self.given.scene, frames.get(first)?, &picture)?;
-        frames.has_next()?;
         Ok((frames, summary, taken, first))
     }
 

@@ -29,6 +29,22 @@ pub(super) struct Frames {
     pub(super) held: Option<Camera>,
 }
 
+/// A file whose frames are counted.
+pub(super) struct Count {
+    reading: Sequence,
+    count: u64,
+}
+
+impl Count {
+    /// The number of frames of the file; `None` where one cannot be read.
+    pub(super) fn end(mut self) -> Option<u64> {
+        while self.reading.pass().ok()? {
+            self.count += 1;
+        }
+        Some(self.count)
+    }
+}
+
 impl Frames {
     /// The frames that `args`, which are of these words, read.
     pub(super) fn new(words: Vec<OsString>, args: SceneArgs) -> Self {
@@ -50,13 +66,16 @@ impl Frames {
         Ok(&mut self.kept[at])
     }
 
-    /// Whether the frame behind the last one that was read is there; it is read.
-    pub(super) fn has_next(&mut self) -> Result<bool> {
-        match self.read(self.passed + 1) {
-            Ok(_) => Ok(true),
-            Err(_) if self.total.is_some() => Ok(false),
-            Err(error) => Err(error),
+    /// Counts the frames behind the last one that was read, if there are any. They are read again when they are shown.
+    pub(super) fn count(&mut self) -> Option<Count> {
+        let mut reading = self.reading.take()?;
+        match reading.pass() {
+            Ok(false) => self.total = Some(self.passed),
+            Ok(true) => return Some(Count { reading, count: self.passed + 1 }),
+            // It is an error when it is shown.
+            Err(_) => {}
         }
+        None
     }
 
     /// Reads frame `number`; its place among those that are kept.

@@ -1,12 +1,13 @@
 //! Promises of the command line, on the CPU path.
 
 #[path = "../../../tests/common/data.rs"]
-#[expect(dead_code, reason = "the other test programs use more of it")]
 mod data;
 #[path = "../../../tests/common/nff.rs"]
 mod nff;
 #[path = "../../../tests/common/numpy.rs"]
 mod numpy;
+#[path = "../common/page.rs"]
+mod page;
 #[path = "../../../tests/common/random_frames.rs"]
 mod random_frames;
 #[path = "../../../tests/common/rng.rs"]
@@ -48,4 +49,6 @@ mod sky;
 mod streams;
 mod tables;
 mod trace;
+#[cfg(unix)]
+mod view;
 mod words;

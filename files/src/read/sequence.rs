@@ -351,6 +351,20 @@ impl Sequence {
         Ok(None)
     }
 
+    /// Passes over the next frame, whether it is selected or not; `false` behind the last one.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub fn pass(&mut self) -> Result<bool> {
+        self.options.watch.check()?;
+        let passed = match &mut self.state {
+            SequenceState::One(frame) => frame.take().is_some(),
+            SequenceState::Many(frames) => frames.skip()?,
+        };
+        self.passed += u64::from(passed);
+        Ok(passed)
+    }
+
     /// The error for a sequence without a selected frame.
     #[must_use]
     pub fn nothing(&self) -> Error {
