@@ -10,6 +10,8 @@ mod config;
 mod pictures;
 #[path = "rays.rs"]
 mod rays;
+#[path = "requests.rs"]
+mod requests;
 #[path = "scenes.rs"]
 mod scenes;
 #[path = "select.rs"]
@@ -44,6 +46,7 @@ impl Target {
             other("rays", rays::read),
             other("select", select::select),
             other("cameras", select::cameras),
+            other("requests", requests::requests),
             #[cfg(fuzzing)]
             other("config", config::config),
         ];
