@@ -20,7 +20,7 @@ const make = (tag, props = {}, ...children) => {
 const div = (name, props, ...children) => make("div", { className: `hl-${name}`, ...props }, ...children);
 const count = (n) => n.toLocaleString("en-US");
 const plural = (n, word) => `${count(n)} ${word}${n === 1 ? "" : "s"}`;
-const words = (value) => Array.isArray(value) ? value.map(words).join(", ") : String(value ?? "");
+const words = (value) => Array.isArray(value) ? value.map(words).join("\n") : String(value ?? "");
 
 // How much smaller than the canvas moving frames are: halves and doubles from the times of the frames.
 function pace() {
