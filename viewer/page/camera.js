@@ -1,5 +1,5 @@
-// The mathematics of the camera, without a document and without state. A camera is {eye, at, up, vfov} with degrees of the
-// full height, or {eye, at, up, height} in scene units (orthographic). `at` is the pivot. Pixels count from the top left.
+// The mathematics of the camera, without document or state. A camera is {eye, at, up, vfov} with degrees of the full height,
+// or {eye, at, up, height} in scene units (orthographic). `at` is the pivot. Pixels count from the top left.
 
 export const plus = (a, b, k = 1) => a.map((x, i) => x + k * b[i]);
 export const minus = (a, b) => plus(a, b, -1);
@@ -31,27 +31,24 @@ export function basis(c) {
 export const seen = (c) => c.height ?? 2 * norm(minus(c.at, c.eye)) * halfTan(c);
 export const unitPerPixel = (c, size) => seen(c) / size[1];
 
-// Turns the eye about the pivot by angles of a drag to the right and downwards. With an axis the horizon stays level and
-// the eye stops short of the poles (a camera that is at a pole may stay there); without one the camera turns freely.
+// Turns the eye about the pivot by the angles of a drag to the right and downwards. With an axis the horizon stays level and
+// the eye stops short of the poles (it may stay at one); without one the camera turns freely.
 const POLE = Math.PI / 360;
 export function orbit(c, axis, dx, dy) {
   const { forward, right, up, distance } = basis(c);
-  let view, top;
+  const angle = Math.hypot(dx, dy);
+  if (!angle) return c;
+  let move, level = false;
   if (axis) {
     const pole = unit(axis), polar = Math.acos(Math.max(-1, Math.min(1, dot(forward, pole))));
-    const low = Math.min(POLE, polar), high = Math.max(Math.PI - POLE, polar);
-    const next = Math.max(low, Math.min(high, polar + dy));
-    const move = (v) => turn(turn(v, right, polar - next), pole, -dx);
-    view = move(forward);
-    top = Math.sin(next) < 0.99 * Math.sin(POLE) ? move(up) : axis;
+    const next = Math.max(Math.min(POLE, polar), Math.min(Math.max(Math.PI - POLE, polar), polar + dy));
+    move = (v) => turn(turn(v, right, polar - next), pole, -dx);
+    level = Math.sin(next) > 0.99 * Math.sin(POLE);
   } else {
-    const angle = Math.hypot(dx, dy);
-    if (angle === 0) return c;
     const about = unit(plus(right.map((x) => x * dy), up, dx));
-    view = turn(forward, about, -angle);
-    top = turn(up, about, -angle);
+    move = (v) => turn(v, about, -angle);
   }
-  return { ...c, eye: plus(c.at, unit(view), -distance), up: top };
+  return { ...c, eye: plus(c.at, unit(move(forward)), -distance), up: level ? axis : move(up) };
 }
 
 const shift = (c, by) => ({ ...c, eye: plus(c.eye, by), at: plus(c.at, by) });
@@ -109,7 +106,7 @@ export function project(c, size, point) {
   return [size[0] / 2 + dot(v, right) * k, size[1] / 2 - dot(v, up) * k];
 }
 
-// Numbers with as few digits as the picture needs: a millionth of what is seen. What is sent is what is copied.
+// Numbers with the digits that the picture needs: to a millionth of what is seen. What is sent is what is copied.
 function trim(x, scale) {
   const digits = 6 - Math.floor(Math.log10(scale));
   if (!(digits <= 100)) return x;
@@ -119,7 +116,7 @@ function trim(x, scale) {
 export function tidy(c) {
   const scale = seen(c), lens = c.height ? { height: trim(c.height, scale) } : { vfov: c.vfov };
   const all = (v, s) => v.map((x) => trim(x, s));
-  return { eye: all(c.eye, scale), at: all(c.at, scale), up: all(c.up, norm(c.up)), ...lens };
+  return { eye: all(c.eye, scale), at: all(c.at, scale), up: all(c.up, 1.5 * norm(c.up)), ...lens };
 }
 
 // The greatest of 1, 2, 5 x 10^k that is not above `most`.
@@ -128,5 +125,5 @@ export function roundLength(most) {
   return Number(`${[5, 2, 1].find((m) => m <= (most / 10 ** k) * (1 + 1e-9)) ?? 1}e${k}`);
 }
 
-export const sameCamera = (a, b) =>
-  ["eye", "at", "up"].every((k) => a[k].every((x, i) => x === b[k][i])) && a.vfov === b.vfov && a.height === b.height;
+const numbers = (c) => String([c.eye, c.at, c.up, c.vfov, c.height]);
+export const sameCamera = (a, b) => numbers(a) === numbers(b);

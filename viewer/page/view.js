@@ -1,8 +1,8 @@
-import { basis, before, fit, look, minus, norm, orbit, otherLens, pan, pivot, plus, project, roundLength, sameCamera, tidy, unitPerPixel, zoom } from "./camera.js";
+import { before, fit, look, minus, norm, orbit, otherLens, pan, pivot, project, roundLength, sameCamera, tidy, zoom } from "./camera.js";
 
 const REST_MS = 150;        // still for so long: the still picture is asked for
 const TARGET_MS = 80;       // what a moving frame may take
-const SMALLEST = 3;         // a moving frame has at least 1/2^3 of the width
+const SMALLEST = 3;         // a moving frame has 1/2^3 of the width or more
 const IN_FLIGHT = 2;
 const MOST_PIXELS = 4096;   // of a side
 const PLAY_MS = 40;
@@ -17,9 +17,10 @@ const make = (tag, props = {}, ...children) => {
   element.append(...children);
   return element;
 };
+const div = (name, props, ...children) => make("div", { className: `hl-${name}`, ...props }, ...children);
 const count = (n) => n.toLocaleString("en-US");
 const plural = (n, word) => `${count(n)} ${word}${n === 1 ? "" : "s"}`;
-const shown = (value) => Array.isArray(value) ? value.map(shown).join(", ") : String(value ?? "");
+const words = (value) => Array.isArray(value) ? value.map(words).join("\n") : String(value ?? "");
 
 // How much smaller than the canvas moving frames are: halves and doubles from the times of the frames.
 function pace() {
@@ -42,57 +43,56 @@ function pace() {
   };
 }
 
-// Builds the view in `root`. `transport` has request(route, body) -> Promise of {status, json, blob, info}; `options` has page
-// (the keys of the whole document are the view's), camera, selection, onChange and onStill.
+// Builds the view in `root`. `transport` has request(route, body) -> Promise of {status, json, blob, info}; `options` are page
+// (the keys of the document are the view's), camera, selection, onChange and onStill.
 export function mount(root, transport, options = {}) {
   const ended = new AbortController();
   const listen = (target, names, f, more = {}) => {
     for (const name of names.split(" ")) target.addEventListener(name, f, { signal: ended.signal, ...more });
   };
 
+  const notify = options.onChange ?? (() => {});
+
   // The state.
   let scene = null, camera = null, home = null, axis = null, vfov = 40;
   let selection = options.selection || "", frame = null, last = null, picked = [], styleName = null;
   let version = 0, failed = -1, rest = true, restTimer = 0, wasLost = false, playing = 0;
   let seq = Date.now();      // increases over reloads of the page too
-  let flying = [], drawn = { seq: 0, version: -1 }, still = null, waiters = [], warnings = [];
-  const speed = pace(), stats = { frames: 0, sizes: [], flying: 0 };
+  let flying = [], drawn = { seq: 0, version: -1 }, still = null, waiters = [], warnings = [], lastSize = "";
+  const speed = pace(), stats = { frames: 0, sizes: [] };
 
   // The document.
-  const button = (text, title, run, name = "") => make("button", { type: "button", textContent: text, title, className: name, "aria-label": title, onclick: run });
+  const button = (text, title, onclick) => make("button", { textContent: text, title, "aria-label": title, onclick });
   const canvas = make("canvas", { tabIndex: 0, role: "img", "aria-label": "The rendered scene. Press ? for the keys." });
-  const title = make("span", { className: "hl-title" });
-  const input = make("input", { type: "text", placeholder: "Select  ( / )", spellcheck: false, autocomplete: "off", autocapitalize: "off", "aria-label": "Selection" });
-  const chosen = make("output", { className: "hl-count" });
-  const refused = make("div", { className: "hl-refused", role: "alert", hidden: true });
-  const choose = make("form", { className: "hl-select", hidden: true, onsubmit: (e) => { e.preventDefault(); select(input.value); } }, input, chosen, refused);
-  const looks = make("select", { title: "Look of the still picture", "aria-label": "Look of the still picture", hidden: true, onchange: () => { styleName = looks.value; changed(); } });
-  const bar = make("div", { className: "hl-bar" }, title, choose, make("span", { className: "hl-buttons" }, looks,
+  const title = div("title");
+  const input = make("input", { placeholder: "Select  ( / )", spellcheck: false, autocomplete: "off", autocapitalize: "off", "aria-label": "Selection" });
+  const chosen = make("output"), refused = div("refused hl-panel", { role: "alert" });
+  const choose = make("form", { className: "hl-select", onsubmit: (e) => { e.preventDefault(); select(input.value); } }, input, chosen, refused);
+  const looks = make("select", { title: "Look of the still picture", onchange: () => { styleName = looks.value; changed(); } });
+  const message = make("button", { className: "hl-message" });
+  const note = div("note", { role: "status" });
+  const rule = div("rule"), ruleText = make("span");
+  const scale = div("scale hl-plate", {}, ruleText, rule);
+  const legend = make("img", { className: "hl-legend hl-plate", alt: "Legend" });
+  const rings = [0, 1].map(() => div("ring", {}));
+  const table = div("table hl-panel", { role: "region", "aria-label": "Picked spheres" });
+  const dialog = div("dialog hl-panel", { role: "dialog" });
+  const stage = div("stage", {}, canvas, ...rings, legend, scale, table, note, message, dialog);
+  const status = div("status");
+  const warned = make("details", { className: "hl-warnings" });
+  const number = make("output"), slider = make("input", { type: "range", "aria-label": "Frame", oninput: () => setFrame(+slider.value) });
+  const play = button("Play", "Play the frames, or pause (space)", togglePlay);
+  const film = div("film", {}, button("‹", "The frame before (left arrow)", () => step(-1)), play,
+    button("›", "The next frame (right arrow)", () => step(1)), slider, number);
+  root.replaceChildren(div("bar", {}, title, choose, div("buttons", {}, looks,
     button("Fit", "Fit the scene (f)", () => actions.f[1]()),
     button("Command", "Copy the command of this picture (c)", () => copy("shell")),
     button("Python", "Copy the Python of this picture (p)", () => copy("python")),
     button("Save", "Save this picture as PNG (s)", save),
-    button("?", "Hands and keys (?)", toggleHelp)));
-  const message = make("button", { type: "button", className: "hl-message", hidden: true });
-  const note = make("div", { className: "hl-note", role: "status", hidden: true });
-  const rule = make("div", { className: "hl-rule" }), ruleText = make("span");
-  const scale = make("div", { className: "hl-scale hl-plate", hidden: true, title: "Scene units at the distance of the pivot" }, ruleText, rule);
-  const legend = make("img", { className: "hl-legend hl-plate", alt: "Legend", hidden: true, draggable: false });
-  const rings = [0, 1].map(() => make("div", { className: "hl-ring", hidden: true }));
-  const table = make("div", { className: "hl-table hl-panel", role: "region", "aria-label": "Picked spheres", hidden: true });
-  const help = make("div", { className: "hl-help hl-panel", role: "dialog", "aria-label": "Hands and keys", hidden: true });
-  const text = make("div", { className: "hl-text hl-panel", role: "dialog", hidden: true });
-  const stage = make("div", { className: "hl-stage" }, canvas, ...rings, legend, scale, table, note, message, help, text);
-  const status = make("span", { className: "hl-status" });
-  const warned = make("details", { className: "hl-warnings", hidden: true });
-  const number = make("output"), slider = make("input", { type: "range", "aria-label": "Frame", step: 1, oninput: () => setFrame(+slider.value) });
-  const play = button("Play", "Play the frames (space)", togglePlay);
-  const film = make("span", { className: "hl-film", hidden: true },
-    button("‹", "The frame before (left arrow)", () => step(-1)), play, button("›", "The next frame (right arrow)", () => step(1)), slider, number);
-  root.replaceChildren(bar, stage, make("div", { className: "hl-foot" }, status, warned, film));
-  // A notebook keeps its own keys and menus to itself here.
-  root.toggleAttribute("data-lm-suppress-shortcuts", true);
-  root.toggleAttribute("data-jp-suppress-context-menu", true);
+    button("?", "Hands and keys (?)", toggleHelp))), stage, div("foot", {}, status, warned, film));
+  for (const e of [choose, refused, looks, message, note, scale, legend, ...rings, table, dialog, warned, film]) e.hidden = true;
+  // The notebook's own keys and menus stay outside.
+  for (const name of ["data-lm-suppress-shortcuts", "data-jp-suppress-context-menu"]) root.toggleAttribute(name, true);
 
   function say(what, isError = false) {
     note.textContent = what;
@@ -122,7 +122,7 @@ export function mount(root, transport, options = {}) {
       throw error;
     }
     if (answer.status < 400) return answer;
-    throw Object.assign(new Error(answer.json?.error?.message ?? `The server answered ${answer.status}`), { status: answer.status });
+    throw Object.assign(new Error(answer.json?.error?.message ?? `status ${answer.status}`), answer);
   }
   const complain = (error) => { if (!wasLost) say(error.message, true); };
 
@@ -134,11 +134,11 @@ export function mount(root, transport, options = {}) {
         const { state, text: what } = (await ask("/progress", {})).json;
         if (ended.signal.aborted) return;
         if (state === "ready") break;
-        tell(what || "Reading the file");
+        tell(what);
         await new Promise((resolve) => setTimeout(resolve, 100));
       }
-      const answer = (await ask("/scene", {})).json;
-      if (!scene) begin(answer);
+      const { json } = await ask("/scene", {});
+      if (!scene) begin(json);
     } catch (error) {
       if (!wasLost) tell(error.message, start);
       return;
@@ -147,42 +147,47 @@ export function mount(root, transport, options = {}) {
     rest = true;
     version += 1;
     pump();
+    notify({ camera });
     if (selection && !chosen.value) select(selection);
   }
 
-  function begin(answer) {
-    scene = answer;
+  function begin(json) {
+    scene = json;
     frame = scene.frame ?? 1;
     last = scene.frames == null ? null : firstFrame() + scene.frames - 1;
     home = scene.camera.up;
-    title.replaceChildren(scene.file ?? "", make("small", { textContent: plural(scene.count, "sphere") }));
-    title.title = [scene.file, scene.format, scene.version && `halfline ${scene.version}`].filter(Boolean).join(", ");
-    if (options.page) document.title = `${scene.file ?? "scene"} - halfline view`;
-    if (/^#[0-9a-f]{6}$/i.test(scene.background)) stage.style.background = scene.background;
+    title.replaceChildren(scene.file, make("small", {}, plural(scene.count, "sphere")));
+    if (options.page) document.title = `${scene.file} - halfline view`;
+    stage.style.backgroundColor = scene.background;
     choose.hidden = scene.selects === false;
-    input.title = `Columns: ${Object.keys(scene.columns ?? {}).join(", ")}`;
-    looks.append(...(scene.looks ?? []).map((name) => make("option", { value: name, textContent: name, selected: name === scene.look })));
+    input.title = `Columns: ${Object.keys(scene.columns).join(", ")}`;
+    looks.append(...scene.looks.map((name) => make("option", { selected: name === scene.look }, name)));
     looks.hidden = looks.length < 2;
     film.hidden = scene.frames === 1;
     slider.min = firstFrame();
     showFrame();
     showLegend(scene.legend);
     warn(scene.warnings);
-    setCamera(options.camera?.eye ? options.camera : scene.camera);
+    adopt(options.camera?.eye ? options.camera : scene.camera);
   }
 
   // The camera. One that is given is used as it is; one that was moved gets short numbers.
-  function setCamera(next) {
-    if (!next?.eye || (camera && sameCamera(camera, next))) return;
+  function adopt(next) {
     vfov = next.vfov ?? vfov;
     if (axis || !camera) axis = next.up;
     camera = next;
-    changed();
+  }
+  function setCamera(next) {
+    if (!scene) options.camera = next;
+    else if (next?.eye && !sameCamera(camera, next)) {
+      adopt(next);
+      changed();
+    }
   }
   function move(next) {
     const { center, radius } = scene;
-    const far = norm(minus(next.at, next.eye)), size = next.height ?? far, r = radius || 1;
-    if (!(size > Math.max(1e-9 * r, 1e-12 * norm(next.at)) && size < 1e5 * r + 10 * norm(minus(center, next.at)))) return;
+    const r = radius || 1, size = next.height ?? norm(minus(next.at, next.eye));
+    if (!(size > 1e-9 * r + 1e-12 * norm(next.at) && size < 1e5 * r + 10 * norm(minus(center, next.at)))) return;
     camera = tidy(before(next, center, r));
     changed();
   }
@@ -191,7 +196,6 @@ export function mount(root, transport, options = {}) {
     const [w, h] = box().map((x) => x * devicePixelRatio), k = Math.min(1, MOST_PIXELS / w, MOST_PIXELS / h);
     return [w, h].map((x) => Math.max(1, Math.round(x * k)));
   }
-  const notify = (state) => options.onChange?.(state);
 
   // Frames: while something changes, small and quick ones; at rest a whole one and then the still.
   function changed() {
@@ -207,67 +211,57 @@ export function mount(root, transport, options = {}) {
     pump();
   }
   const body = (mode, size) => ({
-    seq, camera, size, ...(scene.frames === 1 ? {} : { frame }), select: selection || null, look: styleName,
+    seq: seq += 1, camera, size, ...(scene.frames === 1 ? {} : { frame }), select: selection || null, look: styleName,
     samples: mode === "move" ? 1 : null, mode,
   });
 
+  const isNow = (f) => f.version === version, isStill = () => isNow(drawn) && drawn.mode === "still";
   function pump() {
-    if (!scene || wasLost || failed === version || !stage.clientWidth || !stage.clientHeight) return;
-    if (flying.length >= IN_FLIGHT) return;
-    const of = flying.filter((f) => f.version === version);
+    if (!scene || wasLost || failed === version || flying.length >= IN_FLIGHT || !stage.clientWidth || !stage.clientHeight) return;
+    const asked = flying.filter(isNow);
     if (!rest) {
-      if (!of.length && drawn.version !== version) send("move", speed.level);
-    } else if (!of.some((f) => f.level === 0) && !isStill()) {
-      send(drawn.version === version && drawn.level === 0 ? "still" : "move", 0);
-    }
+      if (!asked.length && !isNow(drawn)) send("move", speed.level);
+    } else if (!asked.some((f) => f.level === 0) && !isStill()) send(isNow(drawn) && drawn.level === 0 ? "still" : "move", 0);
   }
-  const isStill = () => drawn.version === version && drawn.mode === "still";
 
   async function send(mode, level) {
-    const full = fullSize(), size = full.map((x) => Math.max(1, Math.round(x / 2 ** level)));
-    seq += 1;
-    const sent = { seq, version, mode, level, camera, frame, size };
-    const from = performance.now(), request = body(mode, size);
-    flying.push(sent);
-    stats.flying = Math.max(stats.flying, flying.length);
-    const together = flying.length;
+    const from = performance.now();
+    const full = fullSize(), request = body(mode, full.map((x) => Math.max(1, Math.round(x / 2 ** level))));
+    lastSize = String(full);
+    const sent = { seq, version, mode, level, camera, frame }, together = flying.push(sent);
     let pause = 0;
     try {
-      const { status: code, blob, info } = await ask("/frame", request);
-      if (code !== 204) {
-        const bitmap = await createImageBitmap(blob);
-        draw(sent, bitmap, info ?? {}, blob);
+      const { blob, info } = await ask("/frame", request);
+      if (blob) {
+        draw(sent, await createImageBitmap(blob), info ?? {}, blob);
         if (mode === "move") speed.add(level, performance.now() - from, together, info?.ms ?? 0);
-      } else if (sent.version === version) pause = 250;   // another window has the server
+      } else if (isNow(sent)) pause = 250;   // another window has the server
     } catch (error) {
       if (error.status === 503) pause = 500;
-      else if (sent.version === version || error.status !== 400) frameFailed(sent, error);
+      else if (isNow(sent)) {
+        failed = version;
+        stop();
+        complain(error);
+        if (scene.frames == null && frame > drawn.frame) {   // the end of a film whose length is not known
+          last = frame -= 1;
+          showFrame();
+          changed();
+        }
+      }
     }
     flying = flying.filter((f) => f !== sent);
     if (ended.signal.aborted) return;
     if (pause) setTimeout(pump, pause);
     else pump();
   }
-  function frameFailed(sent, error) {
-    failed = sent.version;
-    stop();
-    complain(error);
-    // The end of a film whose length is not known.
-    if (scene.frames == null && drawn.frame != null && sent.frame > drawn.frame) {
-      last = frame = drawn.frame;
-      showFrame();
-      changed();
-    }
-  }
-
   function draw(sent, bitmap, info, blob) {
     if (sent.seq < drawn.seq || ended.signal.aborted) return bitmap.close();
-    [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
+    const pixels = [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
     canvas.getContext("2d").drawImage(bitmap, 0, 0);
-    drawn = { ...sent, info, pixels: [bitmap.width, bitmap.height] };
+    drawn = { ...sent, info, pixels };
     bitmap.close();
     stats.frames += 1;
-    stats.sizes = [...stats.sizes.slice(-999), drawn.pixels];
+    stats.sizes = [...stats.sizes.slice(-99), pixels];
     if (sent.mode === "still") still = blob;
     if (note.classList.contains("hl-error")) say("");
     showStatus();
@@ -281,24 +275,20 @@ export function mount(root, transport, options = {}) {
 
   // What is on the screen beside the picture.
   function showStatus() {
-    const { certified, settled, ms, adapter } = drawn.info, parts = [];
-    if (certified != null) parts.push(certified >= 1 ? "certified" : `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`);
-    if (settled != null) parts.push(`${count(settled)} settled`);
-    if (ms != null) parts.push(`${Math.round(ms)} ms`);
-    parts.push(drawn.pixels.join(" x "));
-    if (adapter) parts.push(adapter);
-    status.textContent = parts.join(", ");
-    status.title = status.textContent;
+    const { certified, settled, ms, adapter } = drawn.info;
+    status.textContent = status.title = [
+      certified >= 1 ? "certified" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
+      settled != null && `${count(settled)} settled`, ms != null && `${Math.round(ms)} ms`, drawn.pixels.join(" x "), adapter,
+    ].filter(Boolean).join(", ");
   }
   function showScale() {
     const pixel = (drawn.info.unit * drawn.pixels[0]) / box()[0];
-    scale.hidden = !(pixel > 0 && Number.isFinite(pixel));
-    if (scale.hidden) return;
+    if (!(pixel > 0)) return;
+    scale.hidden = false;
     const length = roundLength(140 * pixel);
     rule.style.width = `${length / pixel}px`;
-    ruleText.textContent = length >= 1e6 || length < 1e-4 ? length.toExponential() : count2(length);
+    ruleText.textContent = length >= 1e6 ? length.toExponential() : length >= 1 ? count(length) : length;
   }
-  const count2 = (x) => x >= 1 ? count(x) : String(x);
   function showRings() {
     rings.forEach((ring, i) => {
       const at = picked[i] && drawn.camera && project(drawn.camera, box(), picked[i].position);
@@ -312,26 +302,24 @@ export function mount(root, transport, options = {}) {
     if (svg) legend.src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
   }
   function warn(list) {
-    const fresh = (list ?? []).filter((w) => !warnings.includes(w));
-    if (!fresh.length) return;
-    warnings.push(...fresh);
+    const all = new Set([...warnings, ...(list ?? [])]);
+    if (all.size === warnings.length) return;
+    warnings = [...all];
     warned.hidden = false;
-    warned.replaceChildren(make("summary", { textContent: plural(warnings.length, "warning") }),
-      make("ul", { className: "hl-panel" }, ...warnings.map((w) => make("li", { textContent: w }))));
+    warned.replaceChildren(make("summary", {}, plural(all.size, "warning")),
+      make("ul", { className: "hl-panel" }, ...warnings.map((w) => make("li", {}, w))));
   }
   function showPicked() {
     table.hidden = !picked.length;
     if (!picked.length) return table.replaceChildren();
-    const rows = [["id", "id"], ["row", "row"], ["center", "centre"], ["radius", "radius"], ["position", "position"], ["distance", "distance"], ["certainty", "certainty"]]
-      .map(([key, name]) => [name, picked.map((p) => p[key])]);
-    const names = [...new Set(picked.flatMap((p) => Object.keys(p.columns ?? {})))];
-    rows.push(...names.map((name) => [name, picked.map((p) => p.columns?.[name])]));
-    const line = ([name, values]) => make("tr", {}, make("th", { scope: "row", textContent: name }), ...values.map((v) => make("td", { textContent: shown(v) })));
-    const pair = picked[1]?.from, head = [make("strong", { textContent: pair ? `Distance ${pair.distance}` : `Sphere ${picked[0].id}` })];
-    if (pair?.minimum_image != null) head.push(make("span", { textContent: `minimum image ${pair.minimum_image}` }));
-    else if (picked.length < 2) head.push(make("small", { textContent: "Shift-click a second one for the distance" }));
-    table.replaceChildren(make("header", {}, make("div", {}, ...head), button("×", "Close (Esc)", () => setPicked([]), "hl-close")),
-      make("table", {}, make("tbody", {}, ...rows.map(line))));
+    const line = (name, value) => make("tr", {}, make("th", { scope: "row" }, name), ...picked.map((p) => make("td", {}, words(value(p)))));
+    const rows = ["id", "row", "center", "radius", "position", "distance", "certainty"].map((key) => line(key === "center" ? "centre" : key, (p) => p[key]));
+    const columns = new Set(picked.flatMap((p) => Object.keys(p.columns)));
+    const pair = picked[1]?.from, head = [make("strong", {}, pair ? `Distance ${pair.distance}` : `Sphere ${picked[0].id}`)];
+    if (pair?.minimum_image != null) head.push(make("span", {}, `minimum image ${pair.minimum_image}`));
+    else if (!pair) head.push(make("small", {}, "Shift-click a second one for the distance"));
+    table.replaceChildren(make("header", {}, make("div", {}, ...head), button("×", "Close (Esc)", () => setPicked([]))),
+      make("table", {}, ...rows, ...[...columns].map((name) => line(name, (p) => p.columns[name]))));
   }
   function setPicked(next) {
     picked = next;
@@ -345,28 +333,23 @@ export function mount(root, transport, options = {}) {
   async function pick([x, y], second) {
     const size = fullSize(), here = box(), mine = ++pickNumber;
     const pixel = [x, y].map((v, i) => Math.max(0, Math.min(size[i] - 1, Math.floor((v / here[i]) * size[i]))));
-    const { camera: c, frame: f, select: s } = body("still", size);
-    try {
-      const { json } = await ask("/pick", { camera: c, size, frame: f, select: s, x: pixel[0], y: pixel[1], from: second ? picked[0]?.id ?? null : null });
-      if (mine === pickNumber) setPicked(second && picked.length ? (json ? [picked[0], json] : picked) : json ? [json] : []);
-      return json;
-    } catch (error) {
-      complain(error);
-    }
+    const of = second ? picked.slice(0, 1) : [];
+    const answer = await ask("/pick", { ...body("still", size), x: pixel[0], y: pixel[1], from: of[0]?.id ?? null }).catch(complain);
+    if (answer && mine === pickNumber) setPicked(answer.json ? [...of, answer.json] : of);
+    return answer?.json;
   }
   async function select(expr) {
     expr = expr.trim();
     if (!scene) return void (selection = expr);
     refused.hidden = true;
-    if (expr === selection && (!expr || chosen.value)) return;
     input.value = expr;
+    if (expr === selection && (!expr || chosen.value)) return;
     try {
       const json = expr ? (await ask("/select", { expr, ...(scene.frames === 1 ? {} : { frame }) })).json : null;
       chosen.value = json ? `${count(json.count)} of ${count(json.of)}` : "";
       showLegend(json?.legend ?? scene.legend);
-      const isNew = expr !== selection;
       selection = expr;
-      if (isNew) notify({ selection });
+      notify({ selection });
       changed();
     } catch (error) {
       if (wasLost) return;
@@ -383,22 +366,18 @@ export function mount(root, transport, options = {}) {
     if (last != null) [slider.max, slider.value] = [last, frame];
   }
   function setFrame(n) {
-    if (scene.frames === 1 || n === frame || n < firstFrame() || (last != null && n > last)) return;
+    if (scene.frames === 1 || n < firstFrame() || (last != null && n > last)) return;
     frame = n;
     showFrame();
     if (picked.length) setPicked([]);
     changed();
   }
-  function step(by) {
-    stop();
-    setFrame(frame + by);
-  }
+  const step = (by) => { stop(); setFrame(frame + by); };
   function togglePlay() {
     if (playing) return stop();
     if (scene.frames === 1) return;
     playing = setInterval(() => {
-      if (flying.length >= IN_FLIGHT || flying.some((f) => f.mode === "still")) return;
-      setFrame(frame === last ? firstFrame() : frame + 1);
+      if (flying.length < IN_FLIGHT) setFrame(frame === last ? firstFrame() : frame + 1);
     }, PLAY_MS);
     play.textContent = "Pause";
   }
@@ -412,43 +391,33 @@ export function mount(root, transport, options = {}) {
 
   // Copying and saving.
   async function copy(kind) {
+    const what = (await ask("/command", body("still", fullSize())).catch(complain))?.json[kind];
+    if (!what) return;
     try {
-      const what = (await ask("/command", body("still", fullSize()))).json[kind];
-      try {
-        await navigator.clipboard.writeText(what);
-        say(kind === "shell" ? "The command is copied" : "The Python is copied");
-      } catch {
-        showText(what);
-      }
-    } catch (error) {
-      complain(error);
+      await navigator.clipboard.writeText(what);
+      say(kind === "shell" ? "The command is copied" : "The Python is copied");
+    } catch {
+      const area = make("textarea", { value: what, readOnly: true, rows: 6, "aria-label": "Text to copy" });
+      open("The clipboard refused the text: copy it from here", area);
+      area.select();
     }
-  }
-  function showText(what) {
-    const area = make("textarea", { value: what, readOnly: true, rows: Math.min(12, what.split("\n").length + 3), "aria-label": "Text to copy" });
-    text.replaceChildren(make("header", {}, make("span", { textContent: "The clipboard refused the text: copy it from here" }), button("×", "Close (Esc)", closeAll, "hl-close")), area);
-    text.hidden = false;
-    area.focus();
-    area.select();
   }
   const whenStill = () => isStill() ? Promise.resolve(still) : new Promise((resolve) => waiters.push(resolve));
   async function save() {
     const href = URL.createObjectURL(await whenStill());
-    const stem = (scene.file ?? "view").replace(/(.)\.[^.]*$/, "$1");
+    const stem = scene.file.replace(/(.)\.[^.]*$/, "$1");
     make("a", { href, download: `${stem}${scene.frames === 1 ? "" : `-${frame}`}.png` }).click();
     setTimeout(() => URL.revokeObjectURL(href), 60000);
   }
 
   // Keys. The help lists them; its rows are buttons, for hands without keys.
-  const along = (i) => (reverse) => {
+  const along = (name, i) => [name, [`Look along ${name} (Shift: against it)`, (back) => {
     axis &&= home;
-    move(look(camera, [0, 1, 2].map((k) => k === i ? (reverse ? -1 : 1) : 0), home));
-  };
+    move(look(camera, [0, 1, 2].map((k) => k === i ? (back ? -1 : 1) : 0), home));
+  }]];
   const actions = {
     f: ["Fit the scene", () => move(fit(camera, scene.center, scene.radius, box()))],
-    x: ["Look along x (Shift: against it)", along(0)],
-    y: ["Look along y (Shift: against it)", along(1)],
-    z: ["Look along z (Shift: against it)", along(2)],
+    ...Object.fromEntries(["x", "y", "z"].map(along)),
     o: ["Orthographic or perspective", () => {
       move(otherLens(camera, vfov));
       say(camera.height ? "Orthographic" : "Perspective");
@@ -469,43 +438,41 @@ export function mount(root, transport, options = {}) {
   };
   const KEY_NAMES = { ArrowLeft: "←", ArrowRight: "→", " ": "Space", Escape: "Esc" };
   const HANDS = [
-    ["Drag, one finger", "Turn about the pivot"], ["Right, middle or Shift drag, two fingers", "Shift the picture"],
-    ["Wheel, pinch", "Zoom toward the pointer"], ["Click, tap", "Pick a sphere"],
-    ["Shift click", "Distance to a second sphere"], ["Double click", "Make the sphere the pivot"],
+    "Drag, one finger", "Turn about the pivot", "Right, middle or Shift drag, two fingers", "Shift the picture",
+    "Wheel, pinch", "Zoom toward the pointer", "Click, tap", "Pick a sphere",
+    "Shift click", "Distance to a second sphere", "Double click", "Make the sphere the pivot",
   ];
   function toggleHelp() {
-    if (!help.hidden) return closeAll();
-    closeAll();
-    const row = ([key, [what, run]]) => make("button", { type: "button", onclick: () => { closeAll(); run(false); } }, make("kbd", { textContent: KEY_NAMES[key] ?? key }), what);
-    const close = button("×", "Close (Esc)", closeAll, "hl-close");
-    help.replaceChildren(make("header", {}, make("strong", { textContent: "Hands and keys" }), close),
-      make("dl", {}, ...HANDS.flatMap(([how, what]) => [make("dt", { textContent: how }), make("dd", { textContent: what })])),
-      make("div", { className: "hl-keys" }, ...Object.entries(actions).map(row)));
-    help.hidden = false;
+    if (!dialog.hidden) return closeDialog();
+    const row = ([key, [what, run]]) => make("button", { onclick: () => { closeDialog(); run(false); } },
+      make("kbd", {}, KEY_NAMES[key] ?? key), what);
+    open("Hands and keys", make("dl", {}, ...HANDS.map((what, i) => make(i % 2 ? "dd" : "dt", {}, what))),
+      div("keys", {}, ...Object.entries(actions).map(row)));
+  }
+  function open(name, ...content) {
+    const close = button("×", "Close (Esc)", closeDialog);
+    dialog.replaceChildren(make("header", {}, make("strong", {}, name), close), ...content);
+    dialog.hidden = false;
     close.focus();
   }
-  function closeAll() {
-    help.hidden = text.hidden = true;
+  function closeDialog() {
+    dialog.hidden = true;
     canvas.focus({ preventScroll: true });
   }
   function escape() {
-    if (!help.hidden || !text.hidden) return closeAll();
+    if (!dialog.hidden) return closeDialog();
     canvas.focus({ preventScroll: true });
     if (picked.length) setPicked([]);
     say("");
     select("");
-    input.value = "";
   }
   listen(options.page ? document : root, "keydown", (e) => {
     if (!options.page) e.stopPropagation();
-    if (!scene || e.defaultPrevented || e.ctrlKey || e.metaKey || e.altKey) return;
-    const on = e.target, pressed = e.key === " " || e.key === "Enter";
-    if (e.key !== "Escape") {
-      if (on.matches?.("textarea, select, input:not([type=range])")) return;
-      if (on.matches?.("[type=range]") && e.key.startsWith("Arrow")) return;
-      if (on.matches?.("button, summary") && pressed) return;
-    }
-    const action = Object.hasOwn(actions, e.key) ? actions[e.key] : Object.hasOwn(actions, e.key.toLowerCase()) ? actions[e.key.toLowerCase()] : null;
+    if (!scene || !e.key || e.defaultPrevented || e.ctrlKey || e.metaKey || e.altKey) return;
+    // Keys that are the focused control's own.
+    const own = e.key.startsWith("Arrow") ? "[type=range]" : e.key === " " || e.key === "Enter" ? "button, summary" : "textarea";
+    if (e.key !== "Escape" && e.target.matches?.(`${own}, textarea, select, input:not([type=range])`)) return;
+    const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
     if (!action) return;
     e.preventDefault();
     action[1](e.shiftKey);
@@ -513,28 +480,26 @@ export function mount(root, transport, options = {}) {
 
   // Hands.
   const fingers = new Map();
-  let gesture = null, lastClick = null;
+  let gesture = null, lastClick = { when: -1e9 };
   const place = (e) => {
-    const r = stage.getBoundingClientRect(), b = box();
-    return [((e.clientX - r.left) / r.width) * b[0], ((e.clientY - r.top) / r.height) * b[1]];
+    const { left, top } = stage.getBoundingClientRect();
+    return [e.clientX - left, e.clientY - top];
   };
   const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
-  listen(canvas, "mousedown", (e) => e.preventDefault());   // else the middle button scrolls
-  listen(canvas, "contextmenu", (e) => e.preventDefault());
+  listen(canvas, "mousedown contextmenu", (e) => e.preventDefault());   // the middle button would scroll
   listen(canvas, "pointerdown", (e) => {
     if (!scene || wasLost) return;
     canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(e.pointerId);
-    const at = place(e), touch = e.pointerType === "touch";
+    const at = place(e);
     fingers.set(e.pointerId, at);
     if (fingers.size > 1) gesture.moved = true;
-    else gesture = { start: at, moved: false, left: e.button === 0, shift: e.shiftKey, reach: touch ? TAP_PX : CLICK_PX };
+    else gesture = { start: at, moved: false, left: e.button === 0, shift: e.shiftKey, reach: e.pointerType === "touch" ? TAP_PX : CLICK_PX };
   });
   listen(canvas, "pointermove", (e) => {
     const was = fingers.get(e.pointerId), at = place(e);
     if (!was || (!gesture.moved && apart(at, gesture.start) <= gesture.reach)) return;
     gesture.moved = true;
-    if (fingers.size > 2) return;
     const [dx, dy] = [at[0] - was[0], at[1] - was[1]], size = box();
     const other = [...fingers].find(([id]) => id !== e.pointerId)?.[1];
     fingers.set(e.pointerId, at);
@@ -548,9 +513,9 @@ export function mount(root, transport, options = {}) {
   });
   listen(canvas, "pointerup pointercancel lostpointercapture", (e) => {
     if (!fingers.delete(e.pointerId) || e.type !== "pointerup" || gesture.moved || !gesture.left) return;
-    const at = gesture.start, isDouble = lastClick && !gesture.shift && performance.now() - lastClick.when < DOUBLE_MS && apart(at, lastClick.at) < 3 * gesture.reach;
-    lastClick = isDouble ? null : { at, when: performance.now() };
-    const found = pick(at, gesture.shift);
+    const { start: at, shift, reach } = gesture, isDouble = !shift && e.timeStamp - lastClick.when < DOUBLE_MS && apart(at, lastClick.at) < 3 * reach;
+    lastClick = { at, when: isDouble ? -1e9 : e.timeStamp };
+    const found = pick(at, shift);
     if (isDouble) found.then((p) => p && move(pivot(camera, p.center)));
   });
   listen(stage, "wheel", (e) => {
@@ -562,7 +527,7 @@ export function mount(root, transport, options = {}) {
   }, { passive: false });
 
   const sized = new ResizeObserver(() => {
-    if (!scene || (drawn.level === 0 && String(drawn.pixels) === String(fullSize()))) return;
+    if (!scene || String(fullSize()) === lastSize) return;
     showRings();
     changed();
   });

@@ -6,18 +6,14 @@ function commTransport(model) {
   const waiting = new Map();
   let last = 0;
   const receive = (content, buffers) => {
-    const resolve = waiting.get(content?.id);
-    if (!resolve) return;
-    waiting.delete(content.id);
-    const { status, json = null, info = {} } = content, bytes = buffers?.[0];
-    if (!bytes) return resolve({ status, json });
-    const first = bytes.buffer ? bytes.getUint8?.(0) ?? bytes[0] : new Uint8Array(bytes)[0];
-    resolve({ status, info, blob: new Blob([bytes], { type: first === 0x89 ? "image/png" : "image/jpeg" }) });
+    const { id, status, json = null, info = {} } = content, [resolve, type] = waiting.get(id) ?? [];
+    waiting.delete(id);
+    resolve?.(buffers?.length ? { status, info, blob: new Blob([buffers[0]], { type }) } : { status, json });
   };
   model.on("msg:custom", receive);
   return {
     request: (route, body) => new Promise((resolve) => {
-      waiting.set(++last, resolve);
+      waiting.set(++last, [resolve, body.mode === "still" ? "image/png" : "image/jpeg"]);
       model.send({ id: last, route, body });
     }),
     close: () => model.off("msg:custom", receive),

@@ -308,7 +308,7 @@ class Run:
         tab.key("Enter")
         tab.until(f"{VIEW}.selection() === {json.dumps(expr)}")
         said = self.post("/select", {"expr": expr, "frame": self.frame()})
-        self.check("the count is shown", tab.js(text(".hl-count")).replace(",", "") == f"{said['count']} of {said['of']}" and not tab.js(is_shown(".hl-refused")), tab.js(text(".hl-count")))
+        self.check("the count is shown", tab.js(text(".hl-select output")).replace(",", "") == f"{said['count']} of {said['of']}" and not tab.js(is_shown(".hl-refused")), tab.js(text(".hl-select output")))
         tab.js(STILL)
         if self.mock:
             self.check("the selection is in the frames", self.mock.log[-1]["select"] == expr and self.mock.log[-1]["mode"] == "still")
@@ -339,13 +339,13 @@ class Run:
         permit("denied")
         for key, kind in (("c", "shell"), ("p", "python")):
             tab.key(key)
-            tab.until(is_shown(".hl-text textarea"))
+            tab.until(is_shown(".hl-dialog textarea"))
             chosen = tab.js("(() => { const t = document.activeElement; return t.value.slice(t.selectionStart, t.selectionEnd) })()")
             self.check(f"without a clipboard the {kind} is there, selected", chosen == answer[kind], chosen)
             if kind == "shell":
                 self.shot("clipboard-refused")
             tab.key("Escape")
-            self.check("Esc closes it", not tab.js(is_shown(".hl-text")))
+            self.check("Esc closes it", not tab.js(is_shown(".hl-dialog")))
         self.browser.call("Browser.resetPermissions")
 
     def saves(self):
@@ -364,12 +364,12 @@ class Run:
     def helps(self):
         tab = self.tab
         tab.key("?", SHIFT)
-        tab.until(is_shown(".hl-help"))
-        keys = tab.js("[...document.querySelectorAll('.hl-help kbd')].map((k) => k.innerText)")
+        tab.until(is_shown(".hl-dialog"))
+        keys = tab.js("[...document.querySelectorAll('.hl-dialog kbd')].map((k) => k.innerText)")
         self.check("? shows the keys", len(keys) >= 14, keys)
         self.shot("help")
         tab.key("Escape")
-        self.check("Esc closes the help", not tab.js(is_shown(".hl-help")))
+        self.check("Esc closes the help", not tab.js(is_shown(".hl-dialog")))
         names = tab.js("[...document.querySelectorAll('button, input, select')].filter((b) => !b.title && !b.getAttribute('aria-label') && b.checkVisibility() && !b.innerText).length")
         self.check("every control has a name", names == 0, names)
 
@@ -512,7 +512,7 @@ class Run:
         tab.until(f"{VIEW}.picked().length === 1")
         self.check("a tap picks", tab.js(f"{VIEW}.picked()[0].id") == hit["id"])
         self.shot("narrow-picked")
-        tab.js(f"document.querySelector('.hl-close').click()")
+        tab.js(f"document.querySelector('.hl-panel header button').click()")
         self.shot("narrow")
         tab.js("document.querySelector('.hl-buttons button:last-child').click()")
         self.shot("narrow-help")
@@ -562,7 +562,7 @@ class Run:
         tab.until("notebook.model.traits.picked?.length === 1")
         self.check("the trait picked follows", tab.js("notebook.model.traits.picked[0].id") == hit["id"])
         tab.js("(notebook.model.traits.selection = 'C', notebook.model.emit('change:selection'))")
-        tab.until(f"{VIEW}.selection() === 'C' && {text('.hl-count')} !== ''")
+        tab.until(f"{VIEW}.selection() === 'C' && {text('.hl-select output')} !== ''")
         self.check("a selection of Python is taken", True)
         given = {"eye": [5, -30, 5], "at": [5, 5, 5], "up": [0, 0, 1], "vfov": 25}
         tab.js(f"(notebook.model.traits.camera = {json.dumps(given)}, notebook.model.emit('change:camera'))")
