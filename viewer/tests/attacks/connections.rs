@@ -12,10 +12,11 @@ fn held() -> Vec<u8> {
     post("select", r#"{"expr":"hang"}"#).without("Connection").bytes()
 }
 
-/// The page asks; how long the answer takes.
+/// The page asks; how long the answer takes, which is a few milliseconds on a machine without other load.
 fn owner(server: &Running) -> Duration {
     let begun = Instant::now();
     assert_eq!(statuses(&server.ask(&post("scene", "{}").bytes())), "200");
+    assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
     begun.elapsed()
 }
 
@@ -111,17 +112,21 @@ fn a_crowd_does_not_keep_the_owner_out() {
     let kept = server.connect();
     server.send(&kept, &post("scene", "{}").without("Connection").bytes());
     assert_eq!(statuses(answer(&kept).0.as_bytes()), "200");
-    for (name, request) in [("idle", &b""[..]), ("with a part of a request", b"POST /scene HTTP/1.1\r\n")] {
-        let all = crowd(&server, request);
-        // A request may take a second to arrive before it is slow.
-        thread::sleep(Duration::from_millis(if request.is_empty() { 0 } else { 1200 }));
-        let time = owner(&server);
-        println!("{} connections {name}: the owner is answered in {time:.1?}", all.len());
-        assert!(time < Duration::from_secs(5), "{time:?}");
-    }
+    let idle = crowd(&server, b"");
+    println!("{} connections idle: the owner is answered in {:.1?}", idle.len(), owner(&server));
     // Strangers are closed before the owner's connection.
     server.send(&kept, &post("scene", "{}").bytes());
     assert_eq!(statuses(&rest(&kept)), "200");
+    drop(idle);
+    // A request may take a second to arrive; until then, eight of them keep others out.
+    let slow = crowd(&server, b"POST /scene HTTP/1.1\r\n");
+    let begun = Instant::now();
+    while statuses(&server.ask(&post("scene", "{}").bytes())) != "200" {
+        assert!(begun.elapsed() < LONG, "the owner is kept out");
+        thread::sleep(Duration::from_millis(50));
+    }
+    println!("{} connections with a part of a request: the owner is let in after {:.1?}", slow.len(), begun.elapsed());
+    println!("the next answer takes {:.1?}", owner(&server));
     server.stop();
 }
 
