@@ -4,6 +4,7 @@ use crate::client::{CALM, Running, answer, get, half_close, post, rest, start, s
 use crate::stage::LONG;
 use halfline_viewer::{Server, Times};
 use std::net::TcpStream;
+use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -162,9 +163,23 @@ fn the_server_ends_when_it_should() {
     assert!(TcpStream::connect(("127.0.0.1", port)).is_err(), "the port is free");
     assert_eq!(statuses(&rest(&open)), "closed");
     stage.release();
+    // What can be given up is.
+    let server = start(CALM, None);
+    let still = server.connect();
+    let camera = r#"{"eye":[0,0,5],"at":[0,0,0],"up":[0,1,0],"height":4}"#;
+    let body = format!(r#"{{"camera":{camera},"size":[4,4],"look":"hold"}}"#);
+    server.send(&still, &post("frame", body).bytes());
+    server.stage.wait_for(1);
+    let stage = server.stage.clone();
+    server.stop();
+    let begun = Instant::now();
+    while Arc::strong_count(&stage) > 1 {
+        assert!(begun.elapsed() < LONG / 2, "the frame is not given up");
+        thread::sleep(Duration::from_millis(5));
+    }
     // Nobody asks; strangers do not count, and work does.
     let server = start(CALM, Some(Duration::from_millis(600)));
-    let busy = server.connect();
+    let (busy, _open) = (server.connect(), server.connect());
     server.send(&busy, &held());
     server.stage.wait_for(1);
     thread::sleep(Duration::from_millis(1000));
