@@ -14,6 +14,8 @@ pub(crate) fn encode([width, height]: [u32; 2], levels: &[u8]) -> Answer<Vec<u8>
     };
     let mut bytes = Vec::with_capacity(levels.len() / 8);
     let mut encoder = Encoder::new(&mut bytes, QUALITY);
+    // On the pictures of docs/gallery, whole colour at quality 80 has a tenth fewer bytes than 4:2:0 at 90, and 0.3 to 2 dB less
+    // error: the edges of spheres are edges of colour.
     encoder.set_sampling_factor(SamplingFactor::R_4_4_4);
     encoder.encode(levels, wide, high, ColorType::Rgb).map_err(|error| Refusal::internal(format!("JPEG: {error}")))?;
     Ok(bytes)
