@@ -20,7 +20,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 VIEW = "document.querySelector('.halfline-view').halfline"
 STILL = f"{VIEW}.still().then(() => {VIEW}.stats.frames)"
 SHIFT = 8
-MOCK = dict(ms_per_megapixel=0, still_ms=0, loading=0, refuse_frames=None, drop=False, skip_stills=0, film=True)
+MOCK = dict(ms_per_megapixel=0, still_ms=0, loading=0, refuse_frames=None, drop=False, skip_stills=0, film=True, first=1)
 
 
 def text(selector):
@@ -396,6 +396,13 @@ class Run:
         tab = self.fresh(film=False)
         self.check("a single picture has no frames", not tab.js(is_shown(".hl-film")) and "frame" not in self.mock.log[-1])
 
+        tab = self.fresh(film=None, first=98)
+        self.check("without a number of frames there is only the frame", shown() == "frame 98" and not tab.js(is_shown(".hl-film input")), shown())
+        tab.key(" ")
+        tab.until(f"{text('.hl-note')}.includes('the file has')")
+        tab.js(STILL)
+        self.check("playing finds the last frame", shown() == "100 / 100" and self.mock.log[-1]["frame"] == 100, shown())
+
     def supersedes(self):
         tab = self.fresh(still_ms=400)
         self.mock.superseded = 0
@@ -459,7 +466,6 @@ class Run:
             width = self.mock.log[-1]["size"][0] if self.mock.log else full
         self.check("a slow server gets smaller moving frames", width <= full / 2 + 1, width)
         self.check("at most two are in flight there", self.mock.most <= 2, self.mock.most)
-        self.shot("moving")
         self.mock.ms_per_megapixel = 0
         end = time.monotonic() + 30
         while width < full and time.monotonic() < end:

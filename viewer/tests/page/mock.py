@@ -111,7 +111,8 @@ class Mock:
         self.refuse_frames = None  # the message of a 400
         self.drop = False  # closes every connection: the server has ended
         self.skip_stills = 0  # so many stills are answered 204 without a newer one
-        self.film = True
+        self.film = True  # False: a single picture; None: the number of frames is not known
+        self.first = 1
         self.lock, self.turn = threading.Lock(), threading.Lock()
         self.newest, self.now, self.most, self.log, self.superseded = 0, 0, 0, [], 0
         self.spheres = [
@@ -140,7 +141,7 @@ class Mock:
         names = NAMES
         return {
             "schema": 1, "version": "0.0.0", "file": "lattice.xyz", "format": "xyz", "count": len(self.spheres),
-            "frames": FRAMES if self.film else 1, "frame": 1,
+            "frames": None if self.film is None else FRAMES if self.film else 1, "frame": self.first,
             "cell": [[CELL, 0, 0], [0, CELL, 0], [0, 0, CELL]], "extent": [[0, 0, 0], [CELL] * 3],
             "center": [5.0, 5.0, 5.0], "radius": 8.2, "columns": {"element": {"type": "name"}, "charge": {"type": "number"}},
             "camera": {"eye": [20.5, -14.25, 13.0], "at": [5, 5, 5], "up": [0, 0, 1], "vfov": 40},
@@ -177,6 +178,8 @@ class Mock:
         begun = time.perf_counter()
         if self.refuse_frames:
             raise Refusal("accuracy", self.refuse_frames, 7)
+        if (body.get("frame") or 1) > FRAMES:
+            raise Refusal("settings", f"frame {body['frame']}: the file has {FRAMES} frames")
         if still and self.skip_stills:
             self.skip_stills -= 1
             return None
