@@ -277,9 +277,9 @@ export function mount(root, transport, options = {}) {
 
   // What is on the screen beside the picture.
   function showStatus() {
-    const { certified, settled, ms, adapter } = drawn.info;
+    const { accuracy, certified, settled, ms, adapter } = drawn.info;
     status.textContent = status.title = [
-      certified >= 1 ? "certified" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
+      certified >= 1 ? "certified" : accuracy == "fast" ? "fast" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
       settled != null && `${count(settled)} settled`, ms != null && `${Math.round(ms)} ms`, drawn.pixels.join(" x "), adapter,
     ].filter(Boolean).join(", ");
   }

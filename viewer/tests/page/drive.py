@@ -277,7 +277,8 @@ class Run:
                 self.check(f"{'shift ' if modifiers else ''}{letter} looks along the axis", near(forward, [sign if k == i else 0 for k in range(3)]), forward)
         tab.js(STILL)
         up = self.camera()["up"]
-        self.check("the view along z has another up", abs(up[2]) < 0.1, up)
+        if self.mock:
+            self.check("the view along z has another up", abs(up[2]) < 0.1, up)
         tab.drag(self.at(0.5, 0.5), self.at(0.5, 0.4))
         if self.mock:
             self.check("a drag from there turns about z again", self.camera()["up"] == [0, 0, 1], self.camera())
@@ -602,7 +603,9 @@ class Run:
         else:
             self.group("schemes", self.schemes)
         self.complaints()
-        print(f"{self.number - self.failed} of {self.number} checks passed")
+        # The line that tests/run counts.
+        word = "FAILED" if self.failed else "ok"
+        print(f"test result: {word}. {self.number - self.failed} passed; {self.failed} failed; 0 ignored")
         return 1 if self.failed else 0
 
 
