@@ -127,10 +127,10 @@ class Run:
         return [round(v) for v in self.box[2:]]
 
     def spheres(self, wanted=2):
-        """Places of the page with different spheres, by asking the server."""
+        """Places of the page with different spheres, by asking the server: left of the table of picks, right of the legend."""
         found = {}
-        for i in range(81):
-            pixel = self.at(0.1 + 0.1 * (i * 7 % 9), 0.1 + 0.1 * (i // 9))
+        for i in range(108):
+            pixel = self.at(0.36 + 0.03 * (i * 7 % 9), 0.1 + 0.07 * (i // 9))
             x, y = round(pixel[0] - self.box[0]), round(pixel[1] - self.box[1])
             hit = self.post("/pick", {"camera": self.camera(), "size": self.size(), "select": None, "x": x, "y": y, "from": None, "frame": self.frame()})
             if hit and hit["id"] not in found:
