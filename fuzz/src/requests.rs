@@ -2,8 +2,8 @@
 
 use super::check::{Allowed, PER_BYTE, Pieces, allowed, check_words};
 use halfline_viewer::{
-    Answer, Commands, FrameRequest, Lens, Mode, PickRequest, Picture, Pixels, Pose, Refusal, Reply, Routes, Stage,
-    converse,
+    Answer, Commands, FrameRequest, GoOn, Lens, Mode, PickRequest, Picture, Pixels, Pose, Refusal, Reply, Routes,
+    Stage, converse,
 };
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -36,7 +36,7 @@ impl Stage for Checking {
         Ok(json!({}))
     }
 
-    fn frame(&self, request: &FrameRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Answer<Option<Picture>> {
+    fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>> {
         self.frame(request);
         assert!(go_on(), "nothing newer can come");
         let pixels = match request.mode {

@@ -3,7 +3,7 @@
 use halfline_viewer::{Answer, Commands, FrameRequest, GoOn, PickRequest, Picture, Pixels, Refusal, Stage};
 use serde_json::{Value, json};
 use std::sync::{Condvar, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// More time than anything here takes, so that a test that hangs ends.
 pub(crate) const LONG: Duration = Duration::from_secs(20);
@@ -51,7 +51,8 @@ impl Fake {
         let mut state = self.state.lock().expect("state");
         state.held += 1;
         self.changed.notify_all();
-        while !state.is_released && go_on() {
+        let begun = Instant::now();
+        while !state.is_released && go_on() && begun.elapsed() < LONG {
             state = self.changed.wait_timeout(state, Duration::from_millis(5)).expect("state").0;
         }
         state.is_released
