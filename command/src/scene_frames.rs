@@ -163,26 +163,27 @@ pub(super) fn sequence(args: &SceneArgs, keep: Keep, cancel: &Cancel) -> Result<
     Ok((Sequence::open(&args.scene, &options)?, held))
 }
 
-/// Gives a frame that was arranged its size and the camera of its picture: that of `record`, `held` by all frames, or by the
+/// The picture of a frame that was arranged, with its size and a camera: that of `record`, `held` by all frames, or by the
 /// options.
 ///
 /// # Errors
-/// Those of the camera.
-pub(super) fn frame_camera(
+/// Those of the camera, the lens and the light.
+pub(super) fn framed(
     args: &SceneArgs,
-    frame: &mut SceneFrame,
+    mut frame: SceneFrame,
     record: Option<&CameraRecord>,
     held: Option<Camera>,
-) -> Result<()> {
-    size(args.image.size.or(record.map(|record| record.size.into())), args, frame);
+) -> Result<PictureScene> {
+    size(args.image.size.or(record.map(|record| record.size.into())), args, &mut frame);
     match record.map(|record| camera_file::resized(record, args.image.size)).or(held) {
         Some(camera) => frame.scene.camera = camera,
         None => {
-            let aside = args.insets.aside(frame)?;
-            framing::point(&args.camera, frame, aside)?;
+            let aside = args.insets.aside(&frame)?;
+            framing::point(&args.camera, &mut frame, aside)?;
         }
     }
-    args.camera.zoom(&mut frame.scene)
+    args.camera.zoom(&mut frame.scene)?;
+    light(args, frame, true, record.and_then(CameraRecord::lens_size), |_| ())
 }
 
 /// The picture of a frame that was arranged, with the size and the eye that the options give.

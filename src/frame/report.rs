@@ -95,6 +95,15 @@ pub struct Report {
 }
 
 impl Report {
+    /// Share of the pixels whose answer is proved: in f32, or settled in exact arithmetic.
+    #[must_use]
+    pub fn proved(&self) -> f64 {
+        let rays = self.rays as f64;
+        // Whole numbers of pixels: the share is rounded.
+        let proved = (self.certified * rays).round() + self.settled as f64;
+        if self.accuracy == "exact" || proved >= rays { 1.0 } else { proved / rays }
+    }
+
     /// Exposure and curve of pictures in 8 and 16 bits.
     #[must_use]
     pub fn toning(&self) -> Toning {

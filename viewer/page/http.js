@@ -12,7 +12,7 @@ const transport = {
       body: JSON.stringify(body),
     });
     const { status, headers } = answer, picture = headers.get("Content-Type")?.startsWith("image/");
-    if (picture) return { status, blob: await answer.blob(), info: JSON.parse(headers.get("X-Halfline") ?? "{}") };
+    if (picture) return { status, blob: await answer.blob(), info: JSON.parse(headers.get("X-Halfline")) };
     const text = await answer.text();
     return { status, json: text ? JSON.parse(text) : null };
   },

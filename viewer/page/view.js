@@ -22,7 +22,7 @@ const count = (n) => n.toLocaleString("en-US");
 const plural = (n, word) => `${count(n)} ${word}${n === 1 ? "" : "s"}`;
 const words = (value) => Array.isArray(value) ? value.map(words).join("\n") : String(value ?? "");
 
-// How much smaller than the canvas moving frames are: halves and doubles from the times of the frames.
+// How much smaller than the canvas moving frames are, from their times.
 function pace() {
   let level = 0, delay = Infinity, recent = [];
   return {
@@ -63,7 +63,7 @@ export function mount(root, transport, options = {}) {
 
   // The document.
   const button = (text, title, onclick) => make("button", { textContent: text, title, "aria-label": title, onclick });
-  const canvas = make("canvas", { tabIndex: 0, role: "img", "aria-label": "The rendered scene. Press ? for the keys." });
+  const canvas = make("canvas", { tabIndex: 0, role: "img", "aria-label": "The picture; ? shows the keys" });
   const title = div("title");
   const input = make("input", { placeholder: "Select  ( / )", spellcheck: false, autocomplete: "off", autocapitalize: "off", "aria-label": "Selection" });
   const chosen = make("output"), refused = div("refused hl-panel", { role: "alert" });
@@ -84,14 +84,15 @@ export function mount(root, transport, options = {}) {
   const play = button("Play", "Play the frames, or pause (space)", togglePlay);
   const film = div("film", {}, button("‹", "The frame before (left arrow)", () => step(-1)), play,
     button("›", "The next frame (right arrow)", () => step(1)), slider, number);
-  root.replaceChildren(div("bar", {}, title, choose, div("buttons", {}, looks,
+  const buttons = div("buttons", {}, looks,
     button("Fit", "Fit the scene (f)", () => actions.f[1]()),
     button("Command", "Copy the command of this picture (c)", () => copy("shell")),
     button("Python", "Copy the Python of this picture (p)", () => copy("python")),
     button("Save", "Save this picture as PNG (s)", save),
-    button("?", "Hands and keys (?)", toggleHelp))), stage, div("foot", {}, status, warned, film));
-  for (const e of [choose, refused, looks, message, note, scale, legend, ...rings, table, dialog, warned, film]) e.hidden = true;
-  // The notebook's own keys and menus stay outside.
+    button("?", "Hands and keys (?)", toggleHelp));
+  root.replaceChildren(div("bar", {}, title, choose, buttons), stage, div("foot", {}, status, warned, film));
+  for (const e of [choose, refused, buttons, message, note, scale, legend, ...rings, table, dialog, warned, film]) e.hidden = true;
+  // A notebook's keys and menus stay outside.
   for (const name of ["data-lm-suppress-shortcuts", "data-jp-suppress-context-menu"]) root.toggleAttribute(name, true);
 
   function say(what, isError = false) {
@@ -163,6 +164,7 @@ export function mount(root, transport, options = {}) {
     input.title = `Columns: ${Object.keys(scene.columns).join(", ")}`;
     looks.append(...scene.looks.map((name) => make("option", { selected: name === scene.look }, name)));
     looks.hidden = looks.length < 2;
+    buttons.hidden = false;
     film.hidden = scene.frames === 1;
     slider.min = firstFrame();
     showFrame();
@@ -275,9 +277,9 @@ export function mount(root, transport, options = {}) {
 
   // What is on the screen beside the picture.
   function showStatus() {
-    const { certified, settled, ms, adapter } = drawn.info;
+    const { accuracy, certified, settled, ms, adapter } = drawn.info;
     status.textContent = status.title = [
-      certified >= 1 ? "certified" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
+      certified >= 1 ? "certified" : accuracy == "fast" ? "fast" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
       settled != null && `${count(settled)} settled`, ms != null && `${Math.round(ms)} ms`, drawn.pixels.join(" x "), adapter,
     ].filter(Boolean).join(", ");
   }
@@ -397,8 +399,8 @@ export function mount(root, transport, options = {}) {
       await navigator.clipboard.writeText(what);
       say(kind === "shell" ? "The command is copied" : "The Python is copied");
     } catch {
-      const area = make("textarea", { value: what, readOnly: true, rows: 6, "aria-label": "Text to copy" });
-      open("The clipboard refused the text: copy it from here", area);
+      const area = make("textarea", { value: what, readOnly: true, rows: 5, ariaLabel: "Text" });
+      open("The clipboard is closed: copy from here", area);
       area.select();
     }
   }
@@ -546,7 +548,6 @@ export function mount(root, transport, options = {}) {
       sized.disconnect();
       clearTimeout(restTimer);
       clearInterval(playing);
-      clearTimeout(say.timer);
       URL.revokeObjectURL(legend.src);
       root.replaceChildren();
     },

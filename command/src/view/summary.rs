@@ -56,7 +56,7 @@ pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene) -> Re
 pub(super) fn of_still(report: &Report) -> Value {
     json!({
         "accuracy": report.accuracy,
-        "certified": report.certified,
+        "certified": report.proved(),
         "settled": report.settled,
         "adapter": report.adapter,
         "look": report.look,
@@ -69,7 +69,7 @@ pub(super) fn of_still(report: &Report) -> Value {
 pub(super) fn of_moved(moved: &Moved) -> Value {
     json!({
         "accuracy": moved.accuracy,
-        "certified": moved.certified,
+        "certified": moved.proved,
         "settled": moved.settled,
         "adapter": moved.adapter,
         "look": "plain",

@@ -3,8 +3,8 @@
 
 use crate::test_dir::{Output, SPHERE, TestDir, failure};
 
-const COMMANDS: [&str; 9] =
-    ["render", "adapters", "compare", "merge", "measure", "plan", "trace", "completions", "man"];
+const COMMANDS: [&str; 10] =
+    ["render", "view", "adapters", "compare", "merge", "measure", "plan", "trace", "completions", "man"];
 
 const RENDER: &str = "render --backend cpu one.xyz -o a.png";
 

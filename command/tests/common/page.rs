@@ -119,7 +119,7 @@ pub(crate) fn check_stills(dir: &TestDir, arguments: &str, selection: Option<&st
             object.remove("vfov");
             object.insert("height".into(), json!(scene["radius"].as_f64().expect("a radius") * 2.0));
         }
-        let mut body = json!({ "seq": n, "camera": camera, "size": [61 + n, 47], "mode": "still" });
+        let mut body = json!({ "seq": n, "camera": camera, "size": [241 + n, 187], "mode": "still" });
         match n % 4 {
             1 => body["look"] = json!("plain"),
             2 => body["samples"] = json!(9),

@@ -111,8 +111,11 @@ class Mock:
         self.refuse_frames = None  # the message of a 400
         self.drop = False  # closes every connection: the server has ended
         self.skip_stills = 0  # so many stills are answered 204 without a newer one
-        self.film = True
+        self.film = True  # False: a single picture; None: the number of frames is not known
+        self.first = 1
+        self.flat = False  # pictures without discs, which cost nothing
         self.lock, self.turn = threading.Lock(), threading.Lock()
+        self.blank = {}
         self.newest, self.now, self.most, self.log, self.superseded = 0, 0, 0, [], 0
         self.spheres = [
             ([x * 2.0 + 1, y * 2.0 + 1, z * 2.0 + 1], 0.35 + 0.09 * ((x + 2 * y + 3 * z) % 5), (x + y + z) % 5)
@@ -140,7 +143,7 @@ class Mock:
         names = NAMES
         return {
             "schema": 1, "version": "0.0.0", "file": "lattice.xyz", "format": "xyz", "count": len(self.spheres),
-            "frames": FRAMES if self.film else 1, "frame": 1,
+            "frames": None if self.film is None else FRAMES if self.film else 1, "frame": self.first,
             "cell": [[CELL, 0, 0], [0, CELL, 0], [0, 0, CELL]], "extent": [[0, 0, 0], [CELL] * 3],
             "center": [5.0, 5.0, 5.0], "radius": 8.2, "columns": {"element": {"type": "name"}, "charge": {"type": "number"}},
             "camera": {"eye": [20.5, -14.25, 13.0], "at": [5, 5, 5], "up": [0, 0, 1], "vfov": 40},
@@ -177,6 +180,8 @@ class Mock:
         begun = time.perf_counter()
         if self.refuse_frames:
             raise Refusal("accuracy", self.refuse_frames, 7)
+        if (body.get("frame") or 1) > FRAMES:
+            raise Refusal("settings", f"frame {body['frame']}: the file has {FRAMES} frames")
         if still and self.skip_stills:
             self.skip_stills -= 1
             return None
@@ -187,7 +192,7 @@ class Mock:
         picked = self.chosen(body.get("select"))
         view, order = self.visible(body)
         levels = bytearray(bytes(BACKGROUND) * (width * height))
-        for _, i, x, y, r, kind, _, _ in order:
+        for _, i, x, y, r, kind, _, _ in [] if self.flat else order:
             colour = COLOURS[kind] if picked is None or i in picked else (188, 188, 190)
             for scale, light in ((1.0, 0.55), (0.93, 0.9), (0.5, 1.0), (0.25, 1.12)):
                 row = bytes(min(255, int(v * light)) for v in colour)
@@ -208,7 +213,11 @@ class Mock:
                 self.superseded += 1
                 return None
             time.sleep(0.005)
-        picture = png(width, height, levels)
+        picture = self.blank.get((width, height)) if self.flat else None
+        if not picture:
+            picture = png(width, height, levels)
+        if self.flat:
+            self.blank[width, height] = picture
         info = {
             "seq": body["seq"], "ms": (time.perf_counter() - begun) * 1000, "certified": 1.0 if still else 0.99987, "settled": 1204,
             "unit": view.unit_at(view.distance), "adapter": "llvmpipe", "look": body.get("look") or "soft",
