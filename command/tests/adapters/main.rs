@@ -6,6 +6,10 @@ mod adapter;
 #[path = "../../../tests/common/data.rs"]
 #[expect(dead_code, reason = "the other test programs use more of it")]
 mod data;
+#[cfg(unix)]
+#[path = "../common/page.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod page;
 #[path = "../../../tests/common/rng.rs"]
 #[expect(dead_code, reason = "the other test programs use more of it")]
 mod rng;
@@ -19,3 +23,5 @@ mod command;
 mod measure;
 mod selftest;
 mod trace;
+#[cfg(unix)]
+mod view;

@@ -251,7 +251,8 @@ fn the_first_camera_is_that_of_the_picture() {
             let own = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
             [own(before), words.clone(), own(after)].concat()
         };
-        let first = dir.good(&with(&["render"], &["--json", "--backend", "cpu", "-o", "%d.png"])).json_lines().remove(0);
+        let first =
+            dir.good(&with(&["render"], &["--json", "--backend", "cpu", "-o", "%d.png"])).json_lines().remove(0);
         let page = Page::of(dir.command(&with(&["view"], &["--port", "0", "--no-open", "--backend", "cpu"])));
         let (scene, expected) = (page.good("/scene", &json!({})), &first["camera"]);
         let camera = &scene["camera"];
