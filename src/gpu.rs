@@ -11,6 +11,7 @@ pub(crate) mod submission_budget;
 #[cfg(test)]
 mod tests;
 pub(crate) mod texture;
+pub(crate) mod traffic;
 pub(crate) mod transfers;
 mod validate;
 mod winners;

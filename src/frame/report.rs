@@ -84,6 +84,13 @@ pub struct Report {
     /// Whole-frame wall times: view, upload, search, trace, settle, shade and readback; files excluded. The first
     /// includes compiling the kernel.
     pub frame_ms: Vec<f64>,
+    /// The part of each of these times in which the device had no work and waited for the host, or the host worked for itself;
+    /// all of it on the reference path.
+    pub host_ms: Vec<f64>,
+    /// Bytes that went to the device for the last frame; 0 on the reference path.
+    pub bytes_up: u64,
+    /// Bytes that came back from it.
+    pub bytes_down: u64,
     /// Kernel time within each of these frames by the adapter's clock; empty where it has none.
     pub kernel_ms: Vec<f64>,
     /// Wall times of the last frame's stages, milliseconds.

@@ -9,6 +9,7 @@ use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings, is_texture};
 use crate::gpu::selftest::verdict::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
+use crate::gpu::traffic::Traffic;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
 use crate::gpu::validate::{compile, validate};
 use crate::kernel::{Kernel, KernelOutput, RaySource};
@@ -28,6 +29,7 @@ pub(crate) struct Gpu {
     buffers: HashMap<&'static str, wgpu::Buffer>,
     pub(super) textures: HashMap<&'static str, (wgpu::Texture, wgpu::TextureView)>,
     clock: Option<Clock>,
+    pub(super) traffic: Traffic,
     /// Output buffers are read in place.
     direct: bool,
     /// The budget for kernels that have not run yet.
@@ -49,6 +51,7 @@ impl Gpu {
         let direct = open.is_direct(&summary);
         Self {
             clock,
+            traffic: Traffic::default(),
             summary,
             open,
             limits,
@@ -81,6 +84,11 @@ impl Gpu {
     /// Kernel time since the last call, in milliseconds by the device's clock, if it has one.
     pub(crate) fn kernel_ms(&mut self) -> Option<f64> {
         self.clock.as_mut().map(Clock::take)
+    }
+
+    /// What the device did since the last call.
+    pub(crate) fn traffic(&mut self) -> Traffic {
+        self.traffic.take()
     }
 
     /// Runs `work` and converts errors that the device reports meanwhile.
@@ -233,11 +241,14 @@ impl Gpu {
         if let Some(clock) = &self.clock {
             clock.resolve(&mut encoder);
         }
-        self.open.queue.submit([encoder.finish()]);
+        let commands = encoder.finish();
+        let start = Instant::now();
+        self.open.queue.submit([commands]);
         if let Some(clock) = &self.clock {
             clock.ask();
         }
         self.wait()?;
+        self.traffic.worked(start);
         if let Some(clock) = &mut self.clock {
             clock.add();
         }
@@ -285,7 +296,9 @@ impl Gpu {
         for output in &read {
             let staging = &self.buffers[from(output)];
             {
-                let mapped = mapped(staging, pixels as u64 * output.bytes())?;
+                let bytes = pixels as u64 * output.bytes();
+                let mapped = mapped(staging, bytes)?;
+                self.traffic.down += bytes;
                 raw.store(output.name, first, pixels, &mapped);
             }
             staging.unmap();
@@ -344,6 +357,7 @@ impl Gpu {
             self.open.queue.write_buffer(&self.buffers[name], offset, part);
             offset += part.len() as u64;
         }
+        self.traffic.up += offset;
         Ok(())
     }
 

@@ -59,6 +59,7 @@ impl Gpu {
                 wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             );
         }
+        self.traffic.up += bytes.len() as u64;
         Ok(())
     }
 }

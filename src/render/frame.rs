@@ -18,6 +18,7 @@ use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::input::{Input, KernelRays, Output};
+use crate::gpu::traffic::Traffic;
 use crate::progress::Step;
 use crate::quote::setting::{ACCURACY, BACKEND};
 use crate::scene::Scene;
@@ -126,8 +127,9 @@ impl Renderer {
         let pixels = view.record.pixels();
         let tolerance = settings.promise().relative();
         let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
-        // Discards the time of earlier kernels, for example of a self-test.
+        // Discards what was done before, for example by a self-test.
         self.kernel_ms();
+        self.traffic();
         let settled = self.answer(&setup, scene, &mut raw, &mut timings)?;
         watch.check()?;
         raw.settle(&settled);
@@ -174,6 +176,9 @@ impl Renderer {
         report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
         report.stages_ms = timings.into_map();
         report.frame_ms = vec![milliseconds(start)];
+        let Traffic { busy, up, down } = self.traffic().unwrap_or_default();
+        report.host_ms = report.frame_ms.iter().map(|whole| (whole - busy.as_secs_f64() * 1e3).max(0.0)).collect();
+        (report.bytes_up, report.bytes_down) = (up, down);
         report.kernel_ms = kernel_ms.into_iter().collect();
         if let Some(binned) = setup.binned {
             binned.put_back(&pool);

@@ -10,6 +10,7 @@ use crate::frame::{Data, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{AdapterSummary, Open};
 use crate::gpu::selftest::Verdict;
+use crate::gpu::traffic::Traffic;
 use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
@@ -147,6 +148,14 @@ impl Renderer {
     pub(super) fn kernel_ms(&mut self) -> Option<f64> {
         match &mut self.place {
             Executor::Gpu(gpu) => gpu.kernel_ms(),
+            Executor::Cpu => None,
+        }
+    }
+
+    /// What the device did since the last call; `None` for the reference path.
+    pub(super) fn traffic(&mut self) -> Option<Traffic> {
+        match &mut self.place {
+            Executor::Gpu(gpu) => Some(gpu.traffic()),
             Executor::Cpu => None,
         }
     }

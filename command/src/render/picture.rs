@@ -151,14 +151,16 @@ impl PictureWriter<'_> {
     fn frames(&self, renderer: &mut Renderer, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Frame> {
         let mut frame = renderer.render(scene, settings)?;
         let mut times = frame.report.frame_ms.clone();
-        let mut kernels = frame.report.kernel_ms.clone();
+        let (mut kernels, mut host) = (frame.report.kernel_ms.clone(), frame.report.host_ms.clone());
         for _ in 1..self.repeat.get() {
             renderer.recycle(frame);
             frame = renderer.render(scene, settings)?;
             times.extend(&frame.report.frame_ms);
             kernels.extend(&frame.report.kernel_ms);
+            host.extend(&frame.report.host_ms);
         }
-        (frame.report.frame_ms, frame.report.kernel_ms) = (times, kernels);
+        let report = &mut frame.report;
+        (report.frame_ms, report.kernel_ms, report.host_ms) = (times, kernels, host);
         let beyond: Vec<_> = targets.iter().flat_map(|target| target.warnings(&frame)).collect();
         frame.report.warnings.extend(beyond);
         Ok(frame)

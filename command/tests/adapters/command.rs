@@ -63,6 +63,19 @@ fn the_json_has_every_key() {
         is("certified", |value| value.as_f64().is_some_and(|share| (0.0..=1.0).contains(&share)));
         is("bound", |value| value.is_null() || value.is_f64());
         is("frame_ms", |value| value.as_array().is_some_and(|all| all.len() == 3 && all.iter().all(Value::is_f64)));
+        let times = |key: &str| -> Vec<f64> {
+            report[key].as_array().expect(key).iter().map(|ms| ms.as_f64().expect("a time")).collect()
+        };
+        let (frames, host) = (times("frame_ms"), times("host_ms"));
+        let bytes = [&report["bytes_up"], &report["bytes_down"]].map(|bytes| bytes.as_u64().expect("bytes"));
+        if backend == "cpu" {
+            assert!(host == frames && bytes == [0; 2], "all is the host's: {report}");
+        } else {
+            let is_part = |(host, frame): (&f64, &f64)| *host > 0.0 && host < frame;
+            assert!(host.len() == 3 && host.iter().zip(&frames).all(is_part), "{report}");
+            // At least the view goes up; colour and id come back, 16 bytes a pixel.
+            assert!(bytes[0] > 100 && bytes[1] >= 16 * 45 * 31, "{report}");
+        }
         is("stages_ms", |value| {
             value.as_object().is_some_and(|all| !all.is_empty() && all.values().all(Value::is_f64))
         });
