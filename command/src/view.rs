@@ -10,6 +10,9 @@ mod pick;
 mod python;
 mod summary;
 
+pub use pick::describe;
+pub use summary::{column, hex, legend};
+
 use super::inset_args::joined;
 use super::messages::{QuietArgs, note};
 use super::process::{ExitCode, all_arguments};

@@ -39,7 +39,7 @@ pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, 
 }
 
 /// What the file says about a sphere: `row`, its number in the file from 0, and `columns`.
-pub(super) fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: usize) {
+pub fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: usize) {
     let value = |name: &str| {
         let (_, values) = columns.get(name).ok()?;
         Some(match values.value(id) {
