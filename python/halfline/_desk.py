@@ -1,0 +1,347 @@
+"""What the page of a view asks, answered. It knows no notebook; see `view`."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import threading
+import time
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from . import _halfline
+from ._arrays import number, shown, vector, whole, word
+from ._arrays import size as checked_size
+from ._halfline import AccuracyError, AdapterError
+from ._lines import Shot, python, rules, shell
+from ._turns import Superseded, Turn
+from .camera import Camera
+from .frame import Frame
+from .options import Options, checked
+from .renderer import Renderer
+from .scene import Scene
+
+# What a view does not take: it shows whole pictures, and writes no file.
+_REFUSED = ("aovs", "crop", "dtype")
+
+# Options of the light and of what is drawn, which a moving picture leaves out.
+_RESTING = (
+    "samples",
+    "look",
+    "silhouette",
+    "sun",
+    "shadows",
+    "occlusion",
+    "reach",
+    "bounces",
+    "legend",
+    "label",
+    "scale_bar",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """An answer to a request of the page."""
+
+    status: int
+    json: Any = None
+    info: dict[str, Any] | None = None
+    picture: bytes | None = None
+
+
+# A newer request came.
+NOTHING = Answer(204)
+
+
+@functools.cache
+def usual_renderer() -> Renderer:
+    """The renderer of all views that are given none: opening a device takes time."""
+    return Renderer()
+
+
+@dataclass(slots=True)
+class Desk:
+    """A scene, what renders it, and how."""
+
+    scene: Scene
+    renderer: Renderer
+    options: Mapping[str, Any]
+    """Those of `Renderer.render` without the size."""
+    size: tuple[int, int]
+    lens: Mapping[str, float]
+    """Aperture and focus of the camera, if its lens has a size."""
+    start: dict[str, Any]
+    """The pose with which the view begins."""
+    named: Mapping[str, str]
+    """The arguments of the renderer in the lines that are copied."""
+    picker: Renderer = field(default_factory=lambda: Renderer("cpu"))
+    still: bytes | None = None
+    """The last still picture, a PNG file."""
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+    _painted: tuple[str, Scene, int, list[str]] | None = None
+    _moving: tuple[Scene, Scene] | None = None
+    _summary: dict[str, Any] | None = None
+
+    @classmethod
+    def of(
+        cls, scene: Scene, camera: Camera | None, renderer: Renderer | None, options: Options
+    ) -> Desk:
+        """Checks what a view is given."""
+        given: dict[str, Any] = dict(options)
+        for name in _REFUSED:
+            if name in given:
+                raise ValueError(f"a view shows whole pictures in colour; remove {name}")
+        size = checked_size("size", given.pop("size", None) or (640, 480))
+        legend = given.get("legend")
+        if not (legend is None or isinstance(legend, bool) or "." not in str(legend)):
+            raise ValueError("a view writes no files; give legend=True or a corner")
+        picture, _ = checked(Options(**given))
+        if camera is None:
+            camera = Camera._of(scene._native.camera(size), None)
+        elif not isinstance(camera, Camera):
+            raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
+        named: dict[str, str] = {}
+        if renderer is not None:
+            # On one machine the name of an adapter is enough to find it again.
+            named = {"adapter": renderer.adapter} if renderer.is_gpu else {"backend": "cpu"}
+        summary: dict[str, Any] = json.loads(_halfline.summary(scene._native, picture))
+        record = camera.record(size if camera.size is None else None)
+        return cls(
+            scene,
+            usual_renderer() if renderer is None else renderer,
+            given,
+            size,
+            {name: record[name] for name in ("aperture", "focus") if name in record},
+            pose_of(camera, size, summary["center"]),
+            named,
+            _summary=summary,
+        )
+
+    def answer(self, route: str, body: Any, turn: Turn) -> Answer:
+        """The answer to a request, also to one with a mistake."""
+        routes: dict[str, Callable[[Mapping[str, Any], Turn], Any]] = {
+            "/scene": lambda body, turn: self.summary(),
+            "/progress": lambda body, turn: {"state": "ready", "text": ""},
+            "/frame": self._frame,
+            "/pick": lambda body, turn: self.pick(body),
+            "/select": lambda body, turn: self.select(body.get("expr")),
+            "/command": lambda body, turn: self.command(body),
+        }
+        ask = routes.get(route)
+        if ask is None:
+            return Answer(404, _error("settings", 2, f"there is nothing at {shown(route)}"))
+        if not isinstance(body, Mapping):
+            return Answer(400, _error("settings", 2, "the request is not valid: give an object"))
+        try:
+            found = ask(body, turn)
+        except Superseded:
+            return NOTHING
+        except Exception as error:
+            return _refusal(error)
+        return found if isinstance(found, Answer) else Answer(200, found)
+
+    def summary(self) -> dict[str, Any]:
+        """What is known about the scene."""
+        return {
+            "schema": 1,
+            "version": _halfline.__version__,
+            **(self._summary or {}),
+            "format": None,
+            "frames": 1,
+            "camera": self.start,
+            "size": self.size,
+            "selects": True,
+            "warnings": self.scene.warnings,
+        }
+
+    def _frame(self, body: Mapping[str, Any], turn: Turn) -> Answer:
+        begin = time.perf_counter()
+        is_move = body.get("mode") == "move"
+        shot = self.shot(body)
+        frame = self.moving(shot) if is_move else self.render(shot, turn)
+        if is_move:
+            picture = _halfline.jpeg(np.ascontiguousarray(frame.image))
+        else:
+            picture = self.still = frame.to_png()
+        report, pose = frame.report, shot.pose
+        seen = pose.get("height") or 2 * math.tan(math.radians(pose["vfov"]) / 2) * math.dist(
+            pose["eye"], pose["at"]
+        )
+        names = ("accuracy", "certified", "settled", "adapter", "look", "samples", "warnings")
+        info = {
+            "seq": body.get("seq", 0),
+            "ms": round((time.perf_counter() - begin) * 1e3, 2),
+            "unit": seen / shot.size[1],
+            **{name: report.get(name) for name in names},
+        }
+        return Answer(200, info=info, picture=picture)
+
+    def shot(self, body: Mapping[str, Any]) -> Shot:
+        """The picture of a request."""
+        options = dict(self.options)
+        if body.get("look") is not None:
+            options["look"] = word("look", body["look"])
+        if body.get("samples") is not None and body.get("mode") != "move":
+            options["samples"] = whole("samples", body["samples"], 1)
+        select = body.get("select")
+        return Shot(
+            pose(body.get("camera")),
+            self.lens,
+            checked_size("size", body.get("size")),
+            options,
+            None if select is None else word("select", select),
+            self.named,
+        )
+
+    def render(self, shot: Shot, turn: Turn | None = None) -> Frame:
+        """A picture as it is copied, unless a newer one is wanted."""
+        scene = self._shown(shot.select)
+        progress = False if turn is None else turn.check
+        options: Any = {**shot.options, "size": shot.size, "progress": progress}
+        return self.renderer.render(scene, shot.camera, **options)
+
+    def moving(self, shot: Shot) -> Frame:
+        """A picture by one ray for each pixel, lit from the eye."""
+        shown_now = self._shown(shot.select)
+        with self._lock:
+            if self._moving is None or self._moving[0] is not shown_now:
+                lit = _halfline.lit_from_the_eye(shown_now._native)
+                self._moving = shown_now, Scene._of(lit)
+            scene = self._moving[1]
+        options: Any = {name: shot.options[name] for name in shot.options if name not in _RESTING}
+        return self.renderer.render(
+            scene, _pinhole(shot), **options, size=shot.size, look="plain", samples=1
+        )
+
+    def first(self) -> bytes:
+        """The last still picture, or that with which the view begins."""
+        if self.still is None:
+            shot = self.shot({"camera": self.start, "size": self.size})
+            self.still = self.render(shot).to_png()
+        return self.still
+
+    def pick(self, body: Mapping[str, Any]) -> dict[str, Any] | None:
+        """The sphere at a pixel: its id is that of the buffer ``id``."""
+        shot = self.shot({**body, "look": None, "samples": None})
+        x, y = whole("x", body.get("x")), whole("y", body.get("y"))
+        options: Any = {
+            name: shot.options[name] for name in ("cell", "tolerance") if name in shot.options
+        }
+        frame = self.picker.render(
+            self._shown(shot.select),
+            _pinhole(shot),
+            size=shot.size,
+            crop=(x, y, x + 1, y + 1),
+            aovs=["id", "distance", "position", "certainty"],
+            accuracy="certified",
+            **options,
+        )
+        found = int(frame["id"][0, 0])
+        # Beads that draw the edges of a cell are no spheres of the scene.
+        if not 0 <= found < len(self.scene):
+            return None
+        picked: dict[str, Any] = json.loads(_halfline.describe(self.scene._native, found))
+        picked["position"] = frame["position"][0, 0].tolist()
+        picked["distance"] = float(frame["distance"][0, 0])
+        picked["certainty"] = "settled" if frame["certainty"][0, 0] == 1 else "certified"
+        picked["from"] = None
+        if body.get("from") is not None:
+            origin = whole("from", body["from"])
+            if apart := _halfline.apart(self.scene._native, origin, found):
+                picked["from"] = {"id": origin, "distance": apart[0], "minimum_image": apart[1]}
+        return picked
+
+    def select(self, expression: Any) -> dict[str, Any]:
+        """How many spheres an expression selects."""
+        _, painted, count, notes = self._paint(word("expr", expression))
+        legend = json.loads(_halfline.summary(painted._native, checked({})[0]))["legend"]
+        return {"count": count, "of": len(self.scene), "legend": legend, "notes": notes}
+
+    def command(self, body: Mapping[str, Any]) -> dict[str, Any]:
+        """The lines that render the picture of a request again."""
+        shot, source = self.shot({**body, "mode": "still"}), self.scene._source
+        return {"shell": shell(source, shot), "python": python(source, shot)}
+
+    def _shown(self, select: str | None) -> Scene:
+        """The scene in the colours of a selection."""
+        return self._paint(select)[1] if select else self.scene
+
+    def _paint(self, select: str) -> tuple[str, Scene, int, list[str]]:
+        with self._lock:
+            if self._painted is None or self._painted[0] != select:
+                mask, notes = self.scene._native.select(select)
+                with warnings.catch_warnings():
+                    # Those of the mask are the answer's.
+                    warnings.simplefilter("ignore")
+                    painted = self.scene.with_colors(rules(select))
+                self._painted = select, painted, int(np.count_nonzero(mask)), notes
+            return self._painted
+
+
+def pose(camera: Any) -> dict[str, Any]:
+    """A camera of the page: eye, at, up, and vfov in degrees or height in scene units."""
+    if not isinstance(camera, Mapping):
+        raise ValueError(f"camera is {shown(camera)}; give eye, at, up, and vfov or height")
+    found: dict[str, Any] = {
+        name: vector(f"camera[{name!r}]", camera.get(name, ())) for name in ("eye", "at", "up")
+    }
+    lenses = [name for name in ("vfov", "height") if camera.get(name) is not None]
+    if len(lenses) != 1:
+        raise ValueError("a camera has either vfov or height; give one of them")
+    found[lenses[0]] = number(f"camera[{lenses[0]!r}]", camera[lenses[0]])
+    # Refuses what gives no picture.
+    Camera(found["eye"], **{name: value for name, value in found.items() if name != "eye"})
+    return found
+
+
+def pose_of(camera: Camera, size: tuple[int, int], center: Any) -> dict[str, Any]:
+    """A camera as the page has it. A point to look at that it does not give lies where the view
+    passes the middle of the spheres.
+    """
+    record = camera.record(size if camera.size is None else None)
+    eye, at = record["eye"], record.get("at")
+    if at is None:
+        length = math.hypot(*record["view"])
+        view = [x / length for x in record["view"]]
+        depth = sum((c - e) * v for c, e, v in zip(center, eye, view, strict=True))
+        ahead = depth if 0 < depth < math.inf else 1.0
+        at = [e + ahead * v for e, v in zip(eye, view, strict=True)]
+    height, distance = record["viewport"][1], record["distance"]
+    lens: dict[str, Any] = {"height": height}
+    if distance is not None:
+        exact = camera._native.vfov
+        lens = {"vfov": math.degrees(2 * math.atan(height / distance / 2)) if exact is None else exact}
+    return pose({"eye": eye, "at": at, "up": record["up"], **lens})
+
+
+def _pinhole(shot: Shot) -> Camera:
+    given = dict(shot.pose)
+    return Camera(given.pop("eye"), **given)
+
+
+def _error(kind: str, code: int, message: str) -> dict[str, Any]:
+    return {"error": {"kind": kind, "message": message, "exit": code}}
+
+
+def _refusal(error: Exception) -> Answer:
+    """The error object of the command for an exception."""
+    kinds: list[tuple[type[Exception], str, int]] = [
+        (AccuracyError, "accuracy", 7),
+        (AdapterError, "adapter", 4),
+        (MemoryError, "limits", 5),
+        (OSError, "io", 8),
+        (ValueError, "settings", 2),
+        (TypeError, "settings", 2),
+        (KeyError, "settings", 2),
+    ]
+    for kind, name, code in kinds:
+        if isinstance(error, kind):
+            text = error.args[0] if isinstance(error, KeyError) and error.args else error
+            return Answer(400, _error(name, code, str(text)))
+    return Answer(500, _error("internal", 101, f"the program failed: {error!r}"))
