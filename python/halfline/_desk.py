@@ -101,7 +101,8 @@ class Desk:
         legend = given.get("legend")
         if not (legend is None or isinstance(legend, bool) or "." not in str(legend)):
             raise ValueError("a view writes no files; give legend=True or a corner")
-        picture, _ = checked(Options(**given))
+        chosen: Any = given
+        picture, _ = checked(chosen)
         if camera is None:
             camera = Camera._of(scene._native.camera(size), None)
         elif not isinstance(camera, Camera):
@@ -316,7 +317,7 @@ def pose_of(camera: Camera, size: tuple[int, int], center: Any) -> dict[str, Any
     lens: dict[str, Any] = {"height": height}
     if distance is not None:
         exact = camera._native.vfov
-        lens = {"vfov": math.degrees(2 * math.atan(height / distance / 2)) if exact is None else exact}
+        lens = {"vfov": exact or math.degrees(2 * math.atan(height / distance / 2))}
     return pose({"eye": eye, "at": at, "up": record["up"], **lens})
 
 

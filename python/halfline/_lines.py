@@ -36,8 +36,8 @@ class Shot:
     @property
     def camera(self) -> Camera:
         """The camera."""
-        pose = dict(self.pose)
-        return Camera(pose.pop("eye"), **pose, **self.lens)
+        given: dict[str, Any] = {**self.pose, **self.lens}
+        return Camera(given.pop("eye"), **given)
 
 
 def rules(select: str) -> dict[str, str]:
@@ -53,7 +53,9 @@ def python(source: Source | None, shot: Shot) -> str:
     render = f"{renderer}.render" if shot.renderer else "hl.render"
     scene = "scene" if shot.select is None else "shown"
     lines = ["import halfline as hl", ""]
-    if source is not None:
+    if source is None:
+        lines.append("# scene is that of the view")
+    else:
         lines.append(f"scene = {_call('hl.read', [source.path], source.keywords)}")
     if shot.select is not None:
         lines.append(f"shown = {_call('scene.with_colors', [rules(shot.select)], {})}")
@@ -75,7 +77,9 @@ def shell(source: Source | None, shot: Shot) -> str | None:
     read.pop("keep", None)
     words = list(_options(read))
     if shot.select is not None:
-        words += [f"--color={selection}={color}" for selection, color in rules(shot.select).items()]
+        words += [
+            f"--color={selection}={color}" for selection, color in rules(shot.select).items()
+        ]
     # A corner has the option of the place, which has the right side as its default.
     render["legend_in"] = render.pop("legend", False)
     words += _options(render)

@@ -57,7 +57,7 @@ class _Selection(traitlets.Unicode[str, str]):
         return text
 
 
-class View(anywidget.AnyWidget):  # type: ignore[misc]
+class View(anywidget.AnyWidget):
     """A scene to turn, pick and select from in a notebook, rendered by the kernel: `Scene.view`
     makes it.
 
@@ -107,8 +107,8 @@ class View(anywidget.AnyWidget):  # type: ignore[misc]
 
     def to_camera(self) -> Camera:
         """The camera as one of `Renderer.render`."""
-        given = dict(self.camera)
-        return Camera(given.pop("eye"), **given, **self._desk.lens)
+        given: Pose = {**self.camera, **self._desk.lens}
+        return Camera(given.pop("eye"), **given)
 
     def close(self) -> None:
         """Takes the view out of the notebook."""
@@ -170,4 +170,6 @@ class View(anywidget.AnyWidget):  # type: ignore[misc]
 
 def _json(found: Pose) -> Pose:
     """A pose in the types of JSON, so that what the page sends is equal to what is kept."""
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
+    return {
+        name: list(value) if isinstance(value, tuple) else value for name, value in found.items()
+    }
