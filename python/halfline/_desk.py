@@ -231,6 +231,7 @@ class Desk:
         """The sphere at a pixel: its id is that of the buffer ``id``."""
         shot = self.shot({**body, "look": None, "samples": None})
         x, y = whole("x", body.get("x")), whole("y", body.get("y"))
+        origin = None if body.get("from") is None else whole("from", body["from"])
         options: Any = {
             name: shot.options[name] for name in ("cell", "tolerance") if name in shot.options
         }
@@ -252,10 +253,9 @@ class Desk:
         picked["distance"] = float(frame["distance"][0, 0])
         picked["certainty"] = "settled" if frame["certainty"][0, 0] == 1 else "certified"
         picked["from"] = None
-        if body.get("from") is not None:
-            origin = whole("from", body["from"])
-            if apart := _halfline.apart(self.scene._native, origin, found):
-                picked["from"] = {"id": origin, "distance": apart[0], "minimum_image": apart[1]}
+        apart = None if origin is None else _halfline.apart(self.scene._native, origin, found)
+        if apart is not None:
+            picked["from"] = {"id": origin, "distance": apart[0], "minimum_image": apart[1]}
         return picked
 
     def select(self, expression: Any) -> dict[str, Any]:

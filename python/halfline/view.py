@@ -24,8 +24,8 @@ except ImportError:
 # What the bars above and below the picture take of the height, pixels.
 _BARS = 72
 
-# A cell gives the page its size.
-_STYLE = "\n.jupyter-widgets > .halfline-view, .halfline-cell .halfline-view { height: 100%; }\n"
+# The widget has the size that its layout says, and the page fills it.
+_STYLE = "\n:is(.lm-Widget, .p-Widget, .jupyter-widgets) > .halfline-view { height: 100%; }\n"
 
 Pose = dict[str, Any]
 

@@ -57,9 +57,14 @@ impl Paint {
         let old = legend.into_iter().flat_map(|legend| &legend.overrides).filter(stays).cloned();
         let overrides: Vec<Category> = old.chain(rows).collect();
         let legend = match legend {
+            Some(legend) if legend.is_scale() => Some(Legend { overrides, ..legend.clone() }),
             Some(legend) => {
-                let categories = legend.categories.iter().filter(stays).cloned().collect();
-                Some(Legend { categories, overrides, ..legend.clone() })
+                let categories: Vec<Category> = legend.categories.iter().filter(stays).cloned().collect();
+                // As the reader has it: a column without categories has no legend, and elements have theirs.
+                match categories.is_empty() && legend.name != "element" {
+                    true => Some(Legend::of_selections(overrides)),
+                    false => Some(Legend { categories, overrides, ..legend.clone() }),
+                }
             }
             None if overrides.is_empty() => None,
             None => Some(Legend::of_selections(overrides)),
