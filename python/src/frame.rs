@@ -8,6 +8,7 @@ use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
 use halfline::frame::provenance::Origin;
+use halfline::frame::srgb;
 use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::{Aov, Frame as CoreFrame, Scene};
@@ -170,10 +171,11 @@ impl Frame {
         begin()?;
         let frame = self.exact().or_raise()?;
         let drawn = self.panels.as_ref().map(|panels| self.drawn(panels, &[Aov::Color])).transpose().or_raise()?;
-        let Some(image) = drawn.as_ref().unwrap_or(frame).image() else {
+        let shown = drawn.as_ref().unwrap_or(frame);
+        let Some(color) = shown.f32(Aov::Color) else {
             return Err(Error::settings("the frame has no colour", "add color to aovs")).or_raise();
         };
-        let bytes = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
+        let bytes = py.detach(|| srgb::levels(&shown.toning().all(color)));
         crate::arrays::owned(py, bytes, &[frame.height as usize, frame.width as usize, 3])
     }
 

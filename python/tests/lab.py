@@ -66,7 +66,7 @@ class Lab:
         settings.write_text('{"fetchNews": "false"}')
         self.log = open(self.path / "log", "w")
         self.process = subprocess.Popen(
-            [python, "-m", "jupyterlab", *options], env={**os.environ, **here}, stdout=self.log, stderr=self.log
+            [python, "-m", "jupyterlab", *options], env={"XDG_RUNTIME_DIR": str(self.path), **os.environ, **here}, stdout=self.log, stderr=self.log
         )
         self.url = f"http://127.0.0.1:{self.port}"
         end = time.monotonic() + 60
@@ -83,11 +83,7 @@ class Lab:
         return json.loads((self.path / "view.ipynb").read_text())
 
     def close(self):
-        try:
-            for kernel in json.load(urllib.request.urlopen(f"{self.url}/api/kernels")):
-                urllib.request.urlopen(urllib.request.Request(f"{self.url}/api/kernels/{kernel['id']}", method="DELETE"))
-        except OSError:
-            pass
+        # The server ends its kernels.
         self.process.terminate()
         self.process.wait(20)
         self.log.close()
@@ -203,9 +199,21 @@ class Run:
         pictures = [output["data"]["image/png"] for output in outputs if "image/png" in output.get("data", {})]
         self.check("the saved notebook has the picture", len(pictures) == 1, [list(o.get("data", {})) for o in outputs])
         self.found["saved picture, KB"] = round(len(pictures[0]) / 1e3) if pictures else None
+        self.reopened()
         found = [line for line in tab.complaints() if "halfline" in line]
         self.check("the page has no complaints", not found, found)
         print(json.dumps(self.found, indent=2))
+
+    def reopened(self):
+        """What a new page shows of the saved notebook, whose kernel has ended."""
+        self.tab.js("window.jupyterapp.serviceManager.sessions.shutdownAll()")
+        self.tab.call("Page.navigate", url=f"{self.lab.url}/lab/workspaces/other/tree/view.ipynb")
+        result = "document.querySelector('.jp-OutputArea-executeResult')"
+        self.tab.until(f"!{ROOT} && {result}", 60)
+        time.sleep(3)
+        self.shot("7-reopened")
+        self.found["reopened"] = self.tab.js(f"{result}.innerText")
+        self.found["reopened has the picture"] = self.tab.js(f"Boolean({result}.querySelector('img'))")
 
     def close(self):
         self.browser.close()
