@@ -7,7 +7,6 @@ import json
 import math
 import threading
 import time
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,16 +14,15 @@ from typing import Any
 import numpy as np
 
 from . import _halfline
-from ._arrays import number, shown, vector, whole, word
+from ._arrays import Renders, color, native_renderer, number, shown, vector, whole, word
 from ._arrays import size as checked_size
 from ._halfline import AccuracyError, AdapterError
 from ._lines import Shot, python, rules, shell
+from ._source import Source
 from ._turns import Superseded, Turn
 from .camera import Camera
 from .frame import Frame
 from .options import Options, checked
-from .renderer import Renderer
-from .scene import Scene
 
 # What a view does not take: it shows whole pictures, and writes no file.
 _REFUSED = ("aovs", "crop", "dtype")
@@ -60,17 +58,18 @@ NOTHING = Answer(204)
 
 
 @functools.cache
-def usual_renderer() -> Renderer:
+def _usual_renderer() -> _halfline.Renderer:
     """The renderer of all views that are given none: opening a device takes time."""
-    return Renderer()
+    return _halfline.Renderer("auto", None)
 
 
 @dataclass(slots=True)
 class Desk:
     """A scene, what renders it, and how."""
 
-    scene: Scene
-    renderer: Renderer
+    scene: _halfline.Scene
+    source: Source | None
+    renderer: _halfline.Renderer
     options: Mapping[str, Any]
     """Those of `Renderer.render` without the size."""
     size: tuple[int, int]
@@ -80,17 +79,22 @@ class Desk:
     """The pose with which the view begins."""
     named: Mapping[str, str]
     """The arguments of the renderer in the lines that are copied."""
-    picker: Renderer = field(default_factory=lambda: Renderer("cpu"))
+    picker: _halfline.Renderer = field(default_factory=lambda: _halfline.Renderer("cpu", None))
     still: bytes | None = None
     """The last still picture, a PNG file."""
     _lock: threading.Lock = field(default_factory=threading.Lock)
-    _painted: tuple[str, Scene, int, list[str]] | None = None
-    _moving: tuple[Scene, Scene] | None = None
+    _painted: tuple[str, _halfline.Scene, int, list[str]] | None = None
+    _moving: tuple[_halfline.Scene, _halfline.Scene] | None = None
     _summary: dict[str, Any] | None = None
 
     @classmethod
     def of(
-        cls, scene: Scene, camera: Camera | None, renderer: Renderer | None, options: Options
+        cls,
+        scene: _halfline.Scene,
+        source: Source | None,
+        camera: Camera | None,
+        renderer: Renders | None,
+        options: Options,
     ) -> Desk:
         """Checks what a view is given."""
         given: dict[str, Any] = dict(options)
@@ -104,18 +108,20 @@ class Desk:
         chosen: Any = given
         picture, _ = checked(chosen)
         if camera is None:
-            camera = Camera._of(scene._native.camera(size), None)
+            camera = Camera._of(scene.camera(size), None)
         elif not isinstance(camera, Camera):
             raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
         named: dict[str, str] = {}
+        native = _usual_renderer() if renderer is None else native_renderer(renderer)
         if renderer is not None:
             # On one machine the name of an adapter is enough to find it again.
             named = {"adapter": renderer.adapter} if renderer.is_gpu else {"backend": "cpu"}
-        summary: dict[str, Any] = json.loads(_halfline.summary(scene._native, picture))
+        summary: dict[str, Any] = json.loads(_halfline.summary(scene, picture))
         record = camera.record(size if camera.size is None else None)
         return cls(
             scene,
-            usual_renderer() if renderer is None else renderer,
+            source,
+            native,
             given,
             size,
             {name: record[name] for name in ("aperture", "focus") if name in record},
@@ -202,23 +208,20 @@ class Desk:
 
     def render(self, shot: Shot, turn: Turn | None = None) -> Frame:
         """A picture as it is copied, unless a newer one is wanted."""
-        scene = self._shown(shot.select)
-        progress = False if turn is None else turn.check
-        options: Any = {**shot.options, "size": shot.size, "progress": progress}
-        return self.renderer.render(scene, shot.camera, **options)
+        options = {**shot.options, "size": shot.size}
+        stop = None if turn is None else turn.check
+        return _frame(self.renderer, self._shown(shot.select), shot.camera, options, stop)
 
     def moving(self, shot: Shot) -> Frame:
         """A picture by one ray for each pixel, lit from the eye."""
         shown_now = self._shown(shot.select)
         with self._lock:
             if self._moving is None or self._moving[0] is not shown_now:
-                lit = _halfline.lit_from_the_eye(shown_now._native)
-                self._moving = shown_now, Scene._of(lit)
+                self._moving = shown_now, _halfline.lit_from_the_eye(shown_now)
             scene = self._moving[1]
-        options: Any = {name: shot.options[name] for name in shot.options if name not in _RESTING}
-        return self.renderer.render(
-            scene, _pinhole(shot), **options, size=shot.size, look="plain", samples=1
-        )
+        options = {name: value for name, value in shot.options.items() if name not in _RESTING}
+        options |= {"size": shot.size, "look": "plain", "samples": 1}
+        return _frame(self.renderer, scene, _pinhole(shot), options)
 
     def first(self) -> bytes:
         """The last still picture, or that with which the view begins."""
@@ -232,28 +235,24 @@ class Desk:
         shot = self.shot({**body, "look": None, "samples": None})
         x, y = whole("x", body.get("x")), whole("y", body.get("y"))
         origin = None if body.get("from") is None else whole("from", body["from"])
-        options: Any = {
-            name: shot.options[name] for name in ("cell", "tolerance") if name in shot.options
+        options = {
+            **{name: shot.options[name] for name in ("cell", "tolerance") if name in shot.options},
+            "size": shot.size,
+            "crop": (x, y, x + 1, y + 1),
+            "aovs": ["id", "distance", "position", "certainty"],
+            "accuracy": "certified",
         }
-        frame = self.picker.render(
-            self._shown(shot.select),
-            _pinhole(shot),
-            size=shot.size,
-            crop=(x, y, x + 1, y + 1),
-            aovs=["id", "distance", "position", "certainty"],
-            accuracy="certified",
-            **options,
-        )
+        frame = _frame(self.picker, self.scene, _pinhole(shot), options)
         found = int(frame["id"][0, 0])
         # Beads that draw the edges of a cell are no spheres of the scene.
         if not 0 <= found < len(self.scene):
             return None
-        picked: dict[str, Any] = json.loads(_halfline.describe(self.scene._native, found))
+        picked: dict[str, Any] = json.loads(_halfline.describe(self.scene, found))
         picked["position"] = frame["position"][0, 0].tolist()
         picked["distance"] = float(frame["distance"][0, 0])
         picked["certainty"] = "settled" if frame["certainty"][0, 0] == 1 else "certified"
         picked["from"] = None
-        apart = None if origin is None else _halfline.apart(self.scene._native, origin, found)
+        apart = None if origin is None else _halfline.apart(self.scene, origin, found)
         if apart is not None:
             picked["from"] = {"id": origin, "distance": apart[0], "minimum_image": apart[1]}
         return picked
@@ -261,26 +260,25 @@ class Desk:
     def select(self, expression: Any) -> dict[str, Any]:
         """How many spheres an expression selects."""
         _, painted, count, notes = self._paint(word("expr", expression))
-        legend = json.loads(_halfline.summary(painted._native, checked({})[0]))["legend"]
+        legend = json.loads(_halfline.summary(painted, checked({})[0]))["legend"]
         return {"count": count, "of": len(self.scene), "legend": legend, "notes": notes}
 
     def command(self, body: Mapping[str, Any]) -> dict[str, Any]:
         """The lines that render the picture of a request again."""
-        shot, source = self.shot({**body, "mode": "still"}), self.scene._source
-        return {"shell": shell(source, shot), "python": python(source, shot)}
+        shot = self.shot({**body, "mode": "still"})
+        return {"shell": shell(self.source, shot), "python": python(self.source, shot)}
 
-    def _shown(self, select: str | None) -> Scene:
+    def _shown(self, select: str | None) -> _halfline.Scene:
         """The scene in the colours of a selection."""
         return self._paint(select)[1] if select else self.scene
 
-    def _paint(self, select: str) -> tuple[str, Scene, int, list[str]]:
+    def _paint(self, select: str) -> tuple[str, _halfline.Scene, int, list[str]]:
         with self._lock:
             if self._painted is None or self._painted[0] != select:
-                mask, notes = self.scene._native.select(select)
-                with warnings.catch_warnings():
-                    # Those of the mask are the answer's.
-                    warnings.simplefilter("ignore")
-                    painted = self.scene.with_colors(rules(select))
+                mask, notes = self.scene.select(select)
+                # What is said about these is what is said about the mask.
+                colors = [(text, color("", name)) for text, name in rules(select).items()]
+                painted, _ = _halfline.painted(self.scene, colors)
                 self._painted = select, painted, int(np.count_nonzero(mask)), notes
             return self._painted
 
@@ -319,6 +317,19 @@ def pose_of(camera: Camera, size: tuple[int, int], center: Any) -> dict[str, Any
         exact = camera._native.vfov
         lens = {"vfov": exact or math.degrees(2 * math.atan(height / distance / 2))}
     return pose({"eye": eye, "at": at, "up": record["up"], **lens})
+
+
+def _frame(
+    renderer: _halfline.Renderer,
+    scene: _halfline.Scene,
+    camera: Camera,
+    options: Mapping[str, Any],
+    progress: _halfline.Report | None = None,
+) -> Frame:
+    """The frame of `Renderer.render`, which this module cannot import: it is below `Scene`."""
+    given: Any = options
+    picture, accurate = checked(given)
+    return Frame._of(renderer.render(scene, camera._native, picture, accurate, progress))
 
 
 def _pinhole(shot: Shot) -> Camera:

@@ -4,11 +4,12 @@ wins.
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ._arrays import shown
+_LOG = logging.getLogger("halfline")
 
 
 class Superseded(Exception):  # noqa: N818
@@ -76,7 +77,7 @@ class Turns:
                 turn.answer(turn)
             except Exception as error:
                 # An answer reports its own errors: this is one that could not be sent.
-                print(f"halfline: an answer to the view was lost: {shown(error)}")
+                _LOG.warning("an answer to the view was lost: %r", error)
 
     def close(self) -> None:
         """Nobody wants an answer any longer."""

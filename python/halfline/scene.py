@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _halfline
 from ._arrays import (
     Color,
+    Renders,
     array,
     cell_radius,
     number,
@@ -32,7 +33,6 @@ from .frame import Frame
 from .options import Options, checked
 
 if TYPE_CHECKING:
-    from .renderer import Renderer
     from .view import View
 
 Path = str | PathLike[str]
@@ -194,7 +194,7 @@ class Scene:
         self,
         camera: Camera | None = None,
         *,
-        renderer: Renderer | None = None,
+        renderer: Renders | None = None,
         **options: Unpack[Options],
     ) -> View:
         """A view to turn, pick and select from in a notebook. It needs anywidget: ``pip install
@@ -219,7 +219,7 @@ class Scene:
         from ._desk import Desk
         from .view import View
 
-        return View(Desk.of(self, camera, renderer, options))
+        return View(Desk.of(self._native, self._source, camera, renderer, options), repr(self))
 
     @property
     def centers(self) -> NDArray[np.float64]:

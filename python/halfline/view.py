@@ -87,8 +87,8 @@ class View(anywidget.AnyWidget):
 
     _desk: Desk
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+    def __init__(self, desk: Desk, name: str) -> None:
+        self._desk, self._name = desk, name
         # Picks do not wait for a picture.
         self._frames, self._others = Turns("halfline frames"), Turns("halfline answers")
         width, height = desk.size
@@ -118,7 +118,7 @@ class View(anywidget.AnyWidget):
 
     def __repr__(self) -> str:
         width, height = self._desk.size
-        return f"View({self._desk.scene!r}, {width} x {height})"
+        return f"View({self._name}, {width} x {height})"
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         """The widget, and a picture for notebooks without a kernel."""
