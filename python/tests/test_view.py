@@ -151,7 +151,7 @@ def test_copied_lines_have_every_keyword(cpu: hl.Renderer, tmp_path: Path) -> No
         select=iter(["speed > 0", "x < 9"]),
         clip=[(0, 0, 1, 5.0)],
         color={"speed > 1": (1, 0, 0), "x > 2": "gold"},
-        radius_scale=np.float32(0.5),
+        radius_scale=float(np.float32(0.5)),
     )
     camera = hl.Camera((2, 1, 20), at=(1, 1, 0), vfov=20, aperture=0.5, focus=19)
     options: Any = {
@@ -281,8 +281,9 @@ def test_a_selection_is_orange(
 
 
 def test_the_traits_go_both_ways(page: Page, molecule: hl.Scene) -> None:
-    view, sent = page.view, []
-    view._send = lambda message, buffers=None: sent.append(message)  # type: ignore[method-assign]
+    view = page.view
+    sent: list[dict[str, Any]] = []
+    view._send = lambda message, buffers=None: sent.append(message)
     moved = {"eye": [0, 0, 30], "at": [5, 5, 0], "up": [0, 1, 0], "vfov": 20}
     # The page moves: what it said is not said back.
     view.set_state({"camera": moved, "picked": [{"id": 3}], "selection": "chain B"})
@@ -348,9 +349,11 @@ def test_mistakes_are_error_objects(
 
 
 def test_odd_messages_are_no_harm(page: Page) -> None:
-    for content in (None, 3, {}, {"route": "/keep"}, {"id": None, "route": "/scene"}, []):
+    odd: list[Any] = [None, 3, {}, {"route": "/keep"}, {"id": None, "route": "/scene"}, []]
+    for content in odd:
         page.view._handle_custom_msg(content, [])
-    for body in (None, 3, [], "x"):
+    bodies: list[Any] = [None, 3, [], "x"]
+    for body in bodies:
         assert page.ask("/frame", body)[0]["status"] == 400
         assert page.ask("/pick", body)[0]["status"] == 400
     assert page.ask("/frame", page.body(seq="x"))[0]["status"] == 200
@@ -370,7 +373,8 @@ def test_the_newest_frame_wins(page: Page) -> None:
 
 
 def test_turns_end_with_their_work() -> None:
-    turns, order = Turns("test"), []
+    turns = Turns("test")
+    order: list[int] = []
     first, go = threading.Event(), threading.Event()
 
     def slow(turn: Turn) -> None:
