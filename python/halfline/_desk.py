@@ -159,6 +159,7 @@ class Desk:
             "schema": 1,
             "version": _halfline.__version__,
             **(self._summary or {}),
+            "legend": _halfline.legend(self.scene),
             "format": None,
             "frames": 1,
             "camera": self.start,
@@ -260,7 +261,7 @@ class Desk:
     def select(self, expression: Any) -> dict[str, Any]:
         """How many spheres an expression selects."""
         _, painted, count, notes = self._paint(word("expr", expression))
-        legend = json.loads(_halfline.summary(painted, checked({})[0]))["legend"]
+        legend = _halfline.legend(painted)
         return {"count": count, "of": len(self.scene), "legend": legend, "notes": notes}
 
     def command(self, body: Mapping[str, Any]) -> dict[str, Any]:

@@ -58,7 +58,7 @@ mod _halfline {
     use super::trace::trace;
     #[pymodule_export]
     use super::view::{
-        apart, describe, jpeg, lit_from_the_eye, painted, summary, widget_module, widget_style, with_colors,
+        apart, describe, jpeg, legend, lit_from_the_eye, painted, summary, widget_module, widget_style, with_colors,
     };
     use pyo3::prelude::*;
 

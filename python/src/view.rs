@@ -66,10 +66,15 @@ pub(crate) fn summary(py: Python<'_>, scene: &Scene, picture: Picture) -> PyResu
             "looks": Look::ALL.iter().map(|look| look.name()).collect::<Vec<_>>(),
             "samples": samples,
             "background": shown::hex(exact.image.background),
-            "legend": shown::legend(scene.legend.as_deref())?,
         }))
     });
     summary.or_raise().map(|summary| summary.to_string())
+}
+
+/// The legend of the colours as SVG, if they have one.
+#[pyfunction]
+pub(crate) fn legend(scene: &Scene) -> PyResult<Option<String>> {
+    shown::legend(scene.legend.as_deref()).or_raise()
 }
 
 /// A sphere for the page, as JSON: its centre and radius, its row in the file, and its columns.

@@ -178,7 +178,7 @@ class Run:
         self.found["kernel"] = self.text(3)
 
         # While a cell runs.
-        tab.js(f"{ROOT}.querySelector('.hl-table .hl-close').click()")
+        tab.js(f"{ROOT}.querySelector('.hl-table button').click()")
         self.cell(2, waits=False)
         time.sleep(0.5)
         before, (x, y) = self.stats()["frames"], self.place()
