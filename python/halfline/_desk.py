@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from . import _halfline
-from ._arrays import Renders, color, native_renderer, number, shown, vector, whole, word
+from ._answer import NOTHING, Answer, error, refusal
+from ._arrays import Renders, color, native_renderer, shown, whole, word
 from ._arrays import size as checked_size
-from ._halfline import AccuracyError, AdapterError
 from ._lines import Shot, python, rules, shell
+from ._pose import pose, pose_of
 from ._source import Source
 from ._turns import Superseded, Turn
 from .camera import Camera
@@ -41,20 +42,6 @@ _RESTING = (
     "label",
     "scale_bar",
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """An answer to a request of the page."""
-
-    status: int
-    json: Any = None
-    info: dict[str, Any] | None = None
-    picture: bytes | None = None
-
-
-# A newer request came.
-NOTHING = Answer(204)
 
 
 @functools.cache
@@ -85,7 +72,7 @@ class Desk:
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _painted: tuple[str, _halfline.Scene, int, list[str]] | None = None
     _moving: tuple[_halfline.Scene, _halfline.Scene] | None = None
-    _summary: dict[str, Any] | None = None
+    _summary: dict[str, Any] = field(default_factory=dict[str, Any])
 
     @classmethod
     def of(
@@ -142,23 +129,25 @@ class Desk:
         }
         ask = routes.get(route)
         if ask is None:
-            return Answer(404, _error("settings", 2, f"there is nothing at {shown(route)}"))
+            return Answer(404, error("settings", 2, f"there is nothing at {shown(route)}"))
         if not isinstance(body, Mapping):
-            return Answer(400, _error("settings", 2, "the request is not valid: give an object"))
+            return Answer(400, error("settings", 2, "the request is not valid: give an object"))
         try:
             found = ask(body, turn)
         except Superseded:
             return NOTHING
-        except Exception as error:
-            return _refusal(error)
+        except Exception as problem:
+            return refusal(problem)
         return found if isinstance(found, Answer) else Answer(200, found)
 
     def summary(self) -> dict[str, Any]:
         """What is known about the scene."""
+        summary = self._summary
         return {
             "schema": 1,
             "version": _halfline.__version__,
-            **(self._summary or {}),
+            **summary,
+            "file": summary["file"] or "scene",
             "legend": _halfline.legend(self.scene),
             "format": None,
             "frames": 1,
@@ -284,42 +273,6 @@ class Desk:
             return self._painted
 
 
-def pose(camera: Any) -> dict[str, Any]:
-    """A camera of the page: eye, at, up, and vfov in degrees or height in scene units."""
-    if not isinstance(camera, Mapping):
-        raise ValueError(f"camera is {shown(camera)}; give eye, at, up, and vfov or height")
-    found: dict[str, Any] = {
-        name: vector(f"camera[{name!r}]", camera.get(name, ())) for name in ("eye", "at", "up")
-    }
-    lenses = [name for name in ("vfov", "height") if camera.get(name) is not None]
-    if len(lenses) != 1:
-        raise ValueError("a camera has either vfov or height; give one of them")
-    found[lenses[0]] = number(f"camera[{lenses[0]!r}]", camera[lenses[0]])
-    # Refuses what gives no picture.
-    Camera(found["eye"], **{name: value for name, value in found.items() if name != "eye"})
-    return found
-
-
-def pose_of(camera: Camera, size: tuple[int, int], center: Any) -> dict[str, Any]:
-    """A camera as the page has it. A point to look at that it does not give lies where the view
-    passes the middle of the spheres.
-    """
-    record = camera.record(size if camera.size is None else None)
-    eye, at = record["eye"], record.get("at")
-    if at is None:
-        length = math.hypot(*record["view"])
-        view = [x / length for x in record["view"]]
-        depth = sum((c - e) * v for c, e, v in zip(center, eye, view, strict=True))
-        ahead = depth if 0 < depth < math.inf else 1.0
-        at = [e + ahead * v for e, v in zip(eye, view, strict=True)]
-    height, distance = record["viewport"][1], record["distance"]
-    lens: dict[str, Any] = {"height": height}
-    if distance is not None:
-        exact = camera._native.vfov
-        lens = {"vfov": exact or math.degrees(2 * math.atan(height / distance / 2))}
-    return pose({"eye": eye, "at": at, "up": record["up"], **lens})
-
-
 def _frame(
     renderer: _halfline.Renderer,
     scene: _halfline.Scene,
@@ -336,25 +289,3 @@ def _frame(
 def _pinhole(shot: Shot) -> Camera:
     given = dict(shot.pose)
     return Camera(given.pop("eye"), **given)
-
-
-def _error(kind: str, code: int, message: str) -> dict[str, Any]:
-    return {"error": {"kind": kind, "message": message, "exit": code}}
-
-
-def _refusal(error: Exception) -> Answer:
-    """The error object of the command for an exception."""
-    kinds: list[tuple[type[Exception], str, int]] = [
-        (AccuracyError, "accuracy", 7),
-        (AdapterError, "adapter", 4),
-        (MemoryError, "limits", 5),
-        (OSError, "io", 8),
-        (ValueError, "settings", 2),
-        (TypeError, "settings", 2),
-        (KeyError, "settings", 2),
-    ]
-    for kind, name, code in kinds:
-        if isinstance(error, kind):
-            text = error.args[0] if isinstance(error, KeyError) and error.args else error
-            return Answer(400, _error(name, code, str(text)))
-    return Answer(500, _error("internal", 101, f"the program failed: {error!r}"))

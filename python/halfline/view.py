@@ -9,7 +9,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from . import _halfline
-from ._desk import Answer, Desk, pose, pose_of
+from ._answer import Answer
+from ._desk import Desk
+from ._pose import pose, pose_of
 from ._turns import Turn, Turns
 from .camera import Camera
 

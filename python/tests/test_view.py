@@ -185,7 +185,7 @@ def test_scenes_of_arrays_have_lines_too(cloud: hl.Scene, cpu: hl.Renderer) -> N
     page = Page(cloud.view(renderer=cpu, size=SIZE))
     picture = page.still(select="x > 0")
     lines = page.json("/command", page.body(select="x > 0"))
-    assert lines["shell"] is None
+    assert lines["shell"] is None and page.json("/scene", {})["file"] == "scene"
     names: dict[str, Any] = {"scene": cloud}
     exec(lines["python"].rpartition("frame.save")[0], names)
     assert names["frame"].to_png() == picture
