@@ -39,6 +39,11 @@ mod trace;
 mod values;
 mod view;
 
+/// What the page of `halfline view` and the widget of the Python package show alike.
+pub mod shown {
+    pub use crate::view::{column, describe, hex, legend};
+}
+
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
 use failure::fail;

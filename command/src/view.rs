@@ -12,6 +12,9 @@ mod rays;
 mod summary;
 mod tree;
 
+pub use pick::describe;
+pub use summary::{column, hex, legend};
+
 use super::inset_args::joined;
 use super::messages::{QuietArgs, note};
 use super::process::{ExitCode, all_arguments};

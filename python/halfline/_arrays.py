@@ -23,6 +23,24 @@ class Spheres(Protocol):
     def select(self, expression: str) -> NDArray[np.bool_]: ...
 
 
+class Renders(Protocol):
+    """What views need of a `Renderer`."""
+
+    @property
+    def adapter(self) -> str: ...
+
+    @property
+    def is_gpu(self) -> bool: ...
+
+
+def native_renderer(renderer: Renders) -> _halfline.Renderer:
+    """The native part of a `Renderer`."""
+    native = getattr(renderer, "_native", None)
+    if not isinstance(native, _halfline.Renderer):
+        raise TypeError(f"renderer is a {type(renderer).__name__}; give a Renderer")
+    return native
+
+
 def native_scene(scene: Spheres) -> _halfline.Scene:
     """The native part of a `Scene`."""
     native = getattr(scene, "_native", None)

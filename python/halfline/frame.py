@@ -159,13 +159,27 @@ class Frame(Mapping[str, NDArray[Any]]):
             OSError: if the file cannot be written.
             ValueError: if the format cannot hold the buffers.
         """
-        length = number("unit", unit)
-        if length <= 0:
-            raise ValueError(f"unit is {unit}; give a positive length")
-        if bits not in (8, 16):
-            raise ValueError(f"bits is {bits}; give 8 or 16")
-        names = None if aovs is None else words("aovs", aovs)
-        self._native.save(path, names, bits, length, no_return)
+        self._native.save(path, *_style(aovs, bits, unit, no_return))
+
+    def to_png(
+        self,
+        *,
+        aovs: str | list[str] | None = None,
+        bits: Literal[8, 16] = 8,
+        unit: float = 0.001,
+        no_return: Literal["inf", "nan", "zero"] = "inf",
+    ) -> bytes:
+        """The bytes that `save` writes to a .png file with the same arguments.
+
+        Raises:
+            ValueError: if PNG cannot hold the buffers.
+
+        >>> import halfline as hl
+        >>> frame = hl.Renderer("cpu").render(hl.Scene([[0, 0, 0]], 1.0), size=(4, 4))
+        >>> frame.to_png()[:4]
+        b'\\x89PNG'
+        """
+        return self._native.encode(*_style(aovs, bits, unit, no_return))
 
     def show(self, name: str | None = None) -> None:
         """Shows a buffer in a notebook, or with matplotlib or Pillow in a window; see
@@ -221,6 +235,16 @@ class Frame(Mapping[str, NDArray[Any]]):
         used = {dimension for dimensions, *_ in variables.values() for dimension in dimensions}
         coordinates |= {name: list(name) for name in ("rgb", "xyz") if name in used}
         return xarray.Dataset(variables, coordinates, {"report": json.dumps(self.report)})
+
+
+def _style(aovs: Any, bits: Any, unit: Any, no_return: Any) -> tuple[Any, int, float, str]:
+    """The arguments of `Frame.save`, checked."""
+    length = number("unit", unit)
+    if length <= 0:
+        raise ValueError(f"unit is {unit}; give a positive length")
+    if bits not in (8, 16):
+        raise ValueError(f"bits is {bits}; give 8 or 16")
+    return None if aovs is None else words("aovs", aovs), bits, length, no_return
 
 
 _LENGTHS = ("distance", "depth", "position", "bound")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike, fspath
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _halfline
 from ._arrays import (
     Color,
+    Renders,
     array,
     cell_radius,
     number,
@@ -25,10 +26,14 @@ from ._arrays import (
 )
 from ._arrays import color as checked_color
 from ._arrays import size as checked_size
+from ._source import Source
 from .camera import Camera
 from .columns import Columns
 from .frame import Frame
-from .options import checked
+from .options import Options, checked
+
+if TYPE_CHECKING:
+    from .view import View
 
 Path = str | PathLike[str]
 
@@ -66,7 +71,7 @@ class Scene:
     radius
     """
 
-    __slots__ = ("_native",)
+    __slots__ = ("_native", "_source")
 
     def __init__(
         self,
@@ -82,14 +87,7 @@ class Scene:
         if sizes.ndim == 0 and sizes.dtype.kind in "fiu":
             sizes = np.full(count, sizes, dtype=np.float64)
         sizes = array("radii", sizes, np.float64, "(n,)")
-        rows = None
-        if colors is not None:
-            one = isinstance(colors, str) or np.shape(colors) == (3,)
-            rows = (
-                np.tile(np.array(checked_color("colors", colors), np.float32), (count, 1))
-                if one
-                else array("colors", colors, np.float32, "(n, 3)")
-            )
+        rows = None if colors is None else _rows(colors, count)
         for name, others in (("radii", sizes), ("colors", rows)):
             if others is not None and len(others) != count:
                 raise ValueError(
@@ -98,11 +96,13 @@ class Scene:
         self._native = _halfline.Scene(
             points, sizes, rows, checked_color("background", background)
         )
+        self._source: Source | None = None
 
     @classmethod
-    def _of(cls, native: _halfline.Scene) -> Scene:
+    def _of(cls, native: _halfline.Scene, source: Source | None = None) -> Scene:
         scene = cls.__new__(cls)
         scene._native = native
+        scene._source = source
         return scene
 
     def __len__(self) -> int:
@@ -155,6 +155,71 @@ class Scene:
         for note in notes:
             warnings.warn(note, stacklevel=2)
         return mask.view(np.bool_)
+
+    def with_colors(self, colors: Color | Mapping[str, Color]) -> Scene:
+        """The same spheres in other colours; centres, radii and columns are shared, not copied.
+
+        Args:
+            colors: Linear RGB, shape (n, 3); one colour for all; or ``{expression: colour}`` for
+                the spheres that an expression selects, as in `read`: the last one wins, the others
+                keep their colours, and the legend has a row for each.
+
+        Raises:
+            ValueError: for colours, or for an expression, with a mistake.
+
+        >>> import halfline as hl
+        >>> scene = hl.Scene([[0, 0, 0], [2, 0, 0]], 1.0, "silver")
+        >>> scene.with_colors({"x > 1": (1, 0, 0)}).colors[1]
+        array([1., 0., 0.], dtype=float32)
+        """
+        if not isinstance(colors, Mapping):
+            count = len(self)
+            rows = _rows(colors, count)
+            if len(rows) != count:
+                raise ValueError(
+                    f"colors has {len(rows)} rows, and the scene has {count}; give one per sphere"
+                )
+            return Scene._of(_halfline.with_colors(self._native, rows))
+        given: Mapping[str, Color] = colors
+        rules = [
+            (word("colors", key), checked_color(f"colors[{key!r}]", value))
+            for key, value in given.items()
+        ]
+        native, notes = _halfline.painted(self._native, rules)
+        for note in notes:
+            warnings.warn(note, stacklevel=2)
+        return Scene._of(native)
+
+    def view(
+        self,
+        camera: Camera | None = None,
+        *,
+        renderer: Renders | None = None,
+        **options: Unpack[Options],
+    ) -> View:
+        """A view to turn, pick and select from in a notebook. It needs anywidget: ``pip install
+        'halfline[jupyter]'``.
+
+        Args:
+            camera: The camera with which it begins; by default that of the file, else one that
+                shows all spheres.
+            renderer: What renders; by default one `Renderer` for all views.
+            **options: Those of `Renderer.render`. ``size`` is that of the view in the notebook,
+                640 x 480 by default; ``aovs``, ``crop`` and ``dtype`` are left out, since a view
+                shows whole pictures.
+
+        Returns:
+            The `halfline.view.View`, a widget with the traits ``camera``, ``picked`` and
+            ``selection``.
+
+        Raises:
+            ImportError: without anywidget.
+            ValueError: for options, or a camera, with a mistake.
+        """
+        from ._desk import Desk
+        from .view import View
+
+        return View(Desk.of(self._native, self._source, camera, renderer, options), repr(self))
 
     @property
     def centers(self) -> NDArray[np.float64]:
@@ -219,6 +284,13 @@ class Scene:
     def fingerprint(self) -> str:
         """32 hexadecimal digits, equal for equal numbers; files of frames hold it."""
         return self._native.fingerprint()
+
+
+def _rows(colors: Color, count: int) -> NDArray[np.float32]:
+    """A colour for each sphere."""
+    if isinstance(colors, str) or np.shape(colors) == (3,):
+        return np.tile(np.array(checked_color("colors", colors), np.float32), (count, 1))
+    return array("colors", colors, np.float32, "(n, 3)")
 
 
 def read(
@@ -306,8 +378,9 @@ def read(
     options = dict(locals())
     for name in ("path", "frame", "size"):
         del options[name]
-    native = _sequence(path, str(whole("frame", frame, 1)), size, False, options)
-    return Scene._of(next(native))
+    number = whole("frame", frame, 1)
+    native, given = _sequence(path, str(number), size, False, options)
+    return Scene._of(next(native), Source(path, number, given))
 
 
 def read_frames(
@@ -328,23 +401,31 @@ def read_frames(
     Raises:
         As `read`.
     """
-    return (
-        Scene._of(scene) for scene in _sequence(path, word("frames", frames), size, True, options)
-    )
+    natives, given = _sequence(path, word("frames", frames), size, True, options)
+    return (Scene._of(native, Source(path, native.number, given)) for native in natives)
 
 
 def _sequence(
     path: Path, frames: str, size: tuple[int, int] | None, holds: bool, options: Mapping[str, Any]
-) -> _halfline.Sequence:
+) -> tuple[_halfline.Sequence, dict[str, Any]]:
+    """The frames, and the keywords that are not the default ones."""
     unknown = set(options) - set(_DEFAULTS)
     if unknown:
         raise TypeError(
             f"there is no option {sorted(unknown)[0]!r}; choose from {', '.join(_DEFAULTS)}"
         )
+    # An iterator is gone once it was read.
+    options = {
+        name: list(value) if isinstance(value, Iterator) else value
+        for name, value in options.items()
+    }
     given = {**_DEFAULTS, **options}
     fspath(path)
     image = None if size is None else checked_size("size", size)
-    return _halfline.Sequence(path, {"frames": frames, **_checked(given)}, image, holds)
+    sequence = _halfline.Sequence(path, {"frames": frames, **_checked(given)}, image, holds)
+    return sequence, {
+        name: value for name, value in options.items() if value is not _DEFAULTS[name]
+    }
 
 
 _DEFAULTS: dict[str, Any] = {

@@ -7,6 +7,8 @@ use crate::shared::Shared;
 use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
+use halfline::frame::provenance::Origin;
+use halfline::frame::srgb;
 use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::{Aov, Frame as CoreFrame, Scene};
@@ -16,6 +18,7 @@ use halfline_files::write::format::{FileFormat, FormatOptions};
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -62,6 +65,25 @@ impl Frame {
         };
         panels.draw(&mut frame, false);
         Ok(frame)
+    }
+
+    /// Calls `write` with the frame as a file shows it. As in files of the command: numbers are those of the scene, and
+    /// pictures show what is drawn into them.
+    fn with_drawn<T>(
+        &self,
+        target: &mut Target,
+        write: impl FnOnce(&Target, &CoreFrame, &Origin<'_>) -> Result<T>,
+    ) -> Result<T> {
+        let is_picture =
+            matches!(target.format(), FileFormat::Png | FileFormat::Exr) && target.aovs().contains(&Aov::Color);
+        let panels = self.panels.as_ref().filter(|_| is_picture);
+        if let Some(panels) = panels {
+            target.set_drawn(panels.words());
+        }
+        let frame = self.exact()?;
+        let origin = origin(&self.scene, &self.settings, &frame.report, frame.window);
+        let drawn = panels.map(|panels| self.drawn(panels, target.aovs())).transpose()?;
+        write(target, drawn.as_ref().unwrap_or(frame), &origin)
     }
 
     fn exact(&self) -> Result<&CoreFrame> {
@@ -149,16 +171,37 @@ impl Frame {
         begin()?;
         let frame = self.exact().or_raise()?;
         let drawn = self.panels.as_ref().map(|panels| self.drawn(panels, &[Aov::Color])).transpose().or_raise()?;
-        let Some(image) = drawn.as_ref().unwrap_or(frame).image() else {
+        let shown = drawn.as_ref().unwrap_or(frame);
+        let Some(color) = shown.f32(Aov::Color) else {
             return Err(Error::settings("the frame has no colour", "add color to aovs")).or_raise();
         };
-        let bytes = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
+        let bytes = py.detach(|| srgb::levels(&shown.toning().all(color)));
         crate::arrays::owned(py, bytes, &[frame.height as usize, frame.width as usize, 3])
     }
 
     /// The report as JSON.
     fn report(&self) -> PyResult<String> {
         crate::reports::json(&self.exact().or_raise()?.report)
+    }
+
+    /// The bytes of a PNG file of these buffers, as `save` writes it.
+    fn encode<'py>(
+        &self,
+        py: Python<'py>,
+        aovs: Option<Vec<String>>,
+        bits: u32,
+        unit: f64,
+        no_return: &str,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let style = style(bits, unit, no_return).or_raise()?;
+        let mut target = self.target("frame.png".into(), aovs, style).or_raise()?;
+        let job = Job::default();
+        let bytes = job.run(py, None, || {
+            self.with_drawn(&mut target, |target, frame, origin| {
+                target.encode(frame, origin, &|| !job.cancel.is_cancelled())
+            })
+        })?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     /// Writes a file, completely or not at all.
@@ -171,27 +214,23 @@ impl Frame {
         unit: f64,
         no_return: &str,
     ) -> PyResult<()> {
-        let style = FormatOptions {
-            bits: bits.to_string().parse().or_raise()?,
-            unit,
-            no_return: no_return.parse().or_raise()?,
-            ..FormatOptions::default()
-        };
-        let mut target = self.target(path, aovs, style).or_raise()?;
-        // As in files of the command: numbers are those of the scene, and pictures show what is drawn into them.
-        let is_picture =
-            matches!(target.format(), FileFormat::Png | FileFormat::Exr) && target.aovs().contains(&Aov::Color);
-        let panels = self.panels.as_ref().filter(|_| is_picture);
-        if let Some(panels) = panels {
-            target.set_drawn(panels.words());
-        }
+        let mut target = self.target(path, aovs, style(bits, unit, no_return).or_raise()?).or_raise()?;
         let job = Job::default();
         job.run(py, None, || {
             target.check()?;
-            let frame = self.exact()?;
-            let origin = origin(&self.scene, &self.settings, &frame.report, frame.window);
-            let drawn = panels.map(|panels| self.drawn(panels, target.aovs())).transpose()?;
-            target.write_while(drawn.as_ref().unwrap_or(frame), &origin, &|| !job.cancel.is_cancelled())
+            self.with_drawn(&mut target, |target, frame, origin| {
+                target.write_while(frame, origin, &|| !job.cancel.is_cancelled())
+            })
         })
     }
+}
+
+/// How files are written.
+fn style(bits: u32, unit: f64, no_return: &str) -> Result<FormatOptions> {
+    Ok(FormatOptions {
+        bits: bits.to_string().parse()?,
+        unit,
+        no_return: no_return.parse()?,
+        ..FormatOptions::default()
+    })
 }

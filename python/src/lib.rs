@@ -12,6 +12,7 @@ mod insets;
 mod many;
 mod measure;
 mod options;
+mod paint;
 mod png;
 mod read;
 mod renderer;
@@ -19,6 +20,7 @@ mod reports;
 mod scene;
 mod shared;
 mod trace;
+mod view;
 mod work;
 
 use pyo3::prelude::*;
@@ -54,6 +56,10 @@ mod _halfline {
     use super::scene::Scene;
     #[pymodule_export]
     use super::trace::trace;
+    #[pymodule_export]
+    use super::view::{
+        apart, describe, jpeg, legend, lit_from_the_eye, painted, summary, widget_module, widget_style, with_colors,
+    };
     use pyo3::prelude::*;
 
     #[pymodule_init]

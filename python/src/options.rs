@@ -146,6 +146,17 @@ impl Picture {
         Ok(exact)
     }
 
+    /// The colour of rays that hit nothing, if it is given.
+    pub(crate) fn background(&self) -> Option<[f32; 3]> {
+        self.background
+    }
+
+    /// The name of the look of a picture, and its samples.
+    pub(crate) fn look_and_samples(&self, scene: &Scene) -> Result<(&'static str, u32)> {
+        let chosen = self.chosen(scene)?;
+        Ok((chosen.look.name(), chosen.samples))
+    }
+
     fn aovs(&self) -> Result<Vec<Aov>> {
         self.aovs.iter().map(|name| name.parse()).collect()
     }

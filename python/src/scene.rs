@@ -3,12 +3,13 @@
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
+use crate::paint::Paint;
 use crate::work::{Job, begin};
 use halfline::camera::Aperture;
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
 use halfline::scene::arrange::{Arrangement, Bead};
-use halfline::scene::{Cell, Framing, ImagePlane, check_color};
+use halfline::scene::{Cell, Framing, ImagePlane, Lighting, List, check_color};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
 use halfline_files::read::Skipped;
@@ -41,16 +42,17 @@ pub(crate) struct Scene {
     step: Option<i64>,
     /// The periodic cell: a corner and three edges.
     #[pyo3(get)]
-    cell: Option<([f64; 3], [[f64; 3]; 3])>,
+    pub(crate) cell: Option<([f64; 3], [[f64; 3]; 3])>,
     /// The periodic copies along its edges, and whether the edges are drawn.
     copies: [u32; 3],
     outlined: bool,
     /// The name of its file.
+    #[pyo3(get)]
     pub(crate) file: Option<String>,
     /// The legend of its colours.
     pub(crate) legend: Option<Arc<Legend>>,
     /// What the file says of its spheres.
-    columns: Arc<Columns>,
+    pub(crate) columns: Arc<Columns>,
 }
 
 impl Scene {
@@ -112,6 +114,42 @@ impl Scene {
             return Ok(());
         }
         exact.frame_by_default(self.is_molecule, &Framing { aside, ..Framing::default() })
+    }
+
+    /// The same spheres in other colours, one for each.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] naming the row.
+    pub(crate) fn with_colors(&self, colors: List<[f32; 3]>) -> halfline::Result<Self> {
+        let mut scene = (*self.scene).clone();
+        scene.spheres.colors = Some(colors);
+        check(&scene.spheres)?;
+        Ok(Self { legend: None, ..self.with(scene) })
+    }
+
+    /// The same spheres with other colours for those that rules select, the last one wins, and with a legend of these; and
+    /// what is to be said about the rules.
+    ///
+    /// # Errors
+    /// Those of the selections.
+    pub(crate) fn painted(&self, rules: &[(Selection, [f32; 3])]) -> halfline::Result<(Self, Vec<String>)> {
+        let mut scene = (*self.scene).clone();
+        let (paint, notes) = Paint::of(&self.columns, &scene.spheres, rules)?;
+        let (colors, legend) = paint.apply(&scene.spheres, rules, self.legend.as_deref());
+        scene.spheres.colors = Some(colors.into());
+        scene.spheres.share();
+        Ok((Self { legend: legend.map(Arc::new), ..self.with(scene) }, notes))
+    }
+
+    /// The same spheres without lights, sky and mirrors.
+    pub(crate) fn lit_from_the_eye(&self) -> Self {
+        let lighting = Lighting { bounces: Some(0), ..Lighting::default() };
+        self.with(CoreScene { lighting, ..(*self.scene).clone() })
+    }
+
+    /// The periodic cell.
+    pub(crate) fn periodic(&self) -> Option<Cell> {
+        self.cell.map(|(origin, edges)| Cell { origin, edges })
     }
 
     /// The time and the step.

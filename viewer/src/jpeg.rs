@@ -6,8 +6,11 @@ use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 /// Out of 100.
 const QUALITY: u8 = 85;
 
-/// Pixels as a JPEG file.
-pub(crate) fn encode([width, height]: [u32; 2], levels: &[u8]) -> Answer<Vec<u8>> {
+/// Pixels as a JPEG file: three bytes for each pixel, 8-bit sRGB, row by row from the top.
+///
+/// # Errors
+/// [`Refusal`] of the kind `internal` where there are more or fewer bytes than pixels, or a side has no pixels or more than 65,535.
+pub fn encode([width, height]: [u32; 2], levels: &[u8]) -> Answer<Vec<u8>> {
     let count = u128::from(width) * u128::from(height) * 3;
     let (Ok(wide), Ok(high), true) = (width.try_into(), height.try_into(), levels.len() as u128 == count) else {
         return Err(Refusal::internal(format!("{} bytes for {width} x {height} pixels", levels.len())));

@@ -5,7 +5,7 @@
 mod exchange;
 mod guard;
 mod http;
-mod jpeg;
+pub mod jpeg;
 mod open;
 mod page;
 mod places;

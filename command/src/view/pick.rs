@@ -64,7 +64,7 @@ fn near_ray(spheres: &Spheres, [origin, direction]: [DVec3; 2]) -> Vec<usize> {
 }
 
 /// What the file says about a sphere: `row`, its number in the file from 0, and `columns`.
-pub(super) fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: usize) {
+pub fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: usize) {
     let value = |name: &str| {
         let (_, values) = columns.get(name).ok()?;
         Some(match values.value(id) {

@@ -82,12 +82,12 @@ pub(super) fn of_moved(moved: &Moved) -> Value {
 ///
 /// # Errors
 /// Those of drawing.
-pub(super) fn legend(legend: Option<&Legend>) -> Result<Option<String>> {
+pub fn legend(legend: Option<&Legend>) -> Result<Option<String>> {
     legend.map(|legend| halfline_drawing::legend::draw(legend).map(|drawing| drawing.svg)).transpose()
 }
 
 /// The type of a column, and its range or its texts.
-fn column(values: &ColumnValues) -> Value {
+pub fn column(values: &ColumnValues) -> Value {
     let range = |numbers: &mut dyn Iterator<Item = f64>| {
         let finite = numbers.filter(|x| x.is_finite());
         let ends = finite
@@ -106,7 +106,7 @@ fn column(values: &ColumnValues) -> Value {
 }
 
 /// A linear colour as `#rrggbb`.
-fn hex(linear: [f32; 3]) -> String {
+pub fn hex(linear: [f32; 3]) -> String {
     let [r, g, b] = linear.map(srgb::level);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
