@@ -76,14 +76,16 @@ impl Frame {
         self.report.toning()
     }
 
-    /// The picture in 8-bit sRGB with its tone, alpha 255, if colour was requested.
+    /// Red, green and blue of the picture in 8-bit sRGB with its tone, H x W x 3, if colour was requested.
+    #[must_use]
+    pub fn levels(&self) -> Option<Vec<u8>> {
+        Some(srgb::levels(&self.toning().all(self.f32(Aov::Color)?)))
+    }
+
+    /// The same picture with alpha 255.
     #[must_use]
     pub fn image(&self) -> Option<image::RgbaImage> {
-        let toned = self.toning().all(self.f32(Aov::Color)?);
-        let bytes: Vec<u8> = toned
-            .chunks_exact(3)
-            .flat_map(|c| [srgb::level(c[0]), srgb::level(c[1]), srgb::level(c[2]), 255])
-            .collect();
+        let bytes = self.levels()?.chunks_exact(3).flat_map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();
         image::RgbaImage::from_raw(self.width, self.height, bytes)
     }
 }

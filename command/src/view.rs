@@ -132,7 +132,7 @@ impl View {
         let words = joined(all_arguments().iter().skip(1).cloned());
         let matches = command.clone().try_get_matches_from(words);
         let matches = matches.map_err(|error| Error::settings(error.to_string(), "use halfline view --help"))?;
-        let typed = |id: &&&str| matches.value_source(**id) == Some(clap::parser::ValueSource::CommandLine);
+        let typed = |id: &&&str| matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
         if let Some(id) = REFUSED.iter().find(typed) {
             let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(Arg::get_long).unwrap_or(id);
             let problem = format!("--{long} is an option of pictures in files");

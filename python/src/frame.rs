@@ -8,7 +8,6 @@ use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
 use halfline::frame::provenance::Origin;
-use halfline::frame::srgb;
 use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::{Aov, Frame as CoreFrame, Scene};
@@ -172,10 +171,9 @@ impl Frame {
         let frame = self.exact().or_raise()?;
         let drawn = self.panels.as_ref().map(|panels| self.drawn(panels, &[Aov::Color])).transpose().or_raise()?;
         let shown = drawn.as_ref().unwrap_or(frame);
-        let Some(color) = shown.f32(Aov::Color) else {
+        let Some(bytes) = py.detach(|| shown.levels()) else {
             return Err(Error::settings("the frame has no colour", "add color to aovs")).or_raise();
         };
-        let bytes = py.detach(|| srgb::levels(&shown.toning().all(color)));
         crate::arrays::owned(py, bytes, &[frame.height as usize, frame.width as usize, 3])
     }
 

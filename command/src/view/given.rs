@@ -165,7 +165,7 @@ fn typed(arg: &Arg, long: &str, matches: &ArgMatches) -> Vec<GivenOption> {
         return vec![option(None)];
     }
     let occurrences = matches.get_raw_occurrences(id).into_iter().flatten();
-    occurrences.map(|occurrence| option(occurrence.last().map(OsStr::to_os_string))).collect()
+    occurrences.map(|mut occurrence| option(occurrence.next_back().map(OsStr::to_os_string))).collect()
 }
 
 /// The words as a line for a POSIX shell.

@@ -87,10 +87,9 @@ fn by_frame(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Resu
     let aovs = vec![Aov::Color];
     let settings = Settings { aovs, samples: 1, aperture: None, silhouette: false, ..settings.clone() };
     let frame = renderer.render(&scene, &settings)?;
-    let image = frame.image().ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
-    let levels = image.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let levels = frame.levels().ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
     let moved = Moved {
-        pixels: Pixels::Rgb { size: [image.width(), image.height()], levels },
+        pixels: Pixels::Rgb { size: [frame.width, frame.height], levels },
         proved: frame.report.proved(),
         settled: frame.report.settled,
         accuracy: frame.report.accuracy,
