@@ -106,7 +106,7 @@ export function project(c, size, point) {
   return [size[0] / 2 + dot(v, right) * k, size[1] / 2 - dot(v, up) * k];
 }
 
-// Numbers with the digits that the picture needs: to a millionth of what is seen. What is sent is what is copied.
+// Numbers to a millionth of what is seen. What is sent is what is copied.
 function trim(x, scale) {
   const digits = 6 - Math.floor(Math.log10(scale));
   if (!(digits <= 100)) return x;

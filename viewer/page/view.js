@@ -393,8 +393,8 @@ export function mount(root, transport, options = {}) {
 
   // Copying and saving.
   async function copy(kind) {
-    const what = (await ask("/command", body("still", fullSize())).catch(complain))?.json[kind];
-    if (!what) return;
+    const all = (await ask("/command", body("still", fullSize())).catch(complain))?.json, what = all?.[kind];
+    if (!what) return all && say("The scene has no command; p copies Python");
     try {
       await navigator.clipboard.writeText(what);
       say(kind === "shell" ? "The command is copied" : "The Python is copied");
@@ -412,7 +412,7 @@ export function mount(root, transport, options = {}) {
     setTimeout(() => URL.revokeObjectURL(href), 60000);
   }
 
-  // Keys. The help lists them; its rows are buttons, for hands without keys.
+  // Keys. The rows of the help are buttons.
   const along = (name, i) => [name, [`Look along ${name} (Shift: against it)`, (back) => {
     axis &&= home;
     move(look(camera, [0, 1, 2].map((k) => k === i ? (back ? -1 : 1) : 0), home));
