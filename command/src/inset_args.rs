@@ -26,7 +26,7 @@ pub(super) struct InsetArgs {
     /// Draws a bar of a round length in scene units at the bottom left, with this unit in its label. With a perspective
     /// camera the length is that at the distance of the scene's middle.
     #[arg(long, value_name = "UNIT", num_args = 0..=1, require_equals = true, default_missing_value = "")]
-    scale_bar: Option<String>,
+    pub(super) scale_bar: Option<String>,
 }
 
 const LEGEND_IN: &str = "--legend-in";

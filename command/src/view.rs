@@ -88,6 +88,7 @@ impl View {
                 "use a file",
             ));
         }
+        given.frame()?;
         // A file that is not there is an error before a page is shown.
         File::open(&self.args.scene).map_err(|e| Error::read(&self.args.scene, e))?;
         let server = Server::bind(self.port).map_err(|error| self.not_bound(&error))?;

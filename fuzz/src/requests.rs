@@ -3,7 +3,7 @@
 use super::check::{Allowed, PER_BYTE, Pieces, allowed, check_words};
 use halfline_viewer::{
     Answer, Commands, FrameRequest, GoOn, Lens, Mode, PickRequest, Picture, Pixels, Pose, Refusal, Reply, Routes,
-    Stage, converse,
+    SceneRequest, Stage, converse,
 };
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -31,7 +31,7 @@ impl Checking {
 }
 
 impl Stage for Checking {
-    fn scene(&self) -> Answer<Value> {
+    fn scene(&self, _: &SceneRequest) -> Answer<Value> {
         self.0.fetch_add(1, Ordering::Relaxed);
         Ok(json!({}))
     }
@@ -54,6 +54,10 @@ impl Stage for Checking {
     fn select(&self, expr: &str, _: Option<u64>) -> Answer<Value> {
         self.0.fetch_add(1, Ordering::Relaxed);
         Err(Refusal::settings(format!("{} characters", expr.chars().count())))
+    }
+
+    fn fit(&self, request: &FrameRequest) -> Answer<Value> {
+        Ok(json!({ "camera": request.camera }))
     }
 
     fn command(&self, request: &FrameRequest) -> Answer<Commands> {

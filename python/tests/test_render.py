@@ -49,7 +49,7 @@ def test_the_command_and_the_package_give_equal_bits(
             )
             assert frame[buffer].tobytes() == found[buffer].tobytes(), buffer
     expected = json.loads(said.stdout)
-    times = {"frame_ms", "kernel_ms", "stages_ms", "setup_ms"}
+    times = {"frame_ms", "host_ms", "kernel_ms", "stages_ms", "setup_ms"}
     assert frame.report.keys() == expected.keys()
     assert {key: value for key, value in frame.report.items() if key not in times} == {
         key: value for key, value in expected.items() if key not in times

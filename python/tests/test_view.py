@@ -92,7 +92,7 @@ def test_the_page_learns_the_scene(page: Page, molecule: hl.Scene) -> None:
     assert page.json("/progress", {}) == {"state": "ready", "text": ""}
     scene = page.json("/scene", {})
     assert scene["file"] == "two.pdb" and scene["count"] == 40 and scene["frames"] == 1
-    assert scene["columns"]["chain"] == {"type": "text", "count": 3, "values": ["A", "B", ""]}
+    assert scene["columns"]["chain"] == {"type": "text", "count": 2, "values": ["A", "B"]}
     assert scene["columns"]["bfactor"] == {"type": "number", "min": 0, "max": 39}
     assert scene["look"] == "soft" and scene["samples"] == 4 and scene["background"] == "#000000"
     assert scene["looks"] == ["plain", "soft", "figure"] and scene["legend"].startswith("<svg")

@@ -1,4 +1,4 @@
-import { before, fit, look, minus, norm, orbit, otherLens, pan, pivot, project, roundLength, sameCamera, tidy, zoom } from "./camera.js";
+import { before, fit, look, minus, norm, orbit, otherLens, pan, pivot, project, roundLength, sameCamera, tidy, unit, zoom } from "./camera.js";
 
 const REST_MS = 150;        // still for so long: the still picture is asked for
 const TARGET_MS = 80;       // what a moving frame may take
@@ -77,7 +77,8 @@ export function mount(root, transport, options = {}) {
   const rings = [0, 1].map(() => div("ring", {}));
   const table = div("table hl-panel", { role: "region", "aria-label": "Picked spheres" });
   const dialog = div("dialog hl-panel", { role: "dialog" });
-  const stage = div("stage", {}, canvas, ...rings, legend, scale, table, note, message, dialog);
+  const picture = div("picture", {}, canvas, ...rings);
+  const stage = div("stage", {}, picture, legend, scale, table, note, message, dialog);
   const status = div("status");
   const warned = make("details", { className: "hl-warnings" });
   const number = make("output"), slider = make("input", { type: "range", "aria-label": "Frame", oninput: () => setFrame(+slider.value) });
@@ -138,7 +139,7 @@ export function mount(root, transport, options = {}) {
         tell(what);
         await new Promise((resolve) => setTimeout(resolve, 100));
       }
-      const { json } = await ask("/scene", {});
+      const { json } = await ask("/scene", { size: fullSize() });
       if (!scene) begin(json);
     } catch (error) {
       if (!wasLost) tell(error.message, start);
@@ -156,7 +157,9 @@ export function mount(root, transport, options = {}) {
     scene = json;
     frame = scene.frame ?? 1;
     last = scene.frames == null ? null : firstFrame() + scene.frames - 1;
-    home = scene.camera.up;
+    // An axis, or y where the camera was turned to the spheres.
+    home = unit(scene.camera.up).some((x) => Math.abs(x) > 1 - 1e-6) ? scene.camera.up : [0, 1, 0];
+    layout();
     title.replaceChildren(scene.file, make("small", {}, plural(scene.count, "sphere")));
     if (options.page) document.title = `${scene.file} - halfline view`;
     stage.style.backgroundColor = scene.background;
@@ -193,8 +196,16 @@ export function mount(root, transport, options = {}) {
     camera = tidy(before(next, center, r));
     changed();
   }
-  const box = () => [stage.clientWidth || 1, stage.clientHeight || 1];
+  // A picture whose size was asked for lies in the middle.
+  function layout() {
+    if (!scene?.sized) return;
+    const [w, h] = scene.size, k = Math.min(stage.clientWidth / w, stage.clientHeight / h);
+    picture.style.width = `${w * k}px`;
+    picture.style.height = `${h * k}px`;
+  }
+  const box = () => [picture.clientWidth || 1, picture.clientHeight || 1];
   function fullSize() {
+    if (scene?.sized) return scene.size;
     const [w, h] = box().map((x) => x * devicePixelRatio), k = Math.min(1, MOST_PIXELS / w, MOST_PIXELS / h);
     return [w, h].map((x) => Math.max(1, Math.round(x * k)));
   }
@@ -269,7 +280,7 @@ export function mount(root, transport, options = {}) {
     showStatus();
     showScale();
     showRings();
-    warn(info.warnings);
+    if (sent.mode === "still") warn(info.warnings);
     if (!isStill()) return;
     for (const resolve of waiters.splice(0)) resolve(still);
     options.onStill?.();
@@ -279,13 +290,14 @@ export function mount(root, transport, options = {}) {
   function showStatus() {
     const { accuracy, certified, settled, ms, adapter } = drawn.info;
     status.textContent = status.title = [
+      drawn.mode !== "still" && "preview",
       certified >= 1 ? "certified" : accuracy == "fast" ? "fast" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
       settled != null && `${count(settled)} settled`, ms != null && `${Math.round(ms)} ms`, drawn.pixels.join(" x "), adapter,
     ].filter(Boolean).join(", ");
   }
   function showScale() {
     const pixel = (drawn.info.unit * drawn.pixels[0]) / box()[0];
-    if (!(pixel > 0)) return;
+    if (!(pixel > 0) || scene.draws?.scale_bar) return;
     scale.hidden = false;
     const length = roundLength(140 * pixel);
     rule.style.width = `${length / pixel}px`;
@@ -300,26 +312,29 @@ export function mount(root, transport, options = {}) {
   }
   function showLegend(svg) {
     URL.revokeObjectURL(legend.src);
-    legend.hidden = !svg;
+    legend.hidden = !svg || scene.draws?.legend;
     if (svg) legend.src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
   }
   function warn(list) {
-    const all = new Set([...warnings, ...(list ?? [])]);
-    if (all.size === warnings.length) return;
-    warnings = [...all];
-    warned.hidden = false;
-    warned.replaceChildren(make("summary", {}, plural(all.size, "warning")),
-      make("ul", { className: "hl-panel" }, ...warnings.map((w) => make("li", {}, w))));
+    const all = [...new Set([...(scene.warnings ?? []), ...(list ?? [])])];
+    if (String(all) === String(warnings)) return;
+    warnings = all;
+    warned.hidden = !all.length;
+    warned.replaceChildren(make("summary", {}, plural(all.length, "warning")),
+      make("ul", { className: "hl-panel" }, ...all.map((w) => make("li", {}, w))));
   }
   function showPicked() {
     table.hidden = !picked.length;
     if (!picked.length) return table.replaceChildren();
     const line = (name, value) => make("tr", {}, make("th", { scope: "row" }, name), ...picked.map((p) => make("td", {}, words(value(p)))));
-    const rows = ["id", "row", "center", "radius", "position", "distance", "certainty"].map((key) => line(key === "center" ? "centre" : key, (p) => p[key]));
+    const names = { row: "row, from 0", center: "centre", distance: "from the eye" };
+    // Positions on a surface and distances are within 1e-5.
+    const short = (key, value) => key === "position" || key === "distance" ? [].concat(value).map((x) => +x.toPrecision(7)) : value;
+    const rows = ["id", "row", "center", "radius", "position", "distance", "certainty"].map((key) => line(names[key] ?? key, (p) => short(key, p[key])));
     const columns = new Set(picked.flatMap((p) => Object.keys(p.columns)));
     const pair = picked[1]?.from, head = [make("strong", {}, pair ? `Distance ${pair.distance}` : `Sphere ${picked[0].id}`)];
     if (pair?.minimum_image != null) head.push(make("span", {}, `minimum image ${pair.minimum_image}`));
-    else if (!pair) head.push(make("small", {}, "Shift-click a second one for the distance"));
+    else if (!pair) head.push(button("Distance", "Measure to the next sphere that is picked (Shift)", () => { measuring = true; say("Pick the second sphere"); }));
     table.replaceChildren(make("header", {}, make("div", {}, ...head), button("×", "Close (Esc)", () => setPicked([]))),
       make("table", {}, ...rows, ...[...columns].map((name) => line(name, (p) => p.columns[name]))));
   }
@@ -331,11 +346,12 @@ export function mount(root, transport, options = {}) {
   }
 
   // Picking and selecting.
-  let pickNumber = 0;
+  let pickNumber = 0, measuring = false;
   async function pick([x, y], second) {
     const size = fullSize(), here = box(), mine = ++pickNumber;
     const pixel = [x, y].map((v, i) => Math.max(0, Math.min(size[i] - 1, Math.floor((v / here[i]) * size[i]))));
-    const of = second ? picked.slice(0, 1) : [];
+    const of = second || measuring ? picked.slice(0, 1) : [];
+    measuring = false;
     const answer = await ask("/pick", { ...body("still", size), x: pixel[0], y: pixel[1], from: of[0]?.id ?? null }).catch(complain);
     if (answer && mine === pickNumber) setPicked(answer.json ? [...of, answer.json] : of);
     return answer?.json;
@@ -351,13 +367,16 @@ export function mount(root, transport, options = {}) {
       chosen.value = json ? `${count(json.count)} of ${count(json.of)}` : "";
       showLegend(json?.legend ?? scene.legend);
       selection = expr;
-      notify({ selection });
-      changed();
+      if (expr) canvas.focus({ preventScroll: true });
     } catch (error) {
       if (wasLost) return;
       refused.textContent = error.message;
       refused.hidden = false;
+      selection = chosen.value = "";
+      showLegend(scene.legend);
     }
+    notify({ selection });
+    changed();
   }
 
   // Frames of a file.
@@ -418,7 +437,11 @@ export function mount(root, transport, options = {}) {
     move(look(camera, [0, 1, 2].map((k) => k === i ? (back ? -1 : 1) : 0), home));
   }]];
   const actions = {
-    f: ["Fit the scene", () => move(fit(camera, scene.center, scene.radius, box()))],
+    f: ["Fit the scene, or the selection", async () => {
+      const seen = version, fitted = await ask("/fit", body("still", fullSize())).catch(() => null);
+      if (!fitted?.json) move(fit(camera, scene.center, scene.radius, box()));
+      else if (seen === version) setCamera(fitted.json.camera);
+    }],
     ...Object.fromEntries(["x", "y", "z"].map(along)),
     o: ["Orthographic or perspective", () => {
       move(otherLens(camera, vfov));
@@ -484,7 +507,7 @@ export function mount(root, transport, options = {}) {
   const fingers = new Map();
   let gesture = null, lastClick = { when: -1e9 };
   const place = (e) => {
-    const { left, top } = stage.getBoundingClientRect();
+    const { left, top } = picture.getBoundingClientRect();
     return [e.clientX - left, e.clientY - top];
   };
   const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
@@ -529,9 +552,10 @@ export function mount(root, transport, options = {}) {
   }, { passive: false });
 
   const sized = new ResizeObserver(() => {
-    if (!scene || String(fullSize()) === lastSize) return;
+    layout();
+    if (!scene) return;
     showRings();
-    changed();
+    if (String(fullSize()) !== lastSize) changed();
   });
   sized.observe(stage);
   start();

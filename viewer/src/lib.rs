@@ -22,7 +22,8 @@ pub use reply::Reply;
 pub use routes::Routes;
 pub use server::{PORT, Server, Times};
 pub use stage::{
-    Answer, Commands, FrameRequest, GoOn, Lens, Mode, PickRequest, Picture, Pixels, Pose, Refusal, SelectRequest, Stage,
+    Answer, Commands, FrameRequest, GoOn, Lens, Mode, PickRequest, Picture, Pixels, Pose, Refusal, SceneRequest,
+    SelectRequest, Stage,
 };
 
 /// What a connection that sends these bytes gets back, for tests and the fuzzer.

@@ -37,6 +37,7 @@ pub(crate) enum Question {
     Frame,
     Pick,
     Select,
+    Fit,
     Command,
     Progress,
 }
@@ -48,6 +49,7 @@ impl Question {
             "frame" => Self::Frame,
             "pick" => Self::Pick,
             "select" => Self::Select,
+            "fit" => Self::Fit,
             "command" => Self::Command,
             "progress" => Self::Progress,
             _ => return None,
@@ -118,7 +120,8 @@ impl Routes {
 
     fn put(&self, question: Question, body: &[u8]) -> Answer<Reply> {
         match question {
-            Question::Scene => read::<Nothing>(body).and_then(|_| self.stage.scene()).map(|value| Reply::json(&value)),
+            Question::Scene => self.stage.scene(&read(body)?).map(|value| Reply::json(&value)),
+            Question::Fit => self.stage.fit(&read(body)?).map(|value| Reply::json(&value)),
             Question::Frame => self.frame(&read(body)?),
             Question::Pick => self.stage.pick(&read::<PickRequest>(body)?).map(|value| Reply::json(&value)),
             Question::Select => {

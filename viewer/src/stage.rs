@@ -158,6 +158,14 @@ pub struct PickRequest {
     pub from: Option<u64>,
 }
 
+/// The scene is wanted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SceneRequest {
+    /// Width and height of the picture for which it is framed; without it, its own.
+    #[serde(default)]
+    pub size: Option<[u32; 2]>,
+}
+
 /// Spheres are to be counted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SelectRequest {
@@ -207,7 +215,7 @@ pub type GoOn = Arc<dyn Fn() -> bool + Send + Sync>;
 /// is called by one at a time.
 pub trait Stage: Send + Sync {
     /// What is known about the scene; waits until the file is read.
-    fn scene(&self) -> Answer<Value>;
+    fn scene(&self, request: &SceneRequest) -> Answer<Value>;
 
     /// A frame. `None` if `go_on` said that it is no longer wanted.
     fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>>;
@@ -217,6 +225,9 @@ pub trait Stage: Send + Sync {
 
     /// How many spheres an expression selects.
     fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value>;
+
+    /// The camera that shows all spheres, or those that are selected, in the direction of a frame.
+    fn fit(&self, request: &FrameRequest) -> Answer<Value>;
 
     /// The command and the lines of Python that make the frame.
     fn command(&self, request: &FrameRequest) -> Answer<Commands>;

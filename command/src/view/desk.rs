@@ -1,7 +1,7 @@
 //! What the page asks, answered: one file, its frames that were read, and the renderers.
 
 use super::frames::{Count, Frames};
-use super::given::{Given, line};
+use super::given::{Given, GivenOption, line};
 use super::moving::Moving;
 use super::parse::Parser;
 use super::pick::{describe, distance, pick};
@@ -15,13 +15,15 @@ use crate::scene_args::SceneArgs;
 use crate::scene_frames::{framed, posed};
 use crate::signals::watch;
 use crate::threads::both;
-use halfline::camera::Aperture;
+use halfline::camera::{Camera, CameraRecord};
 use halfline::error::{Error, Result};
 use halfline::render::Renderer;
 use halfline::settings::{Backend, Settings};
-use halfline_files::read::{FrameRange, SceneFrame, Selection};
+use halfline_files::read::{Format, Mark, SceneFrame, Selection};
 use halfline_files::write::file::Target;
-use halfline_viewer::{Answer, Commands, FrameRequest, GoOn, Mode, PickRequest, Picture, Pixels, Refusal, Stage};
+use halfline_viewer::{
+    Answer, Commands, FrameRequest, GoOn, Mode, PickRequest, Picture, Pixels, Pose, Refusal, SceneRequest, Stage,
+};
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::num::NonZeroU32;
@@ -48,8 +50,8 @@ struct Book {
     selected: Option<Frames>,
     /// The answer to `/scene`, without what changes.
     summary: Value,
-    /// The lens of `--camera-from`.
-    taken: Option<Aperture>,
+    /// The camera of `--camera-from`.
+    record: Option<CameraRecord>,
     /// The number of the frame that the page begins with.
     first: u64,
     /// Whether pictures name their frame: the file has several, or the command line names one.
@@ -99,13 +101,13 @@ impl Desk {
         let read = || self.read_first(Frames::new(words.clone(), parser.args(&words)?), &args);
         let (read, renderer) = both(read, || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
-        let (mut plain, summary, taken, first) = read?;
+        let (mut plain, summary, record, first) = read?;
         let renderer = renderer?;
         note_fallback(&renderer);
         lock(&self.place).renderer = Some(renderer);
         let rest = plain.count();
-        let is_numbered = self.given.frames().is_some() || plain.total != Some(1);
-        *lock(&self.book) = Some(Book { parser, plain, selected: None, summary, taken, first, is_numbered });
+        let is_numbered = self.given.frame()?.is_some() || plain.total != Some(1);
+        *lock(&self.book) = Some(Book { parser, plain, selected: None, summary, record, first, is_numbered });
         self.read.notify_all();
         if let Some(total) = rest.and_then(Count::end)
             && let Some(book) = lock(&self.book).as_mut()
@@ -116,15 +118,29 @@ impl Desk {
     }
 
     /// Reads the first frame of the file, whose camera is that of all, and the one with which the page begins.
-    fn read_first(&self, mut frames: Frames, args: &SceneArgs) -> Result<(Frames, Value, Option<Aperture>, u64)> {
+    fn read_first(&self, mut frames: Frames, args: &SceneArgs) -> Result<(Frames, Value, Option<CameraRecord>, u64)> {
         let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        let typed: Option<FrameRange> = self.given.frames().and_then(|text| text.to_str()?.parse().ok());
-        let first = typed.and_then(|range| range.numbers().next()).unwrap_or(1);
-        let frame = without_columns(frames.get(1)?);
-        let picture = framed(args, frame, record.as_ref(), frames.held)?;
-        let taken = record.and_then(|record| record.lens_size());
-        let summary = summary::of(&self.given.scene, frames.get(first)?, &picture)?;
-        Ok((frames, summary, taken, first))
+        let first = self.given.frame()?.unwrap_or(1);
+        let held = frames.held_camera()?;
+        let (picture, pose) = first_picture(args, without_columns(frames.get(1)?), record.as_ref(), held)?;
+        let mut summary = summary::of(&self.given.scene, frames.get(first)?, &picture, &pose)?;
+        summary["format"] = json!(frames.format.map(Format::name));
+        summary["sized"] = json!(args.image.size.is_some() || record.is_some());
+        summary["draws"] = json!({
+            "legend": args.insets.legend_in.is_some(),
+            "scale_bar": args.insets.scale_bar.is_some(),
+        });
+        Ok((frames, summary, record, first))
+    }
+
+    /// The camera of the first picture in another size, which is the page's.
+    fn resized(&self, book: &mut Book, [width, height]: [u32; 2]) -> Result<Pose> {
+        let mut options = self.given.initial();
+        options.push(GivenOption::new("size", Some(format!("{width}x{height}").into())));
+        let args = book.parser.args(&self.given.words(&options))?;
+        let held = book.plain.held_camera()?;
+        let frame = without_columns(book.plain.get(1)?);
+        first_picture(&args, frame, book.record.as_ref(), held).map(|(_, pose)| pose)
     }
 
     /// Works with what was read, once it is there.
@@ -157,7 +173,7 @@ impl Desk {
         let args = book.parser.args(&self.words(&request))?;
         let frame = self.frame_of(book, request.select.as_deref(), request.frame)?;
         let frame = without_columns(frame);
-        let picture = posed(&args, frame, book.taken)?;
+        let picture = posed(&args, frame, book.record.as_ref().and_then(CameraRecord::lens_size))?;
         let targets = args.files.targets(picture.number)?;
         let settings = args.settings(&targets);
         Ok(Posed { args, picture, settings, targets })
@@ -216,11 +232,32 @@ impl Desk {
 }
 
 impl Stage for Desk {
-    fn scene(&self) -> Answer<Value> {
+    fn scene(&self, request: &SceneRequest) -> Answer<Value> {
         self.with(|book| {
             let mut summary = book.summary.clone();
             summary["frames"] = if book.is_numbered { json!(book.plain.total) } else { json!(1) };
+            if let Some(size) = request.size.filter(|_| summary["sized"] == false) {
+                summary["camera"] = json!(self.resized(book, size)?);
+                summary["size"] = json!(size);
+            }
             Ok(summary)
+        })
+    }
+
+    fn fit(&self, request: &FrameRequest) -> Answer<Value> {
+        self.with(|book| {
+            let args = book.parser.args(&self.given.words(&self.given.fitted(request)))?;
+            let number = Self::numbered(book, request).frame;
+            let frame = self.frame_of(book, request.select.as_deref(), number)?;
+            let marks = match &args.camera.focus {
+                Some(selection) => {
+                    let (mask, notes) = frame.columns.select(selection, &frame.scene.spheres)?;
+                    vec![Mark { text: selection.to_string(), spheres: frame.scene.spheres.part(&mask), notes }]
+                }
+                None => Vec::new(),
+            };
+            let frame = SceneFrame { marks, ..without_columns(frame) };
+            first_picture(&args, frame, None, None).map(|(_, pose)| json!({ "camera": pose }))
         })
     }
 
@@ -302,6 +339,19 @@ impl Stage for Desk {
         };
         Ok(json!({ "state": state, "text": text }))
     }
+}
+
+/// The picture of a frame that the options frame, and its camera, whose pivot is what they look at.
+fn first_picture(
+    args: &SceneArgs,
+    frame: SceneFrame,
+    record: Option<&CameraRecord>,
+    held: Option<Camera>,
+) -> Result<(PictureScene, Pose)> {
+    let pivot = args.camera.pivot(&frame)?;
+    let picture = framed(args, frame, record, held)?;
+    let pose = lens::pose(&picture.scene, pivot)?;
+    Ok((picture, pose))
 }
 
 /// A copy that shares the spheres and has no columns, which are large and no part of a picture.

@@ -6,7 +6,7 @@ use halfline::camera::Camera;
 use halfline::error::{Error, Result};
 use halfline::progress::Cancel;
 use halfline::quote::count;
-use halfline_files::read::{Keep, SceneFrame, Sequence};
+use halfline_files::read::{Format, Keep, SceneFrame, Sequence};
 use std::collections::VecDeque;
 use std::ffi::OsString;
 
@@ -26,7 +26,9 @@ pub(super) struct Frames {
     /// The number of frames, once the end was reached.
     pub(super) total: Option<u64>,
     /// The camera of all frames, with `--hold all`.
-    pub(super) held: Option<Camera>,
+    held: Option<Camera>,
+    /// The file's format, once it was opened.
+    pub(super) format: Option<Format>,
 }
 
 /// A file whose frames are counted.
@@ -48,12 +50,23 @@ impl Count {
 impl Frames {
     /// The frames that `args`, which are of these words, read.
     pub(super) fn new(words: Vec<OsString>, args: SceneArgs) -> Self {
-        Self { words, args, reading: None, passed: 0, kept: VecDeque::new(), total: None, held: None }
+        Self { words, args, reading: None, passed: 0, kept: VecDeque::new(), total: None, held: None, format: None }
     }
 
     /// Whether they are read with these words.
     pub(super) fn are_of(&self, words: &[OsString]) -> bool {
         self.words == words
+    }
+
+    /// The camera of all frames, with `--hold all`.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub(super) fn held_camera(&mut self) -> Result<Option<Camera>> {
+        if self.passed == 0 {
+            self.read(1)?;
+        }
+        Ok(self.held)
     }
 
     /// Frame `number` of the file, from 1.
@@ -89,6 +102,7 @@ impl Frames {
                 self.passed = 0;
                 let (sequence, held) = sequence(&self.args, Keep::All, &Cancel::default())?;
                 self.held = held.map(|(camera, _)| camera);
+                self.format = Some(sequence.format());
                 sequence
             }
         };

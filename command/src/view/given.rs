@@ -1,6 +1,7 @@
 //! The options that the command line of `halfline view` gives, and the command that renders a picture of the page with them.
 
 use clap::{Arg, ArgAction, ArgMatches, Command, parser::ValueSource};
+use halfline::error::{Error, Result};
 use halfline_viewer::{FrameRequest, Lens, Pose};
 use std::ffi::{OsStr, OsString};
 
@@ -56,9 +57,17 @@ impl Given {
         self.options.iter().chain(camera).cloned().chain([all_frames()]).collect()
     }
 
-    /// The frames that are typed.
-    pub(super) fn frames(&self) -> Option<&OsStr> {
-        self.camera.iter().find(|option| option.id == "frames").and_then(|option| option.value.as_deref())
+    /// The frame with which the page begins, if it is typed.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for several frames.
+    pub(super) fn frame(&self) -> Result<Option<u64>> {
+        let typed = self.camera.iter().find(|option| option.id == "frames");
+        let number = |option: &GivenOption| option.text().parse().ok().filter(|number| *number > 0);
+        let problem = "a page shows all frames of the file, and --frames names the first one that it shows";
+        typed
+            .map(|option| number(option).ok_or_else(|| Error::settings(problem, "use one number, such as --frames 2")))
+            .transpose()
     }
 
     /// The options of a picture in the order of the command: those given, the colours of a selection, the camera.
@@ -88,6 +97,27 @@ impl Given {
             Lens::Height(height) => set("ortho", height.to_string()),
         }
         set("size", format!("{}x{}", size[0], size[1]));
+        options
+    }
+
+    /// The options of a picture that is framed: the direction, the lens and the size of a request, and what it selects as the
+    /// focus.
+    pub(super) fn fitted(&self, request: &FrameRequest) -> Vec<GivenOption> {
+        let FrameRequest { camera: Pose { eye, at, up, lens }, size, select, .. } = request;
+        let mut options = self.options.clone();
+        let mut set = |id: &str, value: Option<String>| options.push(GivenOption::new(id, value.map(OsString::from)));
+        let vector = |vector: [f64; 3]| Some(vector.map(|x| x.to_string()).join(","));
+        set("view", vector([0, 1, 2].map(|k| at[k] - eye[k])));
+        set("up", vector(*up));
+        match lens {
+            Lens::Vfov(degrees) => set("vfov", Some(degrees.to_string())),
+            Lens::Height(_) => set("ortho", None),
+        }
+        match select {
+            Some(selection) => set("focus", Some(selection.clone())),
+            None => set("fit", None),
+        }
+        set("size", Some(format!("{}x{}", size[0], size[1])));
         options
     }
 

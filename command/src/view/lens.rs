@@ -7,17 +7,17 @@ use halfline::scene::Scene;
 use halfline_viewer::{Lens, Pose};
 
 /// The camera of a scene as the page has it: with a point to look at and an angle. A point that the scene does not give lies
-/// where the view passes the middle of the spheres.
+/// where the view passes `pivot`, or else the middle of the spheres.
 ///
 /// # Errors
 /// Those of the camera.
-pub(super) fn pose(scene: &Scene) -> Result<Pose> {
+pub(super) fn pose(scene: &Scene, pivot: Option<DVec3>) -> Result<Pose> {
     let Scene { camera, image, spheres, .. } = scene;
     let at = match camera.look {
         Look::At(at) => at,
         Look::View(view) => {
             let view = view.normalize();
-            let depth = (spheres.middle() - camera.eye).dot(view);
+            let depth = (pivot.unwrap_or_else(|| spheres.middle()) - camera.eye).dot(view);
             let ahead = if depth > 0.0 && depth.is_finite() { depth } else { 1.0 };
             camera.eye + ahead * view
         }
@@ -26,9 +26,17 @@ pub(super) fn pose(scene: &Scene) -> Result<Pose> {
     let lens = match camera.lens {
         CameraLens::Vfov { degrees, .. } => Lens::Vfov(degrees),
         lens if lens.is_orthographic() => Lens::Height(viewport.vh),
-        _ => Lens::Vfov(2.0 * (viewport.vh / (2.0 * viewport.d)).atan().to_degrees()),
+        _ => Lens::Vfov(angle(viewport.vh / viewport.d)),
     };
     Ok(Pose { eye: camera.eye.to_array(), at: at.to_array(), up: camera.up.to_array(), lens })
+}
+
+/// The angle of a viewport of this height at the distance 1, degrees: the shortest number that gives it again.
+fn angle(height: f64) -> f64 {
+    let exact = 2.0 * (height / 2.0).atan().to_degrees();
+    let gives = |degrees: &f64| 2.0 * (degrees.to_radians() / 2.0).tan() == height;
+    let rounded = [1e3, 1e6, 1e9, 1e12].map(|scale: f64| (exact * scale).round() / scale);
+    rounded.into_iter().find(gives).unwrap_or(exact)
 }
 
 /// The length that a pixel shows at the distance of the point looked at, in scene units.

@@ -1,6 +1,5 @@
 //! What the page shows about the scene and about a picture.
 
-use super::lens;
 use super::moving::Moved;
 use crate::picture_scene::PictureScene;
 use halfline::error::Result;
@@ -9,6 +8,7 @@ use halfline::frame::report::Report;
 use halfline::frame::srgb;
 use halfline::settings::{Look, Settings};
 use halfline_files::read::{ColumnValues, SceneFrame};
+use halfline_viewer::Pose;
 use serde_json::{Map, Value, json};
 use std::ffi::OsStr;
 use std::path::Path;
@@ -20,7 +20,7 @@ const MOST_TEXTS: usize = 32;
 ///
 /// # Errors
 /// Those of the camera.
-pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene) -> Result<Value> {
+pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene, pose: &Pose) -> Result<Value> {
     let SceneFrame { number, scene, skipped, columns, cell, legend: colors, .. } = frame;
     let [low, high] = scene.spheres.bounds();
     let image = picture.scene.image;
@@ -40,7 +40,7 @@ pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene) -> Re
         "center": ((low + high) / 2.0).to_array(),
         "radius": (high - low).length() / 2.0,
         "columns": all,
-        "camera": lens::pose(&picture.scene)?,
+        "camera": pose,
         "look": picture.look.name(),
         "looks": Look::ALL.iter().map(|look| look.name()).collect::<Vec<_>>(),
         "samples": picture.look.settings(&Settings::default()).samples,

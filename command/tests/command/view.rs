@@ -109,6 +109,40 @@ fn a_pick_is_the_buffer_of_ids() {
     }
 }
 
+/// The page is framed for its window as a picture of that size is, and `f` frames what is selected in the same direction.
+#[test]
+fn a_page_is_framed_for_its_window_and_its_selection() {
+    let dir = dir();
+    let page = Page::open(&dir, "t.csv --backend cpu");
+    let scene = page.good("/scene", &json!({ "size": [300, 120] }));
+    let expected = dir.render("t.csv --size 300x120 -o a.png --json").json()["camera"].clone();
+    assert_eq!((&scene["size"], &scene["camera"]["eye"]), (&json!([300, 120]), &expected["eye"]));
+    assert_eq!((&scene["format"], &scene["sized"]), (&json!("csv"), &json!(false)));
+    let mut body = json!({ "camera": moved(&scene["camera"], 0.5, 2.0), "size": [300, 120] });
+    for select in [Value::Null, json!("kind b or kind c")] {
+        body["select"] = select.clone();
+        let fitted = page.good("/fit", &body)["camera"].clone();
+        let part =
+            |camera: &Value, k: usize| camera["at"][k].as_f64().expect("x") - camera["eye"][k].as_f64().expect("x");
+        let view = |camera: &Value| glam::DVec3::from_array([0, 1, 2].map(|k| part(camera, k)));
+        let turned = view(&body["camera"]).normalize().cross(view(&fitted).normalize()).length();
+        assert!(turned < 1e-12, "{select}: the direction stays");
+        body["camera"] = fitted.clone();
+        let distance = view(&fitted).length();
+        let options = if select.is_null() { "--fit".to_owned() } else { "--focus=kind b or kind c".to_owned() };
+        let [eye, at, up] = ["eye", "at", "up"].map(|name| [0, 1, 2].map(|k| fitted[name][k].as_f64().expect("x")));
+        let vector = |v: [f64; 3]| v.map(|x| x.to_string()).join(",");
+        let direction = vector([0, 1, 2].map(|k| at[k] - eye[k]));
+        let words =
+            ["plan", "t.csv", &options, "--view", &direction, "--up", &vector(up), "--size", "300x120", "--json"];
+        let again = dir.good(&words).json()["camera"]["eye"].clone();
+        let near = |k: usize| (again[k].as_f64().expect("x") - eye[k]).abs() < 1e-9 * distance;
+        assert!((0..3).all(near), "{select}: {again} and {fitted}");
+    }
+    let sized = Page::open(&dir, "t.csv --backend cpu --size 90x60").good("/scene", &json!({ "size": [300, 120] }));
+    assert_eq!((&sized["size"], &sized["sized"]), (&json!([90, 60]), &json!(true)));
+}
+
 /// A pixel that shows this sphere.
 fn pick(page: &Page, frame: u32, id: u64, from: Option<u64>) -> Value {
     let camera = page.good("/scene", &json!({}))["camera"].clone();
@@ -242,7 +276,7 @@ fn the_first_camera_is_that_of_the_picture() {
         "t.csv --focus kind=a",
         "t.csv --at kind=c --vfov 50",
         "t.csv --camera-from from.png --zoom 3",
-        "film.xyz --hold all --frames 2-3",
+        "film.xyz --hold all --frames 2",
         "film.xyz --frames 2 --clip 1,0,0,8.6",
         "t.csv --color-by speed --legend-in --size 300x200",
     ] {
@@ -284,6 +318,7 @@ fn what_a_page_does_not_have_is_refused() {
         (2, "view t.csv --spin 3", "--spin"),
         (2, "view t.csv --cameras c.json", "--cameras"),
         (2, "view t.csv --tile 1/4", "--tile"),
+        (2, "view film.xyz --frames 1-2 --no-open --port 0", "one number"),
         (2, "view t.csv --idle soon", "--idle"),
         (2, "view t.csv --port 70000", "--port"),
     ] {

@@ -202,6 +202,12 @@ impl Sequence {
         Ok(Self { path, options, format, state, passed: 0, files, holds: false, said: Vec::new() })
     }
 
+    /// Its format.
+    #[must_use]
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
     /// The files that the scene file refers to, and the topology of a trajectory, which were read with it.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {

@@ -1,6 +1,8 @@
 //! A stage without a scene.
 
-use halfline_viewer::{Answer, Commands, FrameRequest, GoOn, PickRequest, Picture, Pixels, Refusal, Stage};
+use halfline_viewer::{
+    Answer, Commands, FrameRequest, GoOn, PickRequest, Picture, Pixels, Refusal, SceneRequest, Stage,
+};
 use serde_json::{Value, json};
 use std::sync::{Condvar, Mutex};
 use std::time::{Duration, Instant};
@@ -60,7 +62,7 @@ impl Fake {
 }
 
 impl Stage for Fake {
-    fn scene(&self) -> Answer<Value> {
+    fn scene(&self, _: &SceneRequest) -> Answer<Value> {
         self.call();
         Ok(json!({ "schema": 1 }))
     }
@@ -96,6 +98,10 @@ impl Stage for Fake {
             self.hold(&|| true);
         }
         if expr.is_empty() { Err(Refusal::settings("empty")) } else { Ok(json!({ "count": expr.len(), "of": frame })) }
+    }
+
+    fn fit(&self, request: &FrameRequest) -> Answer<Value> {
+        Ok(json!({ "camera": request.camera }))
     }
 
     fn command(&self, request: &FrameRequest) -> Answer<Commands> {
