@@ -4,7 +4,6 @@
 use super::camera_file;
 use super::framing;
 use super::legend;
-use super::light_args::SphereLights;
 use super::picture_scene::PictureScene;
 use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
@@ -319,11 +318,10 @@ pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut Scene
 
 /// Applies copies, clip planes and outline.
 pub(super) fn arrange(read: &ReadArgs, frame: &mut SceneFrame) -> Result<()> {
-    let (count, lights) = (frame.scene.spheres.len(), SphereLights::of(&frame.scene));
+    let count = frame.scene.spheres.len();
     let arrangement = read.arrangement();
     frame.arrange(&arrangement, &watch())?;
     let SceneFrame { scene, skipped, marks, .. } = frame;
-    lights.follow(scene);
     // What is looked at is that of the file itself, as far as it is drawn, not its copies.
     let clip = Arrangement { clip: arrangement.clip, ..Arrangement::default() };
     marks.iter_mut().try_for_each(|mark| clip.apply(&mut mark.spheres, None, &watch()))?;

@@ -25,6 +25,7 @@ mod select;
 mod sequence;
 mod skipped;
 mod source;
+mod sphere_lights;
 mod stream;
 pub mod style;
 

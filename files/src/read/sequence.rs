@@ -14,6 +14,7 @@ use super::select;
 use super::select::selection::Selection;
 use super::skipped::Skipped;
 use super::source::SceneSource;
+use super::sphere_lights::SphereLights;
 use super::style::no_selections;
 use super::{native, nff};
 use halfline::error::{Error, Place, Result};
@@ -127,17 +128,20 @@ impl SceneFrame {
         }
     }
 
-    /// Arranges the spheres, and their columns with them.
+    /// Arranges the spheres, and with them their columns and the lights that are spheres.
     ///
     /// # Errors
     /// Those of [`Arrangement::apply`].
     pub fn arrange(&mut self, arrangement: &Arrangement, watch: &Watch) -> Result<()> {
+        let lights = SphereLights::of(&self.scene);
         let (spheres, cell) = (&mut self.scene.spheres, self.cell.as_ref());
         let rows = match self.columns.is_empty() || *arrangement == Arrangement::default() {
             true => None,
             false => Some(arrangement.rows(spheres, cell, watch)?),
         };
         arrangement.apply(spheres, cell, watch)?;
+        lights.follow(&mut self.scene);
+        let spheres = &self.scene.spheres;
         if let Some(rows) = rows {
             self.columns = self.columns.rearranged(&rows, spheres.len().saturating_sub(rows.len()))?;
         }
