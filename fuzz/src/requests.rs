@@ -13,7 +13,7 @@ use std::time::Duration;
 /// The token of the server, which the seeds have.
 const TOKEN: &str = "0123456789abcdef0123456789abcdef";
 
-/// It checks what it is asked, and counts.
+/// A stage that checks and counts the requests.
 #[derive(Default)]
 struct Checking(AtomicUsize);
 
@@ -87,7 +87,7 @@ pub(super) fn requests(data: &[u8]) -> Allowed {
     let lower = data.to_ascii_lowercase();
     let needed = [&b"host:"[..], b"authorization:", b"content-length:"];
     let is_shown = contains(data, TOKEN.as_bytes()) && needed.iter().all(|name| contains(&lower, name));
-    assert!(is_shown || !is_asked, "the stage is asked without the token");
+    assert!(is_shown || !is_asked, "a request without the token reached the stage");
     for name in ["scene", "frame", "pick", "select", "command", "progress"] {
         let Reply { status, halfline, body, .. } = routes.answer(name, data);
         assert!([200, 400].contains(&status), "{name}: {status}");

@@ -57,7 +57,7 @@ impl Queue {
         self.lock().arrived
     }
 
-    /// Nobody wants a frame any longer.
+    /// Makes all requests superseded.
     pub(crate) fn clear(&self) {
         self.lock().asked.iter().for_each(|asked| asked.is_needless.store(true, Ordering::Relaxed));
         self.changed.notify_all();

@@ -41,7 +41,7 @@ impl Tree {
             let mut tracer = renderer.tracer(&spheres, &settings)?;
             let _ = done.send(());
             for Job { origins, directions, hits } in asked {
-                // Nobody waits for them if the page is gone.
+                // The receiver is gone where the page has ended.
                 let _ = hits.send(tracer.hits(&Rays { origins: &origins, directions: &directions, limits: &[] }));
             }
             Ok(())

@@ -344,6 +344,6 @@ fn it_ends_when_it_is_idle_or_interrupted() {
         let id = page.process().id().to_string();
         assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
         assert_eq!(page.process().wait().expect("an end").code(), Some(130));
-        assert!(std::net::TcpStream::connect(("127.0.0.1", page.port())).is_err(), "nobody listens");
+        assert!(std::net::TcpStream::connect(("127.0.0.1", page.port())).is_err(), "the port is closed");
     }
 }
