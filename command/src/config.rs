@@ -139,10 +139,10 @@ impl Config {
             fault = std::mem::replace(&mut fault, Ok(())).and(checked);
             argument
         };
-        let there: Vec<_> = COMMANDS.into_iter().filter(|name| command.find_subcommand(name).is_some()).collect();
-        let known = there
-            .into_iter()
-            .fold(command, |command, name| command.mut_subcommand(name, |part| part.mut_args(&mut option)));
+        let known = COMMANDS.into_iter().fold(command, |command, name| match command.find_subcommand(name) {
+            Some(_) => command.mut_subcommand(name, |part| part.mut_args(&mut option)),
+            None => command,
+        });
         fault.map(|()| known)
     }
 

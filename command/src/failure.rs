@@ -31,10 +31,10 @@ const SETTINGS: (&str, u8) = ("settings", 2);
 
 /// Reports a failure; the exit code of the process.
 pub(super) fn fail(error: &Error) -> ExitCode {
+    let (kind, exit, message) = object(error);
     say(format_args!("{error}"));
-    let class = class(error);
-    print_object(class, &flags(&error.to_string()));
-    ExitCode(class.1)
+    print_object((kind, exit), &message);
+    ExitCode(exit)
 }
 
 /// The kind of a failure, its exit code, and its message with the options of the command.

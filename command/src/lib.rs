@@ -41,7 +41,7 @@ mod view;
 
 /// What the page of `halfline view` and the widget of the Python package show alike.
 pub mod shown {
-    pub use crate::view::{column, describe, hex, legend};
+    pub use crate::view::{apart, describe, legend, scene};
 }
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

@@ -12,8 +12,8 @@ mod rays;
 mod summary;
 mod tree;
 
-pub use pick::describe;
-pub use summary::{column, hex, legend};
+pub use pick::{apart, describe};
+pub use summary::{legend, scene};
 
 use super::inset_args::joined;
 use super::messages::{QuietArgs, note};
@@ -88,7 +88,6 @@ impl View {
                 "use a file",
             ));
         }
-        given.frame()?;
         // A file that is not there is an error before a page is shown.
         File::open(&self.args.scene).map_err(|e| Error::read(&self.args.scene, e))?;
         let server = Server::bind(self.port).map_err(|error| self.not_bound(&error))?;
@@ -139,7 +138,7 @@ impl View {
             let problem = format!("--{long} is an option of pictures in files");
             return Err(Error::settings(problem, "remove it; the page copies a command to which it can be added"));
         }
-        Ok(Given::of(&command, &matches, &OWN))
+        Given::of(&command, &matches, &OWN)
     }
 
     fn not_bound(&self, error: &std::io::Error) -> Error {

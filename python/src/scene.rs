@@ -143,8 +143,7 @@ impl Scene {
 
     /// The same spheres without lights, sky and mirrors.
     pub(crate) fn lit_from_the_eye(&self) -> Self {
-        let lighting = Lighting { bounces: Some(0), ..Lighting::default() };
-        self.with(CoreScene { lighting, ..(*self.scene).clone() })
+        self.with(CoreScene { lighting: Lighting::from_the_eye(), ..(*self.scene).clone() })
     }
 
     /// The periodic cell.

@@ -5,15 +5,13 @@ use crate::errors::OrRaise;
 use crate::options::Picture;
 use crate::scene::Scene;
 use crate::work::{Job, begin};
-use glam::DVec3;
-use halfline::settings::Look;
 use halfline_command::shown;
 use halfline_files::read::Selection;
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 /// The module of the widget.
 #[pyfunction]
@@ -45,28 +43,11 @@ pub(crate) fn summary(py: Python<'_>, scene: &Scene, picture: Picture) -> PyResu
     let summary = py.detach(|| {
         let exact = scene.sized(None, None, picture.background())?;
         let (look, samples) = picture.look_and_samples(scene)?;
-        let [low, high] = match exact.spheres.is_empty() {
-            true => [DVec3::ZERO; 2],
-            false => exact.spheres.bounds(),
-        };
-        let columns = scene.columns.names().filter(|name| *name != "index");
-        let columns: Map<String, Value> = columns
-            .filter_map(|name| Some((name.to_owned(), shown::column(scene.columns.get(name).ok()?.1))))
-            .collect();
-        Ok(json!({
-            "file": scene.file,
-            "count": exact.spheres.len(),
-            "frame": scene.number,
-            "cell": scene.cell.map(|(_, edges)| edges),
-            "extent": [low.to_array(), high.to_array()],
-            "center": ((low + high) / 2.0).to_array(),
-            "radius": (high - low).length() / 2.0,
-            "columns": columns,
-            "look": look,
-            "looks": Look::ALL.iter().map(|look| look.name()).collect::<Vec<_>>(),
-            "samples": samples,
-            "background": shown::hex(exact.image.background),
-        }))
+        let edges = scene.cell.map(|(_, edges)| edges);
+        let mut summary =
+            shown::scene(&exact.spheres, &scene.columns, edges, exact.image.background, (Some(look), samples));
+        (summary["file"], summary["frame"]) = (json!(scene.file), json!(scene.number));
+        Ok(summary)
     });
     summary.or_raise().map(|summary| summary.to_string())
 }
@@ -92,9 +73,7 @@ pub(crate) fn describe(scene: &Scene, id: usize) -> PyResult<String> {
 /// The distance of the centres of two spheres: as they lie, and in a periodic cell that of their nearest images.
 #[pyfunction]
 pub(crate) fn apart(scene: &Scene, from: usize, to: usize) -> Option<(f64, Option<f64>)> {
-    let centers = &scene.spheres().centers;
-    let apart = DVec3::from_array(*centers.get(to)?) - DVec3::from_array(*centers.get(from)?);
-    Some((apart.length(), scene.periodic().map(|cell| cell.nearest_image(apart).length())))
+    shown::apart(scene.spheres(), scene.periodic().as_ref(), [from, to])
 }
 
 /// The same spheres in the colours of these rows.

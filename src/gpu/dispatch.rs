@@ -88,7 +88,7 @@ impl Gpu {
 
     /// What the device did since the last call.
     pub(crate) fn traffic(&mut self) -> Traffic {
-        self.traffic.take()
+        std::mem::take(&mut self.traffic)
     }
 
     /// Runs `work` and converts errors that the device reports meanwhile.
@@ -248,7 +248,7 @@ impl Gpu {
             clock.ask();
         }
         self.wait()?;
-        self.traffic.worked(start);
+        self.traffic.busy += start.elapsed();
         if let Some(clock) = &mut self.clock {
             clock.add();
         }

@@ -1,6 +1,6 @@
 //! What the device did for a frame: how long it worked, and what went to it and came back.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Sums since they were taken last.
 #[derive(Debug, Clone, Copy, Default)]
@@ -11,16 +11,4 @@ pub(crate) struct Traffic {
     pub(crate) up: u64,
     /// Bytes that were read back.
     pub(crate) down: u64,
-}
-
-impl Traffic {
-    /// The sums, which begin again.
-    pub(crate) fn take(&mut self) -> Self {
-        std::mem::take(self)
-    }
-
-    /// Adds the time since the device got its work.
-    pub(super) fn worked(&mut self, since: Instant) {
-        self.busy += since.elapsed();
-    }
 }

@@ -210,6 +210,12 @@ impl Sky {
 }
 
 impl Lighting {
+    /// The light at the eye alone: no lights, no sky, and no bounces.
+    #[must_use]
+    pub fn from_the_eye() -> Self {
+        Self { bounces: Some(0), ..Self::default() }
+    }
+
     /// Whether lights or a sky light the scene, not only the light at the eye.
     #[must_use]
     pub fn is_lit(&self) -> bool {

@@ -4,7 +4,7 @@ use super::frames::{Count, Frames};
 use super::given::{Given, GivenOption, line};
 use super::moving::Moving;
 use super::parse::Parser;
-use super::pick::{describe, distance, pick};
+use super::pick::{apart, describe, pick};
 use super::{lens, python, summary};
 use crate::adapters::note_fallback;
 use crate::camera_file;
@@ -17,6 +17,7 @@ use crate::signals::watch;
 use crate::threads::both;
 use halfline::camera::{Camera, CameraRecord};
 use halfline::error::{Error, Result};
+use halfline::frame::report::Report;
 use halfline::render::Renderer;
 use halfline::settings::{Backend, Settings};
 use halfline_files::read::{Format, Mark, SceneFrame, Selection};
@@ -106,7 +107,7 @@ impl Desk {
         note_fallback(&renderer);
         lock(&self.place).renderer = Some(renderer);
         let rest = plain.count();
-        let is_numbered = self.given.frame()?.is_some() || plain.total != Some(1);
+        let is_numbered = self.given.frame.is_some() || plain.total != Some(1);
         *lock(&self.book) = Some(Book { parser, plain, selected: None, summary, record, first, is_numbered });
         self.read.notify_all();
         if let Some(total) = rest.and_then(Count::end)
@@ -120,7 +121,7 @@ impl Desk {
     /// Reads the first frame of the file, whose camera is that of all, and the one with which the page begins.
     fn read_first(&self, mut frames: Frames, args: &SceneArgs) -> Result<(Frames, Value, Option<CameraRecord>, u64)> {
         let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        let first = self.given.frame()?.unwrap_or(1);
+        let first = self.given.frame.unwrap_or(1);
         let held = frames.held_camera()?;
         let (picture, pose) = first_picture(args, without_columns(frames.get(1)?), record.as_ref(), held)?;
         let mut summary = summary::of(&self.given.scene, frames.get(first)?, &picture, &pose)?;
@@ -196,8 +197,8 @@ impl Desk {
         book.selected.insert(selected).get(number)
     }
 
-    /// The pixels of a picture and what is true of them, by a renderer that ends its work when `go_on` says so.
-    fn render(&self, posed: &Posed, request: &FrameRequest, go_on: &GoOn) -> Result<(Pixels, Value)> {
+    /// The pixels of a picture and its report, by a renderer that ends its work when `go_on` says so.
+    fn render(&self, posed: &Posed, request: &FrameRequest, go_on: &GoOn) -> Result<(Pixels, Report)> {
         let mut place = lock(&self.place);
         let Place { renderer, moving } = &mut *place;
         let Some(idle) = renderer.take() else {
@@ -209,9 +210,7 @@ impl Desk {
         match request.mode {
             Mode::Move => {
                 let settings = args.settings_for(picture, settings, targets)?;
-                let moved = moving.render(renderer, (picture.number, &picture.scene), &settings)?;
-                let info = summary::of_moved(&moved);
-                Ok((moved.pixels, info))
+                moving.render(renderer, (picture.number, &picture.scene), &settings)
             }
             Mode::Still => {
                 let writer = PictureWriter {
@@ -225,7 +224,7 @@ impl Desk {
                 };
                 let written = writer.picture(picture, renderer)?;
                 let still = written.still.ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
-                Ok((Pixels::Png(still), summary::of_still(&written.report)))
+                Ok((Pixels::Png(still), written.report))
             }
         }
     }
@@ -264,11 +263,12 @@ impl Stage for Desk {
     fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>> {
         let start = Instant::now();
         let posed = self.with(|book| self.posed(book, request))?;
-        let (pixels, mut info) = match self.render(&posed, request, go_on) {
+        let (pixels, report) = match self.render(&posed, request, go_on) {
             Err(Error::Interrupted) => return Ok(None),
             done => done.map_err(|error| refusal(&error))?,
         };
         let unit = lens::unit(&posed.picture.scene.camera, request.size).map_err(|error| refusal(&error))?;
+        let mut info = summary::of_picture(&report);
         let ms = (start.elapsed().as_secs_f64() * 1e5).round() / 100.0;
         for (name, value) in [("seq", json!(request.seq)), ("unit", json!(unit)), ("ms", json!(ms))] {
             info[name] = value;
@@ -299,7 +299,12 @@ impl Stage for Desk {
                 let number = Self::numbered(book, &of).frame;
                 let frame = self.frame_of(book, select.as_deref(), number)?;
                 describe(picked, &frame.columns, id);
-                picked.insert("from".into(), from.and_then(|from| distance(frame, id, from)).into());
+                let to_other = |from: u64| {
+                    let other = usize::try_from(from).ok()?;
+                    let (distance, image) = apart(&frame.scene.spheres, frame.cell.as_ref(), [other, id])?;
+                    Some(json!({ "id": from, "distance": distance, "minimum_image": image }))
+                };
+                picked.insert("from".into(), from.and_then(to_other).into());
                 Ok(())
             })?;
         }

@@ -1,13 +1,13 @@
 //! The options that the command line of `halfline view` gives, and the command that renders a picture of the page with them.
 
-use clap::{Arg, ArgAction, ArgMatches, Command, parser::ValueSource};
+use clap::parser::{RawValues, ValueSource};
+use clap::{Arg, ArgAction, ArgMatches, Command};
 use halfline::error::{Error, Result};
 use halfline_viewer::{FrameRequest, Lens, Pose};
 use std::ffi::{OsStr, OsString};
 
 /// The options that the page sets by itself: those of the camera and of the size.
-const OF_THE_PAGE: [&str; 12] =
-    ["eye", "at", "view", "up", "focus", "fit", "from", "vfov", "ortho", "zoom", "size", "frames"];
+const OF_THE_PAGE: [&str; 11] = ["eye", "at", "view", "up", "focus", "fit", "from", "vfov", "ortho", "zoom", "size"];
 
 /// The colour of spheres that are selected on the page, and that of the others.
 const SELECTED: &str = "darkorange";
@@ -29,13 +29,18 @@ pub(super) struct Given {
     options: Vec<GivenOption>,
     /// The options of the camera with which the page begins.
     camera: Vec<GivenOption>,
+    /// The frame with which it begins, if one is typed.
+    pub(super) frame: Option<u64>,
 }
 
 impl Given {
     /// What `matches` of `command` has from the command line, without the options of the page and those named `own`.
     /// Environment and configuration hold for every command alike, so that they are left out.
-    pub(super) fn of(command: &Command, matches: &ArgMatches, own: &[&str]) -> Self {
-        let mut given = Self { scene: OsString::new(), options: Vec::new(), camera: Vec::new() };
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for several frames.
+    pub(super) fn of(command: &Command, matches: &ArgMatches, own: &[&str]) -> Result<Self> {
+        let mut given = Self { scene: OsString::new(), options: Vec::new(), camera: Vec::new(), frame: None };
         for arg in command.get_arguments() {
             let id = arg.get_id().as_str();
             let is_typed = matches.value_source(id) == Some(ValueSource::CommandLine);
@@ -44,30 +49,17 @@ impl Given {
             }
             match arg.get_long() {
                 None => given.scene = matches.get_raw(id).and_then(|mut raw| raw.next()).unwrap_or_default().into(),
+                Some(_) if id == "frames" => given.frame = typed_frame(matches.get_raw(id))?,
                 Some(long) if OF_THE_PAGE.contains(&id) => given.camera.extend(typed(arg, long, matches)),
                 Some(long) => given.options.extend(typed(arg, long, matches)),
             }
         }
-        given
+        Ok(given)
     }
 
     /// The options of the picture with which the page begins: those that are typed, with all frames of the file.
     pub(super) fn initial(&self) -> Vec<GivenOption> {
-        let camera = self.camera.iter().filter(|option| option.id != "frames");
-        self.options.iter().chain(camera).cloned().chain([all_frames()]).collect()
-    }
-
-    /// The frame with which the page begins, if it is typed.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for several frames.
-    pub(super) fn frame(&self) -> Result<Option<u64>> {
-        let typed = self.camera.iter().find(|option| option.id == "frames");
-        let number = |option: &GivenOption| option.text().parse().ok().filter(|number| *number > 0);
-        let problem = "a page shows all frames of the file, and --frames names the first one that it shows";
-        typed
-            .map(|option| number(option).ok_or_else(|| Error::settings(problem, "use one number, such as --frames 2")))
-            .transpose()
+        self.options.iter().chain(&self.camera).cloned().chain([all_frames()]).collect()
     }
 
     /// The options of a picture in the order of the command: those given, the colours of a selection, the camera.
@@ -75,8 +67,7 @@ impl Given {
         let FrameRequest { camera, size, frame, select, look, samples, .. } = request;
         let mut options = self.colored(select.as_deref());
         let mut set = |id: &str, value: String| {
-            let is_repeated = id == "color";
-            options.retain(|option| is_repeated || option.id != id);
+            options.retain(|option| option.id != id);
             options.push(GivenOption::new(id, Some(value.into())));
         };
         if let Some(look) = look {
@@ -181,6 +172,13 @@ impl GivenOption {
         }
         word
     }
+}
+
+/// The frame of `--frames`.
+fn typed_frame(raw: Option<RawValues<'_>>) -> Result<Option<u64>> {
+    let number = raw.and_then(|mut raw| raw.next()?.to_str()?.parse().ok()).filter(|number| *number > 0);
+    let problem = "a page shows all frames of the file, and --frames names the first one that it shows";
+    number.map(Some).ok_or_else(|| Error::settings(problem, "use one number, such as --frames 2"))
 }
 
 fn all_frames() -> GivenOption {

@@ -8,10 +8,11 @@ use super::tree::Tree;
 use glam::{DVec3, Vec3};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
+use halfline::frame::report::Report;
 use halfline::frame::srgb;
 use halfline::render::Renderer;
 use halfline::scene::{DEFAULT_COLOR, Lighting, Scene};
-use halfline::settings::Settings;
+use halfline::settings::{Accuracy, Look, Settings};
 use halfline::shade::Shade;
 use halfline::trace::Hits;
 use halfline_viewer::Pixels;
@@ -23,16 +24,6 @@ const SLOW: f64 = 40.0;
 
 /// Frames of the same spheres before a tree is built: a film shows each once.
 const STANDING: u32 = 2;
-
-/// A picture and what is true of it.
-pub(super) struct Moved {
-    pub(super) pixels: Pixels,
-    /// The share of the pixels whose answer is proved.
-    pub(super) proved: f64,
-    pub(super) settled: u64,
-    pub(super) accuracy: &'static str,
-    pub(super) adapter: String,
-}
 
 /// What is known about the spheres that move.
 #[derive(Default)]
@@ -57,7 +48,7 @@ impl Moving {
         renderer: &mut Renderer,
         (number, scene): (u64, &Scene),
         settings: &Settings,
-    ) -> Result<Moved> {
+    ) -> Result<(Pixels, Report)> {
         if self.frame != number {
             *self = Self { frame: number, ..Self::default() };
         }
@@ -81,25 +72,19 @@ impl Moving {
     }
 }
 
-fn by_frame(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Result<Moved> {
-    let lighting = Lighting { bounces: Some(0), ..Lighting::default() };
-    let scene = Scene { lighting, spheres: scene.spheres.clone(), ..*scene };
+fn by_frame(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Result<(Pixels, Report)> {
+    let scene = Scene { lighting: Lighting::from_the_eye(), spheres: scene.spheres.clone(), ..*scene };
     let aovs = vec![Aov::Color];
     let settings = Settings { aovs, samples: 1, aperture: None, silhouette: false, ..settings.clone() };
     let frame = renderer.render(&scene, &settings)?;
     let levels = frame.levels().ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
-    let moved = Moved {
-        pixels: Pixels::Rgb { size: [frame.width, frame.height], levels },
-        proved: frame.report.proved(),
-        settled: frame.report.settled,
-        accuracy: frame.report.accuracy,
-        adapter: frame.report.adapter.clone(),
-    };
+    let pixels = Pixels::Rgb { size: [frame.width, frame.height], levels };
+    let report = Report { look: Some(Look::Plain.name()), warnings: Vec::new(), ..frame.report.clone() };
     renderer.recycle(frame);
-    Ok(moved)
+    Ok((pixels, report))
 }
 
-fn by_tree(tree: &Tree, scene: &Scene, settings: &Settings) -> Result<Moved> {
+fn by_tree(tree: &Tree, scene: &Scene, settings: &Settings) -> Result<(Pixels, Report)> {
     let size = [scene.image.width, scene.image.height];
     let rays = ViewingRays::new(&scene.camera, size)?;
     let hits = tree.hits(&rays)?;
@@ -108,14 +93,19 @@ fn by_tree(tree: &Tree, scene: &Scene, settings: &Settings) -> Result<Moved> {
         Ok(id) => shaded(scene, settings.shade, rays.nth(n)[1], normal(&hits, n), id).map(srgb::level),
         Err(_) => background,
     });
-    let settled = hits.certainty.par_iter().filter(|certainty| **certainty == 1).count();
-    Ok(Moved {
-        pixels: Pixels::Rgb { size, levels: levels.collect() },
-        proved: 1.0,
-        settled: settled as u64,
-        accuracy: "certified",
+    let (rays, settled) =
+        (rays.len() as u64, hits.certainty.par_iter().filter(|certainty| **certainty == 1).count() as u64);
+    let report = Report {
+        accuracy: Accuracy::Certified.name(),
+        rays,
+        certified: (rays - settled) as f64 / rays as f64,
+        settled,
         adapter: "cpu".into(),
-    })
+        look: Some(Look::Plain.name()),
+        samples: 1,
+        ..Report::default()
+    };
+    Ok((Pixels::Rgb { size, levels: levels.collect() }, report))
 }
 
 /// The linear colour of a hit, as the kernels shade without lights.

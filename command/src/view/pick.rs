@@ -8,7 +8,7 @@ use halfline::render::Renderer;
 use halfline::scene::{Cell, Lighting, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
-use halfline_files::read::{ColumnValue, Columns, SceneFrame};
+use halfline_files::read::{ColumnValue, Columns};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
@@ -79,11 +79,10 @@ pub fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: usize) {
     picked.insert("columns".into(), all.filter_map(|name| Some((name.to_owned(), value(name)?))).collect());
 }
 
-/// The distance of the centres of two spheres of a frame: as they lie, and in a periodic cell that of their nearest images.
-pub(super) fn distance(frame: &SceneFrame, id: usize, from: u64) -> Option<Value> {
-    let centers = &frame.scene.spheres.centers;
-    let (a, b) = (centers.get(usize::try_from(from).ok()?)?, centers.get(id)?);
-    let apart = DVec3::from_array(*b) - DVec3::from_array(*a);
-    let image = frame.cell.as_ref().map(|cell: &Cell| cell.nearest_image(apart).length());
-    Some(json!({ "id": from, "distance": apart.length(), "minimum_image": image }))
+/// The distance of the centres of two spheres: as they lie, and in a periodic cell that of their nearest images; `None` if there
+/// are no such spheres.
+pub fn apart(spheres: &Spheres, cell: Option<&Cell>, [from, to]: [usize; 2]) -> Option<(f64, Option<f64>)> {
+    let [from, to] = [*spheres.centers.get(from)?, *spheres.centers.get(to)?].map(DVec3::from_array);
+    let apart = to - from;
+    Some((apart.length(), cell.map(|cell| cell.nearest_image(apart).length())))
 }

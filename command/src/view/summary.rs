@@ -1,13 +1,14 @@
 //! What the page shows about the scene and about a picture.
 
-use super::moving::Moved;
 use crate::picture_scene::PictureScene;
+use glam::DVec3;
 use halfline::error::Result;
 use halfline::frame::legend::Legend;
 use halfline::frame::report::Report;
 use halfline::frame::srgb;
+use halfline::scene::Spheres;
 use halfline::settings::{Look, Settings};
-use halfline_files::read::{ColumnValues, SceneFrame};
+use halfline_files::read::{ColumnValues, Columns, SceneFrame};
 use halfline_viewer::Pose;
 use serde_json::{Map, Value, json};
 use std::ffi::OsStr;
@@ -16,44 +17,63 @@ use std::path::Path;
 /// The most texts of a column that are listed.
 const MOST_TEXTS: usize = 32;
 
-/// The scene of a frame, with the camera of this picture.
-///
-/// # Errors
-/// Those of the camera.
-pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene, pose: &Pose) -> Result<Value> {
-    let SceneFrame { number, scene, skipped, columns, cell, legend: colors, .. } = frame;
-    let [low, high] = scene.spheres.bounds();
-    let image = picture.scene.image;
+/// What every view of spheres shows: `look` is the name of the look of its pictures, with the samples. Without spheres the
+/// box around them is a point.
+pub fn scene(
+    spheres: &Spheres,
+    columns: &Columns,
+    edges: Option<[[f64; 3]; 3]>,
+    background: [f32; 3],
+    (look, samples): (Option<&str>, u32),
+) -> Value {
+    let [low, high] = if spheres.is_empty() { [DVec3::ZERO; 2] } else { spheres.bounds() };
     let names = columns.names().filter(|name| *name != "index");
     let all: Map<String, Value> =
         names.filter_map(|name| Some((name.to_owned(), column(columns.get(name).ok()?.1)))).collect();
-    let mut warnings = Vec::new();
-    skipped.report(&mut 0, &mut warnings, 0);
-    Ok(json!({
-        "schema": 1,
-        "version": env!("CARGO_PKG_VERSION"),
-        "file": Path::new(file).file_name().unwrap_or(file).to_string_lossy(),
-        "count": scene.spheres.len(),
-        "frame": number,
-        "cell": cell.as_ref().map(|cell| cell.edges),
+    let [r, g, b] = background.map(srgb::level);
+    json!({
+        "count": spheres.len(),
+        "cell": edges,
         "extent": [low.to_array(), high.to_array()],
         "center": ((low + high) / 2.0).to_array(),
         "radius": (high - low).length() / 2.0,
         "columns": all,
-        "camera": pose,
-        "look": picture.look.name(),
+        "look": look,
         "looks": Look::ALL.iter().map(|look| look.name()).collect::<Vec<_>>(),
-        "samples": picture.look.settings(&Settings::default()).samples,
-        "size": [image.width, image.height],
-        "background": hex(image.background),
-        "selects": !columns.is_empty(),
-        "legend": legend(colors.as_ref())?,
-        "warnings": warnings,
-    }))
+        "samples": samples,
+        "background": format!("#{r:02x}{g:02x}{b:02x}"),
+    })
 }
 
-/// What is true of a still picture.
-pub(super) fn of_still(report: &Report) -> Value {
+/// The scene of a frame, with the camera of this picture.
+///
+/// # Errors
+/// Those of the legend.
+pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene, pose: &Pose) -> Result<Value> {
+    let image = picture.scene.image;
+    let look = (picture.look.name(), picture.look.settings(&Settings::default()).samples);
+    let edges = frame.cell.as_ref().map(|cell| cell.edges);
+    let mut summary = scene(&frame.scene.spheres, &frame.columns, edges, image.background, look);
+    let mut warnings = Vec::new();
+    frame.skipped.report(&mut 0, &mut warnings, 0);
+    for (name, value) in [
+        ("schema", json!(1)),
+        ("version", json!(env!("CARGO_PKG_VERSION"))),
+        ("file", json!(Path::new(file).file_name().unwrap_or(file).to_string_lossy())),
+        ("frame", json!(frame.number)),
+        ("camera", json!(pose)),
+        ("size", json!([image.width, image.height])),
+        ("selects", json!(!frame.columns.is_empty())),
+        ("legend", json!(legend(frame.legend.as_ref())?)),
+        ("warnings", json!(warnings)),
+    ] {
+        summary[name] = value;
+    }
+    Ok(summary)
+}
+
+/// What is true of a picture.
+pub(super) fn of_picture(report: &Report) -> Value {
     json!({
         "accuracy": report.accuracy,
         "certified": report.proved(),
@@ -62,19 +82,6 @@ pub(super) fn of_still(report: &Report) -> Value {
         "look": report.look,
         "samples": report.samples,
         "warnings": report.warnings,
-    })
-}
-
-/// What is true of a picture while the camera moves.
-pub(super) fn of_moved(moved: &Moved) -> Value {
-    json!({
-        "accuracy": moved.accuracy,
-        "certified": moved.proved,
-        "settled": moved.settled,
-        "adapter": moved.adapter,
-        "look": "plain",
-        "samples": 1,
-        "warnings": [],
     })
 }
 
@@ -87,7 +94,7 @@ pub fn legend(legend: Option<&Legend>) -> Result<Option<String>> {
 }
 
 /// The type of a column, and its range or its texts.
-pub fn column(values: &ColumnValues) -> Value {
+fn column(values: &ColumnValues) -> Value {
     let range = |numbers: &mut dyn Iterator<Item = f64>| {
         let finite = numbers.filter(|x| x.is_finite());
         let ends = finite
@@ -103,10 +110,4 @@ pub fn column(values: &ColumnValues) -> Value {
             json!({ "type": "text", "count": used.len(), "values": used.iter().take(MOST_TEXTS).collect::<Vec<_>>() })
         }
     }
-}
-
-/// A linear colour as `#rrggbb`.
-pub fn hex(linear: [f32; 3]) -> String {
-    let [r, g, b] = linear.map(srgb::level);
-    format!("#{r:02x}{g:02x}{b:02x}")
 }

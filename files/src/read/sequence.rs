@@ -133,12 +133,12 @@ impl SceneFrame {
     /// # Errors
     /// Those of [`Arrangement::apply`].
     pub fn arrange(&mut self, arrangement: &Arrangement, watch: &Watch) -> Result<()> {
+        if *arrangement == Arrangement::default() {
+            return Ok(());
+        }
         let lights = SphereLights::of(&self.scene);
         let (spheres, cell) = (&mut self.scene.spheres, self.cell.as_ref());
-        let rows = match self.columns.is_empty() || *arrangement == Arrangement::default() {
-            true => None,
-            false => Some(arrangement.rows(spheres, cell, watch)?),
-        };
+        let rows = (!self.columns.is_empty()).then(|| arrangement.rows(spheres, cell, watch)).transpose()?;
         arrangement.apply(spheres, cell, watch)?;
         lights.follow(&mut self.scene);
         let spheres = &self.scene.spheres;

@@ -177,7 +177,7 @@ fn the_server_ends_when_it_should() {
         assert!(begun.elapsed() < LONG / 2, "the frame is not given up");
         thread::sleep(Duration::from_millis(5));
     }
-    // Nobody asks; strangers do not count, and work does.
+    // No request comes. Connections without a token do not count as use, and work does.
     let server = start(CALM, Some(Duration::from_millis(600)));
     let (busy, _open) = (server.connect(), server.connect());
     server.send(&busy, &held());

@@ -78,7 +78,7 @@ fn origins() -> Vec<Row> {
     all
 }
 
-/// What is asked for.
+/// Methods and paths.
 fn targets() -> Vec<Row> {
     let (ok, mut all) = (post("scene", "{}"), Vec::new());
     let line = |line: &str| ok.clone().line(line);
@@ -218,7 +218,7 @@ fn only_the_page_is_answered() {
         let is_called = server.stage.calls() > calls;
         let is_asked = expected.starts_with("200") && request.starts_with(b"POST");
         if found != expected || is_called != is_asked {
-            faults.push(format!("{name}: {found} and not {expected}, the stage is asked: {is_called}"));
+            faults.push(format!("{name}: {found} and not {expected}, reached the stage: {is_called}"));
         }
         for wanted in ["default-src 'none'", "X-Content-Type-Options: nosniff", "Cache-Control: no-store"] {
             assert!(text.contains(wanted), "{name}: {text}");
