@@ -2,6 +2,7 @@
 
 const MISS: f32 = 3.40282347e+38; // t of a miss: the largest f32, because WGSL has no reliable infinity
 const NONE: u32 = 0xffffffffu;    // id of a ray that hits nothing
+const UNSURE: u32 = 0xfffffffeu;  // id where f32 cannot prove the answer; the host settles the pixel
 
 // x if it is positive, else +0; the sign of a zero from max is not defined.
 fn positive(x: f32) -> f32 {

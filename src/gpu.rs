@@ -6,7 +6,9 @@ pub(crate) mod device;
 pub(crate) mod dispatch;
 pub(crate) mod input;
 pub(crate) mod layout;
+pub(crate) mod resident;
 pub(crate) mod selftest;
+mod sizes;
 pub(crate) mod submission_budget;
 #[cfg(test)]
 mod tests;

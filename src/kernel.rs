@@ -77,8 +77,9 @@ pub(crate) struct Kernel {
     pub(crate) certify: bool,
     /// Spheres that are not entirely in front of the eye plane. Known only after binning.
     pub(crate) generals: Generals,
-    /// Writes what the search of a certified kernel found, instead of the certified answers: the slot of the winner as id,
-    /// and the two smallest lower bounds. The host does the rest (`cpu::finish`).
+    /// Searches candidate lists and writes what it found, instead of the certified answers: the slot of the winner as id,
+    /// and the two smallest lower bounds. The host does the rest (`cpu::finish`). Any other certified kernel of viewing rays
+    /// finds the winners that spheres left in the pixels (gpu/resident.rs).
     pub(crate) winners: bool,
     /// `method` tests the candidates of the ray's tile instead of every sphere. Always the case for certified viewing rays.
     pub(crate) tiles: bool,
@@ -128,6 +129,11 @@ impl Kernel {
     /// The kernel that only searches what this certified kernel certifies.
     pub(crate) fn winners(self) -> Self {
         Self { winners: true, shade: None, colors: false, t: false, normal: false, depth_interval: false, ..self }
+    }
+
+    /// Whether it certifies what the spheres of a device left in the pixels.
+    pub(crate) fn is_resident(&self) -> bool {
+        self.certify && self.rays == RaySource::Camera && !self.winners
     }
 
     /// The rows of a tile that an invocation renders: as many as shaders/certify/search_column.wgsl has.
@@ -190,11 +196,14 @@ pub(crate) struct KernelOutput {
 }
 
 /// All output buffers. `gpu/compose.rs` declares, computes and stores only those that a kernel writes.
-pub(crate) const OUTPUTS: [KernelOutput; 8] = [
+pub(crate) const OUTPUTS: [KernelOutput; 9] = [
     output!("frame_id", "u32", 1, "written_id(hit)", |_| true),
     output!("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
     output!("frame_t_low", "f32", 1, "to_lo(hit.t)", |kernel| kernel.t && kernel.is_wide()),
     output!("frame_depth_interval", "f32", 1, "answer.depth_interval", |kernel| kernel.depth_interval),
+    output!("frame_depth", "u32", 2, "center_depth()", |kernel| {
+        kernel.is_resident() && (kernel.t || kernel.depth_interval)
+    }),
     output!("frame_low", "f32", 1, "two.low", |kernel| kernel.winners),
     output!("frame_second", "f32", 1, "two.second", |kernel| kernel.winners),
     output!("frame_normal", "f32", 3, "world_normal(ray, hit)", |kernel| kernel.normal),

@@ -10,7 +10,7 @@ mod gradient;
 pub mod instances;
 pub mod lidar;
 mod light;
-mod list;
+pub(crate) mod list;
 mod material;
 mod orient;
 mod outlook;

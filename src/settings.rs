@@ -207,11 +207,14 @@ pub enum Search {
     /// The spheres are binned into tiles of 8 x 8 pixels that they may cover, nearest first. A ray tests those of its
     /// tile until the rest lies behind its hit.
     Tiles,
+    /// Spheres that a device holds leave the nearest depths in the pixels that they cover, in any order. For certified frames
+    /// on an adapter; the answers are the same.
+    Splat,
     /// A tree of boxes over the spheres, for given rays; the answers are the same.
     Tree,
 }
 
-named! { Search, "search", Auto "auto" All "all" Tiles "tiles" Tree "tree" }
+named! { Search, "search", Auto "auto" All "all" Tiles "tiles" Splat "splat" Tree "tree" }
 
 impl Search {
     /// The level of the candidate lists: tiles, or one list for the whole image.

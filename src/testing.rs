@@ -85,3 +85,29 @@ impl Rng {
         if self.bits() & 1 == 0 { 1.0 } else { -1.0 }
     }
 }
+
+/// Spheres that are not entirely in front of the eye plane, or too near it.
+const NEAR: [([f64; 3], f64); 6] = [
+    ([0.0, -101.0, 0.0], 100.0),
+    ([3.0, 0.0, -0.5], 1.0),
+    ([-3.0, 0.2, -0.4], 0.9),
+    ([0.0, 4.0, 0.2], 1.5),
+    ([2.0, -2.0, 0.3], 0.8),
+    ([-2.0, -2.0, 0.1], 0.7),
+];
+
+/// The first so many of six spheres around the eye, between spheres in front.
+pub(crate) fn near_and_far(near: usize) -> Scene {
+    let mut rng = Rng(0x5eed);
+    let mut spheres = Spheres::default();
+    for n in 0..400 {
+        let center = [rng.between(-4.0, 4.0), rng.between(-1.0, 4.0), rng.between(-9.0, -5.0)];
+        let color = [rng.unit() as f32, 0.5, rng.unit() as f32];
+        spheres.push(center, rng.between(0.05, 0.3), Some(color));
+        if let Some((center, radius)) = NEAR[..near].get(n / 50).filter(|_| n % 50 == 0) {
+            spheres.push(*center, *radius, Some([0.2; 3]));
+        }
+    }
+    let image = ImagePlane { width: 131, height: 74, background: [0.1, 0.2, 0.3] };
+    Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() }
+}

@@ -94,7 +94,7 @@ impl View {
     /// # Errors
     /// As [`View::new`].
     pub(crate) fn for_rays(scene: &Scene, raster: Raster, records: Records) -> Result<Self> {
-        let mut view = Self::of_raster(scene, raster)?;
+        let mut view = Self::of_raster(scene, raster, None)?;
         if records != Records::None {
             view.move_world(&scene.spheres.centers, &scene.spheres.radii);
         }
@@ -106,18 +106,30 @@ impl View {
 
     /// Camera, pixels and the frame's unit, without spheres.
     pub(crate) fn without_spheres(scene: &Scene) -> Result<Self> {
-        Self::of_raster(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)))
+        Self::of_raster(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)), None)
+    }
+
+    /// The same for the rays of `raster` in the unit 2^`unit`. The unit is a power of two: results do not depend on it, as
+    /// far as no number leaves the range of f32.
+    ///
+    /// # Errors
+    /// As [`View::new`], but for what depends on the spheres.
+    pub(crate) fn in_unit(scene: &Scene, raster: Raster, unit: i32) -> Result<Self> {
+        Self::of_raster(scene, raster, Some(unit))
     }
 
     /// The same for the rays of `raster`. The window selects the rays; no other number depends on it.
-    fn of_raster(scene: &Scene, raster: Raster) -> Result<Self> {
+    fn of_raster(scene: &Scene, raster: Raster, unit: Option<i32>) -> Result<Self> {
         scene.check()?;
         let size = [scene.image.width, scene.image.height];
         let CentredFrame { viewport, size: [width, height], step, shift } =
             scene.camera.centred(size, raster.strata, raster.jitter)?.moved(raster.aside)?;
         let parallel = viewport.is_parallel();
         let basis = scene.camera.basis()?;
-        let unit = unit(basis.e, &scene.spheres.centers, &scene.spheres.radii)?;
+        let unit = match unit {
+            Some(unit) => unit,
+            None => self::unit(basis.e, &scene.spheres.centers, &scene.spheres.radii)?,
+        };
         let (pitch, pixel, low) = match parallel {
             // Only the certified kernel has parallel rays, and it does not read the pitch.
             true => (parallel_pitch(&viewport, width, height, unit), [0.0; 3], [0.0; 3]),

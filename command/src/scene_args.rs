@@ -96,7 +96,7 @@ pub(super) struct AccuracyArgs {
     /// (1e-5 if not given); with accuracy auto, the cheapest method that does is used.
     #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<Tolerance>,
-    /// Candidate search: auto, all, tiles.
+    /// Candidate search: auto, all, tiles, splat (an adapter holds the spheres).
     #[arg(long, value_name = "S", default_value = "auto")]
     search: Search,
 }

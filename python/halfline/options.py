@@ -55,7 +55,7 @@ class Options(TypedDict, total=False):
     """One intersection method, uncertified: textbook, unit, geometric, stable, f64,
     double-float.
     """
-    search: Literal["auto", "all", "tiles"]
+    search: Literal["auto", "all", "tiles", "splat"]
     """How candidates are found; the answers do not depend on it."""
     tolerance: float | None
     """The allowed relative error of distances; 1e-5 where it is not given."""

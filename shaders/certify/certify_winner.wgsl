@@ -3,7 +3,7 @@
 fn certify_winner(s: Slopes, k: NearestTwo) -> Answer {
     var answer = Answer(true, true, NONE, MISS, 0.0, 0.0, 0.0, vec3<f32>(0.0, 0.0, 0.0));
     if ((k.slot & GENERAL) == 0u) {
-        answer = projected_answer(s, projected_of(projected[k.slot]), projected_detail(k.slot));
+        answer = projected_answer(s, winner_record(k.slot), projected_detail(k.slot));
     }
     return certify_general(s, k, answer);
 }

@@ -47,11 +47,6 @@ fn projected_of(v: vec4<i32>) -> Projected {
     return Projected(v.x, v.y, bitcast<f32>(v.z), bitcast<f32>(v.w));
 }
 
-fn projected_detail(n: u32) -> ProjectedDetail {
-    let v = others[4u * projection.generals + n];
-    return ProjectedDetail(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
-}
-
 // The data of one ray: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.
 struct Slopes {
     x: f32,

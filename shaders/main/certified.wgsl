@@ -1,9 +1,35 @@
-// The certified kernel, once per pixel: slopes, candidates, the winner's certificate, outputs.
+// The certified kernel, once per pixel: what spheres left in it (shaders/splat), the winner's certificate, outputs.
 
-const UNSURE: u32 = 0xfffffffeu; // the id where f32 cannot prove the answer; the host settles the pixel
+// For every pixel of the band the least depth, then the slots, then the second least depths, all inverted, so that 0 is none.
+@group(0) @binding(BIND_MINIMA) var<storage, read_write> minima: array<u32>;
+
+// One ray in an invocation.
+alias Searcher = Slopes;
+alias Best = NearestTwo;
 
 var<private> answer: Answer;
 var<private> proved: bool;
+var<private> winner: u32; // its slot
+
+fn winner_record(slot: u32) -> Projected {
+    return projected_of(projected[slot - part.first]);
+}
+
+fn projected_detail(slot: u32) -> ProjectedDetail {
+    let v = projected[part.count + slot - part.first];
+    return ProjectedDetail(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
+}
+
+// The depth of the winner's centre, in f64.
+fn center_depth() -> vec2<u32> {
+    var bits = vec2<u32>(0u, 0u);
+    if ((winner & GENERAL) == 0u) {
+        let n = winner - part.first;
+        let two = bitcast<vec4<u32>>(projected[2u * part.count + n / 2u]);
+        bits = select(two.xy, two.zw, n % 2u == 1u);
+    }
+    return bits;
+}
 
 // Unit normal at the hit, in the canonical camera, facing the eye.
 fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
@@ -16,14 +42,26 @@ fn written_id(hit: Hit) -> u32 {
 
 fn render(tile: vec3<u32>, index: u32) {
     let at = pixel_at(tile, index);
-    let to = sample_position(at);
-    let s = slopes(to.y, to.x);
-    let k = nearest_two(s, tile);
-    // Invocations outside the crop leave only now, because they loaded spheres for their subgroup.
     if (!in_crop(at)) {
         return;
     }
+    let pixel = pixel_index(at);
+    let pixels = view.columns * view.rows;
+    let to = sample_position(at);
+    let s = slopes(to.y, to.x);
+    let found = NearestTwo(depth_of(minima[pixel]), depth_of(minima[2u * pixels + pixel]), ~minima[pixels + pixel]);
+    let k = nearest_two_generals(s, found, tile);
+    // The block of the winner has its record; the first one has those of no block.
+    let own = select(k.slot - part.first < part.count, part.first == 0u, (k.slot & GENERAL) != 0u);
+    if (!own) {
+        return;
+    }
+    winner = k.slot;
     answer = certify_winner(s, k);
     proved = k.slot == NONE || certain(answer, k);
-    write_outputs(pixel_index(at), Ray(vec3<f32>(s.x, s.y, -1.0)), Hit(answer.offset, answer.id));
+    if (!proved) {
+        // No nearer hit lies behind this depth: the third pass of shaders/splat compares with it.
+        minima[2u * pixels + pixel] = select(0u, inverted(answer.high + VANISH), answer.hits);
+    }
+    write_outputs(pixel, Ray(vec3<f32>(s.x, s.y, -1.0)), Hit(answer.offset, answer.id));
 }

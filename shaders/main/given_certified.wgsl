@@ -1,7 +1,5 @@
 // Certified answers of given rays: one per invocation, only what is hit. The host computes t and the normal.
 
-const UNSURE: u32 = 0xfffffffeu; // the place where f32 cannot prove the answer; the host decides the ray
-
 @group(0) @binding(BIND_CERTIFIED_RAYS) var<storage, read> certified_rays: array<CertifiedRay>;
 
 var<private> ray_number: u32;

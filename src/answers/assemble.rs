@@ -89,6 +89,7 @@ impl Answers<'_> {
             };
             buffers.push(Buffer::new(aov, w, h, data)?);
         }
+        self.pool.put_back(self.raw.depth);
         for unused in [self.raw.t, self.raw.t_low, self.raw.depth_interval] {
             self.pool.put_back(unused);
         }
@@ -130,7 +131,11 @@ impl Answers<'_> {
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's depth; the other methods give t along (u, v,
                         // -d).
-                        let depth = self.depths.as_ref().map_or(-w * t, |depths| depths.of(id) + t);
+                        let center = |depths: &Depths<'_>| match self.raw.center_depth(pixel) {
+                            Some(depth) => depth * unit,
+                            None => depths.of(id),
+                        };
+                        let depth = self.depths.as_ref().map_or(-w * t, |depths| center(depths) + t);
                         hit(pixel, [xs[j], y, -1.0], depth)
                     };
                 }

@@ -8,6 +8,7 @@ use crate::memory::Pool;
 use crate::number::Number;
 use crate::shade::{Shade, Surface, to_world};
 use crate::view::ray::{NONE, Ray};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// The output buffers of a kernel in row order; buffers that were not requested are empty.
@@ -25,10 +26,15 @@ pub(crate) struct Raw {
     pub(crate) color: Vec<f32>,
     /// Bound of the depth's error, in the frame's unit.
     pub(crate) depth_interval: Vec<f32>,
+    /// The bits of the depth of the sphere's centre in f64, two words each, where a device places the spheres.
+    pub(crate) depth: Vec<u32>,
     /// The two smallest lower bounds of depth, if the kernel only searches; `id` holds the slots of the smallest.
     pub(crate) low: Vec<f32>,
     pub(crate) second: Vec<f32>,
 }
+
+/// Bytes that one job copies.
+const COPIED: usize = 1 << 20;
 
 impl Raw {
     /// Allocates the buffers for `pixels` answers of `kernel`.
@@ -43,6 +49,7 @@ impl Raw {
             normal: pool.values(if kernel.normal { 3 * pixels } else { 0 })?,
             color: pool.values(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
             depth_interval: pool.values(if kernel.depth_interval { pixels } else { 0 })?,
+            depth: Vec::new(),
             low: pool.values(if kernel.winners { pixels } else { 0 })?,
             second: pool.values(if kernel.winners { pixels } else { 0 })?,
         })
@@ -53,6 +60,7 @@ impl Raw {
         let (buffer, channels): (&mut [u8], usize) = match name {
             "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
             "frame_depth_interval" => (bytemuck::cast_slice_mut(&mut self.depth_interval), 1),
+            "frame_depth" => (bytemuck::cast_slice_mut(&mut self.depth), 2),
             "frame_low" => (bytemuck::cast_slice_mut(&mut self.low), 1),
             "frame_second" => (bytemuck::cast_slice_mut(&mut self.second), 1),
             "frame_t_low" => (bytemuck::cast_slice_mut(&mut self.t_low), 1),
@@ -61,7 +69,8 @@ impl Raw {
             _ => (bytemuck::cast_slice_mut(&mut self.id), 1),
         };
         let size = 4 * channels;
-        buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
+        let to = buffer[size * first..size * (first + pixels)].par_chunks_mut(COPIED);
+        to.zip(bytes.par_chunks(COPIED)).for_each(|(to, bytes)| to.copy_from_slice(bytes));
     }
 
     /// Adds `first` to the slots of list entries in these pixels: where a band's lists begin among those of the frame.
@@ -103,9 +112,28 @@ impl Raw {
     /// Returns its memory to the pool for the next frame.
     pub(crate) fn put_back(self, pool: &Pool) {
         pool.put_back(self.id);
+        pool.put_back(self.depth);
         [self.t, self.t_low, self.normal, self.color, self.depth_interval, self.low, self.second]
             .into_iter()
             .for_each(|unused| pool.put_back(unused));
+    }
+
+    /// Makes room for the depths of centres.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] if the allocation fails.
+    pub(crate) fn with_depths(&mut self, pool: &Pool) -> Result<()> {
+        if self.depth.is_empty() {
+            self.depth = pool.values(2 * self.id.len())?;
+        }
+        Ok(())
+    }
+
+    /// The depth of the centre of a pixel's sphere in the frame's unit, if a device told it.
+    #[inline(always)]
+    pub(crate) fn center_depth(&self, pixel: usize) -> Option<f64> {
+        let bits = self.depth.get(2 * pixel..2 * pixel + 2)?;
+        Some(f64::from_bits(u64::from(bits[0]) | u64::from(bits[1]) << 32))
     }
 
     /// t of a hit as the sum of its two parts; 0 if not requested.

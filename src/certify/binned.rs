@@ -106,7 +106,7 @@ impl BinnedScene {
             return Ok(None);
         }
         let mut sphere_bins = projection.bin_spheres(scene, 0.0, pool);
-        let reference = reference(&sphere_bins);
+        let reference = reference(sphere_bins.range, !sphere_bins.generals.is_empty());
         if reference > 0.0 {
             pool.put_back(sphere_bins.bins);
             sphere_bins = projection.bin_spheres(scene, reference.into(), pool);
@@ -127,16 +127,25 @@ impl BinnedScene {
     }
 }
 
-/// The reference depth. If all spheres are distant and close together, depths relative to it keep their order in f32.
-fn reference(sphere_bins: &SphereBins) -> f32 {
-    match sphere_bins.range {
+/// The reference depth, from the least and the largest depth of the projected spheres. If all spheres are distant and close
+/// together, depths relative to it keep their order in f32.
+pub(super) fn reference(range: Option<[f64; 2]>, has_generals: bool) -> f32 {
+    // Devices know depths in f32.
+    match range.map(|range| range.map(|depth| f64::from(depth as f32))) {
         // The nearest surface is at least a quarter of the nearest centre's depth away.
-        Some([least, most]) if sphere_bins.generals.is_empty() && least > 4.0 * (most - least) => least as f32,
+        Some([least, most]) if !has_generals && least > 4.0 * (most - least) => least as f32,
         _ => 0.0,
     }
 }
 
 impl ProjectionBounds {
+    /// The least and the largest depth of the projected spheres.
+    pub(super) fn range(&self, scene: &Scene, pool: &Pool) -> Option<[f64; 2]> {
+        let SphereBins { bins, range, .. } = self.bin_spheres(scene, 0.0, pool);
+        pool.put_back(bins);
+        range
+    }
+
     /// Bins all spheres, with depths of projected spheres relative to `reference`.
     fn bin_spheres(&self, scene: &Scene, reference: f64, pool: &Pool) -> SphereBins {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));

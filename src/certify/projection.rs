@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::scene::camera::{Basis, Camera, ExactViewport};
 use crate::tile::TILE;
 use crate::view::View;
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 /// The unit roundoff of WGSL: 2^-23, since rounding may go in either direction.
@@ -57,6 +58,8 @@ const LONG: f64 = 1.0 / (1u64 << 27) as f64;
 const LONGEST: f64 = (1 << 13) as f64;
 /// 1.5 * 2^52: adding it rounds to an integer, which the last bits of the sum hold.
 const ROUND: f64 = 6_755_399_441_055_744.0;
+/// Above what f32 loses below its normal numbers in a few operations, 2^-124: far below `VANISH`, so in no certain depth.
+const FLUSHED: f64 = 16.0 / (1u128 << 127) as f64 / 2.0;
 /// An upper bound of the rounding of f32 subnormals.
 const SUBNORMAL: f64 = 1.0 / (1u128 << 120) as f64 / (1u64 << 20) as f64;
 /// The margin of a sphere's extent in the image, in pixels and relative to its radius: far larger than the error of the
@@ -95,6 +98,45 @@ struct Steepness {
     slant: f64,
     length: f64,
     square: f64,
+}
+
+/// The bound of all errors of a candidate's depth, as devices compute it too: per unit of |slope along the offset| + root
+/// and of the root alone in rho's unit, constant and by rho and by `blurred`; and per unit of a centre's depth and coordinates.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct LowTerms {
+    /// The square of `blurred`, by powers of rho.
+    pub(crate) blurred: [f32; 3],
+    /// The share of the length of rho's unit: constant, by rho, by `blurred`.
+    pub(crate) offset: [f32; 3],
+    /// |slope along the offset| + root, likewise, but for `blurred`, whose factor is 1.
+    pub(crate) total: [f32; 2],
+    /// The length of rho's unit: per unit of depth, and constant.
+    pub(crate) scale: [f32; 2],
+    /// Of the depth relative to the reference.
+    pub(crate) center: f32,
+    /// Of the sum of the coordinates' sizes.
+    pub(crate) coordinates: f32,
+}
+
+/// The numbers from which devices place spheres: of f64 what a record is computed from, of f32 what decides where.
+pub(super) struct ForDevices {
+    pub(super) eye: [f64; 3],
+    pub(super) axes: [[f64; 3]; 3],
+    pub(super) per_slope: [f64; 2],
+    pub(super) middle: [f64; 2],
+    pub(super) per_step: [f32; 2],
+    pub(super) slope: [f32; 2],
+    pub(super) edge: [f32; 2],
+    pub(super) reach: [f32; 2],
+    pub(super) corner: [f32; 2],
+    pub(super) end: [f32; 2],
+    pub(super) rotated: f32,
+    pub(super) wider: f32,
+    pub(super) farthest: f32,
+    pub(super) per_unit: i32,
+    pub(super) shift: u32,
+    pub(super) parallel: u32,
 }
 
 /// The camera in f64, and the constants of the bounds that all projected spheres share.
@@ -143,8 +185,10 @@ pub(super) struct ProjectionBounds {
     fine: f64,
     /// Bound of the discriminant's error, by powers of rho.
     errors: [f64; 3],
-    /// Rounding of a candidate's depth: total, slope along the offset, root and centre.
-    roundings: [f64; 4],
+    /// Of the unit of rho, what a sphere's rectangle is wider than rho: where the kernel's discriminant may be no certain miss.
+    wider: f64,
+    /// The error of a candidate's depth in f32.
+    pub(super) low: LowTerms,
     /// Exponent of the frame's unit.
     frame: i32,
 }
@@ -191,6 +235,26 @@ impl ProjectionBounds {
             INFLATE * U * (rho2 + offset2 * a1 * a1),
         ];
         let [whole, each, along, of_root, of_center] = terms.depth.map(f64::from);
+        let scale = if parallel { [0.0, unit] } else { [unit, 0.0] };
+        let all = Steepness { slant: (m - 1.0).sqrt(), length: m.sqrt(), square: m };
+        // R and T of a candidate by powers of rho; T has `blurred` besides.
+        let reach = [16.0 * m * coarse, std::f64::consts::SQRT_2 * all.length];
+        let total = [all.slant * reach[0], all.slant * reach[1] + all.length];
+        let whole = whole + each * (m - 1.0);
+        let offset = |k: usize, root: f64| U * (whole * total[k] + along * all.slant * reach[k] + of_root * root);
+        let bound = |x: f64| not_below(INFLATE * x);
+        let low = LowTerms {
+            blurred: errors.map(|x| bound(2.0 * x)),
+            offset: [offset(0, 0.0) + all.slant * coarse, offset(1, all.length), U * (whole + of_root)].map(bound),
+            total: total.map(bound),
+            scale: scale.map(|x| x as f32),
+            // Its rounding to f32, and that of the difference.
+            center: bound(U * (of_center + 1.5)),
+            // |c - e|_1 is at most sqrt(3) |c - e|; the last is the rounding of the depth itself.
+            coordinates: bound((1.7321 * ROTATED + U64) * (1.0 + 2f64.powi(-20))),
+        };
+        let few = errors[0].sqrt();
+        let wider = (2.0 * (errors[0] + few * (errors[1] + few * errors[2]))).sqrt() + errors[1];
         Ok(Self {
             basis: view.basis,
             rotation: Rotation::new(&view.basis, view.unit),
@@ -201,15 +265,15 @@ impl ProjectionBounds {
             slope,
             step,
             unit,
-            scale: if parallel { [0.0, unit] } else { [unit, 0.0] },
+            scale,
             shift,
             widest: m,
-            all: Steepness { slant: (m - 1.0).sqrt(), length: m.sqrt(), square: m },
+            all,
             per_slope: slope.map(|s| 0.5 / s),
             edge,
             farthest: (dd::ldexp(1.0, (FIXED_BITS - shift) as i32) - 1.0).min(FARTHEST),
             per_unit: 1.0 / unit,
-            per_step: step.map(|step| WIDEN[1] / step),
+            per_step: step.map(|step| WIDEN[1] * (1.0 + errors[2]) / step),
             fixed: dd::ldexp(1.0, shift as i32),
             to_frame,
             per_pixel: view.record.fine().into(),
@@ -219,7 +283,8 @@ impl ProjectionBounds {
             coarse,
             fine,
             errors,
-            roundings: [whole + each * (m - 1.0), along, of_root, of_center],
+            wider,
+            low,
             frame: view.unit,
         })
     }
@@ -247,6 +312,35 @@ impl ProjectionBounds {
             generals: 0,
             cull_margin: cull_margin(tolerance) as f32,
             size: (f64::from(reference) * unit + alone) as f32,
+        }
+    }
+
+    /// Whether devices can place spheres: their lens is not too wide for any projected sphere.
+    pub(super) fn is_placed_by_devices(&self) -> bool {
+        self.widest <= WIDEST
+    }
+
+    /// What devices take from it.
+    pub(super) fn for_devices(&self) -> ForDevices {
+        let of_rays = if self.parallel { [0.0; 2] } else { self.slope };
+        let above = |x: f64| not_below(x * INFLATE);
+        ForDevices {
+            eye: self.rotation.eye.to_array(),
+            axes: self.rotation.axes.map(|axis| axis.to_array()),
+            per_slope: self.per_slope,
+            middle: self.size.map(|size| 0.5 * (size - 1.0)),
+            per_step: self.per_step.map(not_below),
+            slope: of_rays.map(|slope| above(2.0 * slope)),
+            edge: self.edge.map(not_below),
+            reach: [16.0 * self.all.square * self.coarse, std::f64::consts::SQRT_2 * self.all.length].map(above),
+            corner: self.corner.map(|x| x as f32),
+            end: self.end.map(|x| x as f32),
+            rotated: above(ROTATED),
+            wider: above(self.wider),
+            farthest: self.farthest as f32,
+            per_unit: -dd::exponent(self.unit),
+            shift: self.shift,
+            parallel: u32::from(self.parallel),
         }
     }
 

@@ -103,6 +103,30 @@ impl Lists {
         lists
     }
 
+    /// The lists of some tiles of the window, in the order of their cells: pairs of a tile (column and row) and its spheres.
+    /// All other tiles have none.
+    pub(crate) fn of_tiles(tiles: [[u32; 2]; 2], some: &[([u32; 2], Vec<Placed>)]) -> Self {
+        let grid = Grid::new(0, tiles);
+        let mut ends = vec![0; grid.cells()];
+        let (mut projected, mut details, mut chunk_min_depths) = (Vec::new(), Vec::new(), Vec::new());
+        for ([column, row], list) in some {
+            let padding = list.len().next_multiple_of(CHUNK) - list.len();
+            projected.extend(list.iter().map(|placed| placed.record));
+            projected.extend(std::iter::repeat_n(NOTHING, padding));
+            details.extend(list.iter().map(|placed| placed.detail));
+            details.extend(std::iter::repeat_n(NO_DETAIL, padding));
+            // Lists are not sorted, so no chunk is behind another.
+            chunk_min_depths.resize(projected.len() / CHUNK, f32::MIN);
+            ends[grid.cell(*column, *row)] = projected.len() as u32;
+        }
+        let mut end = 0;
+        for own in &mut ends {
+            end = end.max(*own);
+            *own = end;
+        }
+        Self { grid, ends, projected, details, chunk_min_depths }
+    }
+
     /// The range of entries for the tile that contains the pixel at `row` and `column`.
     pub(crate) fn range(&self, row: u32, column: u32) -> [u32; 2] {
         let cell = self.grid.cell(column / TILE, row / TILE);

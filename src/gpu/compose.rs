@@ -3,6 +3,7 @@
 //! an error.
 
 use crate::gpu::layout::buffers;
+use crate::gpu::sizes::{HOST_SPHERES, PAIRS, PIECE, PIECES, SMALL, SUMMARY_LIST};
 use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel, KernelOutput, RaySource, Sharing};
 use crate::scene::DEFAULT_COLOR;
@@ -28,16 +29,18 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 62] = files![
+const FILES: [(&str, &str); 74] = files![
     "view.wgsl" "math.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
     "search/closer_hit.wgsl" "search/records.wgsl" "search/records_residuals.wgsl" "search/fixed_origin.wgsl"
     "search/moved_origin.wgsl" "search/all.wgsl" "search/found.wgsl" "search/tile.wgsl" "search/tile_lists.wgsl" "search/tree.wgsl"
-    "share/no_subgroup.wgsl" "share/subgroup.wgsl"
+    "share/no_subgroup.wgsl" "share/subgroup.wgsl" "share/chunk.wgsl"
+    "place/float64.wgsl" "place/placing.wgsl" "place/low.wgsl" "place/rectangle.wgsl" "place/place.wgsl" "place/cut.wgsl" "place/guests.wgsl"
+    "splat/order.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
     "certify/general_ray.wgsl" "certify/general_column.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
-    "certify/nearest_two.wgsl" "certify/search_ray.wgsl" "certify/search_column.wgsl" "certify/certify_winner.wgsl"
+    "certify/nearest_two.wgsl" "certify/search.wgsl" "certify/search_column.wgsl" "certify/certify_winner.wgsl"
     "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
     "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
     "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/winners.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
@@ -200,8 +203,12 @@ fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
     }
     parts.extend(files(["certify/nearest_two.wgsl"]));
     match kernel.winners {
-        true => parts.extend(files(["certify/search_column.wgsl", "main/winners.wgsl"])),
-        false => parts.extend(files(["certify/search_ray.wgsl", "certify/certify_winner.wgsl", "main/certified.wgsl"])),
+        true => parts.extend(files(["certify/search.wgsl", "certify/search_column.wgsl", "main/winners.wgsl"])),
+        false => {
+            parts.push(sizes());
+            parts.extend(files(["place/placing.wgsl", "splat/order.wgsl"]));
+            parts.extend(files(["certify/certify_winner.wgsl", "main/certified.wgsl"]));
+        }
     }
 }
 
@@ -220,7 +227,10 @@ fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
     let rows = format!("const ROWS: u32 = {}u; // of a tile that an invocation renders\n", kernel.rows());
     parts.push(emitted("emitted: rows", rows));
     if !kernel.shares() {
-        return parts.extend(files(["share/no_subgroup.wgsl"]));
+        parts.extend(files(["share/no_subgroup.wgsl"]));
+        return if !kernel.is_resident() {
+            parts.extend(files(["share/chunk.wgsl"]))
+        };
     }
     parts.extend(files(["share/subgroup.wgsl"]));
     // The members of Record in nearest_two.wgsl, records_residuals.wgsl and records.wgsl.
@@ -240,6 +250,66 @@ fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
         Sharing::Subgroup8 => shuffle("8u", "8u", members),
         _ => shuffle("lanes", "min(lanes, CHUNK)", members),
     });
+}
+
+/// A step of a certified frame whose spheres a device holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Step {
+    /// Spheres become records.
+    Place,
+    /// The large ones among the spheres that the host placed are cut into pieces.
+    Guests,
+    /// Spheres of few pixels go through theirs.
+    Small {
+        /// The rays go through samples of the pixels.
+        samples: bool,
+    },
+    /// Pieces of large spheres go through theirs.
+    Large {
+        /// The rays go through samples of the pixels.
+        samples: bool,
+    },
+}
+
+/// The shader of a step.
+pub(crate) fn compose_step(step: Step) -> Source {
+    let mut parts = vec![binding_numbers(), sizes()];
+    parts.extend(files(["view.wgsl", "math.wgsl", "place/placing.wgsl", "place/rectangle.wgsl"]));
+    let (samples, main) = match step {
+        Step::Place => {
+            parts.extend(files(["place/float64.wgsl", "place/low.wgsl", "place/cut.wgsl", "place/place.wgsl"]));
+            return Source::new(parts);
+        }
+        Step::Guests => {
+            parts.extend(files(["place/cut.wgsl", "place/guests.wgsl"]));
+            return Source::new(parts);
+        }
+        Step::Small { samples } => (samples, "splat/small.wgsl"),
+        Step::Large { samples } => (samples, "splat/large.wgsl"),
+    };
+    let position = if samples { "main/sample.wgsl" } else { "main/pixel_center.wgsl" };
+    parts.extend(files(["main/window.wgsl", position, "certify/constants.wgsl", "certify/projection.wgsl"]));
+    parts.extend(files(["certify/projected.wgsl", "splat/order.wgsl", "splat/splat.wgsl", main]));
+    Source::new(parts)
+}
+
+/// The sizes that the host and the steps share.
+fn sizes() -> Part {
+    let text = format!(
+        "const HOST_SPHERES: u32 = {HOST_SPHERES}u;
+const PIECES: u32 = {PIECES}u;
+const PAIRS: u32 = {PAIRS}u;
+const SUMMARY_DEPTHS: u32 = 0u;
+const SUMMARY_PERHAPS: u32 = 2u;
+const SUMMARY_HOST: u32 = 4u;
+const SUMMARY_PIECES: u32 = 5u;
+const SUMMARY_PAIRS: u32 = 6u;
+const SUMMARY_LIST: u32 = {SUMMARY_LIST}u;
+const PIECE: u32 = {PIECE}u; // pixels along a side of a piece of a large sphere
+const SMALL: i32 = {SMALL}; // pixels of a sphere that one invocation goes through
+"
+    );
+    emitted("emitted: sizes", text)
 }
 
 /// World normals and colours, if computed.

@@ -48,15 +48,14 @@ impl AdapterSummary {
         }
     }
 
-    /// A kernel as this adapter runs it, for a scene with so many general spheres.
+    /// A kernel as this adapter runs it by candidate lists, for a scene with so many general spheres.
     pub(crate) fn adapted(&self, kernel: Kernel, generals: usize) -> Kernel {
         let kernel = Kernel { sharing: self.sharing(), ..kernel };
         if !kernel.certify || kernel.rays != RaySource::Camera {
             return kernel;
         }
         let kernel = Kernel { generals: Generals::of(generals), ..kernel };
-        // Measured on lavapipe: docs/performance-log.md.
-        if self.is_software() { kernel.winners() } else { kernel }
+        kernel.winners()
     }
 
     /// The description of a device that the caller opened.

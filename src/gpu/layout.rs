@@ -19,7 +19,7 @@ pub(super) fn is_texture(name: &str) -> bool {
 }
 
 /// The inputs of kernels, buffers unless [`is_texture`], by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 16] = [
+const INPUTS: [&str; 23] = [
     "view",
     "spheres",
     "residuals",
@@ -34,6 +34,13 @@ const INPUTS: [&str; 16] = [
     "others",
     "near",
     "lists",
+    "placing",
+    "part",
+    "resident",
+    "summary",
+    "pieces",
+    "minima",
+    "pairs",
     "cases",
     "answers",
 ];
@@ -66,9 +73,11 @@ mod tests {
     use super::*;
     use crate::certify::ProjectionRecord;
     use crate::certify::general::GeneralRecord;
+    use crate::certify::placing::PlacingRecord;
     use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
-    use crate::gpu::compose::{Part, compose, files, parts};
+    use crate::gpu::compose::{Part, Step, compose, compose_step, files, parts};
     use crate::gpu::input::GROUP;
+    use crate::gpu::resident::steps::BlockPass;
     use crate::gpu::validate::validate;
     use crate::intersect::Method;
     use crate::kernel::{Generals, RaySource, Sharing};
@@ -125,6 +134,8 @@ mod tests {
         let all = kernels.iter().filter(|k| k.certify && k.rays == RaySource::Camera && !k.t && !k.normal);
         let winners: Vec<_> = all.filter(|k| k.shade.is_none()).map(|k| k.winners()).collect();
         kernels.extend(winners);
+        // A resident kernel shares nothing.
+        kernels.retain(|k| !k.is_resident() || k.sharing == Sharing::None);
         let samples = |k: &&Kernel| k.rays == RaySource::Camera && !k.t && !k.normal;
         let sampled: Vec<_> = kernels.iter().filter(samples).map(|k| Kernel { samples: true, ..*k }).collect();
         kernels.extend(sampled);
@@ -136,14 +147,28 @@ mod tests {
         checked.unwrap_or_else(|error| panic!("{kernel:?}: {error}"))
     }
 
+    /// Every step of a resident frame.
+    fn steps() -> impl Iterator<Item = Step> {
+        let splats = [false, true].into_iter().flat_map(|samples| [Step::Small { samples }, Step::Large { samples }]);
+        splats.chain([Step::Place, Step::Guests])
+    }
+
+    #[test]
+    fn every_step_of_a_resident_frame_validates_without_capabilities() {
+        for step in steps() {
+            let checked = validate(&compose_step(step), Capabilities::empty());
+            checked.unwrap_or_else(|error| panic!("{step:?}: {error}"));
+        }
+    }
+
     #[test]
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let looks = 1 + 2 + 1 + 2;
-        // Without a list of general spheres, with one, with four in a uniform, and with lists; by every sharing.
-        let certified = 4 * 4;
-        let sampled = (Method::ALL.len() * 8 + certified) * looks + certified;
-        let all = (Method::ALL.len() * (8 + 2) + certified) * 4 * looks + certified + sampled + 4;
+        // Without a list of general spheres, with one, with four in a uniform, and with lists; a search by every sharing.
+        let (certified, winners) = (4, 4 * 4);
+        let sampled = (Method::ALL.len() * 8 + certified) * looks + winners;
+        let all = (Method::ALL.len() * (8 + 2) + certified) * 4 * looks + winners + sampled + 4;
         assert_eq!(kernels.len(), all, "the list is complete");
         for kernel in &kernels {
             module(kernel);
@@ -163,11 +188,14 @@ mod tests {
                 (true, "frame_id"),
                 (certify && !given, "projection"),
                 (certify && !given, "projected"),
-                (certify && !given && (!kernel.winners || kernel.generals == Generals::Lists), "others"),
+                (kernel.generals == Generals::Lists, "others"),
+                (kernel.is_resident(), "part"),
+                (kernel.is_resident(), "minima"),
+                (kernel.is_resident() && (kernel.t || kernel.depth_interval), "frame_depth"),
                 (matches!(kernel.generals, Generals::Few(_)), "near"),
                 (kernel.winners, "frame_low"),
                 (kernel.winners, "frame_second"),
-                (certify && !given || tiles, "lists"),
+                (kernel.winners || tiles || kernel.generals == Generals::Lists, "lists"),
                 (kernel.depth_interval, "frame_depth_interval"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),
@@ -217,12 +245,16 @@ mod tests {
                 assert_eq!(members(&$module, $wgsl), (host, size_of::<$host>()), $wgsl);
             };
         }
+        let (place, _) = validate(&compose_step(Step::Place), Capabilities::empty()).expect("a step");
+        same!(place "Placing", PlacingRecord, eye axes per_slope middle reference low_blurred low_center low_offset
+            low_coordinates low_total low_scale per_step slope edge reach per_slope_f32 middle_f32 corner end rotated wider
+            farthest per_unit to_frame shift fine parallel columns rows unused_a unused_b);
+        same!(place "BlockPass", BlockPass, first count mode pieces groups unused_a unused_b unused_c);
         same!(certified "Projection", ProjectionRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1
             error2 edge depth tolerance generals cull_margin size);
         same!(certified "Projected", ProjectedRecord, x y rho low);
         same!(certified "ProjectedDetail", ProjectedDetailRecord, subpixel_offset center id);
         same!(certified "General", GeneralRecord, center_radius power scale form id column row start by_column by_row blur);
-        assert_eq!(constant(&certified, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&module, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&certified, "GENERAL"), f64::from(crate::certify::GENERAL));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::view::ray::UNSURE));
@@ -304,7 +336,8 @@ mod tests {
         }
         let trials = crate::gpu::selftest::trials(true);
         let selftest = trials.iter().flat_map(|trial| trial.parts.iter().map(|part| part.name));
-        for name in kernels().iter().flat_map(|kernel| compose(kernel).files()).map(|(name, _)| name).chain(selftest) {
+        let sources = kernels().iter().map(compose).chain(steps().map(compose_step)).collect::<Vec<_>>();
+        for name in sources.iter().flat_map(|source| source.files()).map(|(name, _)| name).chain(selftest) {
             unused.remove(name);
         }
         assert!(unused.is_empty(), "{unused:?}");

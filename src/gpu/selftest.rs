@@ -17,7 +17,7 @@ pub use verdict::{Check, Rounding, Usable, Verdict};
 use crate::error::{Error, Result};
 use crate::frame::report::milliseconds;
 use crate::gpu::Gpu;
-use crate::gpu::compose::{Part, Source, binding_numbers, compose, files};
+use crate::gpu::compose::{Part, Source, Step, binding_numbers, compose, compose_step, files};
 use crate::gpu::layout::buffers;
 use crate::gpu::validate::{compile, validate};
 use crate::intersect::Method;
@@ -126,6 +126,7 @@ impl Gpu {
             let answers = self.guarded(|gpu| gpu.answer(&trial))?;
             checks.extend((trial.judge)(&trial.cases, &answers));
         }
+        checks.push(self.compare_places()?);
         checks.push(self.compare_twins()?);
         Ok(Verdict { milliseconds: milliseconds(start), ..conclude(checks, self.has_f64()) })
     }
@@ -144,6 +145,9 @@ impl Gpu {
         }
         for kernel in self.twin_kernels() {
             text.update(compose(&kernel).text.as_bytes());
+        }
+        for step in [Step::Place, Step::Small { samples: false }, Step::Large { samples: false }] {
+            text.update(compose_step(step).text.as_bytes());
         }
         let (adapter, text) = (&self.summary, text.finalize().to_hex());
         format!(
@@ -228,6 +232,7 @@ fn conclude(checks: Vec<Check>, has_f64: bool) -> Verdict {
     };
     Verdict {
         f32: f32_checks.iter().all(|name| passed(name)),
+        places: passed(twin::PLACES),
         strict_twin: passed(twin::NAME),
         rounding,
         div_ulp,

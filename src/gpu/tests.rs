@@ -77,7 +77,7 @@ fn kernels(gpu: &Gpu) -> [Kernel; 2] {
         t: true,
         ..Kernel::bare(Method::Stable)
     };
-    [plain, Kernel { certify: true, generals: Generals::Lists, normal: true, depth_interval: true, ..plain }]
+    [plain, Kernel { certify: true, generals: Generals::Lists, ..plain }.winners()]
 }
 
 /// A frame in bands has the same bits, also after a cancelled frame.

@@ -45,40 +45,12 @@ mod tests {
     use crate::gpu::submission_budget::SubmissionBudget;
     use crate::intersect::Method;
     use crate::kernel::{Generals, Sharing};
-    use crate::scene::camera::Camera;
-    use crate::scene::{ImagePlane, Scene, Spheres};
     use crate::shade::Shade;
-    use crate::testing::{Rng, adapter_or_skip};
+    use crate::testing::{adapter_or_skip, near_and_far};
     use crate::view::View;
     use crate::view::raster::Raster;
     use crate::view::ray::NONE;
     use crate::window::Window;
-
-    /// Spheres that are not entirely in front of the eye plane, or too near it.
-    const NEAR: [([f64; 3], f64); 6] = [
-        ([0.0, -101.0, 0.0], 100.0),
-        ([3.0, 0.0, -0.5], 1.0),
-        ([-3.0, 0.2, -0.4], 0.9),
-        ([0.0, 4.0, 0.2], 1.5),
-        ([2.0, -2.0, 0.3], 0.8),
-        ([-2.0, -2.0, 0.1], 0.7),
-    ];
-
-    /// The first so many of them, between spheres in front.
-    fn scene(near: usize) -> Scene {
-        let mut rng = Rng(0x5eed);
-        let mut spheres = Spheres::default();
-        for n in 0..400 {
-            let center = [rng.between(-4.0, 4.0), rng.between(-1.0, 4.0), rng.between(-9.0, -5.0)];
-            let color = [rng.unit() as f32, 0.5, rng.unit() as f32];
-            spheres.push(center, rng.between(0.05, 0.3), Some(color));
-            if let Some((center, radius)) = NEAR[..near].get(n / 50).filter(|_| n % 50 == 0) {
-                spheres.push(*center, *radius, Some([0.2; 3]));
-            }
-        }
-        let image = ImagePlane { width: 131, height: 74, background: [0.1, 0.2, 0.3] };
-        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() }
-    }
 
     fn same_bits(a: &Raw, b: &Raw, what: &str) {
         assert!(a.id == b.id, "ids: {what}");
@@ -109,7 +81,7 @@ mod tests {
             ..Kernel::bare(Method::Stable)
         };
         for near in [0, 1, 3, 4, 6] {
-            let scene = scene(near);
+            let scene = near_and_far(near);
             let colors = scene.spheres.colors.as_deref();
             let part = Window { x0: 37, y0: 11, x1: 102, y1: 59 };
             let samples = Raster::samples(part, 4, 7, &scene.image).expect("room").expect("several samples");
@@ -134,15 +106,6 @@ mod tests {
                     gpu.find_winners(&search, &kernel, &input, &mut output, &pool, &|_| true).expect("a frame");
                     same_bits(&raw, &host, &what);
                 }
-                let mut whole = |generals| {
-                    let mut raw = raw();
-                    let mut output = Output { raw: &mut raw, timings: &mut timings };
-                    gpu.run(&Kernel { generals, ..kernel }, &input, &mut output, &|_| true).expect("a frame");
-                    raw
-                };
-                let by_lists = whole(Generals::Lists);
-                same_bits(&whole(Generals::of(near)), &by_lists, &what);
-                assert!(by_lists.id == host.id, "{what}");
             }
         }
     }

@@ -20,7 +20,7 @@ use crate::memory::{self, Pool};
 use crate::quote::setting::{ACCURACY, BOUNCES, OCCLUSION, SHADOWS};
 use crate::scene::camera::CameraRecord;
 use crate::scene::{Light, Scene, Sky};
-use crate::settings::{Accuracy, Backend, Settings};
+use crate::settings::{Accuracy, Backend, Search, Settings};
 use crate::shade::Shade;
 use crate::view::raster::Raster;
 use work::Work;
@@ -87,7 +87,7 @@ impl Renderer {
         let free = memory::free(&self.pool);
         let setup =
             FrameSetup::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Timings::default())?;
-        let FrameSetup { plan, view, binned } = &setup;
+        let FrameSetup { plan, view, binned, .. } = &setup;
         let need = need.with_generals(binned.as_ref(), view);
         let kernel = self.kernel_of(&setup);
         let predicted = setup.predicted(scene);
@@ -147,7 +147,10 @@ impl Renderer {
 }
 
 fn precision(plan: &Plan, traced: bool) -> String {
-    let host = "spheres are moved relative to the eye in f64 on the host";
+    let host = match plan.search {
+        Search::Splat => "spheres are placed with the bits of f64 by integers on the device",
+        _ => "spheres are moved relative to the eye in f64 on the host",
+    };
     match (plan.accuracy, plan.kernel.method) {
         (Accuracy::Exact, _) => "double-double and exact integers on the CPU, every pixel".into(),
         _ if !traced => {

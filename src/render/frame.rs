@@ -6,25 +6,28 @@ use super::light::LightSetup;
 use super::missed::missed;
 use super::place::Executor;
 use super::plan::Plan;
+use super::plan::search::{Device, NOT_PLACED};
 use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::answers::assemble::Answers;
 use crate::answers::lit::Lit;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
-use crate::certify::binned::Depths;
+use crate::certify::TERMS;
+use crate::certify::binned::{BinnedScene, Depths};
 use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::input::{Input, KernelRays, Output};
+use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::gpu::traffic::Traffic;
 use crate::progress::Step;
 use crate::quote::setting::{ACCURACY, BACKEND};
 use crate::scene::Scene;
 use crate::scene::camera::CameraRecord;
 use crate::search::tile_candidates::CandidateList;
-use crate::settings::{Accuracy, Backend, Settings};
+use crate::settings::{Accuracy, Backend, Search, Settings};
 use crate::view::raster::Raster;
 use crate::window::Window;
 use crate::{cpu, memory};
@@ -70,7 +73,8 @@ impl Renderer {
         settings: &Settings,
         work: impl FnOnce(&mut Self, Plan, FrameRays) -> Result<T>,
     ) -> Result<(T, Option<String>)> {
-        let plan = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
+        let by_host = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
+        let plan = by_host.clone().on(self.device(), settings)?;
         let window = settings.window_of(scene)?;
         settings.check_lighting(scene)?;
         let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
@@ -89,9 +93,19 @@ impl Renderer {
             });
         }
         let adapter = std::mem::replace(&mut self.place, Executor::Cpu);
+        let plan = by_host.on(self.device(), settings)?;
         let done = work(self, plan, rays);
         self.place = adapter;
         done.map(|done| (done, Some(format!("{blocker}: the CPU path is used instead"))))
+    }
+
+    /// What computes frames.
+    pub(super) fn device(&self) -> Device {
+        match &self.place {
+            Executor::Cpu => Device::Cpu,
+            Executor::Gpu(gpu) if gpu.summary.is_software() => Device::Software,
+            Executor::Gpu(_) => Device::Hardware,
+        }
     }
 
     /// Why this adapter may not certify; `None` if it may.
@@ -121,16 +135,17 @@ impl Renderer {
         let watch = self.watch.clone();
         watch.check()?;
         let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
-        let setup = FrameSetup::new(plan, scene, settings, Raster::centres(window), &pool, &mut timings)?;
-        staging.end()?;
-        let FrameSetup { plan, view, .. } = &setup;
-        let pixels = view.record.pixels();
-        let tolerance = settings.promise().relative();
-        let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
         // Discards what was done before, for example by a self-test.
         self.kernel_ms();
         self.traffic();
-        let settled = self.answer(&setup, scene, &mut raw, &mut timings)?;
+        self.frames += 1;
+        let mut setup = self.setup(plan, scene, settings, Raster::centres(window), &mut timings)?;
+        staging.end()?;
+        let pixels = setup.view.record.pixels();
+        let tolerance = settings.promise().relative();
+        let mut raw = Raw::new(&setup.plan.kernel, pixels, &pool)?;
+        let settled = self.answer(&mut setup, scene, &mut raw, &mut timings)?;
+        let FrameSetup { plan, view, .. } = &setup;
         watch.check()?;
         raw.settle(&settled);
         let lights = plan.wanted.is_any().then(|| timings.time("tree", || LightSetup::new(scene, plan.accuracy)));
@@ -173,6 +188,7 @@ impl Renderer {
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
         report.predicted = predicted;
         report.warnings.extend(setup.warnings(scene, settings, predicted));
+        report.warnings.extend(self.left_to_host.take());
         report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
         report.stages_ms = timings.into_map();
         report.frame_ms = vec![milliseconds(start)];
@@ -216,19 +232,52 @@ impl Renderer {
         }
     }
 
+    /// The setup of a frame: a device that certifies holds the spheres, else the host bins them.
+    pub(super) fn setup(
+        &mut self,
+        plan: Plan,
+        scene: &Scene,
+        settings: &Settings,
+        raster: Raster,
+        timings: &mut Timings,
+    ) -> Result<FrameSetup> {
+        let mut plan = plan;
+        if let Executor::Gpu(gpu) = &mut self.place
+            && plan.search == Search::Splat
+        {
+            scene.check()?;
+            let eye = scene.camera.basis()?.e;
+            let places = gpu.verdict()?.places;
+            let held = if places { timings.time("hold", || gpu.hold(scene, self.frames))? } else { None };
+            if let Some(unit) = held.and_then(|reach| reach.unit(eye)) {
+                match timings.time("view", || FrameSetup::resident(plan, scene, settings, raster, unit))? {
+                    Ok(setup) => return Ok(setup),
+                    Err(left) => plan = left,
+                }
+            }
+            plan = plan.by_tiles(NOT_PLACED);
+        }
+        let pool = Arc::clone(&self.pool);
+        FrameSetup::new(plan, scene, settings, raster, &pool, timings)
+    }
+
     /// Traces and settles: the kernel's answers in `raw`, and the settled pixels.
     pub(super) fn answer(
         &mut self,
-        setup: &FrameSetup,
+        setup: &mut FrameSetup,
         scene: &Scene,
         raw: &mut Raw,
         timings: &mut Timings,
     ) -> Result<Vec<Settled>> {
         let watch = self.watch.clone();
+        let is_resident = self.trace_resident(setup, scene, raw, timings)?;
+        let setup = &*setup;
         let (view, binned) = (&setup.view, setup.certified());
         let settle = |pixels: usize| watch.begin(Step::Settle, pixels as u64);
         let (settled, doing) = if setup.is_traced() {
-            self.trace_frame(setup, scene, raw, timings)?;
+            if !is_resident {
+                self.trace_frame(setup, scene, raw, timings)?;
+            }
             let Some(binned) = binned else { return Ok(Vec::new()) };
             let unsure = timings.time("settle", || settle::unsure(&raw.id));
             if unsure.is_empty() {
@@ -244,6 +293,41 @@ impl Renderer {
         };
         doing.end()?;
         settled
+    }
+
+    /// Has the device render the spheres that it holds, if it does. Where it leaves the frame to the host, the host bins
+    /// the spheres.
+    fn trace_resident(
+        &mut self,
+        setup: &mut FrameSetup,
+        scene: &Scene,
+        raw: &mut Raw,
+        timings: &mut Timings,
+    ) -> Result<bool> {
+        let FrameSetup { plan, view, placer, .. } = &*setup;
+        let (Executor::Gpu(gpu), Some(placer)) = (&mut self.place, placer) else { return Ok(false) };
+        let pool = Arc::clone(&self.pool);
+        let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
+        let frame = ResidentFrame { scene, view, placer, pool: &pool };
+        let mut output = Output { raw, timings };
+        match gpu.render_resident(&plan.kernel, frame, &mut output, &|done| doing.reached(done))? {
+            Rendered::Frame(binned) => {
+                setup.binned = Some(*binned);
+                doing.end()?;
+                Ok(true)
+            }
+            Rendered::Left(reason) => {
+                let tolerance = placer.tolerance();
+                let level = plan.search.level();
+                setup.binned =
+                    timings.time("stage", || BinnedScene::new(scene, view, tolerance, &TERMS, level, &pool))?;
+                setup.placer = None;
+                setup.plan = setup.plan.clone().by_tiles(NOT_PLACED);
+                self.left_to_host = Some(format!("the host searched the spheres of this frame: {reason}"));
+                doing.end()?;
+                Ok(false)
+            }
+        }
     }
 
     /// Runs the kernel or its twin, with the answers in `raw`.

@@ -2,7 +2,7 @@
 
 pub(super) mod choose;
 pub(super) mod lights;
-mod search;
+pub(crate) mod search;
 
 use crate::answers::finish::Finish;
 use crate::cpu::light::Wanted;
@@ -16,6 +16,7 @@ use crate::scene::Scene;
 use crate::scene::camera::Lens;
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
+use search::Device;
 use serde::Serialize;
 
 /// The decisions for one scene and its settings, with their reasons.
@@ -135,6 +136,21 @@ impl Plan {
             kernel,
             sampled: None,
         })
+    }
+
+    /// The plan on a device.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where it cannot search as requested.
+    pub(crate) fn on(self, device: Device, settings: &Settings) -> Result<Self> {
+        let planned = (self.search, self.search_reason);
+        let (search, search_reason) = search::on_device(settings.search, self.kernel.certify, device, planned)?;
+        Ok(Self { search, search_reason, ..self })
+    }
+
+    /// The same plan by tiles, where a device leaves the search to lists.
+    pub(crate) fn by_tiles(self, reason: &'static str) -> Self {
+        Self { search: Search::Tiles, search_reason: reason, ..self }
     }
 
     /// The same plan without tiles, where the spheres cannot be binned into them.

@@ -15,7 +15,7 @@ use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
 use crate::progress::Watch;
-use crate::settings::Settings;
+use crate::settings::{Search, Settings};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -29,6 +29,10 @@ pub struct Renderer {
     /// Why it renders in this place.
     pub(super) reason: String,
     has_no_adapter: bool,
+    /// Frames so far: within one, spheres do not change.
+    pub(super) frames: u64,
+    /// Why the device left the current frame's search to the host.
+    pub(super) left_to_host: Option<String>,
 }
 
 impl Renderer {
@@ -47,7 +51,7 @@ impl Renderer {
         let ChosenDevice { executor: place, reason, passed_over, has_no_adapter } = ChosenDevice::of(settings)?;
         let setup_ms = milliseconds(start);
         let (watch, pool) = (Watch::default(), Arc::default());
-        Ok(Self { place, setup_ms, watch, pool, passed_over, reason, has_no_adapter })
+        Ok(Self { place, setup_ms, watch, pool, passed_over, reason, has_no_adapter, frames: 0, left_to_host: None })
     }
 
     /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
@@ -63,6 +67,8 @@ impl Renderer {
             passed_over: Vec::new(),
             reason: "the caller opened the device".into(),
             has_no_adapter: false,
+            frames: 0,
+            left_to_host: None,
         }
     }
 
@@ -177,6 +183,9 @@ impl Renderer {
     pub(super) fn kernel_of(&self, setup: &FrameSetup) -> Kernel {
         let generals = setup.certified().map_or(0, |binned| binned.generals.len());
         match &self.place {
+            Executor::Gpu(_) if setup.plan.search == Search::Splat => {
+                Kernel { generals: Generals::of(generals), ..setup.plan.kernel }
+            }
             Executor::Gpu(gpu) => gpu.summary.adapted(setup.plan.kernel, generals),
             Executor::Cpu => Kernel { generals: Generals::of(generals), ..setup.plan.kernel },
         }

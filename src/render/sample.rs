@@ -89,7 +89,7 @@ impl Renderer {
                 Some(setup) => setup,
                 none => {
                     let plan = Plan { kernel, ..plan.clone() };
-                    none.insert(FrameSetup::new(plan, scene, settings, raster, &pool, timings)?)
+                    none.insert(self.setup(plan, scene, settings, raster, timings)?)
                 }
             };
             setup.view.record.sample = sample;
@@ -145,9 +145,9 @@ impl Renderer {
         }
         let kernel =
             Kernel { shade: None, colors: false, t: false, normal: false, depth_interval: false, ..plan.kernel };
-        let setup = FrameSetup::new(Plan { kernel, ..plan.clone() }, scene, settings, raster, &pool, timings)?;
+        let mut setup = self.setup(Plan { kernel, ..plan.clone() }, scene, settings, raster, timings)?;
         let mut raw = Raw::new(&setup.plan.kernel, setup.view.record.pixels(), &pool)?;
-        let settled = self.answer(&setup, scene, &mut raw, timings)?;
+        let settled = self.answer(&mut setup, scene, &mut raw, timings)?;
         raw.settle(&settled);
         let ids = std::mem::take(&mut raw.id).into();
         raw.put_back(&pool);

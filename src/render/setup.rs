@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
+use crate::certify::placing::Placer;
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::intersect::predict::Prediction;
@@ -20,9 +21,31 @@ pub(crate) struct FrameSetup {
     pub(crate) view: View,
     /// The scene binned into tiles; `None` where every ray tests all spheres or every pixel is decided exactly.
     pub(crate) binned: Option<BinnedScene>,
+    /// The host's part in placing the spheres, where a device holds them: it bins them.
+    pub(crate) placer: Option<Placer>,
 }
 
 impl FrameSetup {
+    /// The setup where a device holds the spheres; `unit` is the exponent of the frame's unit. The plan comes back where the
+    /// camera does not allow it.
+    ///
+    /// # Errors
+    /// Those of [`View::new`] but for the spheres.
+    pub(crate) fn resident(
+        plan: Plan,
+        scene: &Scene,
+        settings: &Settings,
+        raster: Raster,
+        unit: i32,
+    ) -> Result<std::result::Result<Self, Plan>> {
+        let view = View::in_unit(scene, raster, unit)?;
+        let placer = Placer::new(scene, &view, settings.promise().relative())?;
+        Ok(match placer {
+            Some(placer) => Ok(Self { plan, view, binned: None, placer: Some(placer) }),
+            None => Err(plan),
+        })
+    }
+
     /// The setup for the rays of `raster` in one frame of `scene`.
     ///
     /// # Errors
@@ -37,7 +60,7 @@ impl FrameSetup {
     ) -> Result<Self> {
         let view = timings.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
         if plan.accuracy != Accuracy::Certified && !plan.kernel.tiles {
-            return Ok(Self { plan, view, binned: None });
+            return Ok(Self { plan, view, binned: None, placer: None });
         }
         // An uncertified method always bins into tiles; a single list for the whole image exists for the certified
         // kernel alone.
@@ -47,9 +70,9 @@ impl FrameSetup {
         if binned.is_none() && plan.kernel.tiles {
             let plan = plan.without_tiles();
             let view = timings.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
-            return Ok(Self { plan, view, binned });
+            return Ok(Self { plan, view, binned, placer: None });
         }
-        Ok(Self { plan, view, binned })
+        Ok(Self { plan, view, binned, placer: None })
     }
 
     /// Per-tile candidate lists; `None` where every ray tests all spheres.
@@ -65,7 +88,7 @@ impl FrameSetup {
 
     /// Whether a kernel or its twin runs: not for exact answers, nor where f32 cannot bound the projection.
     pub(crate) fn is_traced(&self) -> bool {
-        self.plan.accuracy == Accuracy::Fast || self.binned.is_some()
+        self.plan.accuracy == Accuracy::Fast || self.binned.is_some() || self.placer.is_some()
     }
 
     /// The predicted worst-case rounding error; `None` where answers are certified.
@@ -82,7 +105,7 @@ impl FrameSetup {
         if scene.spheres.is_empty() {
             warnings.push("the scene has 0 spheres, so every pixel is background".into());
         }
-        if settings.search == Search::Tiles && plan.search == Search::All {
+        if settings.search != Search::Auto && plan.search != settings.search {
             warnings.push(plan.search_reason.into());
         }
         warnings

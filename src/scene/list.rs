@@ -53,6 +53,21 @@ impl<T> List<T> {
     }
 }
 
+impl<T> List<T> {
+    /// Whether these are the very values of another list, which no one can change.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        matches!((&self.0, &other.0), (Store::Kept(a), Store::Kept(b)) if Arc::ptr_eq(a, b))
+    }
+
+    /// A clone that shares values which no one can change; `None` where there are none such.
+    pub(crate) fn kept(&self) -> Option<Self> {
+        match &self.0 {
+            Store::Kept(kept) => Some(Self(Store::Kept(Arc::clone(kept)))),
+            Store::Own(_) | Store::Foreign(_) => None,
+        }
+    }
+}
+
 impl<T: Clone> List<T> {
     /// The values for changing them; those of a shared list are copied first.
     pub fn to_mut(&mut self) -> &mut Vec<T> {

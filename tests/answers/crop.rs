@@ -30,7 +30,7 @@ fn lighting() -> Lighting {
     Lighting { lights, shadows: true, ..Lighting::default() }
 }
 
-fn scenes() -> Vec<(&'static str, Scene)> {
+pub(crate) fn scenes() -> Vec<(&'static str, Scene)> {
     let mut weekend = weekend();
     [weekend.image.width, weekend.image.height] = SIZE;
     weekend.lighting = lighting();
@@ -46,7 +46,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 }
 
 /// One pixel, a row, the last column, odd offsets, whole tiles, the whole frame, and random windows.
-fn windows() -> Vec<Window> {
+pub(crate) fn windows() -> Vec<Window> {
     let [w, h] = SIZE;
     let fixed = [
         [0, 0, 1, 1],

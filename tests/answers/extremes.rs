@@ -52,7 +52,7 @@ fn settings(accuracy: Accuracy, tolerance: f64) -> Settings {
 }
 
 /// The scenes of a family. Families that read files get generated files of the same kind.
-fn scenes(family: &Family, seed: u64) -> Vec<Scene> {
+pub(crate) fn scenes(family: &Family, seed: u64) -> Vec<Scene> {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, content) in [("shells.nff", nff::shells()), ("solar_system.csv", planets::csv())] {
         std::fs::write(folder.path().join(name), content).expect("written");

@@ -39,6 +39,7 @@ mod progress;
 mod samples;
 mod score;
 mod selftest;
+mod splat;
 mod stream;
 mod tiles;
 mod truth;

@@ -18,9 +18,9 @@ use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::window::Window;
 use halfline_measure::run::{Options, Subject, measure};
 
-const SIZE: [u32; 2] = [88, 61];
+pub(crate) const SIZE: [u32; 2] = [88, 61];
 
-fn scene(lens: Lens, [width, height]: [u32; 2]) -> Scene {
+pub(crate) fn scene(lens: Lens, [width, height]: [u32; 2]) -> Scene {
     let mut random = Rng::new(9);
     let mut spheres = Spheres::default();
     for n in 0..700 {
@@ -40,12 +40,12 @@ fn scene(lens: Lens, [width, height]: [u32; 2]) -> Scene {
     }
 }
 
-fn intrinsics([cx, cy]: [f64; 2]) -> Lens {
+pub(crate) fn intrinsics([cx, cy]: [f64; 2]) -> Lens {
     Lens::Intrinsics { fx: 90.0, fy: 84.5, cx, cy }
 }
 
 /// Principal points: whole and half pixels, shares of 1/512 that the rays can have, beside the image, and the middle.
-const POINTS: [[f64; 2]; 6] = [
+pub(crate) const POINTS: [[f64; 2]; 6] = [
     [30.0, 20.5],
     [44.0, 30.5],
     [18.373046875, 41.8046875],

@@ -68,7 +68,7 @@ fn touching() -> Scene {
     scene
 }
 
-fn scenes() -> Vec<(&'static str, Scene)> {
+pub(crate) fn scenes() -> Vec<(&'static str, Scene)> {
     let zero = DVec3::ZERO;
     let mut scenes = vec![
         ("a cloud", scene(behind(zero, 5.0), 3.0, cloud(1, 60, zero, 1.0, 0.05))),

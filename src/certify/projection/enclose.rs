@@ -2,7 +2,7 @@
 //! project.rs at the ends of their operands: f64 rounds monotonically, so they bound the rounded numbers of every sphere.
 //! docs/certificate.md, section 11, derives what follows.
 
-use super::project::{Aim, below, floor, larger, smaller};
+use super::project::{below, floor, larger, smaller};
 use super::{INFLATE, LONGEST, ProjectionBounds, RANGE, STEEPEST, U, U64, WIDEST};
 use crate::certify::tiles::Bin;
 use crate::scene::instances::enclosure::Enclosure;
@@ -65,7 +65,7 @@ impl ProjectionBounds {
             && rho[1] < RANGE[1]
             && self.length(near) >= RANGE[0]
             && self.length(far) < RANGE[1]
-            && self.total(rho[1], blurred)[0] * self.scale[0] <= STEEPEST;
+            && self.total(rho[1], blurred) * self.scale[0] <= STEEPEST;
         // The quotients of the centres' coordinates and depths.
         let q =
             [x, y].map(|[low, high]| [low * inverse[usize::from(low < 0.0)], high * inverse[usize::from(high >= 0.0)]]);
@@ -93,9 +93,9 @@ impl ProjectionBounds {
         if outside {
             return Enclosed::Unknown;
         }
-        let depth_error = error + U64 * deepest;
-        let aim = Aim { rho: rho[1], blurred, reach: self.reach(rho[1]), depth: far, depth_error, ..Aim::default() };
-        let low = near - self.depth_error(&aim, deepest);
+        let coordinates = (size(x) as f32) + (size(y) as f32) + deepest as f32;
+        let low = near as f32 - self.low.error(rho[1] as f32, far as f32, deepest as f32, coordinates);
+        let low = f64::from(low);
         let low = f64::from(below(low - low.abs() * SLACK));
         let most = INFLATE * (rho[1] + blurred) * self.length(far);
         let least = low - most - 2.0 * U * (larger(low.abs(), deepest) + most);

@@ -2,7 +2,8 @@
 //! compilers vectorize. Spheres that are not clearly in front are handled by [`ProjectionBounds::stage`].
 
 use super::{
-    INFLATE, LONG, LONGEST, ProjectionBounds, RANGE, ROUND, SIGNS, STEEPEST, SUBNORMAL, U, U64, WIDEN, WIDEST,
+    FLUSHED, INFLATE, LONG, LONGEST, LowTerms, ProjectionBounds, RANGE, ROUND, SIGNS, STEEPEST, SUBNORMAL, U, U64,
+    WIDEN, WIDEST,
 };
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{Bin, Placed};
@@ -24,16 +25,15 @@ pub(super) struct Aim {
     pub(super) behind: bool,
     /// Entirely in front of it, with every number in the range of the bounds.
     pub(super) projected: bool,
-    /// Depth of the centre in the frame's unit, and the host's error of it.
+    /// Depth of the centre in the frame's unit.
     pub(super) depth: f64,
-    pub(super) depth_error: f64,
+    /// The sizes of its coordinates, one after the other, summed in f32.
+    pub(super) coordinates: f32,
     /// The near root is always the hit, and the depth in f64 is as accurate as the kernel assumes.
     pub(super) plain: bool,
-    /// Projected radius; square root of twice the bound of the discriminant's error; offset beyond which a miss is
-    /// certain.
+    /// Projected radius; square root of twice the bound of the discriminant's error.
     pub(super) rho: f64,
     pub(super) blurred: f64,
-    pub(super) reach: f64,
     /// Largest slopes of the rays that may hit it.
     pub(super) steepest: [f64; 2],
     /// Projected centre in pixels, and the bound of its f64 error in pixels.
@@ -185,7 +185,7 @@ impl ProjectionBounds {
         #[expect(clippy::manual_range_contains, reason = "both are evaluated, so that there is no branch")]
         let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
         let blurred = self.blurred(rho);
-        let ranged = small(rho) & small(self.length(z)) & (self.total(rho, blurred)[0] * self.scale[0] <= STEEPEST);
+        let ranged = small(rho) & small(self.length(z)) & (self.total(rho, blurred) * self.scale[0] <= STEEPEST);
         let q = [x * inverse, y * inverse];
         let reach = self.reach(rho);
         let behind = z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0;
@@ -193,11 +193,10 @@ impl ProjectionBounds {
             behind,
             projected: (in_front | self.parallel & !behind) & ranged,
             depth: z,
-            depth_error: error + U64 * z.abs(),
+            coordinates: (x as f32).abs() + (y as f32).abs() + (z as f32).abs(),
             plain: !self.parallel | ((z - radius > 2.0 * error + 4.0 * U64 * z) & (error < KNOWN * z)),
             rho,
             blurred,
-            reach,
             // Slopes of the rays that may hit it: the slopes of its centre plus its extent.
             steepest: [0, 1].map(|k| smaller(q[k].abs() + reach * self.unit, self.edge[k])),
             // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope, with rows counted downwards. The rounding error is at
@@ -249,7 +248,8 @@ impl ProjectionBounds {
         }
         let center = aim.depth - reference;
         let more = if aim.plain { center } else { NEVER };
-        let low = below(center - self.depth_error(aim, center));
+        let rho = aim.rho as f32;
+        let low = self.low.of(rho, aim.depth as f32, center as f32, aim.coordinates);
         // The kernel's lower bound is low minus T size / a. Unless it is a miss, m^2/s^2 + D <= a rho^2 + 2 E, so T/a =
         // (m + sqrt D)/a <= rho + sqrt(2 E) by Cauchy-Schwarz for every ray of the image.
         let size = self.length(f64::from(low) + reference);
@@ -260,7 +260,7 @@ impl ProjectionBounds {
             outside,
             depth: aim.depth,
             placed: Placed {
-                record: ProjectedRecord { x: fixed[0], y: fixed[1], rho: aim.rho as f32, low },
+                record: ProjectedRecord { x: fixed[0], y: fixed[1], rho, low },
                 detail: ProjectedDetailRecord { subpixel_offset, center: more as f32, id: 0 },
             },
             bin: Bin { chunk_min_depth: below(chunk_min_depth), tiles },
@@ -268,10 +268,11 @@ impl ProjectionBounds {
     }
 
     /// Half the extent in the image of a sphere whose rays are no steeper than this along an axis, in pixels: a ray that
-    /// hits has |o|^2 + (slopes x o)^2 <= a rho^2, so o_k^2 <= (1 + slope_k^2) rho^2; and sqrt(1 + x) <= 1 + x / 2.
+    /// hits has |o|^2 + (slopes x o)^2 <= a rho^2, so o_k^2 <= (1 + slope_k^2) rho^2; and sqrt(1 + x) <= 1 + x / 2. Beyond
+    /// it the kernel's discriminant is a certain miss, so no answer depends on which rays near it test the sphere.
     #[inline(always)]
     pub(super) fn extent(&self, rho: f64, steepest: f64, axis: usize) -> f64 {
-        rho * (1.0 + 0.5 * steepest * steepest) * self.per_step[axis] + WIDEN[0]
+        (rho + self.wider) * (1.0 + 0.5 * steepest * steepest) * self.per_step[axis] + WIDEN[0]
     }
 
     /// The unit of rho as a length at that depth.
@@ -286,24 +287,32 @@ impl ProjectionBounds {
         std::f64::consts::SQRT_2 * self.all.length * rho + 16.0 * self.all.square * self.coarse
     }
 
-    /// Upper bounds of |slope along the offset| + root of a candidate, and of the root alone.
+    /// An upper bound of |slope along the offset| + root of a candidate.
     #[inline(always)]
-    pub(super) fn total(&self, rho: f64, blurred: f64) -> [f64; 2] {
-        let root = self.all.length * rho + blurred;
-        [self.all.slant * self.reach(rho) + root, root]
+    pub(super) fn total(&self, rho: f64, blurred: f64) -> f64 {
+        self.all.slant * self.reach(rho) + self.all.length * rho + blurred
+    }
+}
+
+impl LowTerms {
+    /// A lower bound of the depth from which the kernel subtracts the hit's offset, relative to the reference: the centre's
+    /// depth minus the bound of all errors. `depth` is the centre's own; `coordinates` are |x| + |y| + |z|. The twin of
+    /// shaders/place/low.wgsl; a bound under any rounding.
+    #[inline(always)]
+    pub(super) fn of(&self, rho: f32, depth: f32, center: f32, coordinates: f32) -> f32 {
+        center - self.error(rho, depth, center.abs(), coordinates)
     }
 
-    /// Bound of all errors of a candidate's depth, in the frame's unit.
+    /// That bound, which grows with every argument.
     #[inline(always)]
-    pub(super) fn depth_error(&self, aim: &Aim, center: f64) -> f64 {
-        let [total, root] = self.total(aim.rho, aim.blurred);
-        let slant = self.all.slant;
-        let [of_total, along, of_root, of_center] = self.roundings;
-        let roundings = of_total * total + along * slant * aim.reach + of_root * root;
-        let size = self.length(aim.depth);
-        let error = size * (U * roundings + slant * self.coarse) + U * of_center * center.abs() + aim.depth_error;
-        // The kernel takes the size from the lower bound of the depth, which makes it smaller by this error.
-        INFLATE * error / (1.0 - total * self.scale[0])
+    pub(super) fn error(&self, rho: f32, depth: f32, center: f32, coordinates: f32) -> f32 {
+        let blurred = (self.blurred[0] + rho * (self.blurred[1] + rho * self.blurred[2])).sqrt();
+        let size = depth * self.scale[0] + self.scale[1];
+        let offset = self.offset[0] + rho * self.offset[1] + blurred * self.offset[2];
+        let error = size * offset + center * self.center + coordinates * self.coordinates;
+        // The kernel takes the size from this bound, which makes it smaller by the error.
+        let total = self.total[0] + rho * self.total[1] + blurred;
+        error / (1.0 - total * self.scale[0]) + FLUSHED as f32
     }
 }
 

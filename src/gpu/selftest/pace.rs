@@ -131,10 +131,7 @@ impl Gpu {
             let input = Input { view: &view, colors: None, rays: KernelRays::Viewing, candidates };
             let start = Instant::now();
             let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
-            match on_adapter.winners {
-                true => self.find_winners(&on_adapter, &kernel, &input, &mut output, &pool, &|_| true)?,
-                false => self.run(&on_adapter, &input, &mut output, &|_| true)?,
-            }
+            self.find_winners(&on_adapter, &kernel, &input, &mut output, &pool, &|_| true)?;
             times[0].push(milliseconds(start));
             let start = Instant::now();
             cpu::certified(&kernel, &view, &binned, None, &mut raw, &|| true);

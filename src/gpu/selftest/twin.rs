@@ -5,22 +5,30 @@ use super::verdict::Check;
 use crate::answers::raw::Raw;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
+use crate::certify::placing::Placer;
+use crate::certify::tiles::Placed;
 use crate::cpu;
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
+use crate::gpu::resident::ResidentFrame;
 use crate::intersect::Method;
-use crate::kernel::{Generals, Kernel};
+use crate::kernel::{Kernel, Sharing};
 use crate::memory::Pool;
-use crate::scene::camera::Camera;
+use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::Tolerance;
 use crate::view::View;
+use crate::view::raster::Raster;
+use crate::window::Window;
 
 /// The check's name.
 pub(super) const NAME: &str = "kernels as their twins";
+
+/// The name of the check of records.
+pub(super) const PLACES: &str = "spheres placed as in f64";
 
 /// Pixels along a side.
 const SIDE: u32 = 64;
@@ -49,11 +57,10 @@ impl Gpu {
     /// The kernels that are compared. The lecture's forms use no other operations, and compilation dominates the time.
     pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
         let kernel = |certify: bool, tiles: bool| Kernel {
-            sharing: self.summary.sharing(),
+            sharing: if certify { Sharing::None } else { self.summary.sharing() },
             t: true,
             normal: true,
             certify,
-            generals: if certify { Generals::Lists } else { Generals::None },
             tiles,
             depth_interval: certify,
             ..Kernel::bare(Method::Stable)
@@ -79,10 +86,15 @@ impl Gpu {
                 None if kernel.tiles || kernel.certify => continue,
                 _ => None,
             };
+            if kernel.is_resident() {
+                let Some(frame) = self.resident(&scene, &kernel, &mut device)? else { continue };
+                cpu::certified(&kernel, &frame.view, &frame.binned, None, &mut host, &|| true);
+                let (all, wrong) = compared(&device, &host);
+                (values, different) = (values + all, different + wrong);
+                continue;
+            }
             match &candidates {
-                Some(CandidateList::Certified(binned)) => {
-                    cpu::certified(&kernel, &view, binned, None, &mut host, &|| true)
-                }
+                Some(CandidateList::Certified(_)) => continue,
                 Some(CandidateList::Uncertified(tile_candidates)) => {
                     cpu::by_tiles(&kernel, tile_candidates, None, &mut host, &|| true)
                 }
@@ -91,16 +103,90 @@ impl Gpu {
             let input = Input { view: &view, colors: None, rays: KernelRays::Viewing, candidates };
             let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
             self.run(&kernel, &input, &mut output, &|_| true)?;
-            let bits = |raw: &Raw| -> Vec<u32> {
-                let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.depth_interval).map(|x| x.to_bits());
-                raw.id.iter().copied().chain(numbers).collect()
-            };
-            let (device, host) = (bits(&device), bits(&host));
-            values += host.len() as f64;
-            different += device.iter().zip(&host).filter(|(a, b)| a != b).count() as f64;
-            different += device.len().abs_diff(host.len()) as f64;
+            let (all, wrong) = compared(&device, &host);
+            (values, different) = (values + all, different + wrong);
         }
         let detail = [("values".to_owned(), values), ("different".to_owned(), different)].into();
         Ok(Check { name: NAME.to_owned(), passed: different == 0.0 && values > 0.0, detail })
     }
+
+    /// Renders a scene whose spheres the device holds.
+    fn resident(&mut self, scene: &Scene, kernel: &Kernel, raw: &mut Raw) -> Result<Option<Resident>> {
+        let pool = Pool::default();
+        let raster = Raster::centres(Window::full(scene.image.width, scene.image.height));
+        let Some(unit) = self.hold(scene, u64::MAX)?.and_then(|reach| reach.unit(scene.camera.eye)) else {
+            return Ok(None);
+        };
+        let view = View::in_unit(scene, raster, unit)?;
+        let tolerance = Tolerance::default().relative();
+        let (Some(placer), Some(binned)) =
+            (Placer::new(scene, &view, tolerance)?, BinnedScene::new(scene, &view, tolerance, &TERMS, 0, &pool)?)
+        else {
+            return Ok(None);
+        };
+        let frame = ResidentFrame { scene, view: &view, placer: &placer, pool: &pool };
+        let mut output = Output { raw, timings: &mut Timings::default() };
+        self.render_resident(kernel, frame, &mut output, &|_| true)?;
+        Ok(Some(Resident { view, placer, binned }))
+    }
+
+    /// Whether the device places spheres with the bits of the host's f64: near, far, and for parallel rays.
+    pub(super) fn compare_places(&mut self) -> Result<Check> {
+        let kernel = Kernel { certify: true, ..Kernel::bare(Method::Stable) };
+        let near = scene();
+        let far = |lens| {
+            let camera = Camera {
+                eye: [3.0e4, 1.7e4, 9.1e4].into(),
+                look: Look::At([0.0, 0.0, -1.5].into()),
+                lens,
+                ..near.camera
+            };
+            Scene { camera, ..near.clone() }
+        };
+        let lenses = [Lens::Vfov { degrees: 2e-3, distance: 1.0 }, Lens::Orthographic { height: 3.0 }];
+        let (mut values, mut different) = (0.0, 0.0);
+        for scene in [near.clone()].into_iter().chain(lenses.map(far)) {
+            let mut raw = Raw::new(&kernel, (SIDE * SIDE) as usize, &Pool::default())?;
+            let Some(frame) = self.resident(&scene, &kernel, &mut raw)? else { continue };
+            for (id, placed) in self.records()?.into_iter().enumerate() {
+                let Some((device, depth)) = placed else { continue };
+                values += 1.0;
+                let host = frame.placer.placed(&scene, id as u32, frame.binned.projection.depth);
+                let bits = |p: &Placed| {
+                    let [right, down] = p.detail.subpixel_offset.map(|x| x.to_bits() as i32);
+                    [
+                        p.record.x,
+                        p.record.y,
+                        p.record.rho.to_bits() as i32,
+                        right,
+                        down,
+                        p.detail.center.to_bits() as i32,
+                    ]
+                };
+                let same = host
+                    .is_some_and(|(host, exact)| bits(&host) == bits(&device) && exact.to_bits() == depth.to_bits());
+                different += f64::from(u32::from(!same));
+            }
+        }
+        let detail = [("spheres".to_owned(), values), ("different".to_owned(), different)].into();
+        Ok(Check { name: PLACES.to_owned(), passed: different == 0.0 && values > 0.0, detail })
+    }
+}
+
+/// A frame of the device, and what the host needs to compare it.
+struct Resident {
+    view: View,
+    placer: Placer,
+    binned: BinnedScene,
+}
+
+/// The number of values of two frames, and of those that differ.
+fn compared(device: &Raw, host: &Raw) -> (f64, f64) {
+    let bits = |raw: &Raw| -> Vec<u32> {
+        let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.depth_interval).map(|x| x.to_bits());
+        raw.id.iter().copied().chain(numbers).collect()
+    };
+    let (device, host) = (bits(device), bits(host));
+    let different = device.iter().zip(&host).filter(|(a, b)| a != b).count() + device.len().abs_diff(host.len());
+    (host.len() as f64, different as f64)
 }

@@ -44,6 +44,8 @@ pub struct Verdict {
     /// Whether f32 satisfies what WGSL guarantees and the certificate requires: + - * rounded in either direction, no
     /// distribution of products over differences, division within 2.5 ulp, square root within 4.6 u (u = 2^-23).
     pub f32: bool,
+    /// Whether the device places spheres with the bits of f64, by integers. If not, the host bins them.
+    pub places: bool,
     /// Whether the production kernels give the bits of their CPU twins.
     pub strict_twin: bool,
     /// How sums round.
@@ -73,6 +75,7 @@ impl Verdict {
         let f32 = if self.f32 { "as WGSL promises" } else { "NOT AS WGSL PROMISES" };
         let twin =
             if self.strict_twin { "kernels equal their CPU twins" } else { "kernels differ from their CPU twins" };
+        let places = if self.places { "" } else { "; SPHERES ARE NOT PLACED AS IN F64" };
         let rounding = match self.rounding {
             Rounding::NearestEven => "nearest-even",
             Rounding::TowardZero => "toward-zero",
@@ -86,7 +89,7 @@ impl Verdict {
         let (div, sqrt) = (self.div_ulp, self.sqrt_ulp);
         vec![
             format!(
-                "f32 {f32}, rounds {rounding}, / {div:.3} ulp, sqrt {sqrt:.3} ulp, subnormals {subnormals}; {twin}"
+                "f32 {f32}, rounds {rounding}, / {div:.3} ulp, sqrt {sqrt:.3} ulp, subnormals {subnormals}; {twin}{places}"
             ),
             format!("f64 {}", usable(&self.f64)),
             format!("double-float {}", usable(&self.double_float)),

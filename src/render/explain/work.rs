@@ -1,8 +1,10 @@
 //! The work of a device: what is compiled, uploaded, written and dispatched.
 
 use super::explanation::{DeviceBuffer, ShaderFile};
+use crate::certify::ProjectionRecord;
+use crate::certify::placing::PlacingRecord;
 use crate::gpu::Gpu;
-use crate::gpu::compose::compose;
+use crate::gpu::compose::{Step, compose, compose_step};
 use crate::gpu::input::{Input, KernelRays};
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Bands, BindingLimits, Entries, uploads};
@@ -24,6 +26,9 @@ pub(super) struct Work {
 
 impl Work {
     pub(super) fn of(kernel: &Kernel, setup: &FrameSetup, scene: &Scene, gpu: &Gpu) -> Self {
+        if kernel.is_resident() {
+            return Self::of_resident(kernel, setup, scene, gpu);
+        }
         let pool = Pool::default();
         let (view, candidates) = (&setup.view, setup.candidates(scene, &pool));
         let parts = compose(kernel).files().into_iter().map(|(file, lines)| ShaderFile { file, lines }).collect();
@@ -50,6 +55,38 @@ impl Work {
         }
         let spheres = Some(limits.spheres(kernel, &input));
         Self { kernel: parts, uploaded, written, dispatches: bands.len() as u64, spheres }
+    }
+
+    /// Where the device holds the spheres: what its first frame uploads.
+    fn of_resident(kernel: &Kernel, setup: &FrameSetup, scene: &Scene, gpu: &Gpu) -> Self {
+        let samples = kernel.samples;
+        let steps = [Step::Place, Step::Small { samples }, Step::Large { samples }].map(compose_step);
+        let mut parts: Vec<ShaderFile> = Vec::new();
+        for source in steps.into_iter().chain([compose(kernel)]) {
+            for (file, lines) in source.files() {
+                let part = ShaderFile { file, lines };
+                if !parts.contains(&part) {
+                    parts.push(part);
+                }
+            }
+        }
+        let (pixels, spheres) = (setup.view.record.pixels() as u64, scene.spheres.len() as u64);
+        let colors = if kernel.colors { 12 * spheres } else { 0 };
+        let uploaded = [
+            ("view", size_of::<ViewRecord>() as u64),
+            ("projection", size_of::<ProjectionRecord>() as u64),
+            ("placing", size_of::<PlacingRecord>() as u64),
+            ("resident", 32 * spheres),
+            ("colors", colors),
+        ];
+        let uploaded = uploaded.into_iter().filter(|(_, bytes)| *bytes > 0);
+        let uploaded = uploaded.map(|(name, bytes)| DeviceBuffer { name, bytes }).collect();
+        let written =
+            KernelOutput::of(kernel).map(|out| DeviceBuffer { name: out.name, bytes: pixels * out.bytes() }).collect();
+        let binding = BindingLimits::from(&gpu.limits).binding;
+        let fit = if kernel.colors { binding / 12 } else { u64::from(u32::MAX >> 2) };
+        // The spheres are placed, go over the pixels twice in one submission, and are certified.
+        Self { kernel: parts, uploaded, written, dispatches: 2, spheres: Some(fit) }
     }
 }
 

@@ -24,6 +24,45 @@ pub(super) fn for_viewing_rays(requested: Search, certified: bool, spheres: usiz
     }
 }
 
+/// The same on a device, given what [`for_viewing_rays`] says of the frame.
+///
+/// # Errors
+/// [`Error::Settings`] for splats by a method.
+pub(super) fn on_device(
+    requested: Search,
+    certified: bool,
+    device: Device,
+    planned: (Search, &'static str),
+) -> Result<(Search, &'static str)> {
+    match (requested, device) {
+        (Search::Splat, _) if !certified => {
+            let problem = format!("{SEARCH} splat is for certified answers");
+            Err(Error::settings(problem, format!("use {ACCURACY} certified, or {SEARCH} auto")))
+        }
+        (Search::Splat, Device::Cpu) => Ok((Search::Tiles, NO_DEVICE)),
+        (Search::Auto, Device::Hardware) if certified => {
+            Ok((Search::Splat, "the device holds the spheres, and the host sends only the camera"))
+        }
+        _ => Ok(planned),
+    }
+}
+
+/// Why a device searches lists although it holds spheres for splats elsewhere.
+pub(crate) const NOT_PLACED: &str =
+    "the device cannot place these spheres for this camera, so the host bins them into tiles";
+
+/// Why a frame is searched by tiles although splats are requested.
+pub(crate) const NO_DEVICE: &str = "the CPU path has no splats, so the spheres are binned into tiles";
+
+/// What computes a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Device {
+    Cpu,
+    /// An adapter that runs on the host's processor: short lists take a fifth of the time there (docs/performance-log.md).
+    Software,
+    Hardware,
+}
+
 /// The most spheres that a method tests for each given ray: 1e5 rays then take 4 to 14 CPU seconds (docs/performance-log.md),
 /// and as many certified ones less than one.
 const MOST: usize = 10_000;
@@ -35,8 +74,8 @@ const MOST: usize = 10_000;
 /// [`Error::Settings`] for tiles, and for a tree by a method; [`Error::Limits`] for more than [`MOST`] spheres by a method.
 pub(super) fn for_given_rays(requested: Search, by_method: bool, spheres: usize) -> Result<Search> {
     match requested {
-        Search::Tiles => {
-            let problem = format!("given rays have no pixels, so {SEARCH} tiles does not apply");
+        Search::Tiles | Search::Splat => {
+            let problem = format!("given rays have no pixels, so {SEARCH} {} does not apply", requested.name());
             Err(Error::settings(problem, "use the search tree, all or auto"))
         }
         Search::Tree if by_method => {

@@ -1,0 +1,62 @@
+// How spheres are placed in the image: the camera in f64, and the bounds of the host.
+
+struct Placing {
+    eye: array<vec4<u32>, 3>,       // numbers of f64 as in float64.wgsl
+    axes: array<vec4<u32>, 9>,      // right, up and forward over the frame's unit
+    per_slope: array<vec4<u32>, 2>, // pixels per unit of slope
+    middle: array<vec4<u32>, 2>,    // (W - 1) / 2 and (H - 1) / 2
+    reference: vec4<u32>,           // the reference depth
+    // The host's LowTerms: place/low.wgsl.
+    low_blurred: vec3<f32>,
+    low_center: f32,
+    low_offset: vec3<f32>,
+    low_coordinates: f32,
+    low_total: vec2<f32>,
+    low_scale: vec2<f32>,
+    per_step: vec2<f32>,            // pixels per unit of rho
+    slope: vec2<f32>,               // a pixel's width and height as slopes; 0 for parallel rays
+    edge: vec2<f32>,                // the largest slopes of the image
+    reach: vec2<f32>,               // offset beyond which a miss is certain: constant, by rho
+    per_slope_f32: vec2<f32>,
+    middle_f32: vec2<f32>,
+    corner: vec2<f32>,              // the image's first column and row in the frame, and one past the last
+    end: vec2<f32>,
+    rotated: f32,                   // error of a coordinate per |c - e|_1 in the frame's unit
+    wider: f32,                     // what a rectangle is wider than rho
+    farthest: f32,                  // pixels beyond which there is no fixed point
+    per_unit: i32,                  // exponent of the unit of rho, negated
+    to_frame: i32,                  // exponent of the frame's unit, negated
+    shift: u32,                     // a pixel is 2^shift units of fixed point
+    fine: u32,                      // pixels of the frame along a side of the image's
+    parallel: u32,
+    columns: u32,                   // of the image
+    rows: u32,
+    unused_a: u32,
+    unused_b: u32,
+}
+
+@group(0) @binding(BIND_PLACING) var<uniform> placing: Placing;
+
+// A block of spheres in one dispatch.
+struct BlockPass {
+    first: u32,  // slot of its first sphere; its slots are the ids, but for those that the host placed
+    count: u32,
+    mode: u32,   // of shaders/splat
+    pieces: u32, // of large spheres
+    groups: u32, // workgroups in a row of the dispatch
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
+}
+
+@group(0) @binding(BIND_PART) var<uniform> part: BlockPass;
+
+// What the blocks of a frame have in common: SUMMARY_DEPTHS, the least and the largest depth of spheres that some ray meets, as
+// bits of f32; SUMMARY_PERHAPS, those of spheres of which f32 does not tell; then the numbers of spheres for the host, of pieces of
+// large spheres and of pairs of unsure pixels; then the slots of spheres for the host.
+@group(0) @binding(BIND_SUMMARY) var<storage, read_write> summary: array<atomic<u32>>;
+
+// The number of an invocation in the block.
+fn place_in_block(group: vec3<u32>, index: u32) -> u32 {
+    return (group.y * part.groups + group.x) * GROUP + index;
+}

@@ -1,0 +1,47 @@
+// The pixels of the image whose rays may hit a projected sphere; docs/certificate.md, section 4.
+
+const NOWHERE: i32 = 0x40000000; // a coordinate of no projected sphere
+const FLUSHED: f32 = 4.70197740328915e-38; // 2^-124: what f32 may lose below its normal numbers
+
+// Half the sides of a projected sphere's rectangle, in pixels of the frame. `aside` is the distance of its projected centre
+// from the middle of the frame. The host's are smaller by what f32 may be off by; what lies between is a certain miss.
+fn half_sides(rho: f32, aside: vec2<f32>) -> vec2<f32> {
+    let reach = (placing.reach.x + rho * placing.reach.y) * placing.per_step;
+    let steepest = min((abs(aside) + reach) * placing.slope, placing.edge);
+    let half = (rho + placing.wider) * (vec2<f32>(1.0) + 0.5 * steepest * steepest) * placing.per_step;
+    return half * 1.00001 + vec2<f32>(0.001);
+}
+
+// The largest integer not above a / b, for b > 0.
+fn quotient_below(a: i32, b: i32) -> i32 {
+    let q = a / b;
+    return q - i32(q * b > a);
+}
+
+// First column and row, last column and row; a last one is smaller where there is no pixel.
+fn rectangle(x: i32, y: i32, rho: f32) -> vec4<i32> {
+    let unit = bitcast<f32>((127u - placing.shift) << 23u);
+    let at = vec2<i32>(x, y);
+    let half = half_sides(rho, vec2<f32>(at) * unit - placing.middle_f32);
+    // Places are within 2^29 units and the image within 2^27 of 0, so 2^30 reaches across it.
+    let reach = vec2<i32>(min(half / unit, vec2<f32>(1073741824.0))) + vec2<i32>(1);
+    let corner = vec2<i32>(vec2<u32>(view.shift_column, view.shift_row) << vec2<u32>(placing.shift));
+    let pixel = i32(placing.fine << placing.shift);
+    let low = at - reach - corner + vec2<i32>((1i << placing.shift) - 1);
+    let high = at + reach - corner;
+    var first: vec2<i32>;
+    var last: vec2<i32>;
+    if (placing.fine == 1u) {
+        first = low >> vec2<u32>(placing.shift);
+        last = high >> vec2<u32>(placing.shift);
+    } else {
+        first = vec2<i32>(quotient_below(low.x, pixel), quotient_below(low.y, pixel));
+        last = vec2<i32>(quotient_below(high.x, pixel), quotient_below(high.y, pixel));
+    }
+    return vec4<i32>(max(first, vec2<i32>(0)), min(last, vec2<i32>(i32(placing.columns), i32(placing.rows)) - vec2<i32>(1)));
+}
+
+// Whether one invocation goes through all pixels.
+fn is_small(r: vec4<i32>) -> bool {
+    return any(r.zw < r.xy) || (r.z - r.x + 1) * (r.w - r.y + 1) <= SMALL;
+}

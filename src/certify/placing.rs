@@ -1,0 +1,229 @@
+//! What a device needs to place spheres as the host does (shaders/place), and what the host does for those that it leaves.
+
+use super::binned::{BinnedScene, reference};
+use super::general_lists::GeneralTree;
+use super::projection::stage::Staged;
+use super::projection::{LowTerms, ProjectionBounds};
+use super::tiles::{Lists, Placed};
+use super::{TERMS, answer::ProjectionRecord};
+use crate::error::Result;
+use crate::memory::Pool;
+use crate::scene::Scene;
+use crate::tile::TILE;
+use crate::view::View;
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+
+/// A number of f64 as shaders/place/float64.wgsl takes it: significand (low and high word), exponent, sign.
+pub(crate) type Words = [u32; 4];
+
+fn words(x: f64) -> Words {
+    let bits = x.to_bits();
+    let (exponent, significand) = ((bits >> 52) as i32 & 0x7ff, (bits << 11) | 1 << 63);
+    match exponent {
+        0 => [0, 0, -100_000i32 as u32, 0],
+        _ => [significand as u32, (significand >> 32) as u32, (exponent - 1086) as u32, (bits >> 63) as u32],
+    }
+}
+
+/// The uniform of these steps, declared in shaders/place/placing.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct PlacingRecord {
+    pub(crate) eye: [Words; 3],
+    pub(crate) axes: [[Words; 3]; 3],
+    pub(crate) per_slope: [Words; 2],
+    pub(crate) middle: [Words; 2],
+    pub(crate) reference: Words,
+    pub(crate) low_blurred: [f32; 3],
+    pub(crate) low_center: f32,
+    pub(crate) low_offset: [f32; 3],
+    pub(crate) low_coordinates: f32,
+    pub(crate) low_total: [f32; 2],
+    pub(crate) low_scale: [f32; 2],
+    pub(crate) per_step: [f32; 2],
+    pub(crate) slope: [f32; 2],
+    pub(crate) edge: [f32; 2],
+    pub(crate) reach: [f32; 2],
+    pub(crate) per_slope_f32: [f32; 2],
+    pub(crate) middle_f32: [f32; 2],
+    pub(crate) corner: [f32; 2],
+    pub(crate) end: [f32; 2],
+    pub(crate) rotated: f32,
+    pub(crate) wider: f32,
+    pub(crate) farthest: f32,
+    pub(crate) per_unit: i32,
+    pub(crate) to_frame: i32,
+    pub(crate) shift: u32,
+    pub(crate) fine: u32,
+    pub(crate) parallel: u32,
+    pub(crate) columns: u32,
+    pub(crate) rows: u32,
+    pub(crate) unused_a: u32,
+    pub(crate) unused_b: u32,
+}
+
+/// What a device found out about all spheres.
+#[derive(Debug, Default)]
+pub(crate) struct PlacedSummary {
+    /// Least and largest depth of the spheres that some ray meets, and of those of which f32 does not tell.
+    pub(crate) depths: Option<[f64; 2]>,
+    pub(crate) perhaps: Option<[f64; 2]>,
+    /// The spheres that the host has to look at, in order.
+    pub(crate) for_host: Vec<u32>,
+}
+
+/// The spheres that a device left to the host.
+pub(crate) struct ByHost {
+    /// The scene without lists, with its general spheres.
+    pub(crate) binned: BinnedScene,
+    /// Those that are projected, with the depths of their centres.
+    pub(crate) guests: Vec<(Placed, f64)>,
+    pub(crate) reference: f32,
+}
+
+/// The host's part in placing the spheres of a frame.
+pub(crate) struct Placer {
+    projection: ProjectionBounds,
+    image: [u32; 2],
+    fine: u32,
+    tolerance: f64,
+}
+
+impl Placer {
+    /// For the rays of a view. `None` where the field of view is too wide or too narrow for the bounds of projected spheres.
+    ///
+    /// # Errors
+    /// Those of the camera.
+    pub(crate) fn new(scene: &Scene, view: &View, tolerance: f64) -> Result<Option<Self>> {
+        let image = [scene.image.width, scene.image.height];
+        let projection = ProjectionBounds::new(&scene.camera, view, image, &TERMS)?;
+        let fits = projection.is_bounded() && projection.is_placed_by_devices();
+        Ok(fits.then_some(Self { projection, image, fine: view.record.fine(), tolerance }))
+    }
+
+    /// The tolerance of the frame.
+    pub(crate) fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// What the kernel takes from the frame but for the spheres.
+    pub(crate) fn lens(&self) -> ProjectionRecord {
+        self.projection_record(0.0, 0)
+    }
+
+    /// The uniform, with depths relative to `reference`.
+    pub(crate) fn record(&self, reference: f32) -> PlacingRecord {
+        let LowTerms { blurred, offset, total, scale, center, coordinates } = self.projection.low;
+        let p = self.projection.for_devices();
+        PlacingRecord {
+            eye: p.eye.map(words),
+            axes: p.axes.map(|axis| axis.map(words)),
+            per_slope: p.per_slope.map(words),
+            middle: p.middle.map(words),
+            reference: words(reference.into()),
+            low_blurred: blurred,
+            low_center: center,
+            low_offset: offset,
+            low_coordinates: coordinates,
+            low_total: total,
+            low_scale: scale,
+            per_step: p.per_step,
+            slope: p.slope,
+            edge: p.edge,
+            reach: p.reach,
+            per_slope_f32: p.per_slope.map(|x| x as f32),
+            middle_f32: p.middle.map(|x| x as f32),
+            corner: p.corner,
+            end: p.end,
+            rotated: p.rotated,
+            wider: p.wider,
+            farthest: p.farthest,
+            per_unit: p.per_unit,
+            to_frame: -self.projection.unit_exponent(),
+            shift: p.shift,
+            fine: self.fine,
+            parallel: p.parallel,
+            columns: self.image[0],
+            rows: self.image[1],
+            unused_a: 0,
+            unused_b: 0,
+        }
+    }
+
+    /// What the kernel takes from all spheres.
+    fn projection_record(&self, reference: f32, generals: usize) -> ProjectionRecord {
+        ProjectionRecord { generals: generals as u32, ..self.projection.record(reference, self.tolerance) }
+    }
+
+    /// Places what a device left, and decides the reference depth: that of [`BinnedScene::new`].
+    pub(crate) fn by_host(&self, scene: &Scene, view: &View, summary: &PlacedSummary, pool: &Pool) -> ByHost {
+        let sphere = |id: u32| (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
+        let stage = |reference: f64| -> Vec<Staged> {
+            let one = |id: &u32| self.projection.stage(*id, sphere(*id).0, sphere(*id).1, reference);
+            summary.for_host.par_iter().map(one).collect()
+        };
+        let mut staged = stage(0.0);
+        let general = |staged: &Staged| matches!(staged, Staged::General(_));
+        let depths = staged.iter().filter_map(|staged| match staged {
+            Staged::Projected(landed) => Some([landed.depth; 2]),
+            _ => None,
+        });
+        let range = depths.chain(summary.depths).reduce(joined);
+        let has_generals = staged.iter().any(general);
+        let mut reference = reference(range, has_generals);
+        // Further spheres only widen the range, and a range that is too wide stays so.
+        let within = |[a, b]: [f64; 2]| range.is_some_and(|[least, most]| least <= a && b <= most);
+        if (reference > 0.0 || range.is_none()) && !has_generals && summary.perhaps.is_some_and(|few| !within(few)) {
+            reference = super::binned::reference(self.projection.range(scene, pool), has_generals);
+        }
+        if reference > 0.0 && !staged.is_empty() {
+            staged = stage(reference.into());
+        }
+        let (mut generals, mut guests) = (Vec::new(), Vec::new());
+        for staged in staged {
+            match staged {
+                Staged::General(record) => generals.push(record),
+                Staged::Projected(landed) => guests.push((landed.placed, landed.depth)),
+                Staged::Unseen => {}
+            }
+        }
+        let tiles = view.record.tiles();
+        let general_lists = GeneralTree::new(&self.projection, &generals, self.image, self.tolerance).lists(tiles, 0);
+        let projection = self.projection_record(reference, generals.len());
+        let lists = Lists::of_tiles(tiles, &[]);
+        ByHost { binned: BinnedScene { projection, lists, generals, general_lists, seen: 0 }, guests, reference }
+    }
+
+    /// A sphere as the host places it, with the depth of its centre; `None` where it has no projected record.
+    pub(crate) fn placed(&self, scene: &Scene, id: u32, reference: f32) -> Option<(Placed, f64)> {
+        let (center, radius) = (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
+        match self.projection.stage(id, center, radius, reference.into()) {
+            Staged::Projected(landed) => Some((landed.placed, landed.depth)),
+            _ => None,
+        }
+    }
+
+    /// Makes the lists of tiles from pairs of a pixel of the window and a sphere that its ray may hit first.
+    pub(crate) fn list(&self, scene: &Scene, view: &View, binned: &mut BinnedScene, mut pairs: Vec<[u32; 2]>) {
+        let columns = self.image[0].div_ceil(TILE);
+        for [tile, _] in &mut pairs {
+            let [row, column] = view.record.place(*tile);
+            *tile = row / TILE * columns + column / TILE;
+        }
+        pairs.par_sort_unstable();
+        pairs.dedup();
+        let tiles: Vec<_> = pairs.chunk_by(|a, b| a[0] == b[0]).collect();
+        let reference = binned.projection.depth;
+        let list = |pairs: &&[[u32; 2]]| {
+            let placed = pairs.iter().filter_map(|[_, id]| Some(self.placed(scene, *id, reference)?.0));
+            ([pairs[0][0] % columns, pairs[0][0] / columns], placed.collect())
+        };
+        let lists: Vec<_> = tiles.par_iter().map(list).collect();
+        binned.lists = Lists::of_tiles(view.record.tiles(), &lists);
+    }
+}
+
+fn joined([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a.min(c), b.max(d)]
+}

@@ -1,0 +1,257 @@
+//! The spheres that a device holds, in blocks that fit a binding.
+
+use crate::certify::ProjectionRecord;
+use crate::certify::binned::BinnedScene;
+use crate::certify::placing::{PlacedSummary, PlacingRecord};
+use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
+use crate::certify::tiles::Placed;
+use crate::double_double as dd;
+use crate::gpu::compose::Step;
+use crate::gpu::device::Open;
+use crate::gpu::layout::Binding;
+use crate::gpu::sizes::{HOST_SPHERES, SUMMARY_LIST};
+use crate::scene::Spheres;
+use crate::scene::list::List;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// The pipelines of the steps.
+#[derive(Default)]
+pub(super) struct Steps(pub(super) HashMap<Step, (wgpu::ComputePipeline, Vec<Binding>)>);
+
+/// What the device holds from frame to frame.
+pub(crate) struct Resident {
+    pub(super) held: Option<Held>,
+    pub(super) steps: Steps,
+    /// Spheres of a block.
+    pub(super) block: usize,
+    /// Blocks leave their minima in the reverse order.
+    #[cfg(test)]
+    pub(super) reversed: bool,
+}
+
+/// Spheres of a block: 64 MiB, and 80 MiB of records.
+pub(super) const BLOCK: usize = 1 << 21;
+
+impl Default for Resident {
+    fn default() -> Self {
+        Self {
+            held: None,
+            steps: Steps::default(),
+            block: BLOCK,
+            #[cfg(test)]
+            reversed: false,
+        }
+    }
+}
+
+/// Spheres that one job brings into the layout of a device.
+const TOGETHER: usize = 1 << 14;
+
+/// The spheres of a block, and their records.
+pub(super) struct Block {
+    pub(super) first: u32,
+    pub(super) count: u32,
+    /// Centre and radius in f64; none where the host placed them.
+    pub(super) spheres: Option<wgpu::Buffer>,
+    pub(super) projected: wgpu::Buffer,
+}
+
+/// The box around the centres and the range of the radii.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reach {
+    low: DVec3,
+    high: DVec3,
+    radii: [f64; 2],
+}
+
+/// The largest range of exponents of sizes and distances that devices place: records keep their bits in every unit.
+const SPAN: i32 = 64;
+/// The largest exponent of a number that integers of shaders/place/float64.wgsl multiply.
+const LARGEST: i32 = 300;
+
+impl Reach {
+    fn of(spheres: &Spheres) -> Self {
+        let none = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, radii: [f64::INFINITY, 0.0] };
+        let one = |all: Self, (center, radius): (&[f64; 3], &f64)| {
+            let center = DVec3::from_array(*center);
+            let radii = [all.radii[0].min(*radius), all.radii[1].max(*radius)];
+            Self { low: all.low.min(center), high: all.high.max(center), radii }
+        };
+        let jobs = spheres.centers.par_chunks(TOGETHER).zip(spheres.radii.par_chunks(TOGETHER));
+        let both = |a: Self, b: Self| Self {
+            low: a.low.min(b.low),
+            high: a.high.max(b.high),
+            radii: [a.radii[0].min(b.radii[0]), a.radii[1].max(b.radii[1])],
+        };
+        jobs.map(|(centers, radii)| centers.iter().zip(radii).fold(none, one)).reduce(|| none, both)
+    }
+
+    /// A unit's exponent for a frame from `eye`; `None` where sizes and distances may be too far apart.
+    pub(crate) fn unit(&self, eye: DVec3) -> Option<i32> {
+        let near = (self.low - eye).max(eye - self.high).max_element().max(0.0);
+        let far = (self.high - eye).abs().max((eye - self.low).abs()).max_element();
+        let [least, most] = [near.max(self.radii[0]), far.max(self.radii[1])];
+        let range = [least, most].map(dd::exponent);
+        let world = self.low.abs().max(self.high.abs()).max(eye.abs()).max_element();
+        let fits = range[1] - range[0] <= SPAN && range[0] >= -LARGEST && range[1].max(dd::exponent(world)) <= LARGEST;
+        (least > 0.0 && most.is_finite() && fits).then(|| range[0] + (range[1] - range[0]) / 2)
+    }
+}
+
+/// What records depend on: the camera, the promise and the tiles of the window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PlacedFor {
+    pub(super) placing: PlacingRecord,
+    pub(super) lens: ProjectionRecord,
+    pub(super) tiles: [[u32; 2]; 2],
+}
+
+/// The spheres of a scene on a device.
+pub(super) struct Held {
+    /// The lists themselves where no one can change them; else the frame in which they were sent, and their addresses.
+    kept: Option<(List<[f64; 3]>, List<f64>)>,
+    sent: (u64, [usize; 2]),
+    count: u32,
+    pub(super) reach: Reach,
+    pub(super) blocks: Vec<Block>,
+    /// The ids of the spheres that the host placed, in the last block.
+    guests: Vec<u32>,
+    pub(super) pieces: u32,
+    /// The last view for which they were placed, its tiles, and what the host found.
+    pub(super) placed: Option<(PlacedFor, BinnedScene)>,
+    pub(super) has_colors: bool,
+    pub(super) has_lists: bool,
+    colors: Option<usize>,
+}
+
+fn addresses(spheres: &Spheres) -> [usize; 2] {
+    [spheres.centers.as_ptr() as usize, spheres.radii.as_ptr() as usize]
+}
+
+fn address_of_colors(spheres: &Spheres) -> Option<usize> {
+    spheres.colors.as_ref().map(|colors| colors.as_ptr() as usize)
+}
+
+impl Held {
+    /// Bytes of the largest buffer of a block of so many spheres.
+    pub(super) fn largest(count: usize) -> u64 {
+        Block::records(count as u32)
+    }
+
+    /// Sends the spheres of a scene in blocks of `size`; also the bytes that were sent.
+    pub(super) fn new(open: &Open, spheres: &Spheres, frame: u64, size: usize) -> (Self, u64) {
+        let (mut blocks, mut sent) = (Vec::new(), 0);
+        let all = spheres.centers.chunks(size).zip(spheres.radii.chunks(size));
+        for (n, (centers, radii)) in all.enumerate() {
+            let mut packed: Vec<[f64; 4]> = vec![[0.0; 4]; centers.len()];
+            let jobs = packed.par_iter_mut().zip(centers).zip(radii);
+            jobs.with_min_len(TOGETHER).for_each(|((to, [x, y, z]), r)| *to = [*x, *y, *z, *r]);
+            let bytes: &[u8] = bytemuck::cast_slice(&packed);
+            sent += bytes.len() as u64;
+            blocks.push(Block::new(open, (n * size) as u32, centers.len() as u32, Some(bytes)));
+        }
+        let held = Self {
+            kept: spheres.centers.kept().zip(spheres.radii.kept()),
+            sent: (frame, addresses(spheres)),
+            count: spheres.len() as u32,
+            reach: Reach::of(spheres),
+            blocks,
+            guests: Vec::new(),
+            pieces: 0,
+            placed: None,
+            has_colors: false,
+            has_lists: false,
+            colors: address_of_colors(spheres),
+        };
+        (held, sent)
+    }
+
+    /// Whether these are the spheres of a scene in a frame.
+    pub(super) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
+        if self.colors != address_of_colors(spheres) || self.count as usize != spheres.len() {
+            return false;
+        }
+        match &self.kept {
+            Some((centers, radii)) => centers.is_same(&spheres.centers) && radii.is_same(&spheres.radii),
+            None => self.sent == (frame, addresses(spheres)),
+        }
+    }
+
+    /// The id of the sphere in a slot.
+    pub(super) fn id(&self, slot: u32) -> u32 {
+        slot.checked_sub(self.count).map_or(slot, |guest| self.guests[guest as usize])
+    }
+
+    /// Takes the spheres that the host placed, in a block of their own; the bytes that were sent.
+    pub(super) fn set_guests(&mut self, open: &Open, guests: &[(Placed, f64)]) -> u64 {
+        self.blocks.retain(|block| block.spheres.is_some());
+        self.guests = guests.iter().map(|(placed, _)| placed.detail.id).collect();
+        if guests.is_empty() {
+            return 0;
+        }
+        let block = Block::new(open, self.count, guests.len() as u32, None);
+        let records: Vec<ProjectedRecord> = guests.iter().map(|(placed, _)| placed.record).collect();
+        let details: Vec<ProjectedDetailRecord> = guests.iter().map(|(placed, _)| placed.detail).collect();
+        let depths: Vec<f64> = guests.iter().map(|(_, depth)| *depth).collect();
+        let parts: [&[u8]; 3] =
+            [bytemuck::cast_slice(&records), bytemuck::cast_slice(&details), bytemuck::cast_slice(&depths)];
+        let mut offset = 0;
+        for part in parts {
+            open.queue.write_buffer(&block.projected, offset, part);
+            offset += part.len() as u64;
+        }
+        self.blocks.push(block);
+        offset
+    }
+
+    /// The block of the spheres that the host placed.
+    pub(super) fn guests(&self) -> Option<&Block> {
+        self.blocks.last().filter(|block| block.spheres.is_none())
+    }
+}
+
+impl Block {
+    /// Bytes of the records of so many spheres: two of 16 bytes, and depths in pairs.
+    fn records(count: u32) -> u64 {
+        32 * u64::from(count) + 16 * u64::from(count.div_ceil(2))
+    }
+
+    /// A block with room for records; `bytes` are its spheres.
+    fn new(open: &Open, first: u32, count: u32, bytes: Option<&[u8]>) -> Self {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let buffer = |label, size| {
+            let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+            open.device.create_buffer(&descriptor)
+        };
+        let spheres = bytes.map(|_| buffer("resident", 32 * u64::from(count)));
+        let projected = buffer("projected", Self::records(count));
+        if let (Some(spheres), Some(bytes)) = (&spheres, bytes) {
+            open.queue.write_buffer(spheres, 0, bytes);
+        }
+        Self { first, count, spheres, projected }
+    }
+}
+
+/// What the device says after placing.
+pub(super) struct Counts {
+    pub(super) summary: PlacedSummary,
+    pub(super) host: u32,
+    pub(super) pieces: u32,
+}
+
+impl Counts {
+    /// From the numbers of the summary.
+    pub(super) fn new(numbers: &[u32]) -> Self {
+        let range = |at: usize| {
+            let [least, most] = [numbers[at], numbers[at + 1]];
+            (least <= most).then(|| [least, most].map(|bits| f64::from(f32::from_bits(bits))))
+        };
+        let host = numbers[4];
+        let mut for_host: Vec<u32> = numbers[SUMMARY_LIST as usize..][..host.min(HOST_SPHERES) as usize].to_vec();
+        for_host.sort_unstable();
+        let summary = PlacedSummary { depths: range(0), perhaps: range(2), for_host };
+        Self { summary, host, pieces: numbers[5] }
+    }
+}

@@ -1,0 +1,315 @@
+//! The dispatches of a resident frame.
+
+use super::held::{Block, Counts, Held};
+use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
+use crate::certify::tiles::{NOTHING, Placed};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::gpu::compose::{Step, compose_step};
+use crate::gpu::dispatch::{READING, mapped};
+use crate::gpu::input::GROUP;
+use crate::gpu::layout::{Binding, bindings};
+use crate::gpu::sizes::{HOST_SPHERES, PAIRS, PIECES, SUMMARY_LIST};
+use crate::gpu::validate::{compile, validate};
+use crate::kernel::{Kernel, KernelOutput};
+use bytemuck::{Pod, Zeroable};
+use naga::valid::Capabilities;
+use std::time::Instant;
+
+/// A block of spheres in one dispatch, declared in shaders/place/placing.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct BlockPass {
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+    pub(crate) mode: u32,
+    pub(crate) pieces: u32,
+    pub(crate) groups: u32,
+    pub(crate) unused_a: u32,
+    pub(crate) unused_b: u32,
+    pub(crate) unused_c: u32,
+}
+
+/// Bytes between the parts of different dispatches in their buffer: the largest alignment that a device may demand.
+const STRIDE: u64 = 256;
+
+/// The passes of shaders/splat.
+const LEAST: u32 = 0;
+const SLOTS: u32 = 1;
+const PAIRS_OF_UNSURE: u32 = 2;
+
+/// A dispatch: a pipeline, what it binds of a block, and its workgroups.
+struct Job<'a> {
+    step: Step,
+    block: &'a Block,
+    /// The place of its part in the buffer of parts.
+    part: u64,
+    groups: (u32, u32),
+}
+
+/// Columns and rows of at least so many workgroups.
+fn spread(groups: u32, most: u32) -> (u32, u32) {
+    let columns = groups.clamp(1, most);
+    (columns, groups.div_ceil(columns).max(1))
+}
+
+impl Gpu {
+    /// Runs the kernel that places every block.
+    pub(super) fn place_blocks(&mut self, held: &Held) -> Result<Counts> {
+        let blocks: Vec<&Block> = held.blocks.iter().filter(|block| block.spheres.is_some()).collect();
+        let mut head = [0u32; SUMMARY_LIST as usize];
+        // No depth yet: the least above the largest.
+        (head[0], head[2]) = (u32::MAX, u32::MAX);
+        self.reserve_summary();
+        self.open.queue.write_buffer(&self.buffers["summary"], 0, bytemuck::cast_slice(&head));
+        let numbers = self.summarize(&blocks, Step::Place)?;
+        Ok(Counts::new(&numbers))
+    }
+
+    /// Cuts the large ones of the spheres that the host placed; the number of pieces of all.
+    pub(super) fn cut_guests(&mut self, block: &Block) -> Result<u32> {
+        Ok(self.summarize(&[block], Step::Guests)?[5])
+    }
+
+    fn reserve_summary(&mut self) {
+        let size = 4 * u64::from(SUMMARY_LIST + HOST_SPHERES);
+        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        self.reserve("summary", size, storage);
+        self.reserve("read summary", size, READING);
+        self.reserve("pieces", 8 * u64::from(PIECES), wgpu::BufferUsages::STORAGE);
+        self.reserve("pairs", 8 * u64::from(PAIRS), wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    }
+
+    /// Runs a step for some blocks and reads the summary.
+    fn summarize(&mut self, blocks: &[&Block], step: Step) -> Result<Vec<u32>> {
+        self.step(step)?;
+        let most = self.limits.max_compute_workgroups_per_dimension;
+        let mut jobs = Vec::new();
+        let mut parts = Vec::new();
+        for block in blocks {
+            let groups = spread(block.count.div_ceil(GROUP), most);
+            jobs.push(Job { step, block, part: parts.len() as u64, groups });
+            parts.push(block.part(0, 0, groups.0));
+        }
+        self.fill_of_parts(&parts)?;
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        self.encode(&mut encoder, &jobs, None);
+        let head = 4 * u64::from(SUMMARY_LIST);
+        encoder.copy_buffer_to_buffer(&self.buffers["summary"], 0, &self.buffers["read summary"], 0, head);
+        self.finish(encoder)?;
+        let mut numbers = self.read("read summary", head)?;
+        let host = numbers[4].min(HOST_SPHERES);
+        if host > 0 {
+            let size = 4 * u64::from(SUMMARY_LIST + host);
+            let mut encoder = self.open.device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(&self.buffers["summary"], 0, &self.buffers["read summary"], 0, size);
+            self.finish(encoder)?;
+            numbers = self.read("read summary", size)?;
+        }
+        Ok(numbers)
+    }
+
+    /// Both passes of minima and the kernel that certifies.
+    pub(super) fn submit_steps(
+        &mut self,
+        kernel: &Kernel,
+        held: &Held,
+        pixels: u64,
+        tiles: [[u32; 2]; 2],
+    ) -> Result<()> {
+        let (mut jobs, mut parts) = (Vec::new(), Vec::new());
+        for mode in [LEAST, SLOTS] {
+            self.splats(kernel, held, mode, &mut jobs, &mut parts)?;
+        }
+        let firsts: Vec<u64> = held
+            .blocks
+            .iter()
+            .map(|block| {
+                parts.push(block.part(0, 0, 0));
+                parts.len() as u64 - 1
+            })
+            .collect();
+        self.fill_of_parts(&parts)?;
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.buffers["minima"], 0, Some(12 * pixels));
+        self.encode(&mut encoder, &jobs, Some(pixels));
+        let [columns, rows] = tiles.map(|[first, last]| last - first + 1);
+        let pipeline = &self.pipelines[kernel];
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(&pipeline.compute);
+            for (block, part) in held.blocks.iter().zip(firsts) {
+                let layout = pipeline.compute.get_bind_group_layout(0);
+                let entries: Vec<_> =
+                    pipeline.bindings.iter().map(|b| self.entry(b, block, part, kernel, pixels)).collect();
+                let group = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
+                pass.set_bind_group(0, &self.open.device.create_bind_group(&group), &[]);
+                pass.dispatch_workgroups(columns, rows, 1);
+            }
+        }
+        for output in KernelOutput::of(kernel).filter(|_| !self.direct) {
+            let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes());
+        }
+        self.finish(encoder)
+    }
+
+    /// The pass that finds the spheres of unsure pixels.
+    pub(super) fn submit_pairs(&mut self, kernel: &Kernel, held: &Held, pixels: u64) -> Result<Option<Vec<[u32; 2]>>> {
+        let (mut jobs, mut parts) = (Vec::new(), Vec::new());
+        self.splats(kernel, held, PAIRS_OF_UNSURE, &mut jobs, &mut parts)?;
+        self.fill_of_parts(&parts)?;
+        self.open.queue.write_buffer(&self.buffers["summary"], 4 * 6, &[0; 4]);
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        self.encode(&mut encoder, &jobs, Some(pixels));
+        encoder.copy_buffer_to_buffer(&self.buffers["summary"], 0, &self.buffers["read summary"], 0, 32);
+        self.finish(encoder)?;
+        let count = self.read("read summary", 32)?[6];
+        if count > PAIRS {
+            return Ok(None);
+        }
+        if count == 0 {
+            return Ok(Some(Vec::new()));
+        }
+        let size = 8 * u64::from(count);
+        self.reserve("read pairs", size, READING);
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.buffers["pairs"], 0, &self.buffers["read pairs"], 0, size);
+        self.finish(encoder)?;
+        let numbers = self.read("read pairs", size)?;
+        Ok(Some(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()))
+    }
+
+    /// The dispatches of a pass of all spheres over the pixels.
+    fn splats<'a>(
+        &mut self,
+        kernel: &Kernel,
+        held: &'a Held,
+        mode: u32,
+        jobs: &mut Vec<Job<'a>>,
+        parts: &mut Vec<BlockPass>,
+    ) -> Result<()> {
+        let most = self.limits.max_compute_workgroups_per_dimension;
+        let samples = kernel.samples;
+        #[cfg(test)]
+        let first = jobs.len();
+        for block in &held.blocks {
+            let groups = spread(block.count.div_ceil(GROUP), most);
+            jobs.push(Job { step: Step::Small { samples }, block, part: parts.len() as u64, groups });
+            parts.push(block.part(mode, 0, groups.0));
+            if held.pieces > 0 {
+                let groups = spread(held.pieces, most);
+                jobs.push(Job { step: Step::Large { samples }, block, part: parts.len() as u64, groups });
+                parts.push(block.part(mode, held.pieces, groups.0));
+            }
+        }
+        #[cfg(test)]
+        if self.resident.reversed {
+            jobs[first..].reverse();
+        }
+        self.step(Step::Small { samples })?;
+        self.step(Step::Large { samples })
+    }
+
+    /// Compiles a step.
+    fn step(&mut self, step: Step) -> Result<()> {
+        if self.resident.steps.0.contains_key(&step) {
+            return Ok(());
+        }
+        let (module, info) = validate(&compose_step(step), Capabilities::empty())?;
+        let bindings = bindings(&module, &info);
+        let pipeline = compile(&self.open.device, "resident", module);
+        self.resident.steps.0.insert(step, (pipeline, bindings));
+        Ok(())
+    }
+
+    fn fill_of_parts(&mut self, parts: &[BlockPass]) -> Result<()> {
+        let mut bytes = vec![0; parts.len() * STRIDE as usize];
+        for (to, part) in bytes.chunks_exact_mut(STRIDE as usize).zip(parts) {
+            to[..size_of::<BlockPass>()].copy_from_slice(bytemuck::bytes_of(part));
+        }
+        self.fill("part", &bytes)
+    }
+
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, jobs: &[Job<'_>], pixels: Option<u64>) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        for job in jobs {
+            let (pipeline, bindings) = &self.resident.steps.0[&job.step];
+            let layout = pipeline.get_bind_group_layout(0);
+            let kernel = Kernel::bare(crate::intersect::Method::Stable);
+            let entries: Vec<_> =
+                bindings.iter().map(|b| self.entry(b, job.block, job.part, &kernel, pixels.unwrap_or(1))).collect();
+            let group = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &self.open.device.create_bind_group(&group), &[]);
+            pass.dispatch_workgroups(job.groups.0, job.groups.1, 1);
+        }
+    }
+
+    fn entry<'a>(
+        &'a self,
+        binding: &Binding,
+        block: &'a Block,
+        part: u64,
+        kernel: &Kernel,
+        pixels: u64,
+    ) -> wgpu::BindGroupEntry<'a> {
+        let resource = match (binding.name, &block.spheres) {
+            ("projected", _) => block.projected.as_entire_binding(),
+            ("resident", Some(spheres)) => spheres.as_entire_binding(),
+            ("part", _) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &self.buffers["part"],
+                offset: part * STRIDE,
+                size: std::num::NonZeroU64::new(size_of::<BlockPass>() as u64),
+            }),
+            (name, _) => self.bound(name, kernel, pixels),
+        };
+        wgpu::BindGroupEntry { binding: binding.binding, resource }
+    }
+
+    /// The records of a block.
+    pub(super) fn records_of(&mut self, block: &Block) -> Result<Vec<Option<(Placed, f64)>>> {
+        let (size, count) = (block.projected.size(), block.count as usize);
+        self.reserve("read records", size, READING);
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&block.projected, 0, &self.buffers["read records"], 0, size);
+        self.finish(encoder)?;
+        let bytes: Vec<u8> = bytemuck::cast_slice(&self.read("read records", size)?).to_vec();
+        let (records, rest) = bytes.split_at(count * size_of::<ProjectedRecord>());
+        let (details, depths) = rest.split_at(count * size_of::<ProjectedDetailRecord>());
+        let records: Vec<ProjectedRecord> = bytemuck::pod_collect_to_vec(records);
+        let details: Vec<ProjectedDetailRecord> = bytemuck::pod_collect_to_vec(details);
+        let depths: Vec<f64> = bytemuck::pod_collect_to_vec(&depths[..count * size_of::<f64>()]);
+        let one = |((record, detail), depth): ((ProjectedRecord, ProjectedDetailRecord), f64)| {
+            (record.x != NOTHING.x).then_some((Placed { record, detail }, depth))
+        };
+        Ok(records.into_iter().zip(details).zip(depths).map(one).collect())
+    }
+
+    /// Submits and waits.
+    fn finish(&mut self, encoder: wgpu::CommandEncoder) -> Result<()> {
+        let commands = encoder.finish();
+        let start = Instant::now();
+        self.open.queue.submit([commands]);
+        let done = self.wait();
+        self.traffic.busy += start.elapsed();
+        done
+    }
+
+    /// The first numbers of a buffer for reading.
+    fn read(&mut self, name: &'static str, size: u64) -> Result<Vec<u32>> {
+        let buffer = &self.buffers[name];
+        buffer.map_async(wgpu::MapMode::Read, 0..size, |_| {});
+        self.wait()?;
+        let numbers = bytemuck::pod_collect_to_vec(&mapped(buffer, size)?);
+        buffer.unmap();
+        self.traffic.down += size;
+        Ok(numbers)
+    }
+}
+
+impl Block {
+    fn part(&self, mode: u32, pieces: u32, groups: u32) -> BlockPass {
+        BlockPass { first: self.first, count: self.count, mode, pieces, groups, unused_a: 0, unused_b: 0, unused_c: 0 }
+    }
+}

@@ -1,0 +1,160 @@
+//! Resident frames have the bits of the CPU path whatever the order and the division of their work, and what a device places
+//! has the bits of the host.
+
+use super::held::BLOCK;
+use super::*;
+use crate::answers::raw::Raw;
+use crate::certify::TERMS;
+use crate::cpu;
+use crate::frame::report::Timings;
+use crate::gpu::device;
+use crate::intersect::Method;
+use crate::scene::camera::{Camera, Lens, Look};
+use crate::scene::{ImagePlane, Spheres};
+use crate::shade::Shade;
+use crate::testing::{Rng, adapter_or_skip, near_and_far};
+use crate::view::raster::Raster;
+use crate::window::Window;
+
+/// A device of the pinned adapter.
+fn open() -> Option<Gpu> {
+    let found = adapter_or_skip()?;
+    Some(Gpu::new(device::open(&found).expect("a device"), found.summary))
+}
+
+fn kernel(samples: bool) -> Kernel {
+    Kernel {
+        shade: Some(Shade::Headlight),
+        colors: true,
+        t: true,
+        normal: true,
+        certify: true,
+        depth_interval: true,
+        samples,
+        ..Kernel::bare(Method::Stable)
+    }
+}
+
+/// What a device and the CPU path make of the rays of a scene, and why the device leaves it to the host.
+fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw, Option<String>) {
+    let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
+    let reach = gpu.hold(scene, number).expect("a device").expect("spheres");
+    let mut view = View::in_unit(scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
+    view.record.sample = raster.count() / 2;
+    let placer = Placer::new(scene, &view, 1e-5).expect("a lens").expect("a projection");
+    let binned = BinnedScene::new(scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+    let raw = || Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
+    let (mut device, mut host) = (raw(), raw());
+    cpu::certified(&kernel, &view, &binned, scene.spheres.colors.as_deref(), &mut host, &|| true);
+    let frame = ResidentFrame { scene, view: &view, placer: &placer, pool: &pool };
+    let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
+    let left = match gpu.render_resident(&kernel, frame, &mut output, &|_| true).expect("a frame") {
+        Rendered::Frame(_) => None,
+        Rendered::Left(reason) => Some(reason),
+    };
+    device.depth.clear();
+    (device, host, left)
+}
+
+#[test]
+fn a_frame_has_the_same_bits_in_every_order_and_division() {
+    let Some(mut gpu) = open() else { return };
+    let mut number = 0;
+    for near in [0, 3, 6] {
+        let scene = near_and_far(near);
+        let full = Window::full(scene.image.width, scene.image.height);
+        let part = Window { x0: 37, y0: 11, x1: 102, y1: 59 };
+        let samples = Raster::samples(part, 4, 7, &scene.image).expect("room").expect("several samples");
+        for raster in [Raster::centres(full), Raster::centres(part), samples] {
+            // Blocks, their order, workgroups in a row, and bytes of a binding: several blocks, rows and bands.
+            for (block, reversed, groups, binding) in [
+                (BLOCK, false, 65_535, 128 << 20),
+                (7, false, 65_535, 128 << 20),
+                (7, true, 2, 128 << 20),
+                (64, true, 3, 26 << 10),
+            ] {
+                (gpu.resident.block, gpu.resident.reversed) = (block, reversed);
+                gpu.limits.max_compute_workgroups_per_dimension = groups;
+                gpu.limits.max_storage_buffer_binding_size = binding;
+                number += 1;
+                let (device, host, left) = both(&mut gpu, &scene, raster, number);
+                assert_eq!(left, None);
+                let what = format!("{near} near, {raster:?}, blocks of {block}, {groups} groups, {binding} bytes");
+                let hits = host.id.iter().filter(|id| **id < UNSURE).count();
+                assert!(hits > 1000, "{hits} hits: {what}");
+                let differ = device.id.iter().zip(&host.id).filter(|(a, b)| a != b).count();
+                assert!(device == host, "{what}: {differ} ids differ");
+            }
+        }
+    }
+}
+
+/// Cameras from near to far, through long and wide lenses, for parallel rays too.
+#[test]
+fn places_have_the_bits_of_the_host() {
+    let Some(mut gpu) = open() else { return };
+    let mut rng = Rng(0x91ace);
+    let (mut placed, mut number) = (0, 1000);
+    for case in 0..120 {
+        let scale = 2f64.powf(rng.between(-60.0, 60.0));
+        let at = [0; 3].map(|_| scale * rng.between(-10.0, 10.0) * 10f64.powf(rng.between(0.0, 6.0)));
+        let mut spheres = Spheres::default();
+        for _ in 0..400 {
+            let center = at.map(|x| x + scale * rng.between(-1.0, 1.0));
+            spheres.push(center, scale * 10f64.powf(rng.between(-5.0, -0.5)), Some([0.5; 3]));
+        }
+        let far = scale * 10f64.powf(rng.between(0.3, 6.0));
+        let aside = [0; 3].map(|_| rng.between(-1.0, 1.0));
+        let length = aside.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let eye = [0, 1, 2].map(|k| at[k] + far * aside[k] / length);
+        let lens = match case % 3 {
+            0 => Lens::Vfov { degrees: (3.0 * scale / far).atan().to_degrees(), distance: 1.0 },
+            1 => Lens::Vfov { degrees: rng.between(20.0, 150.0), distance: 1.0 },
+            _ => Lens::Orthographic { height: 3.0 * scale },
+        };
+        let camera = Camera { eye: eye.into(), look: Look::At(at.into()), lens, ..Camera::CANONICAL };
+        let image = ImagePlane { width: 61, height: 40, background: [0.0; 3] };
+        let scene = Scene { camera, image, spheres, lighting: Default::default() };
+        number += 1;
+        let raster = Raster::centres(Window::full(61, 40));
+        let Some(unit) = gpu.hold(&scene, number).expect("a device").and_then(|reach| reach.unit(camera.eye)) else {
+            continue;
+        };
+        let view = View::in_unit(&scene, raster, unit).expect("a view");
+        let Some(placer) = Placer::new(&scene, &view, 1e-5).expect("a lens") else { continue };
+        let binned =
+            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");
+        let (_, _, left) = both(&mut gpu, &scene, raster, number);
+        assert_eq!(left, None);
+        for (id, device) in gpu.records().expect("records").into_iter().enumerate() {
+            let Some((device, depth)) = device else { continue };
+            // The device also keeps spheres that lie just outside the image, or between pixels.
+            let Some((host, exact)) = placer.placed(&scene, id as u32, binned.projection.depth) else { continue };
+            let same = (host.record, host.detail, exact.to_bits()) == (device.record, device.detail, depth.to_bits());
+            assert!(same, "case {case}, sphere {id}: {device:?} {depth:e} instead of {host:?} {exact:e}");
+            placed += 1;
+        }
+    }
+    println!("{placed} records compared");
+    assert!(placed > 5000, "{placed}");
+}
+
+/// More spheres around the eye than the host looks at, and larger ones than their pieces are counted: a reason, no frame.
+#[test]
+fn what_a_device_cannot_hold_is_left_to_the_host() {
+    let Some(mut gpu) = open() else { return };
+    let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
+    let mut crowd = Spheres::default();
+    (0..=HOST_SPHERES)
+        .for_each(|n| crowd.push([f64::from(n % 256) - 128.0, f64::from(n / 256) - 128.0, 0.0], 0.4, Some([1.0; 3])));
+    let scene = Scene { camera: Camera::CANONICAL, image, spheres: crowd, lighting: Default::default() };
+    let raster = Raster::centres(Window::full(64, 64));
+    let (_, _, left) = both(&mut gpu, &scene, raster, 1);
+    assert!(left.as_ref().is_some_and(|reason| reason.contains("around the eye")), "{left:?}");
+    let image = ImagePlane { width: 2048, height: 2048, background: [0.0; 3] };
+    let mut walls = Spheres::default();
+    (0..9000).for_each(|n| walls.push([0.0, 0.0, -10.0 - f64::from(n)], 2.0 + 0.2 * f64::from(n), Some([1.0; 3])));
+    let scene = Scene { image, spheres: walls, ..scene };
+    let (_, _, left) = both(&mut gpu, &scene, Raster::centres(Window::full(2048, 2048)), 2);
+    assert!(left.as_ref().is_some_and(|reason| reason.contains("large")), "{left:?}");
+}
