@@ -60,7 +60,7 @@ impl ProjectionBounds {
         }
         let inverse = if self.parallel { [1.0; 2] } else { [1.0 / far, 1.0 / near] };
         let rho = [least_r * inverse[0] * self.per_unit, most_r * inverse[1] * self.per_unit];
-        let blurred = self.blurred(rho[1]);
+        let blurred = self.low.blurred(rho[1] as f32);
         let ranged = rho[0] >= RANGE[0]
             && rho[1] < RANGE[1]
             && self.length(near) >= RANGE[0]
@@ -94,10 +94,10 @@ impl ProjectionBounds {
             return Enclosed::Unknown;
         }
         let coordinates = (size(x) as f32) + (size(y) as f32) + deepest as f32;
-        let low = near as f32 - self.low.error(rho[1] as f32, far as f32, deepest as f32, coordinates);
+        let low = near as f32 - self.low.error(rho[1] as f32, blurred, far as f32, deepest as f32, coordinates);
         let low = f64::from(low);
         let low = f64::from(below(low - low.abs() * SLACK));
-        let most = INFLATE * (rho[1] + blurred) * self.length(far);
+        let most = INFLATE * (rho[1] + f64::from(blurred)) * self.length(far);
         let least = low - most - 2.0 * U * (larger(low.abs(), deepest) + most);
         Enclosed::Projected(Bin { chunk_min_depth: below(least - least.abs() * SLACK), tiles })
     }

@@ -33,7 +33,7 @@ pub(super) struct Aim {
     pub(super) plain: bool,
     /// Projected radius; square root of twice the bound of the discriminant's error.
     pub(super) rho: f64,
-    pub(super) blurred: f64,
+    pub(super) blurred: f32,
     /// Largest slopes of the rays that may hit it.
     pub(super) steepest: [f64; 2],
     /// Projected centre in pixels, and the bound of its f64 error in pixels.
@@ -184,7 +184,7 @@ impl ProjectionBounds {
         let rho = radius * inverse * self.per_unit;
         #[expect(clippy::manual_range_contains, reason = "both are evaluated, so that there is no branch")]
         let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
-        let blurred = self.blurred(rho);
+        let blurred = self.low.blurred(rho as f32);
         let ranged = small(rho) & small(self.length(z)) & (self.total(rho, blurred) * self.scale[0] <= STEEPEST);
         let q = [x * inverse, y * inverse];
         let reach = self.reach(rho);
@@ -222,12 +222,6 @@ impl ProjectionBounds {
         larger(blur[0], blur[1])
     }
 
-    /// The square root of twice the bound of the discriminant's error.
-    #[inline(always)]
-    pub(super) fn blurred(&self, rho: f64) -> f64 {
-        (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt()
-    }
-
     /// The sphere at `place`; `low` is added to it.
     #[inline(always)]
     fn land(&self, aim: &Aim, place: [f64; 2], low: [f64; 2], reference: f64) -> Landed {
@@ -249,11 +243,11 @@ impl ProjectionBounds {
         let center = aim.depth - reference;
         let more = if aim.plain { center } else { NEVER };
         let rho = aim.rho as f32;
-        let low = self.low.of(rho, aim.depth as f32, center as f32, aim.coordinates);
+        let low = self.low.of(rho, aim.blurred, aim.depth as f32, center as f32, aim.coordinates);
         // The kernel's lower bound is low minus T size / a. Unless it is a miss, m^2/s^2 + D <= a rho^2 + 2 E, so T/a =
         // (m + sqrt D)/a <= rho + sqrt(2 E) by Cauchy-Schwarz for every ray of the image.
         let size = self.length(f64::from(low) + reference);
-        let most = INFLATE * (aim.rho + aim.blurred) * size;
+        let most = INFLATE * (aim.rho + f64::from(aim.blurred)) * size;
         let chunk_min_depth = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
         Landed {
             seen,
@@ -289,8 +283,8 @@ impl ProjectionBounds {
 
     /// An upper bound of |slope along the offset| + root of a candidate.
     #[inline(always)]
-    pub(super) fn total(&self, rho: f64, blurred: f64) -> f64 {
-        self.all.slant * self.reach(rho) + self.all.length * rho + blurred
+    pub(super) fn total(&self, rho: f64, blurred: f32) -> f64 {
+        self.all.slant * self.reach(rho) + self.all.length * rho + f64::from(blurred)
     }
 }
 
@@ -299,14 +293,19 @@ impl LowTerms {
     /// depth minus the bound of all errors. `depth` is the centre's own; `coordinates` are |x| + |y| + |z|. The twin of
     /// shaders/place/low.wgsl; a bound under any rounding.
     #[inline(always)]
-    pub(super) fn of(&self, rho: f32, depth: f32, center: f32, coordinates: f32) -> f32 {
-        center - self.error(rho, depth, center.abs(), coordinates)
+    pub(super) fn of(&self, rho: f32, blurred: f32, depth: f32, center: f32, coordinates: f32) -> f32 {
+        center - self.error(rho, blurred, depth, center.abs(), coordinates)
+    }
+
+    /// The square root of twice the bound of the discriminant's error.
+    #[inline(always)]
+    pub(super) fn blurred(&self, rho: f32) -> f32 {
+        (self.blurred[0] + rho * (self.blurred[1] + rho * self.blurred[2])).sqrt()
     }
 
     /// That bound, which grows with every argument.
     #[inline(always)]
-    pub(super) fn error(&self, rho: f32, depth: f32, center: f32, coordinates: f32) -> f32 {
-        let blurred = (self.blurred[0] + rho * (self.blurred[1] + rho * self.blurred[2])).sqrt();
+    pub(super) fn error(&self, rho: f32, blurred: f32, depth: f32, center: f32, coordinates: f32) -> f32 {
         let size = depth * self.scale[0] + self.scale[1];
         let offset = self.offset[0] + rho * self.offset[1] + blurred * self.offset[2];
         let error = size * offset + center * self.center + coordinates * self.coordinates;
