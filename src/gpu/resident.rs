@@ -92,6 +92,13 @@ impl Gpu {
         };
         let generals = Generals::of(binned.generals.len());
         let kernel = Kernel { sharing: Sharing::None, generals, ..*kernel };
+        let lists = if generals == Generals::Lists { 2 } else { 0 };
+        // Besides the outputs: records, minima, general spheres with their lists, colours.
+        let bound = KernelOutput::of(&kernel).count() + 2 + lists + usize::from(kernel.colors);
+        let most = self.limits.max_storage_buffers_per_shader_stage;
+        if bound > most as usize {
+            return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
+        }
         if KernelOutput::of(&kernel).any(|out| out.name == "frame_depth") {
             output.raw.with_depths(pool)?;
         }

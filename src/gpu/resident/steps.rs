@@ -30,9 +30,6 @@ pub(crate) struct BlockPass {
     pub(crate) unused_c: u32,
 }
 
-/// Bytes between the parts of different dispatches in their buffer: the largest alignment that a device may demand.
-const STRIDE: u64 = 256;
-
 /// The passes of shaders/splat.
 const LEAST: u32 = 0;
 const SLOTS: u32 = 1;
@@ -223,9 +220,15 @@ impl Gpu {
         Ok(())
     }
 
+    /// Bytes between the parts of different dispatches in their buffer.
+    fn stride(&self) -> u64 {
+        (size_of::<BlockPass>() as u64).next_multiple_of(self.limits.min_uniform_buffer_offset_alignment.into())
+    }
+
     fn fill_of_parts(&mut self, parts: &[BlockPass]) -> Result<()> {
-        let mut bytes = vec![0; parts.len() * STRIDE as usize];
-        for (to, part) in bytes.chunks_exact_mut(STRIDE as usize).zip(parts) {
+        let stride = self.stride() as usize;
+        let mut bytes = vec![0; parts.len() * stride];
+        for (to, part) in bytes.chunks_exact_mut(stride).zip(parts) {
             to[..size_of::<BlockPass>()].copy_from_slice(bytemuck::bytes_of(part));
         }
         self.fill("part", &bytes)
@@ -259,7 +262,7 @@ impl Gpu {
             ("resident", Some(spheres)) => spheres.as_entire_binding(),
             ("part", _) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: &self.buffers["part"],
-                offset: part * STRIDE,
+                offset: part * self.stride(),
                 size: std::num::NonZeroU64::new(size_of::<BlockPass>() as u64),
             }),
             (name, _) => self.bound(name, kernel, pixels),
