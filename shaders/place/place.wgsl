@@ -122,8 +122,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let bound = center - low_error(rho, c.z, abs(center), abs(c.x) + abs(c.y) + abs(c.z));
     projected[n] = vec4<i32>(fixed[0], fixed[1], bitcast<i32>(rho), bitcast<i32>(bound));
     let bits = bitcast<vec2<i32>>(bits_of_float(z));
-    projected[2u * part.count + n / 2u][2u * (n % 2u)] = bits.x;
-    projected[2u * part.count + n / 2u][2u * (n % 2u) + 1u] = bits.y;
+    let pair = 2u * part.count + n / 2u;
+    if (n % 2u == 0u) {
+        projected[pair].x = bits.x;
+        projected[pair].y = bits.y;
+    } else {
+        projected[pair].z = bits.x;
+        projected[pair].w = bits.y;
+    }
     projected[part.count + n] = vec4<i32>(bitcast<i32>(offset[0]), bitcast<i32>(offset[1]), bitcast<i32>(center), i32(slot));
     cut(slot, rectangle(fixed[0], fixed[1], rho));
 }

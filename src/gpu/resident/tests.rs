@@ -22,6 +22,7 @@ fn open() -> Option<Gpu> {
     Some(Gpu::new(device::open(&found).expect("a device"), found.summary))
 }
 
+/// All outputs but one: with lists of general spheres that is as many buffers as SwiftShader binds.
 fn kernel(samples: bool) -> Kernel {
     Kernel {
         shade: Some(Shade::Headlight),
@@ -29,7 +30,6 @@ fn kernel(samples: bool) -> Kernel {
         t: true,
         normal: true,
         certify: true,
-        depth_interval: true,
         samples,
         ..Kernel::bare(Method::Stable)
     }
