@@ -72,7 +72,7 @@ fn splat(c: Frame, f: Projected, slot: u32, at: vec2<u32>) {
             atomicMax(&minima[second], key);
         }
     } else if (frame_id[pixel] == UNSURE && key >= atomicLoad(&minima[2u * c.pixels + pixel])) {
-        // main/resident.wgsl has left the depth that the nearest hit does not exceed.
+        // main/certified.wgsl has left the depth that the nearest hit does not exceed.
         let place = atomicAdd(&summary[SUMMARY_PAIRS], 1u);
         if (place < PAIRS) {
             pairs[place] = vec2<u32>(pixel, slot);

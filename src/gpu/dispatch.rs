@@ -128,6 +128,7 @@ impl Gpu {
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<()> {
         let Output { raw, timings } = output;
+        self.resident.share_buffers();
         let record = input.record();
         self.check_limits(kernel, input)?;
         timings.time("pipeline", || self.pipeline(kernel))?;

@@ -1,5 +1,5 @@
 //! Certified frames whose spheres the device holds: it places them (shaders/place), they leave minima in the pixels
-//! (shaders/splat), and each pixel's winner is certified (shaders/main/resident.wgsl). The host sends a camera. It decides
+//! (shaders/splat), and each pixel's winner is certified (shaders/main/certified.wgsl). The host sends a camera. It decides
 //! what the device leaves to it: spheres around the eye, and pixels that are not proved.
 
 pub(crate) mod held;

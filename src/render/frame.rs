@@ -321,6 +321,8 @@ impl Renderer {
                 let level = plan.search.level();
                 setup.binned =
                     timings.time("stage", || BinnedScene::new(scene, view, tolerance, &TERMS, level, &pool))?;
+                // The depths that the device wrote belong to no answer.
+                pool.put_back(std::mem::take(&mut raw.depth));
                 setup.placer = None;
                 setup.plan = setup.plan.clone().by_tiles(NOT_PLACED);
                 self.left_to_host = Some(format!("the host searched the spheres of this frame: {reason}"));

@@ -31,6 +31,15 @@ pub(crate) struct Resident {
     pub(super) reversed: bool,
 }
 
+impl Resident {
+    /// Another kernel writes the buffers of colours and lists, which all kernels share.
+    pub(in crate::gpu) fn share_buffers(&mut self) {
+        if let Some(held) = &mut self.held {
+            (held.has_colors, held.has_lists) = (false, false);
+        }
+    }
+}
+
 /// Spheres of a block: 64 MiB, and 80 MiB of records.
 pub(super) const BLOCK: usize = 1 << 21;
 
@@ -123,7 +132,8 @@ pub(super) struct Held {
     pub(super) placed: Option<(PlacedFor, BinnedScene)>,
     pub(super) has_colors: bool,
     pub(super) has_lists: bool,
-    colors: Option<usize>,
+    /// The colours where no one can change them, and their address.
+    colors: (Option<List<[f32; 3]>>, Option<usize>),
 }
 
 fn addresses(spheres: &Spheres) -> [usize; 2] {
@@ -163,14 +173,19 @@ impl Held {
             placed: None,
             has_colors: false,
             has_lists: false,
-            colors: address_of_colors(spheres),
+            colors: (spheres.colors.as_ref().and_then(List::kept), address_of_colors(spheres)),
         };
         (held, sent)
     }
 
     /// Whether these are the spheres of a scene in a frame.
     pub(super) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
-        if self.colors != address_of_colors(spheres) || self.count as usize != spheres.len() {
+        let colors = match (&self.colors, &spheres.colors) {
+            ((Some(kept), _), Some(colors)) => kept.is_same(colors),
+            ((None, None), None) => true,
+            ((_, address), _) => *address == address_of_colors(spheres) && self.sent.0 == frame,
+        };
+        if !colors || self.count as usize != spheres.len() {
             return false;
         }
         match &self.kept {
