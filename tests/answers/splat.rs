@@ -115,15 +115,18 @@ fn what_the_adapter_holds_is_what_is_rendered() {
         both.compare("moved", &scene, &all());
     }
     // Colours that change while the positions cannot, and a frame by lists of another scene between two of this one.
+    // Without lights, so that the kernels shade.
+    shared.lighting = Default::default();
     let mut painted = shared.clone();
-    let mut other = weekend();
+    let mut other = Scene { lighting: Default::default(), ..weekend() };
     let half = |color: &mut [f32; 3]| color.iter_mut().for_each(|channel| *channel *= 0.5);
     other.spheres.colors.iter_mut().flat_map(|colors| colors.to_mut().iter_mut()).for_each(half);
     for turn in 0..3 {
         painted.spheres.colors.as_mut().expect("colours").to_mut()[turn] = [0.1, 0.9, 0.4];
         both.compare("painted", &painted, &all());
         both.compare("shared", &shared, &all());
-        let by_method = Settings { search: Search::Tiles, accuracy: Accuracy::Fast, ..Settings::default() };
+        let aovs = vec![Aov::Color];
+        let by_method = Settings { search: Search::Tiles, accuracy: Accuracy::Fast, aovs, ..Settings::default() };
         both.gpu.render(&other, &by_method).expect("a frame by lists");
         both.compare("after lists of another scene", &shared, &all());
     }
