@@ -92,6 +92,8 @@ pub(crate) struct Kernel {
     /// Viewing rays pass through samples of the pixels, or belong to an off-centre lens: their places are computed
     /// (main/sample.wgsl); otherwise they pass through the pixels' centres.
     pub(crate) samples: bool,
+    /// A resident kernel leaves the starts of rays from the hits on the device.
+    pub(crate) starts: bool,
 }
 
 impl Kernel {
@@ -113,6 +115,7 @@ impl Kernel {
             tree: false,
             any: false,
             samples: false,
+            starts: false,
         }
     }
 
@@ -128,7 +131,16 @@ impl Kernel {
 
     /// The kernel that only searches what this certified kernel certifies.
     pub(crate) fn winners(self) -> Self {
-        Self { winners: true, shade: None, colors: false, t: false, normal: false, depth_interval: false, ..self }
+        Self {
+            winners: true,
+            shade: None,
+            colors: false,
+            t: false,
+            normal: false,
+            depth_interval: false,
+            starts: false,
+            ..self
+        }
     }
 
     /// Whether it certifies what the spheres of a device left in the pixels.

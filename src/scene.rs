@@ -14,6 +14,7 @@ pub(crate) mod list;
 mod material;
 mod orient;
 mod outlook;
+pub(crate) mod same;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};

@@ -1,7 +1,7 @@
 // Only the winner is certified: by its own error bounds, and by comparison with the second smallest lower bound.
 
 fn certify_winner(s: Slopes, k: NearestTwo) -> Answer {
-    var answer = Answer(true, true, NONE, MISS, 0.0, 0.0, 0.0, vec3<f32>(0.0, 0.0, 0.0));
+    var answer = Answer(true, true, NONE, MISS, 0.0, 0.0, 0.0, vec3<f32>(0.0, 0.0, 0.0), 0.0);
     if ((k.slot & GENERAL) == 0u) {
         answer = projected_answer(s, winner_record(k.slot), projected_detail(k.slot));
     }

@@ -27,6 +27,8 @@ const ALONG: f32 = 6.0;
 const ROOT: f32 = 6.2;
 const CENTER: f32 = 3.5;
 const TURN: f32 = 4.0;
+// A normal from the hit: its parts, the unit vector, its rotation into the world; and a point from there: section 13.
+const SURFACE: f32 = 36.0;
 // p.d of a general sphere: the start value, and the steps from there.
 const START: f32 = 2.5;
 const STEP: f32 = 3.5;

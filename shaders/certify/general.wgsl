@@ -128,11 +128,13 @@ fn general_answer(s: Slopes, n: General) -> Answer {
     let d = vec3<f32>(s.x, s.y, -1.0);
     let across = cross3(d, w.g);
     let normal = unit3(select(across, -across, n.power > 0.0) - root * d);
-    let true_normal = w.g_error + (most - least) < NORMAL * (sqrt(s.a) * n.center_radius.w);
+    let size = sqrt(s.a) * n.center_radius.w;
+    let off = w.g_error + (most - least);
+    let turn = select(0.0, (off / size + UNIT * SURFACE) * INFLATE, n.power > 0.0);
     let below = general_below(s, n, w);
     let low = below * n.scale;
     // A smaller bound may have been flushed to zero where the other bound was not.
     hits = hits && low > VANISH;
     let depth_interval = (high - below + rounding * high) * INFLATE * n.scale;
-    return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, depth_interval, normal);
+    return Answer(hits && off < NORMAL * size, hits, n.id, depth * n.scale, low, high * n.scale, depth_interval, normal, turn);
 }

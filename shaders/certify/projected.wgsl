@@ -73,5 +73,6 @@ fn projected_answer(s: Slopes, f: Projected, more: ProjectedDetail) -> Answer {
     // A root that is not certainly in front of the eye is not certainly the hit.
     let hits = crosses && projection.depth + low > VANISH;
     let depth_interval = (high - low + blur) * INFLATE;
-    return Answer(hits && off < NORMAL * f.rho, hits, more.id, -(along + root) * length, low, high, depth_interval, normal);
+    let turn = (off / f.rho + UNIT * SURFACE) * INFLATE;
+    return Answer(hits && off < NORMAL * f.rho, hits, more.id, -(along + root) * length, low, high, depth_interval, normal, turn);
 }

@@ -77,6 +77,7 @@ struct Answer {
     high: f32,
     depth_interval: f32, // bound of the error of the written depth
     normal: vec3<f32>,
+    turn: f32,       // bound of the normal's error, in world space too; 0 where the eye is not outside of the sphere
 }
 
 fn slopes(i: u32, j: u32) -> Slopes {

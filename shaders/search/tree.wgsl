@@ -22,7 +22,6 @@ struct BoxRay {
 }
 
 @group(0) @binding(BIND_NODES) var nodes: texture_2d<u32>;  // four texels each
-@group(0) @binding(BIND_BOXES) var<storage, read> boxes: array<BoxRay>;
 
 fn node_at(n: u32) -> Node {
     let first = vec2<u32>((n << 2u) & ((4u << ROW_BITS) - 1u), n >> ROW_BITS);

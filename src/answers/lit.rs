@@ -33,6 +33,30 @@ pub(crate) struct OpenSky<'a> {
     pub(crate) light: &'a [f32],
 }
 
+/// What a device found of rays from the hits of a window's pixels, in a fixed number of words for each: a bit for each ray,
+/// set where nothing hides its end, and one more where the device does not know all of them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Traced<'a> {
+    pub(crate) words: &'a [u32],
+    /// Rays toward the sky, and behind them those to lights.
+    pub(crate) rays: usize,
+    pub(crate) lights: usize,
+}
+
+impl<'a> Traced<'a> {
+    /// The part of one pixel, if the device knows all its rays.
+    pub(crate) fn of(&self, pixel: u32) -> Option<Self> {
+        let count = (self.rays + self.lights) / 32 + 1;
+        let words = &self.words[pixel as usize * count..][..count];
+        Some(Self { words, ..*self }).filter(|own| !own.is_open(self.rays + self.lights))
+    }
+
+    /// Whether nothing hides the end of a ray of a pixel.
+    pub(crate) fn is_open(&self, ray: usize) -> bool {
+        self.words[ray / 32] >> (ray % 32) & 1 == 1
+    }
+}
+
 /// How many pixels around a sample [`OpenSky`] needs.
 pub(crate) const AROUND: u32 = 1;
 

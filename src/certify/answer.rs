@@ -53,4 +53,7 @@ pub(crate) struct Answer<R> {
     /// Bound of the error of the returned depth.
     pub(crate) depth_interval: R,
     pub(crate) normal: [R; 3],
+    /// Bound of the normal's error; 0 where the eye is not outside of the sphere. Rays leave from hits only on devices.
+    #[cfg(test)]
+    pub(crate) turn: R,
 }

@@ -57,6 +57,9 @@ constants! {
     const CENTER = 3.5;
     /// The normal of a projected sphere.
     const TURN = 4.0;
+    /// A normal from which rays leave: its parts, the unit vector, its rotation into the world; and a point from there.
+    #[cfg(test)]
+    const SURFACE = 36.0;
     /// p.d of a general sphere: the start value.
     const START = 2.5;
     /// p.d of a general sphere: the increment.

@@ -164,14 +164,14 @@ pub(crate) fn general_answer<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &T
     let facing = |x: R| outside.pick(-x, x);
     let side = [facing(across[0]), facing(across[1]), facing(across[2])];
     let normal = unit3(minus(side, times(root, d)));
-    let true_normal = (w.g_error + (most - least)).less(c(NORMAL) * (s.a.sqrt() * n.center_radius[3]));
+    let (off, size) = (w.g_error + (most - least), s.a.sqrt() * n.center_radius[3]);
     let below = general_below(s, n, &w, terms);
     let low = below * n.scale;
     // Smaller values may be flushed to zero on one side only.
     let hits = hits & c(VANISH).less(low);
     let depth_interval = (high - below + rounding * high) * c(INFLATE) * n.scale;
     Answer {
-        sure: hits & true_normal,
+        sure: hits & off.less(c(NORMAL) * size),
         hits,
         id: n.id,
         offset: depth * n.scale,
@@ -179,5 +179,7 @@ pub(crate) fn general_answer<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &T
         high: high * n.scale,
         depth_interval,
         normal,
+        #[cfg(test)]
+        turn: outside.pick((off / size + c(UNIT) * c(super::constants::SURFACE)) * c(INFLATE), R::ZERO),
     }
 }

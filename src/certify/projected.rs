@@ -2,6 +2,8 @@
 //! certify/projected.wgsl.
 
 use super::answer::{Answer, ProjectionRecord, Slopes};
+#[cfg(test)]
+use super::constants::SURFACE;
 use super::constants::{DEPTH, INFLATE, NORMAL, TURN, UNIT, VANISH};
 use super::terms::Terms;
 use crate::number::Number;
@@ -144,5 +146,16 @@ pub(crate) fn projected_answer<R: Number>(
     let hits = hits & (c(projection.depth) + low > c(VANISH));
     let sure = hits & (off < c(NORMAL) * f.rho);
     let depth_interval = (high - low + blur) * c(INFLATE);
-    Answer { sure, hits, id: f.id, offset: -(along + root) * length, low, high, depth_interval, normal }
+    Answer {
+        sure,
+        hits,
+        id: f.id,
+        offset: -(along + root) * length,
+        low,
+        high,
+        depth_interval,
+        normal,
+        #[cfg(test)]
+        turn: (off / f.rho + c(UNIT) * c(SURFACE)) * c(INFLATE),
+    }
 }

@@ -63,10 +63,10 @@ impl Task<'_, '_, '_> {
             let write = |rgb: DVec3, out: &mut [f32]| out[3 * n..3 * n + 3].copy_from_slice(&rgb.as_vec3().to_array());
             let record = &lighting.view.record;
             let [row, column] = record.place(pixel);
+            let (surface, along) = lighting.surface(&rays, pixel, id);
+            let open = lighting.open.map(|open| open.around(row, column, id));
+            at_point.see(&surface, along, open.unwrap_or(DVec3::ONE));
             if rayless {
-                let (surface, along) = lighting.surface(&rays, pixel, id);
-                let open = lighting.open.map_or(DVec3::ONE, |open| open.around(row, column, id));
-                at_point.see_far_lights(&surface, along, open);
                 write(at_point.color(&surface, along), chunk.color);
                 if !shadow && !occlusion && !sky {
                     continue;
@@ -74,13 +74,24 @@ impl Task<'_, '_, '_> {
             }
             let at = PixelSample { row, column, sample: record.sample, seed: lighting.seed };
             let position = record.sample_position(row, column);
-            let point = lighting.point(position, id);
-            let along = lighting.direction(position);
-            match lighting.open {
-                None => at_point.see(&point, along, at),
-                Some(open) => at_point.see_lights(&point, along, at, open.around(row, column, id)),
+            let traced = lighting.traced.and_then(|traced| traced.of(pixel));
+            let mut point = None;
+            let mut at_hit = || *point.get_or_insert_with(|| lighting.point(position, id));
+            match traced.filter(|traced| traced.lights > 0) {
+                Some(traced) => at_point.hide_lights(|n| traced.is_open(traced.rays + n)),
+                None if lighting.asks_lights() => at_point.ask_lights(&at_hit(), at),
+                None => {}
             }
-            let settled = at_point.settle(&point, position);
+            match traced.filter(|traced| traced.rays > 0) {
+                _ if open.is_some() => {}
+                Some(traced) => at_point.open_sky(&surface, at, |k| traced.is_open(k)),
+                None if lighting.sky.is_some() => at_point.ask_sky(&at_hit(), &surface, at),
+                None => {}
+            }
+            if color && lighting.bounces > 0 {
+                at_hit();
+            }
+            let settled = point.as_ref().is_some_and(|point| at_point.settle(point, position));
             if shadow {
                 let shares = chunk.shadow[n * lights..(n + 1) * lights].iter_mut();
                 shares.zip(at_point.hidden()).for_each(|(out, x)| *out = x);
@@ -93,8 +104,8 @@ impl Task<'_, '_, '_> {
             }
             let mut proved = true;
             if color && !rayless {
-                let mut rgb = at_point.color(&(&point).into(), along);
-                if lighting.bounces > 0 {
+                let mut rgb = at_point.color(&surface, along);
+                if let Some(point) = point.filter(|_| lighting.bounces > 0) {
                     let (more, sure) = bounces.follow(&mut at_point, (point, along), at);
                     (rgb, proved) = (rgb + more, sure);
                 }

@@ -29,8 +29,8 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 74] = files![
-    "view.wgsl" "math.wgsl" "ray.wgsl"
+const FILES: [(&str, &str); 79] = files![
+    "view.wgsl" "math.wgsl" "hash.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
     "search/closer_hit.wgsl" "search/records.wgsl" "search/records_residuals.wgsl" "search/fixed_origin.wgsl"
@@ -42,9 +42,9 @@ const FILES: [(&str, &str); 74] = files![
     "certify/general_ray.wgsl" "certify/general_column.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
     "certify/nearest_two.wgsl" "certify/search.wgsl" "certify/search_column.wgsl" "certify/certify_winner.wgsl"
     "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
-    "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
+    "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl" "certify/search_tree.wgsl"
     "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/winners.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
-    "main/sample.wgsl"
+    "main/sample.wgsl" "main/start.wgsl" "main/no_start.wgsl" "main/sky.wgsl"
     "shade/world.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
     "shade/headlight.wgsl"
     "selftest/main.wgsl" "selftest/operations.wgsl" "selftest/transforms.wgsl" "selftest/double_float.wgsl"
@@ -137,8 +137,8 @@ pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
     parts.extend(files(["view.wgsl", "math.wgsl", number, "ray.wgsl"]));
     match kernel.rays {
         RaySource::Camera => {
-            let position = if kernel.samples { "main/sample.wgsl" } else { "main/pixel_center.wgsl" };
-            parts.extend(files(["main/window.wgsl", position]));
+            parts.extend(files(["main/window.wgsl"]));
+            parts.extend(position(kernel.samples));
         }
         _ if kernel.certify => parts.extend(files(["main/given_certified.wgsl"])),
         RaySource::SharedOrigin | RaySource::Spread => parts.extend(files(["main/given_rays.wgsl"])),
@@ -207,7 +207,8 @@ fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
         false => {
             parts.push(sizes());
             parts.extend(files(["place/placing.wgsl", "splat/order.wgsl"]));
-            parts.extend(files(["certify/certify_winner.wgsl", "main/certified.wgsl"]));
+            let start = if kernel.starts { "main/start.wgsl" } else { "main/no_start.wgsl" };
+            parts.extend(files(["certify/certify_winner.wgsl", start, "main/certified.wgsl"]));
         }
     }
 }
@@ -217,7 +218,7 @@ fn certify_given(kernel: &Kernel, parts: &mut Vec<Part>) {
     let query = if kernel.any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
     parts.extend(files(["certify/constants.wgsl", "certify/given_constants.wgsl", "certify/given.wgsl", query]));
     match kernel.tree {
-        true => parts.extend(files(["search/tree.wgsl", "certify/given_tree.wgsl"])),
+        true => parts.extend(files(["search/tree.wgsl", "certify/search_tree.wgsl", "certify/given_tree.wgsl"])),
         false => parts.extend(files(["certify/given_all.wgsl"])),
     }
 }
@@ -269,6 +270,16 @@ pub(crate) enum Step {
         /// The rays go through samples of the pixels.
         samples: bool,
     },
+    /// Rays leave from the hits toward the sky and far lights.
+    Sky,
+}
+
+/// The place of a pixel's ray: its centre, or a sample.
+fn position(samples: bool) -> Vec<Part> {
+    match samples {
+        true => files(["hash.wgsl", "main/sample.wgsl"]).collect(),
+        false => files(["main/pixel_center.wgsl"]).collect(),
+    }
 }
 
 /// The shader of a step.
@@ -284,11 +295,20 @@ pub(crate) fn compose_step(step: Step) -> Source {
             parts.extend(files(["place/cut.wgsl", "place/guests.wgsl"]));
             return Source::new(parts);
         }
+        Step::Sky => {
+            let given = ["certify/constants.wgsl", "certify/given_constants.wgsl", "certify/given.wgsl", "certify/given_any.wgsl"];
+            let mut parts = vec![binding_numbers()];
+            parts.extend(files(["view.wgsl", "math.wgsl", "hash.wgsl"]));
+            parts.extend(files(given));
+            parts.extend(files(["search/tree.wgsl", "certify/search_tree.wgsl", "main/sky.wgsl"]));
+            return Source::new(parts);
+        }
         Step::Small { samples } => (samples, "splat/small.wgsl"),
         Step::Large { samples } => (samples, "splat/large.wgsl"),
     };
-    let position = if samples { "main/sample.wgsl" } else { "main/pixel_center.wgsl" };
-    parts.extend(files(["main/window.wgsl", position, "certify/constants.wgsl", "certify/projection.wgsl"]));
+    parts.extend(files(["main/window.wgsl"]));
+    parts.extend(position(samples));
+    parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl"]));
     parts.extend(files(["certify/projected.wgsl", "splat/order.wgsl", "splat/splat.wgsl", main]));
     Source::new(parts)
 }
@@ -314,7 +334,7 @@ const SMALL: i32 = {SMALL}; // pixels of a sphere that one invocation goes throu
 
 /// World normals and colours, if computed.
 fn shade(kernel: &Kernel, parts: &mut Vec<Part>) {
-    if kernel.has_normals() {
+    if kernel.has_normals() || kernel.starts {
         parts.extend(files(["shade/world.wgsl"]));
     }
     let Some(shade) = kernel.shade else { return };

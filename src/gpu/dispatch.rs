@@ -354,7 +354,7 @@ impl Gpu {
 
     /// Writes the parts one after the other; each is a multiple of four bytes.
     pub(super) fn fill_parts(&mut self, name: &'static str, parts: &[&[u8]]) -> Result<()> {
-        let uniform = ["view", "projection", "near", "placing", "part"].contains(&name);
+        let uniform = ["view", "projection", "near", "placing", "part", "sky"].contains(&name);
         let usage = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
         // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never
         // read.

@@ -19,7 +19,7 @@ pub(super) fn is_texture(name: &str) -> bool {
 }
 
 /// The inputs of kernels, buffers unless [`is_texture`], by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 23] = [
+const INPUTS: [&str; 28] = [
     "view",
     "spheres",
     "residuals",
@@ -41,6 +41,11 @@ const INPUTS: [&str; 23] = [
     "pieces",
     "minima",
     "pairs",
+    "starts",
+    "sky",
+    "places",
+    "directions",
+    "open",
     "cases",
     "answers",
 ];
@@ -123,6 +128,7 @@ mod tests {
                             tree: false,
                             any: false,
                             samples: false,
+                            starts: false,
                         };
                         kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == RaySource::Camera));
                     }
@@ -150,7 +156,7 @@ mod tests {
     /// Every step of a resident frame.
     fn steps() -> impl Iterator<Item = Step> {
         let splats = [false, true].into_iter().flat_map(|samples| [Step::Small { samples }, Step::Large { samples }]);
-        splats.chain([Step::Place, Step::Guests])
+        splats.chain([Step::Place, Step::Guests, Step::Sky])
     }
 
     #[test]

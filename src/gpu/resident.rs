@@ -3,6 +3,7 @@
 //! what the device leaves to it: spheres around the eye, and pixels that are not proved.
 
 pub(crate) mod held;
+pub(crate) mod sky;
 pub(crate) mod steps;
 #[cfg(test)]
 mod tests;
@@ -91,11 +92,14 @@ impl Gpu {
             Err(reason) => return Ok(Rendered::Left(reason)),
         };
         let generals = Generals::of(binned.generals.len());
-        let kernel = Kernel { sharing: Sharing::None, generals, ..*kernel };
         let lists = if generals == Generals::Lists { 2 } else { 0 };
         // Besides the outputs: records, minima, general spheres with their lists, colours.
-        let bound = KernelOutput::of(&kernel).count() + 2 + lists + usize::from(kernel.colors);
+        let bound = KernelOutput::of(kernel).count() + 2 + lists + usize::from(kernel.colors);
         let most = self.limits.max_storage_buffers_per_shader_stage;
+        // The starts of rays from the hits, where there is room for one more.
+        let starts = kernel.starts && bound < most as usize;
+        let kernel = Kernel { sharing: Sharing::None, generals, starts, ..*kernel };
+        self.resident.starts = None;
         if bound > most as usize {
             return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
         }
@@ -108,7 +112,7 @@ impl Gpu {
         output.timings.time("upload", || self.upload_resident(&kernel, &input))?;
         let record = view.record;
         let mut pairs = Vec::new();
-        let rows = self.rows_of_band(&record);
+        let rows = self.rows_of_band(&kernel, &record);
         let mut first = record.first_row;
         let end = record.first_row + record.rows;
         while first < end {
@@ -135,6 +139,9 @@ impl Gpu {
                 pairs.extend(found.into_iter().map(|[pixel, slot]| [pixel + before as u32, slot]));
             }
             first += band.count;
+        }
+        if starts && rows >= record.rows + record.first_row % TILE {
+            self.resident.starts = Some(record);
         }
         if !pairs.is_empty() {
             let held = self.resident.held.as_ref();
@@ -232,9 +239,9 @@ impl Gpu {
     }
 
     /// Rows of pixels whose minima and outputs fit a binding, a multiple of a tile's.
-    fn rows_of_band(&self, record: &ViewRecord) -> u32 {
+    fn rows_of_band(&self, kernel: &Kernel, record: &ViewRecord) -> u32 {
         let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
-        let rows = largest / (12 * u64::from(record.columns));
+        let rows = largest / (if kernel.starts { 16 } else { 12 } * u64::from(record.columns));
         ((rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE).max(TILE)
     }
 
@@ -245,6 +252,9 @@ impl Gpu {
         self.fill("view", bytemuck::bytes_of(&record))?;
         self.reserve("minima", 12 * pixels, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
         self.reserve_outputs(kernel, pixels);
+        if kernel.starts {
+            self.reserve("starts", 16 * pixels, wgpu::BufferUsages::STORAGE);
+        }
         let Some(held) = self.resident.held.take() else { return Ok(()) };
         let done = self.submit_steps(kernel, &held, pixels, record.tiles());
         self.resident.held = Some(held);

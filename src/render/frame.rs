@@ -2,7 +2,7 @@
 
 use super::budget::Need;
 use super::lens;
-use super::light::LightSetup;
+use super::light::Pixels;
 use super::missed::missed;
 use super::place::Executor;
 use super::plan::Plan;
@@ -148,13 +148,13 @@ impl Renderer {
         let FrameSetup { plan, view, .. } = &setup;
         watch.check()?;
         raw.settle(&settled);
-        let lights = plan.wanted.is_any().then(|| timings.time("tree", || LightSetup::new(scene, plan.accuracy)));
+        let lights = plan.wanted.is_any().then(|| timings.time("tree", || self.light_setup(scene, plan.accuracy)));
         let wanted = Wanted { color: plan.wanted.color && samples.is_none(), ..plan.wanted };
         let lit = match &lights {
             Some(lights) if wanted.is_any() => {
                 let sky = if wanted.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
                 let of = (scene, settings, view);
-                timings.time("light", || self.light(lights, of, (wanted, sky), (&raw.id, None), &pool))?
+                timings.time("light", || self.light(lights, of, (wanted, sky), (Pixels::all(&raw.id), None), &pool))?
             }
             _ => Lit::default(),
         };

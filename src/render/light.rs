@@ -2,30 +2,71 @@
 
 use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
-use crate::answers::lit::{Lit, OpenSky};
+use super::place::Executor;
+use crate::answers::lit::{Lit, OpenSky, Traced};
 use crate::cpu::light::{LitScene, Wanted};
+use crate::double_double as dd;
 use crate::error::Result;
 use crate::exact::Judge;
+use crate::gpu::resident::sky::SkyRays;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::scene::{Gradient, Scene, Sky, SkyLight};
+use crate::scene::same::SameSpheres;
+use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight, Spheres};
 use crate::search::tree::Tree;
+use crate::search::tree::device_rays::DirectionRecord;
 use crate::settings::{Accuracy, Settings};
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::{View, ViewRecord};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The pixels from whose hits rays leave.
+#[derive(Clone, Copy)]
+pub(super) struct Pixels<'a> {
+    /// Their spheres.
+    pub(super) ids: &'a [u32],
+    /// Those of every second pixel only, as on a chessboard.
+    pub(super) chessboard: bool,
+}
+
+impl<'a> Pixels<'a> {
+    pub(super) fn all(ids: &'a [u32]) -> Self {
+        Self { ids, chessboard: false }
+    }
+}
+
+/// Rays of each pixel toward the sky and toward lights.
+struct SkyCount {
+    rays: usize,
+    lights: usize,
+}
 
 /// What the lights of one scene need, for the pixels' centres and for all samples.
 pub(super) struct LightSetup {
     /// `None` without spheres.
-    tree: Option<Tree>,
+    tree: Option<Arc<Tree>>,
     accuracy: Accuracy,
 }
 
-impl LightSetup {
-    pub(super) fn new(scene: &Scene, accuracy: Accuracy) -> Self {
-        Self { tree: Tree::new(&scene.spheres.centers, &scene.spheres.radii), accuracy }
+/// The tree of the spheres that a renderer saw last.
+#[derive(Default)]
+pub(super) struct LastTree(Option<(SameSpheres, Arc<Tree>)>);
+
+impl LastTree {
+    /// The tree of these spheres, which is built unless it is known.
+    fn of(&mut self, spheres: &Spheres, frame: u64) -> Option<Arc<Tree>> {
+        if self.0.as_ref().is_none_or(|(same, _)| !same.is_of(spheres, frame)) {
+            self.0 = None;
+            let tree = Tree::new(&spheres.centers, &spheres.radii)?;
+            self.0 = Some((SameSpheres::of(spheres, frame), Arc::new(tree)));
+        }
+        self.0.as_ref().map(|(_, tree)| Arc::clone(tree))
     }
+}
+
+impl LightSetup {
 
     /// Decides what f64 leaves unsure, where the answers are certified. It has no spheres: those of a question come with
     /// it.
@@ -35,19 +76,86 @@ impl LightSetup {
     }
 }
 
+/// Where a ray toward the sky ends, in the units of directions of length 2: at most, and at least.
+fn limits(tree: &Tree, reach: f64) -> [f32; 2] {
+    let limit = 0.5 * tree.placement.radius(reach);
+    match limit < f64::from(f32::MAX) {
+        true => [(limit as f32).next_down(), (limit as f32).next_up()],
+        false => [f32::MAX.next_down(), f32::MAX],
+    }
+}
+
 impl Renderer {
+    pub(super) fn light_setup(&mut self, scene: &Scene, accuracy: Accuracy) -> LightSetup {
+        LightSetup { tree: self.tree.of(&scene.spheres, self.frames), accuracy }
+    }
+
+    /// What the device that rendered this view finds of rays from its hits toward the sky, `sky` of them, and toward lights
+    /// that are infinitely far, where all are so and cast shadows.
+    fn trace_from_hits(
+        &mut self,
+        tree: &Tree,
+        (scene, settings, view): (&Scene, &Settings, &View),
+        (sky, reach): (&SkyDirections, f64),
+        (lights, chessboard): (bool, bool),
+    ) -> Result<Option<(SkyCount, Vec<u32>)>> {
+        let Executor::Gpu(gpu) = &mut self.place else { return Ok(None) };
+        let far = |light: &Light| match light.source {
+            LightSource::Direction(direction) => Some(direction),
+            _ => None,
+        };
+        let far: Option<Vec<DVec3>> = scene.lighting.lights.iter().map(far).collect();
+        let far = far.filter(|_| lights).unwrap_or_default();
+        let count = SkyCount { rays: sky.len(), lights: far.len() };
+        if count.rays + count.lights == 0 {
+            return Ok(None);
+        }
+        // Doubled, the longest component of a direction of length 1 is above 1.
+        let turned = sky.turned().iter().map(|direction| DirectionRecord::new(direction.map(|x| 2.0 * f64::from(x))));
+        let scaled = |direction: &DVec3| {
+            let e = dd::exponent(direction.abs().max_element());
+            DirectionRecord::new(direction.to_array().map(|x| dd::ldexp(x, -e)))
+        };
+        let directions: Vec<DirectionRecord> = turned.chain(far.iter().map(scaled)).collect();
+        let asked = SkyRays {
+            tree,
+            record: &view.record,
+            directions: &directions,
+            rays: count.rays as u32,
+            lights: count.lights as u32,
+            seed: settings.seed,
+            chessboard,
+            limit: limits(tree, reach),
+        };
+        let pixels = view.record.pixels() as u64;
+        let doing = self.watch.begin(Step::Light, pixels);
+        match gpu.trace_sky(&asked, &|done| doing.reached(done))? {
+            None => Ok(None),
+            Some(Ok(words)) => {
+                doing.end()?;
+                Ok(Some((count, words)))
+            }
+            Some(Err(reason)) => {
+                let left = format!("the host traced the rays to lights and sky of this frame: {reason}");
+                self.left_to_host.get_or_insert(left);
+                Ok(None)
+            }
+        }
+    }
+
     /// What lights and `sky` give to the pixels that show these spheres.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`], and [`crate::Error::Limits`] where memory is short.
     pub(super) fn light(
-        &self,
+        &mut self,
         setup: &LightSetup,
         (scene, settings, view): (&Scene, &Settings, &View),
         (wanted, sky): (Wanted, Option<Sky>),
-        (ids, open): (&[u32], Option<OpenSky<'_>>),
+        (pixels, open): (Pixels<'_>, Option<OpenSky<'_>>),
         pool: &Pool,
     ) -> Result<Lit> {
+        let Pixels { ids, chessboard } = pixels;
         let mut lit = Lit::default();
         let lights = &scene.lighting.lights;
         let some = |wanted: bool, each: usize| if wanted { each * ids.len() } else { 0 };
@@ -66,6 +174,18 @@ impl Renderer {
             return Ok(lit.of_nothing(|pixel| backdrop.at(pixel)));
         };
         let judge = setup.judge(scene, view)?;
+        let casts_shadows = wanted.shadow || wanted.color && scene.lighting.shadows;
+        let found = match setup.accuracy {
+            Accuracy::Certified => {
+                let sky = sky.filter(|_| open.is_none());
+                let (none, reach) = (SkyDirections::none(), sky.map_or(f64::INFINITY, |sky| sky.reach));
+                let directions = if sky.is_some() { &directions } else { &none };
+                let of = (scene, settings, view);
+                self.trace_from_hits(tree, of, (directions, reach), (casts_shadows, chessboard))?
+            }
+            _ => None,
+        };
+        let traced = found.as_ref().map(|(count, words)| Traced { words, rays: count.rays, lights: count.lights });
         let lighting = LitScene {
             scene,
             view,
@@ -81,6 +201,7 @@ impl Renderer {
             disc: &disc,
             seed: settings.seed,
             open,
+            traced,
             bounces: bounces(scene),
         };
         let doing = self.watch.begin(Step::Light, ids.len() as u64);

@@ -92,6 +92,7 @@ impl Plan {
             plan.method = plan.accuracy.name();
             plan.kernel.certify = true;
             plan.kernel.depth_interval = settings.asks(&[Aov::Bound]);
+            plan.kernel.starts = lights::leave_hits(plan.wanted, scene);
         }
         (plan.search, plan.search_reason) =
             search::for_viewing_rays(settings.search, plan.kernel.certify, scene.spheres.len());

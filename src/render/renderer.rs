@@ -1,5 +1,6 @@
 //! A device, or the CPU path, with what it keeps from frame to frame.
 
+use super::light::LastTree;
 use super::place::{ChosenDevice, Executor};
 use super::plan::Plan;
 use super::setup::FrameSetup;
@@ -33,6 +34,8 @@ pub struct Renderer {
     pub(super) frames: u64,
     /// Why the device left the current frame's search to the host.
     pub(super) left_to_host: Option<String>,
+    /// For rays from hits.
+    pub(super) tree: LastTree,
 }
 
 impl Renderer {
@@ -50,8 +53,8 @@ impl Renderer {
         Plan::for_method(settings)?;
         let ChosenDevice { executor: place, reason, passed_over, has_no_adapter } = ChosenDevice::of(settings)?;
         let setup_ms = milliseconds(start);
-        let (watch, pool) = (Watch::default(), Arc::default());
-        Ok(Self { place, setup_ms, watch, pool, passed_over, reason, has_no_adapter, frames: 0, left_to_host: None })
+        let (watch, pool, tree) = (Watch::default(), Arc::default(), LastTree::default());
+        Ok(Self { place, setup_ms, watch, pool, passed_over, reason, has_no_adapter, frames: 0, left_to_host: None, tree })
     }
 
     /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
@@ -69,6 +72,7 @@ impl Renderer {
             has_no_adapter: false,
             frames: 0,
             left_to_host: None,
+            tree: LastTree::default(),
         }
     }
 

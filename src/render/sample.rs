@@ -2,7 +2,7 @@
 //! and settled like pixels.
 
 use super::lens::LensPasses;
-use super::light::LightSetup;
+use super::light::{LightSetup, Pixels};
 use super::plan::Plan;
 use super::plan::lights::center_rays;
 use super::renderer::Renderer;
@@ -63,7 +63,7 @@ impl Renderer {
                 let wanted = Wanted { sky: true, ..Wanted::default() };
                 let of = (scene, settings, &around.view);
                 let sky = Some(Sky { rays: center_rays(sky, raster.count()), ..sky });
-                let lit = timings.time("light", || self.light(lights, of, (wanted, sky), (&ids, None), &pool))?;
+                let lit = timings.time("light", || self.light(lights, of, (wanted, sky), (Pixels { ids: &ids, chessboard: true }, None), &pool))?;
                 Some((around.window, ids, lit.sky))
             }
             _ => None,
@@ -100,7 +100,7 @@ impl Renderer {
             }
             if let Some(lights) = lights {
                 let of = (scene, settings, &setup.view);
-                let lit = timings.time("light", || self.light(lights, of, (wanted, own), (&raw.id, open), &pool))?;
+                let lit = timings.time("light", || self.light(lights, of, (wanted, own), (Pixels::all(&raw.id), open), &pool))?;
                 pool.put_back(std::mem::replace(&mut raw.color, lit.color));
             }
             if let Some(cue) = cue {

@@ -1,14 +1,15 @@
 //! Directions toward the sky and points of a disc, for rays from a hit: evenly spread sets, of which each sample of a pixel
-//! takes its part, and which each pixel turns at random.
+//! takes its part, and which are turned at random for each pixel.
 //!
-//! A set is made once per frame. The turn is a hash of the pixel's row and column in the full frame and the seed, so that
-//! crops, tiles and frames agree. All arithmetic is + - * / and square roots of f64 in a fixed order, which
+//! A set is made once per frame. The turn of a disc is a hash of the pixel's row and column in the full frame and the seed, so
+//! that crops, tiles and frames agree; the same hash chooses one of the turns of a sky, which are made with the set. All arithmetic is + - * / and square roots of f64 in a fixed order, which
 //! IEEE 754 determines to the last bit: the numbers are the same on every machine, and are taken as exact afterwards.
 
 #[cfg(test)]
 mod tests;
 
 use super::records::pcg4d;
+use rayon::prelude::*;
 
 /// Cosine and sine of the golden angle, pi (3 - sqrt 5), and its share of a turn.
 const GOLDEN: [f64; 2] = [-0.737_368_878_078_319_9, 0.675_490_294_261_523_6];
@@ -131,12 +132,24 @@ fn at_turn(share: f64) -> [f64; 2] {
 /// white surfaces vary.
 #[derive(Debug, Clone)]
 pub(crate) struct SkyDirections {
-    lattice: Vec<[f64; 3]>,
+    /// The lattice in every turn.
+    turned: Vec<[f32; 3]>,
+    /// Directions of one turn.
+    count: usize,
 }
+
+/// The least and the most turns; as many between them as have so many directions together.
+const TURNS: [u32; 2] = [1 << 8, 1 << 12];
+const TURNED: u32 = 1 << 14;
+/// The most directions in all turns but one, which so many rays do not need.
+const MOST_TURNED: u32 = 1 << 22;
 
 impl SkyDirections {
     /// `count` directions for this sample of a pixel with `strata` x `strata` samples.
     pub(crate) fn new(count: u32, strata: u32, sample: u32) -> Self {
+        if count == 0 {
+            return Self::none();
+        }
         let [row, column, parts] = [sample / strata, sample % strata, strata].map(f64::from);
         let height = (row + 0.5) / parts;
         let mut turn = times(at_turn(row * GOLDEN_TURN / parts), at_turn(column / parts));
@@ -147,7 +160,25 @@ impl SkyDirections {
             let r = (1.0 - z * z).sqrt();
             [r * x, r * y, z]
         };
-        Self { lattice: (0..count).map(point).collect() }
+        Self::turn_all((0..count).map(point).collect())
+    }
+
+    /// No directions.
+    pub(crate) fn none() -> Self {
+        Self { turned: Vec::new(), count: 0 }
+    }
+
+    /// A lattice in all turns, which are uniform among the rotations.
+    fn turn_all(lattice: Vec<[f64; 3]>) -> Self {
+        let that_have = |directions: u32| directions / lattice.len().max(1) as u32;
+        let turns = that_have(TURNED).clamp(TURNS[0], TURNS[1]).min(that_have(MOST_TURNED)).max(1).next_power_of_two();
+        let rows = |turn: u32| PixelSample { row: turn, column: 0, sample: 0, seed: 0 }.rotation(0);
+        let one = |rows: [[f64; 3]; 3], p: &[f64; 3]| rows.map(|row| (row[0] * p[0] + row[1] * p[1] + row[2] * p[2]) as f32);
+        let all = |turn| {
+            let rows = rows(turn);
+            lattice.iter().map(move |p| one(rows, p))
+        };
+        Self { turned: (0..turns).into_par_iter().flat_map_iter(all).collect(), count: lattice.len() }
     }
 
     /// One direction for this sample, such that those of all samples are evenly spread on the whole sphere: neighbours of
@@ -155,23 +186,28 @@ impl SkyDirections {
     pub(crate) fn one(strata: u32, sample: u32) -> Self {
         let mut one = Self::new(1, strata, sample);
         if (sample / strata + sample % strata) % 2 == 1 {
-            one.lattice.iter_mut().for_each(|direction| *direction = direction.map(|x| -x));
+            one.turned.iter_mut().for_each(|direction| *direction = direction.map(|x| -x));
         }
         one
     }
 
     /// The number of directions.
     pub(crate) fn len(&self) -> usize {
-        self.lattice.len()
+        self.count
     }
 
-    /// The directions in world space for the rays of this pixel that `depth` others came before, as many as `out` has room
-    /// for: turned in the same way for all samples. Their length is 1 within 2^-22.
-    pub(crate) fn of(&self, at: PixelSample, depth: u32, out: &mut [[f32; 3]]) {
-        let rows = PixelSample { sample: depth << 24, ..at }.rotation(0);
-        for (out, p) in out.iter_mut().zip(&self.lattice) {
-            *out = rows.map(|row| (row[0] * p[0] + row[1] * p[1] + row[2] * p[2]) as f32);
-        }
+    /// The directions of every turn, one turn after the other; the number of turns is a power of two.
+    pub(crate) fn turned(&self) -> &[[f32; 3]] {
+        &self.turned
+    }
+
+    /// The directions in world space for the rays of this pixel that `depth` others came before: turned in the same way for
+    /// all samples. Their length is 1 within 2^-22. shaders/main/sky.wgsl chooses the same turn.
+    pub(crate) fn of(&self, at: PixelSample, depth: u32) -> &[[f32; 3]] {
+        let turns = (self.turned.len() / self.count.max(1)) as u32;
+        let hash = pcg4d([at.column, at.row, depth << 24, at.seed])[3];
+        let first = (hash & turns.wrapping_sub(1)) as usize * self.count;
+        &self.turned[first..first + self.count]
     }
 }
 

@@ -225,6 +225,8 @@ impl StripAnswers {
             high: n[2][l],
             depth_interval: n[3][l],
             normal: [n[4][l], n[5][l], n[6][l]],
+            #[cfg(test)]
+            turn: 0.0,
         }
     }
 

@@ -74,7 +74,9 @@ impl Bounces {
             };
             proved &= sharp || lighting.judge.is_none();
             if hit.outside || !lighting.material(hit.id).is_clear() {
-                at_point.see(&hit, ray.along, at);
+                at_point.see(&(&hit).into(), ray.along, DVec3::ONE);
+                at_point.ask_lights(&hit, at);
+                at_point.ask_sky(&hit, &(&hit).into(), at);
                 proved &= !at_point.give_up();
                 sum += ray.weight * at_point.color(&(&hit).into(), ray.along);
             }
@@ -117,9 +119,8 @@ impl Bounces {
             Material::Metal { fuzz } => {
                 let mut ray = mirror(lighting.own_color(point.id));
                 if fuzz > 0.0 {
-                    let mut scattered = [[0.0f32; 3]];
-                    lighting.scattered.of(at, depth, &mut scattered);
-                    let aside = DVec3::from_array(scattered[0].map(f64::from)) * f64::from(fuzz);
+                    let scattered = lighting.scattered.of(at, depth)[0].map(f64::from);
+                    let aside = DVec3::from_array(scattered) * f64::from(fuzz);
                     let along = ray.along + aside;
                     ray = Onward { along: along.normalize(), proved: false, ..ray };
                 }

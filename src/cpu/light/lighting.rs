@@ -1,7 +1,7 @@
 //! A scene set up for its lights.
 
 use super::surface::Surface;
-use crate::answers::lit::OpenSky;
+use crate::answers::lit::{OpenSky, Traced};
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
 use crate::scene::{DEFAULT_COLOR, Material, Scene, Sky, SkyLight};
@@ -47,6 +47,8 @@ pub(crate) struct LitScene<'a> {
     pub(crate) seed: u32,
     /// The light of the open sky at the hits of viewing rays, if it is known.
     pub(crate) open: Option<OpenSky<'a>>,
+    /// What a device found of the rays from the hits of viewing rays.
+    pub(crate) traced: Option<Traced<'a>>,
     /// How often a ray goes on; 0 where no material asks for it.
     pub(crate) bounces: u32,
 }
@@ -102,8 +104,10 @@ impl LitScene<'_> {
         Vec3::from_array(color).as_dvec3()
     }
 
-    /// The unit direction of that ray.
-    pub(super) fn direction(&self, [i, j]: [u32; 2]) -> DVec3 {
-        self.view.to_world(self.view.direction(i, j)).normalize()
+    /// Whether rays to lights are needed: for shadows, and for lights that are not infinitely far.
+    pub(super) fn asks_lights(&self) -> bool {
+        let Scene { lighting, .. } = self.scene;
+        let shadows = self.wanted.shadow || lighting.shadows;
+        lighting.lights.iter().any(|light| shadows || light.source.far().is_none())
     }
 }

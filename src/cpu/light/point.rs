@@ -7,7 +7,7 @@ use super::surface::Surface;
 use crate::certify::given::{CertifiedRay, dot};
 use crate::certify::surface::{Own, SurfacePoint};
 use crate::exact::{LightQuestion, Toward};
-use crate::scene::{LightSource, Material};
+use crate::scene::{LightSource, Material, Sky};
 use crate::shade::lit::{self, Cap};
 use crate::shade::optics::reflected;
 use crate::view::directions::PixelSample;
@@ -93,6 +93,8 @@ impl SkyShare {
 enum Of {
     Light(usize, [f64; 2]),
     Rim(usize),
+    /// A light that is infinitely far.
+    Far(usize),
     /// With its cosine and the direction on the side of the normal.
     Sky(f64, [f64; 3]),
     Inside(usize),
@@ -109,7 +111,6 @@ pub(super) struct PointLight<'a> {
     mirrored: DVec3,
     shine: f32,
     unsure: Vec<(Of, LightQuestion)>,
-    directions: Vec<[f32; 3]>,
     disc: Vec<[f64; 2]>,
 }
 
@@ -124,32 +125,23 @@ impl<'a> PointLight<'a> {
             mirrored: DVec3::ZERO,
             shine: 0.0,
             unsure: Vec::new(),
-            directions: vec![[0.0; 3]; of.directions.len()],
             disc: vec![[0.0; 2]; of.disc.len()],
         }
     }
 
-    /// Traces rays to all lights and to the sky from a point that a ray meets in the unit direction `along`.
-    pub(super) fn see(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample) {
-        self.see_lights(point, along, at, DVec3::ONE);
-        if self.of.sky.is_some() {
-            self.sky = SkyShare::default();
-            self.sky(point, at);
-        }
-    }
-
-    /// The same where the light of the open sky is known.
-    pub(super) fn see_lights(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample, sky: DVec3) {
-        self.start(&point.into(), along, sky);
+    /// Takes the surface that a ray meets in the unit direction `along`, under a sky whose open light is this, and forgets
+    /// the one before. What far lights give it is known without rays, unless something hides them.
+    pub(super) fn see(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
+        self.unsure.clear();
+        // A white sky's light is its open share.
+        self.sky = SkyShare { all: 1.0, open: sky.x, all_light: DVec3::ONE, open_light: sky, whole: DVec3::ONE };
+        self.mirrored = reflected(along, surface.normal);
+        self.shine = match self.of.material(surface.id) {
+            Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
+            _ => 0.0,
+        };
         for n in 0..self.lights.len() {
-            self.light(point, n, at);
-        }
-    }
-
-    /// The same of lights that are infinitely far and cast no shadows, which needs no rays.
-    pub(super) fn see_far_lights(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
-        self.start(surface, along, sky);
-        for n in 0..self.lights.len() {
+            self.lights[n] = LightShare::default();
             if let Some(direction) = self.far[n] {
                 let cosine = surface.normal.dot(direction).max(0.0);
                 let highlight = if cosine > 0.0 { self.highlight(self.mirrored.dot(direction)) } else { 0.0 };
@@ -159,17 +151,29 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// Forgets the point before.
-    fn start(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
-        self.unsure.clear();
-        // A white sky's light is its open share.
-        self.sky = SkyShare { all: 1.0, open: sky.x, all_light: DVec3::ONE, open_light: sky, whole: DVec3::ONE };
-        self.mirrored = reflected(along, surface.normal);
-        self.shine = match self.of.material(surface.id) {
-            Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
-            _ => 0.0,
-        };
-        self.lights.fill(LightShare::default());
+    /// Traces rays to all lights for which the surface alone does not tell.
+    pub(super) fn ask_lights(&mut self, point: &SurfacePoint, at: PixelSample) {
+        for n in 0..self.lights.len() {
+            self.light(point, n, at);
+        }
+    }
+
+    /// Takes over for every light whether something hides it; all are infinitely far.
+    pub(super) fn hide_lights(&mut self, is_open: impl Fn(usize) -> bool) {
+        for n in (0..self.lights.len()).filter(|n| !is_open(*n)) {
+            self.hide_far(n);
+        }
+    }
+
+    /// Takes over which of the sky's rays are open.
+    pub(super) fn open_sky(&mut self, surface: &Surface, at: PixelSample, is_open: impl Fn(usize) -> bool) {
+        self.begin_sky(surface);
+        for (k, direction) in self.of.directions.of(at, 0).iter().enumerate() {
+            let (weight, outward) = self.weigh(surface, direction.map(f64::from));
+            if is_open(k) {
+                self.see_sky(weight, outward);
+            }
+        }
     }
 
     /// Share of each light that is hidden.
@@ -195,12 +199,27 @@ impl<'a> PointLight<'a> {
         }
     }
 
+    /// Nothing of a far light arrives.
+    fn hide_far(&mut self, n: usize) {
+        self.lights[n].hidden = 1;
+        if self.of.scene.lighting.shadows {
+            (self.lights[n].reflected, self.lights[n].gloss) = (0.0, 0.0);
+        }
+    }
+
     fn light(&mut self, point: &SurfacePoint, n: usize, at: PixelSample) {
         let spheres = &self.of.scene.spheres;
         match self.of.scene.lighting.lights[n].source {
-            LightSource::Direction(direction) => {
-                self.light_ray(point, n, &Toward::Direction(direction.to_array()), None);
+            LightSource::Direction(direction) if self.casts_shadows() => {
+                let toward = Toward::Direction(direction.to_array());
+                let ray = point.aim(&self.of.tree.placement, &toward);
+                match self.ask(point, &toward, ray.as_ref(), None) {
+                    (_, Some(question)) => self.unsure.push((Of::Far(n), question)),
+                    (AnyHit::Blocked, None) => self.hide_far(n),
+                    _ => {}
+                }
             }
+            LightSource::Direction(_) => {}
             LightSource::Point(position) => {
                 self.light_ray(point, n, &Toward::Point(position.to_array()), None);
             }
@@ -292,25 +311,35 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    fn sky(&mut self, point: &SurfacePoint, at: PixelSample) {
-        let (tree, reach) = (self.of.tree, self.of.sky.map_or(f64::INFINITY, |sky| sky.reach));
-        self.sky.whole = self.of.colors.as_ref().map_or(DVec3::ONE, |colors| colors.open(point.normal.into()));
-        self.of.directions.of(at, 0, &mut self.directions);
-        for k in 0..self.directions.len() {
-            let direction = self.directions[k].map(f64::from);
+    fn begin_sky(&mut self, surface: &Surface) {
+        let whole = self.of.colors.as_ref().map_or(DVec3::ONE, |colors| colors.open(surface.normal));
+        self.sky = SkyShare { whole, ..SkyShare::default() };
+    }
+
+    /// Counts a ray of the sky among all; its weight, and its direction on the side of the normal.
+    fn weigh(&mut self, surface: &Surface, direction: [f64; 3]) -> (f64, [f64; 3]) {
+        let cosine = surface.normal.dot(direction.into());
+        let (weight, outward) = (cosine.abs(), if cosine < 0.0 { direction.map(|x| -x) } else { direction });
+        self.sky.all += weight;
+        if let Some(colors) = &self.of.colors {
+            self.sky.all_light += colors.gradient.toward(DVec3::from_array(outward)) * weight;
+        }
+        (weight, outward)
+    }
+
+    /// Traces rays to the sky, if there is one.
+    pub(super) fn ask_sky(&mut self, point: &SurfacePoint, surface: &Surface, at: PixelSample) {
+        let (tree, Some(Sky { reach, .. })) = (self.of.tree, self.of.sky) else { return };
+        self.begin_sky(surface);
+        for direction in self.of.directions.of(at, 0) {
+            let direction = direction.map(f64::from);
             let toward = |direction: [f64; 3]| match reach {
                 f64::INFINITY => Toward::Direction(direction),
                 reach => Toward::Within { direction, reach },
             };
             let Some(ray) = point.ray(&tree.placement, &toward(direction)) else { continue };
-            let (cosine, side) = point.cosine(&ray);
-            let weight = cosine.abs();
-            self.sky.all += weight;
-            let outward = if cosine < 0.0 { direction.map(|x| -x) } else { direction };
-            if let Some(colors) = &self.of.colors {
-                self.sky.all_light += colors.gradient.toward(DVec3::from_array(outward)) * weight;
-            }
-            let (toward, ray) = match side {
+            let (weight, outward) = self.weigh(surface, direction);
+            let (toward, ray) = match point.cosine(&ray).1 {
                 Own::Open if !self.of.exact => (toward(direction), ray),
                 Own::Hides if !self.of.exact => (toward(direction.map(|x| -x)), ray.turned()),
                 _ => {
@@ -373,6 +402,8 @@ impl<'a> PointLight<'a> {
         match (of, hidden) {
             (Of::Light(n, seen), true) => self.hide(n, seen),
             (Of::Light(n, seen), false) => self.lights[n].add(seen),
+            (Of::Far(n), true) => self.hide_far(n),
+            (Of::Far(_), false) => {}
             (Of::Rim(n), hidden) => self.lights[n].see_rim(hidden),
             (Of::Inside(n), outside) => self.lights[n].inside = !outside,
             (Of::Sky(..), true) => {}

@@ -1,5 +1,6 @@
 //! The spheres that a device holds, in blocks that fit a binding.
 
+use super::sky::HeldTree;
 use crate::certify::ProjectionRecord;
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{PlacedSummary, PlacingRecord};
@@ -12,6 +13,8 @@ use crate::gpu::layout::Binding;
 use crate::gpu::sizes::{HOST_SPHERES, SUMMARY_LIST};
 use crate::scene::Spheres;
 use crate::scene::list::List;
+use crate::scene::same::SameSpheres;
+use crate::view::ViewRecord;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -24,6 +27,8 @@ pub(super) struct Steps(pub(super) HashMap<Step, (wgpu::ComputePipeline, Vec<Bin
 pub(crate) struct Resident {
     pub(super) held: Option<Held>,
     pub(super) steps: Steps,
+    /// The view of the frame whose hits lie on the device, for rays from there.
+    pub(super) starts: Option<ViewRecord>,
     /// Spheres of a block.
     pub(super) block: usize,
     /// Blocks leave their minima in the reverse order.
@@ -32,11 +37,12 @@ pub(crate) struct Resident {
 }
 
 impl Resident {
-    /// Another kernel writes the buffers of colours and lists, which all kernels share.
+    /// Another kernel writes the buffers of colours, lists and ids, which all kernels share.
     pub(in crate::gpu) fn share_buffers(&mut self) {
         if let Some(held) = &mut self.held {
             (held.has_colors, held.has_lists) = (false, false);
         }
+        self.starts = None;
     }
 }
 
@@ -48,6 +54,7 @@ impl Default for Resident {
         Self {
             held: None,
             steps: Steps::default(),
+            starts: None,
             block: BLOCK,
             #[cfg(test)]
             reversed: false,
@@ -119,9 +126,7 @@ pub(super) struct PlacedFor {
 
 /// The spheres of a scene on a device.
 pub(super) struct Held {
-    /// The lists themselves where no one can change them; else the frame in which they were sent, and their addresses.
-    kept: Option<(List<[f64; 3]>, List<f64>)>,
-    sent: (u64, [usize; 2]),
+    of: SameSpheres,
     count: u32,
     pub(super) reach: Reach,
     pub(super) blocks: Vec<Block>,
@@ -130,14 +135,12 @@ pub(super) struct Held {
     pub(super) pieces: u32,
     /// The last view for which they were placed, its tiles, and what the host found.
     pub(super) placed: Option<(PlacedFor, BinnedScene)>,
+    /// For rays from hits.
+    pub(super) tree: Option<HeldTree>,
     pub(super) has_colors: bool,
     pub(super) has_lists: bool,
-    /// The colours where no one can change them, and their address.
-    colors: (Option<List<[f32; 3]>>, Option<usize>),
-}
-
-fn addresses(spheres: &Spheres) -> [usize; 2] {
-    [spheres.centers.as_ptr() as usize, spheres.radii.as_ptr() as usize]
+    /// The colours where no one can change them; their address, and the frame in which they were sent.
+    colors: (Option<List<[f32; 3]>>, Option<usize>, u64),
 }
 
 fn address_of_colors(spheres: &Spheres) -> Option<usize> {
@@ -163,17 +166,17 @@ impl Held {
             blocks.push(Block::new(open, (n * size) as u32, centers.len() as u32, Some(bytes)));
         }
         let held = Self {
-            kept: spheres.centers.kept().zip(spheres.radii.kept()),
-            sent: (frame, addresses(spheres)),
+            of: SameSpheres::of(spheres, frame),
             count: spheres.len() as u32,
             reach: Reach::of(spheres),
             blocks,
             guests: Vec::new(),
             pieces: 0,
             placed: None,
+            tree: None,
             has_colors: false,
             has_lists: false,
-            colors: (spheres.colors.as_ref().and_then(List::kept), address_of_colors(spheres)),
+            colors: (spheres.colors.as_ref().and_then(List::kept), address_of_colors(spheres), frame),
         };
         (held, sent)
     }
@@ -181,17 +184,11 @@ impl Held {
     /// Whether these are the spheres of a scene in a frame.
     pub(super) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
         let colors = match (&self.colors, &spheres.colors) {
-            ((Some(kept), _), Some(colors)) => kept.is_same(colors),
-            ((None, None), None) => true,
-            ((_, address), _) => *address == address_of_colors(spheres) && self.sent.0 == frame,
+            ((Some(kept), ..), Some(colors)) => kept.is_same(colors),
+            ((None, None, _), None) => true,
+            ((_, address, sent), _) => *address == address_of_colors(spheres) && *sent == frame,
         };
-        if !colors || self.count as usize != spheres.len() {
-            return false;
-        }
-        match &self.kept {
-            Some((centers, radii)) => centers.is_same(&spheres.centers) && radii.is_same(&spheres.radii),
-            None => self.sent == (frame, addresses(spheres)),
-        }
+        colors && self.of.is_of(spheres, frame)
     }
 
     /// The id of the sphere in a slot.

@@ -45,7 +45,7 @@ struct Job<'a> {
 }
 
 /// Columns and rows of at least so many workgroups.
-fn spread(groups: u32, most: u32) -> (u32, u32) {
+pub(super) fn spread(groups: u32, most: u32) -> (u32, u32) {
     let columns = groups.clamp(1, most);
     (columns, groups.div_ceil(columns).max(1))
 }
@@ -209,7 +209,7 @@ impl Gpu {
     }
 
     /// Compiles a step.
-    fn step(&mut self, step: Step) -> Result<()> {
+    pub(super) fn step(&mut self, step: Step) -> Result<()> {
         if self.resident.steps.0.contains_key(&step) {
             return Ok(());
         }
@@ -290,7 +290,7 @@ impl Gpu {
     }
 
     /// Submits and waits.
-    fn finish(&mut self, encoder: wgpu::CommandEncoder) -> Result<()> {
+    pub(super) fn finish(&mut self, encoder: wgpu::CommandEncoder) -> Result<()> {
         let commands = encoder.finish();
         let start = Instant::now();
         self.open.queue.submit([commands]);
@@ -300,7 +300,7 @@ impl Gpu {
     }
 
     /// The first numbers of a buffer for reading.
-    fn read(&mut self, name: &'static str, size: u64) -> Result<Vec<u32>> {
+    pub(super) fn read(&mut self, name: &'static str, size: u64) -> Result<Vec<u32>> {
         let buffer = &self.buffers[name];
         buffer.map_async(wgpu::MapMode::Read, 0..size, |_| {});
         self.wait()?;

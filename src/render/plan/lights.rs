@@ -19,6 +19,13 @@ pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Wanted {
     }
 }
 
+/// Whether rays leave from the hits of viewing rays, toward the sky or for shadows.
+pub(super) fn leave_hits(wanted: Wanted, scene: &Scene) -> bool {
+    let lighting = &scene.lighting;
+    let of_picture = lighting.sky.is_some() || lighting.shadows && !lighting.lights.is_empty();
+    wanted.shadow || wanted.occlusion || wanted.color && of_picture
+}
+
 /// How often a ray of the picture goes on: not at all where no material asks for it.
 pub(crate) fn bounces(scene: &Scene) -> u32 {
     let asked = scene.spheres.materials.as_ref().is_some_and(Materials::bounce);

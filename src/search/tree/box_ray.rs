@@ -58,7 +58,7 @@ impl BoxRay {
         let near = if far <= NEAR { far } else { 4.0 };
         let pad = SLABS * U * (1.0 + near) + lost + extra;
         let a = (direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]) * ROUNDED;
-        let inverse = direction.map(|d| (1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d }) as f32);
+        let inverse = Self::inverse(direction);
         let aside = |n: usize| if inverse[n] < 0.0 { -pad } else { pad };
         Some(Self {
             enter: std::array::from_fn(|n| (from[n] + aside(n)) as f32),
@@ -71,6 +71,12 @@ impl BoxRay {
             pad: (pad as f32).next_up(),
             start,
         })
+    }
+
+    /// Reciprocals of a direction's components.
+    #[inline(always)]
+    pub(super) fn inverse(direction: [f64; 3]) -> [f32; 3] {
+        direction.map(|d| (1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d }) as f32)
     }
 
     /// What the start of a ray from `origin` is off by in each component: it is placed, and a way as long is rounded.

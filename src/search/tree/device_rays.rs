@@ -26,6 +26,24 @@ impl BoxRayRecord {
     const NOTHING: Self = Self { enter: [-ASIDE; 4], leave: [ASIDE; 4], inverse: [1.0; 4] };
 }
 
+/// A direction as devices trace it from points of their own, declared in main/sky.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct DirectionRecord {
+    /// The fourth numbers are unused.
+    pub(crate) direction: [f32; 4],
+    pub(crate) inverse: [f32; 4],
+}
+
+impl DirectionRecord {
+    /// A direction whose length is between 1 and 4, rounded to f32.
+    pub(crate) fn new(direction: [f64; 3]) -> Self {
+        let [x, y, z] = direction.map(|x| x as f32);
+        let [a, b, c] = BoxRay::inverse(direction);
+        Self { direction: [x, y, z, 0.0], inverse: [a, b, c, 0.0] }
+    }
+}
+
 /// Beyond the scene.
 const ASIDE: f32 = (1u32 << 20) as f32;
 

@@ -15,9 +15,7 @@ fn alone(count: u32) -> SkyDirections {
 }
 
 fn sky(set: &SkyDirections, at: PixelSample) -> Vec<Direction> {
-    let mut out = vec![[0.0; 3]; set.len()];
-    set.of(at, 0, &mut out);
-    out.into_iter().map(|l| l.map(f64::from)).collect()
+    set.of(at, 0).iter().map(|l| l.map(f64::from)).collect()
 }
 
 fn disc(set: &DiscPoints, at: PixelSample, light: u32) -> Vec<[f64; 2]> {
@@ -59,11 +57,7 @@ fn moments(values: &[f64]) -> [f64; 2] {
 #[test]
 fn the_bits_are_those_of_another_implementation() {
     let at = PixelSample { row: 7, column: 11, sample: 3, seed: 5 };
-    let last = |set: SkyDirections, depth: u32| {
-        let mut out = vec![[0.0; 3]; set.len()];
-        set.of(at, depth, &mut out);
-        out.last().map(|l| l.map(f32::to_bits))
-    };
+    let last = |set: SkyDirections, depth: u32| set.of(at, depth).last().map(|l| l.map(f32::to_bits));
     assert_eq!(last(alone(16), 0), Some([0x3f09_6560, 0x3e98_b1f5, 0xbf4a_1016]));
     assert_eq!(last(SkyDirections::new(16, 2, 3), 0), Some([0x3ef6_bb02, 0xbd21_8a95, 0xbf60_1654]));
     assert_eq!(last(SkyDirections::one(3, 5), 2), Some([0x3e89_6feb, 0x3e89_9c44, 0xbf6c_cfb2]));
@@ -120,15 +114,11 @@ fn sets_repeat_and_differ_between_samples_pixels_seeds_and_lights() {
     let rim: Vec<_> = points.rim(at, 0).collect();
     assert!(rim.len() == 16 && rim.iter().all(|[x, y]| (x * x + y * y - 1.0).abs() < 1e-14), "{rim:?}");
     assert_eq!(parts.rim(at, 0).count(), 0);
-    // A shorter list has the same beginning.
-    let mut few = [[0.0; 3]; 4];
-    set.of(at, 0, &mut few);
-    assert_eq!(few.map(|l| l.map(f64::from)), sky(&set, at)[..4]);
 }
 
 #[test]
 fn directions_have_length_one_and_points_lie_in_the_disc() {
-    for count in [1, 2, 3, 16, 1000, 1 << 20] {
+    for count in [1, 2, 3, 16, 1000, 1 << 12] {
         let (set, points) = (alone(count), DiscPoints::new(count, 1));
         for number in 0..if count > 1000 { 1 } else { 100 } {
             for l in sky(&set, pixel(number)) {

@@ -1,0 +1,205 @@
+//! Rays from the hits of a resident frame toward the sky and toward lights that are infinitely far: shaders/main/sky.wgsl,
+//! docs/certificate.md, section 13.
+
+use super::held::Held;
+use super::steps::spread;
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::gpu::compose::Step;
+use crate::gpu::dispatch::READING;
+use crate::gpu::input::GROUP;
+use crate::gpu::layout::is_texture;
+use crate::gpu::texture::texture;
+use crate::search::tree::Tree;
+use crate::search::tree::device_rays::DirectionRecord;
+use crate::view::ViewRecord;
+use bytemuck::{Pod, Zeroable};
+
+/// Rays that one submission traces: some milliseconds on hardware.
+const TOGETHER: u64 = 1 << 22;
+
+/// What is traced from the hits of the frame that was rendered last.
+#[derive(Clone, Copy)]
+pub(crate) struct SkyRays<'a> {
+    /// Over the spheres that the device holds.
+    pub(crate) tree: &'a Tree,
+    pub(crate) record: &'a ViewRecord,
+    /// Of every turn, and then of the lights.
+    pub(crate) directions: &'a [DirectionRecord],
+    /// Rays of a pixel toward the sky and toward lights.
+    pub(crate) rays: u32,
+    pub(crate) lights: u32,
+    pub(crate) seed: u32,
+    /// Only every second pixel, as on a chessboard.
+    pub(crate) chessboard: bool,
+    /// Limits of the rays toward the sky between which the exact one lies, in the tree's unit for these directions.
+    pub(crate) limit: [f32; 2],
+}
+
+/// A tree on a device, with the spheres that it holds.
+pub(super) struct HeldTree {
+    nodes: wgpu::TextureView,
+    placed: wgpu::TextureView,
+    places: wgpu::Buffer,
+}
+
+/// Declared in shaders/main/sky.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct SkyRecord {
+    pub(crate) first: u32,
+    pub(crate) end: u32,
+    pub(crate) rays: u32,
+    pub(crate) lights: u32,
+    pub(crate) turns: u32,
+    pub(crate) seed: u32,
+    pub(crate) chessboard: u32,
+    pub(crate) groups: u32,
+    pub(crate) sure_limit: f32,
+    pub(crate) limit: f32,
+    pub(crate) unused_a: u32,
+    pub(crate) unused_b: u32,
+}
+
+impl SkyRays<'_> {
+    /// Rays of a pixel.
+    fn each(&self) -> u32 {
+        self.rays + self.lights
+    }
+
+    /// Words of a pixel: a bit for each ray that is open, and one where the device does not know.
+    pub(crate) fn words(&self) -> usize {
+        self.each() as usize / 32 + 1
+    }
+}
+
+/// The window and the sample of a view.
+fn window(record: &ViewRecord) -> [u32; 6] {
+    [record.first_row, record.rows, record.first_column, record.columns, record.strata, record.sample]
+}
+
+impl Gpu {
+    /// Traces rays from the hits of the last frame: for each pixel [`SkyRays::words`] words, a bit for each ray whose end
+    /// nothing hides, and behind them one if the host has to trace the pixel's rays. `go_on` is called with the number of
+    /// completed pixels. `None` if the last frame was not this one, or left no hits; the error inside is why the device
+    /// cannot trace.
+    ///
+    /// # Errors
+    /// Those of the device, and [`Error::Interrupted`].
+    pub(crate) fn trace_sky(
+        &mut self,
+        asked: &SkyRays<'_>,
+        go_on: &dyn Fn(u64) -> bool,
+    ) -> Result<Option<std::result::Result<Vec<u32>, String>>> {
+        if self.resident.starts.as_ref().is_none_or(|of| window(of) != window(asked.record)) {
+            return Ok(None);
+        }
+        let Some(mut held) = self.resident.held.take() else { return Ok(None) };
+        let done = self.guarded(|gpu| gpu.trace_sky_of(&mut held, asked, go_on));
+        self.resident.held = Some(held);
+        match done {
+            Err(Error::Limits { problem, .. }) => Ok(Some(Err(problem))),
+            done => done.map(|words| Some(Ok(words))),
+        }
+    }
+
+    fn trace_sky_of(&mut self, held: &mut Held, asked: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<Vec<u32>> {
+        if held.tree.is_none() {
+            held.tree = Some(self.hold_tree(asked.tree)?);
+        }
+        self.step(Step::Sky)?;
+        let pixels = asked.record.pixels() as u64;
+        let bytes = 4 * pixels * asked.words() as u64;
+        self.check_size("rays to the sky", bytes)?;
+        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        self.reserve("open", bytes, storage);
+        self.reserve("read open", bytes, READING);
+        self.fill("directions", bytemuck::cast_slice(asked.directions))?;
+        let record = ViewRecord { spheres: asked.tree.ids.len() as u32, ..*asked.record };
+        self.fill("view", bytemuck::bytes_of(&record))?;
+        let turned = asked.directions.len() as u32 - asked.lights;
+        let together = (TOGETHER / u64::from(asked.each())).max(1);
+        for first in (0..pixels).step_by(together as usize) {
+            if !go_on(first) {
+                return Err(Error::Interrupted);
+            }
+            let end = (first + together).min(pixels);
+            let rays = (end - first) * u64::from(asked.each());
+            let groups = spread(rays.div_ceil(GROUP.into()) as u32, self.limits.max_compute_workgroups_per_dimension);
+            let part = SkyRecord {
+                first: first as u32,
+                end: end as u32,
+                rays: asked.rays,
+                lights: asked.lights,
+                turns: turned.checked_div(asked.rays).unwrap_or(1),
+                seed: asked.seed,
+                chessboard: asked.chessboard.into(),
+                groups: groups.0,
+                sure_limit: asked.limit[0],
+                limit: asked.limit[1],
+                unused_a: 0,
+                unused_b: 0,
+            };
+            self.fill("sky", bytemuck::bytes_of(&part))?;
+            self.submit_sky(held, groups, (first == 0).then_some(bytes))?;
+        }
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.buffers["open"], 0, &self.buffers["read open"], 0, bytes);
+        self.finish(encoder)?;
+        self.read("read open", bytes)
+    }
+
+    /// One dispatch; the first clears so many bytes of the answers before.
+    fn submit_sky(&mut self, held: &Held, groups: (u32, u32), clear: Option<u64>) -> Result<()> {
+        let (pipeline, bindings) = &self.resident.steps.0[&Step::Sky];
+        let kernel = crate::kernel::Kernel::bare(crate::intersect::Method::Stable);
+        let bound = |name: &'static str| match (&held.tree, name) {
+            (Some(tree), "nodes") => wgpu::BindingResource::TextureView(&tree.nodes),
+            (Some(tree), "placed") => wgpu::BindingResource::TextureView(&tree.placed),
+            (Some(tree), "places") => tree.places.as_entire_binding(),
+            _ if is_texture(name) => self.bound(name, &kernel, 1),
+            _ => self.buffers[name].as_entire_binding(),
+        };
+        let entries: Vec<_> = bindings
+            .iter()
+            .map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: bound(b.name) })
+            .collect();
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        if let Some(bytes) = clear {
+            encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));
+        }
+        {
+            let layout = pipeline.get_bind_group_layout(0);
+            let group = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &self.open.device.create_bind_group(&group), &[]);
+            pass.dispatch_workgroups(groups.0, groups.1, 1);
+        }
+        self.finish(encoder)
+    }
+
+    /// Sends a tree.
+    fn hold_tree(&mut self, tree: &Tree) -> Result<HeldTree> {
+        let mut places = vec![0u32; tree.ids.len()];
+        (0..).zip(&tree.ids).for_each(|(place, id)| places[*id as usize] = place);
+        let bytes: &[u8] = bytemuck::cast_slice(&places);
+        self.check_size("places of spheres", bytes.len() as u64)?;
+        let buffer = self.open.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("places"),
+            size: (bytes.len() as u64).max(16),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.open.queue.write_buffer(&buffer, 0, bytes);
+        let (nodes, spheres) = (tree.device_nodes(), tree.device_spheres());
+        let mut view = |name, bytes: &[u8]| {
+            self.traffic.up += bytes.len() as u64;
+            texture(&self.open, &self.limits, &self.summary.name, name, bytes).map(|(_, view)| view)
+        };
+        let nodes = view("nodes", bytemuck::cast_slice(&nodes))?;
+        let placed = view("placed", bytemuck::cast_slice(&spheres))?;
+        self.traffic.up += bytes.len() as u64;
+        Ok(HeldTree { nodes, placed, places: buffer })
+    }
+}

@@ -1,0 +1,33 @@
+//! Whether the spheres of a scene are those of an earlier one, without reading them.
+
+use super::Spheres;
+use super::list::List;
+
+/// The positions and radii that something was made of.
+pub(crate) struct SameSpheres {
+    /// The lists themselves where no one can change them; else the frame in which they were read, and their addresses.
+    kept: Option<(List<[f64; 3]>, List<f64>)>,
+    read: (u64, [usize; 2]),
+    count: usize,
+}
+
+impl SameSpheres {
+    /// `frame` is a number for which spheres that others may change stay the same.
+    pub(crate) fn of(spheres: &Spheres, frame: u64) -> Self {
+        let kept = spheres.centers.kept().zip(spheres.radii.kept());
+        Self { kept, read: (frame, addresses(spheres)), count: spheres.len() }
+    }
+
+    /// Whether these are the same spheres.
+    pub(crate) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
+        self.count == spheres.len()
+            && match &self.kept {
+                Some((centers, radii)) => centers.is_same(&spheres.centers) && radii.is_same(&spheres.radii),
+                None => self.read == (frame, addresses(spheres)),
+            }
+    }
+}
+
+fn addresses(spheres: &Spheres) -> [usize; 2] {
+    [spheres.centers.as_ptr() as usize, spheres.radii.as_ptr() as usize]
+}
