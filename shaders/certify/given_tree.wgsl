@@ -1,11 +1,21 @@
-// Given rays find their spheres in the tree.
+// The spheres that a given ray may hit, from the tree.
 
 @group(0) @binding(BIND_BOXES) var<storage, read> boxes: array<BoxRay>;
 
 fn search(ray: CertifiedRay) -> Best {
-    return search_tree(ray, boxes[ray_number]);
-}
-
-fn skips(place: u32) -> bool {
-    return false;
+    let seen = boxes[ray_number];
+    let spheres_level = level_of_spheres();
+    var best = begin(ray);
+    var at = Position(0u, 0u, 0u);
+    loop {
+        while (at.level < spheres_level) {
+            at = descend(at, seen, best.limit);
+        }
+        if (at.level == NOWHERE) {
+            break;
+        }
+        best = keep(best, ray, at.place, meet(ray, placed_at(at.place)));
+        at = resume(at, best.limit);
+    }
+    return best;
 }

@@ -63,6 +63,6 @@ fn render(tile: vec3<u32>, index: u32) {
         // No nearer hit lies behind this depth: the third pass of shaders/splat compares with it.
         minima[2u * pixels + pixel] = select(0u, inverted(answer.high + VANISH), answer.hits);
     }
-    keep_start(pixel);
+    keep_start(pixel, s);
     write_outputs(pixel, Ray(vec3<f32>(s.x, s.y, -1.0)), Hit(answer.offset, answer.id));
 }

@@ -1,3 +1,3 @@
 // No ray leaves from the hits of this frame.
-fn keep_start(pixel: u32) {
+fn keep_start(pixel: u32, s: Slopes) {
 }

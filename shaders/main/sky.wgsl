@@ -1,5 +1,5 @@
-// Rays from the hits of a frame toward the sky and toward lights that are infinitely far, one per invocation:
-// docs/certificate.md, section 13. Each leaves a bit if nothing hides what it goes to. Where f32 leaves one ray of a pixel
+// Rays from the hits of a frame toward the sky and toward lights that are infinitely far: docs/certificate.md, section 13.
+// Each leaves a bit if nothing hides what it goes to. Where f32 leaves one ray of a pixel
 // unsure, one more bit leaves all of them to the host.
 
 struct Sky {
@@ -13,8 +13,12 @@ struct Sky {
     groups: u32,       // workgroups in a row of the dispatch
     sure_limit: f32,   // of rays toward the sky
     limit: f32,
-    unused_a: u32,
-    unused_b: u32,
+    unit: f32,         // the frame's unit in that of the tree; 0 where ways from the eye are of no use
+    unused: f32,
+    eye: vec3<i32>,    // on the grid of places: whole steps, and the rest
+    unused_eye: i32,
+    eye_rest: vec3<f32>,
+    unused_rest: f32,
 }
 
 @group(0) @binding(BIND_SKY) var<uniform> sky: Sky;
@@ -24,15 +28,10 @@ struct Sky {
 @group(0) @binding(BIND_PLACES) var<storage, read> places: array<u32>;
 // Two vectors each, the direction and the reciprocals of its components: those of all turns, then those of the lights.
 @group(0) @binding(BIND_DIRECTIONS) var<storage, read> directions: array<vec4<f32>>;
-@group(0) @binding(BIND_OPEN) var<storage, read_write> open: array<atomic<u32>>;
+@group(0) @binding(BIND_OPEN) var<storage, read_write> open: array<u32>;
 
 var<private> local_index: u32; // of this ray in its workgroup
-var<private> own: u32;         // place of the sphere that it leaves from
-
-// The sphere of the hit is decided by the side of its surface.
-fn skips(place: u32) -> bool {
-    return place == own;
-}
+var<private> own: u32;         // place of the sphere of the hit, which is decided by the side of its surface
 
 // The padding of boxes for a start that was computed in f32, beside its blur: docs/tree.md.
 const PAD: f32 = 32.0;
@@ -41,59 +40,122 @@ const PLACES: f32 = 7.105427357601002e-15;
 // The product of normal and direction, in multiples of UNIT.
 const COSINE: f32 = 8.0;
 
-// The place of what hides the end of ray `number` of a pixel, NONE or UNSURE.
-fn hider(start: vec4<f32>, at: vec2<u32>, number: u32) -> u32 {
+// What all rays of a pixel have in common.
+struct Start {
+    at: vec2<u32>,     // column and row in the full frame
+    normal: vec3<f32>,
+    turn: f32,         // bound of the normal's error
+    steps: vec3<i32>,  // of the sphere's centre on the grid of places, or of the eye
+    offset: vec3<f32>, // from there
+    blur: f32,
+    origin: vec3<f32>, // the same place in f32, for the boxes
+}
+
+// The ray with a number: what hides it may be known without the tree.
+struct Next {
+    ray: CertifiedRay,
+    seen: BoxRay,
+    found: u32,        // own: the sphere itself hides it; UNSURE: the side of its surface is not known; else NONE
+}
+
+fn start_of(pixel: u32, at: vec2<u32>) -> Start {
+    let surface = starts[2u * pixel];
+    let way = starts[2u * pixel + 1u];
+    let s = placed_at(own);
+    var steps = s.steps;
+    var offset = s.rest + s.radius * surface.xyz;
+    var blur = s.radius * surface.w;
+    // A sphere that is large beside its distance: the ground.
+    if (sky.unit > 0.0 && way.w * sky.unit < blur) {
+        steps = sky.eye;
+        offset = sky.eye_rest + sky.unit * way.xyz;
+        blur = way.w * sky.unit;
+    }
+    blur = (blur + PLACES) * INFLATE;
+    return Start(at, surface.xyz, surface.w, steps, offset, blur, vec3<f32>(steps) * GIVEN_STEP + offset);
+}
+
+fn next_ray(start: Start, number: u32) -> Next {
     let toward_sky = number < sky.rays;
-    let turn = pcg4d(vec4<u32>(at, 0u, sky.seed)).w & (sky.turns - 1u);
+    let turn = pcg4d(vec4<u32>(start.at, 0u, sky.seed)).w & (sky.turns - 1u);
     let index = select(sky.turns * sky.rays + number - sky.rays, turn * sky.rays + number, toward_sky);
     var d = directions[2u * index].xyz;
     var inverse = directions[2u * index + 1u].xyz;
-    let cosine = dot3(start.xyz, d);
-    if (abs(cosine) <= (start.w + COSINE * UNIT) * sqrt(dot3(d, d)) * INFLATE) {
-        return UNSURE;
+    let cosine = dot3(start.normal, d);
+    let behind = cosine < 0.0;
+    var found = select(NONE, own, behind && !toward_sky);
+    if (abs(cosine) <= (start.turn + COSINE * UNIT) * sqrt(dot3(d, d)) * INFLATE) {
+        found = UNSURE;
     }
-    if (cosine < 0.0) {
-        if (!toward_sky) {
-            return own;
-        }
+    if (behind) {
         d = -d;
         inverse = -inverse;
     }
-    let s = placed_at(own);
-    let offset = s.rest + s.radius * start.xyz;
-    let blur = (s.radius * start.w + PLACES) * INFLATE;
-    let ray = CertifiedRay(
-        s.steps, select(MISS, sky.sure_limit, toward_sky), offset, select(MISS, sky.limit, toward_sky), d, blur,
+    let limit = select(vec2<f32>(MISS), vec2<f32>(sky.sure_limit, sky.limit), toward_sky);
+    let aside = select(vec3<f32>(1.0), vec3<f32>(-1.0), inverse < vec3<f32>(0.0)) * (PAD * UNIT + 2.0 * start.blur);
+    return Next(
+        CertifiedRay(start.steps, limit.x, start.offset, limit.y, d, start.blur),
+        BoxRay(vec4<f32>(start.origin + aside, 0.0), vec4<f32>(start.origin - aside, 0.0), vec4<f32>(inverse, 0.0)),
+        found,
     );
-    let origin = vec3<f32>(s.steps) * GIVEN_STEP + offset;
-    let aside = select(vec3<f32>(1.0), vec3<f32>(-1.0), inverse < vec3<f32>(0.0)) * (PAD * UNIT + 2.0 * blur);
-    let seen = BoxRay(vec4<f32>(origin + aside, 0.0), vec4<f32>(origin - aside, 0.0), vec4<f32>(inverse, 0.0));
-    return answer(search_tree(ray, seen));
 }
 
+// An invocation traces all rays of a pixel. Those of a subgroup begin their next rays on their own, so that none waits for
+// the longest ray of the others.
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let each = sky.rays + sky.lights;
-    let n = (group.y * sky.groups + group.x) * GROUP + index;
-    let pixel = sky.first + n / each;
+    let pixel = sky.first + (group.y * sky.groups + group.x) * GROUP + index;
     if (pixel >= sky.end) {
         return;
     }
-    let number = n % each;
     let id = frame_id[pixel];
     let at = vec2<u32>(view.first_column + pixel % view.columns, view.first_row + pixel / view.columns);
     if (id == NONE || (sky.chessboard == 1u && ((at.x ^ at.y) & 1u) == 1u)) {
         return;
     }
-    let start = starts[pixel];
-    local_index = index;
-    var found = UNSURE;
-    if (id != UNSURE && start.w > 0.0) {
+    let words = pixel * ((each >> 5u) + 1u);
+    var unsure = id == UNSURE || starts[2u * pixel].w <= 0.0;
+    if (!unsure) {
         own = places[id];
-        found = hider(start, at, number);
+        local_index = index;
+        let start = start_of(pixel, at);
+        let spheres_level = level_of_spheres();
+        var next = next_ray(start, 0u);
+        var best = begin(next.ray);
+        var position = Position(select(NOWHERE, 0u, next.found == NONE), 0u, 0u);
+        var number = 0u;
+        var bits = 0u;
+        loop {
+            while (position.level < spheres_level) {
+                position = descend(position, next.seen, best.limit);
+            }
+            if (position.level != NOWHERE) {
+                if (position.place != own) {
+                    best = keep(best, next.ray, position.place, meet(next.ray, placed_at(position.place)));
+                }
+                position = resume(position, best.limit);
+            }
+            if (position.level == NOWHERE) {
+                let found = select(next.found, answer(best), next.found == NONE);
+                unsure = found == UNSURE;
+                bits |= select(0u, 1u, found == NONE) << (number & 31u);
+                number++;
+                if (unsure || number == each) {
+                    break;
+                }
+                if ((number & 31u) == 0u) {
+                    open[words + (number >> 5u) - 1u] = bits;
+                    bits = 0u;
+                }
+                next = next_ray(start, number);
+                best = begin(next.ray);
+                position = Position(select(NOWHERE, 0u, next.found == NONE), 0u, 0u);
+            }
+        }
+        open[words + ((number - 1u) >> 5u)] = bits;
     }
-    let bit = select(number, each, found == UNSURE);
-    if (found == NONE || found == UNSURE) {
-        atomicOr(&open[pixel * ((each >> 5u) + 1u) + (bit >> 5u)], 1u << (bit & 31u));
+    if (unsure) {
+        open[words + (each >> 5u)] |= 1u << (each & 31u);
     }
 }

@@ -60,6 +60,9 @@ constants! {
     /// A normal from which rays leave: its parts, the unit vector, its rotation into the world; and a point from there.
     #[cfg(test)]
     const SURFACE = 36.0;
+    /// The way from the eye to a point from which rays leave, of its length.
+    #[cfg(test)]
+    const WAY = 18.0;
     /// p.d of a general sphere: the start value.
     const START = 2.5;
     /// p.d of a general sphere: the increment.

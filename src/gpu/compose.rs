@@ -29,7 +29,7 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 79] = files![
+const FILES: [(&str, &str); 78] = files![
     "view.wgsl" "math.wgsl" "hash.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
@@ -42,7 +42,7 @@ const FILES: [(&str, &str); 79] = files![
     "certify/general_ray.wgsl" "certify/general_column.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
     "certify/nearest_two.wgsl" "certify/search.wgsl" "certify/search_column.wgsl" "certify/certify_winner.wgsl"
     "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
-    "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl" "certify/search_tree.wgsl"
+    "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
     "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/winners.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
     "main/sample.wgsl" "main/start.wgsl" "main/no_start.wgsl" "main/sky.wgsl"
     "shade/world.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
@@ -218,7 +218,7 @@ fn certify_given(kernel: &Kernel, parts: &mut Vec<Part>) {
     let query = if kernel.any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
     parts.extend(files(["certify/constants.wgsl", "certify/given_constants.wgsl", "certify/given.wgsl", query]));
     match kernel.tree {
-        true => parts.extend(files(["search/tree.wgsl", "certify/search_tree.wgsl", "certify/given_tree.wgsl"])),
+        true => parts.extend(files(["search/tree.wgsl", "certify/given_tree.wgsl"])),
         false => parts.extend(files(["certify/given_all.wgsl"])),
     }
 }
@@ -300,7 +300,7 @@ pub(crate) fn compose_step(step: Step) -> Source {
             let mut parts = vec![binding_numbers()];
             parts.extend(files(["view.wgsl", "math.wgsl", "hash.wgsl"]));
             parts.extend(files(given));
-            parts.extend(files(["search/tree.wgsl", "certify/search_tree.wgsl", "main/sky.wgsl"]));
+            parts.extend(files(["search/tree.wgsl", "main/sky.wgsl"]));
             return Source::new(parts);
         }
         Step::Small { samples } => (samples, "splat/small.wgsl"),

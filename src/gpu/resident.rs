@@ -241,7 +241,7 @@ impl Gpu {
     /// Rows of pixels whose minima and outputs fit a binding, a multiple of a tile's.
     fn rows_of_band(&self, kernel: &Kernel, record: &ViewRecord) -> u32 {
         let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
-        let rows = largest / (if kernel.starts { 16 } else { 12 } * u64::from(record.columns));
+        let rows = largest / (if kernel.starts { 32 } else { 12 } * u64::from(record.columns));
         ((rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE).max(TILE)
     }
 
@@ -253,7 +253,7 @@ impl Gpu {
         self.reserve("minima", 12 * pixels, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
         self.reserve_outputs(kernel, pixels);
         if kernel.starts {
-            self.reserve("starts", 16 * pixels, wgpu::BufferUsages::STORAGE);
+            self.reserve("starts", 32 * pixels, wgpu::BufferUsages::STORAGE);
         }
         let Some(held) = self.resident.held.take() else { return Ok(()) };
         let done = self.submit_steps(kernel, &held, pixels, record.tiles());

@@ -14,6 +14,7 @@ use crate::progress::Step;
 use crate::scene::same::SameSpheres;
 use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight, Spheres};
 use crate::search::tree::Tree;
+use crate::search::tree::device::OnGrid;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::settings::{Accuracy, Settings};
 use crate::view::backdrop::Backdrop;
@@ -85,6 +86,14 @@ fn limits(tree: &Tree, reach: f64) -> [f32; 2] {
     }
 }
 
+/// The frame's unit in that of the tree, and the eye on its grid of places.
+fn eye(tree: &Tree, view: &View) -> Option<(f32, OnGrid)> {
+    let unit = dd::ldexp(1.0, view.unit - tree.placement.k);
+    let is_normal = (f32::MIN_POSITIVE.into()..=f32::MAX.into()).contains(&unit);
+    let eye = tree.near_place(view.basis.e.to_array()).filter(|_| is_normal && !view.parallel)?;
+    Some((unit as f32, eye))
+}
+
 impl Renderer {
     pub(super) fn light_setup(&mut self, scene: &Scene, accuracy: Accuracy) -> LightSetup {
         LightSetup { tree: self.tree.of(&scene.spheres, self.frames), accuracy }
@@ -126,12 +135,15 @@ impl Renderer {
             seed: settings.seed,
             chessboard,
             limit: limits(tree, reach),
+            eye: eye(tree, view),
         };
         let pixels = view.record.pixels() as u64;
         let doing = self.watch.begin(Step::Light, pixels);
         match gpu.trace_sky(&asked, &|done| doing.reached(done))? {
             None => Ok(None),
             Some(Ok(words)) => {
+                let w = (count.rays + count.lights) / 32 + 1;
+                eprintln!("LEFT {} of {}", words.chunks(w).filter(|c| c[w-1] >> ((count.rays + count.lights) % 32) & 1 == 1).count(), words.len() / w);
                 doing.end()?;
                 Ok(Some((count, words)))
             }
@@ -205,7 +217,9 @@ impl Renderer {
             bounces: bounces(scene),
         };
         let doing = self.watch.begin(Step::Light, ids.len() as u64);
+        let t = std::time::Instant::now();
         lighting.fill(ids, &mut lit, &|pixels| doing.next(pixels));
+        eprintln!("FILL {:?}", t.elapsed());
         doing.end()?;
         Ok(lit)
     }

@@ -168,7 +168,19 @@ impl<'a> PointLight<'a> {
     /// Takes over which of the sky's rays are open.
     pub(super) fn open_sky(&mut self, surface: &Surface, at: PixelSample, is_open: impl Fn(usize) -> bool) {
         self.begin_sky(surface);
-        for (k, direction) in self.of.directions.of(at, 0).iter().enumerate() {
+        let directions = self.of.directions.of(at, 0);
+        if self.of.colors.is_none() {
+            // The same sums without branches.
+            let (mut all, mut open) = (0.0, 0.0);
+            for (k, direction) in directions.iter().enumerate() {
+                let weight = surface.normal.dot(direction.map(f64::from).into()).abs();
+                all += weight;
+                open += if is_open(k) { weight } else { 0.0 };
+            }
+            (self.sky.all, self.sky.open) = (all, open);
+            return;
+        }
+        for (k, direction) in directions.iter().enumerate() {
             let (weight, outward) = self.weigh(surface, direction.map(f64::from));
             if is_open(k) {
                 self.see_sky(weight, outward);

@@ -11,6 +11,7 @@ use crate::gpu::input::GROUP;
 use crate::gpu::layout::is_texture;
 use crate::gpu::texture::texture;
 use crate::search::tree::Tree;
+use crate::search::tree::device::OnGrid;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::view::ViewRecord;
 use bytemuck::{Pod, Zeroable};
@@ -34,6 +35,9 @@ pub(crate) struct SkyRays<'a> {
     pub(crate) chessboard: bool,
     /// Limits of the rays toward the sky between which the exact one lies, in the tree's unit for these directions.
     pub(crate) limit: [f32; 2],
+    /// The frame's unit in that of the tree, and the eye on its grid of places; `None` where rays have no common eye, or it is
+    /// far away.
+    pub(crate) eye: Option<(f32, OnGrid)>,
 }
 
 /// A tree on a device, with the spheres that it holds.
@@ -57,8 +61,12 @@ pub(crate) struct SkyRecord {
     pub(crate) groups: u32,
     pub(crate) sure_limit: f32,
     pub(crate) limit: f32,
-    pub(crate) unused_a: u32,
-    pub(crate) unused_b: u32,
+    pub(crate) unit: f32,
+    pub(crate) unused: f32,
+    pub(crate) eye: [i32; 3],
+    pub(crate) unused_eye: i32,
+    pub(crate) eye_rest: [f32; 3],
+    pub(crate) unused_rest: f32,
 }
 
 impl SkyRays<'_> {
@@ -117,6 +125,7 @@ impl Gpu {
         self.fill("directions", bytemuck::cast_slice(asked.directions))?;
         let record = ViewRecord { spheres: asked.tree.ids.len() as u32, ..*asked.record };
         self.fill("view", bytemuck::bytes_of(&record))?;
+        let (unit, (eye, eye_rest)) = asked.eye.unwrap_or((0.0, ([0; 3], [0.0; 3])));
         let turned = asked.directions.len() as u32 - asked.lights;
         let together = (TOGETHER / u64::from(asked.each())).max(1);
         for first in (0..pixels).step_by(together as usize) {
@@ -124,8 +133,8 @@ impl Gpu {
                 return Err(Error::Interrupted);
             }
             let end = (first + together).min(pixels);
-            let rays = (end - first) * u64::from(asked.each());
-            let groups = spread(rays.div_ceil(GROUP.into()) as u32, self.limits.max_compute_workgroups_per_dimension);
+            let groups = ((end - first) as u32).div_ceil(GROUP);
+            let groups = spread(groups, self.limits.max_compute_workgroups_per_dimension);
             let part = SkyRecord {
                 first: first as u32,
                 end: end as u32,
@@ -137,8 +146,12 @@ impl Gpu {
                 groups: groups.0,
                 sure_limit: asked.limit[0],
                 limit: asked.limit[1],
-                unused_a: 0,
-                unused_b: 0,
+                unit,
+                unused: 0.0,
+                eye,
+                unused_eye: 0,
+                eye_rest,
+                unused_rest: 0.0,
             };
             self.fill("sky", bytemuck::bytes_of(&part))?;
             self.submit_sky(held, groups, (first == 0).then_some(bytes))?;

@@ -80,12 +80,17 @@ pub(crate) struct PlacedSphereRecord {
 /// Steps of the grid of places in the tree's unit. Spheres are within 2^28 of them from the middle, and rays within 2^30.
 const STEPS: f64 = (1u64 << 28) as f64;
 
+/// So many units from the middle the grid reaches with room for differences.
+const NEAR: f64 = 3.0;
+
 /// What the difference of two places is off by in each component beside three roundings of itself: docs/certificate.md,
 /// section 9.
 pub(super) const PLACE: f64 = 8.0 * PLACED;
 
 /// A place as whole steps and a rest.
-pub(super) fn on_grid(at: [f64; 3]) -> ([i32; 3], [f32; 3]) {
+pub(crate) type OnGrid = ([i32; 3], [f32; 3]);
+
+pub(super) fn on_grid(at: [f64; 3]) -> OnGrid {
     let steps = at.map(|x| (x * STEPS).round());
     (steps.map(|n| n as i32), std::array::from_fn(|n| (at[n] - steps[n] / STEPS) as f32))
 }
@@ -96,6 +101,12 @@ pub(crate) fn first(level: usize) -> usize {
 }
 
 impl Tree {
+    /// A point of the world that is not far from the spheres.
+    pub(crate) fn near_place(&self, point: [f64; 3]) -> Option<OnGrid> {
+        let at = self.placement.point(point);
+        at.iter().all(|x| x.abs() <= NEAR).then(|| on_grid(at))
+    }
+
     /// The nodes for devices.
     pub(crate) fn device_nodes(&self) -> Vec<NodeRecord> {
         let blocks = first(self.levels());
