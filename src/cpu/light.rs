@@ -1,7 +1,7 @@
 //! Lights and sky at the pixels of a frame: which of them the hit points see, and the colours that follow.
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 mod bounce;
 mod lighting;

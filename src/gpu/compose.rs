@@ -296,7 +296,12 @@ pub(crate) fn compose_step(step: Step) -> Source {
             return Source::new(parts);
         }
         Step::Sky => {
-            let given = ["certify/constants.wgsl", "certify/given_constants.wgsl", "certify/given.wgsl", "certify/given_any.wgsl"];
+            let given = [
+                "certify/constants.wgsl",
+                "certify/given_constants.wgsl",
+                "certify/given.wgsl",
+                "certify/given_any.wgsl",
+            ];
             let mut parts = vec![binding_numbers()];
             parts.extend(files(["view.wgsl", "math.wgsl", "hash.wgsl"]));
             parts.extend(files(given));

@@ -97,7 +97,8 @@ impl Gpu {
         let bound = KernelOutput::of(kernel).count() + 2 + lists + usize::from(kernel.colors);
         let most = self.limits.max_storage_buffers_per_shader_stage;
         // The starts of rays from the hits, where there is room for one more.
-        let starts = kernel.starts && bound < most as usize;
+        let asked_for_starts = kernel.starts;
+        let starts = asked_for_starts && bound < most as usize;
         let kernel = Kernel { sharing: Sharing::None, generals, starts, ..*kernel };
         self.resident.starts = None;
         if bound > most as usize {
@@ -140,8 +141,12 @@ impl Gpu {
             }
             first += band.count;
         }
-        if starts && rows >= record.rows + record.first_row % TILE {
-            self.resident.starts = Some(record);
+        if asked_for_starts {
+            self.resident.starts = Some(match rows >= record.rows + record.first_row % TILE {
+                _ if !starts => Err("the adapter binds too few buffers to keep the hits"),
+                true => Ok(record),
+                false => Err("the adapter holds the hits of a part of the image only"),
+            });
         }
         if !pairs.is_empty() {
             let held = self.resident.held.as_ref();

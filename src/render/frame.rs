@@ -189,6 +189,7 @@ impl Renderer {
         report.predicted = predicted;
         report.warnings.extend(setup.warnings(scene, settings, predicted));
         report.warnings.extend(self.left_to_host.take());
+        report.light_on_device = self.light_on_device.take().share();
         report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
         report.stages_ms = timings.into_map();
         report.frame_ms = vec![milliseconds(start)];

@@ -1,11 +1,10 @@
 //! The stage of lights and sky: after the nearest hits, before the buffers are assembled.
 
+use super::place::Executor;
 use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
-use super::place::Executor;
 use crate::answers::lit::{Lit, OpenSky, Traced};
 use crate::cpu::light::{LitScene, Wanted};
-use crate::double_double as dd;
 use crate::error::Result;
 use crate::exact::Judge;
 use crate::gpu::resident::sky::SkyRays;
@@ -14,13 +13,14 @@ use crate::progress::Step;
 use crate::scene::same::SameSpheres;
 use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight, Spheres};
 use crate::search::tree::Tree;
-use crate::search::tree::device::OnGrid;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::settings::{Accuracy, Settings};
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
+use crate::view::ray::NONE;
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The pixels from whose hits rays leave.
@@ -35,6 +35,31 @@ pub(super) struct Pixels<'a> {
 impl<'a> Pixels<'a> {
     pub(super) fn all(ids: &'a [u32]) -> Self {
         Self { ids, chessboard: false }
+    }
+}
+
+/// Hits of which a device traced the rays, and those of them that it decided.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct LightOnDevice {
+    hits: usize,
+    decided: usize,
+}
+
+impl LightOnDevice {
+    /// Ends the count of a frame.
+    pub(super) fn take(&mut self) -> Self {
+        std::mem::take(self)
+    }
+
+    /// `None` without hits.
+    pub(super) fn share(self) -> Option<f64> {
+        (self.hits > 0).then(|| self.decided as f64 / self.hits as f64)
+    }
+
+    fn add(&mut self, ids: &[u32], traced: &Traced<'_>) {
+        let hits = (0..ids.len() as u32).into_par_iter().filter(|pixel| ids[*pixel as usize] != NONE);
+        self.hits += hits.clone().count();
+        self.decided += hits.filter(|pixel| traced.of(*pixel).is_some()).count();
     }
 }
 
@@ -68,7 +93,6 @@ impl LastTree {
 }
 
 impl LightSetup {
-
     /// Decides what f64 leaves unsure, where the answers are certified. It has no spheres: those of a question come with
     /// it.
     fn judge(&self, scene: &Scene, view: &View) -> Result<Option<Judge>> {
@@ -77,21 +101,13 @@ impl LightSetup {
     }
 }
 
-/// Where a ray toward the sky ends, in the units of directions of length 2: at most, and at least.
+/// Where a ray toward the sky ends, in the tree's unit over the length of its direction: at most, and at least.
 fn limits(tree: &Tree, reach: f64) -> [f32; 2] {
-    let limit = 0.5 * tree.placement.radius(reach);
+    let limit = tree.placement.radius(reach) / DirectionRecord::UNIT;
     match limit < f64::from(f32::MAX) {
         true => [(limit as f32).next_down(), (limit as f32).next_up()],
         false => [f32::MAX.next_down(), f32::MAX],
     }
-}
-
-/// The frame's unit in that of the tree, and the eye on its grid of places.
-fn eye(tree: &Tree, view: &View) -> Option<(f32, OnGrid)> {
-    let unit = dd::ldexp(1.0, view.unit - tree.placement.k);
-    let is_normal = (f32::MIN_POSITIVE.into()..=f32::MAX.into()).contains(&unit);
-    let eye = tree.near_place(view.basis.e.to_array()).filter(|_| is_normal && !view.parallel)?;
-    Some((unit as f32, eye))
 }
 
 impl Renderer {
@@ -119,13 +135,9 @@ impl Renderer {
         if count.rays + count.lights == 0 {
             return Ok(None);
         }
-        // Doubled, the longest component of a direction of length 1 is above 1.
-        let turned = sky.turned().iter().map(|direction| DirectionRecord::new(direction.map(|x| 2.0 * f64::from(x))));
-        let scaled = |direction: &DVec3| {
-            let e = dd::exponent(direction.abs().max_element());
-            DirectionRecord::new(direction.to_array().map(|x| dd::ldexp(x, -e)))
-        };
-        let directions: Vec<DirectionRecord> = turned.chain(far.iter().map(scaled)).collect();
+        let turned = sky.turned().iter().map(DirectionRecord::of_unit);
+        let far = far.iter().map(|direction| DirectionRecord::new(direction.to_array()));
+        let directions: Vec<DirectionRecord> = turned.chain(far).collect();
         let asked = SkyRays {
             tree,
             record: &view.record,
@@ -135,15 +147,13 @@ impl Renderer {
             seed: settings.seed,
             chessboard,
             limit: limits(tree, reach),
-            eye: eye(tree, view),
+            eye: tree.eye(view),
         };
         let pixels = view.record.pixels() as u64;
         let doing = self.watch.begin(Step::Light, pixels);
         match gpu.trace_sky(&asked, &|done| doing.reached(done))? {
             None => Ok(None),
             Some(Ok(words)) => {
-                let w = (count.rays + count.lights) / 32 + 1;
-                eprintln!("LEFT {} of {}", words.chunks(w).filter(|c| c[w-1] >> ((count.rays + count.lights) % 32) & 1 == 1).count(), words.len() / w);
                 doing.end()?;
                 Ok(Some((count, words)))
             }
@@ -198,6 +208,9 @@ impl Renderer {
             _ => None,
         };
         let traced = found.as_ref().map(|(count, words)| Traced { words, rays: count.rays, lights: count.lights });
+        if let Some(traced) = &traced {
+            self.light_on_device.add(ids, traced);
+        }
         let lighting = LitScene {
             scene,
             view,
@@ -217,9 +230,7 @@ impl Renderer {
             bounces: bounces(scene),
         };
         let doing = self.watch.begin(Step::Light, ids.len() as u64);
-        let t = std::time::Instant::now();
         lighting.fill(ids, &mut lit, &|pixels| doing.next(pixels));
-        eprintln!("FILL {:?}", t.elapsed());
         doing.end()?;
         Ok(lit)
     }

@@ -1,6 +1,6 @@
 //! A device, or the CPU path, with what it keeps from frame to frame.
 
-use super::light::LastTree;
+use super::light::{LastTree, LightOnDevice};
 use super::place::{ChosenDevice, Executor};
 use super::plan::Plan;
 use super::setup::FrameSetup;
@@ -36,6 +36,8 @@ pub struct Renderer {
     pub(super) left_to_host: Option<String>,
     /// For rays from hits.
     pub(super) tree: LastTree,
+    /// Of the current frame.
+    pub(super) light_on_device: LightOnDevice,
 }
 
 impl Renderer {
@@ -54,7 +56,19 @@ impl Renderer {
         let ChosenDevice { executor: place, reason, passed_over, has_no_adapter } = ChosenDevice::of(settings)?;
         let setup_ms = milliseconds(start);
         let (watch, pool, tree) = (Watch::default(), Arc::default(), LastTree::default());
-        Ok(Self { place, setup_ms, watch, pool, passed_over, reason, has_no_adapter, frames: 0, left_to_host: None, tree })
+        Ok(Self {
+            place,
+            setup_ms,
+            watch,
+            pool,
+            passed_over,
+            reason,
+            has_no_adapter,
+            frames: 0,
+            left_to_host: None,
+            tree,
+            light_on_device: LightOnDevice::default(),
+        })
     }
 
     /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
@@ -73,6 +87,7 @@ impl Renderer {
             frames: 0,
             left_to_host: None,
             tree: LastTree::default(),
+            light_on_device: LightOnDevice::default(),
         }
     }
 

@@ -63,7 +63,9 @@ impl Renderer {
                 let wanted = Wanted { sky: true, ..Wanted::default() };
                 let of = (scene, settings, &around.view);
                 let sky = Some(Sky { rays: center_rays(sky, raster.count()), ..sky });
-                let lit = timings.time("light", || self.light(lights, of, (wanted, sky), (Pixels { ids: &ids, chessboard: true }, None), &pool))?;
+                let lit = timings.time("light", || {
+                    self.light(lights, of, (wanted, sky), (Pixels { ids: &ids, chessboard: true }, None), &pool)
+                })?;
                 Some((around.window, ids, lit.sky))
             }
             _ => None,
@@ -100,7 +102,8 @@ impl Renderer {
             }
             if let Some(lights) = lights {
                 let of = (scene, settings, &setup.view);
-                let lit = timings.time("light", || self.light(lights, of, (wanted, own), (Pixels::all(&raw.id), open), &pool))?;
+                let lit = timings
+                    .time("light", || self.light(lights, of, (wanted, own), (Pixels::all(&raw.id), open), &pool))?;
                 pool.put_back(std::mem::replace(&mut raw.color, lit.color));
             }
             if let Some(cue) = cue {

@@ -173,7 +173,8 @@ impl SkyDirections {
         let that_have = |directions: u32| directions / lattice.len().max(1) as u32;
         let turns = that_have(TURNED).clamp(TURNS[0], TURNS[1]).min(that_have(MOST_TURNED)).max(1).next_power_of_two();
         let rows = |turn: u32| PixelSample { row: turn, column: 0, sample: 0, seed: 0 }.rotation(0);
-        let one = |rows: [[f64; 3]; 3], p: &[f64; 3]| rows.map(|row| (row[0] * p[0] + row[1] * p[1] + row[2] * p[2]) as f32);
+        let one =
+            |rows: [[f64; 3]; 3], p: &[f64; 3]| rows.map(|row| (row[0] * p[0] + row[1] * p[1] + row[2] * p[2]) as f32);
         let all = |turn| {
             let rows = rows(turn);
             lattice.iter().map(move |p| one(rows, p))

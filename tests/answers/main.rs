@@ -29,6 +29,7 @@ mod frames;
 mod given;
 mod instances;
 mod light;
+mod light_on_device;
 mod metamorphic;
 mod oblique;
 mod off_center;

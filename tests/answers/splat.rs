@@ -14,20 +14,20 @@ use halfline::settings::{Accuracy, Search, Settings};
 use halfline_measure::suite::extremes::FAMILIES;
 
 /// The CPU path and the adapter, and how many frames the adapter has searched itself.
-struct Both {
+pub(super) struct Both {
     cpu: Renderer,
     gpu: Renderer,
-    compared: u32,
+    pub(super) compared: u32,
     left: u32,
 }
 
 impl Both {
-    fn new() -> Option<Self> {
+    pub(super) fn new() -> Option<Self> {
         Some(Self { gpu: gpu_or_skip()?, cpu: cpu(), compared: 0, left: 0 })
     }
 
     /// Renders a scene on both; the adapter's frame.
-    fn compare(&mut self, what: &str, scene: &Scene, settings: &Settings) -> Frame {
+    pub(super) fn compare(&mut self, what: &str, scene: &Scene, settings: &Settings) -> Frame {
         let settings = Settings { accuracy: Accuracy::Certified, ..settings.clone() };
         let host = self.cpu.render(scene, &settings).expect(what);
         let settings = Settings { search: Search::Splat, ..settings };
@@ -43,7 +43,7 @@ impl Both {
     }
 
     /// Tells how many frames were compared; at most a share of them was left to the host.
-    fn done(self, most_left: u32) {
+    pub(super) fn done(self, most_left: u32) {
         println!("{} frames compared, of which {} were left to the host", self.compared, self.left);
         assert!(self.compared > 0 && self.left <= most_left, "{} of {}", self.left, self.compared);
     }

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 
 /// The constants of the bounds; a test removes each in turn.
 #[derive(Debug, Clone, Copy)]
-struct Terms {
+pub(super) struct Terms {
     cross: f32,
     blurs: f32,
     ar2: f32,
@@ -33,7 +33,7 @@ struct Terms {
     quotient: f32,
 }
 
-const TERMS: Terms = Terms {
+pub(super) const TERMS: Terms = Terms {
     cross: GIVEN_CROSS,
     blurs: GIVEN_BLURS,
     ar2: GIVEN_AR2,
@@ -41,6 +41,13 @@ const TERMS: Terms = Terms {
     power: GIVEN_POWER,
     quotient: GIVEN_QUOTIENT,
 };
+
+impl Terms {
+    /// Nothing of the blur.
+    pub(super) fn sharp(self) -> Self {
+        Self { blurs: 0.0, ..self }
+    }
+}
 
 /// Members of [`Terms`] by name.
 type Term = (&'static str, fn(&mut Terms) -> &mut f32);
@@ -54,12 +61,12 @@ const EACH: [Term; 6] = [
 ];
 
 /// A ray and a sphere in the numbers of a twin.
-struct Pair<R> {
-    steps: [R; 3],
-    rests: [[R; 3]; 2],
-    d: [R; 3],
-    blur: R,
-    radius: R,
+pub(super) struct Pair<R> {
+    pub(super) steps: [R; 3],
+    pub(super) rests: [[R; 3]; 2],
+    pub(super) d: [R; 3],
+    pub(super) blur: R,
+    pub(super) radius: R,
 }
 
 impl<R: Number> Pair<R> {
@@ -75,7 +82,7 @@ impl<R: Number> Pair<R> {
 }
 
 /// What `meet` weighs.
-struct Weighed<R> {
+pub(super) struct Weighed<R> {
     a: R,
     b: R,
     /// Of b and of p x d.
@@ -87,7 +94,7 @@ struct Weighed<R> {
     power_error: R,
 }
 
-fn weigh<R: Number>(w: &Pair<R>, terms: &Terms) -> Weighed<R> {
+pub(super) fn weigh<R: Number>(w: &Pair<R>, terms: &Terms) -> Weighed<R> {
     let c = R::from_f32;
     let d = w.d;
     let p: [R; 3] = std::array::from_fn(|n| w.steps[n] * c(GIVEN_STEP) + (w.rests[0][n] - w.rests[1][n]));
@@ -106,14 +113,14 @@ fn weigh<R: Number>(w: &Pair<R>, terms: &Terms) -> Weighed<R> {
 
 /// Bounds of t; `None` for a certain miss.
 #[derive(Debug, Clone, Copy)]
-struct Bounds<R> {
-    low: R,
-    high: R,
-    sure: bool,
+pub(super) struct Bounds<R> {
+    pub(super) low: R,
+    pub(super) high: R,
+    pub(super) sure: bool,
     outside: bool,
 }
 
-fn bounds<R: Number>(w: &Weighed<R>, terms: &Terms) -> Option<Bounds<R>> {
+pub(super) fn bounds<R: Number>(w: &Weighed<R>, terms: &Terms) -> Option<Bounds<R>> {
     let (zero, one) = (R::ZERO, R::ONE);
     let (outside, inside) = (w.power > w.power_error, w.power < -w.power_error);
     if !outside && !inside {

@@ -1,7 +1,7 @@
 //! Whether lights and sky are hidden from hits, compared with exact arithmetic over all spheres, where f64 and every epsilon
 //! go wrong.
 
-mod families;
+pub(crate) mod families;
 
 use super::super::given_certified::AnyHit;
 use super::super::hidden::LightRay;

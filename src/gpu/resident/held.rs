@@ -27,8 +27,8 @@ pub(super) struct Steps(pub(super) HashMap<Step, (wgpu::ComputePipeline, Vec<Bin
 pub(crate) struct Resident {
     pub(super) held: Option<Held>,
     pub(super) steps: Steps,
-    /// The view of the frame whose hits lie on the device, for rays from there.
-    pub(super) starts: Option<ViewRecord>,
+    /// The view of the frame whose hits lie on the device, for rays from there, or why they do not.
+    pub(super) starts: Option<Result<ViewRecord, &'static str>>,
     /// Spheres of a block.
     pub(super) block: usize,
     /// Blocks leave their minima in the reverse order.

@@ -99,8 +99,10 @@ impl Gpu {
         asked: &SkyRays<'_>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Option<std::result::Result<Vec<u32>, String>>> {
-        if self.resident.starts.as_ref().is_none_or(|of| window(of) != window(asked.record)) {
-            return Ok(None);
+        match &self.resident.starts {
+            Some(Ok(of)) if window(of) == window(asked.record) => {}
+            Some(Err(reason)) => return Ok(Some(Err((*reason).to_owned()))),
+            _ => return Ok(None),
         }
         let Some(mut held) = self.resident.held.take() else { return Ok(None) };
         let done = self.guarded(|gpu| gpu.trace_sky_of(&mut held, asked, go_on));
@@ -173,10 +175,8 @@ impl Gpu {
             _ if is_texture(name) => self.bound(name, &kernel, 1),
             _ => self.buffers[name].as_entire_binding(),
         };
-        let entries: Vec<_> = bindings
-            .iter()
-            .map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: bound(b.name) })
-            .collect();
+        let entries: Vec<_> =
+            bindings.iter().map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: bound(b.name) }).collect();
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         if let Some(bytes) = clear {
             encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));

@@ -7,6 +7,7 @@
 use super::build::bounds;
 use super::{Node, Tree, WIDE};
 use crate::double_double as dd;
+use crate::view::View;
 use crate::view::placement::PLACED;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
@@ -101,10 +102,14 @@ pub(crate) fn first(level: usize) -> usize {
 }
 
 impl Tree {
-    /// A point of the world that is not far from the spheres.
-    pub(crate) fn near_place(&self, point: [f64; 3]) -> Option<OnGrid> {
-        let at = self.placement.point(point);
-        at.iter().all(|x| x.abs() <= NEAR).then(|| on_grid(at))
+    /// A frame's unit in that of the tree, and the frame's eye on the grid of places; `None` where rays have no common eye, or
+    /// it is far away.
+    pub(crate) fn eye(&self, view: &View) -> Option<(f32, OnGrid)> {
+        let unit = dd::ldexp(1.0, view.unit - self.placement.k);
+        let is_normal = (f32::MIN_POSITIVE.into()..=f32::MAX.into()).contains(&unit);
+        let at = self.placement.point(view.basis.e.to_array());
+        let is_near = at.iter().all(|x| x.abs() <= NEAR);
+        (is_near && is_normal && !view.parallel).then(|| (unit as f32, on_grid(at)))
     }
 
     /// The nodes for devices.

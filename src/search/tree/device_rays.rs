@@ -2,6 +2,7 @@
 
 use super::BoxRay;
 use super::device::{PLACE, on_grid};
+use crate::double_double as dd;
 use bytemuck::{Pod, Zeroable};
 
 /// A ray as the boxes see it, on devices; search/tree.wgsl declares it.
@@ -36,8 +37,22 @@ pub(crate) struct DirectionRecord {
 }
 
 impl DirectionRecord {
-    /// A direction whose length is between 1 and 4, rounded to f32.
+    /// The length of directions of length 1.
+    pub(crate) const UNIT: f64 = 2.0;
+
+    /// A direction of length 1, doubled: so its longest component is above 1.
+    pub(crate) fn of_unit(direction: &[f32; 3]) -> Self {
+        Self::scaled(direction.map(|x| Self::UNIT * f64::from(x)))
+    }
+
+    /// A direction of any length, with its longest component in [1, 2).
     pub(crate) fn new(direction: [f64; 3]) -> Self {
+        let e = dd::exponent(direction.iter().fold(0.0, |most, x| x.abs().max(most)));
+        Self::scaled(direction.map(|x| dd::ldexp(x, -e)))
+    }
+
+    /// Rounded to f32.
+    fn scaled(direction: [f64; 3]) -> Self {
         let [x, y, z] = direction.map(|x| x as f32);
         let [a, b, c] = BoxRay::inverse(direction);
         Self { direction: [x, y, z, 0.0], inverse: [a, b, c, 0.0] }

@@ -8,17 +8,17 @@ use glam::DVec3;
 
 /// A kind of scenes.
 #[derive(Clone, Copy)]
-pub(super) struct Family {
-    pub(super) name: &'static str,
-    pub(super) seed: u64,
+pub(crate) struct Family {
+    pub(crate) name: &'static str,
+    pub(crate) seed: u64,
     /// The most rays from a point.
-    pub(super) most: usize,
-    pub(super) make: fn(&mut Rng) -> (Scene, Vec<Aim>),
+    pub(crate) most: usize,
+    pub(crate) make: fn(&mut Rng) -> (Scene, Vec<Aim>),
 }
 
 /// Where a ray from a hit goes.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Aim {
+pub(crate) enum Aim {
     Fixed(Toward),
     /// Any direction, in units of any length.
     Anywhere,
@@ -31,7 +31,7 @@ pub(super) enum Aim {
 }
 
 impl Aim {
-    pub(super) fn at(&self, random: &mut Rng, hit: &Truth) -> Toward {
+    pub(crate) fn at(&self, random: &mut Rng, hit: &Truth) -> Toward {
         let (normal, position) = (DVec3::from_array(hit.normal), DVec3::from_array(hit.position));
         match *self {
             Self::Fixed(toward) => toward,
@@ -193,7 +193,7 @@ fn sizes(random: &mut Rng) -> (Scene, Vec<Aim>) {
 }
 
 /// All of them.
-pub(super) const FAMILIES: &[Family] = &[
+pub(crate) const FAMILIES: &[Family] = &[
     Family { name: "clouds of 1e-20 to 1e20", seed: 1, most: usize::MAX, make: clouds },
     Family { name: "1e9 from the origin", seed: 2, most: usize::MAX, make: far_from_the_origin },
     Family { name: "touching neighbours", seed: 3, most: usize::MAX, make: touching },

@@ -1,0 +1,127 @@
+//! Rays that leave from hits on an adapter, toward the sky and toward far lights, give the bits of the CPU path, whose rays
+//! src/cpu/light/tests.rs compares with exact arithmetic: shadows, occlusion and pictures, in every family of scenes, for
+//! windows, samples, reaches, skies with colours, and parallel rays. Tolerance: none on adapters known to be strict.
+
+use super::splat::Both;
+use super::{crop, extremes, off_center, ortho};
+use crate::weekend::weekend;
+use halfline::frame::Aov;
+use halfline::scene::{Light, LightSource, Scene, Sky, SkyColors};
+use halfline::settings::Settings;
+use halfline_measure::suite::extremes::FAMILIES;
+
+fn settings() -> Settings {
+    let aovs = [Aov::Color, Aov::Shadow, Aov::Occlusion, Aov::Certainty];
+    Settings { aovs: aovs.to_vec(), ..Settings::default() }
+}
+
+/// Far lights from above and along an axis, and a sky of so many rays.
+fn lit(scene: &Scene, rays: u32) -> Scene {
+    let mut scene = scene.clone();
+    let toward = [[0.3, 1.0, 0.2], [1.0, 0.0, 0.0]];
+    scene.lighting.lights = toward.map(|d| Light::white(LightSource::Direction(d.into()))).to_vec();
+    scene.lighting.shadows = true;
+    scene.lighting.sky = Some(Sky { rays, ..Sky::default() });
+    scene
+}
+
+/// What was compared, and how many hits of how many frames an adapter decided.
+struct Shares {
+    both: Both,
+    frames: u32,
+    sum: f64,
+    least: f64,
+}
+
+impl Shares {
+    fn new() -> Option<Self> {
+        Some(Self { both: Both::new()?, frames: 0, sum: 0.0, least: 1.0 })
+    }
+
+    fn compare(&mut self, what: &str, scene: &Scene, settings: &Settings) {
+        let report = self.both.compare(what, scene, settings).report;
+        if let Some(share) = report.light_on_device {
+            (self.frames, self.sum, self.least) = (self.frames + 1, self.sum + share, self.least.min(share));
+        }
+    }
+
+    /// The mean share of hits in those frames whose rays the adapter traced, and the number of frames of which it traced none.
+    fn done(self, most_left: u32) -> (f64, u32) {
+        let (mean, others) = (self.sum / f64::from(self.frames), self.both.compared - self.frames);
+        println!(
+            "{} frames: the adapter decided {mean:.4} of the hits, at least {:.4}; {others} others",
+            self.frames, self.least
+        );
+        self.both.done(most_left);
+        (mean, others)
+    }
+}
+
+#[test]
+fn every_family_has_the_light_of_the_cpu_path() {
+    let Some(mut shares) = Shares::new() else { return };
+    for family in FAMILIES {
+        for (n, scene) in extremes::scenes(family, 0x5eed_0007).iter().enumerate() {
+            shares.compare(&format!("{} {n}", family.name), &lit(scene, 5), &settings());
+        }
+    }
+    let most = shares.both.compared / 2;
+    let (mean, others) = shares.done(most);
+    assert!(mean > 0.5 && others <= most, "{mean} {others}");
+}
+
+#[test]
+fn windows_samples_and_lenses_have_the_light_of_the_cpu_path() {
+    let Some(mut shares) = Shares::new() else { return };
+    for (what, scene) in crop::scenes() {
+        let scene = lit(&scene, 40);
+        for window in crop::windows() {
+            shares.compare(&format!("{what}, {window:?}"), &scene, &Settings { window: Some(window), ..settings() });
+        }
+        for sky in [Sky { rays: 7, ..Sky::default() }, Sky::AT_CENTERS] {
+            let mut scene = scene.clone();
+            scene.lighting.sky = Some(sky);
+            shares.compare(&format!("{what}, {sky:?}"), &scene, &Settings { samples: 4, seed: 3, ..settings() });
+        }
+    }
+    for (what, scene) in ortho::scenes() {
+        shares.compare(what, &lit(&scene, 16), &settings());
+    }
+    for point in off_center::POINTS {
+        let scene = off_center::scene(off_center::intrinsics(point), off_center::SIZE);
+        shares.compare(&format!("principal point {point:?}"), &lit(&scene, 16), &settings());
+    }
+    let (mean, others) = shares.done(20);
+    assert!(mean > 0.5 && others <= 20, "{mean} {others}");
+}
+
+#[test]
+fn ground_reaches_colours_and_other_lights_are_those_of_the_cpu_path() {
+    let Some(mut shares) = Shares::new() else { return };
+    let mut scene = weekend();
+    (scene.image.width, scene.image.height) = (150, 100);
+    let scene = lit(&scene, 16);
+    shares.compare("weekend", &scene, &settings());
+    for reach in [1e-3, 0.7, 1e9] {
+        let mut scene = scene.clone();
+        scene.lighting.sky = Some(Sky { rays: 31, reach, ..Sky::default() });
+        shares.compare(&format!("reach {reach}"), &scene, &settings());
+    }
+    let colors = SkyColors { zenith: [0.2, 0.4, 0.9], horizon: [0.9, 0.8, 0.6], is_shown: true };
+    let mut colored = scene.clone();
+    colored.lighting.sky = Some(Sky { colors: Some(colors), ..Sky::default() });
+    shares.compare("a sky with colours", &colored, &settings());
+    // The host traces the rays to a light that is not far, and the adapter those to the sky.
+    let mut near = scene.clone();
+    near.lighting.lights.push(Light::white(LightSource::Point([0.0, 3.0, 1.0].into())));
+    shares.compare("a light beside far ones", &near, &settings());
+    let mut apart = scene.clone();
+    apart.lighting.shadows = false;
+    apart.lighting.sky = None;
+    shares.compare("only the buffers of light", &apart, &settings());
+    for turn in 0..2 {
+        shares.compare("the same again", &scene, &Settings { seed: turn, ..settings() });
+    }
+    let (mean, others) = shares.done(0);
+    assert!(mean > 0.9 && others == 0, "{mean} {others}");
+}
