@@ -5,6 +5,7 @@ pub mod explain;
 mod frame;
 mod lens;
 mod light;
+mod light_state;
 mod missed;
 mod place;
 pub mod plan;

@@ -63,7 +63,7 @@ impl Task<'_, '_, '_> {
             let write = |rgb: DVec3, out: &mut [f32]| out[3 * n..3 * n + 3].copy_from_slice(&rgb.as_vec3().to_array());
             let record = &lighting.view.record;
             let [row, column] = record.place(pixel);
-            let (surface, along) = lighting.surface(&rays, pixel, id);
+            let (surface, along, sharp) = lighting.surface(&rays, pixel, id);
             let open = lighting.open.map(|open| open.around(row, column, id));
             at_point.see(&surface, along, open.unwrap_or(DVec3::ONE));
             if rayless {
@@ -84,9 +84,15 @@ impl Task<'_, '_, '_> {
             }
             match traced.filter(|traced| traced.rays > 0) {
                 _ if open.is_some() => {}
-                Some(traced) => at_point.open_sky(&surface, at, |k| traced.is_open(k)),
-                None if lighting.sky.is_some() => at_point.ask_sky(&at_hit(), &surface, at),
-                None => {}
+                None if lighting.sky.is_none() => {}
+                traced => {
+                    // The weights of the rays are known as well as their normal.
+                    let surface = if sharp { surface } else { (&at_hit()).into() };
+                    match traced {
+                        Some(traced) => at_point.open_sky(&surface, at, |k| traced.is_open(k)),
+                        None => at_point.ask_sky(&at_hit(), &surface, at),
+                    }
+                }
             }
             if color && lighting.bounces > 0 {
                 at_hit();

@@ -142,6 +142,9 @@ mod tests {
         kernels.extend(winners);
         // A resident kernel shares nothing.
         kernels.retain(|k| !k.is_resident() || k.sharing == Sharing::None);
+        let starts: Vec<_> =
+            kernels.iter().filter(|k| k.is_resident()).map(|k| Kernel { starts: true, ..*k }).collect();
+        kernels.extend(starts);
         let samples = |k: &&Kernel| k.rays == RaySource::Camera && !k.t && !k.normal;
         let sampled: Vec<_> = kernels.iter().filter(samples).map(|k| Kernel { samples: true, ..*k }).collect();
         kernels.extend(sampled);
@@ -171,8 +174,9 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let looks = 1 + 2 + 1 + 2;
-        // Without a list of general spheres, with one, with four in a uniform, and with lists; a search by every sharing.
-        let (certified, winners) = (4, 4 * 4);
+        // Without a list of general spheres, with one, with four in a uniform, and with lists, each with and without starts of
+        // rays from the hits; a search by every sharing.
+        let (certified, winners) = (4 * 2, 4 * 4);
         let sampled = (Method::ALL.len() * 8 + certified) * looks + winners;
         let all = (Method::ALL.len() * (8 + 2) + certified) * 4 * looks + winners + sampled + 4;
         assert_eq!(kernels.len(), all, "the list is complete");
@@ -197,6 +201,7 @@ mod tests {
                 (kernel.generals == Generals::Lists, "others"),
                 (kernel.is_resident(), "part"),
                 (kernel.is_resident(), "minima"),
+                (kernel.starts, "starts"),
                 (kernel.is_resident() && (kernel.t || kernel.depth_interval), "frame_depth"),
                 (matches!(kernel.generals, Generals::Few(_)), "near"),
                 (kernel.winners, "frame_low"),

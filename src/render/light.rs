@@ -10,17 +10,14 @@ use crate::exact::Judge;
 use crate::gpu::resident::sky::SkyRays;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::scene::same::SameSpheres;
-use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight, Spheres};
+use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::settings::{Accuracy, Settings};
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
-use crate::view::ray::NONE;
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The pixels from whose hits rays leave.
@@ -38,31 +35,6 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// Hits of which a device traced the rays, and those of them that it decided.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct LightOnDevice {
-    hits: usize,
-    decided: usize,
-}
-
-impl LightOnDevice {
-    /// Ends the count of a frame.
-    pub(super) fn take(&mut self) -> Self {
-        std::mem::take(self)
-    }
-
-    /// `None` without hits.
-    pub(super) fn share(self) -> Option<f64> {
-        (self.hits > 0).then(|| self.decided as f64 / self.hits as f64)
-    }
-
-    fn add(&mut self, ids: &[u32], traced: &Traced<'_>) {
-        let hits = (0..ids.len() as u32).into_par_iter().filter(|pixel| ids[*pixel as usize] != NONE);
-        self.hits += hits.clone().count();
-        self.decided += hits.filter(|pixel| traced.of(*pixel).is_some()).count();
-    }
-}
-
 /// Rays of each pixel toward the sky and toward lights.
 struct SkyCount {
     rays: usize,
@@ -74,22 +46,6 @@ pub(super) struct LightSetup {
     /// `None` without spheres.
     tree: Option<Arc<Tree>>,
     accuracy: Accuracy,
-}
-
-/// The tree of the spheres that a renderer saw last.
-#[derive(Default)]
-pub(super) struct LastTree(Option<(SameSpheres, Arc<Tree>)>);
-
-impl LastTree {
-    /// The tree of these spheres, which is built unless it is known.
-    fn of(&mut self, spheres: &Spheres, frame: u64) -> Option<Arc<Tree>> {
-        if self.0.as_ref().is_none_or(|(same, _)| !same.is_of(spheres, frame)) {
-            self.0 = None;
-            let tree = Tree::new(&spheres.centers, &spheres.radii)?;
-            self.0 = Some((SameSpheres::of(spheres, frame), Arc::new(tree)));
-        }
-        self.0.as_ref().map(|(_, tree)| Arc::clone(tree))
-    }
 }
 
 impl LightSetup {

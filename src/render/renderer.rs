@@ -1,6 +1,6 @@
 //! A device, or the CPU path, with what it keeps from frame to frame.
 
-use super::light::{LastTree, LightOnDevice};
+use super::light_state::{LastTree, LightOnDevice};
 use super::place::{ChosenDevice, Executor};
 use super::plan::Plan;
 use super::setup::FrameSetup;

@@ -7,6 +7,10 @@ use glam::DVec3;
 /// Where a sphere is farther away than this many radii, f64 does not know its normals to seven digits.
 const FARTHEST: f64 = (1u64 << 30) as f64;
 
+/// A normal is off by at most 2^-29 where the discriminant is at least this part of |d|^2 |p|^2: docs/certificate.md,
+/// section 10.
+const SHARP: f64 = 1.0 / (1u64 << 35) as f64;
+
 /// The viewing rays of a view.
 pub(crate) struct PictureRays<'a> {
     view: &'a View,
@@ -25,6 +29,8 @@ pub(crate) struct PictureHit {
     pub(crate) outside: bool,
     /// The sphere is near enough for its normal to be known.
     pub(crate) near: bool,
+    /// The normal is off by at most 2^-29.
+    pub(crate) sharp: bool,
 }
 
 impl<'a> PictureRays<'a> {
@@ -35,13 +41,14 @@ impl<'a> PictureRays<'a> {
     /// Where the viewing ray of this pixel meets a sphere. A ray that f64 lets pass beside it meets the point that is
     /// nearest to the ray.
     pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
-        let Meeting { d, p, r, a, p2, outside, t, .. } = self.meeting(pixel, center, radius);
+        let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting(pixel, center, radius);
         let outward = (d * t - p).normalize_or(-d);
         PictureHit {
             along: d / a.sqrt(),
             normal: if outside { outward } else { -outward },
             outside,
             near: p2 <= FARTHEST * FARTHEST * r * r,
+            sharp: disc >= SHARP * a * far2,
         }
     }
 
@@ -59,15 +66,18 @@ impl<'a> PictureRays<'a> {
         let direction = view.direction(i, j);
         let d = view.to_world(direction);
         let mut p = (DVec3::from_array(center) - view.basis.e) * self.scale;
+        let mut aside = 0.0;
         if view.parallel {
-            p -= view.to_world(view.origin(i, j)) * self.scale;
+            let origin = view.to_world(view.origin(i, j)) * self.scale;
+            (p, aside) = (p - origin, p.length_squared() + origin.length_squared());
         }
         let r = radius * self.scale;
         let (a, b, p2) = (d.length_squared(), p.dot(d), p.length_squared());
-        let root = (a * r * r - p.cross(d).length_squared()).max(0.0).sqrt();
+        let disc = a * r * r - p.cross(d).length_squared();
+        let root = disc.max(0.0).sqrt();
         let outside = p2 > r * r;
         let t = if outside { b - root } else { b + root } / a;
-        Meeting { forward: -direction[2], d, p, r, a, p2, outside, t }
+        Meeting { forward: -direction[2], d, p, r, a, p2, disc, far2: p2 + r * r + 4.0 * aside, outside, t }
     }
 }
 
@@ -82,6 +92,10 @@ struct Meeting {
     /// |d|^2 and |p|^2.
     a: f64,
     p2: f64,
+    /// a r^2 - |p x d|^2
+    disc: f64,
+    /// At least the squares of all lengths that are rounded.
+    far2: f64,
     outside: bool,
     t: f64,
 }

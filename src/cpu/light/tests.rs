@@ -10,6 +10,7 @@ use crate::exact::{Judge, LightQuestion, Toward};
 use crate::search::tree::Tree;
 use crate::testing::Rng;
 use crate::view::View;
+use crate::view::picture_rays::PictureRays;
 use families::{FAMILIES, Family};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -78,6 +79,36 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
         }
     }
     score
+}
+
+/// The normals that weigh rays to the sky.
+#[test]
+fn sharp_normals_are_off_by_less_than_2_to_the_minus_29() {
+    let of_family = |family: &Family| {
+        let (random, mut worst, mut sharp, mut all) = (&mut Rng(family.seed), 0.0f64, 0, 0);
+        for _ in 0..60 {
+            let (scene, _) = (family.make)(random);
+            let (judge, view) = (Judge::new(&scene).expect("a scene"), View::without_spheres(&scene).expect("a view"));
+            let rays = PictureRays::new(&view);
+            for pixel in 0..scene.image.width * scene.image.height {
+                let Some(truth) = judge.pixel(pixel / scene.image.width, pixel % scene.image.width) else { continue };
+                let (center, radius) =
+                    (scene.spheres.centers[truth.id as usize], scene.spheres.radii[truth.id as usize]);
+                let hit = rays.hit(pixel, center, radius);
+                let off = (hit.normal - DVec3::from_array(truth.normal)).length();
+                all += 1;
+                if hit.sharp {
+                    (worst, sharp) = (worst.max(off), sharp + 1);
+                }
+            }
+        }
+        println!("{}: {sharp} of {all} normals are sharp, off by at most 2^{:.1}", family.name, worst.log2());
+        // The judge rounds its normal to f64.
+        assert!(worst <= 1.0 / f64::from(1 << 29) + 4.0 * f64::EPSILON, "{}: {worst:e}", family.name);
+        sharp
+    };
+    let sharp: u32 = FAMILIES.par_iter().map(of_family).sum();
+    assert!(sharp > 5000, "{sharp}");
 }
 
 /// Points of each family; with every light of the family two to four times as many rays.

@@ -1,6 +1,5 @@
 //! The spheres that a device holds, in blocks that fit a binding.
 
-use super::sky::HeldTree;
 use crate::certify::ProjectionRecord;
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{PlacedSummary, PlacingRecord};
@@ -122,6 +121,13 @@ pub(super) struct PlacedFor {
     pub(super) placing: PlacingRecord,
     pub(super) lens: ProjectionRecord,
     pub(super) tiles: [[u32; 2]; 2],
+}
+
+/// A tree on a device, with the spheres that it holds and the places of all ids.
+pub(super) struct HeldTree {
+    pub(super) nodes: wgpu::TextureView,
+    pub(super) placed: wgpu::TextureView,
+    pub(super) places: wgpu::Buffer,
 }
 
 /// The spheres of a scene on a device.

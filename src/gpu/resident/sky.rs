@@ -1,7 +1,7 @@
 //! Rays from the hits of a resident frame toward the sky and toward lights that are infinitely far: shaders/main/sky.wgsl,
 //! docs/certificate.md, section 13.
 
-use super::held::Held;
+use super::held::{Held, HeldTree};
 use super::steps::spread;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -38,13 +38,6 @@ pub(crate) struct SkyRays<'a> {
     /// The frame's unit in that of the tree, and the eye on its grid of places; `None` where rays have no common eye, or it is
     /// far away.
     pub(crate) eye: Option<(f32, OnGrid)>,
-}
-
-/// A tree on a device, with the spheres that it holds.
-pub(super) struct HeldTree {
-    nodes: wgpu::TextureView,
-    placed: wgpu::TextureView,
-    places: wgpu::Buffer,
 }
 
 /// Declared in shaders/main/sky.wgsl.
