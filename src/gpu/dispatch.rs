@@ -28,6 +28,8 @@ pub(crate) struct Gpu {
     pub(crate) limits: wgpu::Limits,
     pub(super) pipelines: HashMap<Kernel, Pipeline>,
     pub(super) buffers: HashMap<&'static str, wgpu::Buffer>,
+    /// What lies in small buffers that were refilled.
+    filled: HashMap<&'static str, Vec<u8>>,
     pub(super) textures: HashMap<&'static str, (wgpu::Texture, wgpu::TextureView)>,
     clock: Option<Clock>,
     pub(super) traffic: Traffic,
@@ -59,6 +61,7 @@ impl Gpu {
             limits,
             pipelines,
             buffers,
+            filled: HashMap::new(),
             textures,
             direct,
             budget: SubmissionBudget::default(),
@@ -352,8 +355,19 @@ impl Gpu {
         self.fill_parts(name, &[bytes])
     }
 
+    /// The same, unless the buffer was filled with these bytes last; for small ones.
+    pub(super) fn refill(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {
+        if self.filled.get(name).is_some_and(|known| known == bytes) {
+            return Ok(());
+        }
+        self.fill(name, bytes)?;
+        self.filled.insert(name, bytes.to_vec());
+        Ok(())
+    }
+
     /// Writes the parts one after the other; each is a multiple of four bytes.
     pub(super) fn fill_parts(&mut self, name: &'static str, parts: &[&[u8]]) -> Result<()> {
+        self.filled.remove(name);
         let uniform = ["view", "projection", "near", "placing", "part", "sky"].contains(&name);
         let usage = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
         // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never

@@ -187,8 +187,8 @@ impl Gpu {
             return Ok(Ok(binned.clone()));
         }
         (held.placed, held.has_lists) = (None, false);
-        self.fill("placing", bytemuck::bytes_of(&record))?;
-        self.fill("view", bytemuck::bytes_of(&view.record))?;
+        self.refill("placing", bytemuck::bytes_of(&record))?;
+        self.refill("view", bytemuck::bytes_of(&view.record))?;
         let mut counts = self.place_blocks(held)?;
         if counts.host > HOST_SPHERES {
             return Ok(Err(format!(
@@ -198,7 +198,7 @@ impl Gpu {
         }
         let ByHost { binned, guests, reference } = placer.by_host(scene, view, &counts.summary, pool);
         if reference > 0.0 {
-            self.fill("placing", bytemuck::bytes_of(&placer.record(reference)))?;
+            self.refill("placing", bytemuck::bytes_of(&placer.record(reference)))?;
             counts = self.place_blocks(held)?;
         }
         self.check_size("spheres", Held::largest(guests.len()))?;
@@ -232,9 +232,11 @@ impl Gpu {
     fn upload_resident(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
         let known = self.resident.held.as_ref().is_some_and(|held| held.has_colors);
         for (name, bytes) in super::transfers::uploads(kernel, input) {
-            // Colours are sent once, with the spheres.
-            if name != "colors" || !known {
-                self.fill(name, bytes)?;
+            match name {
+                // Colours are sent once, with the spheres.
+                "colors" if known => {}
+                "colors" => self.fill(name, bytes)?,
+                _ => self.refill(name, bytes)?,
             }
         }
         if let Some(held) = self.resident.held.as_mut().filter(|_| kernel.colors) {
@@ -254,7 +256,7 @@ impl Gpu {
     fn trace_band(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
         let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
         let pixels = record.pixels() as u64;
-        self.fill("view", bytemuck::bytes_of(&record))?;
+        self.refill("view", bytemuck::bytes_of(&record))?;
         self.reserve("minima", 12 * pixels, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
         self.reserve_outputs(kernel, pixels);
         if kernel.starts {

@@ -103,8 +103,15 @@ impl Plan {
         // A sky at the centres of pixels is known before the colours.
         let shared = plan.wanted.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
         if finished || shared || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
-            plan.sampled =
-                Some(Kernel { samples: true, t: false, normal: false, depth_interval: false, ..plan.kernel });
+            let alone = shared && settings.aperture.is_none() && !scene.lighting.shadows;
+            plan.sampled = Some(Kernel {
+                samples: true,
+                t: false,
+                normal: false,
+                depth_interval: false,
+                starts: plan.kernel.starts && !alone,
+                ..plan.kernel
+            });
             (plan.kernel.shade, plan.kernel.colors) = (None, false);
         }
         Ok(plan)

@@ -117,9 +117,9 @@ impl Gpu {
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         self.reserve("open", bytes, storage);
         self.reserve("read open", bytes, READING);
-        self.fill("directions", bytemuck::cast_slice(asked.directions))?;
+        self.refill("directions", bytemuck::cast_slice(asked.directions))?;
         let record = ViewRecord { spheres: asked.tree.ids.len() as u32, ..*asked.record };
-        self.fill("view", bytemuck::bytes_of(&record))?;
+        self.refill("view", bytemuck::bytes_of(&record))?;
         let (unit, (eye, eye_rest)) = asked.eye.unwrap_or((0.0, ([0; 3], [0.0; 3])));
         let turned = asked.directions.len() as u32 - asked.lights;
         let together = (TOGETHER / u64::from(asked.each())).max(1);
@@ -148,7 +148,7 @@ impl Gpu {
                 eye_rest,
                 unused_rest: 0.0,
             };
-            self.fill("sky", bytemuck::bytes_of(&part))?;
+            self.refill("sky", bytemuck::bytes_of(&part))?;
             self.submit_sky(held, groups, (first == 0).then_some(bytes))?;
         }
         let mut encoder = self.open.device.create_command_encoder(&Default::default());

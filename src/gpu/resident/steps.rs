@@ -231,7 +231,7 @@ impl Gpu {
         for (to, part) in bytes.chunks_exact_mut(stride).zip(parts) {
             to[..size_of::<BlockPass>()].copy_from_slice(bytemuck::bytes_of(part));
         }
-        self.fill("part", &bytes)
+        self.refill("part", &bytes)
     }
 
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, jobs: &[Job<'_>], pixels: Option<u64>) {

@@ -2,6 +2,7 @@
 //! has the bits of the host.
 
 use super::held::BLOCK;
+use super::sky::SkyRays;
 use super::*;
 use crate::answers::raw::Raw;
 use crate::certify::TERMS;
@@ -11,8 +12,11 @@ use crate::gpu::device;
 use crate::intersect::Method;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Spheres};
+use crate::search::tree::Tree;
+use crate::search::tree::device_rays::DirectionRecord;
 use crate::shade::Shade;
 use crate::testing::{Rng, adapter_or_skip, near_and_far};
+use crate::view::directions::SkyDirections;
 use crate::view::raster::Raster;
 use crate::window::Window;
 
@@ -90,6 +94,55 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
             }
         }
     }
+}
+
+/// The rays of a pixel in several submissions, of hits on spheres in several blocks.
+#[test]
+fn rays_from_hits_have_the_same_bits_in_every_division() {
+    let Some(mut gpu) = open() else { return };
+    let (scene, pool) = (near_and_far(3), Pool::default());
+    let tree = Tree::new(&scene.spheres.centers, &scene.spheres.radii).expect("spheres");
+    let raster = Raster::centres(Window::full(scene.image.width, scene.image.height));
+    let mut found = Vec::new();
+    for (number, (block, groups, rays)) in [(BLOCK, 65_535, 600), (7, 65_535, 600), (7, 2, 600)].into_iter().enumerate() {
+        gpu.resident.block = block;
+        gpu.limits.max_compute_workgroups_per_dimension = groups;
+        let reach = gpu.hold(&scene, number as u64).expect("a device").expect("spheres");
+        let view = View::in_unit(&scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
+        let placer = Placer::new(&scene, &view, 1e-5).expect("a lens").expect("a projection");
+        let kernel = Kernel { certify: true, starts: true, ..Kernel::bare(Method::Stable) };
+        let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
+        let frame = ResidentFrame { scene: &scene, view: &view, placer: &placer, pool: &pool };
+        let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
+        gpu.render_resident(&kernel, frame, &mut output, &|_| true).expect("a frame");
+        let sky = SkyDirections::new(rays, 1, 0);
+        let directions: Vec<_> = sky.turned().iter().map(DirectionRecord::of_unit).collect();
+        let asked = SkyRays {
+            tree: &tree,
+            record: &view.record,
+            directions: &directions,
+            rays,
+            lights: 0,
+            seed: 1,
+            chessboard: false,
+            limit: [f32::MAX; 2],
+            eye: tree.eye(&view),
+        };
+        let submissions = std::cell::Cell::new(0);
+        let count = |_: u64| {
+            submissions.set(submissions.get() + 1);
+            true
+        };
+        let words = gpu.trace_sky(&asked, &count).expect("a device").expect("a frame").expect("no reason");
+        assert!(submissions.get() > 1, "several submissions");
+        let open: u32 = words.iter().map(|word| word.count_ones()).sum();
+        println!("blocks of {block}: {open} rays of {} pixels are open", raw.id.len());
+        // The rays of another window are not those of this frame.
+        let other = ViewRecord { rows: 1, ..view.record };
+        assert!(gpu.trace_sky(&SkyRays { record: &other, ..asked }, &count).expect("a device").is_none());
+        found.push(words);
+    }
+    assert!(found[0].iter().any(|word| *word != 0) && found[1..].iter().all(|words| *words == found[0]));
 }
 
 /// Cameras from near to far, through long and wide lenses, for parallel rays too.
