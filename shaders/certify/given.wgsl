@@ -35,7 +35,8 @@ fn placed_at(n: u32) -> PlacedSphere {
     return PlacedSphere(bitcast<vec3<i32>>(a.xyz), bitcast<f32>(a.w), bitcast<vec3<f32>>(b.xyz));
 }
 
-fn meet(ray: CertifiedRay, s: PlacedSphere) -> Bounds {
+// The direction is off by `tilt` of its length.
+fn meet(ray: CertifiedRay, tilt: f32, s: PlacedSphere) -> Bounds {
     let d = ray.direction;
     let p = vec3<f32>(s.steps - ray.steps) * GIVEN_STEP + (s.rest - ray.rest);
     let a = dot3(d, d);
@@ -46,9 +47,11 @@ fn meet(ray: CertifiedRay, s: PlacedSphere) -> Bounds {
     let r2 = s.radius * s.radius;
     let ar2 = a * r2;
     let far = sqrt(p2);
-    let e = (GIVEN_CROSS * UNIT * far + GIVEN_BLURS * ray.blur) * sqrt(a) * INFLATE;
+    let e = ((GIVEN_CROSS * UNIT + tilt) * far + GIVEN_BLURS * ray.blur) * sqrt(a) * INFLATE;
     let disc = ar2 - g2;
-    let error = ((2.0 * sqrt(g2) + e) * e + UNIT * (GIVEN_AR2 * ar2 + GIVEN_GG * g2)) * INFLATE + a * VANISH;
+    let tilted = GIVEN_TILTS * tilt;
+    let rounded = UNIT * (GIVEN_AR2 * ar2 + GIVEN_GG * g2) + tilted * (ar2 + g2);
+    let error = ((2.0 * sqrt(g2) + e) * e + rounded) * INFLATE + a * VANISH;
     let power = p2 - r2;
     let power_error = (GIVEN_POWER * UNIT * (p2 + r2) + 2.0 * GIVEN_BLURS * ray.blur * (far + ray.blur)) * INFLATE;
     let outside = power > power_error;
@@ -61,8 +64,9 @@ fn meet(ray: CertifiedRay, s: PlacedSphere) -> Bounds {
     }
     let least = sqrt(positive(disc - error));
     let most = sqrt(positive(disc + error));
-    let less = 1.0 - GIVEN_QUOTIENT * UNIT;
-    let more = 1.0 + GIVEN_QUOTIENT * UNIT;
+    let quotient = GIVEN_QUOTIENT * UNIT + tilted;
+    let less = 1.0 - quotient;
+    let more = 1.0 + quotient;
     if (inside && b >= 0.0) {
         return Bounds(positive(b - e + least) / a * less, (b + e + most) / a * more, true);
     }

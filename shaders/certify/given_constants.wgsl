@@ -8,4 +8,6 @@ const GIVEN_AR2: f32 = 11.0;
 const GIVEN_GG: f32 = 5.0;
 const GIVEN_POWER: f32 = 11.0;
 const GIVEN_QUOTIENT: f32 = 18.0;
+// |d|^2 in the discriminant and in t, of the tilt; not in UNIT.
+const GIVEN_TILTS: f32 = 3.0;
 const GIVEN_STEP: f32 = 3.725290298461914e-9; // 2^-28, of the grid of places

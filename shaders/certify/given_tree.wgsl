@@ -14,7 +14,7 @@ fn search(ray: CertifiedRay) -> Best {
         if (at.level == NOWHERE) {
             break;
         }
-        best = keep(best, ray, at.place, meet(ray, placed_at(at.place)));
+        best = keep(best, ray, at.place, meet(ray, 0.0, placed_at(at.place)));
         at = resume(at, best.limit);
     }
     return best;

@@ -1,4 +1,4 @@
-// Rays from the hits of a frame toward the sky and toward lights that are infinitely far: docs/certificate.md, section 13.
+// Rays from the hits of a frame toward the sky and toward lights without a size: docs/certificate.md, section 13.
 // Each leaves a bit if nothing hides what it goes to. Where f32 leaves one ray of a pixel
 // unsure, one more bit leaves all of them to the host.
 
@@ -6,7 +6,7 @@ struct Sky {
     first: u32,        // pixel of the band, and one past the last
     end: u32,
     rays: u32,         // of each pixel toward the sky
-    lights: u32,       // and toward far lights
+    lights: u32,       // and toward lights
     turns: u32,        // of the directions toward the sky, a power of two
     seed: u32,
     chessboard: u32,   // 1: only from every second pixel
@@ -26,19 +26,28 @@ struct Sky {
 @group(0) @binding(BIND_STARTS) var<storage, read> starts: array<vec4<f32>>;
 // The place of every sphere in the order of the tree.
 @group(0) @binding(BIND_PLACES) var<storage, read> places: array<u32>;
-// Two vectors each, the direction and the reciprocals of its components: those of all turns, then those of the lights.
-@group(0) @binding(BIND_DIRECTIONS) var<storage, read> directions: array<vec4<f32>>;
+// Two vectors each: the direction and the reciprocals of its components, of all turns and then of the lights that are infinitely
+// far; other lights have their place, as steps and a rest, and a fourth number of 1.
+@group(0) @binding(BIND_DIRECTIONS) var<storage, read> directions: array<vec4<u32>>;
 @group(0) @binding(BIND_OPEN) var<storage, read_write> open: array<u32>;
 
 var<private> local_index: u32; // of this ray in its workgroup
 var<private> own: u32;         // place of the sphere of the hit, which is decided by the side of its surface
 
 // The padding of boxes for a start that was computed in f32, beside its blur: docs/tree.md.
-const PAD: f32 = 32.0;
+const PAD: f32 = 40.0;
+// The smallest component of a direction for the boxes, 2^-32, as of the host.
+const LEAST: f32 = 2.3283064365386963e-10;
 // The error of two places on the grid, 2^-47.
 const PLACES: f32 = 7.105427357601002e-15;
+// The least error of a start, of the radius, 2^-45: so f64 decides what f32 decides.
+const BLURRED: f32 = 2.842170943040401e-14;
 // The product of normal and direction, in multiples of UNIT.
 const COSINE: f32 = 8.0;
+// The way to a light, of its length and of the places that it is made of.
+const AIM: f32 = 4.0;
+// A direction that is off by more tells little: 2^-12.
+const MOST_TILT: f32 = 2.44140625e-4;
 
 // What all rays of a pixel have in common.
 struct Start {
@@ -54,6 +63,7 @@ struct Start {
 // The ray with a number: what hides it may be known without the tree.
 struct Next {
     ray: CertifiedRay,
+    tilt: f32,         // what its direction is off by, of its length
     seen: BoxRay,
     found: u32,        // own: the sphere itself hides it; UNSURE: the side of its surface is not known; else NONE
 }
@@ -71,7 +81,7 @@ fn start_of(pixel: u32, at: vec2<u32>) -> Start {
         offset = sky.eye_rest + sky.unit * way.xyz;
         blur = way.w * sky.unit;
     }
-    blur = (blur + PLACES) * INFLATE;
+    blur = (max(blur, BLURRED * s.radius) + PLACES) * INFLATE;
     return Start(at, surface.xyz, surface.w, steps, offset, blur, vec3<f32>(steps) * GIVEN_STEP + offset);
 }
 
@@ -79,22 +89,41 @@ fn next_ray(start: Start, number: u32) -> Next {
     let toward_sky = number < sky.rays;
     let turn = pcg4d(vec4<u32>(start.at, 0u, sky.seed)).w & (sky.turns - 1u);
     let index = select(sky.turns * sky.rays + number - sky.rays, turn * sky.rays + number, toward_sky);
-    var d = directions[2u * index].xyz;
-    var inverse = directions[2u * index + 1u].xyz;
+    let first = directions[2u * index];
+    let second = bitcast<vec3<f32>>(directions[2u * index + 1u].xyz);
+    var d = bitcast<vec3<f32>>(first.xyz);
+    var inverse = second;
+    var tilt = 0.0;
+    var limit = select(vec2<f32>(MISS), vec2<f32>(sky.sure_limit, sky.limit), toward_sky);
+    if (first.w == 1u) {
+        // The way to a light, scaled by a power of two: its largest component is then in [1, 2), and the light at the scale.
+        let rest = second - start.offset;
+        let way = vec3<f32>(bitcast<vec3<i32>>(first.xyz) - start.steps) * GIVEN_STEP + rest;
+        let length = sqrt(dot3(way, way));
+        let doubt = AIM * UNIT * (length + sqrt(dot3(rest, rest)) + sqrt(dot3(second, second))) + start.blur;
+        // 1 where it tells too little.
+        tilt = select(1.0, doubt / length * INFLATE, doubt < MOST_TILT * length);
+        let size = abs(way);
+        let scale = bitcast<u32>(max(max(size.x, size.y), size.z)) & 0x7f800000u;
+        d = way * bitcast<f32>(0x7f000000u - scale);
+        limit = vec2<f32>(bitcast<f32>(scale));
+        inverse = 1.0 / select(d, select(vec3<f32>(LEAST), vec3<f32>(-LEAST), d < vec3<f32>(0.0)), abs(d) < vec3<f32>(LEAST));
+    }
     let cosine = dot3(start.normal, d);
     let behind = cosine < 0.0;
     var found = select(NONE, own, behind && !toward_sky);
-    if (abs(cosine) <= (start.turn + COSINE * UNIT) * sqrt(dot3(d, d)) * INFLATE) {
+    let is_known = tilt < 1.0 && abs(cosine) > (start.turn + tilt + COSINE * UNIT) * sqrt(dot3(d, d)) * INFLATE;
+    if (!is_known) {
         found = UNSURE;
     }
     if (behind) {
         d = -d;
         inverse = -inverse;
     }
-    let limit = select(vec2<f32>(MISS), vec2<f32>(sky.sure_limit, sky.limit), toward_sky);
-    let aside = select(vec3<f32>(1.0), vec3<f32>(-1.0), inverse < vec3<f32>(0.0)) * (PAD * UNIT + 2.0 * start.blur);
+    let pad = PAD * UNIT + 2.0 * start.blur + 9.0 * tilt;
+    let aside = select(vec3<f32>(pad), vec3<f32>(-pad), inverse < vec3<f32>(0.0));
     return Next(
-        CertifiedRay(start.steps, limit.x, start.offset, limit.y, d, start.blur),
+        CertifiedRay(start.steps, limit.x, start.offset, limit.y, d, start.blur), tilt,
         BoxRay(vec4<f32>(start.origin + aside, 0.0), vec4<f32>(start.origin - aside, 0.0), vec4<f32>(inverse, 0.0)),
         found,
     );
@@ -132,7 +161,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             }
             if (position.level != NOWHERE) {
                 if (position.place != own) {
-                    best = keep(best, next.ray, position.place, meet(next.ray, placed_at(position.place)));
+                    best = keep(best, next.ray, position.place, meet(next.ray, next.tilt, placed_at(position.place)));
                 }
                 position = resume(position, best.limit);
             }

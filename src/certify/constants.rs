@@ -105,6 +105,8 @@ pub(crate) mod given {
         const GIVEN_POWER = 11.0;
         /// t as a quotient, with the root and the sums in it.
         const GIVEN_QUOTIENT = 18.0;
+        /// |d|^2 in the discriminant and in t, of what the direction is off by, without UNIT.
+        const GIVEN_TILTS = 3.0;
         /// 2^-28, the step of the grid on which places of given rays and of their spheres are stated.
         const GIVEN_STEP = 3.725_290_3e-9;
     }

@@ -19,6 +19,8 @@ const START: f64 = 14.0 * EPS;
 const JUDGED: f64 = 4.0 * EPS;
 /// A point whose error is larger, of the radius, is not good enough: too many of its rays would be unsure.
 const BLURRED: f64 = 1.0 / (1u64 << 30) as f64;
+/// A direction that is off by more is not good enough: 2^-12, whose square [`SLACK`] has room for.
+const TILTED: f64 = 1.0 / (1u64 << 12) as f64;
 
 /// In the tree's unit, the longest way whose square is within f64 beside others.
 const LONG: f64 = 1.0 / SHORT;
@@ -187,7 +189,7 @@ impl SurfacePoint {
     /// Whether the direction of a ray from here is known well enough for answers.
     #[inline(always)]
     pub(crate) fn is_known(ray: &CertifiedRay) -> bool {
-        ray.tilt() <= BLURRED * SLACK
+        ray.tilt() <= TILTED * SLACK
     }
 
     /// The ray from here, however well its direction is known; `None` for a light at the very point.

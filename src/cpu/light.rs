@@ -78,7 +78,7 @@ impl Task<'_, '_, '_> {
             let mut point = None;
             let mut at_hit = || *point.get_or_insert_with(|| lighting.point(position, id));
             match traced.filter(|traced| traced.lights > 0) {
-                Some(traced) => at_point.hide_lights(|n| traced.is_open(traced.rays + n)),
+                Some(traced) => at_point.tell_lights(&mut at_hit, |n| traced.is_open(traced.rays + n)),
                 None if lighting.asks_lights() => at_point.ask_lights(&at_hit(), at),
                 None => {}
             }

@@ -75,7 +75,7 @@ pub struct Report {
     pub certified: f64,
     /// Pixels that were settled in exact arithmetic.
     pub settled: u64,
-    /// Share of the hits for which the device decided in f32 all rays toward the sky and far lights; `None` where the host
+    /// Share of the hits for which the device decided in f32 all rays toward the sky and lights without a size; `None` where the host
     /// traced these rays, or there are none.
     pub light_on_device: Option<f64>,
     /// Proven bound of t's relative error, at most the tolerance; `None` when nothing is proven.

@@ -270,7 +270,7 @@ pub(crate) enum Step {
         /// The rays go through samples of the pixels.
         samples: bool,
     },
-    /// Rays leave from the hits toward the sky and far lights.
+    /// Rays leave from the hits toward the sky and lights.
     Sky,
 }
 

@@ -17,7 +17,6 @@ use crate::settings::{Accuracy, Settings};
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::{View, ViewRecord};
-use glam::DVec3;
 use std::sync::Arc;
 
 /// The pixels from whose hits rays leave.
@@ -71,8 +70,8 @@ impl Renderer {
         LightSetup { tree: self.tree.of(&scene.spheres, self.frames), accuracy }
     }
 
-    /// What the device that rendered this view finds of rays from its hits toward the sky, `sky` of them, and toward lights
-    /// that are infinitely far, where all are so and cast shadows.
+    /// What the device that rendered this view finds of rays from its hits toward the sky, `sky` of them, and toward lights,
+    /// where none of them has a size and they cast shadows.
     fn trace_from_hits(
         &mut self,
         tree: &Tree,
@@ -81,19 +80,19 @@ impl Renderer {
         (lights, chessboard): (bool, bool),
     ) -> Result<Option<(SkyCount, Vec<u32>)>> {
         let Executor::Gpu(gpu) = &mut self.place else { return Ok(None) };
-        let far = |light: &Light| match light.source {
-            LightSource::Direction(direction) => Some(direction),
-            _ => None,
+        let without_size = |light: &Light| match light.source {
+            LightSource::Direction(direction) => Some(DirectionRecord::new(direction.to_array())),
+            LightSource::Point(place) => DirectionRecord::place(tree, place.to_array()),
+            LightSource::Sphere(_) | LightSource::Ball { .. } => None,
         };
-        let far: Option<Vec<DVec3>> = scene.lighting.lights.iter().map(far).collect();
-        let far = far.filter(|_| lights).unwrap_or_default();
-        let count = SkyCount { rays: sky.len(), lights: far.len() };
+        let all: Option<Vec<DirectionRecord>> = scene.lighting.lights.iter().map(without_size).collect();
+        let all = all.filter(|_| lights).unwrap_or_default();
+        let count = SkyCount { rays: sky.len(), lights: all.len() };
         if count.rays + count.lights == 0 {
             return Ok(None);
         }
         let turned = sky.turned().iter().map(DirectionRecord::of_unit);
-        let far = far.iter().map(|direction| DirectionRecord::new(direction.to_array()));
-        let directions: Vec<DirectionRecord> = turned.chain(far).collect();
+        let directions: Vec<DirectionRecord> = turned.chain(all).collect();
         let asked = SkyRays {
             tree,
             record: &view.record,

@@ -1,4 +1,4 @@
-//! Rays that leave from hits on an adapter, toward the sky and toward far lights, give the bits of the CPU path, whose rays
+//! Rays that leave from hits on an adapter, toward the sky and toward lights without a size, give the bits of the CPU path, whose rays
 //! src/cpu/light/tests.rs compares with exact arithmetic: shadows, occlusion and pictures, in every family of scenes, for
 //! windows, samples, reaches, skies with colours, and parallel rays. Tolerance: none on adapters known to be strict.
 
@@ -18,8 +18,12 @@ fn settings() -> Settings {
 /// Far lights from above and along an axis, and a sky of so many rays.
 fn lit(scene: &Scene, rays: u32) -> Scene {
     let mut scene = scene.clone();
-    let toward = [[0.3, 1.0, 0.2], [1.0, 0.0, 0.0]];
-    scene.lighting.lights = toward.map(|d| Light::white(LightSource::Direction(d.into()))).to_vec();
+    let toward = [[0.3, 1.0, 0.2], [1.0, 0.0, 0.0]].map(|d| LightSource::Direction(d.into()));
+    // A light above the eye, too.
+    let beside = LightSource::Point(
+        scene.camera.eye + glam::DVec3::new(0.2, 0.5, 0.1) * scene.spheres.radii.first().copied().unwrap_or(1.0),
+    );
+    scene.lighting.lights = toward.into_iter().chain([beside]).map(Light::white).collect();
     scene.lighting.shadows = true;
     scene.lighting.sky = Some(Sky { rays, ..Sky::default() });
     scene
@@ -111,10 +115,16 @@ fn ground_reaches_colours_and_other_lights_are_those_of_the_cpu_path() {
     let mut colored = scene.clone();
     colored.lighting.sky = Some(Sky { colors: Some(colors), ..Sky::default() });
     shares.compare("a sky with colours", &colored, &settings());
-    // The host traces the rays to a light that is not far, and the adapter those to the sky.
     let mut near = scene.clone();
-    near.lighting.lights.push(Light::white(LightSource::Point([0.0, 3.0, 1.0].into())));
-    shares.compare("a light beside far ones", &near, &settings());
+    for place in [[0.0, 3.0, 1.0], [4.0, 1e-3, 0.5], [-1e7, 2e7, 3e6], [0.0, 1.5, 0.0]] {
+        near.lighting.lights.push(Light::white(LightSource::Point(place.into())));
+        shares.compare(&format!("a light at {place:?} too"), &near, &settings());
+        near.lighting.shadows = !near.lighting.shadows;
+    }
+    // The host traces the rays to lights where one has a size, and the adapter those to the sky.
+    let ball = LightSource::Ball { center: [0.0, 3.0, 1.0].into(), radius: 0.5 };
+    near.lighting.lights.push(Light::white(ball));
+    shares.compare("a ball too", &near, &settings());
     let mut apart = scene.clone();
     apart.lighting.shadows = false;
     apart.lighting.sky = None;

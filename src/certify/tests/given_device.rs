@@ -5,7 +5,7 @@ use super::first_order::WHOLE;
 use super::tape::{Given, Program, Traced, rewind};
 use super::wild::{Mode, Value, Wild, under};
 use crate::certify::constants::given::{
-    GIVEN_AR2, GIVEN_BLURS, GIVEN_CROSS, GIVEN_GG, GIVEN_POWER, GIVEN_QUOTIENT, GIVEN_STEP,
+    GIVEN_AR2, GIVEN_BLURS, GIVEN_CROSS, GIVEN_GG, GIVEN_POWER, GIVEN_QUOTIENT, GIVEN_STEP, GIVEN_TILTS,
 };
 use crate::certify::constants::{INFLATE, UNIT, VANISH};
 use crate::certify::given::CertifiedRay;
@@ -31,6 +31,7 @@ pub(super) struct Terms {
     gg: f32,
     power: f32,
     quotient: f32,
+    tilts: f32,
 }
 
 pub(super) const TERMS: Terms = Terms {
@@ -40,6 +41,7 @@ pub(super) const TERMS: Terms = Terms {
     gg: GIVEN_GG,
     power: GIVEN_POWER,
     quotient: GIVEN_QUOTIENT,
+    tilts: GIVEN_TILTS,
 };
 
 impl Terms {
@@ -66,6 +68,7 @@ pub(super) struct Pair<R> {
     pub(super) rests: [[R; 3]; 2],
     pub(super) d: [R; 3],
     pub(super) blur: R,
+    pub(super) tilt: R,
     pub(super) radius: R,
 }
 
@@ -76,6 +79,7 @@ impl<R: Number> Pair<R> {
             rests: [s.rest, ray.rest].map(|rest| rest.map(R::from_f32)),
             d: ray.direction.map(&number),
             blur: R::from_f32(ray.blur),
+            tilt: R::ZERO,
             radius: number(s.radius),
         }
     }
@@ -92,6 +96,8 @@ pub(super) struct Weighed<R> {
     error: R,
     power: R,
     power_error: R,
+    /// Of |d|^2 in a quotient.
+    tilted: R,
 }
 
 pub(super) fn weigh<R: Number>(w: &Pair<R>, terms: &Terms) -> Weighed<R> {
@@ -102,13 +108,14 @@ pub(super) fn weigh<R: Number>(w: &Pair<R>, terms: &Terms) -> Weighed<R> {
     let (g2, r2) = (dot3(g, g), w.radius * w.radius);
     let ar2 = a * r2;
     let far = p2.sqrt();
-    let e = (c(terms.cross * UNIT) * far + c(terms.blurs) * w.blur) * a.sqrt() * c(INFLATE);
+    let e = ((c(terms.cross * UNIT) + w.tilt) * far + c(terms.blurs) * w.blur) * a.sqrt() * c(INFLATE);
     let disc = ar2 - g2;
-    let rounded = c(UNIT) * (c(terms.ar2) * ar2 + c(terms.gg) * g2);
+    let tilted = c(terms.tilts) * w.tilt;
+    let rounded = c(UNIT) * (c(terms.ar2) * ar2 + c(terms.gg) * g2) + tilted * (ar2 + g2);
     let error = ((c(2.0) * g2.sqrt() + e) * e + rounded) * c(INFLATE) + a * c(VANISH);
     let power = p2 - r2;
     let power_error = (c(terms.power * UNIT) * (p2 + r2) + c(2.0 * terms.blurs) * w.blur * (far + w.blur)) * c(INFLATE);
-    Weighed { a, b, e, g, disc, error, power, power_error }
+    Weighed { a, b, e, g, disc, error, power, power_error, tilted }
 }
 
 /// Bounds of t; `None` for a certain miss.
@@ -131,7 +138,7 @@ pub(super) fn bounds<R: Number>(w: &Weighed<R>, terms: &Terms) -> Option<Bounds<
     }
     let least = positive(w.disc - w.error).sqrt();
     let most = positive(w.disc + w.error).sqrt();
-    let quotient = R::from_f32(terms.quotient * UNIT);
+    let quotient = R::from_f32(terms.quotient * UNIT) + w.tilted;
     let (less, more) = (one - quotient, one + quotient);
     if inside && w.b >= zero {
         let low = positive(w.b - w.e + least) / w.a * less;

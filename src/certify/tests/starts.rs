@@ -7,8 +7,10 @@ use super::given_device::{self, Pair, bounds, weigh};
 use super::wild::{Mode, Value, Wild, under};
 use crate::certify::TERMS;
 use crate::certify::answer::{Answer, Slopes};
+use crate::certify::constants::given::GIVEN_STEP;
 use crate::certify::constants::{INFLATE, SURFACE, UNIT, WAY};
 use crate::cpu::light::tests::families::FAMILIES;
+use crate::double_double as dd;
 use crate::exact::{Judge, LightQuestion, Toward, Truth};
 use crate::number::Number;
 use crate::search::tree::Tree;
@@ -31,11 +33,16 @@ struct Terms {
     turn: f32,
     /// All of the way's.
     doubt: f32,
+    /// Of the way to a light.
+    aim: f32,
     given: given_device::Terms,
 }
 
 const STARTS: Terms =
-    Terms { surface: SURFACE, way: WAY, cosine: 8.0, turn: 1.0, doubt: 1.0, given: given_device::TERMS };
+    Terms { surface: SURFACE, way: WAY, cosine: 8.0, turn: 1.0, doubt: 1.0, aim: 4.0, given: given_device::TERMS };
+
+/// The least error of a start, of the radius.
+const BLURRED: f32 = 1.0 / (1u64 << 45) as f32;
 
 /// The error of two places on the grid.
 const PLACES: f32 = 1.0 / (1u64 << 47) as f32;
@@ -87,8 +94,33 @@ impl<R: Value> Start<R> {
             (start.steps, start.blur) = (steps, spread * c(unit));
             start.offset = std::array::from_fn(|n| c(rest[n]) + c(unit) * way[n]);
         }
-        start.blur = (start.blur + c(PLACES)) * c(INFLATE);
+        let least = c(BLURRED) * radius;
+        let blur = if start.blur < least { least } else { start.blur };
+        start.blur = (blur + c(PLACES)) * c(INFLATE);
         start
+    }
+}
+
+impl<R: Value> Start<R> {
+    /// The twin of `next_ray`: a direction, what it is off by, and where a light ends the ray; `None` where it tells too little.
+    fn toward(&self, terms: &Terms, record: &DirectionRecord) -> Option<([R; 3], R, Option<f32>)> {
+        let c = R::from_f32;
+        let three = |of: [u32; 4]| [0, 1, 2].map(|n| f32::from_bits(of[n]));
+        if record.first[3] == 0 {
+            return Some((three(record.first).map(c), R::ZERO, None));
+        }
+        let place = three(record.second).map(c);
+        let rest: [R; 3] = std::array::from_fn(|n| place[n] - self.offset[n]);
+        let steps = |n: usize| R::from_i32(record.first[n] as i32 - self.steps[n]);
+        let way: [R; 3] = std::array::from_fn(|n| steps(n) * c(GIVEN_STEP) + rest[n]);
+        let size = |x: [R; 3]| dot3(x, x).sqrt();
+        let doubt = c(terms.aim * UNIT) * (size(way) + size(rest) + size(place)) + self.blur;
+        let tilt = doubt / size(way) * c(INFLATE);
+        let largest = way.iter().fold(0.0f64, |most, x| x.value().abs().max(most));
+        let e = dd::exponent(largest);
+        let known = doubt < c(1.0 / 4096.0) * size(way);
+        let scale = dd::ldexp(1.0, -e) as f32;
+        known.then(|| (way.map(|x| x * c(scale)), tilt, Some(1.0 / scale)))
     }
 }
 
@@ -101,7 +133,7 @@ struct Staged<'a> {
 
 /// A ray from a hit, and what is true of it.
 struct Shot {
-    direction: DirectionRecord,
+    record: DirectionRecord,
     /// The other sphere's place.
     other: usize,
     /// The sphere of the hit hides what is there.
@@ -138,17 +170,20 @@ fn claims<R: Value>(case: &Case, terms: &Terms, at: [u32; 2], staged: &Staged<'_
         let (mut wrong, mut made) = (0, 0);
         let mut claim = |is_false: bool| (wrong, made) = (wrong + u32::from(is_false), made + 1);
         for shot in shots {
-            let [x, y, z, _] = shot.direction.direction.map(R::from_f32);
-            let mut d = [x, y, z];
+            let Some((mut d, tilt, limit)) = start.toward(terms, &shot.record) else { continue };
             let cosine = dot3(start.normal, d);
-            let unsure = (start.turn + R::from_f32(terms.cosine * UNIT)) * dot3(d, d).sqrt() * R::from_f32(INFLATE);
+            let off = start.turn + tilt + R::from_f32(terms.cosine * UNIT);
+            let unsure = off * dot3(d, d).sqrt() * R::from_f32(INFLATE);
             let behind = cosine < R::ZERO;
             if cosine.abs() <= unsure {
                 continue;
             }
             claim(behind != shot.behind);
-            if behind {
-                d = d.map(|x| -x);
+            match (behind, limit) {
+                // The sphere of the hit hides a light that is behind it.
+                (true, Some(_)) => continue,
+                (true, None) => d = d.map(|x| -x),
+                (false, _) => {}
             }
             let sphere = &staged.spheres[shot.other];
             let pair = Pair {
@@ -156,11 +191,14 @@ fn claims<R: Value>(case: &Case, terms: &Terms, at: [u32; 2], staged: &Staged<'_
                 rests: [sphere.rest.map(R::from_f32), start.offset],
                 d,
                 blur: start.blur,
+                tilt,
                 radius: R::from_f32(sphere.radius),
             };
+            let limit = R::from_f32(limit.unwrap_or(f32::MAX));
             match bounds(&weigh(&pair, &terms.given), &terms.given) {
                 None => claim(shot.hidden),
-                Some(bounds) if bounds.sure => claim(!shot.hidden),
+                Some(bounds) if bounds.low >= limit => claim(shot.hidden),
+                Some(bounds) if bounds.sure && bounds.high < limit => claim(!shot.hidden),
                 Some(_) => {}
             }
         }
@@ -188,7 +226,7 @@ fn false_claims(terms: &Terms, family: usize, scenes: u64) -> [u32; 2] {
             let [i, j] = judged.at;
             let Some(hit) = judge.pixel(i, j).filter(|_| certain == Ok(true)) else { continue };
             let staged = Staged { spheres: &placed, place: place(hit.id), eye: tree.eye(&case.view) };
-            let shots = shots(random, &case, &judge, judged.at, &hit, &place);
+            let shots = shots(random, &case, (&judge, &tree), judged.at, &hit, &place);
             for mode in Mode::BLIND {
                 let of = under(mode, n, || claims::<Wild>(&case, terms, judged.at, &staged, &shots));
                 count = [count[0] + of[0], count[1] + of[1]];
@@ -202,7 +240,7 @@ fn false_claims(terms: &Terms, family: usize, scenes: u64) -> [u32; 2] {
 fn shots(
     random: &mut Rng,
     case: &Case,
-    judge: &Judge,
+    (judge, tree): (&Judge, &Tree),
     [i, j]: [u32; 2],
     hit: &Truth,
     place: &dyn Fn(u32) -> usize,
@@ -219,13 +257,28 @@ fn shots(
         if !(0.99..1.01).contains(&direction.length()) {
             continue;
         }
+        // A light beside the rim, or somewhere along the ray.
+        let distance = relative(center).distance(at) * [1.0, random.decade(-2.0, 2.0)][random.below(2) as usize];
+        let light = DVec3::from_array(own.0) + at + direction * distance;
+        if let Some(record) = DirectionRecord::place(tree, light.to_array()) {
+            let ask = |among| {
+                judge.ask(
+                    i,
+                    j,
+                    own,
+                    &[LightQuestion::Hidden { toward: Toward::Point(light.to_array()), turned: false, among }],
+                )
+            };
+            let (behind, hidden) = (ask(Vec::new()).expect("a hit")[0], ask(vec![(center, radius)]).expect("a hit")[0]);
+            shots.push(Shot { record, other: place(id), behind, hidden });
+        }
         let exact = direction.as_vec3().to_array();
         let toward = |sign: f64| Toward::Direction(exact.map(|x| sign * f64::from(x)));
         let question = |toward, among: Vec<_>| LightQuestion::Hidden { toward, turned: false, among };
         let behind = judge.ask(i, j, own, &[question(toward(1.0), Vec::new())]).expect("a hit")[0];
         let outward = toward(if behind { -1.0 } else { 1.0 });
         let hidden = judge.ask(i, j, own, &[question(outward, vec![(center, radius)])]).expect("a hit")[0];
-        shots.push(Shot { direction: DirectionRecord::of_unit(&exact), other: place(id), behind, hidden });
+        shots.push(Shot { record: DirectionRecord::of_unit(&exact), other: place(id), behind, hidden });
     }
     shots
 }
@@ -250,6 +303,7 @@ fn no_claim_of_a_ray_from_a_hit_is_false() {
 
 #[test]
 fn terms_of_a_start_are_needed() {
+    // The tilt of lights is derived only: what it changes at spheres before the light, the blur changes more.
     let each: [(&str, Terms); 3] = [
         ("turn", Terms { turn: 0.0, ..STARTS }),
         ("doubt", Terms { doubt: 0.0, ..STARTS }),

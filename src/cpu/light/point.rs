@@ -158,11 +158,34 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// Takes over for every light whether something hides it; all are infinitely far.
-    pub(super) fn hide_lights(&mut self, is_open: impl Fn(usize) -> bool) {
-        for n in (0..self.lights.len()).filter(|n| !is_open(*n)) {
-            self.hide_far(n);
+    /// Takes over for every light whether something hides it; none has a size.
+    pub(super) fn tell_lights(&mut self, mut point: impl FnMut() -> SurfacePoint, is_open: impl Fn(usize) -> bool) {
+        for n in 0..self.lights.len() {
+            let hidden = !is_open(n);
+            match self.of.scene.lighting.lights[n].source {
+                LightSource::Point(position) => {
+                    // What it would give needs the point, for the colour alone.
+                    let toward = Toward::Point(position.to_array());
+                    let mut seen = || {
+                        let point = point();
+                        self.seen(&point, point.aim(&self.of.tree.placement, &toward).as_ref())
+                    };
+                    let seen = if self.of.wanted.color { seen() } else { [0.0; 2] };
+                    self.lights[n].rays += 1;
+                    if hidden { self.hide(n, seen) } else { self.lights[n].add(seen) }
+                }
+                _ if hidden => self.hide_far(n),
+                _ => {}
+            }
         }
+    }
+
+    /// The cosine and the highlight of a ray to a light.
+    fn seen(&self, point: &SurfacePoint, ray: Option<&CertifiedRay>) -> [f64; 2] {
+        let cosine = ray.map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
+        let highlight =
+            |ray: &CertifiedRay| self.highlight(dot(self.mirrored.to_array(), ray.direction) / ray.a.sqrt());
+        [cosine, ray.filter(|_| cosine > 0.0).map_or(0.0, highlight)]
     }
 
     /// Takes over which of the sky's rays are open.
@@ -286,10 +309,7 @@ impl<'a> PointLight<'a> {
 
     fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: Option<([f64; 3], f64)>) {
         let ray = point.aim(&self.of.tree.placement, toward);
-        let cosine = ray.as_ref().map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
-        let highlight =
-            |ray: &CertifiedRay| self.highlight(dot(self.mirrored.to_array(), ray.direction) / ray.a.sqrt());
-        let seen = [cosine, ray.as_ref().filter(|_| cosine > 0.0).map_or(0.0, highlight)];
+        let seen = self.seen(point, ray.as_ref());
         self.lights[n].rays += 1;
         if !self.casts_shadows() {
             return self.lights[n].add(seen);

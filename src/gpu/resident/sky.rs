@@ -1,4 +1,4 @@
-//! Rays from the hits of a resident frame toward the sky and toward lights that are infinitely far: shaders/main/sky.wgsl,
+//! Rays from the hits of a resident frame toward the sky and toward lights without a size: shaders/main/sky.wgsl,
 //! docs/certificate.md, section 13.
 
 use super::held::{Held, HeldTree};

@@ -104,7 +104,8 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
     let tree = Tree::new(&scene.spheres.centers, &scene.spheres.radii).expect("spheres");
     let raster = Raster::centres(Window::full(scene.image.width, scene.image.height));
     let mut found = Vec::new();
-    for (number, (block, groups, rays)) in [(BLOCK, 65_535, 600), (7, 65_535, 600), (7, 2, 600)].into_iter().enumerate() {
+    for (number, (block, groups, rays)) in [(BLOCK, 65_535, 600), (7, 65_535, 600), (7, 2, 600)].into_iter().enumerate()
+    {
         gpu.resident.block = block;
         gpu.limits.max_compute_workgroups_per_dimension = groups;
         let reach = gpu.hold(&scene, number as u64).expect("a device").expect("spheres");

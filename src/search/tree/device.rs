@@ -82,7 +82,7 @@ pub(crate) struct PlacedSphereRecord {
 const STEPS: f64 = (1u64 << 28) as f64;
 
 /// So many units from the middle the grid reaches with room for differences.
-const NEAR: f64 = 3.0;
+pub(super) const NEAR: f64 = 3.0;
 
 /// What the difference of two places is off by in each component beside three roundings of itself: docs/certificate.md,
 /// section 9.

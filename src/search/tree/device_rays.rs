@@ -1,7 +1,7 @@
 //! Given rays as devices read them.
 
-use super::BoxRay;
-use super::device::{PLACE, on_grid};
+use super::device::{NEAR, PLACE, on_grid};
+use super::{BoxRay, Tree};
 use crate::double_double as dd;
 use bytemuck::{Pod, Zeroable};
 
@@ -31,9 +31,10 @@ impl BoxRayRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct DirectionRecord {
-    /// The fourth numbers are unused.
-    pub(crate) direction: [f32; 4],
-    pub(crate) inverse: [f32; 4],
+    /// Bits of f32: the direction; with a fourth number of 1 whole steps of a place.
+    pub(crate) first: [u32; 4],
+    /// Bits of f32: the reciprocals of its components; the rest of a place.
+    pub(crate) second: [u32; 4],
 }
 
 impl DirectionRecord {
@@ -51,13 +52,29 @@ impl DirectionRecord {
         Self::scaled(direction.map(|x| dd::ldexp(x, -e)))
     }
 
+    /// A place, for rays that end there; `None` where it is out of the range of f32.
+    pub(crate) fn place(tree: &Tree, place: [f64; 3]) -> Option<Self> {
+        let at = tree.placement.point(place);
+        let far = at.iter().fold(0.0f64, |far, x| x.abs().max(far));
+        let (steps, [x, y, z]) = match far {
+            far if far <= NEAR => on_grid(at),
+            _ => ([0; 3], at.map(|x| x as f32)),
+        };
+        let [i, j, k] = steps.map(|step| step as u32);
+        let [x, y, z] = [x, y, z].map(f32::to_bits);
+        (far < FARTHEST).then_some(Self { first: [i, j, k, 1], second: [x, y, z, 0] })
+    }
+
     /// Rounded to f32.
     fn scaled(direction: [f64; 3]) -> Self {
-        let [x, y, z] = direction.map(|x| x as f32);
-        let [a, b, c] = BoxRay::inverse(direction);
-        Self { direction: [x, y, z, 0.0], inverse: [a, b, c, 0.0] }
+        let [x, y, z] = direction.map(|x| (x as f32).to_bits());
+        let [a, b, c] = BoxRay::inverse(direction).map(f32::to_bits);
+        Self { first: [x, y, z, 0], second: [a, b, c, 0] }
     }
 }
+
+/// Squares of ways to places within this are within f32.
+const FARTHEST: f64 = (1u64 << 40) as f64;
 
 /// Beyond the scene.
 const ASIDE: f32 = (1u32 << 20) as f32;
