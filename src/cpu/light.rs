@@ -18,6 +18,7 @@ use glam::DVec3;
 pub(crate) use lighting::{LitScene, Wanted};
 use point::PointLight;
 use rayon::prelude::*;
+use std::cell::OnceCell;
 
 impl LitScene<'_> {
     /// Fills `lit` for the pixels that show these spheres. `go_on` is called before every part of a row with its number
@@ -75,11 +76,11 @@ impl Task<'_, '_, '_> {
             let at = PixelSample { row, column, sample: record.sample, seed: lighting.seed };
             let position = record.sample_position(row, column);
             let traced = lighting.traced.and_then(|traced| traced.of(pixel));
-            let mut point = None;
-            let mut at_hit = || *point.get_or_insert_with(|| lighting.point(position, id));
+            let point = OnceCell::new();
+            let at_hit = || point.get_or_init(|| lighting.point(position, id));
             match traced.filter(|traced| traced.lights > 0) {
-                Some(traced) => at_point.tell_lights(&mut at_hit, |n| traced.is_open(traced.rays + n)),
-                None if lighting.asks_lights() => at_point.ask_lights(&at_hit(), at),
+                Some(traced) => at_point.tell_lights(at_hit, |n| traced.is_open(traced.rays + n)),
+                None if lighting.asks_lights() => at_point.ask_lights(at_hit(), at),
                 None => {}
             }
             match traced.filter(|traced| traced.rays > 0) {
@@ -87,17 +88,17 @@ impl Task<'_, '_, '_> {
                 None if lighting.sky.is_none() => {}
                 traced => {
                     // The weights of the rays are known as well as their normal.
-                    let surface = if sharp { surface } else { (&at_hit()).into() };
+                    let surface = if sharp { surface } else { at_hit().into() };
                     match traced {
                         Some(traced) => at_point.open_sky(&surface, at, |k| traced.is_open(k)),
-                        None => at_point.ask_sky(&at_hit(), &surface, at),
+                        None => at_point.ask_sky(at_hit(), &surface, at),
                     }
                 }
             }
             if color && lighting.bounces > 0 {
                 at_hit();
             }
-            let settled = point.as_ref().is_some_and(|point| at_point.settle(point, position));
+            let settled = point.get().is_some_and(|point| at_point.settle(point, position));
             if shadow {
                 let shares = chunk.shadow[n * lights..(n + 1) * lights].iter_mut();
                 shares.zip(at_point.hidden()).for_each(|(out, x)| *out = x);
@@ -111,8 +112,8 @@ impl Task<'_, '_, '_> {
             let mut proved = true;
             if color && !rayless {
                 let mut rgb = at_point.color(&surface, along);
-                if let Some(point) = point.filter(|_| lighting.bounces > 0) {
-                    let (more, sure) = bounces.follow(&mut at_point, (point, along), at);
+                if let Some(point) = point.get().filter(|_| lighting.bounces > 0) {
+                    let (more, sure) = bounces.follow(&mut at_point, (*point, along), at);
                     (rgb, proved) = (rgb + more, sure);
                 }
                 write(rgb, chunk.color);

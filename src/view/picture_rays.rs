@@ -40,6 +40,7 @@ impl<'a> PictureRays<'a> {
 
     /// Where the viewing ray of this pixel meets a sphere. A ray that f64 lets pass beside it meets the point that is
     /// nearest to the ray.
+    #[inline(always)]
     pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
         let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting(pixel, center, radius);
         let outward = (d * t - p).normalize_or(-d);

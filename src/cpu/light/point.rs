@@ -159,16 +159,16 @@ impl<'a> PointLight<'a> {
     }
 
     /// Takes over for every light whether something hides it; none has a size.
-    pub(super) fn tell_lights(&mut self, mut point: impl FnMut() -> SurfacePoint, is_open: impl Fn(usize) -> bool) {
+    pub(super) fn tell_lights<'p>(&mut self, point: impl Fn() -> &'p SurfacePoint, is_open: impl Fn(usize) -> bool) {
         for n in 0..self.lights.len() {
             let hidden = !is_open(n);
             match self.of.scene.lighting.lights[n].source {
                 LightSource::Point(position) => {
                     // What it would give needs the point, for the colour alone.
                     let toward = Toward::Point(position.to_array());
-                    let mut seen = || {
+                    let seen = || {
                         let point = point();
-                        self.seen(&point, point.aim(&self.of.tree.placement, &toward).as_ref())
+                        self.seen(point, point.aim(&self.of.tree.placement, &toward).as_ref())
                     };
                     let seen = if self.of.wanted.color { seen() } else { [0.0; 2] };
                     self.lights[n].rays += 1;
@@ -181,6 +181,7 @@ impl<'a> PointLight<'a> {
     }
 
     /// The cosine and the highlight of a ray to a light.
+    #[inline(always)]
     fn seen(&self, point: &SurfacePoint, ray: Option<&CertifiedRay>) -> [f64; 2] {
         let cosine = ray.map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
         let highlight =
@@ -349,6 +350,7 @@ impl<'a> PointLight<'a> {
     }
 
     /// Counts a ray of the sky among all; its weight, and its direction on the side of the normal.
+    #[inline(always)]
     fn weigh(&mut self, surface: &Surface, direction: [f64; 3]) -> (f64, [f64; 3]) {
         let cosine = surface.normal.dot(direction.into());
         let (weight, outward) = (cosine.abs(), if cosine < 0.0 { direction.map(|x| -x) } else { direction });
