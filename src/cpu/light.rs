@@ -19,6 +19,7 @@ pub(crate) use lighting::{LitScene, Wanted};
 use point::PointLight;
 use rayon::prelude::*;
 use std::cell::OnceCell;
+use surface::Surface;
 
 impl LitScene<'_> {
     /// Fills `lit` for the pixels that show these spheres. `go_on` is called before every part of a row with its number
@@ -64,7 +65,14 @@ impl Task<'_, '_, '_> {
             let write = |rgb: DVec3, out: &mut [f32]| out[3 * n..3 * n + 3].copy_from_slice(&rgb.as_vec3().to_array());
             let record = &lighting.view.record;
             let [row, column] = record.place(pixel);
-            let (surface, along, sharp) = lighting.surface(&rays, pixel, id);
+            let position = record.sample_position(row, column);
+            let point = OnceCell::new();
+            let at_hit = || point.get_or_init(|| lighting.point(position, id));
+            let (surface, along, sharp) = match color && lighting.bounces > 0 {
+                // Rays that go on need the point anyway.
+                true => (Surface::from(at_hit()), lighting.direction(position), true),
+                false => lighting.surface(&rays, pixel, id),
+            };
             let open = lighting.open.map(|open| open.around(row, column, id));
             at_point.see(&surface, along, open.unwrap_or(DVec3::ONE));
             if rayless {
@@ -74,10 +82,7 @@ impl Task<'_, '_, '_> {
                 }
             }
             let at = PixelSample { row, column, sample: record.sample, seed: lighting.seed };
-            let position = record.sample_position(row, column);
             let traced = lighting.traced.and_then(|traced| traced.of(pixel));
-            let point = OnceCell::new();
-            let at_hit = || point.get_or_init(|| lighting.point(position, id));
             match traced.filter(|traced| traced.lights > 0) {
                 Some(traced) => at_point.tell_lights(at_hit, |n| traced.is_open(traced.rays + n)),
                 None if lighting.asks_lights() => at_point.ask_lights(at_hit(), at),
@@ -94,9 +99,6 @@ impl Task<'_, '_, '_> {
                         None => at_point.ask_sky(at_hit(), &surface, at),
                     }
                 }
-            }
-            if color && lighting.bounces > 0 {
-                at_hit();
             }
             let settled = point.get().is_some_and(|point| at_point.settle(point, position));
             if shadow {

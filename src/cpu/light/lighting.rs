@@ -105,6 +105,11 @@ impl LitScene<'_> {
         Vec3::from_array(color).as_dvec3()
     }
 
+    /// The unit direction of a viewing ray.
+    pub(super) fn direction(&self, [i, j]: [u32; 2]) -> DVec3 {
+        self.view.to_world(self.view.direction(i, j)).normalize()
+    }
+
     /// Whether rays to lights are needed: for shadows, and for lights that are not infinitely far.
     pub(super) fn asks_lights(&self) -> bool {
         let Scene { lighting, .. } = self.scene;
