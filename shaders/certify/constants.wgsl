@@ -28,7 +28,7 @@ const ROOT: f32 = 6.2;
 const CENTER: f32 = 3.5;
 const TURN: f32 = 4.0;
 // A normal from the hit: its parts, the unit vector, its rotation into the world; and a point from there: section 13.
-const SURFACE: f32 = 36.0;
+const SURFACE: f32 = 40.0;
 // The way from the eye to the hit, of its length.
 const WAY: f32 = 18.0;
 // p.d of a general sphere: the start value, and the steps from there.

@@ -81,6 +81,8 @@ fn start_of(pixel: u32, at: vec2<u32>) -> Start {
         offset = sky.eye_rest + sky.unit * way.xyz;
         blur = way.w * sky.unit;
     }
+    // No compiler may take the sum apart: others rely on its rounding.
+    offset = bitcast<vec3<f32>>(bitcast<vec3<u32>>(offset) ^ vec3<u32>(view.zero));
     blur = (max(blur, BLURRED * s.radius) + PLACES) * INFLATE;
     return Start(at, surface.xyz, surface.w, steps, offset, blur, vec3<f32>(steps) * GIVEN_STEP + offset);
 }

@@ -4,7 +4,7 @@
 
 fn keep_start(pixel: u32, s: Slopes) {
     let depth = projection.depth + 0.5 * (answer.low + answer.high);
-    let doubt = 0.5 * (answer.high - answer.low) + UNIT * WAY * depth;
+    let doubt = 0.5 * answer.depth_interval + UNIT * WAY * depth;
     starts[2u * pixel] = vec4<f32>(to_world(answer.normal), answer.turn);
     starts[2u * pixel + 1u] = vec4<f32>(depth * to_world(vec3<f32>(s.x, s.y, -1.0)), sqrt(s.a) * doubt * INFLATE);
 }

@@ -59,7 +59,7 @@ constants! {
     const TURN = 4.0;
     /// A normal from which rays leave: its parts, the unit vector, its rotation into the world; and a point from there.
     #[cfg(test)]
-    const SURFACE = 36.0;
+    const SURFACE = 40.0;
     /// The way from the eye to a point from which rays leave, of its length.
     #[cfg(test)]
     const WAY = 18.0;

@@ -23,7 +23,7 @@ use crate::search::tile_candidates::CandidateList;
 use crate::tile::TILE;
 use crate::view::ray::UNSURE;
 use crate::view::{View, ViewRecord};
-use held::{Held, PlacedFor, Reach};
+use held::{Held, PlacedFor, Reach, Starts};
 
 /// The scene and the view of a frame.
 #[derive(Clone, Copy)]
@@ -87,6 +87,7 @@ impl Gpu {
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Rendered> {
         let ResidentFrame { scene, view, placer, pool } = frame;
+        self.forget_hits();
         let mut binned = match output.timings.time("place", || self.place(frame))? {
             Ok(binned) => binned,
             Err(reason) => return Ok(Rendered::Left(reason)),
@@ -100,7 +101,6 @@ impl Gpu {
         let asked_for_starts = kernel.starts;
         let starts = asked_for_starts && bound < most as usize;
         let kernel = Kernel { sharing: Sharing::None, generals, starts, ..*kernel };
-        self.resident.starts = None;
         if bound > most as usize {
             return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
         }
@@ -144,7 +144,7 @@ impl Gpu {
         if asked_for_starts {
             self.resident.starts = Some(match rows >= record.rows + record.first_row % TILE {
                 _ if !starts => Err("the adapter binds too few buffers to keep the hits"),
-                true => Ok(record),
+                true => Ok(Starts { record, unit: view.unit }),
                 false => Err("the adapter holds the hits of a part of the image only"),
             });
         }

@@ -3,6 +3,7 @@
 use super::budget::Need;
 use super::lens;
 use super::light::Pixels;
+use super::light_state::LightOnDevice;
 use super::missed::missed;
 use super::place::Executor;
 use super::plan::Plan;
@@ -139,6 +140,8 @@ impl Renderer {
         self.kernel_ms();
         self.traffic();
         self.frames += 1;
+        // Of a frame that was interrupted.
+        (self.left_to_host, self.light_on_device) = (None, LightOnDevice::default());
         let mut setup = self.setup(plan, scene, settings, Raster::centres(window), &mut timings)?;
         staging.end()?;
         let pixels = setup.view.record.pixels();
@@ -271,6 +274,9 @@ impl Renderer {
         timings: &mut Timings,
     ) -> Result<Vec<Settled>> {
         let watch = self.watch.clone();
+        if let Executor::Gpu(gpu) = &mut self.place {
+            gpu.forget_hits();
+        }
         let is_resident = self.trace_resident(setup, scene, raw, timings)?;
         let setup = &*setup;
         let (view, binned) = (&setup.view, setup.certified());

@@ -95,14 +95,13 @@ impl Renderer {
         let directions: Vec<DirectionRecord> = turned.chain(all).collect();
         let asked = SkyRays {
             tree,
-            record: &view.record,
+            view,
             directions: &directions,
             rays: count.rays as u32,
             lights: count.lights as u32,
             seed: settings.seed,
             chessboard,
             limit: limits(tree, reach),
-            eye: tree.eye(view),
         };
         let pixels = view.record.pixels() as u64;
         let doing = self.watch.begin(Step::Light, pixels);

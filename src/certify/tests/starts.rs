@@ -75,7 +75,7 @@ impl<R: Value> Start<R> {
         let less = c((SURFACE - terms.surface) * UNIT);
         let turn = (a.turn - less) * c(terms.turn);
         let depth = c(depth) + R::HALF * (a.low + a.high);
-        let doubt = R::HALF * (a.high - a.low) + c(UNIT * terms.way) * depth;
+        let doubt = R::HALF * a.depth_interval + c(UNIT * terms.way) * depth;
         let along = to_world(view, [s.x, s.y, -R::ONE]);
         let way = along.map(|x| depth * x);
         let spread = s.a.sqrt() * doubt * c(INFLATE) * c(terms.doubt);
@@ -225,7 +225,7 @@ fn false_claims(terms: &Terms, family: usize, scenes: u64) -> [u32; 2] {
             let certain = case.with::<f32, _>(&case.binned, &TERMS, |twin| check(&case, twin, judged, Checks::ALL));
             let [i, j] = judged.at;
             let Some(hit) = judge.pixel(i, j).filter(|_| certain == Ok(true)) else { continue };
-            let staged = Staged { spheres: &placed, place: place(hit.id), eye: tree.eye(&case.view) };
+            let staged = Staged { spheres: &placed, place: place(hit.id), eye: tree.eye(&case.view, case.view.unit) };
             let shots = shots(random, &case, (&judge, &tree), judged.at, &hit, &place);
             for mode in Mode::BLIND {
                 let of = under(mode, n, || claims::<Wild>(&case, terms, judged.at, &staged, &shots));

@@ -26,8 +26,8 @@ pub(super) struct Steps(pub(super) HashMap<Step, (wgpu::ComputePipeline, Vec<Bin
 pub(crate) struct Resident {
     pub(super) held: Option<Held>,
     pub(super) steps: Steps,
-    /// The view of the frame whose hits lie on the device, for rays from there, or why they do not.
-    pub(super) starts: Option<Result<ViewRecord, &'static str>>,
+    /// The frame whose hits lie on the device, for rays from there, or why they do not.
+    pub(super) starts: Option<Result<Starts, &'static str>>,
     /// Spheres of a block.
     pub(super) block: usize,
     /// Blocks leave their minima in the reverse order.
@@ -43,6 +43,14 @@ impl Resident {
         }
         self.starts = None;
     }
+}
+
+/// The hits of a frame on the device.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Starts {
+    pub(super) record: ViewRecord,
+    /// The exponent of the unit in which the ways from the eye are. Another view of the same pixels may have another.
+    pub(super) unit: i32,
 }
 
 /// Spheres of a block: 64 MiB, and 80 MiB of records.

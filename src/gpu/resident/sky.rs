@@ -11,20 +11,22 @@ use crate::gpu::input::GROUP;
 use crate::gpu::layout::is_texture;
 use crate::gpu::texture::texture;
 use crate::search::tree::Tree;
-use crate::search::tree::device::OnGrid;
 use crate::search::tree::device_rays::DirectionRecord;
-use crate::view::ViewRecord;
+use crate::view::{View, ViewRecord};
 use bytemuck::{Pod, Zeroable};
 
 /// Rays that one submission traces: some milliseconds on hardware.
 const TOGETHER: u64 = 1 << 22;
+/// The most rays of a pixel, which one invocation traces one after the other.
+const MOST: u32 = 1 << 12;
 
 /// What is traced from the hits of the frame that was rendered last.
 #[derive(Clone, Copy)]
 pub(crate) struct SkyRays<'a> {
     /// Over the spheres that the device holds.
     pub(crate) tree: &'a Tree,
-    pub(crate) record: &'a ViewRecord,
+    /// Of the frame's pixels, in any unit.
+    pub(crate) view: &'a View,
     /// Of every turn, and then of the lights.
     pub(crate) directions: &'a [DirectionRecord],
     /// Rays of a pixel toward the sky and toward lights.
@@ -35,9 +37,6 @@ pub(crate) struct SkyRays<'a> {
     pub(crate) chessboard: bool,
     /// Limits of the rays toward the sky between which the exact one lies, in the tree's unit for these directions.
     pub(crate) limit: [f32; 2],
-    /// The frame's unit in that of the tree, and the eye on its grid of places; `None` where rays have no common eye, or it is
-    /// far away.
-    pub(crate) eye: Option<(f32, OnGrid)>,
 }
 
 /// Declared in shaders/main/sky.wgsl.
@@ -80,6 +79,11 @@ fn window(record: &ViewRecord) -> [u32; 6] {
 }
 
 impl Gpu {
+    /// The hits of the last frame are those of no frame that follows.
+    pub(crate) fn forget_hits(&mut self) {
+        self.resident.starts = None;
+    }
+
     /// Traces rays from the hits of the last frame: for each pixel [`SkyRays::words`] words, a bit for each ray whose end
     /// nothing hides, and behind them one if the host has to trace the pixel's rays. `go_on` is called with the number of
     /// completed pixels. `None` if the last frame was not this one, or left no hits; the error inside is why the device
@@ -92,13 +96,16 @@ impl Gpu {
         asked: &SkyRays<'_>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Option<std::result::Result<Vec<u32>, String>>> {
-        match &self.resident.starts {
-            Some(Ok(of)) if window(of) == window(asked.record) => {}
-            Some(Err(reason)) => return Ok(Some(Err((*reason).to_owned()))),
+        let starts = match self.resident.starts {
+            Some(Ok(starts)) if window(&starts.record) == window(&asked.view.record) => starts,
+            Some(Err(reason)) => return Ok(Some(Err(reason.to_owned()))),
             _ => return Ok(None),
+        };
+        if asked.each() > MOST {
+            return Ok(Some(Err(format!("{} rays from each pixel, more than {MOST}", asked.each()))));
         }
         let Some(mut held) = self.resident.held.take() else { return Ok(None) };
-        let done = self.guarded(|gpu| gpu.trace_sky_of(&mut held, asked, go_on));
+        let done = self.guarded(|gpu| gpu.trace_sky_of(&mut held, (asked, starts.unit), go_on));
         self.resident.held = Some(held);
         match done {
             Err(Error::Limits { problem, .. }) => Ok(Some(Err(problem))),
@@ -106,21 +113,26 @@ impl Gpu {
         }
     }
 
-    fn trace_sky_of(&mut self, held: &mut Held, asked: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<Vec<u32>> {
+    fn trace_sky_of(
+        &mut self,
+        held: &mut Held,
+        (asked, unit): (&SkyRays<'_>, i32),
+        go_on: &dyn Fn(u64) -> bool,
+    ) -> Result<Vec<u32>> {
         if held.tree.is_none() {
             held.tree = Some(self.hold_tree(asked.tree)?);
         }
         self.step(Step::Sky)?;
-        let pixels = asked.record.pixels() as u64;
+        let pixels = asked.view.record.pixels() as u64;
         let bytes = 4 * pixels * asked.words() as u64;
         self.check_size("rays to the sky", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         self.reserve("open", bytes, storage);
         self.reserve("read open", bytes, READING);
         self.refill("directions", bytemuck::cast_slice(asked.directions))?;
-        let record = ViewRecord { spheres: asked.tree.ids.len() as u32, ..*asked.record };
+        let record = ViewRecord { spheres: asked.tree.ids.len() as u32, ..asked.view.record };
         self.refill("view", bytemuck::bytes_of(&record))?;
-        let (unit, (eye, eye_rest)) = asked.eye.unwrap_or((0.0, ([0; 3], [0.0; 3])));
+        let (unit, (eye, eye_rest)) = asked.tree.eye(asked.view, unit).unwrap_or((0.0, ([0; 3], [0.0; 3])));
         let turned = asked.directions.len() as u32 - asked.lights;
         let together = (TOGETHER / u64::from(asked.each())).max(1);
         for first in (0..pixels).step_by(together as usize) {

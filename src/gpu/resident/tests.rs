@@ -120,14 +120,13 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         let directions: Vec<_> = sky.turned().iter().map(DirectionRecord::of_unit).collect();
         let asked = SkyRays {
             tree: &tree,
-            record: &view.record,
+            view: &view,
             directions: &directions,
             rays,
             lights: 0,
             seed: 1,
             chessboard: false,
             limit: [f32::MAX; 2],
-            eye: tree.eye(&view),
         };
         let submissions = std::cell::Cell::new(0);
         let count = |_: u64| {
@@ -139,8 +138,17 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         let open: u32 = words.iter().map(|word| word.count_ones()).sum();
         println!("blocks of {block}: {open} rays of {} pixels are open", raw.id.len());
         // The rays of another window are not those of this frame.
-        let other = ViewRecord { rows: 1, ..view.record };
-        assert!(gpu.trace_sky(&SkyRays { record: &other, ..asked }, &count).expect("a device").is_none());
+        let mut other = View::in_unit(&scene, raster, view.unit).expect("a view");
+        other.record.rows = 1;
+        assert!(gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device").is_none());
+        // Another view of the same pixels in another unit changes nothing.
+        let other = View::in_unit(&scene, raster, view.unit + 3).expect("a view");
+        let again = gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device").expect("a frame");
+        assert!(again.expect("no reason") == words);
+        let most = gpu.trace_sky(&SkyRays { rays: 5000, ..asked }, &count).expect("a device").expect("a frame");
+        assert!(most.is_err_and(|reason| reason.contains("5000 rays")));
+        gpu.forget_hits();
+        assert!(gpu.trace_sky(&asked, &count).expect("a device").is_none());
         found.push(words);
     }
     assert!(found[0].iter().any(|word| *word != 0) && found[1..].iter().all(|words| *words == found[0]));

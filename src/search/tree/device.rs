@@ -102,10 +102,10 @@ pub(crate) fn first(level: usize) -> usize {
 }
 
 impl Tree {
-    /// A frame's unit in that of the tree, and the frame's eye on the grid of places; `None` where rays have no common eye, or
-    /// it is far away.
-    pub(crate) fn eye(&self, view: &View) -> Option<(f32, OnGrid)> {
-        let unit = dd::ldexp(1.0, view.unit - self.placement.k);
+    /// A unit, of this exponent, in that of the tree, and the eye of a view on the grid of places; `None` where rays have no
+    /// common eye, or it is far away.
+    pub(crate) fn eye(&self, view: &View, unit: i32) -> Option<(f32, OnGrid)> {
+        let unit = dd::ldexp(1.0, unit - self.placement.k);
         let is_normal = (f32::MIN_POSITIVE.into()..=f32::MAX.into()).contains(&unit);
         let at = self.placement.point(view.basis.e.to_array());
         let is_near = at.iter().all(|x| x.abs() <= NEAR);
