@@ -8,7 +8,6 @@ use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
 use crate::gpu::dispatch::READING;
 use crate::gpu::input::GROUP;
-use crate::gpu::layout::is_texture;
 use crate::gpu::texture::texture;
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
@@ -172,12 +171,10 @@ impl Gpu {
     /// One dispatch; the first clears so many bytes of the answers before.
     fn submit_sky(&mut self, held: &Held, groups: (u32, u32), clear: Option<u64>) -> Result<()> {
         let (pipeline, bindings) = &self.resident.steps.0[&Step::Sky];
-        let kernel = crate::kernel::Kernel::bare(crate::intersect::Method::Stable);
         let bound = |name: &'static str| match (&held.tree, name) {
             (Some(tree), "nodes") => wgpu::BindingResource::TextureView(&tree.nodes),
             (Some(tree), "placed") => wgpu::BindingResource::TextureView(&tree.placed),
             (Some(tree), "places") => tree.places.as_entire_binding(),
-            _ if is_texture(name) => self.bound(name, &kernel, 1),
             _ => self.buffers[name].as_entire_binding(),
         };
         let entries: Vec<_> =
