@@ -1,6 +1,6 @@
 // Rays from the hits of a frame toward the sky and toward lights without a size: docs/certificate.md, section 13.
-// Each leaves a bit if nothing hides what it goes to. Where f32 leaves one ray of a pixel
-// unsure, one more bit leaves all of them to the host.
+// Each leaves a bit if nothing hides what it goes to. Where f32 leaves one ray of a pixel unsure, one more bit leaves all of
+// them to the host.
 
 struct Sky {
     first: u32,        // pixel of the band, and one past the last
@@ -31,7 +31,7 @@ struct Sky {
 @group(0) @binding(BIND_DIRECTIONS) var<storage, read> directions: array<vec4<u32>>;
 @group(0) @binding(BIND_OPEN) var<storage, read_write> open: array<u32>;
 
-var<private> local_index: u32; // of this ray in its workgroup
+var<private> local_index: u32; // of this pixel in its workgroup
 var<private> own: u32;         // place of the sphere of the hit, which is decided by the side of its surface
 
 // The padding of boxes for a start that was computed in f32, beside its blur: docs/tree.md.

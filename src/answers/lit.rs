@@ -44,9 +44,14 @@ pub(crate) struct Traced<'a> {
 }
 
 impl<'a> Traced<'a> {
+    /// Words of a pixel with so many rays.
+    pub(crate) fn words_of(rays: usize) -> usize {
+        rays / 32 + 1
+    }
+
     /// The part of one pixel, if the device knows all its rays.
     pub(crate) fn of(&self, pixel: u32) -> Option<Self> {
-        let count = (self.rays + self.lights) / 32 + 1;
+        let count = Self::words_of(self.rays + self.lights);
         let words = &self.words[pixel as usize * count..][..count];
         Some(Self { words, ..*self }).filter(|own| !own.is_open(self.rays + self.lights))
     }

@@ -71,7 +71,7 @@ impl Task<'_, '_, '_> {
             let (surface, along, sharp) = match color && lighting.bounces > 0 {
                 // Rays that go on need the point anyway.
                 true => (Surface::from(at_hit()), lighting.direction(position), true),
-                false => lighting.surface(&rays, pixel, id),
+                false => lighting.surface(&rays, (pixel, id), at_hit),
             };
             let open = lighting.open.map(|open| open.around(row, column, id));
             at_point.see(&surface, along, open.unwrap_or(DVec3::ONE));

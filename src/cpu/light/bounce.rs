@@ -4,6 +4,7 @@ use super::super::foremost::Foremost;
 use super::super::given_certified::NearestSearch;
 use super::lighting::LitScene;
 use super::point::PointLight;
+use super::surface::Surface;
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::SurfacePoint;
 use crate::scene::Material;
@@ -74,11 +75,12 @@ impl Bounces {
             };
             proved &= sharp || lighting.judge.is_none();
             if hit.outside || !lighting.material(hit.id).is_clear() {
-                at_point.see(&(&hit).into(), ray.along, DVec3::ONE);
+                let surface = Surface::from(&hit);
+                at_point.see(&surface, ray.along, DVec3::ONE);
                 at_point.ask_lights(&hit, at);
-                at_point.ask_sky(&hit, &(&hit).into(), at);
+                at_point.ask_sky(&hit, &surface, at);
                 proved &= !at_point.give_up();
-                sum += ray.weight * at_point.color(&(&hit).into(), ray.along);
+                sum += ray.weight * at_point.color(&surface, ray.along);
             }
             if ray.depth < lighting.bounces {
                 self.push(lighting, &Onward { proved: known && sharp, ..ray }, &hit, at);

@@ -85,15 +85,18 @@ impl LitScene<'_> {
     }
 
     /// What the viewing ray of a pixel shows of a sphere, the direction of the ray, of length 1, and whether the normal is known
-    /// to 2^-29.
-    pub(super) fn surface(&self, rays: &PictureRays<'_>, pixel: u32, id: u32) -> (Surface, DVec3, bool) {
+    /// to 2^-29. `point` gives the hit where f64 alone does not know its normal.
+    pub(super) fn surface<'p>(
+        &self,
+        rays: &PictureRays<'_>,
+        (pixel, id): (u32, u32),
+        point: impl FnOnce() -> &'p SurfacePoint,
+    ) -> (Surface, DVec3, bool) {
         let hit = rays.hit(pixel, self.scene.spheres.centers[id as usize], self.scene.spheres.radii[id as usize]);
         if hit.near {
             return (Surface { id, outside: hit.outside, normal: hit.normal }, hit.along, hit.sharp);
         }
-        let [row, column] = self.view.record.place(pixel);
-        let point = self.point(self.view.record.sample_position(row, column), id);
-        (Surface::from(&point), hit.along, true)
+        (Surface::from(point()), hit.along, true)
     }
 
     pub(super) fn material(&self, id: u32) -> Material {

@@ -3,6 +3,7 @@
 
 use super::held::{Held, HeldTree};
 use super::steps::spread;
+use crate::answers::lit::Traced;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
@@ -65,11 +66,6 @@ impl SkyRays<'_> {
     fn each(&self) -> u32 {
         self.rays + self.lights
     }
-
-    /// Words of a pixel: a bit for each ray that is open, and one where the device does not know.
-    pub(crate) fn words(&self) -> usize {
-        self.each() as usize / 32 + 1
-    }
 }
 
 /// The window and the sample of a view.
@@ -83,7 +79,7 @@ impl Gpu {
         self.resident.starts = None;
     }
 
-    /// Traces rays from the hits of the last frame: for each pixel [`SkyRays::words`] words, a bit for each ray whose end
+    /// Traces rays from the hits of the last frame: for each pixel the words of [`Traced`], a bit for each ray whose end
     /// nothing hides, and behind them one if the host has to trace the pixel's rays. `go_on` is called with the number of
     /// completed pixels. `None` if the last frame was not this one, or left no hits; the error inside is why the device
     /// cannot trace.
@@ -123,7 +119,7 @@ impl Gpu {
         }
         self.step(Step::Sky)?;
         let pixels = asked.view.record.pixels() as u64;
-        let bytes = 4 * pixels * asked.words() as u64;
+        let bytes = 4 * pixels * Traced::words_of(asked.each() as usize) as u64;
         self.check_size("rays to the sky", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         self.reserve("open", bytes, storage);
@@ -133,6 +129,9 @@ impl Gpu {
         self.refill("view", bytemuck::bytes_of(&record))?;
         let (unit, (eye, eye_rest)) = asked.tree.eye(asked.view, unit).unwrap_or((0.0, ([0; 3], [0.0; 3])));
         let turned = asked.directions.len() as u32 - asked.lights;
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));
+        self.open.queue.submit([encoder.finish()]);
         let together = (TOGETHER / u64::from(asked.each())).max(1);
         for first in (0..pixels).step_by(together as usize) {
             if !go_on(first) {
@@ -160,7 +159,7 @@ impl Gpu {
                 unused_rest: 0.0,
             };
             self.refill("sky", bytemuck::bytes_of(&part))?;
-            self.submit_sky(held, groups, (first == 0).then_some(bytes))?;
+            self.submit_sky(held, groups)?;
         }
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.buffers["open"], 0, &self.buffers["read open"], 0, bytes);
@@ -168,8 +167,8 @@ impl Gpu {
         self.read("read open", bytes)
     }
 
-    /// One dispatch; the first clears so many bytes of the answers before.
-    fn submit_sky(&mut self, held: &Held, groups: (u32, u32), clear: Option<u64>) -> Result<()> {
+    /// One dispatch.
+    fn submit_sky(&mut self, held: &Held, groups: (u32, u32)) -> Result<()> {
         let (pipeline, bindings) = &self.resident.steps.0[&Step::Sky];
         let bound = |name: &'static str| match (&held.tree, name) {
             (Some(tree), "nodes") => wgpu::BindingResource::TextureView(&tree.nodes),
@@ -179,18 +178,7 @@ impl Gpu {
         };
         let entries: Vec<_> =
             bindings.iter().map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: bound(b.name) }).collect();
-        let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        if let Some(bytes) = clear {
-            encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));
-        }
-        {
-            let layout = pipeline.get_bind_group_layout(0);
-            let group = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &self.open.device.create_bind_group(&group), &[]);
-            pass.dispatch_workgroups(groups.0, groups.1, 1);
-        }
+        let encoder = self.record(pipeline, &entries, groups, None);
         self.finish(encoder)
     }
 
