@@ -59,11 +59,11 @@ impl<R: Number> Certify<'_, R> {
     /// The ray of row `i`, column `j` of the view's frame.
     #[inline(always)]
     pub(crate) fn slopes(&self, i: u32, j: u32) -> Slopes<R> {
-        let odd = |n: i64| R::from_f32(n as f32);
-        let x = odd(2 * i64::from(j) + 1 - i64::from(self.view.width)) * R::from_f32(self.projection.slope_x);
-        let y = odd(i64::from(self.view.height) - 1 - 2 * i64::from(i)) * R::from_f32(self.projection.slope_y);
-        let a = R::ONE + x * x + y * y;
         let (row, column) = (i as i32, j as i32);
+        // A frame has at most 2^20 rows and columns.
+        let x = R::from_i32(2 * column + 1 - self.view.width as i32) * R::from_f32(self.projection.slope_x);
+        let y = R::from_i32(self.view.height as i32 - 1 - 2 * row) * R::from_f32(self.projection.slope_y);
+        let a = R::ONE + x * x + y * y;
         let shift = self.projection.shift;
         let (fixed_row, fixed_column) = (row << shift, column << shift);
         Slopes { x, y, a, inverse: R::ONE / a, row, column, fixed_row, fixed_column }

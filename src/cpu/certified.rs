@@ -1,19 +1,22 @@
-//! The certified frame on the CPU path. Eight pixels of a row are computed together, in loops that the compiler can
+//! The certified frame on the CPU path. The pixels of one row of a tile, or of two, are computed together, in loops that the compiler can
 //! vectorize for the widest vectors of the processor. Vector and scalar operations round alike, so the bits equal the
 //! device's.
 
 mod pixels;
 mod strip;
+mod triples;
 
-use crate::answers::raw::{Piece, Raw};
+use crate::answers::raw::Raw;
 use crate::certify::binned::BinnedScene;
 use crate::kernel::Kernel;
+use crate::number::vector::{LANES, WIDE};
 use crate::tile::TILE;
 use crate::view::View;
-use pixels::{Pixels, StripFrame};
+use pixels::{Band, Pixels, StripFrame};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use strip::{NearestTwos, Strip};
+use triples::{Portable, Triples};
 
 /// Fills `raw` with certified answers; pixels without a proof get [`UNSURE`] as id. `go_on` is called before every row.
 pub(crate) fn certified(
@@ -24,7 +27,7 @@ pub(crate) fn certified(
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    each_row(&StripFrame::new(kernel, view, binned, colors, None), raw, go_on);
+    each_strip(&StripFrame::new(kernel, view, binned, colors, None), raw, go_on);
 }
 
 /// The same where a device has searched: `found` holds the winners and the two smallest bounds of depth.
@@ -36,54 +39,66 @@ pub(crate) fn finish(
     found: &Raw,
     raw: &mut Raw,
 ) {
-    each_row(&StripFrame::new(kernel, view, binned, colors, Some(found)), raw, &|| true);
+    each_strip(&StripFrame::new(kernel, view, binned, colors, Some(found)), raw, &|| true);
 }
 
-fn each_row(frame: &StripFrame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync)) {
-    match frame.certify.view.is_plain() {
-        true => each_row_by::<false>(frame, raw, go_on),
-        false => each_row_by::<true>(frame, raw, go_on),
+/// Strips are as wide as the processor's vectors.
+fn each_strip(frame: &StripFrame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync)) {
+    match pulp::Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        pulp::Arch::V4(lanes) => each_strip_of::<WIDE>(frame, lanes, raw, go_on),
+        _ => each_strip_of::<LANES>(frame, Portable, raw, go_on),
     }
 }
 
-/// The same for pixel centres or for samples. With samples, the rays of a strip lie in several rows and columns.
-fn each_row_by<const SAMPLED: bool>(frame: &StripFrame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync)) {
+/// The same in strips of `N` lanes, which are whole rows of tiles of the full frame, whichever part of it the window shows.
+/// Pixels beyond the window are computed but not written.
+fn each_strip_of<const N: usize>(
+    frame: &StripFrame<'_>,
+    triples: impl Triples,
+    raw: &mut Raw,
+    go_on: &(dyn Fn() -> bool + Sync),
+) {
     let record = frame.certify.view;
-    let width = record.columns as usize;
-    let rows: Vec<_> = raw.cut(width, width).collect();
+    let (tall, width) = (N as u32 / TILE, record.columns as usize);
+    let columns = record.first_column..record.first_column + record.columns;
+    let end = record.first_row + record.rows;
+    let first = record.first_row / tall;
+    let foremost = (first + 1) * tall - record.first_row;
+    let pieces: Vec<_> = raw.cut(foremost as usize * width, tall as usize * width).collect();
     let arch = pulp::Arch::new();
-    let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
-    let answer =
-        |(i, row): (usize, Piece<'_>)| arch.dispatch(Row::<SAMPLED> { frame, i: record.first_row + i as u32, row });
-    rows.for_each(answer);
+    pieces.into_par_iter().zip(first..end.div_ceil(tall)).for_each(|(piece, n)| {
+        let rows = record.first_row.max(n * tall)..end.min((n + 1) * tall);
+        if rows.clone().all(|_| go_on()) {
+            let band = Band { columns: columns.clone(), rows, piece };
+            arch.dispatch(Strips::<N, _> { frame, triples, i: n * tall, band });
+        }
+    });
 }
 
-/// A row of pixels: its number in the full frame, and where its answers go.
-struct Row<'a, 'b, const SAMPLED: bool> {
+/// The strips whose first row is `i`, and where their answers go.
+struct Strips<'a, 'b, const N: usize, T> {
     frame: &'a StripFrame<'a>,
+    triples: T,
     i: u32,
-    row: Piece<'b>,
+    band: Band<'b>,
 }
 
-impl<const SAMPLED: bool> NullaryFnOnce for Row<'_, '_, SAMPLED> {
+impl<const N: usize, T: Triples> NullaryFnOnce for Strips<'_, '_, N, T> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { frame, i, mut row } = self;
-        let record = frame.certify.view;
-        let columns = record.first_column..record.first_column + record.columns;
-        // A strip is a row of a tile of the full frame, whichever part of it the window shows. Pixels beyond the window are
-        // computed but not written.
-        let [[left, right], _] = record.tiles();
+        let Self { frame, triples, i, mut band } = self;
+        let [[left, right], _] = frame.certify.view.tiles();
         for tile in left..=right {
             let place = [i, tile * TILE];
-            let strip = Strip::<SAMPLED>::new(&frame.certify, place);
+            let strip = Strip::<N>::new(&frame.certify, place);
             let two = match frame.found {
-                Some(found) => NearestTwos::found(found, &frame.certify, place),
+                Some(found) => NearestTwos::found(found, frame.certify.view, place),
                 None => strip.nearest_two(&frame.certify, place),
             };
-            Pixels::new(frame, &strip, &two).write(&mut row, &columns, place[1]);
+            Pixels::new(frame, &strip, &two).write(&mut band, place, &triples);
         }
     }
 }
@@ -92,41 +107,44 @@ impl<const SAMPLED: bool> NullaryFnOnce for Row<'_, '_, SAMPLED> {
 mod tests {
     use super::*;
     use crate::certify::{Answer, Certify, TERMS};
-    use crate::number::vector::LANES;
+    use crate::memory::Pool;
     use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::raster::Raster;
     use crate::view::ray::NONE;
     use crate::window::Window;
 
-    /// The adversary checks single rays. This test extends its results to strips: both give the same bits.
+    /// The adversary checks single rays. This test extends its results to strips of every width: all give the same bits.
     #[test]
     fn a_strip_answers_as_single_rays() {
         let scene = crate::testing::weekend([136, 77]);
         let window = Window::full(136, 77);
-        same_as_single::<false>(&scene, Raster::centres(window));
         let settings = Settings { samples: 9, seed: 3, ..Settings::default() };
         let samples =
             Raster::samples(window, settings.samples, settings.seed, &scene.image).expect("room").expect("samples");
-        same_as_single::<true>(&scene, samples);
+        for raster in [Raster::centres(window), samples] {
+            same_as_single::<LANES>(&scene, raster);
+            same_as_single::<WIDE>(&scene, raster);
+        }
     }
 
-    fn same_as_single<const SAMPLED: bool>(scene: &Scene, raster: Raster) {
+    fn same_as_single<const N: usize>(scene: &Scene, raster: Raster) {
         let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
         let mut view = View::for_rays(scene, raster, kernel.records()).expect("a view");
         view.record.sample = raster.count() / 2;
         for level in [0, crate::tile::WHOLE] {
-            let binned = BinnedScene::new(scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())
+            let binned = BinnedScene::new(scene, &view, 1e-5, &TERMS, level, &Pool::default())
                 .expect("a stage")
                 .expect("a projection");
             let certify = Certify::<f32>::new(&view.record, &binned);
             let mut hits = 0;
-            for (i, first) in (0..77).flat_map(|i| (0..136).step_by(LANES).map(move |first| (i, first))) {
-                let strip = Strip::<SAMPLED>::new(&certify, [i, first]);
+            let rows = (0..77).step_by(N / TILE as usize);
+            for (i, first) in rows.flat_map(|i| (0..136).step_by(TILE as usize).map(move |first| (i, first))) {
+                let strip = Strip::<N>::new(&certify, [i, first]);
                 let two = strip.nearest_two(&certify, [i, first]);
                 let answers = strip.certify_winners(&certify, &two);
-                for l in 0..LANES {
-                    let [row, column] = view.record.sample_position(i, first + l as u32);
+                for l in 0..N {
+                    let [row, column] = view.record.sample_position(i + l as u32 / TILE, first + l as u32 % TILE);
                     let s = certify.slopes(row, column);
                     let k = certify.nearest_two(&s);
                     assert_eq!((k.low, k.second, k.slot), (two.low[l], two.second[l], two.slot[l]));
@@ -140,6 +158,41 @@ mod tests {
                 }
             }
             assert!(hits > 1000, "the scene shows something");
+        }
+    }
+
+    /// What is written of windows whose edges lie anywhere in strips, by every width and from every processor's shuffles.
+    #[test]
+    fn strips_of_every_width_write_the_same_bits() {
+        let scene = crate::testing::weekend([136, 77]);
+        let kernel = Kernel {
+            certify: true,
+            t: true,
+            normal: true,
+            depth_interval: true,
+            shade: Some(crate::Shade::Headlight),
+            ..Kernel::bare(crate::Method::Stable)
+        };
+        let windows = [
+            Window::full(136, 77),
+            Window { x0: 13, y0: 33, x1: 121, y1: 62 },
+            Window { x0: 70, y0: 40, x1: 75, y1: 41 },
+        ];
+        for window in windows {
+            let view = View::for_rays(&scene, Raster::centres(window), kernel.records()).expect("a view");
+            let pool = Pool::default();
+            let binned =
+                BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a projection");
+            let frame = StripFrame::new(&kernel, &view, &binned, None, None);
+            let raw = |render: &dyn Fn(&mut Raw)| {
+                let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
+                render(&mut raw);
+                raw
+            };
+            let narrow = raw(&|raw| each_strip_of::<LANES>(&frame, Portable, raw, &|| true));
+            assert!(narrow.id.iter().any(|id| *id < 500), "the window shows something");
+            assert!(narrow == raw(&|raw| each_strip_of::<WIDE>(&frame, Portable, raw, &|| true)));
+            assert!(narrow == raw(&|raw| each_strip(&frame, raw, &|| true)), "with the processor's vectors");
         }
     }
 }

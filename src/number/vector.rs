@@ -11,6 +11,9 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 /// Numbers in a vector.
 pub const LANES: usize = 8;
 
+/// Numbers in a vector of f32 where the processor has vectors of 512 bits.
+pub const WIDE: usize = 2 * LANES;
+
 /// Eight numbers, or their bits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vector<T>(pub [T; LANES]);

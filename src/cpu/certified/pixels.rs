@@ -3,11 +3,13 @@
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
 use super::strip::{NearestTwos, Strip, StripAnswers};
+use super::triples::Triples;
 use crate::answers::raw::{Piece, Raw};
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::kernel::Kernel;
-use crate::number::vector::{Bits, LANES, pick};
+use crate::number::vector::{Bits, pick};
+use crate::scene::DEFAULT_COLOR;
 use crate::shade::{Shade, color_of, to_world};
 use crate::tile::TILE;
 use crate::view::ray::{NONE, UNSURE};
@@ -38,29 +40,24 @@ impl<'a> StripFrame<'a> {
 }
 
 /// What is written of a strip, one array per component; anything where a buffer is not requested.
-pub(super) struct Pixels {
-    id: [u32; LANES],
-    t: [f32; LANES],
-    depth_interval: [f32; LANES],
-    normal: [[f32; LANES]; 3],
-    color: [[f32; LANES]; 3],
+pub(super) struct Pixels<const N: usize> {
+    id: [u32; N],
+    t: [f32; N],
+    depth_interval: [f32; N],
+    normal: [[f32; N]; 3],
+    color: [[f32; N]; 3],
 }
 
-impl Pixels {
-    const NONE: Self = Self {
-        id: [NONE; LANES],
-        t: [f32::MAX; LANES],
-        depth_interval: [0.0; LANES],
-        normal: [[0.0; LANES]; 3],
-        color: [[0.0; LANES]; 3],
-    };
+impl<const N: usize> Pixels<N> {
+    const NONE: Self =
+        Self { id: [NONE; N], t: [f32::MAX; N], depth_interval: [0.0; N], normal: [[0.0; N]; 3], color: [[0.0; N]; 3] };
 
     /// Of a strip whose rays end in `two`.
     #[inline(always)]
-    pub(super) fn new<const SAMPLED: bool>(frame: &StripFrame<'_>, strip: &Strip<SAMPLED>, two: &NearestTwos) -> Self {
+    pub(super) fn new(frame: &StripFrame<'_>, strip: &Strip<N>, two: &NearestTwos<N>) -> Self {
         let [red, green, blue, _] = frame.certify.view.background;
-        let mut pixels = Self { color: [[red; LANES], [green; LANES], [blue; LANES]], ..Self::NONE };
-        if two.slot == NearestTwos::NONE.slot {
+        let mut pixels = Self { color: [[red; N], [green; N], [blue; N]], ..Self::NONE };
+        if two.slot == NearestTwos::<N>::NONE.slot {
             return pixels;
         }
         let answers = strip.certify_winners(&frame.certify, two);
@@ -77,14 +74,14 @@ impl Pixels {
     // The loops below read copies and select by masks: so compilers make one vector of the lanes.
 
     #[inline(always)]
-    fn answer(&mut self, certify: &Certify<'_, f32>, answers: &StripAnswers, two: &NearestTwos) {
+    fn answer(&mut self, certify: &Certify<'_, f32>, answers: &StripAnswers<N>, two: &NearestTwos<N>) {
         let (two, id, numbers) = (*two, answers.id, answers.numbers);
-        for l in 0..LANES {
+        for l in 0..N {
             let proved = (two.slot[l] == NONE) | certify.certain(&answers.get(l), [two.low[l], two.second[l]]);
             let proved = u32::all_if(proved);
             self.id[l] = (id[l] & proved) | (UNSURE & !proved);
         }
-        for l in 0..LANES {
+        for l in 0..N {
             let hit = u32::all_if(two.slot[l] != NONE);
             self.t[l] = pick(hit, numbers[0][l], f32::MAX);
             self.depth_interval[l] = pick(hit, numbers[3][l], 0.0);
@@ -93,10 +90,10 @@ impl Pixels {
 
     /// World normals.
     #[inline(always)]
-    fn turn(&mut self, view: &ViewRecord, answers: &StripAnswers, two: &NearestTwos) {
+    fn turn(&mut self, view: &ViewRecord, answers: &StripAnswers<N>, two: &NearestTwos<N>) {
         let (view, slot, [_, _, _, _, x, y, z]) = (*view, two.slot, answers.numbers);
-        let mut normal = [[0.0; LANES]; 3];
-        for l in 0..LANES {
+        let mut normal = [[0.0; N]; 3];
+        for l in 0..N {
             let [a, b, c] = to_world(&view, [x[l], y[l], z[l]]);
             let hit = u32::all_if(slot[l] != NONE);
             (normal[0][l], normal[1][l], normal[2][l]) = (pick(hit, a, 0.0), pick(hit, b, 0.0), pick(hit, c, 0.0));
@@ -106,29 +103,30 @@ impl Pixels {
 
     /// Colours of the hits; the others keep the background.
     #[inline(always)]
-    fn shade<const SAMPLED: bool>(
+    fn shade(
         &mut self,
         frame: &StripFrame<'_>,
         shade: Shade,
-        strip: &Strip<SAMPLED>,
-        answers: &StripAnswers,
-        two: &NearestTwos,
+        strip: &Strip<N>,
+        answers: &StripAnswers<N>,
+        two: &NearestTwos<N>,
     ) {
-        let mut own = [[0.0; LANES]; 3];
-        for l in 0..LANES {
-            if answers.id[l] != NONE {
-                [own[0][l], own[1][l], own[2][l]] = color_of(frame.colors, answers.id[l]);
+        let mut own = DEFAULT_COLOR.map(|x| [x; N]);
+        if frame.colors.is_some() {
+            for l in 0..N {
+                // That of a miss is not used.
+                let id = if answers.id[l] == NONE { 0 } else { answers.id[l] };
+                [own[0][l], own[1][l], own[2][l]] = color_of(frame.colors, id);
             }
         }
-        let (view, slot, [_, _, _, _, x, y, z]) = (*frame.certify.view, two.slot, answers.numbers);
-        let behind = self.color;
-        let mut color = [[0.0; LANES]; 3];
-        for l in 0..LANES {
-            let s = strip.slopes(0, l);
-            let rgb = shade.of(&view, [s.x, s.y, -1.0], [x[l], y[l], z[l]], [own[0][l], own[1][l], own[2][l]]);
-            (color[0][l], color[1][l], color[2][l]) = (rgb[0], rgb[1], rgb[2]);
-        }
-        for l in 0..LANES {
+        let (slot, behind) = (two.slot, self.color);
+        // The shading is a constant of each loop.
+        let mut color = match shade {
+            Shade::Flat => own,
+            Shade::Normal => shaded(Shade::Normal, frame.certify.view, strip, answers, &own),
+            Shade::Headlight => shaded(Shade::Headlight, frame.certify.view, strip, answers, &own),
+        };
+        for l in 0..N {
             let hit = u32::all_if(slot[l] != NONE);
             for k in 0..3 {
                 color[k][l] = pick(hit, color[k][l], behind[k][l]);
@@ -137,47 +135,80 @@ impl Pixels {
         self.color = color;
     }
 
-    /// Writes the pixels from column `first` of the full frame on to `row`, which contains these `columns`.
+    /// Writes those of these pixels, from the place `at` on, that `band` contains.
     #[inline(always)]
-    pub(super) fn write(&self, row: &mut Piece<'_>, columns: &Range<u32>, first: u32) {
+    pub(super) fn write(&self, band: &mut Band<'_>, [i, first]: [u32; 2], triples: &impl Triples) {
+        let [columns, rows] = [&band.columns, &band.rows];
         let lanes = columns.start.saturating_sub(first) as usize..(columns.end - first).min(TILE) as usize;
-        let place = first as usize + lanes.start - columns.start as usize;
-        put(row.id, place, &lanes, self.id);
-        put(row.t, place, &lanes, self.t);
-        put(row.depth_interval, place, &lanes, self.depth_interval);
-        if !row.normal.is_empty() {
-            put(row.normal, place, &lanes, interleaved(&self.normal));
+        let width = (columns.end - columns.start) as usize;
+        // The place of the first pixel that is written of a row of the strip, if any is.
+        let place = |row: usize| {
+            let at = i + row as u32;
+            let place = |row: u32| row as usize * width + first as usize + lanes.start - columns.start as usize;
+            rows.contains(&at).then(|| place(at - rows.start))
+        };
+        let piece = &mut band.piece;
+        put(piece.id, place, &lanes, &self.id);
+        put(piece.t, place, &lanes, &self.t);
+        if !piece.depth_interval.is_empty() {
+            put(piece.depth_interval, place, &lanes, &self.depth_interval);
         }
-        if !row.color.is_empty() {
-            put(row.color, place, &lanes, interleaved(&self.color));
+        if !piece.normal.is_empty() {
+            put(piece.normal.as_chunks_mut().0, place, &lanes, &triples.of(&self.normal));
+        }
+        if !piece.color.is_empty() {
+            put(piece.color.as_chunks_mut().0, place, &lanes, &triples.of(&self.color));
         }
     }
 }
 
-/// Three components per lane, lane after lane.
+/// The colours of all lanes, whose spheres have the colours `own`.
 #[inline(always)]
-fn interleaved(components: &[[f32; LANES]; 3]) -> [f32; 3 * LANES] {
-    let mut all = [0.0; 3 * LANES];
-    for l in 0..LANES {
-        for k in 0..3 {
-            all[3 * l + k] = components[k][l];
-        }
+fn shaded<const N: usize>(
+    shade: Shade,
+    view: &ViewRecord,
+    strip: &Strip<N>,
+    answers: &StripAnswers<N>,
+    own: &[[f32; N]; 3],
+) -> [[f32; N]; 3] {
+    let (view, [_, _, _, _, x, y, z]) = (*view, answers.numbers);
+    let mut color = [[0.0; N]; 3];
+    for l in 0..N {
+        let s = strip.slopes(0, l);
+        let rgb = shade.of(&view, [s.x, s.y, -1.0], [x[l], y[l], z[l]], [own[0][l], own[1][l], own[2][l]]);
+        (color[0][l], color[1][l], color[2][l]) = (rgb[0], rgb[1], rgb[2]);
     }
-    all
+    color
 }
 
-/// Writes the values of these lanes, some for each, from the pixel `place` of a row on; nothing if the buffer is not
-/// requested.
+/// Some rows of the window, and where their answers go.
+pub(super) struct Band<'a> {
+    pub(super) columns: Range<u32>,
+    pub(super) rows: Range<u32>,
+    pub(super) piece: Piece<'a>,
+}
+
+/// Pixels of a row of a tile.
+const ROW: usize = TILE as usize;
+
+/// Writes these lanes of every row of a strip, each from its place on; nothing if the buffer is not requested.
 #[inline(always)]
-fn put<T: Copy, const N: usize>(row: &mut [T], place: usize, lanes: &Range<usize>, values: [T; N]) {
-    let channels = N / LANES;
-    let Some(out) = row.get_mut(channels * place..).filter(|out| !out.is_empty()) else { return };
-    match out.first_chunk_mut::<N>() {
-        // Of constant size, so without a call.
-        Some(out) if lanes.len() == LANES => *out = values,
-        _ => {
-            let values = &values[channels * lanes.start..channels * lanes.end];
-            out[..values.len()].copy_from_slice(values);
+fn put<T: Copy, const N: usize>(
+    out: &mut [T],
+    place: impl Fn(usize) -> Option<usize>,
+    lanes: &Range<usize>,
+    values: &[T; N],
+) {
+    if out.is_empty() {
+        return;
+    }
+    for row in 0..N / ROW {
+        let values = &values[row * ROW..(row + 1) * ROW];
+        let Some(out) = place(row).and_then(|place| out.get_mut(place..)) else { continue };
+        match out.first_chunk_mut::<ROW>() {
+            // Of constant size, so without a call.
+            Some(out) if lanes.len() == ROW => out.copy_from_slice(values),
+            _ => out[..lanes.len()].copy_from_slice(&values[lanes.clone()]),
         }
     }
 }

@@ -8,77 +8,67 @@ use crate::certify::general::{general_answer, general_low};
 use crate::certify::projected::{Projected, ProjectedDetailRecord, ProjectedRecord, projected_answer, projected_low};
 use crate::certify::tiles::{NO_DETAIL, NOTHING};
 use crate::certify::{Answer, Certify, GENERAL, Slopes};
-use crate::number::vector::{Bits, LANES, pick};
+use crate::number::vector::{Bits, pick};
 use crate::tile::{CHUNK, TILE};
+use crate::view::ViewRecord;
 use crate::view::ray::NONE;
 
-/// The rays of a strip, one array per component.
-pub(super) struct Strip<const SAMPLED: bool> {
-    /// The components that all rays share; for pixel centres, those of the row.
-    first: Slopes<f32>,
-    x: [f32; LANES],
-    a: [f32; LANES],
-    inverse: [f32; LANES],
-    /// The components that differ between samples.
-    y: [f32; LANES],
-    row: [i32; LANES],
-    column: [i32; LANES],
+/// The rays of a strip, one array per component: whole rows of a tile, one after the other.
+pub(super) struct Strip<const N: usize> {
+    x: [f32; N],
+    y: [f32; N],
+    a: [f32; N],
+    inverse: [f32; N],
+    row: [i32; N],
+    column: [i32; N],
 }
 
 /// The two smallest lower bounds of depth per lane, and the entry with the smallest.
 #[derive(Clone, Copy)]
-pub(super) struct NearestTwos {
-    pub(super) low: [f32; LANES],
-    pub(super) second: [f32; LANES],
-    pub(super) slot: [u32; LANES],
+pub(super) struct NearestTwos<const N: usize> {
+    pub(super) low: [f32; N],
+    pub(super) second: [f32; N],
+    pub(super) slot: [u32; N],
 }
 
-impl<const SAMPLED: bool> Strip<SAMPLED> {
+impl<const N: usize> Strip<N> {
+    /// The rays of the pixels from row `i` and column `first` of the view's frame on.
     #[inline(always)]
     pub(super) fn new(certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> Self {
-        let slopes = |column: u32| {
-            let [i, j] = if SAMPLED { certify.view.sample_position(i, column) } else { [i, column] };
-            certify.slopes(i, j)
-        };
-        let none = [0.0; LANES];
-        let mut strip = Self {
-            first: slopes(first),
-            x: none,
-            a: none,
-            inverse: none,
-            y: none,
-            row: [0; LANES],
-            column: [0; LANES],
-        };
-        // Not array::from_fn, which compilers leave as a call.
-        for l in 0..LANES {
-            let s = slopes(first + l as u32);
-            (strip.x[l], strip.a[l], strip.inverse[l]) = (s.x, s.a, s.inverse);
-            (strip.y[l], strip.row[l], strip.column[l]) = (s.y, s.row, s.column);
+        let (mut row, mut column) = ([0; N], [0; N]);
+        for l in 0..N {
+            (row[l], column[l]) = (i + l as u32 / TILE, first + l as u32 % TILE);
         }
-        strip
+        if !certify.view.is_plain() {
+            for l in 0..N {
+                [row[l], column[l]] = certify.view.sample_position(row[l], column[l]);
+            }
+        }
+        let (mut x, mut y, mut a, mut inverse) = ([0.0; N], [0.0; N], [0.0; N], [0.0; N]);
+        // Not array::from_fn, which compilers leave as a call.
+        for l in 0..N {
+            let s = certify.slopes(row[l], column[l]);
+            (x[l], y[l], a[l], inverse[l]) = (s.x, s.y, s.a, s.inverse);
+        }
+        Self { x, y, a, inverse, row: row.map(|n| n as i32), column: column.map(|n| n as i32) }
     }
 
     #[inline(always)]
     pub(super) fn slopes(&self, shift: u32, l: usize) -> Slopes<f32> {
-        let (x, a, inverse) = (self.x[l], self.a[l], self.inverse[l]);
-        if SAMPLED {
-            let (y, row, column) = (self.y[l], self.row[l], self.column[l]);
-            return Slopes { x, y, a, inverse, row, column, fixed_row: row << shift, fixed_column: column << shift };
-        }
-        let column = self.first.column + l as i32;
-        Slopes { x, a, inverse, column, fixed_column: column << shift, ..self.first }
+        let (x, y, a, inverse) = (self.x[l], self.y[l], self.a[l], self.inverse[l]);
+        let (row, column) = (self.row[l], self.column[l]);
+        Slopes { x, y, a, inverse, row, column, fixed_row: row << shift, fixed_column: column << shift }
     }
 
     /// The twin of the search in certify/nearest_two.wgsl.
     #[inline(always)]
-    pub(super) fn nearest_two(&self, certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> NearestTwos {
+    pub(super) fn nearest_two(&self, certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> NearestTwos<N> {
         let mut k = NearestTwos::NONE;
         let (projection, terms, lists) = (certify.projection, *certify.terms, certify.lists);
         for &slot in certify.general_lists.of(i, first) {
             // Copies: of what a reference leads to, compilers may expect that the loop changes it.
             let general = certify.generals[slot as usize];
-            let mut lows = [0.0; LANES];
+            let mut lows = [0.0; N];
             for (l, low) in lows.iter_mut().enumerate() {
                 *low = general_low(&self.slopes(projection.shift, l), &general, &terms);
             }
@@ -91,7 +81,7 @@ impl<const SAMPLED: bool> Strip<SAMPLED> {
             lists.projected[first..end].chunks_exact(CHUNK).zip(&lists.chunk_min_depths[first / CHUNK..end / CHUNK]);
         for (n, (chunk, &chunk_min_depth)) in chunks.enumerate() {
             let mut behind = true;
-            for l in 0..LANES {
+            for l in 0..N {
                 let own = chunk_min_depth - k.low[l] > projection.cull_margin * (projection.depth + k.low[l]);
                 k.second[l] = pick(u32::all_if(own & (chunk_min_depth < k.second[l])), chunk_min_depth, k.second[l]);
                 behind &= own;
@@ -106,7 +96,7 @@ impl<const SAMPLED: bool> Strip<SAMPLED> {
                     break;
                 }
                 let sphere = Projected::<f32>::new(projected, &NO_DETAIL);
-                for l in 0..LANES {
+                for l in 0..N {
                     now.keep(l, projected_low(&self.slopes(projection.shift, l), projection, &sphere), slot as u32);
                 }
             }
@@ -117,7 +107,7 @@ impl<const SAMPLED: bool> Strip<SAMPLED> {
 
     /// The certified answers of the winners.
     #[inline(always)]
-    pub(super) fn certify_winners(&self, certify: &Certify<'_, f32>, k: &NearestTwos) -> StripAnswers {
+    pub(super) fn certify_winners(&self, certify: &Certify<'_, f32>, k: &NearestTwos<N>) -> StripAnswers<N> {
         let mut answers = StripAnswers::default();
         if k.slot.iter().any(|slot| slot & GENERAL == 0) {
             self.certify_projected(certify, k, &mut answers);
@@ -138,37 +128,37 @@ impl<const SAMPLED: bool> Strip<SAMPLED> {
     fn certify_general(
         &self,
         certify: &Certify<'_, f32>,
-        winners: &[u32; LANES],
+        winners: &[u32; N],
         slot: u32,
-        answers: &mut StripAnswers,
+        answers: &mut StripAnswers<N>,
     ) {
         let (general, terms) = (certify.generals[(slot & !GENERAL) as usize], *certify.terms);
         let shift = certify.projection.shift;
         let mut found = StripAnswers::default();
-        for l in 0..LANES {
+        for l in 0..N {
             found.set(l, &general_answer(&self.slopes(shift, l), &general, &terms));
         }
         answers.take(&found, |l| winners[l] == slot);
     }
 
     #[inline(always)]
-    fn certify_projected(&self, certify: &Certify<'_, f32>, k: &NearestTwos, answers: &mut StripAnswers) {
+    fn certify_projected(&self, certify: &Certify<'_, f32>, k: &NearestTwos<N>, answers: &mut StripAnswers<N>) {
         let (lists, projection, terms) = (certify.lists, *certify.projection, *certify.terms);
-        let mut winners = [(NOTHING, NO_DETAIL); LANES];
-        for l in 0..LANES {
+        let mut winners = [(NOTHING, NO_DETAIL); N];
+        for l in 0..N {
             if k.slot[l] & GENERAL == 0 {
                 winners[l] = (lists.projected[k.slot[l] as usize], lists.details[k.slot[l] as usize]);
             }
         }
-        let (mut x, mut y, mut rho) = ([0; LANES], [0; LANES], [0.0; LANES]);
-        let (mut offset, mut center) = ([[0.0; LANES]; 2], [0.0; LANES]);
-        for l in 0..LANES {
+        let (mut x, mut y, mut rho) = ([0; N], [0; N], [0.0; N]);
+        let (mut offset, mut center) = ([[0.0; N]; 2], [0.0; N]);
+        for l in 0..N {
             let (record, detail) = &winners[l];
             (x[l], y[l], rho[l]) = (record.x, record.y, record.rho);
             (offset[0][l], offset[1][l], center[l]) =
                 (detail.subpixel_offset[0], detail.subpixel_offset[1], detail.center);
         }
-        for l in 0..LANES {
+        for l in 0..N {
             let sphere = ProjectedRecord { x: x[l], y: y[l], rho: rho[l], low: 0.0 };
             let detail =
                 ProjectedDetailRecord { subpixel_offset: [offset[0][l], offset[1][l]], center: center[l], id: 0 };
@@ -176,29 +166,29 @@ impl<const SAMPLED: bool> Strip<SAMPLED> {
             let slopes = self.slopes(projection.shift, l);
             answers.set(l, &projected_answer(&slopes, &projection, &sphere, &terms));
         }
-        for l in 0..LANES {
+        for l in 0..N {
             answers.id[l] = winners[l].1.id;
         }
     }
 }
 
 /// Answers as one array per component, a layout that compilers vectorize.
-pub(super) struct StripAnswers {
+pub(super) struct StripAnswers<const N: usize> {
     /// [`NONE`] where nothing is hit.
-    pub(super) id: [u32; LANES],
-    flags: [[u32; LANES]; 2],
+    pub(super) id: [u32; N],
+    flags: [[u32; N]; 2],
     /// Offset, low, high, the depth's interval and the normal of [`Answer`].
-    pub(super) numbers: [[f32; LANES]; 7],
+    pub(super) numbers: [[f32; N]; 7],
 }
 
-impl Default for StripAnswers {
+impl<const N: usize> Default for StripAnswers<N> {
     #[inline(always)]
     fn default() -> Self {
-        Self { id: [NONE; LANES], flags: [[0; LANES]; 2], numbers: [[0.0; LANES]; 7] }
+        Self { id: [NONE; N], flags: [[0; N]; 2], numbers: [[0.0; N]; 7] }
     }
 }
 
-impl StripAnswers {
+impl<const N: usize> StripAnswers<N> {
     #[inline(always)]
     fn set(&mut self, l: usize, a: &Answer<f32>) {
         self.id[l] = a.id;
@@ -233,45 +223,36 @@ impl StripAnswers {
     /// Takes over the answers of some lanes.
     #[inline(always)]
     fn take(&mut self, other: &Self, lane: impl Fn(usize) -> bool) {
-        let mut lanes = [0; LANES];
-        for l in 0..LANES {
+        let mut lanes = [0; N];
+        for l in 0..N {
             lanes[l] = u32::all_if(lane(l));
             self.id[l] ^= (self.id[l] ^ other.id[l]) & lanes[l];
         }
         for k in 0..2 {
-            for l in 0..LANES {
+            for l in 0..N {
                 self.flags[k][l] ^= (self.flags[k][l] ^ other.flags[k][l]) & lanes[l];
             }
         }
         for k in 0..7 {
-            for l in 0..LANES {
+            for l in 0..N {
                 self.numbers[k][l] = pick(lanes[l], other.numbers[k][l], self.numbers[k][l]);
             }
         }
     }
 }
 
-impl NearestTwos {
-    pub(super) const NONE: Self = Self { low: [BEYOND; LANES], second: [BEYOND; LANES], slot: [NONE; LANES] };
+impl<const N: usize> NearestTwos<N> {
+    pub(super) const NONE: Self = Self { low: [BEYOND; N], second: [BEYOND; N], slot: [NONE; N] };
 
     /// What a device has found for the rays from `place` on; nothing beyond the window.
     #[inline(always)]
-    pub(super) fn found(found: &Raw, certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> Self {
-        let view = certify.view;
+    pub(super) fn found(found: &Raw, view: &ViewRecord, [i, first]: [u32; 2]) -> Self {
         let mut k = Self::NONE;
-        let row = ((i - view.first_row) * view.columns) as usize;
-        let column = first.wrapping_sub(view.first_column);
-        if column < view.columns && view.columns - column >= TILE {
-            let place = row + column as usize;
-            k.low.copy_from_slice(&found.low[place..place + LANES]);
-            k.second.copy_from_slice(&found.second[place..place + LANES]);
-            k.slot.copy_from_slice(&found.id[place..place + LANES]);
-            return k;
-        }
-        for l in 0..LANES {
-            let column = column.wrapping_add(l as u32);
-            if column < view.columns {
-                let place = row + column as usize;
+        for l in 0..N {
+            let row = (i + l as u32 / TILE).wrapping_sub(view.first_row);
+            let column = (first + l as u32 % TILE).wrapping_sub(view.first_column);
+            if row < view.rows && column < view.columns {
+                let place = row as usize * view.columns as usize + column as usize;
                 (k.low[l], k.second[l], k.slot[l]) = (found.low[place], found.second[place], found.id[place]);
             }
         }
