@@ -148,6 +148,11 @@ impl Kernel {
         self.certify && self.rays == RaySource::Camera && !self.winners
     }
 
+    /// Whether it writes the depths of centres, to which its own are relative.
+    pub(crate) fn has_depths(&self) -> bool {
+        self.is_resident() && (self.t || self.depth_interval)
+    }
+
     /// The rows of a tile that an invocation renders: as many as shaders/certify/search_column.wgsl has.
     pub(crate) fn rows(&self) -> u32 {
         if self.winners { 4 } else { 1 }
@@ -213,9 +218,7 @@ pub(crate) const OUTPUTS: [KernelOutput; 9] = [
     output!("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
     output!("frame_t_low", "f32", 1, "to_lo(hit.t)", |kernel| kernel.t && kernel.is_wide()),
     output!("frame_depth_interval", "f32", 1, "answer.depth_interval", |kernel| kernel.depth_interval),
-    output!("frame_depth", "u32", 2, "center_depth()", |kernel| {
-        kernel.is_resident() && (kernel.t || kernel.depth_interval)
-    }),
+    output!("frame_depth", "u32", 2, "center_depth()", Kernel::has_depths),
     output!("frame_low", "f32", 1, "two.low", |kernel| kernel.winners),
     output!("frame_second", "f32", 1, "two.second", |kernel| kernel.winners),
     output!("frame_normal", "f32", 3, "world_normal(ray, hit)", |kernel| kernel.normal),

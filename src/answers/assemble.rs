@@ -4,7 +4,6 @@ use super::lit::{Lit, NOT_CERTIFIED, SETTLED};
 use super::raw::Raw;
 use super::samples::Means;
 use super::settle::Settled;
-use crate::certify::binned::Depths;
 use crate::double_double as dd;
 use crate::error::Result;
 use crate::exact::Truth;
@@ -12,6 +11,7 @@ use crate::frame::{Aov, Buffer, Data};
 use crate::memory::Pool;
 use crate::view::View;
 use crate::view::ray::NONE;
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// The answers of a finished frame: the kernel's, and the settled pixels over them.
@@ -19,8 +19,8 @@ pub(crate) struct Answers<'a> {
     pub(crate) pool: &'a Pool,
     pub(crate) view: &'a View,
     pub(crate) raw: Raw,
-    /// Depth of each sphere's centre, to which a certified kernel's t is relative; `None` for other kernels.
-    pub(crate) depths: Option<Depths<'a>>,
+    /// Whether the kernel certifies.
+    pub(crate) certify: bool,
     /// In pixel order.
     pub(crate) settled: &'a [Settled],
     /// Colour and coverage, with several samples per pixel.
@@ -79,8 +79,8 @@ impl Answers<'_> {
                 Aov::Occlusion => Data::F32(std::mem::take(&mut self.lit.occlusion)),
                 Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
                 Aov::Certainty => {
-                    let mut certainty = vec![if self.depths.is_some() { 0 } else { NOT_CERTIFIED }; w * h];
-                    if self.depths.is_some() {
+                    let mut certainty = vec![if self.certify { 0 } else { NOT_CERTIFIED }; w * h];
+                    if self.certify {
                         self.settled.iter().for_each(|s| certainty[s.pixel as usize] = SETTLED);
                         self.lit.unsure.iter().for_each(|(pixel, known)| certainty[*pixel as usize] = *known);
                     }
@@ -118,28 +118,28 @@ impl Answers<'_> {
             ([u / -w, v / -w], w)
         };
         let xs: Vec<f64> = (0..width).map(|j| direction(0, j).0[0]).collect();
-        out.par_chunks_mut(N * width).enumerate().for_each(|(i, row)| {
+        // What was not requested is 0.
+        let (none, nowhere) = (vec![0.0; width], vec![0.0; width]);
+        let raw = &self.raw;
+        let arch = pulp::Arch::new();
+        out.par_chunks_mut(N * width).enumerate().for_each(|(i, out)| {
             let ([_, y], w) = direction(i, 0);
-            for (j, values) in row.chunks_exact_mut(N).enumerate() {
-                let pixel = i * width + j;
-                let id = self.raw.id[pixel];
-                let values = values.first_chunk_mut::<N>();
-                if let Some(values) = values {
-                    *values = if id == NONE {
-                        [missed; N]
-                    } else {
-                        let t = self.raw.t(pixel) * unit;
-                        // A certified depth is relative to its centre's depth; the other methods give t along (u, v,
-                        // -d).
-                        let center = |depths: &Depths<'_>| match self.raw.center_depth(pixel) {
-                            Some(depth) => depth * unit,
-                            None => depths.of(id),
-                        };
-                        let depth = self.depths.as_ref().map_or(-w * t, |depths| center(depths) + t);
-                        hit(pixel, [xs[j], y, -1.0], depth)
-                    };
-                }
-            }
+            let first = i * width;
+            let [high, low] = [&raw.t, &raw.t_low].map(|t| t.get(first..first + width).unwrap_or(&none));
+            arch.dispatch(Row {
+                first,
+                out,
+                missed,
+                hit: &hit,
+                ids: &raw.id[first..first + width],
+                t: [high, low],
+                centers: raw.depth.get(first..first + width).unwrap_or(&nowhere),
+                certify: self.certify,
+                w,
+                unit,
+                xs: &xs,
+                y,
+            });
         });
         for s in self.settled {
             let values = s.truth.as_ref().map_or([missed; N], &truth);
@@ -149,6 +149,46 @@ impl Answers<'_> {
     }
 }
 
+/// A row of a buffer of `N` numbers per pixel, and what it is computed from.
+struct Row<'a, const N: usize, H> {
+    /// The first pixel.
+    first: usize,
+    out: &'a mut [f64],
+    missed: f64,
+    hit: &'a H,
+    ids: &'a [u32],
+    /// t in two parts, and the depths of centres, in the frame's unit.
+    t: [&'a [f32]; 2],
+    centers: &'a [f64],
+    certify: bool,
+    w: f64,
+    unit: f64,
+    xs: &'a [f64],
+    y: f64,
+}
+
+impl<const N: usize, H: Fn(usize, [f64; 3], f64) -> [f64; N]> NullaryFnOnce for Row<'_, N, H> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { first, out, missed, hit, ids, t: [high, low], centers, certify, w, unit, xs, y } = self;
+        let count = ids.len();
+        let (high, low, centers, xs) = (&high[..count], &low[..count], &centers[..count], &xs[..count]);
+        let out = &mut out.as_chunks_mut::<N>().0[..count];
+        for j in 0..count {
+            let t = (f64::from(high[j]) + f64::from(low[j])) * unit;
+            // A certified depth is relative to its centre's depth; the other methods give t along (u, v, -d).
+            let depth = if certify { centers[j] * unit + t } else { -w * t };
+            let values = hit(first + j, [xs[j], y, -1.0], depth);
+            for k in 0..N {
+                out[j][k] = if ids[j] == NONE { missed } else { values[k] };
+            }
+        }
+    }
+}
+
+#[inline(always)]
 fn length(d: [f64; 3]) -> f64 {
     d.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -26,8 +26,9 @@ pub(crate) struct Raw {
     pub(crate) color: Vec<f32>,
     /// Bound of the depth's error, in the frame's unit.
     pub(crate) depth_interval: Vec<f32>,
-    /// The bits of the depth of the sphere's centre in f64, two words each, where a device places the spheres.
-    pub(crate) depth: Vec<u32>,
+    /// The depth of the sphere's centre in the frame's unit, to which a certified kernel's t is relative; 0 for a general
+    /// sphere.
+    pub(crate) depth: Vec<f64>,
     /// The two smallest lower bounds of depth, if the kernel only searches; `id` holds the slots of the smallest.
     pub(crate) low: Vec<f32>,
     pub(crate) second: Vec<f32>,
@@ -49,7 +50,7 @@ impl Raw {
             normal: pool.values(if kernel.normal { 3 * pixels } else { 0 })?,
             color: pool.values(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
             depth_interval: pool.values(if kernel.depth_interval { pixels } else { 0 })?,
-            depth: Vec::new(),
+            depth: pool.values(if kernel.has_depths() { pixels } else { 0 })?,
             low: pool.values(if kernel.winners { pixels } else { 0 })?,
             second: pool.values(if kernel.winners { pixels } else { 0 })?,
         })
@@ -88,6 +89,7 @@ impl Raw {
         let mut normals = pieces(&mut self.normal, 3 * first, 3 * pixels);
         let mut colors = pieces(&mut self.color, 3 * first, 3 * pixels);
         let mut widths = pieces(&mut self.depth_interval, first, pixels);
+        let mut depths = pieces(&mut self.depth, first, pixels);
         pieces(&mut self.id, first, pixels).map(move |id| Piece {
             id,
             t: ts.next().unwrap_or_default(),
@@ -95,6 +97,7 @@ impl Raw {
             normal: normals.next().unwrap_or_default(),
             color: colors.next().unwrap_or_default(),
             depth_interval: widths.next().unwrap_or_default(),
+            depth: depths.next().unwrap_or_default(),
         })
     }
 
@@ -116,24 +119,6 @@ impl Raw {
         [self.t, self.t_low, self.normal, self.color, self.depth_interval, self.low, self.second]
             .into_iter()
             .for_each(|unused| pool.put_back(unused));
-    }
-
-    /// Makes room for the depths of centres.
-    ///
-    /// # Errors
-    /// [`Error::Limits`] if the allocation fails.
-    pub(crate) fn with_depths(&mut self, pool: &Pool) -> Result<()> {
-        if self.depth.is_empty() {
-            self.depth = pool.values(2 * self.id.len())?;
-        }
-        Ok(())
-    }
-
-    /// The depth of the centre of a pixel's sphere in the frame's unit, if a device told it.
-    #[inline(always)]
-    pub(crate) fn center_depth(&self, pixel: usize) -> Option<f64> {
-        let bits = self.depth.get(2 * pixel..2 * pixel + 2)?;
-        Some(f64::from_bits(u64::from(bits[0]) | u64::from(bits[1]) << 32))
     }
 
     /// t of a hit as the sum of its two parts; 0 if not requested.
@@ -158,6 +143,7 @@ pub(crate) struct Piece<'a> {
     pub(crate) normal: &'a mut [f32],
     pub(crate) color: &'a mut [f32],
     pub(crate) depth_interval: &'a mut [f32],
+    pub(crate) depth: &'a mut [f64],
 }
 
 impl Piece<'_> {

@@ -4,13 +4,12 @@
 use super::answer::ProjectionRecord;
 use super::general::GeneralRecord;
 use super::general_lists::{GeneralLists, GeneralTree};
+use super::projection::ProjectionBounds;
 use super::projection::cover::{Cover, Coverage};
 use super::projection::project::Eight;
 use super::projection::stage::Staged;
-use super::projection::{ProjectionBounds, Rotation};
 use super::terms::Terms;
 use super::tiles::{AHEAD, Bin, Filling, Lists, Placed, Placing, sized};
-use crate::double_double as dd;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::number::vector::LANES;
@@ -36,40 +35,8 @@ impl BinnedScene {
     pub(crate) fn put_back(self, pool: &Pool) {
         pool.put_back(self.lists.projected);
         pool.put_back(self.lists.details);
+        pool.put_back(self.lists.depths);
         pool.put_back(self.lists.chunk_min_depths);
-    }
-}
-
-/// The reference depths of certified hits.
-pub(crate) struct Depths<'a> {
-    rotation: Rotation,
-    /// The frame's unit: a normal number, since its exponent is between -1000 and 1000.
-    unit: f64,
-    centers: &'a [[f64; 3]],
-    generals: &'a [GeneralRecord],
-}
-
-impl<'a> Depths<'a> {
-    /// The reference depths for the spheres of `scene`, some of them binned as general ones.
-    pub(crate) fn new(scene: &'a Scene, view: &View, binned: Option<&'a BinnedScene>) -> Self {
-        let generals = binned.map_or(&[][..], |binned| &binned.generals);
-        Self {
-            rotation: Rotation::new(&view.basis, view.unit),
-            unit: dd::ldexp(1.0, view.unit),
-            centers: &scene.spheres.centers,
-            generals,
-        }
-    }
-
-    /// Depth of a projected sphere's centre in the scene's unit, as it was binned; 0 for a general sphere. The depth of
-    /// a hit is this value plus its offset.
-    #[inline(always)]
-    pub(crate) fn of(&self, id: u32) -> f64 {
-        if !self.generals.is_empty() && self.generals.binary_search_by_key(&id, |general| general.id).is_ok() {
-            return 0.0;
-        }
-        let depth = |center: &[f64; 3]| self.rotation.of(*center).1[2] * self.unit;
-        self.centers.get(id as usize).map_or(0.0, depth)
     }
 }
 
@@ -242,7 +209,7 @@ impl NullaryFnOnce for Batch<'_> {
                         Staged::General(record) => found.generals.push(record),
                         Staged::Projected(landed) => {
                             *bin = landed.bin;
-                            found.see(landed.depth, bin);
+                            found.see(landed.placed.depth, bin);
                         }
                     }
                 }

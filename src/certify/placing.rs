@@ -78,7 +78,7 @@ pub(crate) struct ByHost {
     /// The scene without lists, with its general spheres.
     pub(crate) binned: BinnedScene,
     /// Those that are projected, with the depths of their centres.
-    pub(crate) guests: Vec<(Placed, f64)>,
+    pub(crate) guests: Vec<Placed>,
     pub(crate) reference: f32,
 }
 
@@ -166,7 +166,7 @@ impl Placer {
         let mut staged = stage(0.0);
         let general = |staged: &Staged| matches!(staged, Staged::General(_));
         let depths = staged.iter().filter_map(|staged| match staged {
-            Staged::Projected(landed) => Some([landed.depth; 2]),
+            Staged::Projected(landed) => Some([landed.placed.depth; 2]),
             _ => None,
         });
         let range = depths.chain(summary.depths).reduce(joined);
@@ -184,7 +184,7 @@ impl Placer {
         for staged in staged {
             match staged {
                 Staged::General(record) => generals.push(record),
-                Staged::Projected(landed) => guests.push((landed.placed, landed.depth)),
+                Staged::Projected(landed) => guests.push(landed.placed),
                 Staged::Unseen => {}
             }
         }
@@ -195,11 +195,11 @@ impl Placer {
         ByHost { binned: BinnedScene { projection, lists, generals, general_lists, seen: 0 }, guests, reference }
     }
 
-    /// A sphere as the host places it, with the depth of its centre; `None` where it has no projected record.
-    pub(crate) fn placed(&self, scene: &Scene, id: u32, reference: f32) -> Option<(Placed, f64)> {
+    /// A sphere as the host places it; `None` where it has no projected record.
+    pub(crate) fn placed(&self, scene: &Scene, id: u32, reference: f32) -> Option<Placed> {
         let (center, radius) = (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
         match self.projection.stage(id, center, radius, reference.into()) {
-            Staged::Projected(landed) => Some((landed.placed, landed.depth)),
+            Staged::Projected(landed) => Some(landed.placed),
             _ => None,
         }
     }
@@ -216,7 +216,7 @@ impl Placer {
         let tiles: Vec<_> = pairs.chunk_by(|a, b| a[0] == b[0]).collect();
         let reference = binned.projection.depth;
         let list = |pairs: &&[[u32; 2]]| {
-            let placed = pairs.iter().filter_map(|[_, id]| Some(self.placed(scene, *id, reference)?.0));
+            let placed = pairs.iter().filter_map(|[_, id]| self.placed(scene, *id, reference));
             ([pairs[0][0] % columns, pairs[0][0] / columns], placed.collect())
         };
         let lists: Vec<_> = tiles.par_iter().map(list).collect();

@@ -180,7 +180,7 @@ impl NullaryFnOnce for Block<'_> {
                             continue;
                         }
                         Staged::Projected(landed) => {
-                            marks.see(landed.depth, index);
+                            marks.see(landed.placed.depth, index);
                             (landed.bin, landed.placed)
                         }
                     }

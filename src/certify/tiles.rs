@@ -37,6 +37,8 @@ pub(crate) const NO_DETAIL: ProjectedDetailRecord =
 pub(crate) struct Placed {
     pub(crate) record: ProjectedRecord,
     pub(crate) detail: ProjectedDetailRecord,
+    /// The depth of the centre in the frame's unit.
+    pub(crate) depth: f64,
 }
 
 /// Creates the records of a list from front to back.
@@ -73,6 +75,8 @@ pub(crate) struct Lists {
     pub(crate) projected: Vec<ProjectedRecord>,
     /// The records that only a winner needs.
     pub(crate) details: Vec<ProjectedDetailRecord>,
+    /// The depths of the centres in the frame's unit, which only the host reads.
+    pub(crate) depths: Vec<f64>,
     /// Per [`CHUNK`] entries: the lower bound of the depths in this chunk and all later ones of its list.
     pub(crate) chunk_min_depths: Vec<f32>,
 }
@@ -108,13 +112,16 @@ impl Lists {
     pub(crate) fn of_tiles(tiles: [[u32; 2]; 2], some: &[([u32; 2], Vec<Placed>)]) -> Self {
         let grid = Grid::new(0, tiles);
         let mut ends = vec![0; grid.cells()];
-        let (mut projected, mut details, mut chunk_min_depths) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut projected, mut details) = (Vec::new(), Vec::new());
+        let (mut depths, mut chunk_min_depths) = (Vec::new(), Vec::new());
         for ([column, row], list) in some {
             let padding = list.len().next_multiple_of(CHUNK) - list.len();
             projected.extend(list.iter().map(|placed| placed.record));
             projected.extend(std::iter::repeat_n(NOTHING, padding));
             details.extend(list.iter().map(|placed| placed.detail));
             details.extend(std::iter::repeat_n(NO_DETAIL, padding));
+            depths.extend(list.iter().map(|placed| placed.depth));
+            depths.extend(std::iter::repeat_n(0.0, padding));
             // Lists are not sorted, so no chunk is behind another.
             chunk_min_depths.resize(projected.len() / CHUNK, f32::MIN);
             ends[grid.cell(*column, *row)] = projected.len() as u32;
@@ -124,7 +131,7 @@ impl Lists {
             end = end.max(*own);
             *own = end;
         }
-        Self { grid, ends, projected, details, chunk_min_depths }
+        Self { grid, ends, projected, details, depths, chunk_min_depths }
     }
 
     /// The range of entries for the tile that contains the pixel at `row` and `column`.
@@ -162,10 +169,11 @@ impl Lists {
         let total = made.iter().map(|row| row.projected.len()).sum();
         let mut ends = Vec::with_capacity(grid.cells());
         let (mut projected, mut details) = (sized(total, pool), sized(total, pool));
+        let mut depths: Vec<f64> = sized(total, pool);
         let mut chunk_min_depths: Vec<f32> = sized(total / CHUNK, pool);
         let mut jobs = Vec::with_capacity(made.len());
-        let (mut record, mut detail, mut chunk_min_depth) =
-            (&mut projected[..], &mut details[..], &mut chunk_min_depths[..]);
+        let (mut record, mut detail) = (&mut projected[..], &mut details[..]);
+        let (mut depth, mut chunk_min_depth) = (&mut depths[..], &mut chunk_min_depths[..]);
         let mut first = 0;
         for row in made {
             ends.extend(row.ends.iter().map(|end| first + end));
@@ -175,17 +183,20 @@ impl Lists {
             record = rest;
             let (of_details, rest) = detail.split_at_mut(size);
             detail = rest;
-            let (of_depths, rest) = chunk_min_depth.split_at_mut(size / CHUNK);
+            let (of_depths, rest) = depth.split_at_mut(size);
+            depth = rest;
+            let (of_chunks, rest) = chunk_min_depth.split_at_mut(size / CHUNK);
             chunk_min_depth = rest;
-            jobs.push((row, of_projected, of_details, of_depths));
+            jobs.push((row, of_projected, of_details, of_depths, of_chunks));
         }
-        jobs.into_par_iter().for_each(|(row, projected, details, chunk_min_depths)| {
+        jobs.into_par_iter().for_each(|(row, projected, details, depths, chunk_min_depths)| {
             projected.copy_from_slice(&row.projected);
             details.copy_from_slice(&row.details);
+            depths.copy_from_slice(&row.depths);
             chunk_min_depths.copy_from_slice(&row.chunk_min_depths);
             row.put_back(pool);
         });
-        Self { grid, ends, projected, details, chunk_min_depths }
+        Self { grid, ends, projected, details, depths, chunk_min_depths }
     }
 }
 
@@ -194,6 +205,7 @@ struct Row {
     ends: Vec<u32>,
     projected: Vec<ProjectedRecord>,
     details: Vec<ProjectedDetailRecord>,
+    depths: Vec<f64>,
     chunk_min_depths: Vec<f32>,
 }
 
@@ -203,6 +215,7 @@ impl Row {
             ends: Vec::new(),
             projected: empty(entries, pool),
             details: empty(entries, pool),
+            depths: empty(entries, pool),
             chunk_min_depths: empty(entries / CHUNK, pool),
         }
     }
@@ -210,12 +223,13 @@ impl Row {
     fn put_back(self, pool: &Pool) {
         pool.put_back(self.projected);
         pool.put_back(self.details);
+        pool.put_back(self.depths);
         pool.put_back(self.chunk_min_depths);
     }
 
     /// Appends the list of these keys: in order, as far as needed, padded.
     fn fill(&mut self, keys: &mut [u64], filling: &mut impl Filling) {
-        let nothing = Placed { record: NOTHING, detail: NO_DETAIL };
+        let nothing = Placed { record: NOTHING, detail: NO_DETAIL, depth: 0.0 };
         let mut rest = keys;
         let mut batch = FOREMOST;
         while !rest.is_empty() {
@@ -241,6 +255,7 @@ impl Row {
                     self.chunk_min_depths.push(chunk_min_depth);
                     self.projected.extend(placed.map(|p| p.record));
                     self.details.extend(placed.map(|p| p.detail));
+                    self.depths.extend(placed.map(|p| p.depth));
                 }
             }
             rest = later;

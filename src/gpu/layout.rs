@@ -202,7 +202,7 @@ mod tests {
                 (kernel.is_resident(), "part"),
                 (kernel.is_resident(), "minima"),
                 (kernel.starts, "starts"),
-                (kernel.is_resident() && (kernel.t || kernel.depth_interval), "frame_depth"),
+                (kernel.has_depths(), "frame_depth"),
                 (matches!(kernel.generals, Generals::Few(_)), "near"),
                 (kernel.winners, "frame_low"),
                 (kernel.winners, "frame_second"),

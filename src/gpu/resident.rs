@@ -86,7 +86,7 @@ impl Gpu {
         output: &mut Output<'_>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Rendered> {
-        let ResidentFrame { scene, view, placer, pool } = frame;
+        let ResidentFrame { scene, view, placer, .. } = frame;
         self.forget_hits();
         let mut binned = match output.timings.time("place", || self.place(frame))? {
             Ok(binned) => binned,
@@ -103,9 +103,6 @@ impl Gpu {
         let kernel = Kernel { sharing: Sharing::None, generals, starts, ..*kernel };
         if bound > most as usize {
             return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
-        }
-        if KernelOutput::of(&kernel).any(|out| out.name == "frame_depth") {
-            output.raw.with_depths(pool)?;
         }
         output.timings.time("pipeline", || self.pipeline(&kernel))?;
         let candidates = Some(CandidateList::Certified(&binned));
@@ -214,11 +211,11 @@ impl Gpu {
         Ok(Ok(binned))
     }
 
-    /// The records of all spheres as placed last, with the depths of their centres in f64; `None` for those that have none.
+    /// The records of all spheres as placed last; `None` for those that have none.
     ///
     /// # Errors
     /// Those of the device.
-    pub(crate) fn records(&mut self) -> Result<Vec<Option<(Placed, f64)>>> {
+    pub(crate) fn records(&mut self) -> Result<Vec<Option<Placed>>> {
         let Some(held) = self.resident.held.take() else { return Ok(Vec::new()) };
         let mut all = Vec::new();
         for block in held.blocks.iter().filter(|block| block.spheres.is_some()) {

@@ -16,9 +16,9 @@ use crate::view::{SphereRecord, SphereResiduals, View};
 use crate::window::Window;
 
 /// Peak bytes on the host per sphere that a ray may hit, for a certified frame: its bin (20), its key (12), and its list
-/// entry (32 and its share of a chunk's depth), once in the list of its row and once in the frame's. Spheres smaller
+/// entry (40 and its share of a chunk's depth), once in the list of its row and once in the frame's. Spheres smaller
 /// than a tile have about 1.1 entries. Spheres that no ray hits have none, but that is not known at this point.
-const STAGED: u64 = 108;
+const STAGED: u64 = 126;
 
 /// Bytes per sphere of the tree for rays to lights: centre and radius 32, id 4, a block's lane 16, a node's part 3, boxes while
 /// it is built 3.
@@ -179,7 +179,8 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], lights: u64, gpu: bool) -> u64
         true => u64::from(kernel.t) * if kernel.is_wide() { 2 } else { 1 },
         false => 2,
     };
-    4 + 4 * (t + u64::from(kernel.depth_interval)) + 12 * vectors + made.sum::<u64>()
+    let depth = 8 * u64::from(kernel.has_depths());
+    4 + 4 * (t + u64::from(kernel.depth_interval)) + depth + 12 * vectors + made.sum::<u64>()
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::answers::lit::Lit;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::TERMS;
-use crate::certify::binned::{BinnedScene, Depths};
+use crate::certify::binned::BinnedScene;
 use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
@@ -172,8 +172,7 @@ impl Renderer {
             timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
         }
         let certify = plan.kernel.certify;
-        let depths = certify.then(|| Depths::new(scene, view, setup.certified()));
-        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled, lit };
+        let answers = Answers { pool: &pool, view, raw, certify, settled: &settled, sampled, lit };
         let buffers = timings.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
             Accuracy::Fast => timings.time("predict", || setup.predicted(scene)),
@@ -328,8 +327,6 @@ impl Renderer {
                 let level = plan.search.level();
                 setup.binned =
                     timings.time("stage", || BinnedScene::new(scene, view, tolerance, &TERMS, level, &pool))?;
-                // The depths that the device wrote belong to no answer.
-                pool.put_back(std::mem::take(&mut raw.depth));
                 setup.placer = None;
                 setup.plan = setup.plan.clone().by_tiles(NOT_PLACED);
                 self.left_to_host = Some(format!("the host searched the spheres of this frame: {reason}"));

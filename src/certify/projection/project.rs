@@ -47,7 +47,6 @@ pub(in crate::certify) struct Landed {
     seen: bool,
     /// The projected centre is too far outside the image for the fixed-point form.
     outside: bool,
-    pub(in crate::certify) depth: f64,
     pub(in crate::certify) placed: Placed,
     pub(in crate::certify) bin: Bin,
 }
@@ -101,6 +100,7 @@ impl Eight {
         Placed {
             record: ProjectedRecord { x, y, rho, low },
             detail: ProjectedDetailRecord { subpixel_offset: [right, down], center, id },
+            depth: self.depth[l],
         }
     }
 }
@@ -124,7 +124,7 @@ impl ProjectionBounds {
             let plain = aim.projected & (aim.blur <= LONG);
             e.projected[l] = u32::from(plain & landed.seen & !landed.outside);
             e.other[l] = u32::from(!aim.behind & (!plain | landed.seen & landed.outside));
-            e.depth[l] = landed.depth;
+            e.depth[l] = landed.placed.depth;
             e.chunk_min_depth[l] = landed.bin.chunk_min_depth;
             let [[left, right], [top, bottom]] = landed.bin.tiles;
             (e.tiles[0][l], e.tiles[1][l], e.tiles[2][l], e.tiles[3][l]) = (left, right, top, bottom);
@@ -252,10 +252,10 @@ impl ProjectionBounds {
         Landed {
             seen,
             outside,
-            depth: aim.depth,
             placed: Placed {
                 record: ProjectedRecord { x: fixed[0], y: fixed[1], rho, low },
                 detail: ProjectedDetailRecord { subpixel_offset, center: more as f32, id: 0 },
+                depth: aim.depth,
             },
             bin: Bin { chunk_min_depth: below(chunk_min_depth), tiles },
         }

@@ -1,7 +1,7 @@
 //! The claims of the certified kernel about a pixel, compared with exact arithmetic.
 
 use super::wild::Value;
-use crate::certify::binned::{BinnedScene, Depths};
+use crate::certify::binned::BinnedScene;
 use crate::certify::general::{General, general_low};
 use crate::certify::{Certify, Terms};
 use crate::double_double::{self as dd, Dd, Dd3};
@@ -166,7 +166,7 @@ pub(super) fn check<R: Value>(
         return Err(format!("pixel {i} {j}: certain of {}, truth {:?}", answer.id, judged.nearest.map(|t| t.id)));
     };
     let depth = case.depth(&truth);
-    let center = Depths::new(&case.scene, &case.view, Some(&case.binned)).of(answer.id);
+    let center = dd::ldexp(twin.center_depth(kept.slot), case.view.unit);
     let z = (center - truth.depth) + dd::ldexp(answer.offset.value(), case.view.unit);
     let error = dd::ldexp(z.abs(), -case.view.unit);
     let spare = case.spare(&truth);

@@ -60,7 +60,7 @@ fn faults(lens: &ProjectionBounds, around: &Enclosure, spheres: &Spheres) -> (us
             (Enclosed::Unknown, staged) => !(misses && matches!(staged, Staged::Projected(_))),
         };
         let depth = match lens.stage(0, *center, *radius, 0.0) {
-            Staged::Projected(landed) => Some(landed.depth),
+            Staged::Projected(landed) => Some(landed.placed.depth),
             _ => None,
         };
         faults += usize::from(!right || depth.is_some_and(|depth| depth < near || depth > far));

@@ -21,6 +21,7 @@ pub(super) struct StripFrame<'a> {
     pub(super) certify: Certify<'a, f32>,
     shade: Option<Shade>,
     normal: bool,
+    depth: bool,
     colors: Option<&'a [[f32; 3]]>,
     /// What a device has found; `None` where the search is to be done.
     pub(super) found: Option<&'a Raw>,
@@ -35,7 +36,7 @@ impl<'a> StripFrame<'a> {
         found: Option<&'a Raw>,
     ) -> Self {
         let certify = Certify::new(&view.record, binned);
-        Self { certify, shade: kernel.shade, normal: kernel.normal, colors, found }
+        Self { certify, shade: kernel.shade, normal: kernel.normal, depth: kernel.has_depths(), colors, found }
     }
 }
 
@@ -44,13 +45,20 @@ pub(super) struct Pixels<const N: usize> {
     id: [u32; N],
     t: [f32; N],
     depth_interval: [f32; N],
+    depth: [f64; N],
     normal: [[f32; N]; 3],
     color: [[f32; N]; 3],
 }
 
 impl<const N: usize> Pixels<N> {
-    const NONE: Self =
-        Self { id: [NONE; N], t: [f32::MAX; N], depth_interval: [0.0; N], normal: [[0.0; N]; 3], color: [[0.0; N]; 3] };
+    const NONE: Self = Self {
+        id: [NONE; N],
+        t: [f32::MAX; N],
+        depth_interval: [0.0; N],
+        depth: [0.0; N],
+        normal: [[0.0; N]; 3],
+        color: [[0.0; N]; 3],
+    };
 
     /// Of a strip whose rays end in `two`.
     #[inline(always)]
@@ -62,6 +70,9 @@ impl<const N: usize> Pixels<N> {
         }
         let answers = strip.certify_winners(&frame.certify, two);
         pixels.answer(&frame.certify, &answers, two);
+        if frame.depth {
+            pixels.depth = two.depths(&frame.certify);
+        }
         if frame.normal {
             pixels.turn(frame.certify.view, &answers, two);
         }
@@ -150,9 +161,8 @@ impl<const N: usize> Pixels<N> {
         let piece = &mut band.piece;
         put(piece.id, place, &lanes, &self.id);
         put(piece.t, place, &lanes, &self.t);
-        if !piece.depth_interval.is_empty() {
-            put(piece.depth_interval, place, &lanes, &self.depth_interval);
-        }
+        put(piece.depth_interval, place, &lanes, &self.depth_interval);
+        put(piece.depth, place, &lanes, &self.depth);
         if !piece.normal.is_empty() {
             put(piece.normal.as_chunks_mut().0, place, &lanes, &triples.of(&self.normal));
         }

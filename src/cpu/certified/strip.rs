@@ -259,6 +259,16 @@ impl<const N: usize> NearestTwos<N> {
         k
     }
 
+    /// The depths of the winners' centres, to which their answers are relative.
+    #[inline(always)]
+    pub(super) fn depths(&self, certify: &Certify<'_, f32>) -> [f64; N] {
+        let mut depths = [0.0; N];
+        for l in 0..N {
+            depths[l] = certify.center_depth(self.slot[l]);
+        }
+        depths
+    }
+
     #[inline(always)]
     fn keep(&mut self, l: usize, low: f32, slot: u32) {
         // Selects by masks and writes unconditionally: compilers may turn a comparison into a masked store, which

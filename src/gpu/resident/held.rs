@@ -211,16 +211,16 @@ impl Held {
     }
 
     /// Takes the spheres that the host placed, in a block of their own; the bytes that were sent.
-    pub(super) fn set_guests(&mut self, open: &Open, guests: &[(Placed, f64)]) -> u64 {
+    pub(super) fn set_guests(&mut self, open: &Open, guests: &[Placed]) -> u64 {
         self.blocks.retain(|block| block.spheres.is_some());
-        self.guests = guests.iter().map(|(placed, _)| placed.detail.id).collect();
+        self.guests = guests.iter().map(|placed| placed.detail.id).collect();
         if guests.is_empty() {
             return 0;
         }
         let block = Block::new(open, self.count, guests.len() as u32, None);
-        let records: Vec<ProjectedRecord> = guests.iter().map(|(placed, _)| placed.record).collect();
-        let details: Vec<ProjectedDetailRecord> = guests.iter().map(|(placed, _)| placed.detail).collect();
-        let depths: Vec<f64> = guests.iter().map(|(_, depth)| *depth).collect();
+        let records: Vec<ProjectedRecord> = guests.iter().map(|placed| placed.record).collect();
+        let details: Vec<ProjectedDetailRecord> = guests.iter().map(|placed| placed.detail).collect();
+        let depths: Vec<f64> = guests.iter().map(|placed| placed.depth).collect();
         let parts: [&[u8]; 3] =
             [bytemuck::cast_slice(&records), bytemuck::cast_slice(&details), bytemuck::cast_slice(&depths)];
         let mut offset = 0;

@@ -271,7 +271,7 @@ impl Gpu {
     }
 
     /// The records of a block.
-    pub(super) fn records_of(&mut self, block: &Block) -> Result<Vec<Option<(Placed, f64)>>> {
+    pub(super) fn records_of(&mut self, block: &Block) -> Result<Vec<Option<Placed>>> {
         let (size, count) = (block.projected.size(), block.count as usize);
         self.reserve("read records", size, READING);
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
@@ -284,7 +284,7 @@ impl Gpu {
         let details: Vec<ProjectedDetailRecord> = bytemuck::pod_collect_to_vec(details);
         let depths: Vec<f64> = bytemuck::pod_collect_to_vec(&depths[..count * size_of::<f64>()]);
         let one = |((record, detail), depth): ((ProjectedRecord, ProjectedDetailRecord), f64)| {
-            (record.x != NOTHING.x).then_some((Placed { record, detail }, depth))
+            (record.x != NOTHING.x).then_some(Placed { record, detail, depth })
         };
         Ok(records.into_iter().zip(details).zip(depths).map(one).collect())
     }

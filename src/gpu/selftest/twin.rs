@@ -149,7 +149,7 @@ impl Gpu {
             let mut raw = Raw::new(&kernel, (SIDE * SIDE) as usize, &Pool::default())?;
             let Some(frame) = self.resident(&scene, &kernel, &mut raw)? else { continue };
             for (id, placed) in self.records()?.into_iter().enumerate() {
-                let Some((device, depth)) = placed else { continue };
+                let Some(device) = placed else { continue };
                 values += 1.0;
                 let host = frame.placer.placed(&scene, id as u32, frame.binned.projection.depth);
                 let bits = |p: &Placed| {
@@ -164,7 +164,7 @@ impl Gpu {
                     ]
                 };
                 let same = host
-                    .is_some_and(|(host, exact)| bits(&host) == bits(&device) && exact.to_bits() == depth.to_bits());
+                    .is_some_and(|host| bits(&host) == bits(&device) && host.depth.to_bits() == device.depth.to_bits());
                 different += f64::from(u32::from(!same));
             }
         }
