@@ -276,24 +276,8 @@ impl Placing for Scenery<'_> {
     }
 }
 
-/// Spheres whose records are computed together.
-struct Together<'a> {
-    projection: &'a ProjectionBounds,
-    centers: [[f64; 3]; LANES],
-    radii: [f64; LANES],
-    reference: f64,
-}
-
-impl NullaryFnOnce for Together<'_> {
-    type Output = Eight;
-
-    #[inline(always)]
-    fn call(self) -> Eight {
-        self.projection.eight(&self.centers, &self.radii, self.reference)
-    }
-}
-
 impl Filling for Filler<'_> {
+    #[inline(always)]
     fn fetch(&mut self, ids: &[u32]) {
         let Scenery { centers, radii, .. } = *self.scenery;
         // The last sphere is repeated to fill the vector; the copies are discarded.
@@ -303,12 +287,13 @@ impl Filling for Filler<'_> {
         }
     }
 
+    #[inline(always)]
     fn place(&mut self, first: usize, to: &mut [Placed]) {
         let Scenery { projection, reference, .. } = *self.scenery;
         let (mut centers, mut radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
         centers.copy_from_slice(&self.centers[first..first + LANES]);
         radii.copy_from_slice(&self.radii[first..first + LANES]);
-        let eight = pulp::Arch::new().dispatch(Together { projection, centers, radii, reference });
+        let eight = projection.eight(&centers, &radii, reference);
         for (l, (placed, id)) in to.iter_mut().zip(&self.ids[first..]).enumerate() {
             if eight.projected[l] != 0 {
                 *placed = eight.placed(l, *id);

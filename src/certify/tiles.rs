@@ -15,6 +15,7 @@ use crate::memory::Pool;
 use crate::tile::{CHUNK, TILE, WHOLE};
 use crate::view::ray::NONE;
 use grid::Keys;
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// Entries beyond eight per sphere before tiles share their lists: 64 MiB.
@@ -154,17 +155,8 @@ impl Lists {
 
     /// Creates the lists of every row of cells and concatenates them.
     fn gather(grid: Grid, keys: &Keys, placing: &impl Placing, pool: &Pool) -> Self {
-        let columns = grid.columns() as usize;
-        let row = |own: &mut Vec<u64>, i: usize| {
-            let starts = keys.of_row(i, columns, own);
-            let mut row = Row::with_capacity(own.len() + columns * CHUNK, pool);
-            for (j, pair) in starts.windows(2).enumerate() {
-                let own = &mut own[pair[0] as usize..pair[1] as usize];
-                let tile = (grid.level() == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
-                row.fill(own, &mut placing.begin(tile));
-            }
-            row
-        };
+        let arch = pulp::Arch::new();
+        let row = |own: &mut Vec<u64>, i: usize| arch.dispatch(Cells { grid, keys, i, placing, own, pool });
         let made: Vec<Row> = (0..grid.rows() as usize).into_par_iter().map_init(Vec::new, row).collect();
         let total = made.iter().map(|row| row.projected.len()).sum();
         let mut ends = Vec::with_capacity(grid.cells());
@@ -200,6 +192,34 @@ impl Lists {
     }
 }
 
+/// A row of cells whose lists are made.
+struct Cells<'a, P> {
+    grid: Grid,
+    keys: &'a Keys,
+    i: usize,
+    placing: &'a P,
+    own: &'a mut Vec<u64>,
+    pool: &'a Pool,
+}
+
+impl<P: Placing> NullaryFnOnce for Cells<'_, P> {
+    type Output = Row;
+
+    #[inline(always)]
+    fn call(self) -> Row {
+        let Self { grid, keys, i, placing, own, pool } = self;
+        let columns = grid.columns() as usize;
+        let starts = keys.of_row(i, columns, own);
+        let mut row = Row::with_capacity(own.len() + columns * CHUNK, pool);
+        for (j, pair) in starts.windows(2).enumerate() {
+            let own = &mut own[pair[0] as usize..pair[1] as usize];
+            let tile = (grid.level() == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
+            row.fill(own, &mut placing.begin(tile));
+        }
+        row
+    }
+}
+
 /// The lists of a row of cells, with indices relative to its start.
 struct Row {
     ends: Vec<u32>,
@@ -228,6 +248,7 @@ impl Row {
     }
 
     /// Appends the list of these keys: in order, as far as needed, padded.
+    #[inline(always)]
     fn fill(&mut self, keys: &mut [u64], filling: &mut impl Filling) {
         let nothing = Placed { record: NOTHING, detail: NO_DETAIL, depth: 0.0 };
         let mut rest = keys;

@@ -1,6 +1,6 @@
 //! Coverage of a tile's pixels from front to back: a sphere behind full coverage cannot be the nearest hit of any ray.
 
-use super::project::floor;
+use super::project::{floor, larger, smaller, whole};
 use super::{ProjectionBounds, host_cull_margin};
 use crate::certify::tiles::Placed;
 use crate::tile::TILE;
@@ -111,7 +111,7 @@ impl Outline {
     #[inline(always)]
     pub(super) fn columns(&self, row: f64) -> (f64, f64) {
         let down = (row - self.center[1]) * self.step;
-        let half = (self.inner * self.inner - down * down).max(0.0).sqrt() * self.per_step[0];
+        let half = larger(self.inner * self.inner - down * down, 0.0).sqrt() * self.per_step[0];
         (-floor(half - self.center[0]), floor(self.center[0] + half))
     }
 }
@@ -144,20 +144,21 @@ impl Cover {
     }
 
     /// Marks the pixels that a projected sphere certainly covers.
+    #[inline(always)]
     pub(in crate::certify) fn add(&mut self, sphere: &Placed) {
         let Some(outline) = self.coverage.outline(sphere).filter(|_| self.open != 0) else { return };
         let most = f64::from(TILE - 1);
         let [x, y] = self.corner;
         let (top, bottom) = outline.rows();
-        let (mut row, bottom) = ((top - y).max(0.0), (bottom - y).min(most));
-        let mut bits = 0u64;
-        while row <= bottom {
+        let mut bits = 0;
+        // All rows without branches, so that compilers make a vector of them.
+        for k in 0..TILE {
+            let row = f64::from(k);
             let (left, right) = outline.columns(row + y);
-            let (left, right) = ((left - x).max(0.0), (right - x).min(most));
-            if left <= right {
-                bits |= ((2u64 << right as u32) - (1u64 << left as u32)) << (TILE * row as u32);
-            }
-            row += 1.0;
+            let (left, right) = (larger(left - x, 0.0), smaller(right - x, most));
+            let is_covered = (row >= top - y) & (row <= bottom - y) & (left <= right);
+            let (left, right) = if is_covered { (left, right) } else { (1.0, 0.0) };
+            bits |= ((2u64 << whole(right)) - (1u64 << whole(left))) << (TILE * k);
         }
         if bits & self.open != 0 {
             self.open &= !bits;

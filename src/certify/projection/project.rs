@@ -335,7 +335,7 @@ pub(super) fn floor(x: f64) -> f64 {
 
 /// x rounded to an integer, for |x| < 2^31.
 #[inline(always)]
-fn whole(x: f64) -> i32 {
+pub(super) fn whole(x: f64) -> i32 {
     (x + ROUND).to_bits() as i32
 }
 
