@@ -9,6 +9,8 @@ pub use room::{Ledger, SPHERE, check, check_ids, check_spheres, check_wide_ids, 
 
 use crate::error::{Error, Result};
 use crate::quote::setting::SIZE;
+use bytemuck::Zeroable;
+use bytemuck::allocation::try_zeroed_vec;
 use std::any::Any;
 use std::sync::Mutex;
 
@@ -44,21 +46,23 @@ impl Pool {
         spares.swap_remove(place).vector.downcast().map_or_else(|_| Vec::new(), |vector| *vector)
     }
 
-    /// A vector of `n` values, all of which the caller overwrites; new ones are zeros.
+    /// A vector of `n` values, all of which the caller overwrites; new ones are zeros, which the system provides when a
+    /// thread first writes them.
     ///
     /// # Errors
     /// [`Error::Limits`] when the memory cannot be allocated.
-    pub(crate) fn values<T: Send + Clone + Default + 'static>(&self, n: usize) -> Result<Vec<T>> {
+    pub(crate) fn values<T: Zeroable + Send + Clone + 'static>(&self, n: usize) -> Result<Vec<T>> {
         let mut vector = self.take(n);
-        vector.truncate(n);
-        vector.try_reserve_exact(n - vector.len()).map_err(|_| Error::Limits {
-            problem: format!(
-                "{} bytes for one buffer of the frame cannot be allocated",
-                n.saturating_mul(size_of::<T>())
-            ),
-            mend: format!("render a smaller {SIZE} or fewer buffers"),
-        })?;
-        vector.resize(n, T::default());
+        if vector.capacity() < n {
+            return try_zeroed_vec(n).map_err(|()| Error::Limits {
+                problem: format!(
+                    "{} bytes for one buffer of the frame cannot be allocated",
+                    n.saturating_mul(size_of::<T>())
+                ),
+                mend: format!("render a smaller {SIZE} or fewer buffers"),
+            });
+        }
+        vector.resize(n, T::zeroed());
         Ok(vector)
     }
 

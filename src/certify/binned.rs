@@ -83,9 +83,13 @@ impl BinnedScene {
         let (centers, radii) = (&scene.spheres.centers[..], &scene.spheres.radii[..]);
         let reference = reference.into();
         let coverage = Coverage::new(&projection, [width, height], reference, tolerance);
-        let placing = Scenery { projection: &projection, centers, radii, coverage, reference };
+        let mut placing = Scenery { projection: &projection, centers, radii, coverage, reference, ready: Vec::new() };
         let (bins, entries) = (&sphere_bins.bins, sphere_bins.entries);
+        if entries >= OFTEN * radii.len() as u64 {
+            placing.project_all(pool);
+        }
         let lists = Lists::new(bins, entries, view.record.tiles(), level, &placing, pool);
+        pool.put_back(placing.ready);
         let SphereBins { bins, generals, seen, .. } = sphere_bins;
         pool.put_back(bins);
         let near = GeneralTree::new(&projection, &generals, [width, height], tolerance);
@@ -252,6 +256,62 @@ struct Scenery<'a> {
     radii: &'a [f64],
     coverage: Coverage,
     reference: f64,
+    /// The records of all spheres by their ids, where most spheres are in several lists; else empty.
+    ready: Vec<Placed>,
+}
+
+/// Spheres that are in so many lists on average are projected once for all lists.
+const OFTEN: u64 = 3;
+
+impl Scenery<'_> {
+    /// Projects all spheres, those that are in no list too.
+    fn project_all(&mut self, pool: &Pool) {
+        let mut ready: Vec<Placed> = sized(self.radii.len(), pool);
+        let (scenery, arch) = (&*self, pulp::Arch::new());
+        let job = |(n, to): (usize, &mut [Placed])| arch.dispatch(Ready { scenery, first: n * TOGETHER, to });
+        ready.par_chunks_mut(TOGETHER).enumerate().for_each(job);
+        self.ready = ready;
+    }
+
+    /// The records of the spheres with these ids, centres and radii; as they are for those that have none.
+    #[inline(always)]
+    fn project(&self, ids: &[u32], centers: &[[f64; 3]; LANES], radii: &[f64; LANES], to: &mut [Placed]) {
+        let Self { projection, reference, .. } = *self;
+        let eight = projection.eight(centers, radii, reference);
+        for (l, (placed, id)) in to.iter_mut().zip(ids).enumerate() {
+            if eight.projected[l] != 0 {
+                *placed = eight.placed(l, *id);
+            } else if let Staged::Projected(landed) = projection.stage(*id, centers[l], radii[l], reference) {
+                *placed = landed.placed;
+            }
+        }
+    }
+}
+
+/// The spheres from `first` on, all of which are projected.
+struct Ready<'a> {
+    scenery: &'a Scenery<'a>,
+    first: usize,
+    to: &'a mut [Placed],
+}
+
+impl NullaryFnOnce for Ready<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { scenery, first, to } = self;
+        for (n, to) in to.chunks_mut(LANES).enumerate() {
+            let first = first + n * LANES;
+            // The last sphere is repeated to fill the vector; the copies are discarded.
+            let (mut ids, mut centers, mut radii) = ([0; LANES], [[0.0; 3]; LANES], [0.0; LANES]);
+            for l in 0..LANES {
+                let at = first + l.min(to.len() - 1);
+                (ids[l], centers[l], radii[l]) = (at as u32, scenery.centers[at], scenery.radii[at]);
+            }
+            scenery.project(&ids, &centers, &radii, to);
+        }
+    }
 }
 
 /// The records of one list.
@@ -279,7 +339,11 @@ impl Placing for Scenery<'_> {
 impl Filling for Filler<'_> {
     #[inline(always)]
     fn fetch(&mut self, ids: &[u32]) {
-        let Scenery { centers, radii, .. } = *self.scenery;
+        let Scenery { centers, radii, ref ready, .. } = *self.scenery;
+        if !ready.is_empty() {
+            self.ids[..ids.len()].copy_from_slice(ids);
+            return;
+        }
         // The last sphere is repeated to fill the vector; the copies are discarded.
         for n in 0..ids.len().next_multiple_of(LANES) {
             let id = ids[n.min(ids.len() - 1)];
@@ -289,20 +353,17 @@ impl Filling for Filler<'_> {
 
     #[inline(always)]
     fn place(&mut self, first: usize, to: &mut [Placed]) {
-        let Scenery { projection, reference, .. } = *self.scenery;
-        let (mut centers, mut radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
-        centers.copy_from_slice(&self.centers[first..first + LANES]);
-        radii.copy_from_slice(&self.radii[first..first + LANES]);
-        let eight = projection.eight(&centers, &radii, reference);
-        for (l, (placed, id)) in to.iter_mut().zip(&self.ids[first..]).enumerate() {
-            if eight.projected[l] != 0 {
-                *placed = eight.placed(l, *id);
-            } else if let Staged::Projected(landed) = projection.stage(*id, centers[l], radii[l], reference) {
-                *placed = landed.placed;
-            }
-            if let Some(cover) = &mut self.cover {
-                cover.add(placed);
-            }
+        let ids = &self.ids[first..];
+        if self.scenery.ready.is_empty() {
+            let (mut centers, mut radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
+            centers.copy_from_slice(&self.centers[first..first + LANES]);
+            radii.copy_from_slice(&self.radii[first..first + LANES]);
+            self.scenery.project(ids, &centers, &radii, to);
+        } else {
+            to.iter_mut().zip(ids).for_each(|(placed, id)| *placed = self.scenery.ready[*id as usize]);
+        }
+        if let Some(cover) = &mut self.cover {
+            to.iter().for_each(|placed| cover.add(placed));
         }
     }
 

@@ -34,7 +34,7 @@ pub(crate) const NO_DETAIL: ProjectedDetailRecord =
     ProjectedDetailRecord { subpixel_offset: [0.0; 2], center: 0.0, id: NONE };
 
 /// The representation of a projected sphere in a list.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
 pub(crate) struct Placed {
     pub(crate) record: ProjectedRecord,
     pub(crate) detail: ProjectedDetailRecord,
@@ -213,6 +213,10 @@ impl<P: Placing> NullaryFnOnce for Cells<'_, P> {
         let mut row = Row::with_capacity(own.len() + columns * CHUNK, pool);
         for (j, pair) in starts.windows(2).enumerate() {
             let own = &mut own[pair[0] as usize..pair[1] as usize];
+            if own.is_empty() {
+                row.ends.push(row.projected.len() as u32);
+                continue;
+            }
             let tile = (grid.level() == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
             row.fill(own, &mut placing.begin(tile));
         }
