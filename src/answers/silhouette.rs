@@ -7,13 +7,17 @@
 //!
 //! Everything is measured in pixels, so that lines do not depend on the scene's unit. A line is about 1.3 pixels wide.
 
+#![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
+
 #[cfg(test)]
 mod tests;
 
 use crate::double_double as dd;
+use crate::number::vector::LANES;
 use crate::view::View;
 use crate::view::ray::NONE;
 use crate::window::Window;
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// How far the neighbours of a pixel reach. A pixel's line depends on no others.
@@ -72,6 +76,7 @@ impl PixelSize {
         }
     }
 
+    #[inline(always)]
     fn at(self, depth: f64) -> f64 {
         match self {
             Self::Perspective(slope) => slope * depth,
@@ -95,97 +100,179 @@ pub(crate) struct Shown<'a> {
     pub(crate) pixel: PixelSize,
 }
 
-/// What a pixel shows.
-#[derive(Clone, Copy)]
-struct Spot {
-    id: u32,
-    /// Finite on a hit, +inf on a miss.
-    depth: f64,
-}
-
 impl Shown<'_> {
     /// Draws the lines of the pixels of `part`, whose linear RGB is `color`; with `between`, also where two spheres meet
     /// without a gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.
     pub(crate) fn draw(&self, part: Window, between: bool, color: &mut [f32]) {
-        let [width, rows] = [part.width() as usize, self.ids.len() / self.width.max(1)];
+        let width = part.width() as usize;
         let pairs: Vec<_> = pairs().map(|offset| (offset, unit(offset))).collect();
+        let arch = pulp::Arch::new();
         color.par_chunks_mut((3 * width).max(1)).zip(part.y0..part.y1).for_each(|(row, y)| {
-            for (rgb, x) in row.chunks_exact_mut(3).zip(part.x0..part.x1) {
-                let light = 1.0 - self.darkness([x as isize, y as isize], rows, &pairs, between) as f32;
+            arch.dispatch(Row { shown: self, pairs: &pairs, between, at: [part.x0 as isize, y as isize], row });
+        });
+    }
+
+    /// The rows of the rectangle.
+    fn rows(&self) -> isize {
+        (self.ids.len() / self.width.max(1)) as isize
+    }
+
+    /// What the pixels from this column on show, in a row that exists.
+    #[inline(always)]
+    fn spots(&self, [x, y]: [isize; 2]) -> Spots {
+        let mut spots = Spots { id: [NONE; LANES], depth: [f64::INFINITY; LANES], within: [0; LANES] };
+        let row = y as usize * self.width..(y as usize + 1) * self.width;
+        let (ids, depths) = (&self.ids[row.clone()], &self.depths[row]);
+        let (ids_here, depths_here) = match usize::try_from(x) {
+            Ok(x) => (ids.get(x..x + LANES), depths.get(x..x + LANES)),
+            Err(_) => (None, None),
+        };
+        if let (Some(ids), Some(depths)) = (ids_here, depths_here) {
+            spots.id.copy_from_slice(ids);
+            spots.depth.copy_from_slice(depths);
+            spots.within = [u64::MAX; LANES];
+        } else {
+            for l in 0..LANES {
+                if let Ok(x) = usize::try_from(x + l as isize)
+                    && x < self.width
+                {
+                    (spots.id[l], spots.depth[l], spots.within[l]) = (ids[x], depths[x], u64::MAX);
+                }
+            }
+        }
+        for l in 0..LANES {
+            let hit = (spots.id[l] != NONE) & (spots.depth[l].abs() < f64::INFINITY);
+            spots.id[l] = if hit { spots.id[l] } else { NONE };
+            spots.depth[l] = if hit { spots.depth[l] } else { f64::INFINITY };
+        }
+        spots
+    }
+
+    /// How dark the lines are at the pixels from column `x` of row `y` on: 0 for none, 1 for black. `pairs` are [`pairs`] with
+    /// their unit vectors.
+    #[inline(always)]
+    fn darkness(&self, [x, y]: [isize; 2], pairs: &[([isize; 2], [f64; 2])], between: bool) -> [f64; LANES] {
+        let own = self.spots([x, y]);
+        let mut dark = [0.0; LANES];
+        if own.id == [NONE; LANES] {
+            return dark;
+        }
+        let mut size = [0.0; LANES];
+        for l in 0..LANES {
+            size[l] = self.pixel.at(own.depth[l]);
+        }
+        let mut sums = Sums::default();
+        for &([right, down], toward) in pairs {
+            // Where one of two opposite neighbours lies beyond the frame's edge, it is not known how the surface descends.
+            if y < down || y + down >= self.rows() {
+                continue;
+            }
+            let (one, other) = (self.spots([x + right, y + down]), self.spots([x - right, y - down]));
+            sums.add(&own, &size, toward, (&one, &other), between);
+            sums.add(&own, &size, toward.map(|x| -x), (&other, &one), between);
+        }
+        let mut radii = [f64::INFINITY; LANES];
+        for l in 0..LANES {
+            radii[l] = self.radii.get(own.id[l] as usize).copied().unwrap_or(f64::INFINITY);
+        }
+        for l in 0..LANES {
+            let large = ramp(2.0 * radii[l] / size[l], DIAMETER);
+            let company = ramp(sums.company[l] * NEIGHBOURS / sums.count[l], COMPANY);
+            let edge = sums.ramp(l, &sums.behind) * larger(large, company);
+            let darkness = larger(edge, sums.ramp(l, &sums.beside) * large);
+            dark[l] = if own.id[l] == NONE { 0.0 } else { darkness };
+        }
+        dark
+    }
+}
+
+/// A row of pixels from column and row `at` on, whose lines are drawn.
+struct Row<'a, 'b> {
+    shown: &'a Shown<'b>,
+    pairs: &'a [([isize; 2], [f64; 2])],
+    between: bool,
+    at: [isize; 2],
+    row: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Row<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { shown, pairs, between, at: [x, y], row } = self;
+        for (n, pixels) in row.chunks_mut(3 * LANES).enumerate() {
+            let dark = shown.darkness([x + (n * LANES) as isize, y], pairs, between);
+            for (rgb, dark) in pixels.chunks_exact_mut(3).zip(dark) {
+                let light = 1.0 - dark as f32;
                 if light < 1.0 {
                     rgb.iter_mut().for_each(|value| *value *= light);
                 }
             }
-        });
-    }
-
-    /// The spot at this column and row, if it lies within the rectangle.
-    fn spot(&self, [x, y]: [isize; 2], rows: usize) -> Option<Spot> {
-        let within = (0..self.width as isize).contains(&x) && (0..rows as isize).contains(&y);
-        within.then(|| {
-            let at = y as usize * self.width + x as usize;
-            match (self.ids[at], self.depths[at]) {
-                (id, depth) if id != NONE && depth.is_finite() => Spot { id, depth },
-                _ => Spot { id: NONE, depth: f64::INFINITY },
-            }
-        })
-    }
-
-    /// How dark the line is at a pixel: 0 for none, 1 for black. `pairs` are [`pairs`] with their unit vectors.
-    fn darkness(&self, [x, y]: [isize; 2], rows: usize, pairs: &[([isize; 2], [f64; 2])], between: bool) -> f64 {
-        let Some(own) = self.spot([x, y], rows).filter(|spot| spot.id != NONE) else { return 0.0 };
-        let size = self.pixel.at(own.depth);
-        let mut sums = Sums::default();
-        let mut add = |toward: [f64; 2], other: Spot, opposite: Spot| {
-            sums.count += 1.0;
-            add_to(&mut sums.straight, toward.map(f64::abs), 0.5);
-            if other.id == own.id {
-                return;
-            }
-            let gap = other.depth - own.depth;
-            let farther = ramp((gap - DESCENT * (own.depth - opposite.depth).max(0.0)) / size, GAP);
-            // One of two spheres has the line: the nearer one where there is a gap, else the one with the lower id.
-            let has_line = match gap.abs() > CLOSE * size {
-                true => gap > 0.0,
-                false => own.id < other.id,
-            };
-            let border = f64::from(u8::from(between && has_line));
-            sums.company += 1.0 - farther;
-            add_to(&mut sums.behind, toward, farther);
-            add_to(&mut sums.beside, toward, farther.max(border));
-        };
-        for &([right, down], toward) in pairs {
-            let neighbours = [self.spot([x + right, y + down], rows), self.spot([x - right, y - down], rows)];
-            // Where one of them lies beyond the frame's edge, it is not known how the surface descends.
-            if let [Some(one), Some(other)] = neighbours {
-                add(toward, one, other);
-                add(toward.map(|x| -x), other, one);
-            }
         }
-        let radius = self.radii.get(own.id as usize).copied().unwrap_or(f64::INFINITY);
-        let large = ramp(2.0 * radius / size, DIAMETER);
-        let edge = sums.ramp(sums.behind) * large.max(ramp(sums.company * NEIGHBOURS / sums.count, COMPANY));
-        edge.max(sums.ramp(sums.beside) * large)
     }
 }
 
-/// Sums over the neighbours of a pixel.
-#[derive(Debug, Default)]
+/// What neighbouring pixels of a row show.
+struct Spots {
+    /// [`NONE`] on a miss.
+    id: [u32; LANES],
+    /// Finite on a hit, +inf on a miss.
+    depth: [f64; LANES],
+    /// All bits where the pixel lies within the rectangle, else none.
+    within: [u64; LANES],
+}
+
+/// Sums over the neighbours of some pixels.
+#[derive(Default)]
 struct Sums {
     /// Their number, and of the unit vectors toward them the sum over half of them, on one side of each axis.
-    count: f64,
-    straight: [f64; 2],
+    count: [f64; LANES],
+    straight: [[f64; LANES]; 2],
     /// Unit vectors toward those behind, and toward those behind or of another sphere.
-    behind: [f64; 2],
-    beside: [f64; 2],
+    behind: [[f64; LANES]; 2],
+    beside: [[f64; LANES]; 2],
     /// Those that are not behind and show another sphere.
-    company: f64,
+    company: [f64; LANES],
 }
 
 impl Sums {
-    /// How dark a sum of unit vectors makes the pixel. At the edge of the frame it is scaled up, as there are fewer.
-    fn ramp(&self, sum: [f64; 2]) -> f64 {
-        ramp(length(sum) * STRAIGHT / self.straight[0].max(self.straight[1]), ASIDE)
+    /// Adds the neighbours `other`, in this direction, beside those on the `opposite` side; what does not count adds 0.
+    #[inline(always)]
+    fn add(
+        &mut self,
+        own: &Spots,
+        size: &[f64; LANES],
+        toward: [f64; 2],
+        (other, opposite): (&Spots, &Spots),
+        between: bool,
+    ) {
+        for l in 0..LANES {
+            let within = other.within[l] & opposite.within[l] != 0;
+            let one = if within { 1.0 } else { 0.0 };
+            let counts = within & (other.id[l] != own.id[l]);
+            let gap = other.depth[l] - own.depth[l];
+            let before = larger(own.depth[l] - opposite.depth[l], 0.0);
+            let farther = ramp((gap - DESCENT * before) / size[l], GAP);
+            let farther = if counts { farther } else { 0.0 };
+            // One of two spheres has the line: the nearer one where there is a gap, else the one with the lower id.
+            let apart = gap.abs() > CLOSE * size[l];
+            let has_line = (apart & (gap > 0.0)) | (!apart & (own.id[l] < other.id[l]));
+            let border = if between & counts & has_line { 1.0 } else { 0.0 };
+            self.count[l] += one;
+            self.company[l] += if counts { 1.0 - farther } else { 0.0 };
+            for k in 0..2 {
+                self.straight[k][l] += 0.5 * one * toward[k].abs();
+                self.behind[k][l] += farther * toward[k];
+                self.beside[k][l] += larger(farther, border) * toward[k];
+            }
+        }
+    }
+
+    /// How dark a sum of unit vectors makes a pixel. At the edge of the frame it is scaled up, as there are fewer.
+    #[inline(always)]
+    fn ramp(&self, l: usize, sum: &[[f64; LANES]; 2]) -> f64 {
+        ramp(length([sum[0][l], sum[1][l]]) * STRAIGHT / larger(self.straight[0][l], self.straight[1][l]), ASIDE)
     }
 }
 
@@ -196,15 +283,19 @@ fn pairs() -> impl Iterator<Item = [isize; 2]> {
 }
 
 /// 0 up to `low`, 1 from `high` on, and linear between; 0 for NaN.
+#[inline(always)]
 fn ramp(x: f64, [low, high]: [f64; 2]) -> f64 {
-    if x > low { ((x - low) / (high - low)).min(1.0) } else { 0.0 }
+    let y = (x - low) / (high - low);
+    if x > low { if y < 1.0 { y } else { 1.0 } } else { 0.0 }
 }
 
-/// Adds `weight` times a vector.
-fn add_to(sum: &mut [f64; 2], vector: [f64; 2], weight: f64) {
-    sum.iter_mut().zip(vector).for_each(|(sum, x)| *sum += weight * x);
+/// The larger; of NaN the second. Without the treatment of NaN of `max`, which compilers make no vectors of.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
+#[inline(always)]
 fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
