@@ -17,6 +17,7 @@ pub(crate) struct Dd {
 
 impl Dd {
     /// a + b exactly.
+    #[inline(always)]
     pub(crate) fn sum(a: f64, b: f64) -> Self {
         let hi = a + b;
         let bb = hi - a;
@@ -24,27 +25,32 @@ impl Dd {
     }
 
     /// a - b exactly.
+    #[inline(always)]
     pub(crate) fn diff(a: f64, b: f64) -> Self {
         Self::sum(a, -b)
     }
 
     /// a b exactly, away from underflow.
+    #[inline(always)]
     pub(crate) fn product(a: f64, b: f64) -> Self {
         let hi = a * b;
         Self { hi, lo: a.mul_add(b, -hi) }
     }
 
     /// a + b where |a| >= |b|.
+    #[inline(always)]
     fn fast(a: f64, b: f64) -> Self {
         let hi = a + b;
         Self { hi, lo: b - (hi - a) }
     }
 
     /// The nearest f64.
+    #[inline(always)]
     pub(crate) fn value(self) -> f64 {
         self.hi + self.lo
     }
 
+    #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
         if self.hi <= 0.0 {
             return Self::default();
@@ -55,12 +61,14 @@ impl Dd {
     }
 
     /// Times 2^k, exactly unless it leaves the range.
+    #[inline(always)]
     pub(crate) fn ldexp(self, k: i32) -> Self {
         Self { hi: ldexp(self.hi, k), lo: ldexp(self.lo, k) }
     }
 }
 
 impl From<f64> for Dd {
+    #[inline(always)]
     fn from(hi: f64) -> Self {
         Self { hi, lo: 0.0 }
     }
@@ -68,6 +76,7 @@ impl From<f64> for Dd {
 
 impl Add for Dd {
     type Output = Self;
+    #[inline(always)]
     fn add(self, b: Self) -> Self {
         let s = Self::sum(self.hi, b.hi);
         let t = Self::sum(self.lo, b.lo);
@@ -78,6 +87,7 @@ impl Add for Dd {
 
 impl Neg for Dd {
     type Output = Self;
+    #[inline(always)]
     fn neg(self) -> Self {
         Self { hi: -self.hi, lo: -self.lo }
     }
@@ -85,6 +95,7 @@ impl Neg for Dd {
 
 impl Sub for Dd {
     type Output = Self;
+    #[inline(always)]
     fn sub(self, b: Self) -> Self {
         self + -b
     }
@@ -92,6 +103,7 @@ impl Sub for Dd {
 
 impl Mul for Dd {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, b: Self) -> Self {
         let p = Self::product(self.hi, b.hi);
         let cross = self.lo.mul_add(b.hi, self.hi * b.lo);
@@ -101,6 +113,7 @@ impl Mul for Dd {
 
 impl Div for Dd {
     type Output = Self;
+    #[inline(always)]
     fn div(self, b: Self) -> Self {
         let first = self.hi / b.hi;
         let rest = self - b * first.into();
@@ -114,11 +127,13 @@ impl Div for Dd {
 pub(crate) type Dd3 = [Dd; 3];
 
 /// a . b
+#[inline(always)]
 pub(crate) fn dot(a: Dd3, b: Dd3) -> Dd {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a x b
+#[inline(always)]
 pub(crate) fn cross(a: Dd3, b: Dd3) -> Dd3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -134,6 +149,7 @@ pub fn exponent(x: f64) -> i32 {
 }
 
 /// x 2^k. Exact unless the result is subnormal or overflows; then rounded once.
+#[inline(always)]
 pub(crate) fn ldexp(x: f64, k: i32) -> f64 {
     let power = |k: i32| f64::from_bits(((k + 1023) as u64) << 52);
     match k {

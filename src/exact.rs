@@ -75,6 +75,7 @@ impl Judge {
     }
 
     /// The same over some spheres; indices beyond the scene's are ignored.
+    #[inline(always)]
     pub fn among(&self, i: u32, j: u32, candidates: &[u32]) -> Option<Truth> {
         self.bench.nearest(&self.ray(i, j), candidates.iter().copied())
     }
@@ -133,16 +134,11 @@ impl Judge {
         Some(asked.iter().map(|question| question.answer(&hit)).collect())
     }
 
-    fn ray(&self, i: u32, j: u32) -> RayForms {
+    #[inline(always)]
+    fn ray(&self, i: u32, j: u32) -> RayForms<'_> {
         let CentredFrame { viewport, size, step, shift: [left, top] } = &self.frame;
         let (i, j) = (i * step + top, j * step + left);
-        RayForms {
-            quick: filter::FilterRay::through(viewport, *size, i, j),
-            line: self.lens.line(i, j),
-            stretch: self.lens.stretch(),
-            planar: true,
-            exact: OnceCell::new(),
-        }
+        RayForms::through(&self.lens, [i, j], filter::FilterRay::through(viewport, *size, i, j))
     }
 }
 
@@ -216,7 +212,7 @@ struct Best<'a> {
     hit: FilterHit,
     root: Root,
     tangent: bool,
-    meeting: OnceCell<Meeting>,
+    meeting: OnceCell<Box<Meeting>>,
 }
 
 impl Bench {
@@ -239,12 +235,13 @@ impl Bench {
         self.screens.par_iter_mut().zip(&self.bodies).for_each(|(screen, body)| screen.aside(body, k));
     }
 
-    fn nearest(&self, rays: &RayForms, ids: impl Iterator<Item = u32>) -> Option<Truth> {
+    #[inline(always)]
+    fn nearest(&self, rays: &RayForms<'_>, ids: impl Iterator<Item = u32>) -> Option<Truth> {
         self.truth(rays, &self.foremost(rays, ids)?)
     }
 
     /// The nearest hit, if its t is below `limit`.
-    fn nearest_within(&self, rays: &RayForms, ids: impl Iterator<Item = u32>, limit: f64) -> Option<Truth> {
+    fn nearest_within(&self, rays: &RayForms<'_>, ids: impl Iterator<Item = u32>, limit: f64) -> Option<Truth> {
         let best = self.foremost(rays, ids)?;
         let before = || {
             let ray = rays.exact(&self.frame);
@@ -256,7 +253,8 @@ impl Bench {
         self.truth(rays, &best)
     }
 
-    fn foremost(&self, rays: &RayForms, ids: impl Iterator<Item = u32>) -> Option<Best<'_>> {
+    #[inline(always)]
+    fn foremost(&self, rays: &RayForms<'_>, ids: impl Iterator<Item = u32>) -> Option<Best<'_>> {
         let mut best: Option<Best> = None;
         for id in ids {
             if self.screens.get(id as usize).is_none_or(|screen| rays.quick.misses(screen)) {
@@ -272,7 +270,8 @@ impl Bench {
     }
 
     /// The candidate hit of the sphere, if the ray hits it.
-    fn hit(&self, rays: &RayForms, id: u32) -> Option<Best<'_>> {
+    #[inline(always)]
+    fn hit(&self, rays: &RayForms<'_>, id: u32) -> Option<Best<'_>> {
         self.hit_body(rays, id, &self.bodies[id as usize])
     }
 
@@ -280,7 +279,8 @@ impl Bench {
         Body::new(&self.frame, self.eye, &self.basis, center, radius)
     }
 
-    fn hit_body<'b>(&self, rays: &RayForms, id: u32, body: &'b Body) -> Option<Best<'b>> {
+    #[inline(always)]
+    fn hit_body<'b>(&self, rays: &RayForms<'_>, id: u32, body: &'b Body) -> Option<Best<'b>> {
         let best = |hit, root| Best { id, body, hit, root, tangent: false, meeting: OnceCell::new() };
         match rays.quick.meet(body) {
             FilterResult::Miss => None,
@@ -296,14 +296,15 @@ impl Bench {
     }
 
     /// Whether `next` is nearer, or at the same t with a lower index.
-    fn beats(&self, rays: &RayForms, next: &Best, best: &Best) -> bool {
+    #[inline(always)]
+    fn beats(&self, rays: &RayForms<'_>, next: &Best, best: &Best) -> bool {
         let same = next.body.center == best.body.center && next.body.radius == best.body.radius;
         let order = if same { Some(Ordering::Equal) } else { next.hit.order(&best.hit) };
         let exact = || decide::order(&self.frame.field, self.meeting(rays, next), self.meeting(rays, best));
         order.unwrap_or_else(exact).then(next.id.cmp(&best.id)) == Ordering::Less
     }
 
-    fn hidden(&self, rays: &RayForms, lights: &[Toward]) -> Option<Vec<bool>> {
+    fn hidden(&self, rays: &RayForms<'_>, lights: &[Toward]) -> Option<Vec<bool>> {
         let best = self.foremost(rays, 0..self.bodies.len() as u32)?;
         let hit = self.hit_point(rays, &best);
         let is_hidden = |light: &Toward| {
@@ -314,28 +315,29 @@ impl Bench {
         Some(lights.iter().map(is_hidden).collect())
     }
 
-    fn hit_point<'b>(&'b self, rays: &'b RayForms, best: &'b Best) -> HitPoint<'b> {
+    fn hit_point<'b>(&'b self, rays: &'b RayForms<'b>, best: &'b Best) -> HitPoint<'b> {
         let (ray, meeting) = (rays.exact(&self.frame), self.meeting(rays, best));
         let sphere = (best.body.center, best.body.radius);
-        HitPoint::new(&self.frame, ray, &rays.stretch, meeting, best.root, sphere)
+        HitPoint::new(&self.frame, ray, rays.stretch(), meeting, best.root, sphere)
     }
 
-    fn meeting<'b>(&self, rays: &RayForms, best: &'b Best) -> &'b Meeting {
-        best.meeting.get_or_init(|| self.meet(rays, best.body))
+    fn meeting<'b>(&self, rays: &RayForms<'_>, best: &'b Best) -> &'b Meeting {
+        best.meeting.get_or_init(|| Box::new(self.meet(rays, best.body)))
     }
 
-    fn meet(&self, rays: &RayForms, body: &Body) -> Meeting {
+    fn meet(&self, rays: &RayForms<'_>, body: &Body) -> Meeting {
         self.frame.meet(rays.exact(&self.frame), body.center, body.radius)
     }
 
-    fn truth(&self, rays: &RayForms, best: &Best) -> Option<Truth> {
+    #[inline(always)]
+    fn truth(&self, rays: &RayForms<'_>, best: &Best) -> Option<Truth> {
         let name = DecidedHit { id: best.id, root: best.root, tangent: best.tangent };
         answer::quick(name, self.eye, &self.basis, rays, best.body, &best.hit)
             .or_else(|| answer::slow(name, &self.frame, rays, self.meeting(rays, best), best.body.radius))
     }
 
     /// 128 bits of t: more than a double-double holds.
-    fn t(&self, rays: &RayForms, id: u32, root: Root) -> Option<Dyadic> {
+    fn t(&self, rays: &RayForms<'_>, id: u32, root: Root) -> Option<Dyadic> {
         let meeting = self.meet(rays, self.bodies.get(id as usize)?);
         Some(Path::new(&self.frame, rays, &meeting, root, 128)?.t())
     }

@@ -5,12 +5,13 @@ use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
-use crate::exact::Truth;
+use crate::exact::{Judge, Truth};
 use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
 use crate::shade::Shade;
 use crate::view::View;
 use crate::view::ray::{UNSURE, positive};
 use glam::DVec3;
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// A pixel that was settled.
@@ -42,14 +43,16 @@ pub(crate) fn settle(
 ) -> Result<Vec<Settled>> {
     let settler = Settler { scene, view, twin: Certify::new(&view.record, binned), go_on };
     let mut settled = Vec::with_capacity(unsure.len());
+    let most: Vec<usize> = unsure.par_iter().map(|pixel| settler.most(*pixel)).collect();
     let mut left = unsure;
     while !left.is_empty() {
         let mut reserved = 0;
-        let fits = |pixel: &&u32| {
-            reserved += settler.most(**pixel);
+        let fits = |most: &&usize| {
+            reserved += **most;
             reserved <= AT_ONCE
         };
-        let (now, later) = left.split_at(left.iter().take_while(fits).count().max(1));
+        let count = most[settled.len()..].iter().take_while(fits).count().max(1);
+        let (now, later) = left.split_at(count);
         settled.extend(settler.decide(now)?);
         left = later;
     }
@@ -72,8 +75,8 @@ impl Settler<'_> {
         (end - first) as usize + self.twin.general_lists.of(row, column).len()
     }
 
-    /// The spheres that may be the nearest hit of `pixel`, in the scene's order.
-    fn candidates(&self, pixel: u32) -> Vec<u32> {
+    /// The spheres that may be the nearest hit of `pixel`, in the scene's order; `all` is room for its candidates.
+    fn candidates(&self, all: &mut Vec<(f32, u32)>, pixel: u32) -> Vec<u32> {
         let twin = &self.twin;
         if !(self.go_on)() {
             return Vec::new();
@@ -81,20 +84,22 @@ impl Settler<'_> {
         let [row, column] = twin.view.place(pixel);
         let [row, column] = twin.view.sample_position(row, column);
         let slopes = twin.slopes(row, column);
-        let mut all: Vec<_> = twin.candidates(&slopes).collect();
+        all.clear();
+        all.extend(twin.candidates(&slopes));
         // An upper bound of the depth of the nearest hit.
         let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
         let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
         let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
         all.retain(|(low, _)| *low <= limit);
-        let mut ids: Vec<u32> = all.into_iter().map(|(_, slot)| twin.id(slot)).collect();
+        let mut ids: Vec<u32> = all.iter().map(|(_, slot)| twin.id(*slot)).collect();
         ids.sort_unstable();
         ids
     }
 
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let scene = self.scene;
-        let lists: Vec<Vec<u32>> = pixels.par_iter().map(|pixel| self.candidates(*pixel)).collect();
+        let candidates = |all: &mut Vec<_>, pixel: &u32| self.candidates(all, *pixel);
+        let mut lists: Vec<Vec<u32>> = pixels.par_iter().map_init(Vec::new, candidates).collect();
         // Only the candidates are set up, in their order, so that the lower id stays the lower.
         let mut ids: Vec<u32> = lists.concat();
         ids.par_sort_unstable();
@@ -106,14 +111,32 @@ impl Settler<'_> {
         let few = Scene { spheres, ..scene.bare() };
         let judge = self.view.judge(&few)?;
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
-        let decide = |(&pixel, own): (&u32, &Vec<u32>)| {
-            let candidates: Vec<u32> = own.iter().map(local).collect();
+        let arch = pulp::Arch::new();
+        let decide = |(&pixel, candidates): (&u32, &mut Vec<u32>)| {
+            candidates.iter_mut().for_each(|id| *id = local(id));
             let [row, column] = self.twin.view.place(pixel);
-            let [row, column] = self.twin.view.sample_position(row, column);
-            let truth = judge.among(row, column, &candidates);
+            let at = self.twin.view.sample_position(row, column);
+            let truth = arch.dispatch(Decision { judge: &judge, at, candidates });
             Settled { pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
         };
-        Ok(pixels.par_iter().zip(&lists).map(decide).collect())
+        Ok(pixels.par_iter().zip(&mut lists).map(decide).collect())
+    }
+}
+
+/// The decision of one pixel, compiled for processors with a fused multiply-add, which would be a function call elsewhere.
+struct Decision<'a> {
+    judge: &'a Judge,
+    at: [u32; 2],
+    candidates: &'a [u32],
+}
+
+impl NullaryFnOnce for Decision<'_> {
+    type Output = Option<Truth>;
+
+    #[inline(always)]
+    fn call(self) -> Option<Truth> {
+        let [row, column] = self.at;
+        self.judge.among(row, column, self.candidates)
     }
 }
 

@@ -48,11 +48,12 @@ pub(crate) struct DecidedHit {
 }
 
 /// The answer in double-double, if it is precise enough.
+#[inline(always)]
 pub(crate) fn quick(
     name: DecidedHit,
     eye: [f64; 3],
     basis: &AxesDd,
-    rays: &RayForms,
+    rays: &RayForms<'_>,
     body: &Body,
     hit: &FilterHit,
 ) -> Option<Truth> {
@@ -64,19 +65,24 @@ pub(crate) fn quick(
     // too few bits.
     let good = (hit.error + STEPS) * distance.hi <= CLOSE * distance.hi.min(body.r)
         && STEPS * (distance.hi + body.size + aside) <= CLOSE * body.r
-        && (!rays.planar || hit.t.hi * ray.dir[2].hi > TINY);
+        && (!rays.planar() || hit.t.hi * ray.dir[2].hi > TINY);
     if !good {
         return None;
     }
-    let mut offset = ray.dir.map(|x| x * hit.t);
+    // Neither array::from_fn nor map, which compilers leave as calls.
+    let [u, v, w] = ray.dir;
+    let mut offset = [u * hit.t, v * hit.t, w * hit.t];
     if let Some([x, y]) = from {
         (offset[0], offset[1]) = (x, y);
     }
-    let outward = std::array::from_fn(|n| (offset[n] - body.p[n]) / Dd::from(body.r));
-    let normal = basis.world(outward).map(|x| if name.root == Root::Near { x.value() } else { -x.value() });
+    let (r, [p, q, s]) = (Dd::from(body.r), body.p);
+    let [x, y, z] = basis.world([(offset[0] - p) / r, (offset[1] - q) / r, (offset[2] - s) / r]);
+    let facing = |x: Dd| if name.root == Root::Near { x.value() } else { -x.value() };
+    let normal = [facing(x), facing(y), facing(z)];
     let offset = basis.world(offset);
     let scaled = |x: Dd, k: i32| dd::ldexp(x.value(), k);
-    let position = std::array::from_fn(|n| (offset[n].ldexp(body.k) + Dd::from(eye[n])).value());
+    let place = |n: usize| (offset[n].ldexp(body.k) + Dd::from(eye[n])).value();
+    let position = [place(0), place(1), place(2)];
     // An offset beyond f64 may still give a finite position.
     position.iter().all(|x| x.is_finite()).then(|| Truth {
         id: name.id,
@@ -84,7 +90,7 @@ pub(crate) fn quick(
         tangent: name.tangent,
         t: scaled(hit.t, body.k - ray.k),
         distance: scaled(distance, body.k),
-        depth: if rays.planar { scaled(hit.t * ray.dir[2], body.k) } else { f64::NAN },
+        depth: if rays.planar() { scaled(hit.t * ray.dir[2], body.k) } else { f64::NAN },
         normal,
         position,
     })
@@ -94,7 +100,7 @@ pub(crate) fn quick(
 pub(crate) fn slow(
     name: DecidedHit,
     frame: &ExactFrame,
-    rays: &RayForms,
+    rays: &RayForms<'_>,
     meeting: &Meeting,
     radius: f64,
 ) -> Option<Truth> {
@@ -104,7 +110,7 @@ pub(crate) fn slow(
     // A first estimate of the distance gives the number of bits needed beyond 2^-96 for a position on a small sphere.
     let length = Path::new(frame, rays, meeting, name.root, 16)?.distance();
     let aside = |n| frame.aside(ray, n);
-    let start = |n, bits| (&frame.field.value(&aside(n), bits) * &rays.stretch).over(&ray.a, bits);
+    let start = |n, bits| (&frame.field.value(&aside(n), bits) * rays.stretch()).over(&ray.a, bits);
     let farthest = (0..3).map(|n| start(n, 16)).filter(|x| !x.is_zero()).map(|x| x.magnitude()).max();
     let farthest = farthest.map_or(length.magnitude(), |aside| aside.max(length.magnitude()));
     let bits = 96 + (farthest - radius.magnitude()).max(0) as usize;
@@ -124,7 +130,7 @@ pub(crate) fn slow(
         tangent: name.tangent,
         t: path.t().to_f64(),
         distance: path.distance().to_f64(),
-        depth: if rays.planar { path.depth().to_f64() } else { f64::NAN },
+        depth: if rays.planar() { path.depth().to_f64() } else { f64::NAN },
         normal: std::array::from_fn(normal),
         position: std::array::from_fn(|n| (&frame.eye[n] + &offset[n]).to_f64()),
     })
@@ -133,7 +139,7 @@ pub(crate) fn slow(
 /// One root along one ray: b' -+ sqrt(D') to some bits, and the lengths that follow from it.
 pub(crate) struct Path<'a> {
     frame: &'a ExactFrame,
-    rays: &'a RayForms,
+    rays: &'a RayForms<'a>,
     bits: usize,
     pub(crate) scaled: Dyadic,
 }
@@ -141,7 +147,7 @@ pub(crate) struct Path<'a> {
 impl<'a> Path<'a> {
     pub(crate) fn new(
         frame: &'a ExactFrame,
-        rays: &'a RayForms,
+        rays: &'a RayForms<'a>,
         meeting: &Meeting,
         root: Root,
         bits: usize,
@@ -159,7 +165,7 @@ impl<'a> Path<'a> {
 
     /// t = 2 W H alpha beta (b' -+ sqrt(D')) / a'
     pub(crate) fn t(&self) -> Dyadic {
-        &self.per_length() * &self.rays.stretch
+        &self.per_length() * self.rays.stretch()
     }
 
     /// t d, with d and t of the scaled ray.

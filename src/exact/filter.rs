@@ -71,8 +71,12 @@ impl AxesDd {
     }
 
     /// The sum of the axes times `a`: from the frame to the world.
+    #[inline(always)]
     pub(crate) fn world(&self, a: Dd3) -> Dd3 {
-        std::array::from_fn(|k| a[0] * self.0[0][k] + a[1] * self.0[1][k] + a[2] * self.0[2][k])
+        // Not array::from_fn, which compilers leave as a call.
+        let [right, up, forward] = &self.0;
+        let component = |k: usize| a[0] * right[k] + a[1] * up[k] + a[2] * forward[k];
+        [component(0), component(1), component(2)]
     }
 }
 
@@ -199,6 +203,7 @@ pub(crate) fn exponent(lens: &ExactViewport) -> i32 {
 }
 
 impl FilterRay {
+    #[inline(always)]
     fn new(dir: Dd3, k: i32) -> Self {
         let a = dd::dot(dir, dir);
         // The second term is for a direction whose square underflows.
@@ -212,6 +217,7 @@ impl FilterRay {
     }
 
     /// The ray through the centre of row i, column j.
+    #[inline(always)]
     pub(crate) fn through(lens: &ExactViewport, [width, height]: [u32; 2], i: u32, j: u32) -> Self {
         let k = exponent(lens);
         let [columns, rows] = odds([width.into(), height.into()], i, j).map(|n| n as f64);
@@ -228,11 +234,13 @@ impl FilterRay {
     }
 
     /// The origin of a parallel ray in the plane of the eye, times 2^-k.
+    #[inline(always)]
     pub(crate) fn start(&self, k: i32) -> Option<[Dd; 2]> {
         self.from.map(|(from, own)| from.map(|x| x.ldexp(own - k)))
     }
 
     /// The f64 pass: whether the line certainly misses the sphere.
+    #[inline(always)]
     pub(crate) fn misses(&self, s: &Screen) -> bool {
         if let Some(([right, up], _)) = self.from {
             let (x, y) = (s.p[0] - right.hi, s.p[1] - up.hi);
@@ -244,6 +252,7 @@ impl FilterRay {
     }
 
     /// The double-double pass.
+    #[inline(always)]
     pub(crate) fn meet(&self, s: &Body) -> FilterResult {
         if let Some(from) = self.start(s.k) {
             return aside(from, s);
@@ -269,6 +278,7 @@ impl FilterRay {
     }
 
     /// D and its error; `e` is that of the components of dir x p.
+    #[inline(always)]
     fn discriminant(&self, s: &Body, e: f64) -> (Dd, f64) {
         let moment = dd::cross(self.dir, s.p);
         let l2 = dd::dot(moment, moment);
@@ -282,6 +292,7 @@ impl FilterRay {
     /// |b| + sqrt(D) = q is a sum of like signs; one root is q/a, the other |power|/q. Where D > E its root errs by at
     /// most E/sqrt(D), anywhere by sqrt(E), and roundings of q and its parts stay below 2^-98 q. An a that is itself next
     /// to underflow has fewer bits than that.
+    #[inline(always)]
     fn parameter(&self, s: &Body, b: Dd, e: f64, (disc, error): (Dd, f64)) -> (Dd, f64) {
         let magnitude = if b.hi < 0.0 { -b } else { b };
         let (q, loss) = if s.side == Ordering::Equal {
@@ -303,6 +314,7 @@ impl FilterRay {
 
 /// The double-double pass for a parallel ray from that origin, in the sphere's unit. Results that are not finite decide
 /// nothing.
+#[inline(always)]
 fn aside([right, up]: [Dd; 2], s: &Body) -> FilterResult {
     let (x, y, b) = (s.p[0] - right, s.p[1] - up, s.p[2]);
     let e = CROSS * (s.size + right.hi.abs() + up.hi.abs()) + TINY;
@@ -349,6 +361,7 @@ pub(crate) struct FilterHit {
 
 impl FilterHit {
     /// The order of t, where the errors allow a decision.
+    #[inline(always)]
     pub(crate) fn order(&self, other: &Self) -> Option<Ordering> {
         let k = self.k.max(other.k);
         let (s, t) = (self.t.ldexp(self.k - k), other.t.ldexp(other.k - k));

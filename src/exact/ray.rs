@@ -1,34 +1,57 @@
 //! A ray as the judge decides it.
 
-use super::decide::{ExactFrame, ExactRay, Line};
+use super::decide::{ExactFrame, ExactLens, ExactRay, Line};
 use super::filter::FilterRay;
 use crate::dyadic::{self, Dyadic};
 use std::cell::OnceCell;
 
 /// One ray in both arithmetics; the exact one is computed when it is first needed.
-pub(super) struct RayForms {
+pub(super) struct RayForms<'a> {
     pub(super) quick: FilterRay,
-    pub(super) line: Line,
-    /// The factor from the real direction to the exact one.
-    pub(super) stretch: Dyadic,
-    /// Whether the third component is a depth.
-    pub(super) planar: bool,
-    pub(super) exact: OnceCell<ExactRay>,
+    course: Course<'a>,
+    exact: OnceCell<Box<ExactRay>>,
+    stretch: OnceCell<Box<Dyadic>>,
 }
 
-impl RayForms {
+/// What the exact ray is made from.
+enum Course<'a> {
+    /// Row and column.
+    Pixel(&'a ExactLens, [u32; 2]),
+    Given([f64; 3]),
+}
+
+impl<'a> RayForms<'a> {
+    /// The ray through the centre of this row and column.
+    #[inline(always)]
+    pub(super) fn through(lens: &'a ExactLens, at: [u32; 2], quick: FilterRay) -> Self {
+        Self { quick, course: Course::Pixel(lens, at), exact: OnceCell::new(), stretch: OnceCell::new() }
+    }
+
     /// A ray with a given direction; finite and not zero.
     pub(super) fn along(direction: [f64; 3]) -> Self {
-        Self {
-            quick: FilterRay::along(direction),
-            line: Line { dir: dyadic::vector(direction), from: None },
-            stretch: Dyadic::from(1),
-            planar: false,
-            exact: OnceCell::new(),
-        }
+        let (quick, course) = (FilterRay::along(direction), Course::Given(direction));
+        Self { quick, course, exact: OnceCell::new(), stretch: OnceCell::new() }
+    }
+
+    /// Whether the third component is a depth.
+    pub(super) fn planar(&self) -> bool {
+        matches!(self.course, Course::Pixel(..))
+    }
+
+    /// The factor from the real direction to the exact one.
+    pub(super) fn stretch(&self) -> &Dyadic {
+        self.stretch.get_or_init(|| match self.course {
+            Course::Pixel(lens, _) => Box::new(lens.stretch()),
+            Course::Given(_) => Box::new(Dyadic::from(1)),
+        })
     }
 
     pub(super) fn exact(&self, frame: &ExactFrame) -> &ExactRay {
-        self.exact.get_or_init(|| frame.ray(self.line.clone()))
+        self.exact.get_or_init(|| {
+            Box::new(frame.ray(match self.course {
+                Course::Pixel(lens, [i, j]) => lens.line(i, j),
+                Course::Given(direction) => Line { dir: dyadic::vector(direction), from: None },
+            }))
+        })
     }
 }
