@@ -221,6 +221,7 @@ impl View {
     }
 
     /// (u, v, -d) of row i and column j.
+    #[inline(always)]
     fn aside(&self, i: u32, j: u32) -> [f64; 3] {
         let odd = |n: u32, k: u32| 2.0 * f64::from(k) + 1.0 - f64::from(n);
         [odd(self.record.width, j) * self.pitch[0], -odd(self.record.height, i) * self.pitch[1], -self.pitch[2]]
@@ -233,6 +234,7 @@ impl View {
     }
 
     /// A direction of the canonical camera in world space.
+    #[inline(always)]
     pub(crate) fn to_world(&self, d: [f64; 3]) -> DVec3 {
         self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
     }

@@ -4,6 +4,7 @@
 pub(crate) mod tests;
 
 mod bounce;
+mod colors;
 mod lighting;
 mod point;
 mod surface;
@@ -14,6 +15,7 @@ use crate::view::directions::PixelSample;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use bounce::Bounces;
+use colors::Colors;
 use glam::DVec3;
 pub(crate) use lighting::{LitScene, Wanted};
 use point::PointLight;
@@ -56,7 +58,12 @@ impl Task<'_, '_, '_> {
         let mut bounces = Bounces::default();
         let rayless = color && lighting.is_rayless();
         let rays = PictureRays::new(lighting.view);
-        for (n, &id) in ids.iter().enumerate() {
+        let left: Vec<usize> = match rayless && !shadow && !occlusion && !sky && Colors::fit(lighting) {
+            true => pulp::Arch::new().dispatch(Colors { lighting, rays: &rays, ids, chunk: &mut *chunk }),
+            false => (0..ids.len()).collect(),
+        };
+        for n in left {
+            let id = ids[n];
             let pixel = (chunk.first + n) as u32;
             if id == NONE {
                 chunk.miss(n, lights, || lighting.backdrop.at(pixel));

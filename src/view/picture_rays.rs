@@ -42,7 +42,17 @@ impl<'a> PictureRays<'a> {
     /// nearest to the ray.
     #[inline(always)]
     pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
-        let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting(pixel, center, radius);
+        let position = self.position(pixel);
+        match self.view.parallel {
+            true => self.hit_at::<true>(position, center, radius),
+            false => self.hit_at::<false>(position, center, radius),
+        }
+    }
+
+    /// The same for a row and a column of the view's frame. Without branches, so that compilers make vectors of loops over it.
+    #[inline(always)]
+    pub(crate) fn hit_at<const PARALLEL: bool>(&self, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
+        let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting::<PARALLEL>(position, center, radius);
         let outward = (d * t - p).normalize_or(-d);
         PictureHit {
             along: d / a.sqrt(),
@@ -55,20 +65,28 @@ impl<'a> PictureRays<'a> {
 
     /// The depth of that point along the view axis, in the scene's unit.
     pub(crate) fn depth(&self, pixel: u32, center: [f64; 3], radius: f64) -> f64 {
-        let Meeting { forward, t, .. } = self.meeting(pixel, center, radius);
+        let position = self.position(pixel);
+        let Meeting { forward, t, .. } = match self.view.parallel {
+            true => self.meeting::<true>(position, center, radius),
+            false => self.meeting::<false>(position, center, radius),
+        };
         dd::ldexp(forward * t, self.view.unit)
     }
 
+    /// The row and column of the ray of a pixel in the view's frame.
+    fn position(&self, pixel: u32) -> [u32; 2] {
+        let [row, column] = self.view.record.place(pixel);
+        self.view.record.sample_position(row, column)
+    }
+
     #[inline(always)]
-    fn meeting(&self, pixel: u32, center: [f64; 3], radius: f64) -> Meeting {
+    fn meeting<const PARALLEL: bool>(&self, [i, j]: [u32; 2], center: [f64; 3], radius: f64) -> Meeting {
         let view = self.view;
-        let [row, column] = view.record.place(pixel);
-        let [i, j] = view.record.sample_position(row, column);
-        let direction = view.direction(i, j);
+        let direction = if PARALLEL { [0.0, 0.0, -1.0] } else { view.aside(i, j) };
         let d = view.to_world(direction);
         let mut p = (DVec3::from_array(center) - view.basis.e) * self.scale;
         let mut aside = 0.0;
-        if view.parallel {
+        if PARALLEL {
             let origin = view.to_world(view.origin(i, j)) * self.scale;
             (p, aside) = (p - origin, p.length_squared() + origin.length_squared());
         }

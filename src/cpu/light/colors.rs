@@ -1,0 +1,152 @@
+//! Colours that need no rays, for eight pixels at once: the same bits as one by one.
+
+#![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
+
+use super::lighting::LitScene;
+use crate::answers::lit::Chunk;
+use crate::number::vector::LANES;
+use crate::scene::Material;
+use crate::shade::lit;
+use crate::view::picture_rays::PictureRays;
+use crate::view::ray::NONE;
+use glam::{DVec3, Vec3};
+use pulp::NullaryFnOnce;
+
+/// Some pixels of a frame without shadows, mirrors and highlights, whose open sky is known.
+pub(super) struct Colors<'a, 'b, 'c> {
+    pub(super) lighting: &'a LitScene<'a>,
+    pub(super) rays: &'a PictureRays<'a>,
+    pub(super) ids: &'a [u32],
+    pub(super) chunk: &'b mut Chunk<'c>,
+}
+
+/// What is known of some pixels before their colours, one array per component.
+struct Lanes {
+    position: [[u32; LANES]; 2],
+    center: [[f64; LANES]; 3],
+    radius: [f64; LANES],
+    own: [[f64; LANES]; 3],
+    sky: [[f64; LANES]; 3],
+}
+
+impl Lanes {
+    /// What fills lanes that show no sphere.
+    const NONE: Self = Self {
+        position: [[0; LANES]; 2],
+        center: [[0.0; LANES]; 3],
+        radius: [1.0; LANES],
+        own: [[0.0; LANES]; 3],
+        sky: [[1.0; LANES]; 3],
+    };
+}
+
+/// The components of a vector in one lane.
+#[inline(always)]
+fn lane(components: &[[f64; LANES]; 3], l: usize) -> DVec3 {
+    DVec3::new(components[0][l], components[1][l], components[2][l])
+}
+
+impl Colors<'_, '_, '_> {
+    /// Whether all spheres of a scene reflect only diffusely, and the rays are not parallel.
+    pub(super) fn fit(lighting: &LitScene<'_>) -> bool {
+        lighting.scene.spheres.materials.is_none() && !lighting.view.parallel
+    }
+
+    #[inline(always)]
+    fn gathered(&self, first: usize) -> Lanes {
+        let (lighting, record) = (self.lighting, &self.lighting.view.record);
+        let spheres = &lighting.scene.spheres;
+        let mut lanes = Lanes::NONE;
+        for (l, &id) in self.ids[first..].iter().take(LANES).enumerate() {
+            if id == NONE {
+                continue;
+            }
+            let [row, column] = record.place((self.chunk.first + first + l) as u32);
+            let position = record.sample_position(row, column);
+            (lanes.position[0][l], lanes.position[1][l]) = (position[0], position[1]);
+            let open = lighting.open.map_or(DVec3::ONE, |open| open.around(row, column, id));
+            // A sky without colours has white light.
+            let sky = if lighting.colors.is_some() { open } else { DVec3::splat(open.x) };
+            let (center, own) = (spheres.centers[id as usize], lighting.own_color(id).to_array());
+            lanes.radius[l] = spheres.radii[id as usize];
+            for k in 0..3 {
+                (lanes.center[k][l], lanes.own[k][l], lanes.sky[k][l]) = (center[k], own[k], sky[k]);
+            }
+        }
+        lanes
+    }
+}
+
+impl NullaryFnOnce for Colors<'_, '_, '_> {
+    /// The pixels that are left: f64 alone does not know their normals.
+    type Output = Vec<usize>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<usize> {
+        let Self { lighting, rays, ids, .. } = self;
+        let lighted = &lighting.scene.lighting;
+        let lights: Vec<_> = lighted
+            .lights
+            .iter()
+            .filter_map(|light| {
+                let color = Vec3::from_array(light.color).as_dvec3() * f64::from(light.intensity);
+                light.source.far().map(|direction| (direction, color))
+            })
+            .collect();
+        let (has_sky, has_lights) = (lighted.sky.is_some(), !lights.is_empty());
+        let Material::Phong { diffuse, .. } = Material::default() else { return (0..ids.len()).collect() };
+        let mut left = Vec::new();
+        for first in (0..ids.len()).step_by(LANES) {
+            let lanes = self.gathered(first);
+            let (mut near, mut facing) = ([0u64; LANES], [0.0; LANES]);
+            let mut normal = [[0.0; LANES]; 3];
+            for l in 0..LANES {
+                let position = [lanes.position[0][l], lanes.position[1][l]];
+                let hit = rays.hit_at::<false>(position, lane(&lanes.center, l).to_array(), lanes.radius[l]);
+                near[l] = u64::from(hit.near);
+                facing[l] = larger(-hit.along.dot(hit.normal), 0.0);
+                (normal[0][l], normal[1][l], normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
+            }
+            let mut white = [[0.0; LANES]; 3];
+            for l in 0..LANES {
+                let light = match (has_sky, has_lights) {
+                    (false, false) => DVec3::splat(facing[l]),
+                    _ => lit::of_sky(has_sky.then(|| lane(&lanes.sky, l)), has_lights),
+                };
+                (white[0][l], white[1][l], white[2][l]) = (light.x, light.y, light.z);
+            }
+            for (direction, color) in &lights {
+                for l in 0..LANES {
+                    let light = color * larger(lane(&normal, l).dot(*direction), 0.0);
+                    white[0][l] += light.x;
+                    white[1][l] += light.y;
+                    white[2][l] += light.z;
+                }
+            }
+            let mut rgb = [[0.0f32; LANES]; 3];
+            for k in 0..3 {
+                for l in 0..LANES {
+                    rgb[k][l] = (lanes.own[k][l] * white[k][l] * f64::from(diffuse)) as f32;
+                }
+            }
+            for (l, &id) in ids[first..].iter().take(LANES).enumerate() {
+                let n = first + l;
+                if id == NONE {
+                    let pixel = (self.chunk.first + n) as u32;
+                    self.chunk.miss(n, lighted.lights.len(), || lighting.backdrop.at(pixel));
+                } else if near[l] != 0 {
+                    self.chunk.color[3 * n..3 * n + 3].copy_from_slice(&[rgb[0][l], rgb[1][l], rgb[2][l]]);
+                } else {
+                    left.push(n);
+                }
+            }
+        }
+        left
+    }
+}
+
+/// The larger, without the treatment of NaN of `max`, which compilers make no vectors of.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
