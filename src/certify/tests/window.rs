@@ -2,11 +2,13 @@
 
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
+use crate::certify::placing::Placer;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
 use crate::tile::TILE;
 use crate::view::View;
 use crate::view::raster::Raster;
+use crate::view::ray::NONE;
 use crate::window::Window;
 use crate::{Camera, ImagePlane, Lens, Scene, Spheres};
 
@@ -53,5 +55,28 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
         }
         assert!(entries > 0, "the window shows something");
         assert!(part.lists.projected.len() < full.lists.projected.len() / 4, "only the window's lists are built");
+    }
+}
+
+/// Spheres in several lists are projected once for all of them, others for each list: every entry has the bits of its sphere
+/// projected alone.
+#[test]
+fn every_entry_has_the_bits_of_its_sphere_alone() {
+    let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
+    // More and fewer entries than projecting once is worth.
+    for (radius, often) in [(0.02, true), (0.001, false)] {
+        let scene = scene(900, radius);
+        let view = View::for_rays(&scene, Raster::centres(Window::full(256, 256)), kernel.records()).expect("a view");
+        let binned =
+            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");
+        let placer = Placer::new(&scene, &view, 1e-5).expect("a lens").expect("a projection");
+        let lists = &binned.lists;
+        let entries = lists.details.iter().filter(|detail| detail.id != NONE).count();
+        assert_eq!(entries >= 3 * scene.spheres.len(), often, "{entries} entries");
+        for (n, detail) in lists.details.iter().enumerate().filter(|(_, detail)| detail.id != NONE) {
+            let placed = placer.placed(&scene, detail.id, binned.projection.depth).expect("a record");
+            let bits = (lists.projected[n], *detail, lists.depths[n].to_bits());
+            assert_eq!(bits, (placed.record, placed.detail, placed.depth.to_bits()), "entry {n}");
+        }
     }
 }
