@@ -256,6 +256,7 @@ export function mount(root, transport, options = {}) {
         stop();
         complain(error);
         if (scene.frames == null && frame > drawn.frame) {   // the end of a film whose length is not known
+          say(note.textContent);   // is no error, which the next picture would clear
           last = frame -= 1;
           showFrame();
           changed();
