@@ -1,10 +1,11 @@
 //! The part of a frame that is rendered: a rectangle in pixels of the full frame.
 
 use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Columns x0 to x1 and rows y0 to y1 of a full frame, ends excluded, counted from its top left corner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Window {
     /// First column.
     pub x0: u32,

@@ -49,7 +49,7 @@ const NAMES: [&str; 30] = [
 
 /// The commands that they apply to. The tolerance of `compare` is a test criterion, which a file of preferences must
 /// not relax.
-const COMMANDS: [&str; 5] = ["render", "plan", "measure", "trace", "view"];
+const COMMANDS: [&str; 6] = ["render", "plan", "sift", "measure", "trace", "view"];
 
 /// The most bytes of a configuration file, many times the length of all options.
 const LONGEST: u64 = 1 << 16;

@@ -32,12 +32,14 @@ mod render;
 mod scene_args;
 mod scene_frames;
 mod shell;
+mod sift;
 mod signals;
 mod standard;
 mod threads;
 mod trace;
 mod values;
 mod view;
+mod visible;
 
 /// What the page of `halfline view` and the widget of the Python package show alike.
 pub mod shown {
@@ -76,6 +78,7 @@ enum Command {
     Merge(merge::Merge),
     Measure(Box<measure::Measure>),
     Plan(Box<plan::PlanArgs>),
+    Sift(Box<sift::Sift>),
     Trace(Box<trace::Trace>),
     View(Box<view::View>),
     Completions(shell::Completions),
@@ -95,7 +98,7 @@ pub fn command(given: impl Iterator<Item = OsString>) -> u8 {
 /// Clap prints usage errors itself and exits with 2.
 fn arguments() -> Result<Arguments> {
     exhaustion::listen();
-    let known = || view::without_files(plan::of_a_picture(Arguments::command()));
+    let known = || sift::with_own_options(view::without_files(plan::of_a_picture(Arguments::command())));
     let configured = Config::load().and_then(|config| config.apply(known()));
     let (command, fault) = match configured {
         Ok(command) => (command, None),
@@ -141,6 +144,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Merge(merge) => merge.run(),
         Command::Measure(measure) => measure.run(),
         Command::Plan(plan) => plan.run(),
+        Command::Sift(sift) => sift.run(),
         Command::Trace(trace) => trace.run(),
         Command::View(view) => view.run(),
         Command::Completions(completions) => completions.run(Arguments::command()),

@@ -2,7 +2,7 @@
 
 use super::light_args::PictureLook;
 use halfline::frame::legend::Legend;
-use halfline::render::stream::StreamIds;
+use halfline::render::stream::{Seen, StreamIds};
 use halfline::scene::Scene;
 use halfline_files::read::{FrameTime, Skipped};
 
@@ -19,4 +19,6 @@ pub(super) struct PictureScene {
     pub(super) framed: Option<String>,
     /// The ids of the spheres, where the scene is what is left of a stream.
     pub(super) ids: Option<StreamIds>,
+    /// The rays that the spheres are left for, where they come from parts.
+    pub(super) seen: Option<Seen>,
 }

@@ -6,6 +6,7 @@ use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::scene_frames::SceneFrames;
 use super::standard::{print, print_json};
+use super::visible;
 use clap::builder::ArgPredicate;
 use clap::{Arg, Command};
 use halfline::error::{Error, Result};
@@ -55,7 +56,10 @@ impl PlanArgs {
         let targets = self.args.files.targets(1)?;
         self.args.files.check_dpi(&targets)?;
         let settings = self.args.settings(&targets);
-        let first = SceneFrames::open(&self.args, &settings, &Cancel::default())?.next_frame()?;
+        let first = match self.args.visible[..] {
+            [] => SceneFrames::open(&self.args, &settings, &Cancel::default())?.next_frame()?,
+            [..] => Some(visible::picture(&self.args, &settings, &targets)?),
+        };
         let picture = first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;
         let PictureScene { scene, skipped, look, framed, .. } = picture;

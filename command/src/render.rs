@@ -1,7 +1,7 @@
 //! `halfline render SCENE`.
 
 pub(super) mod picture;
-mod stream;
+pub(super) mod stream;
 
 use super::adapters::note_fallback;
 use super::bar::Bar;
@@ -19,6 +19,7 @@ use super::scene_frames::SceneFrames;
 use super::signals::{go_on, watch};
 use super::standard::print_json;
 use super::threads;
+use super::visible;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -210,6 +211,15 @@ impl Render {
             let source = stream::Source::new(&self.args, cancel, why)?;
             Ok((None, Some(source.visible(settings, targets)?)))
         };
+        if !self.args.visible.is_empty() {
+            if self.stream {
+                return Err(Error::settings(
+                    "--stream reads a scene, and --visible has parts of one",
+                    "remove --stream",
+                ));
+            }
+            return Ok((None, Some(visible::picture(&self.args, settings, targets)?)));
+        }
         if self.stream {
             return streamed(None);
         }
@@ -219,7 +229,7 @@ impl Render {
             Ok((Some(scene_frames), first))
         };
         match in_memory() {
-            Err(Error::Limits { problem, mend }) if self.args.scene != Path::new("-") => {
+            Err(Error::Limits { problem, mend }) if self.args.path() != Path::new("-") => {
                 let why = format!("{problem}: the file is read as a stream (see --stream)");
                 // A scene that cannot be a stream is one that does not fit.
                 streamed(Some(why)).map_err(|error| match error {

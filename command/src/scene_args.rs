@@ -8,6 +8,7 @@ use super::inset_args::InsetArgs;
 use super::light_args::{LightArgs, LookRequest};
 use super::names::number_in;
 use super::picture_scene::PictureScene;
+use super::process::is_typed;
 use super::read_args::{ColorArgs, ReadArgs};
 use super::values::wholes;
 use clap::Args;
@@ -27,7 +28,12 @@ use std::path::{Path, PathBuf};
 pub(super) struct SceneArgs {
     /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, xtc, trr, dcd;
     /// also .gz or .bz2); - for standard input.
-    pub(super) scene: PathBuf,
+    #[arg(required_unless_present = "visible")]
+    scene: Option<PathBuf>,
+    /// In place of a scene: files of halfline sift, the parts of one scene in any order. The picture is that of all spheres of all
+    /// parts, bit for bit; camera, size, window and samples are those of the parts.
+    #[arg(long, value_name = "PART", num_args = 1.., conflicts_with = "scene", help_heading = "Input")]
+    pub(super) visible: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) read: ReadArgs,
     /// Leaves out rows of tables, XYZ, LAMMPS dump and PLY text whose coordinates are not finite numbers or whose radius is
@@ -133,6 +139,11 @@ impl ComputeArgs {
 }
 
 impl SceneArgs {
+    /// The scene file, or the first of the parts in its place.
+    pub(super) fn path(&self) -> &Path {
+        self.scene.as_ref().or(self.visible.first()).map_or(Path::new("-"), PathBuf::as_path)
+    }
+
     /// What decides about the look of a picture of a file that says this.
     pub(super) fn look_request(&self, file: FileLook, has_picture: bool) -> LookRequest {
         let Self { image, .. } = self;
@@ -176,7 +187,7 @@ impl SceneArgs {
         names.retain(|name| !is_standard_output(name));
         let numbers = self.numbers();
         check_numbered(&names, numbers.iter().copied())?;
-        let inputs: Vec<PathBuf> = [&self.scene].into_iter().chain(&self.read.topology).cloned().collect();
+        let inputs: Vec<PathBuf> = self.scene.iter().chain(&self.visible).chain(&self.read.topology).cloned().collect();
         for input in &inputs {
             let file = place(input);
             // By a later frame of a numbered pattern.
@@ -209,7 +220,12 @@ impl SceneArgs {
             .iter()
             .map(|target| target.memory(columns, scene.lighting.lights.len()))
             .fold(0, u64::saturating_add);
-        Ok(Settings { window, reserve, ..picture.look.settings(settings) })
+        let own = Settings { window, reserve, ..picture.look.settings(settings) };
+        Ok(match &picture.seen {
+            Some(seen) if is_typed("--seed") => Settings { window: Some(seen.window), ..own },
+            Some(seen) => Settings { window: Some(seen.window), seed: seen.seed, ..own },
+            None => own,
+        })
     }
 
     /// The settings for these files, without those that depend on the scene.

@@ -72,7 +72,7 @@ impl<'a> SceneFrames<'a> {
 
     /// Every file that is read.
     pub(super) fn inputs(&self) -> Vec<PathBuf> {
-        let scene = [self.args.scene.clone()].into_iter();
+        let scene = [self.args.path().to_path_buf()].into_iter();
         scene
             .chain(self.sequence.files().iter().cloned())
             .chain(self.args.camera.from.clone())
@@ -159,7 +159,7 @@ pub(super) fn sequence(args: &SceneArgs, keep: Keep, cancel: &Cancel) -> Result<
     let mut options = ReadOptions { keep, ..options(args, cancel)? };
     let holds_all = options.hold == Hold::All && args.read.frames.is_some();
     let held = if holds_all { hold_all(args, &mut options)? } else { None };
-    Ok((Sequence::open(&args.scene, &options)?, held))
+    Ok((Sequence::open(args.path(), &options)?, held))
 }
 
 /// The picture of a frame that was arranged, with its size and a camera: that of `record`, `held` by all frames, or by the
@@ -210,7 +210,7 @@ fn light(
     // The light from above left belongs to the final camera.
     let look = args.light.apply(&mut frame, &args.files.buffers(), request, lens)?;
     let SceneFrame { number, scene, skipped, legend, when, .. } = frame;
-    let picture = PictureScene { number, scene, skipped, legend, look, when, framed: None, ids: None };
+    let picture = PictureScene { number, scene, skipped, legend, look, when, framed: None, ids: None, seen: None };
     legend::check_content(args, &picture)?;
     Ok(picture)
 }
@@ -218,7 +218,7 @@ fn light(
 /// The camera that shows all frames of the file, and the middle of the first; their default radius and range of colours
 /// are set in `options`.
 fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camera, DVec3)>> {
-    if args.scene == Path::new("-") {
+    if args.path() == Path::new("-") {
         let mend = "use --hold first, or a file instead of standard input";
         return Err(Error::settings("--hold all reads the file twice, and standard input can be read once", mend));
     }
@@ -256,7 +256,7 @@ impl AllFrames {
     /// Reads all frames, to be framed with this part of the width free.
     fn read(args: &SceneArgs, options: &ReadOptions, aside: [f64; 2]) -> Result<Self> {
         let each = ReadOptions { frames: "1-".parse()?, ..options.clone() };
-        let mut sequence = Sequence::open(&args.scene, &each)?;
+        let mut sequence = Sequence::open(args.path(), &each)?;
         let (mut all, mut known) = (Self::default(), HashSet::new());
         while let Some(mut frame) = sequence.next_scene()? {
             if frame.scene.spheres.is_empty() {

@@ -68,8 +68,21 @@ Examples:
 const OWN: [&str; 4] = ["port", "no_open", "idle", "quiet"];
 
 /// Options of `halfline render` that make several pictures, parts of one, or files.
-const REFUSED: [&str; 12] =
-    ["output", "aov", "fps", "raw", "legend", "crop", "tile", "spin", "file", "intrinsics", "unit", "no_return"];
+const REFUSED: [&str; 13] = [
+    "visible",
+    "output",
+    "aov",
+    "fps",
+    "raw",
+    "legend",
+    "crop",
+    "tile",
+    "spin",
+    "file",
+    "intrinsics",
+    "unit",
+    "no_return",
+];
 
 /// The command line in which `view` has only the options that it takes.
 pub(super) fn without_files(command: Command) -> Command {
@@ -82,14 +95,14 @@ impl View {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
         let given = self.given()?;
-        if self.args.scene == Path::new("-") {
+        if self.args.path() == Path::new("-") {
             return Err(Error::settings(
                 "view reads its file again, and standard input can be read once",
                 "use a file",
             ));
         }
         // A file that is not there is an error before a page is shown.
-        File::open(&self.args.scene).map_err(|e| Error::read(&self.args.scene, e))?;
+        File::open(self.args.path()).map_err(|e| Error::read(self.args.path(), e))?;
         let server = Server::bind(self.port).map_err(|error| self.not_bound(&error))?;
         let desk = Arc::new(Desk::new(given)?);
         let (url, port, stop) = (server.url(), server.port(), Arc::new(AtomicBool::new(false)));

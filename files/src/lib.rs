@@ -2,6 +2,7 @@
 //!
 //! - [`read`]: reads scene files, and turns particles into spheres.
 //! - [`write`](mod@write): the files of frames, written, read back and merged; files of hits and rays.
+//! - [`parts`]: files of what a frame needs of a part of its spheres.
 //!
 //! ```no_run
 //! # use halfline::Aov;
@@ -14,6 +15,7 @@
 //! ```
 
 mod npy;
+pub mod parts;
 pub mod read;
 pub mod write;
 

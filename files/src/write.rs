@@ -1,7 +1,7 @@
 //! Files of frames: formats, encoding, atomic files; reading them back, and merging the files of tiles. Files of
 //! hits and of rays.
 
-mod atomic;
+pub(crate) mod atomic;
 pub mod buffers;
 mod digest;
 mod encode;
@@ -14,7 +14,7 @@ pub mod image_file;
 mod layer;
 pub mod merge;
 pub mod npy;
-mod npz;
+pub(crate) mod npz;
 mod pfm;
 mod plain;
 pub mod png;

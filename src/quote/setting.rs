@@ -17,9 +17,9 @@ settings! {
     ACCURACY "accuracy", ADAPTER "adapter", ALTLOC "altloc", ANY "any", AOV "aov", APERTURE "aperture",
     AS_LISTED "as_listed", ASSEMBLY "assembly", AT "at", BACKEND "backend", BOUNCES "bounces", COLOR "color",
     COLOR_BY "color_by", COLUMNS "columns", CROP "crop", DEPTH_CUE "depth_cue", EYE "eye", FIT "fit", FOCUS "focus",
-    FORMAT "format", FRAMES "frames", HIDE "hide", HOLD "hold", LABEL "label", LOG "log", LOOK "look", MAP "map",
+    FIRST_ID "first_id", FORMAT "format", FRAMES "frames", HIDE "hide", HOLD "hold", LABEL "label", LOG "log", LOOK "look", MAP "map",
     METHOD "method", METHODS "methods", MODEL "model", OCCLUSION "occlusion", ORTHO "ortho", PATIENCE "patience",
     RADIUS "radius", RANGE "range", SAMPLES "samples", SCALE_BAR "scale_bar", SEARCH "search", SELECT "select",
-    SHADOWS "shadows", SIZE "size", SKIP_INVALID "skip_invalid", STREAM "stream", SUN "sun", TILE "tile",
+    SHADOWS "shadows", SIZE "size", SKIP_INVALID "skip_invalid", STREAM "stream", SUN "sun", TILE "tile", TOLERANCE "tolerance",
     TOPOLOGY "topology", UNIT "unit", UNWRAP "unwrap", VFOV "vfov", WRAP "wrap",
 }

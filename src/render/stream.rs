@@ -2,9 +2,14 @@
 //! depths that earlier blocks certainly cover, and what no ray of the frame can hit first is forgotten. The frame of what
 //! remains has the same bits as that of all spheres: docs/certificate.md, section 11.
 
+mod digests;
 mod instances;
 mod kept;
+mod part;
+mod pieces;
 mod witness;
+
+pub use part::{Part, Seen};
 
 use super::plan::choose::FEW;
 use crate::answers::silhouette;
@@ -17,7 +22,7 @@ use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
-use blake3::Hasher;
+use digests::Digests;
 use rayon::prelude::*;
 use witness::{Witnesses, witness};
 
@@ -39,6 +44,8 @@ pub struct Stream {
     /// One for the rays of each raster, from the first block on; none where the field of view has no bounds, so that all
     /// spheres are kept.
     sieves: Vec<Sieve>,
+    /// The id of the first sphere.
+    first: u64,
     /// Spheres so far, and those since the last refresh.
     count: u64,
     fresh: usize,
@@ -67,14 +74,6 @@ pub struct StreamIds {
     pub count: u64,
 }
 
-/// BLAKE3 of the numbers so far.
-#[derive(Default)]
-struct Digests {
-    centers: Hasher,
-    radii: Hasher,
-    colors: Hasher,
-}
-
 impl Stream {
     /// A frame of `scene`, whose own spheres are not used.
     ///
@@ -94,7 +93,19 @@ impl Stream {
         let witnesses = Witnesses::new(scene.camera.basis()?.e);
         let (settings, kept, digests) = (settings.clone(), NumberedSpheres::default(), Digests::default());
         let sieves = Vec::new();
-        Ok(Self { settings, scene, rasters, sieves, count: 0, fresh: 0, kept, limit: KEPT, witnesses, digests })
+        Ok(Self {
+            settings,
+            scene,
+            rasters,
+            sieves,
+            first: 0,
+            count: 0,
+            fresh: 0,
+            kept,
+            limit: KEPT,
+            witnesses,
+            digests,
+        })
     }
 
     /// The settings of the frame.
@@ -114,24 +125,32 @@ impl Stream {
             return Ok(());
         }
         block.check()?;
-        check_wide_ids(self.count.saturating_add(block.len() as u64))?;
-        if block.materials.is_some() || self.count > 0 && block.colors.is_some() != self.kept.spheres.colors.is_some() {
+        let (first, size) = (self.first + self.count, block.len());
+        check_wide_ids(first.saturating_add(size as u64))?;
+        let mut digests = std::mem::take(&mut self.digests);
+        // Places are new, so bytes cannot differ.
+        let (seen, _) = rayon::join(|| self.see(block, &|n| first + n as u64), || digests.add(first, block));
+        self.digests = digests;
+        self.count += size as u64;
+        seen
+    }
+
+    /// Takes the spheres of a block, whose numbers `number` gives.
+    fn see(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
+        let is_first = self.kept.numbers.is_empty() && self.sieves.is_empty();
+        if block.materials.is_some() || !is_first && block.colors.is_some() != self.kept.spheres.colors.is_some() {
             let problem = "some spheres have colours or materials and others do not";
             return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));
         }
-        if self.count == 0 {
+        if is_first {
             self.open(block)?;
         }
-        let (first, size) = (self.count, block.len());
-        let number = |n: usize| first + n as u64;
-        let more = 0..size.min(FIRST.saturating_sub(self.witnesses.first.len()));
+        let more = 0..block.len().min(FIRST.saturating_sub(self.witnesses.first.len()));
         self.witnesses.first.extend(more.map(|n| witness(block, number(n), n)));
-        let Self { digests, sieves, .. } = self;
-        let (sifted, ()) = rayon::join(|| sift(sieves, block, true), || digests.add(block));
-        self.witnesses.see(block, &number);
-        self.keep(block, &number, &sifted)?;
-        self.count += size as u64;
-        self.fresh += size;
+        let sifted = sift(&self.sieves, block, true);
+        self.witnesses.see(block, number);
+        self.keep(block, number, &sifted)?;
+        self.fresh += block.len();
         if self.fresh >= REFRESH {
             self.refresh();
         }
@@ -160,9 +179,9 @@ impl Stream {
     /// # Errors
     /// [`Error::Limits`] where memory is short.
     pub fn finish(mut self) -> Result<Visible> {
-        let NumberedSpheres { numbers, spheres } = self.rest()?;
-        let count = self.count;
-        Ok(self.visible(spheres, numbers, count))
+        let kept = self.rest()?;
+        let ids = StreamIds { ids: kept.numbers, count: self.count };
+        Ok(visible(self.scene, kept.spheres, ids, &self.digests))
     }
 
     /// What is kept, in order.
@@ -171,19 +190,6 @@ impl Stream {
         self.forget();
         drop(std::mem::take(&mut self.sieves));
         std::mem::take(&mut self.kept).with(self.witnesses.all())
-    }
-
-    /// The scene of these spheres with the fingerprint of all.
-    fn visible(self, spheres: Spheres, ids: Vec<u64>, count: u64) -> Visible {
-        let digests = self.digests;
-        let colors = spheres.colors.map(|colors| List::part_of(colors.into_vec(), digests.colors.finalize()));
-        let spheres = Spheres {
-            centers: List::part_of(spheres.centers.into_vec(), digests.centers.finalize()),
-            radii: List::part_of(spheres.radii.into_vec(), digests.radii.finalize()),
-            colors,
-            materials: None,
-        };
-        Visible { scene: Scene { spheres, ..self.scene }, ids: StreamIds { ids, count } }
     }
 
     /// Makes the sieves in the unit of the first block.
@@ -247,14 +253,16 @@ fn sift(sieves: &[Sieve], block: &Spheres, covers: bool) -> Sifted {
     sifted.into_iter().reduce(Sifted::with).unwrap_or_default()
 }
 
-impl Digests {
-    fn add(&mut self, block: &Spheres) {
-        self.centers.update_rayon(bytemuck::cast_slice(&block.centers));
-        self.radii.update_rayon(bytemuck::cast_slice(&block.radii));
-        if let Some(colors) = &block.colors {
-            self.colors.update_rayon(bytemuck::cast_slice(colors));
-        }
-    }
+/// A scene of these spheres with the fingerprint of all.
+fn visible(scene: Scene, spheres: Spheres, ids: StreamIds, digests: &Digests) -> Visible {
+    let [centers, radii, colors] = digests.all();
+    let spheres = Spheres {
+        centers: List::part_of(spheres.centers.into_vec(), centers),
+        radii: List::part_of(spheres.radii.into_vec(), radii),
+        colors: spheres.colors.map(|values| List::part_of(values.into_vec(), colors)),
+        materials: None,
+    };
+    Visible { scene: Scene { spheres, ..scene }, ids }
 }
 
 impl StreamIds {

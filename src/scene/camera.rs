@@ -29,9 +29,10 @@ use crate::dyadic::{self, Dyadic3};
 use crate::error::{Error, Place, Result};
 use crate::quote::number;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Pose and lens. Every number is taken as exact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// The origin of all viewing rays; orthographic rays start on the plane through it perpendicular to the view.
     pub eye: DVec3,
@@ -44,7 +45,7 @@ pub struct Camera {
 }
 
 /// The direction of the view.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Look {
     /// Towards this point.
     At(DVec3),
@@ -53,7 +54,7 @@ pub enum Look {
 }
 
 /// How the viewport is given. It lies at `distance` in front of the eye, in any unit: only ratios matter.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Lens {
     /// The lecture's numbers: vw x vh at distance d.
     Viewport {

@@ -34,6 +34,7 @@ mod metamorphic;
 mod oblique;
 mod off_center;
 mod ortho;
+mod parts;
 mod plan;
 mod predict;
 mod progress;

@@ -30,11 +30,11 @@ const AOVS: [Aov; 10] = [
     Aov::Bound,
 ];
 
-fn scene(eye: [f64; 3], lens: Lens, spheres: Spheres) -> Scene {
+pub(crate) fn scene(eye: [f64; 3], lens: Lens, spheres: Spheres) -> Scene {
     oblique::scene([77, 53], eye, [0.0; 3], lens, spheres)
 }
 
-fn settings() -> Settings {
+pub(crate) fn settings() -> Settings {
     Settings { accuracy: Accuracy::Certified, aovs: AOVS.to_vec(), ..Settings::default() }
 }
 
@@ -83,7 +83,7 @@ fn reversed(mut spheres: Spheres, eye: [f64; 3]) -> Spheres {
 }
 
 /// Dense clouds, in which most spheres are hidden; each has twins, whose hits are ties.
-fn scenes() -> Vec<(&'static str, Scene)> {
+pub(crate) fn scenes() -> Vec<(&'static str, Scene)> {
     let dense = |seed, count, r| {
         let mut spheres = cloud(seed, count, [0.0; 3], 1.0, r);
         for twin in (0..20).rev() {

@@ -87,7 +87,7 @@ impl PictureWriter<'_> {
         let mut targets = self.args.files.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
         let written = |files, report, still| Picture { number, files, report, still };
-        let panels = self.args.insets.panels(&self.args.scene, numbered)?;
+        let panels = self.args.insets.panels(self.args.path(), numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
             target.set_drawn(panels.words());
         }

@@ -1,4 +1,4 @@
-//! `--stream`: a scene of more spheres than fit in memory, read in blocks.
+//! A scene that is read in blocks: for `--stream` because it does not fit in memory, for `halfline sift` because it is a part.
 
 use crate::camera_file;
 use crate::clash::check_inputs;
@@ -16,7 +16,7 @@ use halfline::frame::Aov;
 use halfline::frame::legend::Legend;
 use halfline::progress::Cancel;
 use halfline::quote::count;
-use halfline::render::stream::{Stream, Visible};
+use halfline::render::stream::{Part, Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::Instances;
 use halfline::scene::{Facing, Framing, ImagePlane, Lighting, Reach, Scene, Spheres, Spread, middle};
@@ -28,7 +28,7 @@ use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 /// Where the scene is read.
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     args: &'a SceneArgs,
     options: ReadOptions,
     taken: Option<CameraRecord>,
@@ -66,7 +66,7 @@ impl<'a> Source<'a> {
     ///
     /// # Errors
     /// [`Error::Settings`] for those that need the scene in memory.
-    pub(super) fn new(args: &'a SceneArgs, cancel: &Cancel, why: Option<String>) -> Result<Self> {
+    pub(crate) fn new(args: &'a SceneArgs, cancel: &Cancel, why: Option<String>) -> Result<Self> {
         let options = options(args, cancel)?;
         let refuse = |problem: &str, mend: &str| Err(Error::settings(format!("--stream: {problem}"), mend));
         if args.is_many() {
@@ -92,13 +92,17 @@ impl<'a> Source<'a> {
     /// # Errors
     /// Those of reading and of [`Stream`].
     pub(super) fn visible(mut self, settings: &Settings, targets: &[Target]) -> Result<PictureScene> {
-        let inputs: Vec<PathBuf> =
-            [Some(&self.args.scene), self.args.camera.from.as_ref()].into_iter().flatten().cloned().collect();
+        let inputs: Vec<PathBuf> = [Some(self.args.path()), self.args.camera.from.as_deref()]
+            .into_iter()
+            .flatten()
+            .map(Path::to_path_buf)
+            .collect();
         check_inputs(targets.iter().map(Target::path), &inputs)?;
         targets.iter().try_for_each(Target::check)?;
         let mut frame = self.bare()?;
         // What a stream cannot do is found before the file is read.
-        self.begin(frame.clone(), settings, targets)?;
+        let (bare, own) = self.begin(frame.clone(), settings, targets)?;
+        Stream::new(&bare.scene, &own)?;
         let copied = self.copied()?;
         let framed = match self.taken {
             Some(_) => false,
@@ -111,14 +115,14 @@ impl<'a> Source<'a> {
             )?;
         }
         self.args.camera.zoom(&mut frame.scene)?;
-        let (mut picture, mut stream) = self.begin(frame, settings, targets)?;
+        let (mut picture, own) = self.begin(frame, settings, targets)?;
+        let mut stream = Stream::new(&picture.scene, &own)?;
         let (visible, about) = match copied {
             Some(Copied { instances, about }) => {
                 if self.arrangement.clip.is_empty() {
                     targets.iter().try_for_each(|target| target.check_ids(instances.total()))?;
                 }
-                let (settings, watch) = (stream.settings(), &self.options.watch);
-                (Stream::of_instances(&picture.scene, settings, &instances, watch)?, about)
+                (Stream::of_instances(&picture.scene, &own, &instances, &self.options.watch)?, about)
             }
             None => {
                 let about = self.each(|block| stream.add(&block))?;
@@ -145,8 +149,37 @@ impl<'a> Source<'a> {
         Ok(picture)
     }
 
-    /// The picture of a scene whose spheres are still to come.
-    fn begin(&self, mut frame: SceneFrame, settings: &Settings, targets: &[Target]) -> Result<(PictureScene, Stream)> {
+    /// Reads a part of a scene, whose spheres have the ids from `first_id` on. Returns what a frame needs of it, and whether the camera
+    /// frames these spheres alone.
+    ///
+    /// # Errors
+    /// Those of reading and of [`Stream`], and [`Error::Settings`] for what depends on other parts.
+    pub(crate) fn part(mut self, settings: &Settings, first_id: u64) -> Result<(Part, bool)> {
+        if self.is_copied() {
+            return Err(Error::settings("the ids of copies depend on all spheres", "remove --copies and --assembly"));
+        }
+        if self.lacks_range {
+            return Err(Error::settings("the range of colours is that of all parts", "add --range LOW,HIGH"));
+        }
+        let mut frame = self.bare()?;
+        let framed = match self.taken {
+            Some(_) => false,
+            None => self.aim(&mut frame, None)?,
+        };
+        self.args.camera.zoom(&mut frame.scene)?;
+        let (picture, settings) = self.begin(frame, settings, &[])?;
+        let mut stream = Stream::of_part(&picture.scene, &settings, first_id)?;
+        self.each(|block| stream.add(&block))?;
+        Ok((stream.part()?, framed))
+    }
+
+    /// The picture of a scene whose spheres are still to come, and the settings of its frame.
+    fn begin(
+        &self,
+        mut frame: SceneFrame,
+        settings: &Settings,
+        targets: &[Target],
+    ) -> Result<(PictureScene, Settings)> {
         // The look is plain unless another is requested, which the stream refuses.
         let request = self.args.look_request(FileLook::default(), settings.aovs.contains(&Aov::Color));
         let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, PictureLens::default())?;
@@ -159,10 +192,10 @@ impl<'a> Source<'a> {
             when: FrameTime::default(),
             framed: None,
             ids: None,
+            seen: None,
         };
         let settings = self.args.settings_for(&picture, settings, targets)?;
-        let stream = Stream::new(&picture.scene, &settings)?;
-        Ok((picture, stream))
+        Ok((picture, settings))
     }
 
     /// The image, and the camera as far as it does not depend on the spheres.
@@ -238,7 +271,7 @@ impl<'a> Source<'a> {
 
     /// Returns an error for standard input, which can be read once.
     fn check_repeatable(&self, why: &str, mend: &str) -> Result<()> {
-        if self.args.scene != Path::new("-") {
+        if self.args.path() != Path::new("-") {
             return Ok(());
         }
         Err(Error::settings(format!("--stream: {why}, and standard input can be read once"), mend))
@@ -248,7 +281,7 @@ impl<'a> Source<'a> {
     /// said when the first block was read.
     fn survey(&mut self, why: &str) -> Result<([DVec3; 2], About)> {
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        let blocks = self.read(SphereBlocks::survey(&self.args.scene, &self.options)?, |block| {
+        let blocks = self.read(SphereBlocks::survey(self.args.path(), &self.options)?, |block| {
             let [low, high] = block.bounds();
             if bounds[0].x > bounds[1].x {
                 note(format_args!("{why}"));
@@ -270,14 +303,21 @@ impl<'a> Source<'a> {
         Ok((bounds, about))
     }
 
+    fn is_assembly(&self) -> bool {
+        self.options.assembly.is_some() && self.options.topology.is_none()
+    }
+
+    fn is_copied(&self) -> bool {
+        self.arrangement.copies != [1; 3] || self.is_assembly()
+    }
+
     /// What `--copies` or the operators of an assembly repeat is in memory, the copies are not.
     fn copied(&self) -> Result<Option<Copied>> {
-        let is_assembly = self.options.assembly.is_some() && self.options.topology.is_none();
-        if self.arrangement.copies == [1; 3] && !is_assembly {
+        if !self.is_copied() {
             return Ok(None);
         }
-        let options = ReadOptions { as_operators: is_assembly, ..self.options.clone() };
-        let mut sequence = Sequence::open(&self.args.scene, &options)?;
+        let options = ReadOptions { as_operators: self.is_assembly(), ..self.options.clone() };
+        let mut sequence = Sequence::open(self.args.path(), &options)?;
         let SceneFrame { mut scene, skipped, has_camera, legend, cell, instances, when, is_molecule, .. } =
             sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
         if has_camera {
@@ -314,7 +354,7 @@ impl<'a> Source<'a> {
 
     /// Every block of the file.
     fn each(&self, each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
-        let blocks = self.read(SphereBlocks::open(&self.args.scene, &self.options)?, each)?;
+        let blocks = self.read(SphereBlocks::open(self.args.path(), &self.options)?, each)?;
         Ok(About::of(&blocks))
     }
 

@@ -41,6 +41,7 @@ mod merge;
 mod messages;
 mod one_look;
 mod options;
+mod parts;
 mod resume;
 mod select;
 mod shots;

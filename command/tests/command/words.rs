@@ -61,7 +61,7 @@ fn the_library_names_settings_and_each_has_an_option() {
     assert!(all.len() > 200, "{} files", all.len());
     assert!(found.is_empty(), "name the setting instead, by quote::setting:\n{}", found.join("\n"));
     let dir = TestDir::new(&[]);
-    let commands = ["render", "plan", "info", "trace", "measure", "compare", "merge"];
+    let commands = ["render", "plan", "sift", "info", "trace", "measure", "compare", "merge"];
     let help = commands.map(|command| dir.good(&[command, "--help"]).text()).join("\n");
     let options: BTreeSet<_> = flags(&help).collect();
     for name in ALL {

@@ -35,7 +35,7 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
 }
 
 /// Writes an archive to `out` whose members `fill` adds.
-pub(super) fn write_archive(
+pub(crate) fn write_archive(
     out: &mut dyn Write,
     fill: impl FnOnce(&mut Archive<'_>) -> io::Result<()>,
 ) -> io::Result<()> {
@@ -48,11 +48,11 @@ pub(super) fn write_archive(
 }
 
 /// An archive that is being written.
-pub(super) struct Archive<'a>(ZipWriter<StreamWriter<UntilFailure<'a>>>);
+pub(crate) struct Archive<'a>(ZipWriter<StreamWriter<UntilFailure<'a>>>);
 
 impl Archive<'_> {
     /// Begins a member whose data has this number of bytes; what is written to the result is its content.
-    pub(super) fn member(&mut self, name: &str, bytes: u64) -> io::Result<&mut dyn Write> {
+    pub(crate) fn member(&mut self, name: &str, bytes: u64) -> io::Result<&mut dyn Write> {
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
         // ZIP is limited to 2^32 bytes, ZIP64 is not; an array's header is short.
         let options = options
@@ -136,7 +136,7 @@ pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Foun
 }
 
 /// Reads the arrays of any program, stored or deflated. Members that are not arrays are skipped.
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Vec<(Option<String>, Array)>> {
+pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<(Option<String>, Array)>> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "NPZ", why);
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| fail(&error))?;
     let mut buffers = Vec::new();

@@ -2,7 +2,7 @@
 //! their spheres, front to back, and the extremes of all spheres are found by branch and bound.
 
 use super::witness::{SCORES, witness};
-use super::{FIRST, Stream, Visible};
+use super::{FIRST, Stream, StreamIds, Visible, visible};
 use crate::error::Result;
 use crate::memory::{check_wide_ids, ids_fit};
 use crate::progress::Watch;
@@ -37,7 +37,7 @@ impl Stream {
             kept.spheres.colors.get_or_insert_default();
         }
         let (ids, count) = instances.ids(&kept.numbers, watch)?;
-        Ok(stream.visible(kept.spheres, ids, count))
+        Ok(visible(stream.scene, kept.spheres, StreamIds { ids, count }, &stream.digests))
     }
 
     /// Finds the first spheres and those with the extremes of size and place, and opens the sieves in their unit.
@@ -142,16 +142,20 @@ impl Stream {
     /// The fingerprint of all spheres, or of the operators.
     fn hash(&mut self, instances: &Instances, all: bool, watch: &Watch) -> Result<()> {
         if !all {
+            let mut at = 0;
             instances.describe(&mut |bytes| {
-                self.digests.centers.update_rayon(bytes);
+                self.digests.describe(at, bytes);
+                at += bytes.len() as u64;
             });
             return Ok(());
         }
         let mut blocks = instances.blocks();
-        let mut block = blocks.next();
+        let (mut first, mut block) = (0, blocks.next());
         while let Some(this) = block {
             watch.check()?;
-            (block, ()) = rayon::join(|| blocks.next(), || self.digests.add(&this));
+            // Places are new, so bytes cannot differ.
+            (block, _) = rayon::join(|| blocks.next(), || self.digests.add(first, &this));
+            first += this.len() as u64;
         }
         Ok(())
     }

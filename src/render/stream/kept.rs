@@ -42,7 +42,7 @@ impl NumberedSpheres {
     }
 
     /// Sorts the spheres by number.
-    fn sort(&mut self) -> Result<()> {
+    pub(super) fn sort(&mut self) -> Result<()> {
         if self.numbers.is_sorted() {
             return Ok(());
         }

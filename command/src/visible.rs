@@ -1,0 +1,100 @@
+//! `--visible`: the picture of parts that `halfline sift` made.
+
+use super::clash::check_inputs;
+use super::lens_args::PictureLens;
+use super::messages::note;
+use super::picture_scene::PictureScene;
+use super::process::is_typed;
+use super::scene_args::SceneArgs;
+use super::signals::watch;
+use clap::{Args, Command};
+use halfline::error::{Error, Result};
+use halfline::frame::Aov;
+use halfline::quote::count;
+use halfline::render::stream::{Part, Visible};
+use halfline::settings::{FileLook, Settings};
+use halfline_files::parts;
+use halfline_files::read::{FrameTime, SceneFrame, Skipped};
+use halfline_files::write::file::Target;
+
+/// The groups of options that were applied when the parts were made.
+const APPLIED: [&str; 7] =
+    ["ReadArgs", "ColorArgs", "CameraArgs", "PoseArgs", "LensArgs", "CameraListArgs", "InsetArgs"];
+
+/// The picture of all spheres of the parts.
+///
+/// # Errors
+/// [`Error::Settings`] for options that are those of the parts, and parts that are not of one frame; those of reading.
+pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target]) -> Result<PictureScene> {
+    check(args)?;
+    check_inputs(targets.iter().map(Target::path), &args.visible)?;
+    targets.iter().try_for_each(Target::check)?;
+    let part = combined(args)?;
+    let seen = part.seen().clone();
+    let mut frame = SceneFrame::new(1, seen.scene());
+    if let Some((width, height)) = args.image.size.filter(|_| is_typed("--size"))
+        && [width, height] != seen.size
+    {
+        let [w, h] = seen.size;
+        let problem = format!("--size {width}x{height}: the parts are of a frame of {w}x{h}");
+        return Err(Error::settings(problem, "remove --size, or sift again"));
+    }
+    args.files.apply(&mut frame.scene);
+    let file = FileLook { samples: Some(seen.samples), ..FileLook::default() };
+    let request = args.look_request(file, settings.aovs.contains(&Aov::Color));
+    let look = args.light.apply(&mut frame, &args.files.buffers(), request, PictureLens::default())?;
+    let mut picture = PictureScene {
+        number: 1,
+        scene: frame.scene,
+        skipped: Skipped::default(),
+        legend: None,
+        look,
+        when: FrameTime::default(),
+        framed: None,
+        ids: None,
+        seen: Some(seen),
+    };
+    picture.skipped.assumed.extend(part.gaps());
+    note(format_args!("{}: {part}", count(args.visible.len() as u64, "part")));
+    let settings = args.settings_for(&picture, settings, targets)?;
+    let Visible { scene, ids } = part.visible(&picture.scene, &settings)?;
+    targets.iter().try_for_each(|target| target.check_ids(ids.count))?;
+    if ids.are_wide() && targets.iter().any(|target| target.aovs().contains(&Aov::Id)) {
+        note(format_args!("ids are int64: they exceed what 32 bits can number"));
+    }
+    (picture.scene, picture.ids) = (scene, Some(ids));
+    Ok(picture)
+}
+
+/// The part of all spheres of the files.
+fn combined(args: &SceneArgs) -> Result<Part> {
+    let watch = watch();
+    let mut whole: Option<Part> = None;
+    for path in &args.visible {
+        watch.check()?;
+        let part = parts::read(path)?;
+        whole = Some(match whole {
+            Some(whole) => whole.combine(&part)?,
+            None => part,
+        });
+    }
+    whole.ok_or_else(|| Error::settings("--visible has no part", "name at least one file of halfline sift"))
+}
+
+/// Refuses options that read a scene or give its camera.
+fn check(args: &SceneArgs) -> Result<()> {
+    let command = SceneArgs::augment_args(Command::new("render"));
+    let groups = command.get_groups().filter(|group| APPLIED.contains(&group.get_id().as_str()));
+    let typed = groups.flat_map(|group| group.get_args()).filter_map(|id| {
+        let long = command.get_arguments().find(|arg| arg.get_id() == id)?.get_long()?;
+        is_typed(&format!("--{long}")).then_some(long)
+    });
+    let window = ["crop", "tile"].into_iter().filter(|_| args.image.is_part());
+    match typed.chain(window).next() {
+        Some(long) => {
+            let problem = format!("--{long} belongs to the parts of --visible, which were made with their own options");
+            Err(Error::settings(problem, "give it to halfline sift"))
+        }
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,403 @@
+//! Parts of a scene that other processes or machines made: of each the spheres that some ray of the frame may hit first. What is
+//! left of several parts together gives the frame of all their spheres, bit for bit, in whatever order and however often
+//! they are combined: docs/certificate.md, section 11.
+
+use super::digests::{Digests, MOST};
+use super::{Stream, StreamIds, Visible, check, visible};
+use crate::error::{Error, Place, Result};
+use crate::memory;
+use crate::quote::setting::{FIRST_ID, TOLERANCE};
+use crate::quote::{count, quote};
+use crate::scene::camera::Camera;
+use crate::scene::instances::NumberedSpheres;
+use crate::scene::{ImagePlane, Lighting, List, Scene, Spheres};
+use crate::settings::{Accuracy, Settings, Tolerance};
+use crate::window::Window;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// The rays of the frame that parts are made for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Seen {
+    /// The version of halfline that made the part.
+    pub version: String,
+    /// The camera.
+    pub camera: Camera,
+    /// Columns and rows of the frame.
+    pub size: [u32; 2],
+    /// The window of the frame.
+    pub window: Window,
+    /// Samples per pixel, at least 1.
+    pub samples: u32,
+    /// The seed of their positions; 0 for one sample.
+    pub seed: u32,
+    /// The promised relative error of certified answers.
+    pub tolerance: f64,
+}
+
+/// What a frame needs of some of its spheres.
+#[derive(Clone)]
+pub struct Part {
+    /// What errors call it: its file, or its place among others.
+    pub name: String,
+    seen: Seen,
+    kept: NumberedSpheres,
+    digests: Digests,
+}
+
+/// What a part says of itself beside its arrays.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct About {
+    halfline: String,
+    seen: Seen,
+    digests: Digests,
+    /// BLAKE3 of the arrays of the part.
+    arrays: String,
+}
+
+/// What [`About::halfline`] says.
+const KIND: &str = "visible spheres of a part, 1";
+
+/// Spheres that are sifted at a time.
+const BLOCK: usize = 1 << 18;
+
+/// The remedy for parts that are not alike.
+const ALIKE: &str =
+    "sift all parts with the same camera, size, window, samples, seed, tolerance and version of halfline";
+
+impl Seen {
+    /// Those of a frame of `scene`.
+    ///
+    /// # Errors
+    /// As [`Settings::window_of`].
+    pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
+        let samples = settings.samples.max(1);
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            camera: scene.camera,
+            size: [scene.image.width, scene.image.height],
+            window: settings.window_of(scene)?,
+            samples,
+            seed: if samples > 1 { settings.seed } else { 0 },
+            tolerance: settings.promise().relative(),
+        })
+    }
+
+    /// A scene with this camera and image, without spheres.
+    #[must_use]
+    pub fn scene(&self) -> Scene {
+        let [width, height] = self.size;
+        let image = ImagePlane { width, height, ..ImagePlane::default() };
+        Scene { camera: self.camera, image, spheres: Spheres::default(), lighting: Lighting::default() }
+    }
+
+    /// Settings of certified answers for these rays, and for silhouettes, whose lines look at pixels around the window.
+    ///
+    /// # Errors
+    /// As [`Tolerance::new`].
+    fn settings(&self) -> Result<Settings> {
+        Ok(Settings {
+            accuracy: Accuracy::Certified,
+            samples: self.samples,
+            seed: self.seed,
+            window: Some(self.window),
+            tolerance: Some(Tolerance::new(self.tolerance)?),
+            silhouette: true,
+            ..Settings::default()
+        })
+    }
+
+    /// The first thing in which the rays of two frames differ, and what each has.
+    fn difference(&self, other: &Self) -> Option<(&'static str, [String; 2])> {
+        fn pair<T: PartialEq>(a: &T, b: &T, shown: impl Fn(&T) -> String) -> Option<[String; 2]> {
+            (a != b).then(|| [shown(a), shown(b)])
+        }
+        let size = |[width, height]: &[u32; 2]| format!("{width}x{height}");
+        let found = [
+            ("version of halfline", pair(&self.version, &other.version, String::clone)),
+            ("camera", pair(&self.camera, &other.camera, |camera| format!("{camera:?}"))),
+            ("size", pair(&self.size, &other.size, size)),
+            ("window", pair(&self.window, &other.window, Window::to_string)),
+            ("number of samples", pair(&self.samples, &other.samples, u32::to_string)),
+            ("seed", pair(&self.seed, &other.seed, u32::to_string)),
+            ("tolerance", pair(&self.tolerance, &other.tolerance, f64::to_string)),
+        ];
+        found.into_iter().find_map(|(what, pair)| Some((what, pair?)))
+    }
+}
+
+impl Stream {
+    /// The spheres of a part of a scene: those that are added next have the ids from `first_id` on. The frame is one of a scene like
+    /// `scene`, whose own spheres are not used, with the window, samples, seed and tolerance of `settings`.
+    ///
+    /// # Errors
+    /// Those of [`Stream::new`]; [`Error::Limits`] for ids from 2^55 on.
+    pub fn of_part(scene: &Scene, settings: &Settings, first_id: u64) -> Result<Self> {
+        let seen = Seen::new(scene, settings)?;
+        check_id(first_id)?;
+        Ok(Self { first: first_id, ..Self::new(&seen.scene(), &seen.settings()?)? })
+    }
+
+    /// What a frame needs of the spheres that were added, for [`Part::combine`] or [`Part::visible`].
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short, and for ids from 2^55 on.
+    pub fn part(mut self) -> Result<Part> {
+        check_id(self.first + self.count)?;
+        let seen = Seen::new(&self.scene, &self.settings)?;
+        let name = format!("the part of ids from {}", self.first);
+        Ok(Part { name, seen, kept: self.rest()?, digests: self.digests })
+    }
+}
+
+impl Part {
+    /// A part of the arrays that [`Part::about`] belongs to: n centres, radii, ids in increasing order, and colours if the spheres
+    /// have any.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a part that is damaged, or of another version.
+    pub fn new(
+        name: String,
+        about: &[u8],
+        ids: Vec<u64>,
+        (centers, radii): (Vec<[f64; 3]>, Vec<f64>),
+        colors: Option<Vec<[f32; 3]>>,
+    ) -> Result<Self> {
+        let fail = |problem: String| {
+            Error::scene(Place::file(&name), problem, "make the part again with halfline sift of this version")
+        };
+        let about: About =
+            serde_json::from_slice(about).map_err(|error| fail(format!("the part is damaged: {error}")))?;
+        if about.halfline != KIND {
+            return Err(fail(format!("this is {} and not {}", quote(&about.halfline), quote(KIND))));
+        }
+        let spheres =
+            Spheres { centers: centers.into(), radii: radii.into(), colors: colors.map(Into::into), materials: None };
+        let are_alike = spheres.radii.len() == ids.len()
+            && spheres.centers.len() == ids.len()
+            && spheres.colors.as_ref().is_none_or(|colors| colors.len() == ids.len());
+        let kept = NumberedSpheres { numbers: ids, spheres };
+        if !are_alike || about.arrays != kept.digest() {
+            return Err(fail("the part is damaged: its arrays are not those that were written".into()));
+        }
+        let known = about.digests.ids();
+        let is_known = |id: u64| known.iter().any(|[first, end]| (*first..*end).contains(&id));
+        if !kept.numbers.is_sorted_by(|a, b| a < b) || !kept.numbers.iter().all(|id| is_known(*id)) {
+            return Err(fail("the part is damaged: its ids are not those of its digests".into()));
+        }
+        kept.spheres.check()?;
+        let damaged = |error: Error| fail(format!("the part is damaged: {error}"));
+        let scene = about.seen.scene();
+        scene.check().map_err(damaged)?;
+        about.seen.settings().and_then(|settings| settings.window_of(&scene)).map_err(damaged)?;
+        Ok(Self { name, seen: about.seen, kept, digests: about.digests })
+    }
+
+    /// JSON of what the part was made for and of which spheres, for [`Part::new`].
+    #[must_use]
+    pub fn about(&self) -> String {
+        let Self { seen, kept, digests, .. } = self;
+        let (seen, digests) = (seen.clone(), digests.clone());
+        let about = About { halfline: KIND.into(), seen, digests, arrays: kept.digest() };
+        // Numbers, texts and lists are always JSON.
+        serde_json::to_string(&about).unwrap_or_default()
+    }
+
+    /// The rays of the frame.
+    #[must_use]
+    pub fn seen(&self) -> &Seen {
+        &self.seen
+    }
+
+    /// The ids of the spheres, in increasing order.
+    #[must_use]
+    pub fn ids(&self) -> &[u64] {
+        &self.kept.numbers
+    }
+
+    /// The spheres that some ray may hit first.
+    #[must_use]
+    pub fn spheres(&self) -> &Spheres {
+        &self.kept.spheres
+    }
+
+    /// The ids of all spheres that the part was made of, as intervals in order.
+    #[must_use]
+    pub fn all_ids(&self) -> Vec<[u64; 2]> {
+        self.digests.ids()
+    }
+
+    /// The number of these ids.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.all_ids().iter().map(|[first, end]| end - first).sum()
+    }
+
+    /// The part of all spheres of two parts, which may have spheres in common. Whatever the order of several parts, the frame
+    /// is the same.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for parts of frames that differ, [`Error::Scene`] where an id has two spheres, [`Error::Limits`]
+    /// where memory is short.
+    pub fn combine(mut self, other: &Self) -> Result<Self> {
+        if let Some((what, [own, others])) = self.seen.difference(&other.seen) {
+            let problem = format!(
+                "{} and {} are parts of different frames: the {what} is {own}, and {others}",
+                self.name, other.name
+            );
+            return Err(Error::settings(problem, ALIKE));
+        }
+        if self.digests == other.digests && self.kept.numbers == other.kept.numbers {
+            self.check_same(other)?;
+            return Ok(self);
+        }
+        let differ = |_| self.differ(other, "an id that both have".into());
+        let mut digests = self.digests.clone();
+        digests.join(&other.digests).map_err(differ)?;
+        self.check_same(other)?;
+        let is_new = |id: &u64| self.kept.numbers.binary_search(id).is_err();
+        let new: Vec<u32> = (0..).zip(&other.kept.numbers).filter(|(_, id)| is_new(id)).map(|(n, _)| n).collect();
+        if !self.kept.numbers.is_empty()
+            && !new.is_empty()
+            && self.kept.spheres.colors.is_some() != other.kept.spheres.colors.is_some()
+        {
+            let problem = format!("only one of {} and {} has colours", self.name, other.name);
+            return Err(Error::settings(problem, "give all parts colours, or none"));
+        }
+        self.kept.add(&other.kept.spheres, &|n| other.kept.numbers[n], &new)?;
+        self.kept.sort()?;
+        let mut stream = Stream::new(&self.seen.scene(), &self.seen.settings()?)?;
+        stream.see_all(&self.kept)?;
+        Ok(Self { kept: stream.rest()?, digests, ..self })
+    }
+
+    /// The spheres that a frame of `scene` needs, whose own spheres are not used; its fingerprint is that of all spheres of the part.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a frame that the part is not made for.
+    pub fn visible(self, scene: &Scene, settings: &Settings) -> Result<Visible> {
+        check(scene, settings)?;
+        let frame = Seen::new(scene, settings)?;
+        // One sample is the pixel's centre, which every part is made for, and a smaller tolerance sees no more.
+        let same_samples = frame.samples == 1 || [frame.samples, frame.seed] == [self.seen.samples, self.seen.seed];
+        let own = if same_samples {
+            Seen { samples: frame.samples, seed: frame.seed, ..self.seen.clone() }
+        } else {
+            self.seen.clone()
+        };
+        let own = Seen { tolerance: frame.tolerance.max(own.tolerance), ..own };
+        let frame = Seen { tolerance: own.tolerance, ..frame };
+        if settings.promise().relative() > self.seen.tolerance {
+            let problem = format!("{} is made for a tolerance of {}", self.name, self.seen.tolerance);
+            return Err(Error::settings(problem, format!("use at most that as {TOLERANCE}")));
+        }
+        if let Some((what, [own, given])) = own.difference(&frame) {
+            let problem = format!("{} is made for another frame: its {what} is {own}, and not {given}", self.name);
+            return Err(Error::settings(problem, "leave that to the parts, or sift again"));
+        }
+        let count = self.all_ids().last().map_or(0, |[_, end]| *end);
+        let ids = StreamIds { ids: self.kept.numbers, count };
+        let scene = Scene { spheres: Spheres::default(), ..scene.clone() };
+        scene.check()?;
+        Ok(visible(scene, self.kept.spheres, ids, &self.digests))
+    }
+
+    /// Words about ids between 0 and the largest that no part has.
+    #[must_use]
+    pub fn gaps(&self) -> Option<String> {
+        let known = self.all_ids();
+        let starts = known.iter().map(|[first, _]| *first);
+        let gaps: Vec<_> = [0]
+            .into_iter()
+            .chain(known.iter().map(|[_, end]| *end))
+            .zip(starts)
+            .filter(|(end, first)| end < first)
+            .collect();
+        let missing = gaps.iter().map(|(end, first)| first - end).sum::<u64>();
+        let words = |(end, first): &(u64, u64)| format!("{end} to {}", first - 1);
+        let first = words(gaps.first()?);
+        let more = if gaps.len() > 1 { format!(", and {} more gaps", gaps.len() - 1) } else { String::new() };
+        Some(format!("no part has the {} with ids {first}{more}", count(missing, "sphere")))
+    }
+
+    fn differ(&self, other: &Self, what: String) -> Error {
+        let problem = format!("{} and {} have different spheres for {what}", self.name, other.name);
+        Error::scene(
+            Place::file(&other.name),
+            problem,
+            format!("give every sphere of the whole an id of its own with {FIRST_ID}"),
+        )
+    }
+
+    /// Refuses spheres that two parts keep with the same id and different numbers.
+    fn check_same(&self, other: &Self) -> Result<()> {
+        let color = |part: &Self, n: usize| part.kept.spheres.colors.as_ref().map(|colors| colors[n]);
+        for (n, id) in other.kept.numbers.iter().enumerate() {
+            let Ok(own) = self.kept.numbers.binary_search(id) else { continue };
+            let (a, b) = (&self.kept.spheres, &other.kept.spheres);
+            if a.centers[own] != b.centers[n] || a.radii[own] != b.radii[n] || color(self, own) != color(other, n) {
+                return Err(self.differ(other, format!("id {id}")));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Stream {
+    /// Takes spheres with their ids, without a fingerprint.
+    fn see_all(&mut self, all: &NumberedSpheres) -> Result<()> {
+        let list = |values: &[f64]| values.to_vec().into();
+        for first in (0..all.numbers.len()).step_by(BLOCK) {
+            let range = first..(first + BLOCK).min(all.numbers.len());
+            memory::check(36 * range.len() as u64, || "a block of spheres".into())?;
+            let block = Spheres {
+                centers: List::from(all.spheres.centers[range.clone()].to_vec()),
+                radii: list(&all.spheres.radii[range.clone()]),
+                colors: all.spheres.colors.as_ref().map(|colors| colors[range].to_vec().into()),
+                materials: None,
+            };
+            self.see(&block, &|n| all.numbers[first + n])?;
+        }
+        Ok(())
+    }
+}
+
+impl NumberedSpheres {
+    /// BLAKE3 of all numbers.
+    fn digest(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_rayon(bytemuck::cast_slice(&self.numbers));
+        for digest in [self.spheres.centers.digest(), self.spheres.radii.digest()] {
+            hasher.update(digest.as_bytes());
+        }
+        if let Some(colors) = &self.spheres.colors {
+            hasher.update(colors.digest().as_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ids =
+            self.all_ids().iter().map(|[first, end]| format!("{first} to {}", end - 1)).collect::<Vec<_>>().join(", ");
+        let kept = count(self.kept.numbers.len() as u64, "sphere");
+        write!(f, "{kept} of {} may be hit first (ids {})", self.count(), if ids.is_empty() { "none" } else { &ids })
+    }
+}
+
+impl fmt::Debug for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {self}", self.name)
+    }
+}
+
+fn check_id(id: u64) -> Result<()> {
+    if id <= MOST {
+        return Ok(());
+    }
+    let problem = format!("an id of a part is {id} or more");
+    Err(Error::Limits { problem, mend: format!("use ids below {MOST}") })
+}
