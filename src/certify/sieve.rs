@@ -95,7 +95,10 @@ impl Sieve {
         let view = View::for_rays(scene, raster, Records::None)?;
         let size = [scene.image.width, scene.image.height];
         let projection = ProjectionBounds::new(&scene.camera, &view, size, &TERMS)?;
-        let pyramid = || DepthPyramid::new(&projection, (size, raster.window), 0.0, tolerance);
+        let pyramid = || {
+            let pyramid = DepthPyramid::new(&projection, (size, raster.window), 0.0, tolerance);
+            pyramid.of_samples(&projection, &view.record)
+        };
         Ok(projection.is_bounded().then(pyramid).map(|pyramid| Self { projection, pyramid }))
     }
 

@@ -192,6 +192,13 @@ fn hidden_spheres_are_forgotten() {
         seen.dedup();
         assert!(seen.iter().all(|id| kept.binary_search(id).is_ok()), "{what}");
         assert!(kept.len() < 3 * seen.len() && kept.len() < scene.spheres.len() / 2, "{what}: {} kept", kept.len());
+        // Rays through samples are compared one by one, so that spheres smaller than a pixel hide others.
+        let mut small = scene;
+        small.spheres = cloud(12, 60_000, [0.0; 3], 1.0, 0.006);
+        let [one, sixteen] =
+            [1, 16].map(|samples| stream(&small, &Settings { samples, ..settings() }, 5000).ids.ids.len());
+        println!("{what}: {one} of 60000 kept, {sixteen} with 16 samples");
+        assert!(4 * one < 60_000 && 2 * sixteen < 60_000, "{what}: {one} kept, {sixteen} with 16 samples");
     }
 }
 

@@ -59,6 +59,19 @@ impl Coverage {
             behind: host_cull_margin(tolerance),
         }
     }
+
+    /// The same with the pixels of the view's frame in place of those of the image: each has one place for a ray.
+    pub(super) fn finer(self, projection: &ProjectionBounds) -> Self {
+        let ProjectionBounds { step, fixed, corner, .. } = *projection;
+        Self {
+            step,
+            per_step: step.map(|step| 1.0 / step),
+            per_fine: 1.0,
+            middle: corner,
+            margin: step[0].max(step[1]) * (SHRINK[0] + 1.0 / fixed),
+            ..self
+        }
+    }
 }
 
 impl Coverage {
@@ -81,7 +94,7 @@ impl Coverage {
         // to the reference, like the minima of chunks.
         let high = center + depth * (rise * rho) + center.abs() * DEEPER[0] + depth * DEEPER[1];
         let limit = high + self.behind * (high + reference).abs();
-        Some(Outline { center: [x, y], inner, step: step[1], per_step, limit })
+        Some(Outline { center: [x, y], inner, steps: step, per_step, limit })
     }
 }
 
@@ -89,12 +102,11 @@ impl Coverage {
 pub(super) struct Outline {
     /// Column and row of the middle, in pixels of the image.
     center: [f64; 2],
-    /// The radius in the unit of rho, that unit per row, and its inverse per column and row.
+    /// The radius in the unit of rho, that unit per column and row, and its inverse.
     inner: f64,
-    step: f64,
+    steps: [f64; 2],
     per_step: [f64; 2],
     /// Upper bound of the hit's depth, relative to the reference like the minima of chunks.
-
     /// The least depth from which on a sphere cannot change the pixels.
     pub(super) limit: f64,
 }
@@ -110,9 +122,24 @@ impl Outline {
     /// The first and last column of a row; the first is greater where there are none.
     #[inline(always)]
     pub(super) fn columns(&self, row: f64) -> (f64, f64) {
-        let down = (row - self.center[1]) * self.step;
+        let down = (row - self.center[1]) * self.steps[1];
         let half = larger(self.inner * self.inner - down * down, 0.0).sqrt() * self.per_step[0];
         (-floor(half - self.center[0]), floor(self.center[0] + half))
+    }
+
+    /// The first and last column of all rows.
+    #[inline(always)]
+    pub(super) fn widest(&self) -> (f64, f64) {
+        let half = self.inner * self.per_step[0];
+        (-floor(half - self.center[0]), floor(self.center[0] + half))
+    }
+
+    /// Whether the place in a column and a row is covered.
+    #[inline(always)]
+    pub(super) fn contains(&self, column: f64, row: f64) -> bool {
+        // Rounding of f64 is far below what the radius was shrunk by.
+        let [across, down] = [(column - self.center[0]) * self.steps[0], (row - self.center[1]) * self.steps[1]];
+        across * across + down * down <= self.inner * self.inner
     }
 }
 
