@@ -13,8 +13,8 @@ It says how far from exact every answer can be.
 np.True_
 
 Scenes: `Scene`, `Columns`, `read`, `read_frames`, `from_ase`, `from_mdanalysis`. Cameras:
-`Camera`, `read_cameras`. Rendering: `Renderer`, `Frame`, `Hits`. This machine and files:
-`adapters`, `info`.
+`Camera`, `read_cameras`. Rendering: `Renderer`, `Frame`, `Hits`. Scenes in parts, on many
+machines: `sift`, `Sieve`, `Part`, `combine`. This machine and files: `adapters`, `info`.
 Errors: `AccuracyError`, `AdapterError`, and ValueError, OSError, MemoryError, KeyboardInterrupt.
 """
 
@@ -24,6 +24,7 @@ from .camera import Camera, read_cameras
 from .columns import Columns
 from .frame import Frame
 from .options import Aov, Options
+from .parts import Part, Sieve, combine, sift
 from .renderer import Hits, Occlusion, Renderer, measure, plan, render, trace
 from .reports import adapters, info
 from .scene import Scene, read, read_frames
@@ -38,10 +39,13 @@ __all__ = [
     "Hits",
     "Occlusion",
     "Options",
+    "Part",
     "Renderer",
     "Scene",
+    "Sieve",
     "__version__",
     "adapters",
+    "combine",
     "from_ase",
     "from_mdanalysis",
     "info",
@@ -51,5 +55,6 @@ __all__ = [
     "read_cameras",
     "read_frames",
     "render",
+    "sift",
     "trace",
 ]

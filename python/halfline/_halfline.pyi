@@ -93,6 +93,55 @@ class Sequence:
     def __next__(self) -> Scene: ...
 
 @final
+class Sieve:
+    def __new__(
+        cls,
+        camera: Camera,
+        size: Size,
+        samples: int,
+        seed: int,
+        crop: list[int] | None,
+        tolerance: float | None,
+        first_id: int,
+    ) -> Sieve: ...
+    def add(
+        self,
+        centers: NDArray[np.float64],
+        radii: NDArray[np.float64],
+        colors: NDArray[np.float32] | None,
+    ) -> None: ...
+    def part(self) -> Part: ...
+
+@final
+class Part:
+    @staticmethod
+    def of_bytes(bytes: bytes, name: str) -> Part: ...
+    @staticmethod
+    def load(path: str | bytes) -> Part: ...
+    def save(self, path: str | bytes) -> None: ...
+    def bytes(self) -> bytes: ...
+    def combine(self, other: Part) -> Part: ...
+    def __len__(self) -> int: ...
+    @property
+    def words(self) -> str: ...
+    @property
+    def count(self) -> int: ...
+    @property
+    def all_ids(self) -> list[tuple[int, int]]: ...
+    @property
+    def size(self) -> Size: ...
+    @property
+    def samples(self) -> int: ...
+    @property
+    def ids(self) -> NDArray[np.int64]: ...
+    @property
+    def centers(self) -> NDArray[np.float64]: ...
+    @property
+    def radii(self) -> NDArray[np.float64]: ...
+    @property
+    def colors(self) -> NDArray[np.float32] | None: ...
+
+@final
 class Renderer:
     def __new__(cls, backend: str, adapter: str | None) -> Renderer: ...
     @property
@@ -107,6 +156,13 @@ class Renderer:
         self,
         scene: Scene,
         camera: Camera | None,
+        picture: dict[str, Any],
+        accurate: dict[str, Any],
+        progress: Report | None,
+    ) -> Frame: ...
+    def render_part(
+        self,
+        part: Part,
         picture: dict[str, Any],
         accurate: dict[str, Any],
         progress: Report | None,

@@ -17,6 +17,7 @@ from ._progress import Callback, reporter
 from .camera import Camera
 from .frame import Frame
 from .options import Options, accuracy_of, checked
+from .parts import Part
 from .scene import Scene
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,7 +132,7 @@ class Renderer:
 
     def render(
         self,
-        scene: Scene,
+        scene: Scene | Part,
         camera: Camera | None = None,
         *,
         progress: bool | Callback = False,
@@ -140,7 +141,7 @@ class Renderer:
         """Renders one frame.
 
         Args:
-            scene: The scene.
+            scene: The scene, or a `Part`, which has its camera, size, window and samples.
             camera: The camera; by default that of the scene's file, else one that shows all
                 spheres.
             progress: ``True`` for a bar in a terminal or a notebook (by tqdm, if it is
@@ -161,6 +162,12 @@ class Renderer:
         """
         picture, accurate = checked(options)
         with reporter(progress) as report:
+            if isinstance(scene, Part):
+                if camera is not None:
+                    raise ValueError("a part has the camera that it was made for; remove camera")
+                return Frame._of(
+                    self._native.render_part(scene._native, picture, accurate, report)
+                )
             native = self._native.render(
                 native_scene(scene), _camera(camera), picture, accurate, report
             )
@@ -334,7 +341,7 @@ class Renderer:
         return plan
 
 
-def render(scene: Scene, camera: Camera | None = None, **options: Unpack[Options]) -> Frame:
+def render(scene: Scene | Part, camera: Camera | None = None, **options: Unpack[Options]) -> Frame:
     """Renders one frame on a new `Renderer`; for several keep one, since opening a device takes
     time.
     """

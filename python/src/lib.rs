@@ -13,6 +13,7 @@ mod many;
 mod measure;
 mod options;
 mod paint;
+mod parts;
 mod png;
 mod read;
 mod renderer;
@@ -44,6 +45,8 @@ mod _halfline {
     use super::many::Frames;
     #[pymodule_export]
     use super::measure::measure;
+    #[pymodule_export]
+    use super::parts::{Part, Sieve};
     #[pymodule_export]
     use super::png::png;
     #[pymodule_export]

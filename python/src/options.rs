@@ -146,6 +146,11 @@ impl Picture {
         Ok(exact)
     }
 
+    /// Columns and rows, if they are given.
+    pub(crate) fn size(&self) -> Option<(u32, u32)> {
+        self.size
+    }
+
     /// The colour of rays that hit nothing, if it is given.
     pub(crate) fn background(&self) -> Option<[f32; 3]> {
         self.background

@@ -5,10 +5,12 @@ use crate::errors::{OrRaise, keywords};
 use crate::frame::Frame;
 use crate::many::Frames;
 use crate::options::{Accurate, Picture};
+use crate::parts::Part;
 use crate::scene::Scene;
 use crate::shared::Shared;
 use crate::work::Job;
 use halfline::Renderer as CoreRenderer;
+use halfline::render::stream::Visible;
 use halfline::settings::{Backend, Settings};
 use pyo3::prelude::*;
 
@@ -70,6 +72,37 @@ impl Renderer {
                 self.shared.render(&job, exact, &settings, &scene.skipped)
             })?;
             picture.insets.write(scene)?;
+            Ok(rendered)
+        })?;
+        Ok(Frame::new(rendered, picture.single, settings, self.shared.clone()))
+    }
+
+    /// Renders the frame of a part.
+    fn render_part(
+        &self,
+        py: Python<'_>,
+        part: &Part,
+        picture: Picture,
+        accurate: Accurate,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Frame> {
+        let scene = &part.scene();
+        let settings = self.settings(scene, &picture, &accurate)?;
+        let settings = part.settings(picture.size(), settings).or_raise()?;
+        let job = Job::default();
+        let rendered = job.run(py, progress.as_ref(), || {
+            picture.begin(scene)?;
+            let mut seen = None;
+            let mut rendered = picture.render(scene, None, scene.number, |exact| {
+                let Visible { scene: left, ids } = part.0.clone().visible(exact, &settings)?;
+                let mut frame = self.shared.render(&job, &left, &settings, &scene.skipped)?;
+                ids.restore(&mut frame);
+                frame.report.warnings.extend(part.0.gaps());
+                seen = Some(left);
+                Ok(frame)
+            })?;
+            // Provenance is that of all spheres.
+            rendered.scene = seen.unwrap_or(rendered.scene);
             Ok(rendered)
         })?;
         Ok(Frame::new(rendered, picture.single, settings, self.shared.clone()))

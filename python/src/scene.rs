@@ -79,6 +79,33 @@ impl Scene {
         }
     }
 
+    /// The camera and the image of a part, which stay as they are; `samples` are its own.
+    pub(crate) fn of_part(scene: CoreScene, samples: u32) -> Self {
+        let look = FileLook { samples: Some(samples), ..FileLook::default() };
+        Self { held: true, look, ..Self::of_arrays(scene) }
+    }
+
+    /// A scene of which nothing but this is known.
+    fn of_arrays(scene: CoreScene) -> Self {
+        Self {
+            scene: Arc::new(scene),
+            skipped: Skipped::default(),
+            aperture: None,
+            held: false,
+            is_molecule: false,
+            look: FileLook::default(),
+            number: 1,
+            time: None,
+            step: None,
+            cell: None,
+            copies: [1; 3],
+            outlined: false,
+            file: None,
+            legend: None,
+            columns: Arc::default(),
+        }
+    }
+
     /// The same spheres, of which there may be more, with everything that is known of them.
     fn with(&self, scene: CoreScene) -> Self {
         Self {
@@ -230,23 +257,7 @@ impl Scene {
             spheres,
             lighting: Default::default(),
         };
-        Ok(Self {
-            scene: Arc::new(scene),
-            skipped: Skipped::default(),
-            aperture: None,
-            held: false,
-            is_molecule: false,
-            look: FileLook::default(),
-            number: 1,
-            time: None,
-            step: None,
-            cell: None,
-            copies: [1; 3],
-            outlined: false,
-            file: None,
-            legend: None,
-            columns: Arc::default(),
-        })
+        Ok(Self::of_arrays(scene))
     }
 
     /// The same spheres with what another program says of them.
