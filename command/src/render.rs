@@ -171,7 +171,15 @@ impl Render {
             match room {
                 Room::Alone => {
                     while let Some(numbered) = next()? {
-                        done(each(&mut renderers[0], numbered)?)?;
+                        let is_whole = numbered.ids.is_none() && !self.args.is_many();
+                        let made = match each(&mut renderers[0], numbered) {
+                            Err(Error::Limits { problem, mend }) if is_whole => {
+                                let picture = self.smaller((problem, mend), (&settings, &targets), &cancel)?;
+                                each(&mut renderers[0], picture)
+                            }
+                            made => made,
+                        };
+                        done(made?)?;
                     }
                     Ok(())
                 }
@@ -207,10 +215,6 @@ impl Render {
 
     /// The opened file and its first scene; a stream has no other.
     fn first(&self, settings: &Settings, targets: &[Target], cancel: &Cancel) -> Result<First<'_>> {
-        let streamed = |why: Option<String>| {
-            let source = stream::Source::new(&self.args, cancel, why)?;
-            Ok((None, Some(source.visible(settings, targets)?)))
-        };
         if !self.args.visible.is_empty() {
             if self.stream {
                 return Err(Error::settings(
@@ -221,7 +225,8 @@ impl Render {
             return Ok((None, Some(visible::picture(&self.args, settings, targets)?)));
         }
         if self.stream {
-            return streamed(None);
+            let source = stream::Source::new(&self.args, cancel, None)?;
+            return Ok((None, Some(source.visible(settings, targets)?)));
         }
         let in_memory = || {
             let mut scene_frames = SceneFrames::open(&self.args, settings, cancel)?;
@@ -229,17 +234,31 @@ impl Render {
             Ok((Some(scene_frames), first))
         };
         match in_memory() {
-            Err(Error::Limits { problem, mend }) if self.args.path() != Path::new("-") => {
-                let why = format!("{problem}: the file is read as a stream (see --stream)");
-                // A scene that cannot be a stream is one that does not fit.
-                streamed(Some(why)).map_err(|error| match error {
-                    Error::Settings { .. } => Error::Limits { problem, mend },
-                    Error::Limits { mend, .. } => Error::Limits { problem, mend },
-                    other => other,
-                })
+            Err(Error::Limits { problem, mend }) => {
+                self.smaller((problem, mend), (settings, targets), cancel).map(|picture| (None, Some(picture)))
             }
             opened => opened,
         }
+    }
+
+    /// The picture as a stream, where memory or its frame is too small for all spheres at once, as these words say.
+    fn smaller(
+        &self,
+        (problem, mend): (String, String),
+        (settings, targets): (&Settings, &[Target]),
+        cancel: &Cancel,
+    ) -> Result<PictureScene> {
+        if self.args.path() == Path::new("-") || !self.args.visible.is_empty() || self.stream {
+            return Err(Error::Limits { problem, mend });
+        }
+        let why = format!("{problem}: the file is read as a stream (see --stream)");
+        // A scene that cannot be a stream is one that does not fit.
+        let source = stream::Source::new(&self.args, cancel, Some(why));
+        source.and_then(|source| source.visible(settings, targets)).map_err(|error| match error {
+            Error::Settings { .. } => Error::Limits { problem, mend },
+            Error::Limits { mend, .. } => Error::Limits { problem, mend },
+            other => other,
+        })
     }
 
     /// The next scene, once its files are known to be writable.

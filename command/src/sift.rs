@@ -13,7 +13,7 @@ use halfline::render::stream::Seen;
 use halfline_files::parts;
 use halfline_files::write::file::is_standard_output;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Keeps the spheres of a file that some ray of a frame may hit first, as a part of a scene that lies in several files or on several
 /// machines. halfline render --visible makes the frame of all parts, bit for bit that of one machine.
@@ -128,12 +128,6 @@ impl Sift {
         let Some(output) = &self.args.files.output else {
             return Err(Error::settings("no output is requested", "use -o PART.npz"));
         };
-        let inputs: Vec<PathBuf> = [Some(self.args.path()), self.args.camera.from.as_deref()]
-            .into_iter()
-            .flatten()
-            .map(Path::to_path_buf)
-            .collect();
-        check_inputs([output.as_path()], &inputs)?;
         let is_npz = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
         if is_standard_output(output) || !is_npz {
             let problem = format!("{} cannot hold a part", output.display());
@@ -141,6 +135,7 @@ impl Sift {
         }
         let settings = self.args.settings(&[]);
         let source = Source::new(&self.args, &Cancel::default(), None).map_err(of_parts)?;
+        check_inputs([output.as_path()], &source.inputs())?;
         let (part, framed) = source.part(&settings, self.first_id).map_err(of_parts)?;
         if framed {
             warn([

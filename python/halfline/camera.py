@@ -303,6 +303,9 @@ class Camera:
         record: dict[str, Any] = json.loads(self._native.record(image))
         return record
 
+    def __reduce__(self) -> tuple[Any, tuple[str, str | None]]:
+        return _unpickled, (self._native.state(), self._words)
+
     def __repr__(self) -> str:
         if self._words is not None:
             return f"Camera({self._words})"
@@ -389,3 +392,7 @@ def _two(name: str, values: Any) -> tuple[float, float]:
     except (TypeError, ValueError):
         raise ValueError(f"{name} is {values!r}; give two numbers") from None
     return number(name, first), number(name, second)
+
+
+def _unpickled(state: str, words: str | None) -> Camera:
+    return Camera._of(_halfline.Camera.of_state(state), words)

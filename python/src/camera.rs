@@ -73,6 +73,26 @@ impl Camera {
         Ok(Self { camera, aperture, size, in_pixels: lens.0 == "intrinsics" })
     }
 
+    /// All that it is, as JSON, for pickling.
+    fn state(&self) -> String {
+        let aperture = self.aperture.map(|aperture| (aperture.diameter, aperture.focus));
+        // Numbers and names are always JSON.
+        serde_json::to_string(&(self.camera, aperture, self.size, self.in_pixels)).unwrap_or_default()
+    }
+
+    /// The camera of a state.
+    #[staticmethod]
+    fn of_state(state: &str) -> PyResult<Self> {
+        type State = (CoreCamera, Option<(f64, Option<f64>)>, Option<(u32, u32)>, bool);
+        let read = serde_json::from_str::<State>(state);
+        let (camera, aperture, size, in_pixels) = read
+            .map_err(|error| Error::settings(format!("the pickled camera is damaged: {error}"), "make it again"))
+            .or_raise()?;
+        camera.basis().or_raise()?;
+        let aperture = aperture.map(|(diameter, focus)| Aperture { diameter, focus });
+        Ok(Self { camera, aperture, size, in_pixels })
+    }
+
     /// The camera in numbers for an image of this size, as JSON.
     fn record(&self, size: (u32, u32)) -> PyResult<String> {
         let record = CameraRecord::new(&self.camera, size.into(), self.aperture).or_raise()?;

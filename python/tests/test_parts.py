@@ -22,6 +22,7 @@ import halfline as hl
 COUNT = 40_000
 CAMERA = hl.Camera((3, 2, 4), at=(0, 0, 0), vfov=40)
 VIEW: dict[str, Any] = {"camera": CAMERA, "size": (64, 48)}
+FARM = ROOT / "farm"
 AOVS = ("color", "distance", "normal", "certainty")
 
 
@@ -87,6 +88,17 @@ def test_a_command_and_python_make_the_same_part(tmp_path: Path) -> None:
     for command in commands():
         run(command, "sift", tmp_path / "a.npy", "--first-id", 2**31, *seen, "-o", tmp_path / "c.npz")
         assert (tmp_path / "c.npz").read_bytes() == (tmp_path / "python.npz").read_bytes()
+
+
+def test_cameras_are_pickled(cpu: hl.Renderer) -> None:
+    scene = hl.Scene(*spheres(500))
+    intrinsics = hl.Camera.from_intrinsics(80.25, 81.5, 20.125, 30.5, 64, 48)
+    lens = hl.Camera((3, 2, 4), view=(-3, -2, -4), vfov=33, aperture=0.1, focus=5)
+    for camera in (CAMERA, intrinsics, lens, hl.Camera((0.1, 0.2, 1e9 / 3), viewport=(0.1, 0.3))):
+        again = pickle.loads(pickle.dumps(camera))
+        assert repr(again) == repr(camera)
+        wanted, found = (cpu.render(scene, c, size=(64, 48), aovs=AOVS) for c in (camera, again))
+        assert all(np.array_equal(found[name], wanted[name]) for name in (*AOVS, "id"))
 
 
 def test_wide_ids_and_gaps(cpu: hl.Renderer) -> None:
@@ -219,6 +231,22 @@ def test_dask_with_a_killed_worker(cpu: hl.Renderer, tmp_path: Path) -> None:
     same(cpu, whole, hl.Scene(*spheres()))
 
 
+def engine(*line: object, folder: Path) -> str:
+    """Runs a program, which must end well; what it printed."""
+    # Debian's Open MPI asks for these where root runs it, and knows nothing of containers.
+    allow = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    done = subprocess.run(
+        list(map(str, line)),
+        env={**os.environ, **allow},
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 MPI = """
 import sys
 sys.path.insert(0, {folder!r})
@@ -230,7 +258,7 @@ rank, ranks = world.Get_rank(), world.Get_size()
 own = part(COUNT * rank // ranks, COUNT * (rank + 1) // ranks)
 whole = world.reduce(own, op=hl.combine, root=0)
 if rank == 0:
-    whole.save({out!r})
+    whole.save("whole.npz")
 """
 
 
@@ -239,10 +267,52 @@ def test_mpi(cpu: hl.Renderer, tmp_path: Path) -> None:
     mpirun = shutil.which("mpirun")
     if mpirun is None:
         pytest.skip("mpirun is not here (Debian: apt-get install openmpi-bin)")
-    out = tmp_path / "whole.npz"
-    program = MPI.format(folder=str(Path(__file__).parent), out=str(out))
-    environment = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    line = [mpirun, "--oversubscribe", "-n", "4", sys.executable, "-c", program]
-    done = subprocess.run(line, env=environment, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
-    same(cpu, hl.Part.load(out), hl.Scene(*spheres()))
+    ranks = [mpirun, "--oversubscribe", "-n", "4", sys.executable]
+    engine(*ranks, "-c", MPI.format(folder=str(Path(__file__).parent)), folder=tmp_path)
+    same(cpu, hl.Part.load(tmp_path / "whole.npz"), hl.Scene(*spheres()))
+    said = engine(*ranks, FARM / "parts_mpi.py", "-o", "mpi.png", folder=tmp_path)
+    assert "(ids 0 to 999999)" in said and (tmp_path / "mpi.png").stat().st_size > 10_000
+
+
+def test_the_example_with_dask(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    centers, radii, _ = spheres()
+    rows = np.column_stack([centers, radii])
+    for n, some in enumerate(np.array_split(rows, 3)):
+        np.save(tmp_path / f"{n}.npy", some)
+    names = ["0.npy", "1.npy", "2.npy"]
+    said = engine(
+        sys.executable, FARM / "parts_dask.py", *names, "-o", "dask.png", folder=tmp_path
+    )
+    assert f"of {COUNT} may be hit first" in said
+    scene, camera = hl.Scene(centers, radii), hl.Camera((0, 0, 6), at=(0, 0, 0), vfov=40)
+    hl.render(scene, camera, size=(640, 480)).save(tmp_path / "whole.png")
+    assert (tmp_path / "dask.png").read_bytes() == (tmp_path / "whole.png").read_bytes()
+
+
+def whole_picture(centers: Any, made: Path) -> None:
+    """Compares a picture of parts with that of all spheres in memory."""
+    camera = hl.Camera((0, 0, 12), at=(0, 0, 0), vfov=40)
+    whole = made.with_name("whole.png")
+    hl.render(hl.Scene(centers, 0.01), camera, size=(320, 240)).save(whole)
+    assert made.read_bytes() == whole.read_bytes()
+
+
+def test_the_example_with_a_snapshot_in_hdf5(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    said = engine(sys.executable, FARM / "parts_hdf5.py", folder=tmp_path)
+    assert "of 300000 may be hit first" in said
+    with h5py.File(tmp_path / "snapshot.hdf5") as file:
+        whole_picture(file["PartType1/Coordinates"][()], tmp_path / "snapshot.png")
+
+
+def test_the_example_with_a_series_of_openpmd(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    pytest.importorskip("openpmd_api")
+    said = engine(sys.executable, FARM / "parts_openpmd.py", folder=tmp_path)
+    assert "of 200000 may be hit first" in said
+    # What the example wrote, read by another library.
+    with h5py.File(tmp_path / "electrons.h5") as file:
+        position = file["data/0/particles/electrons/position"]
+        centers = np.stack([position[axis][()] for axis in "xyz"], axis=1)
+    whole_picture(centers, tmp_path / "electrons.png")

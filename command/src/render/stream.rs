@@ -33,6 +33,8 @@ pub(crate) struct Source<'a> {
     options: ReadOptions,
     taken: Option<CameraRecord>,
     arrangement: Arrangement,
+    /// The scene of a scene file without spheres, and the files that it refers to.
+    scene: Option<(SceneFrame, Vec<PathBuf>)>,
     /// Why the scene is read as a stream, until it is said.
     why: Cell<Option<String>>,
     /// Whether the range of the colours is that of all particles and not known yet.
@@ -83,8 +85,22 @@ impl<'a> Source<'a> {
         if args.camera.lens.is_given() || taken.is_some_and(|record| record.lens_size().is_some()) {
             return refuse("a lens with a size sees spheres that a stream has forgotten", "remove --aperture");
         }
+        let scene = SphereBlocks::scene(args.path(), &options)?;
+        if scene.as_ref().is_some_and(|(frame, _)| frame.aperture.is_some()) {
+            return refuse(
+                "a lens with a size sees spheres that a stream has forgotten",
+                "remove the scene's aperture",
+            );
+        }
         let lacks_range = matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none());
-        Ok(Self { args, options, taken, arrangement, why: Cell::new(why), lacks_range })
+        Ok(Self { args, options, taken, arrangement, scene, why: Cell::new(why), lacks_range })
+    }
+
+    /// Every file that is read.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        let named = self.scene.iter().flat_map(|(_, files)| files.iter().map(PathBuf::as_path));
+        let all = [Some(self.args.path()), self.args.camera.from.as_deref()].into_iter().flatten().chain(named);
+        all.map(Path::to_path_buf).collect()
     }
 
     /// Reads the scene: the spheres that some ray may hit, and what else belongs to the picture.
@@ -92,12 +108,7 @@ impl<'a> Source<'a> {
     /// # Errors
     /// Those of reading and of [`Stream`].
     pub(super) fn visible(mut self, settings: &Settings, targets: &[Target]) -> Result<PictureScene> {
-        let inputs: Vec<PathBuf> = [Some(self.args.path()), self.args.camera.from.as_deref()]
-            .into_iter()
-            .flatten()
-            .map(Path::to_path_buf)
-            .collect();
-        check_inputs(targets.iter().map(Target::path), &inputs)?;
+        check_inputs(targets.iter().map(Target::path), &self.inputs())?;
         targets.iter().try_for_each(Target::check)?;
         let mut frame = self.bare()?;
         // What a stream cannot do is found before the file is read.
@@ -137,7 +148,7 @@ impl<'a> Source<'a> {
             note(format_args!("ids are int64: {} spheres are more than 32 bits can number", ids.count));
         }
         let request = self.args.look_request(FileLook::PARTICLES, settings.aovs.contains(&Aov::Color));
-        if self.args.light.would_be_soft(request) {
+        if self.scene.is_none() && self.args.light.would_be_soft(request) {
             note(format_args!(
                 "look plain: a stream is lit from the eye, because lights and a sky need all spheres in memory"
             ));
@@ -180,8 +191,9 @@ impl<'a> Source<'a> {
         settings: &Settings,
         targets: &[Target],
     ) -> Result<(PictureScene, Settings)> {
-        // The look is plain unless another is requested, which the stream refuses.
-        let request = self.args.look_request(FileLook::default(), settings.aovs.contains(&Aov::Color));
+        // The look of particles is plain unless another is requested, which the stream refuses.
+        let file = if frame.has_camera { frame.look } else { FileLook::default() };
+        let request = self.args.look_request(file, settings.aovs.contains(&Aov::Color));
         let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, PictureLens::default())?;
         let picture = PictureScene {
             number: 1,
@@ -200,10 +212,15 @@ impl<'a> Source<'a> {
 
     /// The image, and the camera as far as it does not depend on the spheres.
     fn bare(&self) -> Result<SceneFrame> {
-        let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
-        let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting };
-        scene.frame_all(&Framing::default())?;
-        let mut frame = SceneFrame::new(1, scene);
+        let mut frame = match &self.scene {
+            Some((frame, _)) => frame.clone(),
+            None => {
+                let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
+                let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting };
+                scene.frame_all(&Framing::default())?;
+                SceneFrame::new(1, scene)
+            }
+        };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),

@@ -250,7 +250,6 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
     let dir = TestDir::new(&[
         ("c.csv", "x,y,z,radius,kind\n0,0,0,1,a\n1,2,3,1,b\n"),
         ("bare.csv", "x,y,z\n0,0,0\n1,2,3\n"),
-        ("s.toml", "[[sphere]]\ncenter = [0, 0, -3]\nradius = 1\n"),
         ("m.pdb", "ATOM      1  CA  GLY A   1      11.104   6.134  -6.504  1.00  0.00           C\n"),
     ]);
     for (scene, told) in [
@@ -264,11 +263,59 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
         ("c.csv --cell", "--cell"),
         ("c.csv --spin 4", "one by one"),
         ("bare.csv", "--radius"),
-        ("s.toml", "remove --stream"),
         ("m.pdb", "remove --stream"),
     ] {
         let name = if scene.contains("--spin") { "p.%d.png" } else { "p.png" };
         dir.refused_render(2, &format!("{scene} --stream --size 8x8 -o {name}"), &[told]);
     }
     assert!(!dir.files().keys().any(|name| name.ends_with(".png")), "no file is written");
+}
+
+/// A scene file with spheres of its own, some with colours, and those of files, some with colours.
+#[test]
+fn a_scene_file_streams_with_the_files_that_it_names() {
+    let rows = &rows()[..90_000];
+    let dir = TestDir::new(&[]);
+    dir.put("plain.npy", array(&rows[..60_000]));
+    let table =
+        rows[60_000..].iter().map(|([x, y, z], radius, [r, g, b], _)| format!("{x},{y},{z},{radius},{r},{g},{b}\n"));
+    dir.put("colored.csv", format!("x,y,z,radius,r,g,b\n{}", table.collect::<String>()));
+    dir.put("atoms.xyz", "2\n\nC 0.1 0.2 0.3\nO 0.3 0.2 0.1\n");
+    let scene = |more: &str| {
+        format!(
+            "[camera]\neye = [3.0, 2.0, 4.0]\nat = [0.0, 0.0, 0.0]\nvfov = 40.0\nup = [0.0, 1.0, 0.0]\n
+[image]\nsize = [64, 48]\nsamples = 4\nbackground = \"#ddeeff\"\n
+[[sphere]]\ncenter = [0.0, 0.0, -1.0]\nradius = 0.7\n
+[[spheres]]\nfile = \"plain.npy\"\n\n{more}"
+        )
+    };
+    let colored = "[[spheres]]\nfile = \"colored.csv\"\n\n[[spheres]]\nfile = \"atoms.xyz\"\n";
+    for (more, options) in
+        [("", ""), (colored, ""), (colored, "--color teal --radius-scale 0.5 --clip 0,0,1,0.4"), ("", "--fit")]
+    {
+        dir.put("s.toml", scene(more));
+        dir.render(&format!("s.toml {options} {}", outputs("memory")));
+        let said = dir.render(&format!("s.toml --stream {options} {}", outputs("stream"))).err;
+        let files = dir.files();
+        for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("memory")) {
+            let other = name.replacen("memory", "stream", 1);
+            assert!(files[&other] == *bytes, "{more} {options}: {other} differs from {name}");
+        }
+        assert!(said.contains("may be hit first"), "{said}");
+        dir.good(&format!("sift s.toml --first-id 0 {options} -o s.npz"));
+        dir.render(&format!("--visible s.npz --background #ddeeff {}", outputs("parts")));
+        assert!(dir.files()["parts.png"] == files["memory.png"], "{more} {options}");
+    }
+    for (more, options, words) in [
+        ("[[spheres]]\nfile = \"colored.csv\"\nselect = \"x > 0\"\n", "", "a selection needs all spheres"),
+        ("[[sphere]]\ncenter = [0.0, 0.0, 0.0]\nradius = 1.0\nmaterial = \"metal\"\n", "", "mirrors and glass"),
+        ("[[light]]\nsphere = 7\n", "", "need all spheres in memory"),
+        ("[occlusion]\nrays = 4\n", "", "need all spheres in memory"),
+        ("", "--select all", "selections need all"),
+        ("", "--aov depth=plain.npy", "plain.npy is an input"),
+    ] {
+        dir.put("s.toml", scene(more));
+        let refused = dir.run(&format!("render s.toml --backend cpu --stream {options} -o x.png"));
+        assert!(refused.code == 2 && refused.err.contains(words), "{more} {options}: {}", refused.err);
+    }
 }

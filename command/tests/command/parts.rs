@@ -125,7 +125,7 @@ fn what_does_not_belong_together_is_refused() {
         (2, "render --visible 0.npz --occlusion -o x.png", "need all spheres in memory"),
         (2, "render 0.npy --visible 0.npz -o x.png", "cannot be used with"),
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 -o x.png", "x.png cannot hold a part"),
-        (2, "sift 0.npy --first-id 0 --eye 1,2,3 -o 0.npy", "0.npy is an input"),
+        (2, "sift 0.npy --first-id 0 --eye 1,2,3 -o 0.npy", "0.npy cannot hold a part"),
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 --copies 2,1,1 -o x.npz", "--copies is not an option of a part"),
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 --backend cpu -o x.npz", "--backend is not an option of a part"),
         (2, "sift 0.csv --first-id 0 --eye 1,2,3 --color-by v -o x.npz", "--range LOW,HIGH"),

@@ -5,6 +5,7 @@ use super::input::Input;
 use super::lines::Lines;
 use super::particles::frame::Particles;
 use super::particles::role::Role;
+use super::particles::survey::Survey;
 use super::particles::table::Table;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
@@ -28,18 +29,46 @@ const ALLOWED: &str = "the columns are x, y, z, radius and optionally r, g, b";
 
 /// Appends the spheres of the file. Errors name line, column in characters, and field.
 pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
+    each(path, watch, |center, radius, color| spheres.add(center, radius, color))
+}
+
+/// Passes the spheres of the file on, block by block.
+pub(super) fn pass(path: &Path, survey: &Survey, watch: &Watch) -> Result<()> {
+    let mut block = Spheres::default();
+    each(path, watch, |center, radius, color| {
+        block.add(center, radius, color)?;
+        if survey.is_full(block.len()) { survey.take_spheres(&mut block, true) } else { Ok(()) }
+    })?;
+    survey.take_spheres(&mut block, true)
+}
+
+/// Whether the spheres of the file have colours.
+pub(super) fn is_colored(path: &Path, watch: &Watch) -> Result<bool> {
+    table(path, watch).map(|table| has_colors(&table))
+}
+
+fn has_colors(table: &Table<Input>) -> bool {
+    ROLES[4..].iter().any(|role| table.layout().contains(*role))
+}
+
+fn table(path: &Path, watch: &Watch) -> Result<Table<Input>> {
     let role = |name: &str| COLUMNS.iter().position(|column| *column == name).map(|column| ROLES[column]);
-    let mut table = Table::strict(Lines::new(Input::open(path, watch)?, path), ALLOWED, role)?;
-    let colored = ROLES[4..].iter().any(|role| table.layout().contains(*role));
-    let wanted = if colored { &ROLES[..] } else { &ROLES[..4] };
+    let table = Table::strict(Lines::new(Input::open(path, watch)?, path), ALLOWED, role)?;
+    let wanted = if has_colors(&table) { &ROLES[..] } else { &ROLES[..4] };
     if let Some(missing) = wanted.iter().position(|role| !table.layout().contains(*role)) {
         let problem = format!("column `{}` is missing", COLUMNS[missing]);
         return Err(Error::scene(table.lines().place(0).named("header"), problem, ALLOWED));
     }
+    Ok(table)
+}
+
+/// Every sphere of the file.
+fn each(path: &Path, watch: &Watch, mut take: impl FnMut([f64; 3], f64, Option<[f32; 3]>) -> Result<()>) -> Result<()> {
+    let mut table = table(path, watch)?;
     let mut row = Particles::default();
     while table.row(&mut row)? {
         if let (Some(center), Some(radius)) = (row.positions.pop(), row.radii.pop()) {
-            spheres.add(center, radius, row.colors.pop())?;
+            take(center, radius, row.colors.pop())?;
             table.lines().found();
         }
     }

@@ -20,7 +20,7 @@ use halfline::progress::Watch;
 use halfline::scene::camera::{Aperture, Camera, Lens, Look};
 use halfline::scene::{ImagePlane, Scene, Spheres, check_sphere};
 use halfline::settings::FileLook;
-use spheres::NamedSpheres;
+pub(super) use spheres::NamedSpheres;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use table::{TomlName, TomlTable, TomlText};
@@ -53,6 +53,15 @@ impl Read {
 
 /// Reads a scene from the stream; `path` is for errors, and its folder contains the files of `[[spheres]]`.
 pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<Read> {
+    document(reader, path, watch, true).map(|(read, _)| read)
+}
+
+/// The same without the spheres of `[[spheres]]`, whose tables are returned. Lights may be any of the spheres.
+pub(super) fn without_files(reader: Input, path: &Path, watch: &Watch) -> Result<(Read, Vec<NamedSpheres>)> {
+    document(reader, path, watch, false)
+}
+
+fn document(reader: Input, path: &Path, watch: &Watch, is_whole: bool) -> Result<(Read, Vec<NamedSpheres>)> {
     let file = Place::file(path.display().to_string());
     let text = String::from_utf8(bytes(reader, path)?).map_err(|e| not_utf8(file.clone(), 0, e))?;
     let length = text.len();
@@ -62,7 +71,7 @@ pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<Read> {
         // The byte order mark is not a character of the first line.
         let text = text.trim_start_matches('\u{feff}');
         let text = TomlText { file, text };
-        Document { text: &text, path: &path, watch: &within }.read()
+        Document { text: &text, path: &path, watch: &within }.read(is_whole)
     };
     if length <= QUICK { parse() } else { watch.wait_for(parse) }
 }
@@ -98,7 +107,8 @@ struct Document<'a> {
 }
 
 impl Document<'_> {
-    fn read(&self) -> Result<Read> {
+    /// `is_whole` reads the files of `[[spheres]]` too.
+    fn read(&self, is_whole: bool) -> Result<(Read, Vec<NamedSpheres>)> {
         let root = DeTable::parse(self.text.text).map_err(|e| self.syntax(e))?;
         let root = TomlTable::top(self.text, root.get_ref());
         root.allow(&["camera", "image", "sphere", "spheres", "light", "sky", "occlusion"])?;
@@ -109,16 +119,18 @@ impl Document<'_> {
         let table = root.need("camera")?.table(TomlName::part("camera"))?;
         let camera = self.camera(&table, &image)?;
         let aperture = lens::read(&table, &camera)?;
-        let (mut spheres, mut skipped, mut files) = (Spheres::default(), Skipped::default(), Vec::new());
+        let (mut spheres, mut skipped, mut named) = (Spheres::default(), Skipped::default(), Vec::new());
         for table in root.tables("sphere")? {
             self.sphere(&table?, &mut spheres)?;
         }
         for table in root.tables("spheres")? {
-            let named = NamedSpheres::of(&table?, self.path)?;
-            skipped.assumed.extend(named.read(&mut spheres, self.watch)?);
-            files.push(named.path);
+            let more = NamedSpheres::of(&table?, self.path)?;
+            if is_whole {
+                skipped.assumed.extend(more.read(&mut spheres, self.watch)?);
+            }
+            named.push(more);
         }
-        let lighting = light::read(&root, spheres.len())?;
+        let lighting = light::read(&root, if is_whole { spheres.len() } else { usize::MAX })?;
         let mut scene = Scene { camera, image, spheres, lighting };
         // Where the sky's colours are not to be seen, what stands for it is the colour of its horizon.
         if let Some(colors) = scene.lighting.sky.and_then(|sky| sky.colors) {
@@ -127,7 +139,8 @@ impl Document<'_> {
         if let Some(color) = background {
             scene.set_background(color);
         }
-        Ok(Read { scene, skipped, look, aperture, files })
+        let files = named.iter().map(|more| more.path.clone()).collect();
+        Ok((Read { scene, skipped, look, aperture, files }, named))
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {

@@ -6,6 +6,7 @@ pub(super) mod records;
 mod rows;
 
 use super::input::{Counts, Input, fill};
+use super::particles::survey::Survey;
 use crate::npy::{DType, Fault, Header, Scalar};
 use halfline::error::{Error, Place, Result, relocate};
 use halfline::frame::provenance::Provenance;
@@ -27,6 +28,22 @@ pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<
     let mut npy = Npy::new(Input::open(path, watch)?, path, MEND);
     let header = npy.header()?;
     npy.spheres(&header, &[4, 7], spheres, None).map(drop)
+}
+
+/// Passes the spheres of the file on, block by block.
+pub(super) fn pass(path: &Path, survey: &Survey, watch: &Watch) -> Result<()> {
+    let (mut npy, mut rest) = (Npy::new(Input::open(path, watch)?, path, MEND), Spheres::default());
+    let header = npy.header()?;
+    npy.spheres(&header, &[4, 7], &mut rest, Some(survey))?;
+    // An array in Fortran order is not passed on in blocks.
+    if rest.is_empty() { Ok(()) } else { survey.take_spheres(&mut rest, true) }
+}
+
+/// Whether the spheres of the file have colours.
+pub(super) fn is_colored(path: &Path, watch: &Watch) -> Result<bool> {
+    let mut npy = Npy::new(Input::open(path, watch)?, path, MEND);
+    let header = npy.header()?;
+    npy.matrix(&header, &[4, 7]).map(|matrix| matrix.width == 7)
 }
 
 /// An array file while it is read.

@@ -1,21 +1,24 @@
 //! The spheres of a file in blocks, for files larger than memory: while a block is used, the next one is read.
 
 use super::format::Format;
+use super::native::{self, NamedSpheres};
 use super::open::open as open_particles;
 use super::options::ReadOptions;
 use super::particles::frame::{ParticleFrames, Particles};
 use super::particles::periodic::Periodic;
 use super::particles::survey::{Part, Survey};
+use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::style::{Coloring, is_8_bit, joined_elements};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
+use halfline::progress::Watch;
 use halfline::quote::count;
 use halfline::quote::setting::{AT, COLOR, FOCUS, FRAMES, HIDE, MAP, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP};
-use halfline::scene::Spheres;
+use halfline::scene::{DEFAULT_COLOR, LightSource, Scene, Spheres};
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::{self, JoinHandle};
 
@@ -48,6 +51,8 @@ pub struct SphereBlocks {
     surveys: bool,
     range: Option<[f64; 2]>,
     format: Format,
+    /// Of a scene file, whether its spheres have colours; `None` for particles.
+    scene: Option<bool>,
     /// Whether some particle has an element, and whether the frame has a cell.
     has_elements: bool,
     has_cell: bool,
@@ -81,21 +86,29 @@ impl SphereBlocks {
 
     fn begin(path: &Path, options: &ReadOptions, surveys: bool) -> Result<Self> {
         let source = SceneSource::open(path, options.known_format(), &options.watch)?;
-        if !ROWS.contains(&source.format) {
+        if !ROWS.contains(&source.format) && source.format != Format::Native {
             let problem = format!("{} files are not read as a stream", source.format.name());
-            let mend = format!("remove {STREAM}, or use an array (npy), a table (csv), xyz, a LAMMPS dump, ply or las");
+            let mend = format!(
+                "remove {STREAM}, or use an array (npy), a table (csv), xyz, a LAMMPS dump, ply, las or a scene (toml)"
+            );
             return Err(Error::settings(problem, mend));
         }
         let format = source.format;
         let (sender, parts) = sync_channel(AHEAD);
-        let passing = ReadOptions { survey: Some(Survey::passing(sender, BLOCK)), ..options.clone() };
-        let Ok(frames) = open_particles(source, &passing)? else {
-            return Err(Error::settings("scenes are not read as a stream", format!("remove {STREAM}")));
+        let survey = Survey::passing(sender, BLOCK);
+        let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if format == Format::Native {
+            let scene = InBlocks::open(source, options)?;
+            (Some(scene.is_colored), Box::new(move || scene.pass(&survey)))
+        } else {
+            let passing = ReadOptions { survey: Some(survey), ..options.clone() };
+            let Ok(frames) = open_particles(source, &passing)? else {
+                return Err(Error::settings("scenes are not read as a stream", format!("remove {STREAM}")));
+            };
+            let number = options.frames.numbers().next().unwrap_or(1);
+            // The thread must hold the only sender, so that the receiver sees the end.
+            (None, Box::new(move || frame(frames, number)))
         };
-        let number = options.frames.numbers().next().unwrap_or(1);
-        // The thread must hold the only sender, so that the receiver sees the end.
-        drop(passing);
-        let reader = thread::Builder::new().name("halfline blocks".into()).spawn(move || frame(frames, number));
+        let reader = thread::Builder::new().name("halfline blocks".into()).spawn(read);
         let reader = reader.map_err(|e| Error::Limits {
             problem: format!("no thread could be started to read the file: {e}"),
             mend: format!("allow the process more threads, or remove {STREAM}"),
@@ -114,9 +127,34 @@ impl SphereBlocks {
             surveys,
             range: None,
             format,
+            scene,
             has_elements: false,
             has_cell: false,
         })
+    }
+
+    /// The scene of a scene file (TOML) without spheres, and the files that it refers to; `None` for files of particles. Standard
+    /// input cannot be read twice, so that it is none.
+    ///
+    /// # Errors
+    /// Those of [`Sequence::open`](super::Sequence::open).
+    pub fn scene(path: &Path, options: &ReadOptions) -> Result<Option<(SceneFrame, Vec<PathBuf>)>> {
+        if path == Path::new("-") {
+            return Ok(None);
+        }
+        let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+        if source.format != Format::Native {
+            return Ok(None);
+        }
+        let (read, _) = native::without_files(source.reader, path, &options.watch)?;
+        let native::Read { scene, skipped, look, aperture, files } = read;
+        if scene.lighting.lights.iter().any(|light| matches!(light.source, LightSource::Sphere(_))) {
+            let problem = format!("{STREAM}: lights that are spheres need all spheres in memory");
+            return Err(Error::settings(problem, format!("remove them, or {STREAM}")));
+        }
+        let scene = Scene { spheres: Spheres::default(), ..scene };
+        let frame = SceneFrame { skipped, has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
+        Ok(Some((frame, files)))
     }
 
     /// The next spheres; `None` after the last. Their numbers are checked here, where the row or the particle of the file is
@@ -165,6 +203,19 @@ impl SphereBlocks {
     }
 
     fn dress(&mut self, mut part: Particles) -> Result<Spheres> {
+        if let Some(is_colored) = self.scene {
+            self.skipped.append(std::mem::take(&mut part.skipped));
+            let mut spheres =
+                Spheres { centers: part.positions.into(), radii: part.radii.into(), ..Spheres::default() };
+            // As in memory: spheres without a colour have the default one where others have some.
+            let count = spheres.len();
+            spheres.colors = is_colored.then(|| match &part.colors[..] {
+                [] => vec![DEFAULT_COLOR; count].into(),
+                _ => part.colors.into(),
+            });
+            self.options.style.restyle(&mut spheres)?;
+            return Ok(spheres);
+        }
         self.has_elements |= part.elements.iter().any(|number| *number != 0);
         self.has_cell |= part.cell.is_some();
         if part.positions.is_empty() {
@@ -219,6 +270,44 @@ impl SphereBlocks {
         let [least, most] = self.range.unwrap_or([*low, *high]);
         self.range = Some([least.min(*low), most.max(*high)]);
         Ok(())
+    }
+}
+
+/// The spheres of a scene file: its own, and those of the files that it refers to.
+struct InBlocks {
+    own: Spheres,
+    files: Vec<NamedSpheres>,
+    is_colored: bool,
+    watch: Watch,
+}
+
+impl InBlocks {
+    fn open(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+        if source.path == Path::new("-") {
+            let problem =
+                format!("{STREAM}: a scene is read for its camera first, and standard input can be read once");
+            return Err(Error::settings(problem, "use a file"));
+        }
+        let watch = options.watch.clone();
+        let (read, files) = native::without_files(source.reader, &source.path, &watch)?;
+        let own = read.scene.spheres;
+        if own.materials.is_some() {
+            let problem = format!("{STREAM}: mirrors and glass need all spheres in memory");
+            return Err(Error::settings(problem, "remove the materials of the scene"));
+        }
+        let colored = files.iter().map(|file| file.is_colored(&watch));
+        let is_colored = own.colors.is_some() || colored.collect::<Result<Vec<_>>>()?.contains(&true);
+        Ok(Self { own, files, is_colored, watch })
+    }
+
+    /// Passes all spheres on; what remains are messages.
+    fn pass(mut self, survey: &Survey) -> Result<Option<Particles>> {
+        survey.take_spheres(&mut self.own, true)?;
+        let mut rest = Particles::default();
+        for file in &self.files {
+            rest.skipped.assumed.extend(file.pass(survey, &self.watch)?);
+        }
+        Ok(Some(rest))
     }
 }
 

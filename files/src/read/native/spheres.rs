@@ -4,6 +4,7 @@ use super::table::TomlTable;
 use crate::read::format::{Format, ending};
 use crate::read::open::open;
 use crate::read::options::ReadOptions;
+use crate::read::particles::survey::Survey;
 use crate::read::select::selection::Selection;
 use crate::read::select::{add_selected, apply};
 use crate::read::source::{KnownFormat, SceneSource};
@@ -11,11 +12,12 @@ use crate::read::{csv, npy};
 use halfline::error::{Error, Place, Result};
 use halfline::progress::Watch;
 use halfline::quote::quote;
+use halfline::quote::setting::STREAM;
 use halfline::scene::Spheres;
 use std::path::{Path, PathBuf};
 
 /// A table `[[spheres]]`.
-pub(super) struct NamedSpheres {
+pub(in crate::read) struct NamedSpheres {
     /// The file, from the folder of the scene file.
     pub(super) path: PathBuf,
     selection: Option<Selection>,
@@ -61,6 +63,44 @@ impl NamedSpheres {
         let mut part = Spheres::default();
         strict(&self.path, &mut part, watch)?;
         add_selected(selection, part, spheres).map_err(|e| at(&self.selected_at, e))
+    }
+
+    /// Whether the spheres have colours, by the head of the file where it says so.
+    ///
+    /// # Errors
+    /// Those of [`NamedSpheres::read`].
+    pub(in crate::read) fn is_colored(&self, watch: &Watch) -> Result<bool> {
+        match ending(&self.path).as_str() {
+            "csv" => csv::is_colored(&self.path, watch),
+            "npy" => npy::is_colored(&self.path, watch),
+            _ => {
+                let mut spheres = Spheres::default();
+                self.particles(&mut spheres, watch)?;
+                Ok(spheres.colors.is_some())
+            }
+        }
+    }
+
+    /// Passes the spheres on, block by block; files other than tables and arrays are in memory as a whole. Returns messages about
+    /// them.
+    ///
+    /// # Errors
+    /// Those of [`NamedSpheres::read`]; [`Error::Settings`] for a selection.
+    pub(in crate::read) fn pass(&self, survey: &Survey, watch: &Watch) -> Result<Vec<String>> {
+        if self.selection.is_some() {
+            let problem =
+                format!("{}: {STREAM}: a selection needs all spheres of its file in memory", self.selected_at);
+            return Err(Error::settings(problem, format!("remove `select` there, or {STREAM}")));
+        }
+        match ending(&self.path).as_str() {
+            "csv" => csv::pass(&self.path, survey, watch).map(|()| Vec::new()),
+            "npy" => npy::pass(&self.path, survey, watch).map(|()| Vec::new()),
+            _ => {
+                let mut spheres = Spheres::default();
+                let said = self.particles(&mut spheres, watch)?;
+                survey.take_spheres(&mut spheres, true).map(|()| said)
+            }
+        }
     }
 
     fn particles(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {

@@ -151,7 +151,7 @@ impl Survey {
     }
 
     /// Whether `particles` are a part.
-    pub(super) fn is_full(&self, particles: usize) -> bool {
+    pub(in crate::read) fn is_full(&self, particles: usize) -> bool {
         particles >= self.part
     }
 
