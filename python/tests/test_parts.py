@@ -120,7 +120,6 @@ def test_what_does_not_belong_together_is_refused(cpu: hl.Renderer) -> None:
         (lambda: cpu.render(one, size=(9, 9)), "the part is of a frame of"),
         (lambda: cpu.render(one, samples=4), "its number of samples is 1, and not 4"),
         (lambda: cpu.render(one, occlusion=True), "need all spheres in memory"),
-        (lambda: cpu.render(one, depth_cue=True), "depth cue"),
         (lambda: hl.sift([[0, 0, 0]], -1.0, **VIEW), "radi"),
         (lambda: hl.sift([[0, 0, np.nan]], 1.0, **VIEW), "center"),
         (lambda: hl.sift([[0, 0, 0]], [1.0, 2.0], **VIEW), "radii has 2 rows, and centers has 1"),

@@ -11,6 +11,15 @@ use rayon::prelude::*;
 /// still seen.
 const MOST: f64 = 0.6;
 
+/// The least and the largest depth of a sphere along the view axis; +inf and -inf for one that is behind the eye, or beyond f64.
+#[inline(always)]
+pub(crate) fn reach(basis: &Basis, center: [f64; 3], radius: f64) -> [f64; 2] {
+    let depth = (basis.e - DVec3::from_array(center)).dot(basis.w);
+    let [near, far] = [depth - radius, depth + radius];
+    let counts = near.is_finite() & far.is_finite() & (far > 0.0);
+    if counts { [near, far] } else { [f64::INFINITY, f64::NEG_INFINITY] }
+}
+
 /// Depths along the view axis between which the background's share grows, in the scene's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DepthCue {
@@ -24,12 +33,8 @@ impl DepthCue {
     /// From the nearest to the farthest depth of the scene's spheres, as far as they lie in front of the eye, whether or
     /// not they are in the picture: so parts of a frame agree. `None` if there are none.
     pub(crate) fn of(scene: &Scene, basis: &Basis) -> Option<Self> {
-        let reach = |(center, radius): (&[f64; 3], &f64)| {
-            let depth = (basis.e - DVec3::from_array(*center)).dot(basis.w);
-            [depth - radius, depth + radius]
-        };
-        let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii).map(reach);
-        let seen = spheres.filter(|[near, far]| near.is_finite() && far.is_finite() && *far > 0.0);
+        let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii);
+        let seen = spheres.map(|(center, radius)| reach(basis, *center, *radius)).filter(|[near, _]| near.is_finite());
         let both = seen.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         both.map(|[near, far]| Self { near: near.max(0.0), far })
     }

@@ -17,7 +17,7 @@ use crate::certify::sieve::{Sieve, Sifted};
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
 use crate::memory::{check_wide_ids, ids_fit};
-use crate::quote::setting::{ACCURACY, APERTURE, DEPTH_CUE, LOOK, METHOD, STREAM};
+use crate::quote::setting::{ACCURACY, APERTURE, LOOK, METHOD, STREAM};
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
@@ -78,8 +78,7 @@ impl Stream {
     /// A frame of `scene`, whose own spheres are not used.
     ///
     /// # Errors
-    /// [`Error::Settings`] for what needs all spheres at once: lights, a sky, a depth cue, and answers without a
-    /// certificate; those of the camera and the image.
+    /// [`Error::Settings`] for what needs all spheres at once: lights and a sky, and answers without a certificate; those of the camera and the image.
     pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
         let scene = Scene { spheres: Spheres::default(), ..scene.clone() };
         scene.check()?;
@@ -90,7 +89,7 @@ impl Stream {
         let around = window.grown(if settings.silhouette { silhouette::MARGIN } else { 0 }, width, height);
         let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
         let rasters = [Raster::centres(around)].into_iter().chain(samples).collect();
-        let witnesses = Witnesses::new(scene.camera.basis()?.e);
+        let witnesses = Witnesses::new(scene.camera.basis()?);
         let (settings, kept, digests) = (settings.clone(), NumberedSpheres::default(), Digests::default());
         let sieves = Vec::new();
         Ok(Self {
@@ -228,8 +227,6 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
         )
     } else if settings.aperture.is_some() {
         ("a lens with a size sees spheres that a stream has forgotten", format!("remove {APERTURE}, or {STREAM}"))
-    } else if settings.depth_cue {
-        ("a depth cue needs the depths of all spheres", format!("remove {DEPTH_CUE}"))
     } else {
         return Ok(());
     };

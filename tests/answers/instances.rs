@@ -169,7 +169,7 @@ fn clipped_copies_samples_and_windows_have_the_same_bits() {
             let whole = Scene { spheres: all.clone(), ..camera };
             for settings in [
                 settings(),
-                Settings { samples: 4, seed: 5, tolerance, ..settings() },
+                Settings { samples: 4, seed: 5, tolerance, depth_cue: true, ..settings() },
                 Settings { silhouette: true, window, ..settings() },
             ] {
                 check(what, &mut cpu(), &whole, &settings, &instances);

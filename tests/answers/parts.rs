@@ -117,7 +117,7 @@ fn with_windows_samples_lines_and_tolerances_too() {
     for (what, scene) in cases() {
         for settings in [
             Settings { window, ..settings() },
-            Settings { samples: 4, seed: 5, ..settings() },
+            Settings { samples: 4, seed: 5, depth_cue: true, ..settings() },
             Settings { samples: 16, silhouette: true, window, ..settings() },
             Settings { tolerance: tolerance(0.3), ..settings() },
             Settings { tolerance: tolerance(1e-7), silhouette: true, ..settings() },
@@ -237,7 +237,7 @@ fn a_part_is_for_one_frame() {
     refused(&scene, of(4, 4), "seed");
     refused(&scene, of(9, 3), "samples");
     refused(&scene, Settings { tolerance: Some(Tolerance::new(1e-3).expect("a tolerance")), ..of(4, 3) }, "tolerance");
-    refused(&scene, Settings { depth_cue: true, ..of(4, 3) }, "depth cue");
+    refused(&scene, Settings { aovs: vec![Aov::Occlusion], ..of(4, 3) }, "all spheres in memory");
     for settings in [of(4, 3), of(1, 0), Settings { tolerance: Some(Tolerance::new(1e-7).expect("one")), ..of(4, 3) }] {
         sampled().visible(&scene, &settings).expect("a frame of the part");
     }

@@ -147,7 +147,8 @@ fn windows_samples_lines_and_exact_answers_have_the_same_bits() {
         let window = Some(Window { x0: 13, y0: 21, x1: 66, y1: 44 });
         for settings in [
             Settings { window, ..settings() },
-            Settings { samples: 4, seed: 5, ..settings() },
+            Settings { samples: 4, seed: 5, depth_cue: true, ..settings() },
+            Settings { depth_cue: true, ..settings() },
             Settings { samples: 9, silhouette: true, window, ..settings() },
             Settings { accuracy: Accuracy::Auto, aovs: vec![Aov::Color], ..settings() },
         ] {
@@ -224,7 +225,6 @@ fn what_needs_all_spheres_is_refused() {
     for (scene, settings) in [
         (&plain, Settings { accuracy: Accuracy::Fast, ..settings() }),
         (&plain, Settings { accuracy: Accuracy::Auto, method: Some(Method::Stable), ..settings() }),
-        (&plain, Settings { depth_cue: true, ..settings() }),
         (&plain, Settings { aovs: vec![Aov::Occlusion], ..settings() }),
         (&lit, settings()),
     ] {

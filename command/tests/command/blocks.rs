@@ -255,7 +255,6 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
     for (scene, told) in [
         ("c.csv --look soft", "--look plain"),
         ("c.csv --occlusion", "--look plain"),
-        ("c.csv --depth-cue", "--depth-cue"),
         ("c.csv --accuracy fast", "--accuracy certified"),
         ("c.csv --select all", "--select"),
         ("c.csv --color-by kind", "categories"),

@@ -50,7 +50,11 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
     for (ending, seen, drawn) in [
         ("npy", CAMERA.to_owned(), ""),
         ("npy", format!("{CAMERA} --samples 16 --seed 3"), ""),
-        ("npy", "--eye 3,2,4 --at 0,0,0 --ortho 2 --size 64x48 --crop 10,5,50,33".to_owned(), "--background white"),
+        (
+            "npy",
+            "--eye 3,2,4 --at 0,0,0 --ortho 2 --size 64x48 --crop 10,5,50,33".to_owned(),
+            "--background white --depth-cue",
+        ),
         ("csv", format!("{CAMERA} --color-by v --range -1,1"), "--transparent --silhouette"),
         ("csv", format!("{CAMERA} --tile 2/4 --samples 4 --radius-scale 0.5 --color teal"), "--exposure 1"),
     ] {

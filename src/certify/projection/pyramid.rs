@@ -246,7 +246,7 @@ impl DepthPyramid {
         let ends = |(first, last): (f64, f64), from: u32, end: u32| {
             let first = floor(first / fine).max(f64::from(from));
             let last = floor(last / fine).min(f64::from(end) - 1.0);
-            (first <= last).then(|| first as u32..=last as u32)
+            (first <= last).then_some(first as u32..=last as u32)
         };
         let (top, bottom) = outline.rows();
         let (Some(rows), Some(columns)) = (ends((top, bottom), y0, y1), ends(outline.widest(), x0, x1)) else { return };

@@ -1,11 +1,12 @@
 //! Spheres that a frame depends on though no ray may hit them: those whose numbers are the extremes of all.
 
+use crate::answers::depth_cue::reach;
 use crate::certify::sieve::Marks;
 use crate::double_double::ldexp;
 use crate::scene::Spheres;
+use crate::scene::camera::Basis;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::view::size_from;
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// A sphere with its number.
@@ -20,7 +21,7 @@ pub(super) struct Witness {
 /// The spheres with the least and the largest sizes, depths and coordinates so far.
 #[derive(Debug)]
 pub(super) struct Witnesses {
-    eye: DVec3,
+    basis: Basis,
     /// The greatest score of each kind, with its sphere.
     best: [Option<(f64, Witness)>; SCORES],
     /// For every sieve the greatest of minus the depths and of the depths, and a general sphere.
@@ -30,24 +31,25 @@ pub(super) struct Witnesses {
     pub(super) first: Vec<Witness>,
 }
 
-/// Scores of a sphere: the size that the frame's unit depends on, and the box around all, each as a maximum.
-pub(super) const SCORES: usize = 8;
+/// Scores of a sphere: the size that the frame's unit depends on, the box around all, and the depths of a depth cue, each as a
+/// maximum.
+pub(super) const SCORES: usize = 10;
 
 /// Spheres that one job scores.
 const TOGETHER: usize = 1 << 12;
 
 impl Witnesses {
-    /// No spheres yet, seen from `eye`.
-    pub(super) fn new(eye: DVec3) -> Self {
-        Self { eye, best: [None; SCORES], ends: Vec::new(), generals: Vec::new(), first: Vec::new() }
+    /// No spheres yet, seen by a camera with this basis.
+    pub(super) fn new(basis: Basis) -> Self {
+        Self { basis, best: [None; SCORES], ends: Vec::new(), generals: Vec::new(), first: Vec::new() }
     }
 
     /// Takes the spheres of a block, whose numbers `number` gives.
     pub(super) fn see(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64) {
-        let eye = self.eye;
+        let basis = self.basis;
         let job = |(centers, radii): (&[[f64; 3]], &[f64])| {
             centers.iter().zip(radii).fold([f64::NEG_INFINITY; SCORES], |best, (center, radius)| {
-                let score = scores(eye, *center, *radius);
+                let score = scores(&basis, *center, *radius);
                 std::array::from_fn(|k| if score[k] > best[k] { score[k] } else { best[k] })
             })
         };
@@ -57,7 +59,7 @@ impl Witnesses {
             for (k, score) in best.into_iter().enumerate() {
                 if self.best[k].is_none_or(|(known, _)| score > known) {
                     let mut range = n * TOGETHER..((n + 1) * TOGETHER).min(block.len());
-                    let place = range.find(|n| scores(eye, block.centers[*n], block.radii[*n])[k] == score);
+                    let place = range.find(|n| scores(&basis, block.centers[*n], block.radii[*n])[k] == score);
                     self.best[k] = place.map(|place| (score, witness(block, number(place), place)));
                 }
             }
@@ -90,12 +92,17 @@ impl Witnesses {
 
     /// An upper bound of it for the spheres in a box.
     pub(super) fn bound(&self, kind: usize, around: &Enclosure) -> f64 {
-        let ([most, least], [least_r, most_r]) = (around.away(self.eye), around.radii);
+        let Basis { e, w, .. } = self.basis;
+        let ([most, least], [least_r, most_r]) = (around.away(e), around.radii);
+        // The products and sums of `reach`, with both signs turned.
+        let [near, far] = around.along(-w, e);
         match kind {
             0 => most.max_element().max(most_r),
             1 => -least.max_element().max(least_r),
             2..5 => around.high[kind - 2] + most_r,
-            _ => most_r - around.low[(kind - 5).min(2)],
+            5..8 => most_r - around.low[kind - 5],
+            8 => -(near - most_r),
+            _ => far + most_r,
         }
     }
 
@@ -135,7 +142,8 @@ pub(super) fn witness(block: &Spheres, number: u64, place: usize) -> Witness {
 }
 
 #[inline(always)]
-fn scores(eye: DVec3, [x, y, z]: [f64; 3], r: f64) -> [f64; SCORES] {
-    let size = size_from(eye, [x, y, z], r);
-    [size, -size, x + r, y + r, z + r, r - x, r - y, r - z]
+fn scores(basis: &Basis, [x, y, z]: [f64; 3], r: f64) -> [f64; SCORES] {
+    let size = size_from(basis.e, [x, y, z], r);
+    let [near, far] = reach(basis, [x, y, z], r);
+    [size, -size, x + r, y + r, z + r, r - x, r - y, r - z, -near, far]
 }
