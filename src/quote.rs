@@ -137,7 +137,7 @@ impl Display for Quote<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::setting::{ACCURACY, DEPTH_CUE};
+    use super::setting::{ACCURACY, SKIP_INVALID};
     use super::*;
 
     #[test]
@@ -194,11 +194,11 @@ mod tests {
 
     #[test]
     fn settings_are_reworded_and_texts_of_files_are_not() {
-        let message = format!("use {ACCURACY} certified or {DEPTH_CUE}");
+        let message = format!("use {ACCURACY} certified or {SKIP_INVALID}");
         let flags = |text: &str| reworded(text, |name| format!("--{}", name.replace('_', "-")));
-        assert_eq!(flags(&message), "use --accuracy certified or --depth-cue");
+        assert_eq!(flags(&message), "use --accuracy certified or --skip-invalid");
         assert_eq!(printable(&message), message);
-        assert_eq!(message.replace('\u{2060}', ""), "use `accuracy` certified or `depth_cue`");
+        assert_eq!(message.replace('\u{2060}', ""), "use `accuracy` certified or `skip_invalid`");
         let forged = quote(ACCURACY).to_string();
         assert_eq!((flags(&forged), printable(&forged)), (forged.clone(), forged.clone().into()), "{forged}");
         for text in ["`\u{2060}", "`\u{2060}a b`", "`\u{2060}``", "\u{2060}x`"] {

@@ -16,7 +16,7 @@ macro_rules! settings {
 settings! {
     ACCURACY "accuracy", ADAPTER "adapter", ALTLOC "altloc", ANY "any", AOV "aov", APERTURE "aperture",
     AS_LISTED "as_listed", ASSEMBLY "assembly", AT "at", BACKEND "backend", BOUNCES "bounces", COLOR "color",
-    COLOR_BY "color_by", COLUMNS "columns", CROP "crop", DEPTH_CUE "depth_cue", EYE "eye", FIT "fit", FOCUS "focus",
+    COLOR_BY "color_by", COLUMNS "columns", CROP "crop", EYE "eye", FIT "fit", FOCUS "focus",
     FIRST_ID "first_id", FORMAT "format", FRAMES "frames", HIDE "hide", HOLD "hold", LABEL "label", LOG "log", LOOK "look", MAP "map",
     METHOD "method", METHODS "methods", MODEL "model", OCCLUSION "occlusion", ORTHO "ortho", PATIENCE "patience",
     RADIUS "radius", RANGE "range", SAMPLES "samples", SCALE_BAR "scale_bar", SEARCH "search", SELECT "select",
