@@ -27,7 +27,7 @@ pub(super) struct CameraArgs {
     /// Moves the eye so that all spheres are in view; the default for files without a camera.
     #[arg(long, conflicts_with = "eye")]
     pub(super) fit: bool,
-    /// Takes the camera and the size of a picture or buffer that halfline wrote, or of a report of --json.
+    /// Takes the camera and the size of a picture or buffer that halfline wrote, of a report of --json, or of a scene (.toml).
     #[arg(long = "camera-from", value_name = "FILE",
         conflicts_with_all = ["eye", "at", "view", "up", "focus", "fit", "vfov", "ortho"])]
     pub(super) from: Option<PathBuf>,

@@ -1,7 +1,8 @@
-//! `--camera-from`: the camera of a picture or buffer that halfline wrote, or of a report.
+//! `--camera-from`: the camera of a picture or buffer that halfline wrote, of a report, or of a scene file.
 
 use halfline::camera::{Camera, CameraRecord, Lens};
 use halfline::error::{Error, Place, Result};
+use halfline_files::read::{ReadOptions, SphereBlocks};
 use halfline_files::write::image_file::ImageFile;
 use std::fs::File;
 use std::io::Read;
@@ -10,14 +11,17 @@ use std::path::Path;
 /// The most bytes of a report.
 const LONGEST: u64 = 1 << 24;
 
-/// The camera in a file: of a picture or buffer with a provenance, or of the first JSON object of `render --json` or
-/// `plan --json`.
+/// The camera in a file: of a picture or buffer with a provenance, of the first JSON object of `render --json` or
+/// `plan --json`, or of a scene file (TOML).
 ///
 /// # Errors
 /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for one without a camera.
 pub(super) fn read(path: &Path) -> Result<CameraRecord> {
     let place = Place::file(path.display().to_string());
-    let mend = "use a picture or a buffer that halfline wrote, or the output of render --json";
+    let mend = "use a picture or a buffer that halfline wrote, the output of render --json, or a scene (.toml)";
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        return of_scene(path)?.ok_or_else(|| Error::scene(place.named("camera"), "the file has no camera", mend));
+    }
     let record = match report(path)? {
         Some(report) => report.get("camera").cloned().and_then(|camera| serde_json::from_value(camera).ok()),
         None => ImageFile::read(path)?.head.provenance.camera(),
@@ -30,6 +34,13 @@ pub(super) fn read(path: &Path) -> Result<CameraRecord> {
         Error::Scene { problem, .. } => Error::scene(place.named("camera"), problem, mend),
         other => other,
     })
+}
+
+/// The camera of a scene file, whose spheres are not read.
+fn of_scene(path: &Path) -> Result<Option<CameraRecord>> {
+    let Some((frame, _)) = SphereBlocks::scene(path, &ReadOptions::default())? else { return Ok(None) };
+    let image = frame.scene.image;
+    CameraRecord::new(&frame.scene.camera, [image.width, image.height], frame.aperture).map(Some)
 }
 
 /// The first JSON object of a file; `None` if the file does not begin with one.

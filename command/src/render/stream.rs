@@ -19,7 +19,7 @@ use halfline::quote::count;
 use halfline::render::stream::{Part, Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::Instances;
-use halfline::scene::{Facing, Framing, ImagePlane, Lighting, Reach, Scene, Spheres, Spread, middle};
+use halfline::scene::{Facing, Framing, ImagePlane, LightSource, Lighting, Reach, Scene, Spheres, Spread, middle};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::Coloring;
 use halfline_files::read::{FrameTime, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks};
@@ -91,6 +91,10 @@ impl<'a> Source<'a> {
                 "a lens with a size sees spheres that a stream has forgotten",
                 "remove the scene's aperture",
             );
+        }
+        let lights = scene.iter().flat_map(|(frame, _)| &frame.scene.lighting.lights);
+        if lights.into_iter().any(|light| matches!(light.source, LightSource::Sphere(_))) {
+            return refuse("lights that are spheres need all spheres in memory", "remove them, or --stream");
         }
         let lacks_range = matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none());
         Ok(Self { args, options, taken, arrangement, scene, why: Cell::new(why), lacks_range })

@@ -72,6 +72,23 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
     }
 }
 
+/// The camera may be that of a scene file, whose spheres are not read.
+#[test]
+fn the_camera_may_be_that_of_a_scene() {
+    let dir = dir();
+    let scene = "[camera]\neye = [3.0, 2.0, 4.0]\nat = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov = 40.0\n[image]\nsize = [64, 48]\n";
+    dir.put("camera.toml", format!("{scene}[[light]]\nsphere = 9\n[[spheres]]\nfile = \"none.npy\"\n"));
+    for (n, first) in CUTS[..CUTS.len() - 1].iter().enumerate() {
+        dir.good(&format!("sift {n}.npy --first-id {first} --camera-from camera.toml -o {n}.npz"));
+    }
+    dir.render(&format!("all.npy --look plain --camera-from camera.toml {}", outputs("whole")));
+    dir.render(&format!("--visible 0.npz 1.npz 2.npz 3.npz {}", outputs("parts")));
+    let files = dir.files();
+    for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("whole")) {
+        assert!(files[&name.replacen("whole", "parts", 1)] == *bytes, "{name}");
+    }
+}
+
 #[test]
 fn a_part_says_what_it_is_and_what_is_missing() {
     let dir = dir();

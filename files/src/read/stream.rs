@@ -16,7 +16,7 @@ use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
 use halfline::quote::count;
 use halfline::quote::setting::{AT, COLOR, FOCUS, FRAMES, HIDE, MAP, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP};
-use halfline::scene::{DEFAULT_COLOR, LightSource, Scene, Spheres};
+use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -148,10 +148,6 @@ impl SphereBlocks {
         }
         let (read, _) = native::without_files(source.reader, path, &options.watch)?;
         let native::Read { scene, skipped, look, aperture, files } = read;
-        if scene.lighting.lights.iter().any(|light| matches!(light.source, LightSource::Sphere(_))) {
-            let problem = format!("{STREAM}: lights that are spheres need all spheres in memory");
-            return Err(Error::settings(problem, format!("remove them, or {STREAM}")));
-        }
         let scene = Scene { spheres: Spheres::default(), ..scene };
         let frame = SceneFrame { skipped, has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
         Ok(Some((frame, files)))
