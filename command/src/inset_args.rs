@@ -106,7 +106,7 @@ fn values(file: &Path, picture: &PictureScene) -> LabelValues {
     LabelValues {
         frame: picture.number,
         file: Some(name.to_string_lossy().into_owned()),
-        count: picture.scene.spheres.len(),
+        count: picture.ids.as_ref().map_or(picture.scene.spheres.len(), |ids| ids.count as usize),
         time: picture.when.time,
         step: picture.when.step,
     }

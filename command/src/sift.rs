@@ -43,7 +43,7 @@ Examples:
   halfline render --visible a.npz b.npz -o picture.png --aov id=id.npy";
 
 /// Options of `halfline render` that a part does not depend on.
-const REFUSED: [&str; 47] = [
+pub(super) const REFUSED: [&str; 47] = [
     "visible",
     "aov",
     "fps",

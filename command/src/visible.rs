@@ -6,6 +6,7 @@ use super::messages::note;
 use super::picture_scene::PictureScene;
 use super::process::is_typed;
 use super::scene_args::SceneArgs;
+use super::sift::REFUSED;
 use super::signals::watch;
 use clap::{Args, Command};
 use halfline::error::{Error, Result};
@@ -18,8 +19,7 @@ use halfline_files::read::{FrameTime, SceneFrame, Skipped};
 use halfline_files::write::file::Target;
 
 /// The groups of options that were applied when the parts were made.
-const APPLIED: [&str; 7] =
-    ["ReadArgs", "ColorArgs", "CameraArgs", "PoseArgs", "LensArgs", "CameraListArgs", "InsetArgs"];
+const APPLIED: [&str; 6] = ["ReadArgs", "ColorArgs", "CameraArgs", "PoseArgs", "LensArgs", "CameraListArgs"];
 
 /// The picture of all spheres of the parts.
 ///
@@ -83,17 +83,19 @@ fn combined(args: &SceneArgs) -> Result<Part> {
 
 /// Refuses options that read a scene or give its camera.
 fn check(args: &SceneArgs) -> Result<()> {
+    if args.insets.legend_in.is_some() {
+        return Err(Error::settings("--legend-in: parts have no legend", "remove it"));
+    }
     let command = SceneArgs::augment_args(Command::new("render"));
     let groups = command.get_groups().filter(|group| APPLIED.contains(&group.get_id().as_str()));
-    let typed = groups.flat_map(|group| group.get_args()).filter_map(|id| {
-        let long = command.get_arguments().find(|arg| arg.get_id() == id)?.get_long()?;
-        is_typed(&format!("--{long}")).then_some(long)
-    });
-    let window = ["crop", "tile"].into_iter().filter(|_| args.image.is_part());
-    match typed.chain(window).next() {
-        Some(long) => {
+    let applied = groups.flat_map(|group| group.get_args()).map(|id| id.as_str()).chain(["crop", "tile"]);
+    let typed =
+        applied.filter_map(|id| Some((id, command.get_arguments().find(|arg| arg.get_id() == id)?.get_long()?)));
+    match typed.into_iter().find(|(_, long)| is_typed(&format!("--{long}"))) {
+        Some((id, long)) => {
             let problem = format!("--{long} belongs to the parts of --visible, which were made with their own options");
-            Err(Error::settings(problem, "give it to halfline sift"))
+            let is_taken = !REFUSED.contains(&id);
+            Err(Error::settings(problem, if is_taken { "give it to halfline sift" } else { "remove it" }))
         }
         None => Ok(()),
     }

@@ -35,7 +35,11 @@ pub fn read(path: &Path) -> Result<Part> {
 /// # Errors
 /// Those of [`read`] but of the file.
 pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Part> {
-    let mut arrays = npz::read(bytes, name)?;
+    let mut arrays = npz::read(bytes, name).map_err(|error| match error {
+        // It may never have been one of halfline's pictures.
+        Error::Scene { place, problem, source, .. } => Error::Scene { place, problem, mend: MEND.into(), source },
+        other => other,
+    })?;
     let mut found = |wanted: &str| {
         let at = arrays.iter().position(|(found, _)| found.as_deref() == Some(wanted))?;
         Some(arrays.swap_remove(at).1)
@@ -56,9 +60,8 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Part> {
     let dtype = |array: &Array, field: &str| {
         fail(field, &format!("numbers of type {} are not expected", array.values().dtype()))
     };
-    let (Values::F64(xyz), Values::F64(r)) = (centers.values(), radii.values()) else {
-        return Err(dtype(&centers, "centers"));
-    };
+    let Values::F64(xyz) = centers.values() else { return Err(dtype(&centers, "centers")) };
+    let Values::F64(r) = radii.values() else { return Err(dtype(&radii, "radii")) };
     let Values::I64(id) = ids.values() else { return Err(dtype(&ids, "id")) };
     let Values::U8(about) = about.values() else { return Err(dtype(&about, "about")) };
     let ids = id.iter().map(|id| u64::try_from(*id)).collect::<Result<Vec<_>, _>>();

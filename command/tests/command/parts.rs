@@ -50,6 +50,7 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
     for (ending, seen, drawn) in [
         ("npy", CAMERA.to_owned(), ""),
         ("npy", format!("{CAMERA} --samples 16 --seed 3"), ""),
+        ("npy", CAMERA.replace("64x48", "200x150"), "--label {count}"),
         (
             "npy",
             "--eye 3,2,4 --at 0,0,0 --ortho 2 --size 64x48 --crop 10,5,50,33".to_owned(),
@@ -142,6 +143,8 @@ fn what_does_not_belong_together_is_refused() {
         (2, "render --visible 0.npz --eye 1,2,3 -o x.png", "--eye belongs to the parts"),
         (2, "render --visible 0.npz --crop 0,0,3,3 -o x.png", "--crop belongs to the parts"),
         (2, "render --visible 0.npz --select all -o x.png", "--select belongs to the parts"),
+        (2, "render --visible 0.npz --copies 2,1,1 -o x.png", "made with their own options; remove it"),
+        (2, "render --visible 0.npz --legend-in -o x.png", "parts have no legend"),
         (2, "render --visible 0.npz --stream -o x.png", "--stream"),
         (2, "render --visible 0.npz --occlusion -o x.png", "need all spheres in memory"),
         (2, "render 0.npy --visible 0.npz -o x.png", "cannot be used with"),
