@@ -171,7 +171,11 @@ impl Render {
             match room {
                 Room::Alone => {
                     while let Some(numbered) = next()? {
-                        let is_whole = numbered.ids.is_none() && !self.args.is_many();
+                        let image = numbered.scene.image;
+                        let pixels = image.width as usize * image.height as usize;
+                        // A stream keeps a few spheres a pixel, so it helps where there are more than that.
+                        let has_many = numbered.scene.spheres.len() > pixels;
+                        let is_whole = numbered.ids.is_none() && !self.args.is_many() && has_many;
                         let made = match each(&mut renderers[0], numbered) {
                             Err(Error::Limits { problem, mend }) if is_whole => {
                                 let picture = self.smaller((problem, mend), (&settings, &targets), &cancel)?;

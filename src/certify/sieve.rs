@@ -7,6 +7,7 @@ use super::projection::project::Eight;
 use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
 use crate::error::Result;
+use crate::memory::check;
 use crate::number::vector::LANES;
 use crate::scene::Scene;
 use crate::scene::instances::enclosure::Enclosure;
@@ -90,11 +91,14 @@ impl Sieve {
     /// the field of view is too wide or too narrow for the bounds.
     ///
     /// # Errors
-    /// Those of the camera, and of numbers beyond the range of one frame.
+    /// Those of the camera, and of numbers beyond the range of one frame; [`Error::Limits`](crate::Error::Limits) where memory is
+    /// short.
     pub(crate) fn new(scene: &Scene, raster: Raster, tolerance: f64) -> Result<Option<Self>> {
         let view = View::for_rays(scene, raster, Records::None)?;
         let size = [scene.image.width, scene.image.height];
         let projection = ProjectionBounds::new(&scene.camera, &view, size, &TERMS)?;
+        let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
+        check(DepthPyramid::bytes(pixels, &view.record), || format!("the depths that {pixels} pixels show"))?;
         let pyramid = || {
             let pyramid = DepthPyramid::new(&projection, (size, raster.window), 0.0, tolerance);
             pyramid.of_samples(&projection, &view.record)

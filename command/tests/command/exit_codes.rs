@@ -150,7 +150,8 @@ fn spheres_beyond_memory_are_exit_code_5_with_the_number_that_fits() {
     for command in ["render", "plan"] {
         let mut shell = dir.program("sh");
         shell.args(["-c", "ulimit -v 4000000; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_halfline"), command]);
-        shell.args(["many.toml", "-o", "out.png", "--backend", "cpu"]);
+        // A sky needs all spheres in memory; otherwise the file would be read as a stream.
+        shell.args(["many.toml", "-o", "out.png", "--backend", "cpu", "--occlusion"]);
         let Output { code, err, .. } = Output::of(shell.output().expect("sh runs"));
         assert_eq!(code, 5, "{err}");
         assert!(err.contains("200000001 spheres need 6400000032 bytes") && err.contains("read at most 1"), "{err}");

@@ -59,6 +59,13 @@ impl Level {
 }
 
 impl DepthPyramid {
+    /// The bytes of a pyramid of so many pixels for the rays of `record`, without its levels, which are a 48th of those.
+    pub(in crate::certify) fn bytes(pixels: u64, record: &ViewRecord) -> u64 {
+        let samples = pixels.saturating_mul(u64::from(record.strata) * u64::from(record.strata));
+        let own = if samples <= MOST_SAMPLES && !record.is_plain() { 8 * samples } else { 0 };
+        pixels.saturating_mul(4).saturating_add(own)
+    }
+
     /// The pyramid for a window of an image of `size` pixels, without a sphere. Depths are relative to `reference`.
     pub(in crate::certify) fn new(
         projection: &ProjectionBounds,
