@@ -22,3 +22,20 @@ pub(super) struct PictureScene {
     /// The rays that the spheres are left for, where they come from parts.
     pub(super) seen: Option<Seen>,
 }
+
+impl PictureScene {
+    /// A single picture, of which nothing else is known yet.
+    pub(super) fn bare(scene: Scene, look: PictureLook) -> Self {
+        Self {
+            number: 1,
+            scene,
+            skipped: Skipped::default(),
+            legend: None,
+            look,
+            when: FrameTime::default(),
+            framed: None,
+            ids: None,
+            seen: None,
+        }
+    }
+}

@@ -15,7 +15,7 @@ use halfline::quote::count;
 use halfline::render::stream::{Part, Visible};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::parts;
-use halfline_files::read::{FrameTime, SceneFrame, Skipped};
+use halfline_files::read::SceneFrame;
 use halfline_files::write::file::Target;
 
 /// The groups of options that were applied when the parts were made.
@@ -43,17 +43,7 @@ pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target])
     let file = FileLook { samples: Some(seen.samples), ..FileLook::default() };
     let request = args.look_request(file, settings.aovs.contains(&Aov::Color));
     let look = args.light.apply(&mut frame, &args.files.buffers(), request, PictureLens::default())?;
-    let mut picture = PictureScene {
-        number: 1,
-        scene: frame.scene,
-        skipped: Skipped::default(),
-        legend: None,
-        look,
-        when: FrameTime::default(),
-        framed: None,
-        ids: None,
-        seen: Some(seen),
-    };
+    let mut picture = PictureScene { seen: Some(seen), ..PictureScene::bare(frame.scene, look) };
     picture.skipped.assumed.extend(part.gaps());
     note(format_args!("{}: {part}", count(args.visible.len() as u64, "part")));
     let settings = args.settings_for(&picture, settings, targets)?;

@@ -199,17 +199,7 @@ impl<'a> Source<'a> {
         let file = if frame.has_camera { frame.look } else { FileLook::default() };
         let request = self.args.look_request(file, settings.aovs.contains(&Aov::Color));
         let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, PictureLens::default())?;
-        let picture = PictureScene {
-            number: 1,
-            scene: frame.scene,
-            skipped: Skipped::default(),
-            legend: None,
-            look,
-            when: FrameTime::default(),
-            framed: None,
-            ids: None,
-            seen: None,
-        };
+        let picture = PictureScene::bare(frame.scene, look);
         let settings = self.args.settings_for(&picture, settings, targets)?;
         Ok((picture, settings))
     }
