@@ -110,8 +110,10 @@ fn any_number_of_rays_needs_the_same_memory() {
         };
         let least = (96..2048).step_by(32).find(|mib| traced("some.npy", *mib)).expect("enough memory");
         println!("{output}: {least} MiB");
-        // What lies where in the address space varies a little.
-        assert!(traced("many.npy", least + 32), "{output}: some rays are traced in {least} MiB");
+        // The 4,500,000 rays and hits more are 244 MiB, of which a half would be noticed. Blocks are traced while others are
+        // read and written, so how many are alive at once, and what lies between them, differs from run to run: by 32 MiB on
+        // an idle machine of 2 cores.
+        assert!(traced("many.npy", least + 122), "{output}: some rays are traced in {least} MiB");
     }
 }
 
