@@ -11,6 +11,7 @@ pub(crate) mod constants;
 pub(crate) mod general;
 pub(crate) mod general_lists;
 pub(crate) mod given;
+pub(crate) mod grouped;
 pub(crate) mod placing;
 pub(crate) mod projected;
 mod projection;

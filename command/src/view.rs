@@ -8,9 +8,7 @@ mod moving;
 mod parse;
 mod pick;
 mod python;
-mod rays;
 mod summary;
-mod tree;
 
 pub use pick::{apart, describe};
 pub use summary::{legend, scene};

@@ -4,6 +4,7 @@
 use super::answer::ProjectionRecord;
 use super::general::GeneralRecord;
 use super::general_lists::{GeneralLists, GeneralTree};
+use super::grouped::Grouped;
 use super::projection::ProjectionBounds;
 use super::projection::cover::{Cover, Coverage};
 use super::projection::project::Eight;
@@ -58,9 +59,10 @@ struct SphereBins {
 
 impl BinnedScene {
     /// Prepares `scene`. `None` if the field of view is too wide or too narrow for f32, so that every pixel must be
-    /// decided exactly. Tiles share candidate lists from `level` on ([`Lists::new`]).
+    /// decided exactly. Tiles share candidate lists from `level` on ([`Lists::new`]). Of spheres in groups those that others
+    /// certainly hide are left out.
     pub(crate) fn new(
-        scene: &Scene,
+        (scene, groups): (&Scene, Option<Grouped<'_>>),
         view: &View,
         tolerance: f64,
         terms: &Terms,
@@ -72,29 +74,74 @@ impl BinnedScene {
         if !projection.is_bounded() {
             return Ok(None);
         }
-        let mut sphere_bins = projection.bin_spheres(scene, 0.0, pool);
-        let reference = reference(sphere_bins.range, !sphere_bins.generals.is_empty());
+        let frame = Stage { projection, view, size: [width, height], tolerance, level, pool };
+        Ok(Some(match groups {
+            Some(groups) => frame.of_groups(groups),
+            None => frame.of_all(&scene.spheres.centers, &scene.spheres.radii),
+        }))
+    }
+}
+
+/// What the stage of a frame knows but for the spheres.
+struct Stage<'a> {
+    projection: ProjectionBounds,
+    view: &'a View,
+    size: [u32; 2],
+    tolerance: f64,
+    level: u32,
+    pool: &'a Pool,
+}
+
+impl Stage<'_> {
+    /// Bins all spheres.
+    fn of_all(&self, centers: &[[f64; 3]], radii: &[f64]) -> BinnedScene {
+        let Self { projection, pool, .. } = self;
+        let mut bins = projection.bin_spheres(centers, radii, 0.0, pool);
+        let reference = reference(bins.range, !bins.generals.is_empty());
         if reference > 0.0 {
-            pool.put_back(sphere_bins.bins);
-            sphere_bins = projection.bin_spheres(scene, reference.into(), pool);
+            pool.put_back(bins.bins);
+            bins = projection.bin_spheres(centers, radii, reference.into(), pool);
         }
-        let mut record = projection.record(reference, tolerance);
-        record.generals = sphere_bins.generals.len() as u32;
-        let (centers, radii) = (&scene.spheres.centers[..], &scene.spheres.radii[..]);
+        self.list(bins, Source::All { centers, radii }, reference)
+    }
+
+    /// Bins those that may be hit first.
+    fn of_groups(&self, groups: Grouped<'_>) -> BinnedScene {
+        let Self { projection, view, size, tolerance, pool, .. } = self;
+        let mut found = projection.foremost(groups, (*size, view.record.window()), *tolerance);
+        let matters = |range: Option<[f64; 2]>| range.is_none() || reference(range, false) > 0.0;
+        let (range, has_generals) = found.range(projection, groups, matters);
+        let reference = reference(range, has_generals);
+        let bins = if reference > 0.0 {
+            let spheres = found.places.par_iter().map(|place| groups.sphere(*place as usize));
+            let (centers, radii): (Vec<_>, Vec<_>) = spheres.unzip();
+            projection.bin_spheres(&centers, &radii, reference.into(), pool)
+        } else {
+            let entries = found.bins.par_iter().map(|bin| bin.entries(0)).sum();
+            let (bins, generals) = (std::mem::take(&mut found.bins), std::mem::take(&mut found.generals));
+            SphereBins { seen: bins.len() as u64, bins, generals, range, entries }
+        };
+        self.list(bins, Source::Some { groups, places: &found.places }, reference)
+    }
+
+    /// The lists of spheres with these bins.
+    fn list(&self, bins: SphereBins, source: Source<'_>, reference: f32) -> BinnedScene {
+        let Self { projection, view, size, tolerance, level, pool } = self;
+        let mut record = projection.record(reference, *tolerance);
+        record.generals = bins.generals.len() as u32;
         let reference = reference.into();
-        let coverage = Coverage::new(&projection, [width, height], reference, tolerance);
-        let mut placing = Scenery { projection: &projection, centers, radii, coverage, reference, ready: Vec::new() };
-        let (bins, entries) = (&sphere_bins.bins, sphere_bins.entries);
-        if entries >= OFTEN * radii.len() as u64 {
-            placing.project_all(pool);
+        let coverage = Coverage::new(projection, *size, reference, *tolerance);
+        let mut placing = Scenery { projection, source, coverage, reference, ready: Vec::new() };
+        let SphereBins { bins, generals, seen, entries, .. } = bins;
+        if entries >= OFTEN * bins.len() as u64 {
+            placing.project_all(bins.len(), pool);
         }
-        let lists = Lists::new(bins, entries, view.record.tiles(), level, &placing, pool);
+        let lists = Lists::new(&bins, entries, view.record.tiles(), *level, &placing, pool);
         pool.put_back(placing.ready);
-        let SphereBins { bins, generals, seen, .. } = sphere_bins;
         pool.put_back(bins);
-        let near = GeneralTree::new(&projection, &generals, [width, height], tolerance);
-        let general_lists = near.lists(view.record.tiles(), level);
-        Ok(Some(Self { projection: record, lists, generals, general_lists, seen }))
+        let near = GeneralTree::new(projection, &generals, *size, *tolerance);
+        let general_lists = near.lists(view.record.tiles(), *level);
+        BinnedScene { projection: record, lists, generals, general_lists, seen }
     }
 }
 
@@ -112,16 +159,16 @@ pub(super) fn reference(range: Option<[f64; 2]>, has_generals: bool) -> f32 {
 impl ProjectionBounds {
     /// The least and the largest depth of the projected spheres.
     pub(super) fn range(&self, scene: &Scene, pool: &Pool) -> Option<[f64; 2]> {
-        let SphereBins { bins, range, .. } = self.bin_spheres(scene, 0.0, pool);
+        let SphereBins { bins, range, .. } = self.bin_spheres(&scene.spheres.centers, &scene.spheres.radii, 0.0, pool);
         pool.put_back(bins);
         range
     }
 
     /// Bins all spheres, with depths of projected spheres relative to `reference`.
-    fn bin_spheres(&self, scene: &Scene, reference: f64, pool: &Pool) -> SphereBins {
-        let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
+    fn bin_spheres(&self, centers: &[[f64; 3]], radii: &[f64], reference: f64, pool: &Pool) -> SphereBins {
+        let spheres = centers.par_chunks(TOGETHER).zip(radii.par_chunks(TOGETHER));
         // New memory is zeros that the system provides when a job first writes it, on that job's core.
-        let mut bins = sized(scene.spheres.len(), pool);
+        let mut bins = sized(radii.len(), pool);
         let arch = pulp::Arch::new();
         let jobs = spheres.zip(bins.par_chunks_mut(TOGETHER)).enumerate();
         let done: Vec<_> = jobs
@@ -249,14 +296,38 @@ impl Sums {
     }
 }
 
+/// The spheres of lists.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    /// All of a scene, by their ids.
+    All { centers: &'a [[f64; 3]], radii: &'a [f64] },
+    /// Those in some places of the order of groups.
+    Some { groups: Grouped<'a>, places: &'a [u32] },
+}
+
+impl Source<'_> {
+    /// Id, centre and radius of a sphere by its number.
+    #[inline(always)]
+    fn sphere(&self, number: u32) -> (u32, [f64; 3], f64) {
+        let n = number as usize;
+        match self {
+            Self::All { centers, radii } => (number, centers[n], radii[n]),
+            Self::Some { groups, places } => {
+                let place = places[n] as usize;
+                let (center, radius) = groups.sphere(place);
+                (groups.ids[place], center, radius)
+            }
+        }
+    }
+}
+
 /// Creates the records of lists.
 struct Scenery<'a> {
     projection: &'a ProjectionBounds,
-    centers: &'a [[f64; 3]],
-    radii: &'a [f64],
+    source: Source<'a>,
     coverage: Coverage,
     reference: f64,
-    /// The records of all spheres by their ids, where most spheres are in several lists; else empty.
+    /// The records of all spheres by their numbers, where most spheres are in several lists; else empty.
     ready: Vec<Placed>,
 }
 
@@ -265,8 +336,8 @@ const OFTEN: u64 = 3;
 
 impl Scenery<'_> {
     /// Projects all spheres, those that are in no list too.
-    fn project_all(&mut self, pool: &Pool) {
-        let mut ready: Vec<Placed> = sized(self.radii.len(), pool);
+    fn project_all(&mut self, count: usize, pool: &Pool) {
+        let mut ready: Vec<Placed> = sized(count, pool);
         let (scenery, arch) = (&*self, pulp::Arch::new());
         let job = |(n, to): (usize, &mut [Placed])| arch.dispatch(Ready { scenery, first: n * TOGETHER, to });
         ready.par_chunks_mut(TOGETHER).enumerate().for_each(job);
@@ -307,7 +378,7 @@ impl NullaryFnOnce for Ready<'_> {
             let (mut ids, mut centers, mut radii) = ([0; LANES], [[0.0; 3]; LANES], [0.0; LANES]);
             for l in 0..LANES {
                 let at = first + l.min(to.len() - 1);
-                (ids[l], centers[l], radii[l]) = (at as u32, scenery.centers[at], scenery.radii[at]);
+                (ids[l], centers[l], radii[l]) = scenery.source.sphere(at as u32);
             }
             scenery.project(&ids, &centers, &radii, to);
         }
@@ -339,7 +410,7 @@ impl Placing for Scenery<'_> {
 impl Filling for Filler<'_> {
     #[inline(always)]
     fn fetch(&mut self, ids: &[u32]) {
-        let Scenery { centers, radii, ref ready, .. } = *self.scenery;
+        let Scenery { source, ready, .. } = self.scenery;
         if !ready.is_empty() {
             self.ids[..ids.len()].copy_from_slice(ids);
             return;
@@ -347,7 +418,7 @@ impl Filling for Filler<'_> {
         // The last sphere is repeated to fill the vector; the copies are discarded.
         for n in 0..ids.len().next_multiple_of(LANES) {
             let id = ids[n.min(ids.len() - 1)];
-            (self.ids[n], self.centers[n], self.radii[n]) = (id, centers[id as usize], radii[id as usize]);
+            (self.ids[n], self.centers[n], self.radii[n]) = source.sphere(id);
         }
     }
 

@@ -3,8 +3,8 @@
 use super::TERMS;
 use super::projection::ProjectionBounds;
 use super::projection::enclose::Enclosed;
-use super::projection::project::Eight;
-use super::projection::pyramid::DepthPyramid;
+use super::projection::project::Landed;
+use super::projection::pyramid::{DepthPyramid, Rectangles};
 use super::projection::stage::Staged;
 use crate::error::Result;
 use crate::memory::check;
@@ -121,7 +121,7 @@ impl Sieve {
     pub(crate) fn hides(&self, around: &Enclosure) -> bool {
         match self.projection.enclose(around) {
             Enclosed::Unseen => true,
-            Enclosed::Projected(bin) => self.pyramid.hides(&bin),
+            Enclosed::Projected { least, pixels } => self.pyramid.hides(&pixels, least),
             Enclosed::Unknown => self.projection.misses(around),
         }
     }
@@ -130,7 +130,7 @@ impl Sieve {
     pub(crate) fn depths(&self, around: &Enclosure) -> Option<[f64; 2]> {
         let unseen = match self.projection.enclose(around) {
             Enclosed::Unseen => true,
-            Enclosed::Projected(_) => false,
+            Enclosed::Projected { .. } => false,
             Enclosed::Unknown => self.projection.misses(around),
         };
         (!unseen).then(|| self.projection.depths(around))
@@ -170,12 +170,17 @@ impl NullaryFnOnce for Block<'_> {
                 let at = first + l.min(there - 1);
                 (eight_centers[l], eight_radii[l]) = (centers[at], radii[at]);
             }
-            let eight: Eight = projection.eight(&eight_centers, &eight_radii, 0.0);
+            let mut rectangles = Rectangles::NONE;
+            let see = |l: usize, landed: &Landed| rectangles.set(l, landed, pyramid);
+            let eight = projection.eight_and(&eight_centers, &eight_radii, 0.0, see);
             for l in 0..there {
                 let index = (first + l) as u32;
-                let (bin, placed) = if eight.projected[l] != 0 {
+                let placed = if eight.projected[l] != 0 {
                     marks.see(eight.depth[l], index);
-                    (eight.bin(l), eight.placed(l, index))
+                    if pyramid.hides_one(&rectangles, l, eight.bin(l).chunk_min_depth) {
+                        continue;
+                    }
+                    eight.placed(l, index)
                 } else if eight.other[l] != 0 {
                     match projection.stage(index, eight_centers[l], eight_radii[l], 0.0) {
                         Staged::Unseen => continue,
@@ -188,17 +193,18 @@ impl NullaryFnOnce for Block<'_> {
                         }
                         Staged::Projected(landed) => {
                             marks.see(landed.placed.depth, index);
-                            (landed.bin, landed.placed)
+                            if pyramid.hides(&landed.pixels, landed.bin.chunk_min_depth) {
+                                continue;
+                            }
+                            landed.placed
                         }
                     }
                 } else {
                     continue;
                 };
-                if !pyramid.hides(&bin) && !pyramid.hides_in_pixels(projection, &bin, &placed) {
-                    kept.push(index);
-                    if covers {
-                        pyramid.cover(&placed);
-                    }
+                kept.push(index);
+                if covers {
+                    pyramid.cover(&placed);
                 }
             }
         }

@@ -208,7 +208,7 @@ mod tests {
         let scene = crate::testing::weekend([131, 74]);
         let (view, pool) = (View::new(&scene).expect("a view"), Pool::default());
         let mut binned =
-            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a projection");
+            BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a projection");
         let settings = Settings { method: Some(Method::Stable), ..Settings::default() };
         let kernel = Kernel { tiles: true, ..Plan::for_method(&settings).expect("a plan").kernel };
         let ids = |binned: &BinnedScene| {

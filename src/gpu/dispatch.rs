@@ -427,7 +427,7 @@ mod tests {
         // Includes the low parts for the kernels that read them.
         let mut view = View::new(&scene).expect("a view");
         view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
-        let binned = BinnedScene::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
+        let binned = BinnedScene::new((&scene, None), &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
             .expect("a stage")
             .expect("a lens");
         let pool = Pool::default();

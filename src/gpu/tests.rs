@@ -31,7 +31,7 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
     let mut view = View::new(&scene).expect("a view");
     view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
     let pool = Pool::default();
-    let binned = BinnedScene::new(&scene, &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
+    let binned = BinnedScene::new((&scene, None), &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
     let mut raw = Raw::new(kernel, (SIZE[0] * SIZE[1]) as usize, &pool).expect("room");
     let tile_candidates = |binned| {
         CandidateList::Uncertified(TileCandidates::new(&view, &scene.spheres, binned, kernel.is_wide(), &pool))

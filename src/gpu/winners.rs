@@ -90,7 +90,8 @@ mod tests {
                 let kernel = Kernel { samples: raster.count() > 1, ..shaded };
                 let mut view = View::for_rays(&scene, raster, kernel.records()).expect("a view");
                 view.record.sample = raster.count() / 2;
-                let binned = BinnedScene::new(&scene, &view, 1e-6, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+                let binned =
+                    BinnedScene::new((&scene, None), &view, 1e-6, &TERMS, 0, &pool).expect("a stage").expect("a lens");
                 assert_eq!(binned.generals.len(), near);
                 let raw = || Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
                 let (mut host, mut timings) = (raw(), Timings::default());

@@ -11,6 +11,7 @@ use crate::kernel::Kernel;
 use crate::memory::SPHERE;
 use crate::quote::setting::{CROP, SIZE, TILE};
 use crate::scene::Scene;
+use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
 use crate::view::{SphereRecord, SphereResiduals, View};
 use crate::window::Window;
@@ -19,10 +20,6 @@ use crate::window::Window;
 /// entry (40 and its share of a chunk's depth), once in the list of its row and once in the frame's. Spheres smaller
 /// than a tile have about 1.1 entries. Spheres that no ray hits have none, but that is not known at this point.
 const STAGED: u64 = 126;
-
-/// Bytes per sphere of the tree for rays to lights: centre and radius 32, id 4, a block's lane 16, a node's part 3, boxes while
-/// it is built 3.
-const TREE: u64 = 58;
 
 /// Bytes per general sphere while its lists are made: its record in the list of a job and in that of all, its numbers in f64 (104),
 /// its place among all (4), and its place and lower bound in the list of the whole image (12).
@@ -72,7 +69,7 @@ impl Need {
             // The twin has copies in its own number type.
             _ => records + if wide { 48 } else { 24 },
         };
-        let sphere = sphere + if plan.wanted.is_any() { TREE } else { 0 };
+        let sphere = sphere + if plan.wanted.is_any() { Tree::bytes(1) } else { 0 };
         // The scene of the eyes on a lens.
         let sphere = sphere + if settings.aperture.is_some() { SPHERE } else { 0 };
         // The buffers of the samples, their sums, and the means.
@@ -214,7 +211,8 @@ mod tests {
             let window = settings.window_of(&scene).expect("a window");
             let raster = Raster::centres(window);
             let bare = Need::of(&plan, &settings, &scene, window, false);
-            let setup = FrameSetup::new(plan, &scene, &settings, raster, &Pool::default(), &mut Timings::default());
+            let setup =
+                FrameSetup::new(plan, (&scene, None), &settings, raster, &Pool::default(), &mut Timings::default());
             let setup = setup.expect("a setup");
             let binned = setup.binned.as_ref().expect("bins");
             assert!(!binned.generals.is_empty(), "{count} of radius {radius}");

@@ -66,7 +66,8 @@ impl Renderer {
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
         let composed = |this: &mut Self, plan: Plan, rays: FrameRays| {
             let raster = Raster::centres(rays.window);
-            let setup = FrameSetup::new(plan, scene, settings, raster, &Pool::default(), &mut Timings::default())?;
+            let setup =
+                FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut Timings::default())?;
             if !setup.is_traced() {
                 let problem = "exact answers are computed on the CPU without a kernel";
                 return Err(Error::settings(problem, format!("use another {ACCURACY} or camera")));
@@ -85,8 +86,14 @@ impl Renderer {
         };
         let need = Need::of(&plan, settings, scene, window, gpu.is_some());
         let free = memory::free(&self.pool);
-        let setup =
-            FrameSetup::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Timings::default())?;
+        let setup = FrameSetup::new(
+            plan,
+            (scene, None),
+            settings,
+            Raster::centres(window),
+            &Pool::default(),
+            &mut Timings::default(),
+        )?;
         let FrameSetup { plan, view, binned, .. } = &setup;
         let need = need.with_generals(binned.as_ref(), view);
         let kernel = self.kernel_of(&setup);
@@ -97,7 +104,8 @@ impl Renderer {
         let mut work = on_device.map(|gpu| Work::of(&kernel, &setup, scene, gpu)).unwrap_or_default();
         if let (Some(raster), Some(sampled), Some(gpu)) = (samples, plan.sampled, on_device) {
             let plan = Plan { kernel: sampled, ..plan.clone() };
-            let passes = FrameSetup::new(plan, scene, settings, raster, &Pool::default(), &mut Timings::default())?;
+            let passes =
+                FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut Timings::default())?;
             work.add(Work::of(&self.kernel_of(&passes), &passes, scene, gpu), raster.count());
         }
         Ok(Explanation {

@@ -5,6 +5,7 @@ use super::lens;
 use super::light::Pixels;
 use super::light_state::LightOnDevice;
 use super::missed::missed;
+use super::order::Ordered;
 use super::place::Executor;
 use super::plan::Plan;
 use super::plan::search::{Device, NOT_PLACED};
@@ -261,7 +262,11 @@ impl Renderer {
             plan = plan.by_tiles(NOT_PLACED);
         }
         let pool = Arc::clone(&self.pool);
-        FrameSetup::new(plan, scene, settings, raster, &pool, timings)
+        let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
+        let ordered = || self.order.groups(&scene.spheres, self.frames, pixels);
+        let order = (plan.accuracy == Accuracy::Certified).then(ordered).flatten();
+        let groups = order.as_ref().map(Ordered::groups);
+        FrameSetup::new(plan, (scene, groups), settings, raster, &pool, timings)
     }
 
     /// Traces and settles: the kernel's answers in `raw`, and the settled pixels.
@@ -326,7 +331,7 @@ impl Renderer {
                 let tolerance = placer.tolerance();
                 let level = plan.search.level();
                 setup.binned =
-                    timings.time("stage", || BinnedScene::new(scene, view, tolerance, &TERMS, level, &pool))?;
+                    timings.time("stage", || BinnedScene::new((scene, None), view, tolerance, &TERMS, level, &pool))?;
                 setup.placer = None;
                 setup.plan = setup.plan.clone().by_tiles(NOT_PLACED);
                 self.left_to_host = Some(format!("the host searched the spheres of this frame: {reason}"));

@@ -67,7 +67,7 @@ fn limits(tree: &Tree, reach: f64) -> [f32; 2] {
 
 impl Renderer {
     pub(super) fn light_setup(&mut self, scene: &Scene, accuracy: Accuracy) -> LightSetup {
-        LightSetup { tree: self.tree.of(&scene.spheres, self.frames), accuracy }
+        LightSetup { tree: self.order.tree(&scene.spheres, self.frames), accuracy }
     }
 
     /// What the device that rendered this view finds of rays from its hits toward the sky, `sky` of them, and toward lights,

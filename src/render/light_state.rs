@@ -1,28 +1,8 @@
-//! What a renderer keeps of lights: the tree from frame to frame, and what a device did within one.
+//! What a renderer keeps of lights within a frame: what a device did.
 
 use crate::answers::lit::Traced;
-use crate::scene::Spheres;
-use crate::scene::same::SameSpheres;
-use crate::search::tree::Tree;
 use crate::view::ray::NONE;
 use rayon::prelude::*;
-use std::sync::Arc;
-
-/// The tree of the spheres that a renderer saw last.
-#[derive(Default)]
-pub(super) struct LastTree(Option<(SameSpheres, Arc<Tree>)>);
-
-impl LastTree {
-    /// The tree of these spheres, which is built unless it is known.
-    pub(super) fn of(&mut self, spheres: &Spheres, frame: u64) -> Option<Arc<Tree>> {
-        if self.0.as_ref().is_none_or(|(same, _)| !same.is_of(spheres, frame)) {
-            self.0 = None;
-            let tree = Tree::new(&spheres.centers, &spheres.radii)?;
-            self.0 = Some((SameSpheres::of(spheres, frame), Arc::new(tree)));
-        }
-        self.0.as_ref().map(|(_, tree)| Arc::clone(tree))
-    }
-}
 
 /// Hits of which a device traced the rays, and those of them that it decided.
 #[derive(Debug, Clone, Copy, Default)]

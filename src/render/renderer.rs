@@ -1,6 +1,7 @@
 //! A device, or the CPU path, with what it keeps from frame to frame.
 
-use super::light_state::{LastTree, LightOnDevice};
+use super::light_state::LightOnDevice;
+use super::order::LastOrder;
 use super::place::{ChosenDevice, Executor};
 use super::plan::Plan;
 use super::setup::FrameSetup;
@@ -34,8 +35,8 @@ pub struct Renderer {
     pub(super) frames: u64,
     /// Why the device left the current frame's search to the host.
     pub(super) left_to_host: Option<String>,
-    /// For rays from hits.
-    pub(super) tree: LastTree,
+    /// For rays from hits, and for hidden groups.
+    pub(super) order: LastOrder,
     /// Of the current frame.
     pub(super) light_on_device: LightOnDevice,
 }
@@ -55,7 +56,7 @@ impl Renderer {
         Plan::for_method(settings)?;
         let ChosenDevice { executor: place, reason, passed_over, has_no_adapter } = ChosenDevice::of(settings)?;
         let setup_ms = milliseconds(start);
-        let (watch, pool, tree) = (Watch::default(), Arc::default(), LastTree::default());
+        let (watch, pool, order) = (Watch::default(), Arc::default(), LastOrder::default());
         Ok(Self {
             place,
             setup_ms,
@@ -66,7 +67,7 @@ impl Renderer {
             has_no_adapter,
             frames: 0,
             left_to_host: None,
-            tree,
+            order,
             light_on_device: LightOnDevice::default(),
         })
     }
@@ -86,7 +87,7 @@ impl Renderer {
             has_no_adapter: false,
             frames: 0,
             left_to_host: None,
-            tree: LastTree::default(),
+            order: LastOrder::default(),
             light_on_device: LightOnDevice::default(),
         }
     }

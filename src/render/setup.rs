@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
+use crate::certify::grouped::Grouped;
 use crate::certify::placing::Placer;
 use crate::error::Result;
 use crate::frame::report::Timings;
@@ -46,13 +47,13 @@ impl FrameSetup {
         })
     }
 
-    /// The setup for the rays of `raster` in one frame of `scene`.
+    /// The setup for the rays of `raster` in one frame of `scene`, whose spheres may be known in groups.
     ///
     /// # Errors
     /// Those of [`View::new`] and of [`BinnedScene::new`].
     pub(crate) fn new(
         plan: Plan,
-        scene: &Scene,
+        (scene, groups): (&Scene, Option<Grouped<'_>>),
         settings: &Settings,
         raster: Raster,
         pool: &Pool,
@@ -66,7 +67,8 @@ impl FrameSetup {
         // kernel alone.
         let level = if plan.kernel.certify { plan.search.level() } else { Search::Tiles.level() };
         let tolerance = settings.promise().relative();
-        let binned = timings.time("stage", || BinnedScene::new(scene, &view, tolerance, &TERMS, level, pool))?;
+        let binned =
+            timings.time("stage", || BinnedScene::new((scene, groups), &view, tolerance, &TERMS, level, pool))?;
         if binned.is_none() && plan.kernel.tiles {
             let plan = plan.without_tiles();
             let view = timings.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;

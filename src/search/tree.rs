@@ -78,6 +78,12 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
+    /// Bytes of the tree of so many spheres while it is built: centre and radius 32 each, id 4, a block's lane 16, a node's part
+    /// 3, boxes 3.
+    pub(crate) fn bytes(spheres: usize) -> u64 {
+        58 * spheres as u64
+    }
+
     /// Levels of nodes.
     pub(crate) fn levels(&self) -> usize {
         self.firsts.len() - 1

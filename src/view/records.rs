@@ -2,6 +2,7 @@
 
 use crate::number::Number;
 use crate::tile::TILE;
+use crate::window::Window;
 use bytemuck::{Pod, Zeroable};
 
 /// The uniform of every kernel; declared in view.wgsl.
@@ -72,6 +73,12 @@ impl ViewRecord {
     /// Row and column in the full frame of a pixel of the window, by its index in the buffers.
     pub(crate) fn place(&self, pixel: u32) -> [u32; 2] {
         [self.first_row + pixel / self.columns, self.first_column + pixel % self.columns]
+    }
+
+    /// The window in the image.
+    pub(crate) fn window(&self) -> Window {
+        let (x0, y0) = (self.first_column, self.first_row);
+        Window { x0, y0, x1: x0 + self.columns, y1: y0 + self.rows }
     }
 
     /// First and last column and row of the tiles that the window touches.

@@ -2,7 +2,7 @@
 
 use super::frames::{Count, Frames};
 use super::given::{Given, GivenOption, line};
-use super::moving::Moving;
+use super::moving;
 use super::parse::Parser;
 use super::pick::{apart, describe, pick};
 use super::{lens, python, summary};
@@ -37,7 +37,7 @@ pub(super) struct Desk {
     /// `None` until the first frame was read.
     book: Mutex<Option<Book>>,
     read: Condvar,
-    place: Mutex<Place>,
+    renderer: Mutex<Option<Renderer>>,
     /// Picks do not wait for a picture.
     picker: Mutex<Renderer>,
     messages: Messages<'static>,
@@ -59,13 +59,6 @@ struct Book {
     is_numbered: bool,
 }
 
-/// What makes pictures.
-#[derive(Default)]
-struct Place {
-    renderer: Option<Renderer>,
-    moving: Moving,
-}
-
 /// A picture that is ready to render.
 struct Posed {
     args: SceneArgs,
@@ -83,7 +76,7 @@ impl Desk {
             given,
             book: Mutex::default(),
             read: Condvar::new(),
-            place: Mutex::default(),
+            renderer: Mutex::default(),
             picker: Mutex::new(Renderer::new(&own)?),
             messages: Messages::new(None),
         })
@@ -105,7 +98,7 @@ impl Desk {
         let (mut plain, summary, record, first) = read?;
         let renderer = renderer?;
         note_fallback(&renderer);
-        lock(&self.place).renderer = Some(renderer);
+        *lock(&self.renderer) = Some(renderer);
         let rest = plain.count();
         let is_numbered = self.given.frame.is_some() || plain.total != Some(1);
         *lock(&self.book) = Some(Book { parser, plain, selected: None, summary, record, first, is_numbered });
@@ -199,8 +192,7 @@ impl Desk {
 
     /// The pixels of a picture and its report, by a renderer that ends its work when `go_on` says so.
     fn render(&self, posed: &Posed, request: &FrameRequest, go_on: &GoOn) -> Result<(Pixels, Report)> {
-        let mut place = lock(&self.place);
-        let Place { renderer, moving } = &mut *place;
+        let mut renderer = lock(&self.renderer);
         let Some(idle) = renderer.take() else {
             return Err(Error::settings("the renderer failed before", "start the command again"));
         };
@@ -210,7 +202,7 @@ impl Desk {
         match request.mode {
             Mode::Move => {
                 let settings = args.settings_for(picture, settings, targets)?;
-                moving.render(renderer, (picture.number, &picture.scene), &settings)
+                moving::render(renderer, &picture.scene, &settings)
             }
             Mode::Still => {
                 let writer = PictureWriter {

@@ -1,7 +1,7 @@
 //! What a pixel shows, decided exactly.
 
-use super::rays::ViewingRays;
 use glam::DVec3;
+use halfline::camera::{Basis, Camera, Viewport};
 use halfline::error::Result;
 use halfline::frame::{Aov, Data};
 use halfline::render::Renderer;
@@ -17,9 +17,8 @@ use serde_json::{Map, Value, json};
 /// # Errors
 /// Those of a frame; [`halfline::Error::Settings`] for a pixel that is not in the image.
 pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, [x, y]: [u32; 2]) -> Result<Value> {
-    let rays = ViewingRays::new(&scene.camera, [scene.image.width, scene.image.height])?;
     // The frame is that of the spheres that the ray comes close to.
-    let near = near_ray(&scene.spheres, rays.ray(x, y));
+    let near = near_ray(&scene.spheres, ray(&scene.camera, [scene.image.width, scene.image.height], [x, y])?);
     let of = |values: &[[f64; 3]]| near.iter().map(|id| values[*id]).collect::<Vec<_>>().into();
     let radii = near.iter().map(|id| scene.spheres.radii[*id]).collect::<Vec<_>>().into();
     let spheres = Spheres { centers: of(&scene.spheres.centers), radii, ..Spheres::default() };
@@ -47,6 +46,16 @@ pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, 
         "distance": frame.f64(Aov::Distance).and_then(|distances| distances.first()),
         "certainty": if is_settled { "settled" } else { "certified" },
     }))
+}
+
+/// Origin and direction of the ray through the centre of pixel (column, row) in world space, as in the lecture, rounded.
+fn ray(camera: &Camera, size: [u32; 2], [column, row]: [u32; 2]) -> Result<[DVec3; 2]> {
+    let Viewport { vw, vh, d, .. } = camera.viewport(size[0], size[1])?;
+    let (Basis { e, u, v, w }, [width, height]) = (camera.basis()?, size.map(f64::from));
+    let right = ((f64::from(column) + 0.5) / width - 0.5) * vw;
+    let up = (0.5 - (f64::from(row) + 0.5) / height) * vh;
+    let across = u * right + v * up;
+    Ok(if camera.lens.is_orthographic() { [e + across, -w] } else { [e, across - w * d] })
 }
 
 /// The spheres that a ray may hit, and those that it passes closely: by some millions of roundings of their distance.

@@ -2,17 +2,16 @@
 //! project.rs at the ends of their operands: f64 rounds monotonically, so they bound the rounded numbers of every sphere.
 //! docs/certificate.md, section 11, derives what follows.
 
-use super::project::{below, floor, larger, smaller};
+use super::project::{Pixels, below, floor, larger, smaller};
 use super::{INFLATE, LONGEST, ProjectionBounds, RANGE, STEEPEST, U, U64, WIDEST};
-use crate::certify::tiles::Bin;
 use crate::scene::instances::enclosure::Enclosure;
 
 /// What the spheres in a box are to a frame.
 pub(in crate::certify) enum Enclosed {
     /// Each of them is behind the eye plane, or is projected outside of the image.
     Unseen,
-    /// None is general. The tiles of each that is projected are among these, and its least depth is no smaller.
-    Projected(Bin),
+    /// None is general. The pixels of each that is projected are among these, and its least depth is no smaller.
+    Projected { least: f32, pixels: Pixels },
     /// They may be anything.
     Unknown,
 }
@@ -35,12 +34,14 @@ impl ProjectionBounds {
     }
 
     /// The sum of the largest |c - e| along each axis of the world.
+    #[inline(always)]
     fn away(&self, around: &Enclosure) -> f64 {
         let most = around.away(self.rotation.eye)[0];
         most.x + most.y + most.z
     }
 
     /// What the spheres in a box are to the frame.
+    #[inline(always)]
     pub(in crate::certify) fn enclose(&self, around: &Enclosure) -> Enclosed {
         let [x, y, [near, far]] = self.rotation.axes.map(|axis| around.along(axis, self.rotation.eye));
         let [least_r, most_r] = around.radii.map(|radius| radius * self.to_frame);
@@ -74,7 +75,7 @@ impl ProjectionBounds {
             return Enclosed::Unknown;
         }
         let moved = 2.0 * blur + MOVED;
-        let (mut tiles, mut seen, mut outside) = ([[0; 2]; 2], true, false);
+        let (mut pixels, mut seen, mut outside) = ([[0.0; 2]; 2], true, false);
         for k in 0..2 {
             let [a, b] = q[k].map(|q| self.place(q, k));
             let place = [smaller(a, b) - moved, larger(a, b) + moved];
@@ -83,9 +84,7 @@ impl ProjectionBounds {
             let last = floor(smaller(place[1] + half, self.end[k] - 1.0));
             seen &= first <= last;
             outside |= size(place) >= self.farthest;
-            if first <= last {
-                tiles[k] = [first, last].map(|pixel| floor((pixel - self.corner[k] + 0.5) * self.per_tile) as u32);
-            }
+            pixels[k] = [first, last];
         }
         if !seen {
             return Enclosed::Unseen;
@@ -99,7 +98,7 @@ impl ProjectionBounds {
         let low = f64::from(below(low - low.abs() * SLACK));
         let most = INFLATE * (rho[1] + f64::from(blurred)) * self.length(far);
         let least = low - most - 2.0 * U * (larger(low.abs(), deepest) + most);
-        Enclosed::Projected(Bin { chunk_min_depth: below(least - least.abs() * SLACK), tiles })
+        Enclosed::Projected { least: below(least - least.abs() * SLACK), pixels }
     }
 
     /// Whether every kernel proves for every ray that it misses each sphere in the box, whichever form the sphere has, and

@@ -49,7 +49,11 @@ pub(in crate::certify) struct Landed {
     outside: bool,
     pub(in crate::certify) placed: Placed,
     pub(in crate::certify) bin: Bin,
+    pub(in crate::certify) pixels: Pixels,
 }
+
+/// The first and last column, and the first and last row, in pixels of the view's frame, of rays that may hit something.
+pub(in crate::certify) type Pixels = [[f64; 2]; 2];
 
 /// Eight spheres, one array per component.
 pub(in crate::certify) struct Eight {
@@ -109,6 +113,18 @@ impl ProjectionBounds {
     /// Eight spheres, with depths relative to `reference`.
     #[inline(always)]
     pub(in crate::certify) fn eight(&self, centers: &[[f64; 3]; LANES], radii: &[f64; LANES], reference: f64) -> Eight {
+        self.eight_and(centers, radii, reference, |_, _| ())
+    }
+
+    /// The same, with what `and` takes from each.
+    #[inline(always)]
+    pub(in crate::certify) fn eight_and(
+        &self,
+        centers: &[[f64; 3]; LANES],
+        radii: &[f64; LANES],
+        reference: f64,
+        mut and: impl FnMut(usize, &Landed),
+    ) -> Eight {
         let mut e = Eight {
             projected: [0; LANES],
             other: [0; LANES],
@@ -128,6 +144,7 @@ impl ProjectionBounds {
             e.chunk_min_depth[l] = landed.bin.chunk_min_depth;
             let [[left, right], [top, bottom]] = landed.bin.tiles;
             (e.tiles[0][l], e.tiles[1][l], e.tiles[2][l], e.tiles[3][l]) = (left, right, top, bottom);
+            and(l, &landed);
             let (record, detail) = (landed.placed.record, landed.placed.detail);
             (e.fixed[0][l], e.fixed[1][l]) = (record.x, record.y);
             (e.numbers[0][l], e.numbers[1][l]) = (record.rho, record.low);
@@ -227,7 +244,8 @@ impl ProjectionBounds {
     fn land(&self, aim: &Aim, place: [f64; 2], low: [f64; 2], reference: f64) -> Landed {
         let mut seen = true;
         let mut outside = false;
-        let (mut fixed, mut subpixel_offset, mut tiles) = ([0; 2], [0.0; 2], [[0; 2]; 2]);
+        let (mut fixed, mut subpixel_offset) = ([0; 2], [0.0; 2]);
+        let (mut tiles, mut pixels) = ([[0; 2]; 2], [[0.0; 2]; 2]);
         for k in 0..2 {
             let half = self.extent(aim.rho, aim.steepest[k], k);
             let first = -floor(-larger(place[k] - half, self.corner[k]));
@@ -237,6 +255,7 @@ impl ProjectionBounds {
             fixed[k] = whole(place[k] * self.fixed);
             let pixel = fixed[k].wrapping_add(1 << (self.shift - 1)) >> self.shift;
             subpixel_offset[k] = (SIGNS[k] * ((place[k] - f64::from(pixel)) + low[k])) as f32;
+            pixels[k] = [first, last];
             // Adding half a pixel keeps the quotient far from integers, so its rounding does not matter.
             tiles[k] = [first, last].map(|pixel| whole(floor((pixel - self.corner[k] + 0.5) * self.per_tile)) as u32);
         }
@@ -258,6 +277,7 @@ impl ProjectionBounds {
                 depth: aim.depth,
             },
             bin: Bin { chunk_min_depth: below(chunk_min_depth), tiles },
+            pixels,
         }
     }
 

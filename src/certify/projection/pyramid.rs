@@ -2,9 +2,10 @@
 //! bounds. docs/certificate.md, section 11, derives that a frame without the culled spheres has the same bits.
 
 use super::cover::{Coverage, Outline};
-use super::project::floor;
+use super::project::{Landed, Pixels, floor, larger, smaller, whole};
 use super::{ProjectionBounds, not_below};
-use crate::certify::tiles::{Bin, Placed, number, ordered};
+use crate::certify::tiles::{Placed, number, ordered};
+use crate::number::vector::LANES;
 use crate::tile::TILE;
 use crate::view::ViewRecord;
 use crate::window::Window;
@@ -12,16 +13,16 @@ use rayon::prelude::*;
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// How much a footprint is widened, relative to the radius: the rounding of the record to f32, 2^-24, many times over.
-const WIDEN: f64 = 1.0 / (1u64 << 20) as f64;
-
-/// The largest footprint, in pixels, whose pixels are compared one by one.
-const COMPARED: f64 = (1 << 12) as f64;
+/// Tiles along a side from which on only squares are compared.
+const COMPARED: u32 = 8;
 
 /// Depths behind which a sphere cannot change a pixel, per pixel and per square of tiles.
 pub(in crate::certify) struct DepthPyramid {
     coverage: Coverage,
     window: Window,
+    /// The image's corner in the view's frame, and pixels of the image per pixel of that frame.
+    corner: [f64; 2],
+    per_fine: f64,
     /// Per sample of every pixel of the window, row by row: spheres that lie behind cannot change it. Bits of f32 as ordered
     /// integers. Without places of samples one per pixel, for all rays through it.
     limits: Vec<AtomicU32>,
@@ -53,6 +54,7 @@ struct SamplePlaces {
 const MOST_SAMPLES: u64 = 1 << 25;
 
 impl Level {
+    #[inline(always)]
     fn at(&self, column: u32, row: u32) -> f32 {
         self.farthest[((row - self.first[1]) * self.columns + column - self.first[0]) as usize]
     }
@@ -76,7 +78,8 @@ impl DepthPyramid {
         let coverage = Coverage::new(projection, size, reference, tolerance);
         let pixels = window.width() as usize * window.height() as usize;
         let limits = (0..pixels).map(|_| AtomicU32::new(ordered(f32::INFINITY))).collect();
-        let mut pyramid = Self { coverage, window, limits, samples: None, levels: Vec::new() };
+        let (corner, per_fine) = (projection.corner, coverage.per_fine);
+        let mut pyramid = Self { coverage, window, corner, per_fine, limits, samples: None, levels: Vec::new() };
         pyramid.refresh();
         pyramid
     }
@@ -105,11 +108,13 @@ impl DepthPyramid {
     }
 
     /// Limits of a pixel.
+    #[inline(always)]
     fn per_pixel(&self) -> usize {
         self.samples.as_ref().map_or(1, |samples| samples.count)
     }
 
     /// Those of pixels of a row that follow each other.
+    #[inline(always)]
     fn limits(&self, row: u32, columns: RangeInclusive<u32>) -> &[AtomicU32] {
         let count = self.per_pixel();
         &self.limits[self.place(*columns.start(), row) * count..(self.place(*columns.end(), row) + 1) * count]
@@ -121,13 +126,17 @@ impl DepthPyramid {
         let Window { x0, y0, x1, y1 } = self.window;
         let (first, last) = ([x0 / TILE, y0 / TILE], [(x1 - 1) / TILE, (y1 - 1) / TILE]);
         let columns = last[0] - first[0] + 1;
+        let (tile, count) = (TILE as usize, this.per_pixel());
+        let lead = (tile - x0 as usize % tile).min((x1 - x0) as usize) * count;
         let row = |row: u32| {
-            let rows = (row * TILE).max(y0)..((row + 1) * TILE).min(y1);
-            (first[0]..=last[0]).map(move |column| {
-                let columns = (column * TILE).max(x0)..((column + 1) * TILE).min(x1);
-                let limits = rows.clone().flat_map(|y| this.limits(y, columns.start..=columns.end - 1));
-                limits.fold(0, |most, limit| most.max(limit.load(Ordering::Relaxed)))
-            })
+            let mut most = vec![0; columns as usize];
+            for y in (row * TILE).max(y0)..((row + 1) * TILE).min(y1) {
+                let (lead, rest) = this.limits(y, x0..=x1 - 1).split_at(lead);
+                for (most, limits) in most.iter_mut().zip(std::iter::once(lead).chain(rest.chunks(tile * count))) {
+                    *most = limits.iter().fold(*most, |most, limit| limit.load(Ordering::Relaxed).max(most));
+                }
+            }
+            most
         };
         let rows: Vec<u32> = (first[1]..=last[1]).collect();
         let farthest = rows.into_par_iter().flat_map_iter(row).map(number).collect();
@@ -148,82 +157,127 @@ impl DepthPyramid {
         self.levels = levels;
     }
 
-    /// Whether no ray of the window can hit a projected sphere first, by what was covered at the last refresh.
-    pub(in crate::certify) fn hides(&self, bin: &Bin) -> bool {
-        let Window { x0, y0, x1, y1 } = self.window;
-        let window = [[x0 / TILE, (x1 - 1) / TILE], [y0 / TILE, (y1 - 1) / TILE]];
-        let tiles = [0, 1].map(|k| [bin.tiles[k][0].max(window[k][0]), bin.tiles[k][1].min(window[k][1])]);
-        if tiles.iter().any(|[first, last]| first > last) {
+    /// Whether no ray through these pixels is within the window and can hit first what lies no nearer than `least`, by what is
+    /// covered by now. What is large is compared with what was covered at the last refresh, by whole squares.
+    #[inline(always)]
+    pub(in crate::certify) fn hides(&self, pixels: &Pixels, least: f32) -> bool {
+        self.hides_within(self.within(pixels), pixels, least)
+    }
+
+    /// The same of one of eight spheres.
+    #[inline(always)]
+    pub(in crate::certify) fn hides_one(&self, of: &Rectangles, l: usize, least: f32) -> bool {
+        let [left, right, top, bottom] = of.within.map(|end| end[l]);
+        let [x0, x1, y0, y1] = of.pixels.map(|end| end[l]);
+        self.hides_within([[left, right], [top, bottom]], &[[x0, x1], [y0, y1]], least)
+    }
+
+    #[inline(always)]
+    fn hides_within(&self, [[left, right], [top, bottom]]: [[u32; 2]; 2], pixels: &Pixels, least: f32) -> bool {
+        if left >= right || top >= bottom {
             return true;
         }
-        // A level at which at most two squares side by side contain the tiles.
+        let (right, bottom) = (right - 1, bottom - 1);
+        let [columns, rows] = [[left, right], [top, bottom]].map(|ends| ends.map(|n| n / TILE));
+        if (columns[1] - columns[0]).max(rows[1] - rows[0]) >= COMPARED {
+            return self.hides_squares([columns, rows], least);
+        }
+        let tiles = &self.levels[0];
+        let mut row = rows[0];
+        while row <= rows[1] {
+            let mut column = columns[0];
+            while column <= columns[1] {
+                if tiles.at(column, row) >= least {
+                    let across = [left.max(column * TILE), right.min(column * TILE + TILE - 1)];
+                    let down = [top.max(row * TILE), bottom.min(row * TILE + TILE - 1)];
+                    let is_hidden = match &self.samples {
+                        None => self.hides_pixels(across, down, least),
+                        Some(samples) => self.hides_samples(samples, across, down, (pixels, least)),
+                    };
+                    if !is_hidden {
+                        return false;
+                    }
+                }
+                column += 1;
+            }
+            row += 1;
+        }
+        true
+    }
+
+    /// The same by the squares of a level of which at most two side by side contain these tiles.
+    fn hides_squares(&self, tiles: [[u32; 2]; 2], least: f32) -> bool {
         let [across, down] = tiles.map(|[first, last]| last - first);
         let level = (across.max(down).max(1) - 1).checked_ilog2().map_or(0, |n| n as usize + 1);
         let level = level.min(self.levels.len() - 1);
         let [[left, right], [top, bottom]] = tiles.map(|range| range.map(|tile| tile >> level));
         let level = &self.levels[level];
-        (top..=bottom).all(|row| (left..=right).all(|column| level.at(column, row) < bin.chunk_min_depth))
+        (top..=bottom).all(|row| (left..=right).all(|column| level.at(column, row) < least))
     }
 
-    /// The same by the pixels of its footprint, and by what is covered by now. A large sphere is not compared.
-    pub(in crate::certify) fn hides_in_pixels(&self, lens: &ProjectionBounds, bin: &Bin, placed: &Placed) -> bool {
-        let Some([[left, right], [top, bottom]]) = self.footprint(lens, placed) else { return true };
-        let fine = self.samples.as_ref().map_or(1, |samples| samples.fine);
-        let [columns, rows] = [[left, right], [top, bottom]].map(|ends| ends.map(|place| place / fine));
-        let count = f64::from(columns[1] - columns[0] + 1) * f64::from(rows[1] - rows[0] + 1);
-        if count * self.per_pixel() as f64 > COMPARED {
-            return false;
+    /// Whether all rays through these columns and rows hit something before `least`.
+    #[inline(always)]
+    fn hides_pixels(&self, [left, right]: [u32; 2], [top, bottom]: [u32; 2], least: f32) -> bool {
+        let least = ordered(least);
+        let mut y = top;
+        while y <= bottom {
+            for limit in self.limits(y, left..=right) {
+                if limit.load(Ordering::Relaxed) >= least {
+                    return false;
+                }
+            }
+            y += 1;
         }
-        let least = ordered(bin.chunk_min_depth);
-        (rows[0]..=rows[1]).all(|y| {
-            let limits = self.limits(y, columns[0]..=columns[1]);
-            let Some(samples) = &self.samples else {
-                return limits.iter().all(|limit| limit.load(Ordering::Relaxed) < least);
-            };
-            let pixels = limits.chunks_exact(samples.count).zip(samples.of(self.place(columns[0], y)));
-            pixels.zip(columns[0]..).all(|((limits, places), x)| {
+        true
+    }
+
+    /// The same of the samples within these pixels of the view's frame.
+    fn hides_samples(
+        &self,
+        samples: &SamplePlaces,
+        [left, right]: [u32; 2],
+        [top, bottom]: [u32; 2],
+        (pixels, least): (&Pixels, f32),
+    ) -> bool {
+        let (least, fine) = (ordered(least), f64::from(samples.fine));
+        // Counted from the image's corner.
+        let [across, down] = [0, 1].map(|k| pixels[k].map(|pixel| pixel - self.corner[k]));
+        (top..=bottom).all(|y| {
+            let limits = self.limits(y, left..=right).chunks_exact(samples.count);
+            let pixels = limits.zip(samples.of(self.place(left, y)));
+            pixels.zip(left..).all(|((limits, places), x)| {
                 // Most limits are nearer, so places are compared last.
                 limits.iter().zip(places).all(|(limit, [column, row])| {
                     limit.load(Ordering::Relaxed) < least || {
-                        let [column, row] = [x * fine + u32::from(*column), y * fine + u32::from(*row)];
-                        column < left || right < column || row < top || bottom < row
+                        let column = f64::from(x) * fine + f64::from(*column);
+                        let row = f64::from(y) * fine + f64::from(*row);
+                        column < across[0] || across[1] < column || row < down[0] || down[1] < row
                     }
                 })
             })
         })
     }
 
-    /// The first and last column and row of the pixels of the window whose rays may hit a projected sphere; `None` without any.
-    /// With places of samples they are pixels of the view's frame.
-    fn footprint(&self, lens: &ProjectionBounds, placed: &Placed) -> Option<[[u32; 2]; 2]> {
-        let coverage = self.samples.as_ref().map_or(&self.coverage, |samples| &samples.coverage);
-        let (record, Coverage { per_fixed, per_fine, .. }) = (&placed.record, *coverage);
-        let fine = self.samples.as_ref().map_or(1, |samples| samples.fine);
-        let window =
-            [[self.window.x0, self.window.x1], [self.window.y0, self.window.y1]].map(|ends| ends.map(|n| n * fine));
+    /// The first column and row of those pixels of the window that contain these of the view's frame, and those after the last;
+    /// without any, a first is not below its end.
+    #[inline(always)]
+    fn within(&self, pixels: &Pixels) -> [[u32; 2]; 2] {
+        let window = [[self.window.x0, self.window.x1], [self.window.y0, self.window.y1]];
         let mut found = [[0; 2]; 2];
-        for (k, fixed) in [record.x, record.y].into_iter().enumerate() {
-            let place = f64::from(fixed) * per_fixed;
-            // As for tiles, with the largest slope of the image; the record adds one unit of the fixed point and the rounding of rho.
-            let rho = f64::from(record.rho) * (1.0 + WIDEN);
-            let half = lens.extent(rho, lens.edge[k], k) + per_fixed;
-            let (first, last) = (-floor(half - place), floor(place + half));
-            if first > last {
-                return None;
-            }
+        for k in 0..2 {
             // Half a pixel more keeps the product far from integers, so its rounding does not matter.
-            let pixel = |fine: f64| floor((fine - lens.corner[k] + 0.5) * per_fine);
+            let pixel = |fine: f64| floor((fine - self.corner[k] + 0.5) * self.per_fine);
             let [low, end] = window[k].map(f64::from);
-            let (first, last) = (pixel(first).max(low), pixel(last).min(end - 1.0));
-            if first > last {
-                return None;
-            }
-            found[k] = [first as u32, last as u32];
+            let first = smaller(larger(pixel(pixels[k][0]), low), end);
+            // One past the last, so that no number is negative.
+            let after = smaller(larger(pixel(pixels[k][1]) + 1.0, 0.0), end);
+            found[k] = [whole(first) as u32, whole(after) as u32];
         }
-        Some(found)
+        found
     }
 
     /// Lowers the limits of the pixels that a projected sphere certainly covers.
+    #[inline(always)]
     pub(in crate::certify) fn cover(&self, placed: &Placed) {
         if let Some(samples) = &self.samples {
             if let Some(outline) = samples.coverage.outline(placed) {
@@ -281,8 +335,29 @@ impl DepthPyramid {
         }
     }
 
+    #[inline(always)]
     fn place(&self, x: u32, y: u32) -> usize {
         (y - self.window.y0) as usize * self.window.width() as usize + (x - self.window.x0) as usize
+    }
+}
+
+/// The rectangles of eight spheres: ends of columns and of rows, in pixels of the view's frame and of the window.
+pub(in crate::certify) struct Rectangles {
+    pixels: [[f64; LANES]; 4],
+    within: [[u32; LANES]; 4],
+}
+
+impl Rectangles {
+    pub(in crate::certify) const NONE: Self = Self { pixels: [[0.0; LANES]; 4], within: [[0; LANES]; 4] };
+
+    /// Takes that of one sphere.
+    #[inline(always)]
+    pub(in crate::certify) fn set(&mut self, l: usize, landed: &Landed, pyramid: &DepthPyramid) {
+        let within = pyramid.within(&landed.pixels);
+        for end in 0..4 {
+            self.pixels[end][l] = landed.pixels[end / 2][end % 2];
+            self.within[end][l] = within[end / 2][end % 2];
+        }
     }
 }
 
@@ -293,11 +368,13 @@ impl SamplePlaces {
     }
 }
 
+#[inline(always)]
 fn lower(limits: &[AtomicU32], limit: u32) {
     for known in limits {
-        // A read is cheaper than the locked minimum, and most pixels are covered already.
         if known.load(Ordering::Relaxed) > limit {
-            known.fetch_min(limit, Ordering::Relaxed);
+            // Another job may lower it between the two; what is stored is a limit as well, if not the least. A locked minimum
+            // takes several times as long.
+            known.store(limit, Ordering::Relaxed);
         }
     }
 }

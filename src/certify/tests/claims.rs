@@ -45,8 +45,8 @@ impl Case {
     /// `None` if the scene cannot be binned, so that every pixel is settled.
     pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
         let view = View::new(&scene).expect("a view");
-        let binned =
-            BinnedScene::new(&scene, &view, tolerance, terms, coarse(&scene), &Pool::default()).expect("a stage")?;
+        let binned = BinnedScene::new((&scene, None), &view, tolerance, terms, coarse(&scene), &Pool::default())
+            .expect("a stage")?;
         let judge = Judge::new(&scene).expect("a judge");
         let judged = |&[i, j]: &[u32; 2]| Judged {
             at: [i, j],
@@ -59,8 +59,14 @@ impl Case {
 
     /// The scene binned with other constants.
     pub(super) fn restaged(&self, terms: &Terms) -> BinnedScene {
-        let binned =
-            BinnedScene::new(&self.scene, &self.view, self.tolerance, terms, coarse(&self.scene), &Pool::default());
+        let binned = BinnedScene::new(
+            (&self.scene, None),
+            &self.view,
+            self.tolerance,
+            terms,
+            coarse(&self.scene),
+            &Pool::default(),
+        );
         binned.expect("a stage").expect("a lens")
     }
 

@@ -48,14 +48,14 @@ fn faults(lens: &ProjectionBounds, around: &Enclosure, spheres: &Spheres) -> (us
     for (center, radius) in spheres.centers.iter().zip(&spheres.radii) {
         let right = match (&claim, lens.stage(0, *center, *radius, 0.0)) {
             (Enclosed::Unseen, staged) => matches!(staged, Staged::Unseen),
-            (Enclosed::Projected(_), Staged::Unseen) => true,
-            (Enclosed::Projected(_), Staged::General(_)) => false,
-            (Enclosed::Projected(bin), Staged::Projected(landed)) => {
+            (Enclosed::Projected { .. }, Staged::Unseen) => true,
+            (Enclosed::Projected { .. }, Staged::General(_)) => false,
+            (Enclosed::Projected { least, pixels }, Staged::Projected(landed)) => {
                 let inside = |k: usize| {
-                    let ([first, last], [from, to]) = (landed.bin.tiles[k], bin.tiles[k]);
+                    let ([first, last], [from, to]) = (landed.pixels[k], pixels[k]);
                     from <= first && last <= to
                 };
-                inside(0) && inside(1) && bin.chunk_min_depth <= landed.bin.chunk_min_depth
+                inside(0) && inside(1) && *least <= landed.bin.chunk_min_depth
             }
             (Enclosed::Unknown, staged) => !(misses && matches!(staged, Staged::Projected(_))),
         };
@@ -67,7 +67,7 @@ fn faults(lens: &ProjectionBounds, around: &Enclosure, spheres: &Spheres) -> (us
     }
     let kind = match claim {
         Enclosed::Unseen => 0,
-        Enclosed::Projected(_) => 1,
+        Enclosed::Projected { .. } => 1,
         Enclosed::Unknown => 2 + usize::from(misses),
     };
     (faults, kind)

@@ -81,7 +81,7 @@ fn world(kind: &str, lens: Lens, rng: &mut Rng) -> Scene {
 }
 
 fn binned(scene: &Scene, view: &View, tolerance: f64) -> BinnedScene {
-    BinnedScene::new(scene, view, tolerance, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
+    BinnedScene::new((scene, None), view, tolerance, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
 }
 
 fn view(scene: &Scene, raster: Raster) -> View {
@@ -239,7 +239,7 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
 fn one_list_serves_the_whole_image() {
     let scene = world("crowd", degrees(40.0), &mut Rng(10));
     let view = view(&scene, Raster::centres(Window::full(SIZE[0], SIZE[1])));
-    let of = |level| BinnedScene::new(&scene, &view, 1e-5, &TERMS, level, &Pool::default()).expect("a stage");
+    let of = |level| BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, level, &Pool::default()).expect("a stage");
     let [single, whole] = [0, WHOLE].map(|level| of(level).expect("a lens").general_lists);
     let all = whole.of(0, 0).to_vec();
     assert!((0..SIZE[1]).all(|i| single.of(i, 0).iter().all(|slot| all.contains(slot))));

@@ -66,7 +66,7 @@ impl Shot {
         }
         let view = View::new(&site.scene).ok()?;
         let binned = BinnedScene::new(
-            &site.scene,
+            (&site.scene, None),
             &view,
             1e-5,
             terms,

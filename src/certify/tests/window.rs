@@ -33,7 +33,9 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
         let scene = scene(count, radius);
         let binned = |window: Window| {
             let view = View::for_rays(&scene, Raster::centres(window), kernel.records()).expect("a view");
-            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
+            BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
+                .expect("a stage")
+                .expect("a lens")
         };
         let (full, part) = (binned(Window::full(256, 256)), binned(window));
         assert_eq!((full.projection, &full.generals), (part.projection, &part.generals));
@@ -67,8 +69,9 @@ fn every_entry_has_the_bits_of_its_sphere_alone() {
     for (radius, often) in [(0.02, true), (0.001, false)] {
         let scene = scene(900, radius);
         let view = View::for_rays(&scene, Raster::centres(Window::full(256, 256)), kernel.records()).expect("a view");
-        let binned =
-            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");
+        let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
+            .expect("a stage")
+            .expect("a lens");
         let placer = Placer::new(&scene, &view, 1e-5).expect("a lens").expect("a projection");
         let lists = &binned.lists;
         let entries = lists.details.iter().filter(|detail| detail.id != NONE).count();

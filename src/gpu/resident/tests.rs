@@ -46,7 +46,7 @@ fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw,
     let mut view = View::in_unit(scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
     view.record.sample = raster.count() / 2;
     let placer = Placer::new(scene, &view, 1e-5).expect("a lens").expect("a projection");
-    let binned = BinnedScene::new(scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+    let binned = BinnedScene::new((scene, None), &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
     let raw = || Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
     let (mut device, mut host) = (raw(), raw());
     cpu::certified(&kernel, &view, &binned, scene.spheres.colors.as_deref(), &mut host, &|| true);
@@ -191,8 +191,9 @@ fn places_have_the_bits_of_the_host() {
         };
         let view = View::in_unit(&scene, raster, unit).expect("a view");
         let Some(placer) = Placer::new(&scene, &view, 1e-5).expect("a lens") else { continue };
-        let binned =
-            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");
+        let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
+            .expect("a stage")
+            .expect("a lens");
         let (_, _, left) = both(&mut gpu, &scene, raster, number);
         assert_eq!(left, None);
         for (id, device) in gpu.records().expect("records").into_iter().enumerate() {

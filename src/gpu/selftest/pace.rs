@@ -110,7 +110,7 @@ impl Gpu {
         let scene = cloud(SPHERES, SIDE);
         let pool = Pool::default();
         let view = View::new(&scene)?;
-        let binned = BinnedScene::new(&scene, &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
+        let binned = BinnedScene::new((&scene, None), &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
         let binned = binned.ok_or_else(|| Error::Adapter {
             problem: "the scene of the measurement has no candidate lists".into(),
             mend: format!("use {BACKEND} cpu, and report this as a bug"),

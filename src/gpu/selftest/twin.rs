@@ -72,7 +72,7 @@ impl Gpu {
         let scene = scene();
         let pool = Pool::default();
         let view = View::new(&scene)?;
-        let binned = BinnedScene::new(&scene, &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
+        let binned = BinnedScene::new((&scene, None), &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
         let (mut values, mut different) = (0.0, 0.0);
         for kernel in self.twin_kernels() {
             let pixels = (SIDE * SIDE) as usize;
@@ -119,9 +119,10 @@ impl Gpu {
         };
         let view = View::in_unit(scene, raster, unit)?;
         let tolerance = Tolerance::default().relative();
-        let (Some(placer), Some(binned)) =
-            (Placer::new(scene, &view, tolerance)?, BinnedScene::new(scene, &view, tolerance, &TERMS, 0, &pool)?)
-        else {
+        let (Some(placer), Some(binned)) = (
+            Placer::new(scene, &view, tolerance)?,
+            BinnedScene::new((scene, None), &view, tolerance, &TERMS, 0, &pool)?,
+        ) else {
             return Ok(None);
         };
         let frame = ResidentFrame { scene, view: &view, placer: &placer, pool: &pool };
