@@ -122,15 +122,15 @@ mod tests {
 
     const SIZE: [u32; 2] = [96, 72];
 
-    /// So many spheres in a cube that rays end in the first third of it, with some that are large, far away, or behind.
-    fn cloud() -> Spheres {
+    /// So many spheres in a cube that rays end in the first third of it, and some that are large, far away, or behind.
+    fn cloud(others: u32) -> Spheres {
         let mut rng = Rng(36);
         let mut spheres = Spheres::default();
         for n in 0..MANY {
             let place = [0; 3].map(|_| rng.between(0.0, 1.0));
             spheres.push(place, rng.between(0.004, 0.012), (n % 3 == 0).then_some([0.2, 0.5, 0.9]));
         }
-        for n in 0..200 {
+        for n in 0..others {
             let far = rng.decade(0.0, 3.0);
             let place = [0; 3].map(|_| rng.between(-far, far));
             spheres.push(place, if n % 9 == 0 { 0.3 } else { 0.01 }, None);
@@ -140,19 +140,21 @@ mod tests {
     }
 
     fn scenes() -> Vec<Scene> {
-        let spheres = cloud();
+        let [mixed, alone] = [200, 0].map(cloud);
         let vfov = |degrees| Lens::Vfov { degrees, distance: 1.0 };
         let middle = DVec3::splat(0.5);
         let views = [
-            (DVec3::new(2.2, 1.6, 2.9), vfov(32.0)),
-            (DVec3::new(0.52, 0.48, 0.51), vfov(100.0)),
-            (DVec3::new(1.05, 0.5, 0.5), vfov(60.0)),
-            (DVec3::new(2.2, 1.6, 2.9), Lens::Orthographic { height: 1.5 }),
+            (&mixed, DVec3::new(2.2, 1.6, 2.9), vfov(32.0)),
+            (&mixed, DVec3::new(0.52, 0.48, 0.51), vfov(100.0)),
+            (&mixed, DVec3::new(1.05, 0.5, 0.5), vfov(60.0)),
+            (&mixed, DVec3::new(2.2, 1.6, 2.9), Lens::Orthographic { height: 1.5 }),
             // All depths are nearly equal, so they are relative to a reference; and the centres need double-double.
-            (DVec3::new(220.0, 160.0, 290.0), vfov(0.3)),
-            (DVec3::new(2.2e7, 1.6e7, 2.9e7), vfov(3e-6)),
+            (&alone, DVec3::new(220.0, 160.0, 290.0), vfov(0.3)),
+            (&alone, DVec3::new(2.2e7, 1.6e7, 2.9e7), vfov(3e-6)),
+            // Those in front alone would have a reference; with those that they hide there is none.
+            (&alone, DVec3::new(0.5, 0.5, 3.6), vfov(20.0)),
         ];
-        let scene = |(eye, lens): (DVec3, Lens)| Scene {
+        let scene = |(spheres, eye, lens): (&Spheres, DVec3, Lens)| Scene {
             camera: Camera { eye, look: Look::At(middle), up: DVec3::Y, lens },
             image: ImagePlane { width: SIZE[0], height: SIZE[1], background: [0.1; 3] },
             spheres: spheres.clone(),
@@ -211,12 +213,13 @@ mod tests {
             // From 2e7 cubes away f32 does not tell depths within the cube apart, so nothing is surely hidden.
             assert!(2 * some.seen < all.seen && some.seen > 0 || n == 5, "scene {n}");
             assert_eq!(all.projection.depth, some.projection.depth, "scene {n}: the reference");
+            assert_eq!(all.projection.depth > 0.0, [4, 5].contains(&n), "scene {n}: a reference");
         }
     }
 
     #[test]
     fn an_order_is_that_of_the_last_spheres() {
-        let (mut last, spheres) = (LastOrder::default(), cloud());
+        let (mut last, spheres) = (LastOrder::default(), cloud(200));
         let mut changed = spheres.clone();
         changed.radii.to_mut()[0] = 2.0;
         changed.share();
