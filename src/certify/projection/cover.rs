@@ -19,7 +19,7 @@ pub(in crate::certify) struct Coverage {
     size: [u32; 2],
     reference: f64,
     /// Pixels per fixed-point unit: a power of two. Units of rho per pixel of the image, and their inverse.
-    pub(super) per_fixed: f64,
+    per_fixed: f64,
     step: [f64; 2],
     per_step: [f64; 2],
     /// Image pixels per pixel of the view's frame, and the middle of the image's first pixel in that frame.
