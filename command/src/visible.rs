@@ -59,16 +59,9 @@ pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target])
 /// The part of all spheres of the files.
 fn combined(args: &SceneArgs) -> Result<Part> {
     let watch = watch();
-    let mut whole: Option<Part> = None;
-    for path in &args.visible {
-        watch.check()?;
-        let part = parts::read(path)?;
-        whole = Some(match whole {
-            Some(whole) => whole.combine(&part)?,
-            None => part,
-        });
-    }
-    whole.ok_or_else(|| Error::settings("--visible has no part", "name at least one file of halfline sift"))
+    let parts = args.visible.iter().map(|path| watch.check().and_then(|()| parts::read(path)));
+    let none = || Error::settings("--visible has no part", "name at least one file of halfline sift");
+    Part::combined(parts)?.ok_or_else(none)
 }
 
 /// Refuses options that read a scene or give its camera.

@@ -78,7 +78,7 @@ class Part:
     def __or__(self, other: Part) -> Part:
         if not isinstance(other, Part):
             return NotImplemented
-        return Part._of(self._native.combine(other._native))
+        return Part._of(self._native.combine([other._native]))
 
     def __reduce__(self) -> tuple[Any, tuple[bytes]]:
         return _unpickled, (self._native.bytes(),)
@@ -258,14 +258,13 @@ def sift(
 
 
 def combine(first: Part, *others: Part) -> Part:
-    """The part of all spheres of these parts; for two the same as ``first | other``."""
+    """The part of all spheres of these parts; for two the same as ``first | other``. Many are combined
+    faster at once than in pairs.
+    """
     for part in (first, *others):
         if not isinstance(part, Part):
             raise TypeError(f"a part is a {type(part).__name__}; give a Part")
-    whole = first
-    for part in others:
-        whole = whole | part
-    return whole
+    return Part._of(first._native.combine([part._native for part in others]))
 
 
 def _unpickled(data: bytes) -> Part:

@@ -134,8 +134,11 @@ impl Part {
         Ok(PyBytes::new(py, &Job::default().run(py, None, || parts::bytes(&self.0))?))
     }
 
-    fn combine(&self, py: Python<'_>, other: &Self) -> PyResult<Self> {
-        Job::default().run(py, None, || self.0.clone().combine(&other.0)).map(Self)
+    fn combine(&self, py: Python<'_>, others: Vec<Py<Self>>) -> PyResult<Self> {
+        let others = || others.iter().map(|part| Ok(part.get().0.clone()));
+        let all = || CorePart::combined([Ok(self.0.clone())].into_iter().chain(others()));
+        // There is at least this one.
+        Job::default().run(py, None, || Ok(all()?.unwrap_or_else(|| self.0.clone()))).map(Self)
     }
 
     fn __len__(&self) -> usize {

@@ -312,6 +312,11 @@ def test_the_example_with_a_series_of_openpmd(tmp_path: Path) -> None:
     assert "of 200000 may be hit first" in said
     # What the example wrote, read by another library.
     with h5py.File(tmp_path / "electrons.h5") as file:
-        position = file["data/0/particles/electrons/position"]
-        centers = np.stack([position[axis][()] for axis in "xyz"], axis=1)
+        electrons = file["data/0/particles/electrons"]
+        parts = [
+            [data[()] * (data.attrs["unitSI"] / 1e-6) for data in map(electrons[record].get, "xyz")]
+            for record in ("position", "positionOffset")
+        ]
+        assert np.ptp(parts[1]) > 3
+        centers = np.stack(np.add(*parts), axis=1)
     whole_picture(centers, tmp_path / "electrons.png")

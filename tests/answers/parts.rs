@@ -71,7 +71,10 @@ fn check(what: &str, renderer: &mut Renderer, scene: &Scene, settings: &Settings
         let ranges = ranges(&mut rng, scene.spheres.len(), count);
         let parts: Vec<_> = ranges.iter().map(|range| part(scene, settings, range.clone(), 0)).collect();
         for turn in 0..2 {
-            let all = by_chance(&mut rng, parts.clone());
+            let all = match turn {
+                0 => by_chance(&mut rng, parts.clone()),
+                _ => Part::combined(parts.iter().rev().cloned().map(Ok)).expect("parts of one frame").expect("a part"),
+            };
             assert_eq!((all.count(), all.gaps()), (scene.spheres.len() as u64, None), "{what}");
             let kept = all.ids().len();
             let (frame, fingerprint) = rendered(all, renderer, scene, settings);

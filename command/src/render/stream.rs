@@ -58,7 +58,7 @@ struct About {
 impl About {
     /// What blocks that were read say.
     fn of(blocks: &SphereBlocks) -> Self {
-        let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());
+        let (skipped, legend) = (blocks.skipped().clone(), blocks.legend());
         Self { skipped, legend, when: FrameTime::default(), is_molecule: blocks.is_molecule() }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::numpy::npy_of;
 use crate::rng::Rng;
-use crate::test_dir::TestDir;
+use crate::test_dir::{Output, TestDir};
 use std::fmt::Write as _;
 
 /// More than two parts of a reader.
@@ -21,12 +21,24 @@ fn outputs(name: &str) -> String {
     options
 }
 
+/// The words of options in which `~` stands for a space within one of them.
+fn words(options: &str) -> Vec<String> {
+    options.split_whitespace().map(|word| word.replace('~', " ")).collect()
+}
+
+/// Renders with these options; see [`words`].
+fn render(dir: &TestDir, options: &str) -> Output {
+    dir.render(&words(options).iter().map(String::as_str).collect::<Vec<_>>()[..])
+}
+
 /// Renders with and without `--stream` and compares all files; returns what the stream said.
 fn same(dir: &TestDir, file: &str, options: &str) -> String {
     let size = "--size 64x48";
-    dir.render(&format!("{file} {size} {options} {}", outputs("memory")));
-    let streamed = dir.render(&format!("{file} {size} --stream {options} {}", outputs("stream")));
+    render(dir, &format!("{file} {size} {options} {}", outputs("memory")));
+    let legend = dir.files().remove("l.svg");
+    let streamed = render(dir, &format!("{file} {size} --stream {options} {}", outputs("stream")));
     let files = dir.files();
+    assert!(legend == files.get("l.svg").cloned(), "{file} {options}: the legends differ");
     let mut compared = 0;
     for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("memory")) {
         let other = name.replacen("memory", "stream", 1);
@@ -54,7 +66,8 @@ fn array(rows: &[([f64; 3], f64, [f64; 3], f64)]) -> Vec<u8> {
 #[test]
 fn streamed_files_have_the_bytes_of_files_in_memory() {
     let rows = rows();
-    let (mut csv, mut xyz, mut ply) = (String::from("x,y,z,radius,r,g,b,v\n"), format!("{COUNT}\n\n"), String::new());
+    let (mut csv, mut xyz, mut ply) =
+        (String::from("x,y,z,radius,r,g,b,v,kind\n"), format!("{COUNT}\n\n"), String::new());
     let mut dump =
         format!("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{COUNT}\nITEM: BOX BOUNDS pp pp pp\n-1 1\n-1 1\n-1 1\n");
     dump += "ITEM: ATOMS id type x y z v\n";
@@ -62,9 +75,11 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
     ["x", "y", "z", "radius"].iter().for_each(|name| writeln!(ply, "property float {name}").expect("text"));
     ply += "end_header\n";
     for (n, ([x, y, z], radius, [r, g, b], v)) in rows.iter().enumerate() {
-        writeln!(csv, "{x:.5},{y:.5},{z:.5},{radius:.4},{r:.3},{g:.3},{b:.3},{v:.4}").expect("text");
+        // A block has other names than the one before it.
+        let kind = [["a", "b"], ["late", "a"], ["b", "last"]][n / (COUNT / 3)][n % 2];
+        writeln!(csv, "{x:.5},{y:.5},{z:.5},{radius:.4},{r:.3},{g:.3},{b:.3},{v:.4},{kind}").expect("text");
         writeln!(xyz, "{} {x:.5} {y:.5} {z:.5}", ["C", "O", "Fe"][n % 3]).expect("text");
-        writeln!(dump, "{} 1 {x:.5} {y:.5} {z:.5} {v:.4}", n + 1).expect("text");
+        writeln!(dump, "{} {} {x:.5} {y:.5} {z:.5} {v:.4}", n + 1, n % 4 + 1).expect("text");
         writeln!(ply, "{x:.5} {y:.5} {z:.5} {radius:.4}").expect("text");
     }
     let dir = TestDir::new(&[("c.csv", &csv), ("c.xyz", &xyz), ("c.ply", &ply), ("c.dump", &dump)]);
@@ -87,6 +102,24 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
         ("c.xyz", "--radius-scale 0.01 --color-by z".to_owned()),
         ("c.ply", CAMERA.to_owned()),
         ("c.ply", format!("{CAMERA} --clip 1,2,3,0.5")),
+        // Selections see a block at a time.
+        (
+            "c.csv",
+            format!("{CAMERA} --select kind~late --select kind~last~and~v<0.8 --hide index~0:1000~350000:420000"),
+        ),
+        (
+            "c.csv",
+            format!(
+                "{CAMERA} --color kind~last=red --color v<0.2=#3060ff --radius kind~l*=0.02 --hide kind~a --legend l.svg"
+            ),
+        ),
+        ("c.csv", "--select not~kind~a --color-by v --color kind~late=teal --legend l.svg".to_owned()),
+        (
+            "c.xyz",
+            format!("{CAMERA} --radius-scale 0.01 --hide element~C --color element~Fe~and~x>0=gold --legend l.svg"),
+        ),
+        ("c.dump", format!("{CAMERA} --radius 0.012 --radius type~3=0.03 --select type~2:4 --clip 0,0,1,0.3")),
+        ("c.npy", "--select radius<0.015~and~abs~z<0.7 --hide index~123456".to_owned()),
     ] {
         let said = same(&dir, file, &options);
         let (kept, all) = said
@@ -101,6 +134,37 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
             "{file} {options}: {said}"
         );
     }
+}
+
+/// What holds for every block is said, and what holds for some is not.
+#[test]
+fn a_word_that_selects_nothing_in_the_whole_file_is_told() {
+    let mut table = String::from("x,y,z,radius,kind\n");
+    for n in 0..COUNT {
+        let kind = if n < COUNT / 2 { "early" } else { "late" };
+        writeln!(table, "{},{},0,0.4,{kind}", n % 1000, n / 1000).expect("text");
+    }
+    let dir = TestDir::new(&[("c.csv", &table)]);
+    for (options, told) in [
+        ("--hide kind~early", None),
+        ("--select kind~late~or~index~0:9", None),
+        ("--color kind~late=red --hide x>999", None),
+        ("--hide kind~never", Some("`kind never` in the selection `kind never`: no particle has it")),
+        ("--select kind~late~and~index~0:9", Some("the selections leave none of the 600000 particles")),
+        ("--select kind~early~or~x<9~and~y<3", Some("from left to right")),
+    ] {
+        let said =
+            render(&dir, &format!("c.csv --eye 500,300,800 --at 500,300,0 --size 9x9 --stream {options} -o p.png")).err;
+        let warnings: Vec<&str> = said.lines().filter(|line| line.contains("select")).collect();
+        assert_eq!(warnings.len(), usize::from(told.is_some()), "{options}: {said}");
+        assert!(told.is_none_or(|told| warnings[0].contains(told)), "{options}: {said}");
+    }
+    // A part has the ids of the spheres that are left.
+    let part = dir.good(
+        &["sift", "c.csv", "--first-id", "7", "--select", "kind late", "--eye", "500,300,800", "--json", "-o", "p.npz"]
+            [..],
+    );
+    assert_eq!(part.json()["ids"], serde_json::json!([[7, 7 + COUNT / 2]]));
 }
 
 /// The reader names the row of a text or of an array, and the style the particle of other files, counted in the file and not
@@ -256,8 +320,14 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
         ("c.csv --look soft", "--look plain"),
         ("c.csv --occlusion", "--look plain"),
         ("c.csv --accuracy fast", "--accuracy certified"),
-        ("c.csv --select all", "--select"),
-        ("c.csv --color-by kind", "categories"),
+        ("c.csv --select within~1~of~index~0", "`within` in the selection"),
+        ("c.csv --hide same~kind~as~index~0", "`same` in the selection"),
+        ("c.csv --color around~1~index~0=red", "`around` in the selection"),
+        ("c.csv --hide ligand", "`ligand` in the selection"),
+        ("c.csv --at kind~a", "give --at a point"),
+        ("c.csv --focus kind~a", "remove --focus"),
+        ("c.csv --select colour<3", "the file has index, x, y, z, radius, kind"),
+        ("c.csv --color-by kind", "the names in kind"),
         ("c.csv --copies 2,2,2", "needs a periodic cell"),
         ("c.csv --cell", "--cell"),
         ("c.csv --spin 4", "one by one"),
@@ -265,7 +335,8 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
         ("m.pdb", "remove --stream"),
     ] {
         let name = if scene.contains("--spin") { "p.%d.png" } else { "p.png" };
-        dir.refused_render(2, &format!("{scene} --stream --size 8x8 -o {name}"), &[told]);
+        let words = words(&format!("{scene} --stream --size 8x8 -o {name}"));
+        dir.refused_render(2, &words.iter().map(String::as_str).collect::<Vec<_>>()[..], &[told]);
     }
     assert!(!dir.files().keys().any(|name| name.ends_with(".png")), "no file is written");
 }
@@ -289,12 +360,21 @@ fn a_scene_file_streams_with_the_files_that_it_names() {
         )
     };
     let colored = "[[spheres]]\nfile = \"colored.csv\"\n\n[[spheres]]\nfile = \"atoms.xyz\"\n";
-    for (more, options) in
-        [("", ""), (colored, ""), (colored, "--color teal --radius-scale 0.5 --clip 0,0,1,0.4"), ("", "--fit")]
-    {
+    let selected = "[[spheres]]\nfile = \"colored.csv\"\nselect = \"x > 0 or index 20000:25000\"\n
+        [[spheres]]\nfile = \"plain.npy\"\nselect = \"radius > 5\"\n
+        [[spheres]]\nfile = \"atoms.xyz\"\nselect = \"element O\"\n";
+    for (more, options) in [
+        ("", ""),
+        (colored, ""),
+        (selected, ""),
+        (colored, "--color teal --radius-scale 0.5 --clip 0,0,1,0.4"),
+        ("", "--fit"),
+    ] {
         dir.put("s.toml", scene(more));
-        dir.render(&format!("s.toml {options} {}", outputs("memory")));
+        let told = |said: &str| said.matches("the selection `radius > 5` leaves none of 60000 spheres").count();
+        let whole = dir.render(&format!("s.toml {options} {}", outputs("memory"))).err;
         let said = dir.render(&format!("s.toml --stream {options} {}", outputs("stream"))).err;
+        assert_eq!([told(&whole), told(&said)], [usize::from(more == selected); 2], "{whole}{said}");
         let files = dir.files();
         for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("memory")) {
             let other = name.replacen("memory", "stream", 1);
@@ -306,11 +386,11 @@ fn a_scene_file_streams_with_the_files_that_it_names() {
         assert!(dir.files()["parts.png"] == files["memory.png"], "{more} {options}");
     }
     for (more, options, words) in [
-        ("[[spheres]]\nfile = \"colored.csv\"\nselect = \"x > 0\"\n", "", "a selection needs all spheres"),
+        ("[[spheres]]\nfile = \"colored.csv\"\nselect = \"within 1 of index 3\"\n", "", "`within` needs all spheres"),
         ("[[sphere]]\ncenter = [0.0, 0.0, 0.0]\nradius = 1.0\nmaterial = \"metal\"\n", "", "mirrors and glass"),
         ("[[light]]\nsphere = 7\n", "", "need all spheres in memory"),
         ("[occlusion]\nrays = 4\n", "", "need all spheres in memory"),
-        ("", "--select all", "selections need all"),
+        ("", "--select all", "no columns to select by"),
         ("", "--aov depth=plain.npy", "plain.npy is an input"),
     ] {
         dir.put("s.toml", scene(more));

@@ -10,11 +10,13 @@ mod expression;
 mod grammar;
 mod ligand;
 mod near;
+mod note;
 pub(super) mod selection;
 mod values;
 
-pub(super) use apply::{Selections, add_selected, apply, marks_of, mask};
+pub(super) use apply::{SelectedSpheres, Selections, apply, marks_of, mask};
 pub(super) use columns::candidates;
+pub(super) use note::Notes;
 
 #[cfg(test)]
 mod tests;

@@ -255,7 +255,8 @@ impl Sequence {
         self.options.watch.check()?;
         periodic::apply(self.options.periodic, &mut particles)?;
         particles.add_lengths(&self.options.named_columns())?;
-        select::apply(&self.options.selections(), &mut particles)?;
+        let notes = select::apply(&self.options.selections(), &mut particles)?;
+        particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         if !particles.placed.is_empty() {
             return self.dress_placed(particles, number, &file);
         }

@@ -7,15 +7,16 @@ use super::options::ReadOptions;
 use super::particles::frame::{ParticleFrames, Particles};
 use super::particles::periodic::Periodic;
 use super::particles::survey::{Part, Survey};
+use super::select::{self, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, is_8_bit, joined_elements};
+use super::style::{Coloring, is_8_bit, joined_elements, no_selections};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
 use halfline::quote::count;
-use halfline::quote::setting::{AT, COLOR, FOCUS, FRAMES, HIDE, MAP, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP};
+use halfline::quote::setting::{AT, COLOR, FOCUS, FRAMES, MAP, RADIUS, RANGE, STREAM, UNWRAP, WRAP};
 use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -46,7 +47,11 @@ pub struct SphereBlocks {
     skipped: Skipped,
     /// What was said of parts, without numbers.
     said: BTreeSet<String>,
+    /// What is to be said about selections.
+    notes: Notes,
+    /// The legend without rules of the style, and the number of particles that each rule colours.
     legend: Option<Legend>,
+    painted: Vec<u64>,
     /// Whether the blocks are read for the range of their colours, and the range so far.
     surveys: bool,
     range: Option<[f64; 2]>,
@@ -63,7 +68,7 @@ impl SphereBlocks {
     ///
     /// # Errors
     /// Those of [`Sequence::open`](super::Sequence::open); [`Error::Settings`] for formats that are not lists of rows, and for
-    /// options that need all particles at once: selections, a periodic cell, a range of colours that is not given (see
+    /// options that need all particles at once: words of selections such as `within`, a periodic cell, a range of colours that is not given (see
     /// [`Self::survey`]).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         check(options)?;
@@ -97,6 +102,9 @@ impl SphereBlocks {
         let (sender, parts) = sync_channel(AHEAD);
         let survey = Survey::passing(sender, BLOCK);
         let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if format == Format::Native {
+            if !(options.select.is_empty() && options.hide.is_empty()) {
+                return Err(no_selections());
+            }
             let scene = InBlocks::open(source, options)?;
             (Some(scene.is_colored), Box::new(move || scene.pass(&survey)))
         } else {
@@ -123,7 +131,9 @@ impl SphereBlocks {
             count: 0,
             skipped: Skipped::default(),
             said: BTreeSet::new(),
+            notes: Notes::default(),
             legend: None,
+            painted: vec![0; options.style.paints.len()],
             surveys,
             range: None,
             format,
@@ -169,7 +179,9 @@ impl SphereBlocks {
         let Some(rest) = rest else {
             return Err(Error::scene(self.file.clone(), "the file has no such frame", format!("use another {FRAMES}")));
         };
-        self.dress(rest).map(Some)
+        let last = self.dress(rest)?;
+        self.skipped.assumed.extend(self.notes.told());
+        Ok(Some(last))
     }
 
     /// What was left out or assumed so far; complete after the last block.
@@ -187,8 +199,8 @@ impl SphereBlocks {
 
     /// The legend of the colours, once a block was read.
     #[must_use]
-    pub fn legend(&self) -> Option<&Legend> {
-        self.legend.as_ref()
+    pub fn legend(&self) -> Option<Legend> {
+        self.options.style.with_overrides(self.legend.clone(), &self.painted)
     }
 
     /// Whether the frame is of atoms without a box, as [`SceneFrame::is_molecule`](super::SceneFrame::is_molecule); known
@@ -218,6 +230,17 @@ impl SphereBlocks {
             self.skipped.append(part.skipped);
             return Ok(Spheres::default());
         }
+        // The reader speaks of the whole file, the style of a part.
+        self.skipped.append(std::mem::take(&mut part.skipped));
+        part.add_lengths(&self.options.named_columns())?;
+        let size = part.positions.len();
+        part.before = self.count;
+        self.count += size as u64;
+        self.notes.join(select::apply(&self.options.selections(), &mut part)?);
+        let left = part.positions.len();
+        if left == 0 {
+            return Ok(Spheres::default());
+        }
         if self.options.style.default_radius.is_none() && self.options.style.spacing_of(&part).is_some() {
             let problem = "the file has no radii, and half the mean spacing needs all particles";
             return Err(Error::settings(problem, format!("add {RADIUS}, or remove {STREAM}")));
@@ -229,13 +252,9 @@ impl SphereBlocks {
                 return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
             }
         }
-        // The reader speaks of the whole file, the style of a part.
-        self.skipped.append(std::mem::take(&mut part.skipped));
-        part.add_lengths(&self.options.named_columns())?;
-        let size = part.positions.len();
-        part.before = self.count;
-        self.count += size as u64;
-        let (mut spheres, skipped, legend) = self.options.style.dress(part, &self.file)?;
+        let painted = self.options.style.painted(&part);
+        self.painted.iter_mut().zip(painted).for_each(|(all, more)| *all += more);
+        let (mut spheres, skipped, legend) = self.options.style.dress_part(part, &self.file)?;
         if self.surveys {
             spheres.colors = None;
             self.see(legend.as_ref())?;
@@ -243,7 +262,7 @@ impl SphereBlocks {
         for said in skipped.assumed {
             let what: String = said.chars().filter(|c| !c.is_ascii_digit()).collect();
             if self.said.insert(what) {
-                self.skipped.assumed.push(format!("in a part of {}: {said}", count(size as u64, "particle")));
+                self.skipped.assumed.push(format!("in a part of {}: {said}", count(left as u64, "particle")));
             }
         }
         self.legend = match (self.legend.take(), legend) {
@@ -255,7 +274,11 @@ impl SphereBlocks {
 
     /// Widens the range of colours by that of a part.
     fn see(&mut self, legend: Option<&Legend>) -> Result<()> {
-        let Some(Legend { name, range: [low, high], categories, .. }) = legend else { return Ok(()) };
+        let Some(Legend { name, range: [low, high], categories, names, .. }) = legend else { return Ok(()) };
+        if !names.is_empty() {
+            let problem = format!("{STREAM}: the colours of the names in {name} depend on all particles");
+            return Err(Error::settings(problem, format!("use a column of numbers, or remove {STREAM}")));
+        }
         if !categories.is_empty() {
             let problem = format!("{STREAM}: {name} has categories, whose colours need all particles in memory");
             return Err(Error::settings(
@@ -321,10 +344,17 @@ fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Part
 
 /// Refuses what needs all particles at once.
 fn check(options: &ReadOptions) -> Result<()> {
-    let (problem, mend) = if options.selects() {
+    let selections = options.select.iter().chain(&options.hide).chain(options.style.selections());
+    let word = selections.filter_map(|selection| Some((selection, selection.word_for_several()?))).next();
+    let (problem, mend) = if let Some((selection, word)) = word {
         (
-            "selections need all particles in memory".to_owned(),
-            format!("remove {SELECT}, {HIDE}, {AT} and {FOCUS} with expressions, and selected colours and radii"),
+            format!("`{word}` in the selection `{}` needs all particles in memory", selection.brief()),
+            format!("select by columns, elements or coordinates, or remove {STREAM}"),
+        )
+    } else if !options.marks.is_empty() {
+        (
+            "a camera that looks at selected particles needs them in memory".to_owned(),
+            format!("give {AT} a point and remove {FOCUS}, or remove {STREAM}"),
         )
     } else if options.periodic != Periodic::AsListed {
         (format!("{WRAP} and {UNWRAP} need all particles in memory"), "remove them".to_owned())

@@ -172,20 +172,34 @@ impl Style {
     ///
     /// # Errors
     /// [`Error::Scene`] for an invalid sphere, [`Error::Settings`] for a missing column, [`Error::Limits`].
-    pub(super) fn dress(&self, mut particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
+    pub(super) fn dress(&self, particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
+        let painted = self.painted(&particles);
+        let (spheres, skipped, legend) = self.dress_part(particles, file)?;
+        Ok((spheres, skipped, self.with_overrides(legend, &painted)))
+    }
+
+    /// The same for a part of the particles: the legend has no rows for rules; see [`Self::with_overrides`].
+    ///
+    /// # Errors
+    /// Those of [`Self::dress`].
+    pub(super) fn dress_part(
+        &self,
+        mut particles: Particles,
+        file: &Place,
+    ) -> Result<(Spheres, Skipped, Option<Legend>)> {
         check_spheres(particles.positions.len() as u64, true)?;
         let mut skipped = std::mem::take(&mut particles.skipped);
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let mut radii = self.radii_of(&particles, &mut skipped)?;
         self.apply_rules(&particles, &mut colors, &mut radii);
-        let legend = self.with_overrides(legend, &particles);
         let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (particles.positions.into(), colors.map(Into::into));
         let spheres = Spheres { centers, radii: radii.into(), colors, materials: None };
         let of_two = |(center, radius)| !(is_center(center) & is_radius(radius));
         let all = || spheres.centers.par_iter().zip(&spheres.radii);
         if let Some(n) = (!are_checked).then(all).and_then(|all| all.position_first(of_two)) {
-            let place = || file.clone().named(format!("particle {}", particles.before + n as u64));
+            let index = particles.before + particles.places.get(n).map_or(n as u64, |place| u64::from(*place));
+            let place = || file.clone().named(format!("particle {index}"));
             check_sphere(spheres.centers[n], spheres.radii[n], place)?;
         }
         Ok((spheres, skipped, legend))
@@ -230,16 +244,22 @@ impl Style {
         });
     }
 
-    /// The legend with a row for each rule that gives some particle its colour; a legend of these where there is none.
-    fn with_overrides(&self, legend: Option<Legend>, particles: &Particles) -> Option<Legend> {
+    /// The number of particles that each rule colours.
+    pub(super) fn painted(&self, particles: &Particles) -> Vec<u64> {
         let mut counts = vec![0_u64; self.paints.len()];
         particles.paint.iter().filter_map(|rule| usize::from(*rule).checked_sub(1)).for_each(|rule| counts[rule] += 1);
+        counts
+    }
+
+    /// The legend with a row for each rule that gives some particle its colour, by the numbers of [`Self::painted`]; a legend of these
+    /// where there is none.
+    pub(super) fn with_overrides(&self, legend: Option<Legend>, painted: &[u64]) -> Option<Legend> {
         let row = |((selection, color), count): (&(Selection, [f32; 3]), u64)| Category {
             label: selection.to_string(),
             color: color.map(srgb::level),
             count,
         };
-        let rows = self.paints.iter().zip(counts).filter(|(_, count)| *count > 0);
+        let rows = self.paints.iter().zip(painted.iter().copied()).filter(|(_, count)| *count > 0);
         let overrides: Vec<Category> = rows.map(row).collect();
         match legend {
             Some(legend) => Some(Legend { overrides, ..legend }),

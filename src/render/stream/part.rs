@@ -3,7 +3,7 @@
 //! they are combined: docs/certificate.md, section 11.
 
 use super::digests::{Digests, MOST};
-use super::{Stream, StreamIds, Visible, check, visible};
+use super::{KEPT, Stream, StreamIds, Visible, check, visible};
 use crate::error::{Error, Place, Result};
 use crate::memory;
 use crate::quote::setting::{FIRST_ID, TOLERANCE};
@@ -242,6 +242,36 @@ impl Part {
     /// [`Error::Settings`] for parts of frames that differ, [`Error::Scene`] where an id has two spheres, [`Error::Limits`]
     /// where memory is short.
     pub fn combine(mut self, other: &Self) -> Result<Self> {
+        if self.join(other)? { self.sifted() } else { Ok(self) }
+    }
+
+    /// The part of all spheres of several parts, which are taken one by one: they are sifted together whenever twice as many spheres
+    /// are in memory as the last time. `None` without parts.
+    ///
+    /// # Errors
+    /// The first of the parts, and those of [`Part::combine`].
+    pub fn combined(parts: impl IntoIterator<Item = Result<Self>>) -> Result<Option<Self>> {
+        Self::combined_beyond(KEPT, parts)
+    }
+
+    /// The same, where fewer than `few` spheres are not sifted before the end.
+    fn combined_beyond(few: usize, parts: impl IntoIterator<Item = Result<Self>>) -> Result<Option<Self>> {
+        let mut parts = parts.into_iter();
+        let Some(mut whole) = parts.next().transpose()? else { return Ok(None) };
+        let limit = |whole: &Self| few.max(2 * whole.kept.numbers.len());
+        let (mut most, mut is_sifted) = (limit(&whole), true);
+        for part in parts {
+            is_sifted &= !whole.join(&part?)?;
+            if whole.kept.numbers.len() > most {
+                whole = whole.sifted()?;
+                (most, is_sifted) = (limit(&whole), true);
+            }
+        }
+        if is_sifted { Ok(Some(whole)) } else { whole.sifted().map(Some) }
+    }
+
+    /// Adds the spheres of another part, of which others may hide some. Returns whether there are new ones.
+    fn join(&mut self, other: &Self) -> Result<bool> {
         if let Some((what, [own, others])) = self.seen.difference(&other.seen) {
             let problem = format!(
                 "{} and {} are parts of different frames: the {what} is {own}, and {others}",
@@ -249,16 +279,10 @@ impl Part {
             );
             return Err(Error::settings(problem, ALIKE));
         }
-        if self.digests == other.digests && self.kept.numbers == other.kept.numbers {
-            self.check_same(other)?;
-            return Ok(self);
-        }
         let differ = |_| self.differ(other, "an id that both have".into());
         let mut digests = self.digests.clone();
         digests.join(&other.digests).map_err(differ)?;
-        self.check_same(other)?;
-        let is_new = |id: &u64| self.kept.numbers.binary_search(id).is_err();
-        let new: Vec<u32> = (0..).zip(&other.kept.numbers).filter(|(_, id)| is_new(id)).map(|(n, _)| n).collect();
+        let new = self.new_ones(other)?;
         if !self.kept.numbers.is_empty()
             && !new.is_empty()
             && self.kept.spheres.colors.is_some() != other.kept.spheres.colors.is_some()
@@ -266,11 +290,17 @@ impl Part {
             let problem = format!("only one of {} and {} has colours", self.name, other.name);
             return Err(Error::settings(problem, "give all parts colours, or none"));
         }
+        self.digests = digests;
         self.kept.add(&other.kept.spheres, &|n| other.kept.numbers[n], &new)?;
         self.kept.sort()?;
+        Ok(!new.is_empty())
+    }
+
+    /// The same without spheres that others hide.
+    fn sifted(self) -> Result<Self> {
         let mut stream = Stream::new(&self.seen.scene(), &self.seen.settings()?)?;
         stream.see_all(&self.kept)?;
-        Ok(Self { kept: stream.rest()?, digests, ..self })
+        Ok(Self { kept: stream.rest()?, ..self })
     }
 
     /// The spheres that a frame of `scene` needs, whose own spheres are not used; its fingerprint is that of all spheres of the part.
@@ -331,17 +361,26 @@ impl Part {
         )
     }
 
-    /// Refuses spheres that two parts keep with the same id and different numbers.
-    fn check_same(&self, other: &Self) -> Result<()> {
+    /// The indices of the spheres of another part whose ids are new.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for spheres with the same id and different numbers.
+    fn new_ones(&self, other: &Self) -> Result<Vec<u32>> {
         let color = |part: &Self, n: usize| part.kept.spheres.colors.as_ref().map(|colors| colors[n]);
+        let (a, b) = (&self.kept.spheres, &other.kept.spheres);
+        let (mut new, mut own) = (Vec::new(), 0);
         for (n, id) in other.kept.numbers.iter().enumerate() {
-            let Ok(own) = self.kept.numbers.binary_search(id) else { continue };
-            let (a, b) = (&self.kept.spheres, &other.kept.spheres);
-            if a.centers[own] != b.centers[n] || a.radii[own] != b.radii[n] || color(self, own) != color(other, n) {
+            own += self.kept.numbers[own..].iter().take_while(|known| *known < id).count();
+            if self.kept.numbers.get(own) != Some(id) {
+                new.push(n as u32);
+            } else if a.centers[own] != b.centers[n]
+                || a.radii[own] != b.radii[n]
+                || color(self, own) != color(other, n)
+            {
                 return Err(self.differ(other, format!("id {id}")));
             }
         }
-        Ok(())
+        Ok(new)
     }
 }
 
@@ -400,4 +439,51 @@ fn check_id(id: u64) -> Result<()> {
     }
     let problem = format!("an id of a part is {id} or more");
     Err(Error::Limits { problem, mend: format!("use ids below {MOST}") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Aov;
+    use crate::render::Renderer;
+    use crate::scene::camera::{Lens, Look};
+    use crate::settings::Backend;
+    use crate::testing::Rng;
+    use glam::DVec3;
+
+    #[test]
+    fn when_parts_are_sifted_changes_no_bit() {
+        let mut rng = Rng(7);
+        let mut spheres = Spheres::default();
+        for _ in 0..9000 {
+            spheres.push([0; 3].map(|_| rng.between(-1.0, 1.0)), rng.between(0.02, 0.1), None);
+        }
+        let lens = Lens::Vfov { degrees: 40.0, distance: 1.0 };
+        let camera = Camera { eye: DVec3::new(1.0, 2.0, 4.0), look: Look::At(DVec3::ZERO), up: DVec3::Y, lens };
+        let image = ImagePlane { width: 60, height: 44, ..ImagePlane::default() };
+        let scene = Scene { camera, image, spheres, lighting: Lighting::default() };
+        let aovs = vec![Aov::Color, Aov::Id, Aov::Distance, Aov::Normal, Aov::Certainty];
+        let settings = Settings { backend: Backend::Cpu, aovs, ..Settings::default() };
+        let part = |first: usize| {
+            let mut stream = Stream::of_part(&scene, &settings, first as u64).expect("a stream");
+            let mut block = Spheres::default();
+            for n in first..first + 1500 {
+                block.push(scene.spheres.centers[n], scene.spheres.radii[n], None);
+            }
+            stream.add(&block).and_then(|()| stream.part()).expect("a part")
+        };
+        let parts: Vec<Part> = [3000, 0, 7500, 1500, 6000, 3000, 4500].map(part).to_vec();
+        let all = parts.iter().map(|part| part.ids().len()).sum::<usize>();
+        let mut renderer = Renderer::new(&settings).expect("the CPU path");
+        let whole = renderer.render(&scene, &settings).expect("a frame");
+        for few in [0, 2000, usize::MAX] {
+            let part = Part::combined_beyond(few, parts.iter().cloned().map(Ok)).expect("one frame").expect("a part");
+            let kept = part.ids().len();
+            assert!(2 * kept < all, "{few}: {kept} of {all}");
+            let Visible { scene, ids } = part.visible(&scene, &settings).expect("the same frame");
+            let mut frame = renderer.render(&scene, &settings).expect("a frame");
+            ids.restore(&mut frame);
+            assert!(whole.buffers == frame.buffers, "{few}");
+        }
+    }
 }

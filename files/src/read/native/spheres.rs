@@ -4,9 +4,9 @@ use super::table::TomlTable;
 use crate::read::format::{Format, ending};
 use crate::read::open::open;
 use crate::read::options::ReadOptions;
-use crate::read::particles::survey::Survey;
+use crate::read::particles::survey::{Pick, Survey};
 use crate::read::select::selection::Selection;
-use crate::read::select::{add_selected, apply};
+use crate::read::select::{SelectedSpheres, apply};
 use crate::read::source::{KnownFormat, SceneSource};
 use crate::read::{csv, npy};
 use halfline::error::{Error, Place, Result};
@@ -15,6 +15,7 @@ use halfline::quote::quote;
 use halfline::quote::setting::STREAM;
 use halfline::scene::Spheres;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A table `[[spheres]]`.
 pub(in crate::read) struct NamedSpheres {
@@ -60,9 +61,10 @@ impl NamedSpheres {
             _ => return self.particles(spheres, watch),
         };
         let Some(selection) = &self.selection else { return strict(&self.path, spheres, watch).map(|()| Vec::new()) };
-        let mut part = Spheres::default();
+        let (mut part, mut selected) = (Spheres::default(), SelectedSpheres::new(selection));
         strict(&self.path, &mut part, watch)?;
-        add_selected(selection, part, spheres).map_err(|e| at(&self.selected_at, e))
+        append(spheres, &selected.of(part).map_err(|e| at(&self.selected_at, e))?)?;
+        Ok(selected.told())
     }
 
     /// Whether the spheres have colours, by the head of the file where it says so.
@@ -85,22 +87,29 @@ impl NamedSpheres {
     /// them.
     ///
     /// # Errors
-    /// Those of [`NamedSpheres::read`]; [`Error::Settings`] for a selection.
+    /// Those of [`NamedSpheres::read`]; [`Error::Settings`] for a selection that needs all spheres.
     pub(in crate::read) fn pass(&self, survey: &Survey, watch: &Watch) -> Result<Vec<String>> {
-        if self.selection.is_some() {
-            let problem =
-                format!("{}: {STREAM}: a selection needs all spheres of its file in memory", self.selected_at);
-            return Err(Error::settings(problem, format!("remove `select` there, or {STREAM}")));
-        }
-        match ending(&self.path).as_str() {
-            "csv" => csv::pass(&self.path, survey, watch).map(|()| Vec::new()),
-            "npy" => npy::pass(&self.path, survey, watch).map(|()| Vec::new()),
+        let in_blocks = match ending(&self.path).as_str() {
+            "csv" => csv::pass,
+            "npy" => npy::pass,
             _ => {
                 let mut spheres = Spheres::default();
                 let said = self.particles(&mut spheres, watch)?;
-                survey.take_spheres(&mut spheres, true).map(|()| said)
+                return survey.take_spheres(&mut spheres, true).map(|()| said);
             }
+        };
+        let Some(selection) = &self.selection else {
+            return in_blocks(&self.path, survey, watch).map(|()| Vec::new());
+        };
+        if let Some(word) = selection.word_for_several() {
+            let problem = format!("{}: {STREAM}: `{word}` needs all spheres of the file in memory", self.selected_at);
+            return Err(Error::settings(problem, format!("remove `{word}` there, or {STREAM}")));
         }
+        let picked =
+            Arc::new(Mutex::new(Picked { at: self.selected_at.clone(), selected: SelectedSpheres::new(selection) }));
+        in_blocks(&self.path, &survey.picking(picked.clone()), watch)?;
+        let picked = picked.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(picked.selected.told())
     }
 
     fn particles(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
@@ -115,13 +124,31 @@ impl NamedSpheres {
         let Some(mut particles) = frames.next()? else {
             return Err(Error::scene(Place::file(name), "the file has no frame", "use a file with particles"));
         };
-        apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
+        let notes = apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
+        particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         let (part, skipped, _) = options.style.dress(particles, &Place::file(name))?;
-        for (n, (center, radius)) in part.centers.iter().zip(&part.radii).enumerate() {
-            spheres.add(*center, *radius, part.colors.as_ref().map(|colors| colors[n]))?;
-        }
+        append(spheres, &part)?;
         Ok(skipped.warnings())
     }
+}
+
+/// The selection of a table, for the blocks of its file.
+#[derive(Debug)]
+struct Picked {
+    at: Place,
+    selected: SelectedSpheres,
+}
+
+impl Pick for Picked {
+    fn pick(&mut self, block: Spheres) -> Result<Spheres> {
+        self.selected.of(block).map_err(|error| at(&self.at, error))
+    }
+}
+
+fn append(spheres: &mut Spheres, more: &Spheres) -> Result<()> {
+    let color = |n: usize| more.colors.as_ref().map(|colors| colors[n]);
+    let all = more.centers.iter().zip(&more.radii).enumerate();
+    all.into_iter().try_for_each(|(n, (center, radius))| spheres.add(*center, *radius, color(n)))
 }
 
 /// The path without the extension of a compression.

@@ -267,11 +267,11 @@ impl Particles {
             let problem = "the column of elements has atom names, which are understood only from the whole file";
             return Err(Error::settings(problem, format!("remove {STREAM}")));
         }
-        if !self.texts.is_empty() {
-            let problem = "the colours of a column of names depend on all names of the file";
-            return Err(Error::settings(problem, format!("use a column of numbers, or remove {STREAM}")));
-        }
         self.room = 0;
+        // The next part numbers its names anew, so that those of a file need no memory.
+        let texts =
+            self.texts.iter_mut().map(|(n, names)| (self.columns[*n].name.clone(), std::mem::take(names).labels()));
+        let labels = texts.collect();
         let columns = self.columns.iter_mut();
         Ok(Part {
             positions: std::mem::take(&mut self.positions),
@@ -279,6 +279,7 @@ impl Particles {
             elements: std::mem::take(&mut self.elements),
             colors: std::mem::take(&mut self.colors),
             columns: columns.map(|column| (column.name.clone(), std::mem::take(&mut column.values))).collect(),
+            labels,
             has: self.has.clone(),
             checked: self.checked,
         })
@@ -286,9 +287,9 @@ impl Particles {
 
     /// The particles of a part.
     pub(in crate::read) fn of_part(part: Part) -> Self {
-        let Part { positions, radii, elements, colors, columns, has, checked } = part;
+        let Part { positions, radii, elements, colors, columns, labels, has, checked } = part;
         let columns = columns.into_iter().map(|(name, values)| Column { name, values }).collect();
-        Self { positions, radii, elements, colors, columns, has, checked, ..Self::default() }
+        Self { positions, radii, elements, colors, columns, labels, has, checked, ..Self::default() }
     }
 
     /// Whether a column has names.
@@ -298,8 +299,8 @@ impl Particles {
     }
 
     /// The index of particle `n` in the file.
-    pub(in crate::read) fn index(&self, n: usize) -> u32 {
-        self.places.get(n).copied().unwrap_or(n as u32)
+    pub(in crate::read) fn index(&self, n: usize) -> u64 {
+        self.before + self.places.get(n).map_or(n as u64, |place| u64::from(*place))
     }
 
     /// Keeps the particles whose flag is set.

@@ -5,6 +5,7 @@ use super::infer::{Inference, code_of_unknown};
 use halfline::error::{Error, Result};
 use halfline::scene::{Cell, Spheres};
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -20,8 +21,19 @@ pub struct Survey {
     counts: Arc<Mutex<Counts>>,
     /// Where the particles are passed on; without it they are counted and dropped.
     parts: Option<SyncSender<Part>>,
+    /// What selects spheres before they are passed on.
+    pick: Option<Arc<Mutex<dyn Pick>>>,
     /// The number of particles of a part.
     part: usize,
+}
+
+/// Selects spheres that arrive block by block.
+pub(in crate::read) trait Pick: fmt::Debug + Send {
+    /// The selected ones of the next spheres.
+    ///
+    /// # Errors
+    /// Those of the selection.
+    fn pick(&mut self, block: Spheres) -> Result<Spheres>;
 }
 
 /// Particles that are passed on, with what a style needs of them; see [`Particles`](super::Particles) for the lists.
@@ -33,6 +45,8 @@ pub(in crate::read) struct Part {
     pub(in crate::read) colors: Vec<[f32; 3]>,
     /// Names and values.
     pub(in crate::read) columns: Vec<(String, Vec<f64>)>,
+    /// The names of columns of names, numbered for this part.
+    pub(in crate::read) labels: BTreeMap<String, Vec<String>>,
     /// The names of all columns of the file.
     pub(in crate::read) has: Vec<String>,
     pub(in crate::read) checked: bool,
@@ -106,7 +120,7 @@ pub(super) struct Counted<'a> {
 
 impl Default for Survey {
     fn default() -> Self {
-        Self { counts: Arc::default(), parts: None, part: PART }
+        Self { counts: Arc::default(), parts: None, pick: None, part: PART }
     }
 }
 
@@ -120,6 +134,11 @@ impl Survey {
     /// Passes the particles on instead of counting them, in parts of at least `part`.
     pub(in crate::read) fn passing(parts: SyncSender<Part>, part: usize) -> Self {
         Self { parts: Some(parts), part, ..Self::default() }
+    }
+
+    /// The same, where only the spheres that `pick` selects are passed on.
+    pub(in crate::read) fn picking(&self, pick: Arc<Mutex<dyn Pick>>) -> Self {
+        Self { pick: Some(pick), ..self.clone() }
     }
 
     /// Whether the particles are counted.
@@ -138,13 +157,17 @@ impl Survey {
     /// Counts spheres whose numbers were checked, or passes them on; without radii in the file their radii do not count.
     ///
     /// # Errors
-    /// [`Error::Interrupted`].
+    /// [`Error::Interrupted`], and those of a selection.
     pub(in crate::read) fn take_spheres(&self, spheres: &mut Spheres, sized: bool) -> Result<()> {
         if self.is_counting() {
             self.count_spheres(spheres, sized);
             return Ok(());
         }
-        let Spheres { centers, radii, colors, .. } = std::mem::take(spheres);
+        let mut block = std::mem::take(spheres);
+        if let Some(pick) = &self.pick {
+            block = pick.lock().unwrap_or_else(PoisonError::into_inner).pick(block)?;
+        }
+        let Spheres { centers, radii, colors, .. } = block;
         let radii = if sized { radii.into_vec() } else { Vec::new() };
         let colors = colors.unwrap_or_default().into_vec();
         self.pass(Part { positions: centers.into_vec(), radii, colors, checked: true, ..Part::default() })

@@ -1,11 +1,12 @@
 //! Applies the selections of the options to a frame.
 
 use super::evaluate::{Evaluator, Mask};
+use super::note::{Note, Notes};
 use super::selection::Selection;
 use crate::read::particles::frame::Particles;
 use halfline::error::Result;
 use halfline::memory::check;
-use halfline::scene::Spheres;
+use halfline::scene::{Spheres, keep};
 use rayon::prelude::*;
 
 /// What is selected of the particles of a frame.
@@ -21,23 +22,23 @@ pub(in crate::read) struct Selections<'a> {
     pub(in crate::read) sizes: Vec<&'a Selection>,
 }
 
-/// Marks the particles that a style's rules colour or resize, then removes those that are not selected.
+/// Marks the particles that a style's rules colour or resize, then removes those that are not selected. Returns what is to be said.
 ///
 /// # Errors
 /// Those of the selections.
-pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Particles) -> Result<()> {
+pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Particles) -> Result<Vec<Note>> {
     let Selections { select, hide, marks, paints, sizes } = selections;
     let rules = paints.len() + sizes.len() + marks.len();
     let count = particles.positions.len();
     // A frame without particles may have no columns either.
     if count == 0 || select.is_empty() && hide.is_empty() && rules == 0 {
-        return Ok(());
+        return Ok(Vec::new());
     }
     check(8 * count as u64, || format!("the selections of {count} particles"))?;
-    let (mut notes, mut all) = (Vec::new(), Vec::new());
+    let mut notes = Vec::new();
     let marks = marks.iter().map(|selection| mask(selection, particles)).collect::<Result<Vec<_>>>()?;
     let mut of = |selection: &Selection| -> Result<Mask> {
-        let (mask, said) = mask(selection, particles)?;
+        let (mask, said) = noted(selection, particles)?;
         notes.extend(said);
         Ok(mask)
     };
@@ -49,7 +50,6 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
             let number = u16::try_from(k + 1).unwrap_or(u16::MAX);
             let mask = of(selection)?;
             rule.par_iter_mut().zip(&mask).filter(|(_, flag)| **flag).for_each(|(rule, _)| *rule = number);
-            all.push(mask.par_iter().any(|flag| *flag));
         }
         Ok(rule)
     };
@@ -67,12 +67,11 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
     (particles.paint, particles.size, particles.marks) = (paint, size, marks);
     if !(select.is_empty() && hide.is_empty()) {
         particles.keep(&stays);
-        if particles.positions.is_empty() && count > 0 {
-            notes.push(format!("the selections leave none of the {count} particles"));
+        if particles.positions.is_empty() {
+            notes.push(Note::NoneLeft(count as u64));
         }
     }
-    particles.skipped.assumed.extend(notes);
-    Ok(())
+    Ok(notes)
 }
 
 /// The spheres that selections select, and what their evaluation said. Spheres have an index, coordinates and a radius.
@@ -92,7 +91,11 @@ pub(in crate::read) fn marks_of(selections: &[Selection], spheres: &Spheres) -> 
 ///
 /// # Errors
 /// Those of the selection.
-pub(in crate::read) fn mask(selection: &Selection, particles: &Particles) -> Result<(Vec<bool>, Vec<String>)> {
+pub(in crate::read) fn mask(selection: &Selection, particles: &Particles) -> Result<(Mask, Vec<String>)> {
+    noted(selection, particles).map(|(mask, notes)| (mask, notes.iter().map(Note::to_string).collect()))
+}
+
+fn noted(selection: &Selection, particles: &Particles) -> Result<(Mask, Vec<Note>)> {
     let mut evaluator = Evaluator::new(particles, selection);
     let mask = evaluator.mask()?;
     let mut notes = selection.remarks();
@@ -100,24 +103,48 @@ pub(in crate::read) fn mask(selection: &Selection, particles: &Particles) -> Res
     Ok((mask, notes))
 }
 
-/// Appends the selected ones of `part` to `spheres`; returns messages about the selection. Spheres have an index,
-/// coordinates and a radius.
-///
-/// # Errors
-/// Those of the selection, [`Error::Limits`](halfline::error::Error::Limits).
-pub(in crate::read) fn add_selected(
-    selection: &Selection,
-    part: Spheres,
-    spheres: &mut Spheres,
-) -> Result<Vec<String>> {
-    let Spheres { centers, radii, colors, .. } = part;
-    let particles = Particles { positions: centers.into_vec(), radii: radii.into_vec(), ..Particles::default() };
-    let (mask, mut notes) = mask(selection, &particles)?;
-    for (n, _) in mask.iter().enumerate().filter(|(_, flag)| **flag) {
-        spheres.add(particles.positions[n], particles.radii[n], colors.as_ref().map(|colors| colors[n]))?;
+/// The selected ones of spheres that arrive block by block. They have an index, coordinates and a radius.
+#[derive(Debug)]
+pub(in crate::read) struct SelectedSpheres {
+    selection: Selection,
+    /// Spheres so far, and those that were selected.
+    before: u64,
+    left: u64,
+    notes: Notes,
+}
+
+impl SelectedSpheres {
+    pub(in crate::read) fn new(selection: &Selection) -> Self {
+        Self { selection: selection.clone(), before: 0, left: 0, notes: Notes::default() }
     }
-    if !mask.is_empty() && !mask.contains(&true) {
-        notes.push(format!("the selection `{}` leaves none of {} spheres", selection.brief(), mask.len()));
+
+    /// The selected ones of the next spheres, without materials.
+    ///
+    /// # Errors
+    /// Those of the selection.
+    pub(in crate::read) fn of(&mut self, block: Spheres) -> Result<Spheres> {
+        let Spheres { centers, radii, mut colors, .. } = block;
+        let (positions, radii, before) = (centers.into_vec(), radii.into_vec(), self.before);
+        let mut particles = Particles { positions, radii, before, ..Particles::default() };
+        let (mask, notes) = noted(&self.selection, &particles)?;
+        if !mask.is_empty() {
+            self.notes.join(notes);
+        }
+        self.before += mask.len() as u64;
+        particles.keep(&mask);
+        self.left += particles.positions.len() as u64;
+        if let Some(colors) = &mut colors {
+            keep(colors.to_mut(), &mask);
+        }
+        let (centers, radii) = (particles.positions.into(), particles.radii.into());
+        Ok(Spheres { centers, radii, colors, materials: None })
     }
-    Ok(notes)
+
+    /// What is to be said about the selection of all spheres.
+    pub(in crate::read) fn told(&self) -> Vec<String> {
+        let none = self.before > 0 && self.left == 0;
+        let none =
+            none.then(|| format!("the selection `{}` leaves none of {} spheres", self.selection.brief(), self.before));
+        self.notes.told().chain(none).collect()
+    }
 }

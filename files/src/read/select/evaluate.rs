@@ -4,6 +4,7 @@ use super::columns::{Key, NUMBERS, RESIDUE};
 use super::expression::{Comparison, Kind, Node, Operation, Value};
 use super::ligand::{self, Residue, is_metal};
 use super::near::near;
+use super::note::{Note, Unmatched};
 use super::selection::Selection;
 use super::values::{Range, pattern};
 use crate::read::elements::element;
@@ -27,7 +28,7 @@ pub(super) struct Evaluator<'a> {
     /// Whether the part is evaluated for what it does not select, so that nothing is what it may select.
     is_negated: bool,
     /// Words that select nothing, and what the file has instead.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Note>,
 }
 
 /// The values of a column.
@@ -120,10 +121,10 @@ impl<'a> Evaluator<'a> {
         };
         if !mask.par_iter().any(|flag| *flag) {
             let residues = match self.column("resname").map(|column| self.particles.labels.get(&column.name)) {
-                Some(Some(names)) => format!("; the residues of the file are {}", listed(names)),
+                Some(Some(names)) => format!("the residues of the file are {}", listed(names)),
                 _ => String::new(),
             };
-            self.note(kind.word(), &format!("no particle is selected by it{residues}"));
+            self.note(kind.word(), Vec::new(), residues);
         }
         Ok(mask)
     }
@@ -203,15 +204,10 @@ impl<'a> Evaluator<'a> {
                 mask
             }
         };
-        let there = self.describe(&data);
-        drop(data);
-        match empty.as_slice() {
-            [] => {}
-            [value] => self.note(&format!("{word} {value}"), &format!("no particle has it; {there}")),
-            [value, ..] => {
-                let what = format!("no particle has it, nor {} other values; {there}", empty.len() - 1);
-                self.note(&format!("{word} {value}"), &what);
-            }
+        if !empty.is_empty() {
+            let there = self.describe(&data);
+            drop(data);
+            self.note(word, empty, there);
         }
         Ok(mask)
     }
@@ -351,9 +347,10 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn note(&mut self, word: &str, what: &str) {
+    fn note(&mut self, word: &str, values: Vec<String>, there: String) {
         if !self.is_negated {
-            self.notes.push(format!("{} in the selection `{}`: {what}", quote(word), self.selection.brief()));
+            let (word, selection) = (word.to_owned(), self.selection.brief().to_string());
+            self.notes.push(Note::Unmatched(Unmatched { word, values, selection, there }));
         }
     }
 }

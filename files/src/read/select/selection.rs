@@ -1,8 +1,9 @@
 //! A selection: an expression and its text.
 
 use super::columns::{Key, keys};
-use super::expression::{Node, Operation};
+use super::expression::{Kind, Node, Operation};
 use super::grammar;
+use super::note::Note;
 use halfline::error::{Error, Result};
 use halfline::quote::{Quote, shortened};
 use std::fmt;
@@ -36,12 +37,12 @@ impl Selection {
     }
 
     /// The expression for messages: a long one is shortened.
-    pub(super) fn brief(&self) -> Quote<'_> {
+    pub(in crate::read) fn brief(&self) -> Quote<'_> {
         shortened(&self.text, 120)
     }
 
     /// What the expression means where programs disagree: remarks for the user.
-    pub(super) fn remarks(&self) -> Vec<String> {
+    pub(super) fn remarks(&self) -> Vec<Note> {
         let mut remarks = Vec::new();
         let loose =
             |node: &Node| matches!(node, Node::Near(near) if near.itself && !matches!(*near.of, Node::Group(_)));
@@ -62,7 +63,23 @@ impl Selection {
                 ));
             }
         });
-        remarks
+        remarks.into_iter().map(Note::Remark).collect()
+    }
+
+    /// The first word by which a particle is selected because of others; `None` where each is selected by itself.
+    pub(in crate::read) fn word_for_several(&self) -> Option<&'static str> {
+        let mut found = None;
+        self.root.visit(&mut |node| {
+            let word = match node {
+                Node::Near(near) if near.itself => "within",
+                Node::Near(_) => "around",
+                Node::Same(..) => "same",
+                Node::Kind(kind @ Kind::Ligand) => kind.word(),
+                _ => return,
+            };
+            found.get_or_insert(word);
+        });
+        found
     }
 }
 

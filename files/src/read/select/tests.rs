@@ -38,7 +38,7 @@ fn select(text: &str) -> Result<(Vec<usize>, Vec<String>)> {
     let (atoms, selection) = (atoms(), text.parse::<Selection>()?);
     let mut evaluator = Evaluator::new(&atoms, &selection);
     let mask = evaluator.mask()?;
-    let notes = selection.remarks().into_iter().chain(evaluator.notes).collect();
+    let notes = selection.remarks().into_iter().chain(evaluator.notes).map(|note| note.to_string()).collect();
     Ok(((0..10).filter(|n| mask[*n]).collect(), notes))
 }
 
