@@ -21,13 +21,14 @@ mod tests;
 use crate::double_double::Dd;
 use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
+use crate::number::vector::{LANES, Vector};
 use crate::scene::camera::{CentredFrame, ExactViewport};
 use crate::scene::{Scene, Spheres, check_sphere};
 pub use answer::Truth;
-use answer::{DecidedHit, Path};
+use answer::{DecidedHit, Path, Quick};
 pub use decide::Root;
-use decide::{ExactFrame, ExactLens, Meeting};
-use filter::{AxesDd, Body, FilterHit, FilterResult, Screen};
+use decide::{ExactFrame, ExactLens, Meeting, odds};
+use filter::{AxesDd, Body, FilterHit, FilterRay, FilterResult, Screen};
 use ray::RayForms;
 use rayon::prelude::*;
 use secondary::HitPoint;
@@ -138,7 +139,33 @@ impl Judge {
     fn ray(&self, i: u32, j: u32) -> RayForms<'_> {
         let CentredFrame { viewport, size, step, shift: [left, top] } = &self.frame;
         let (i, j) = (i * step + top, j * step + left);
-        RayForms::through(&self.lens, [i, j], filter::FilterRay::through(viewport, *size, i, j))
+        let odds = odds(size.map(i64::from), i, j).map(|n| n as f64);
+        RayForms::through(&self.lens, [i, j], FilterRay::through(viewport, *size, odds))
+    }
+
+    /// The hits of one sphere by the rays through these rows and columns, as if it were the only one, where double-double decides all
+    /// about them; `None` where it does not, and for parallel rays.
+    #[inline(always)]
+    pub(crate) fn surely_hit(&self, at: &[[u32; 2]; LANES], id: u32) -> [Option<Truth>; LANES] {
+        let CentredFrame { viewport, size, step, shift: [left, top] } = &self.frame;
+        let body = &self.bench.bodies[id as usize];
+        let mut truths = [None; LANES];
+        if viewport.is_parallel() {
+            return truths;
+        }
+        let mut apart = [Vector([0.0; LANES]); 2];
+        for (l, [i, j]) in at.iter().enumerate() {
+            let [columns, rows] = odds(size.map(i64::from), i * step + top, j * step + left);
+            (apart[0].0[l], apart[1].0[l]) = (columns as f64, rows as f64);
+        }
+        let ray = FilterRay::through(viewport, *size, apart);
+        let (sure, hit) = ray.hit(body);
+        let root = decide::root(body.side);
+        let quick = Quick::new(root, (self.bench.eye, &self.bench.basis), (&ray, true), body, &hit);
+        for (l, truth) in truths.iter_mut().enumerate().filter(|(l, _)| sure.0[*l] != 0) {
+            *truth = quick.lane(l).truth(DecidedHit { id, root, tangent: false });
+        }
+        truths
     }
 }
 
@@ -332,7 +359,8 @@ impl Bench {
     #[inline(always)]
     fn truth(&self, rays: &RayForms<'_>, best: &Best) -> Option<Truth> {
         let name = DecidedHit { id: best.id, root: best.root, tangent: best.tangent };
-        answer::quick(name, self.eye, &self.basis, rays, best.body, &best.hit)
+        Quick::new(best.root, (self.eye, &self.basis), (&rays.quick, rays.planar()), best.body, &best.hit)
+            .truth(name)
             .or_else(|| answer::slow(name, &self.frame, rays, self.meeting(rays, best), best.body.radius))
     }
 

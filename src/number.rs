@@ -2,8 +2,6 @@
 
 pub mod vector;
 
-pub use crate::double_double::exponent;
-
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Truth values: one for each number that was compared.
@@ -63,6 +61,41 @@ pub trait Arithmetic:
     fn less(self, b: Self) -> Self::Mask;
     /// self = b
     fn equal(self, b: Self) -> Self::Mask;
+}
+
+/// Numbers of f64 for error-free transforms.
+pub(crate) trait Fused: Arithmetic {
+    /// This number in every lane.
+    fn splat(x: f64) -> Self;
+    /// self a + b, rounded once.
+    fn mul_add(self, a: Self, b: Self) -> Self;
+    /// Times 2^k; see [`ldexp`].
+    fn ldexp(self, k: i32) -> Self;
+    /// self <= b
+    #[inline(always)]
+    fn at_most(self, b: Self) -> Self::Mask {
+        self.less(b) | self.equal(b)
+    }
+    /// |self|
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.less(Self::ZERO).pick(-self, self)
+    }
+}
+
+impl Fused for f64 {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        self.mul_add(a, b)
+    }
+    #[inline(always)]
+    fn ldexp(self, k: i32) -> Self {
+        ldexp(self, k)
+    }
 }
 
 /// A number type for the CPU twins of the kernels. f32 equals the device bit for bit where the device rounds as IEEE 754
@@ -147,5 +180,44 @@ impl Number for f64 {
     fn to_hi_lo(self) -> (f32, f32) {
         let hi = self as f32;
         (hi, (self - f64::from(hi)) as f32)
+    }
+}
+
+/// The e with 2^e <= |x| < 2^(e+1) for a normal or subnormal x; 0 for zero.
+#[must_use]
+pub fn exponent(x: f64) -> i32 {
+    if x == 0.0 {
+        return 0;
+    }
+    let field = ((x.to_bits() >> 52) & 0x7ff) as i32;
+    if field != 0 { field - 1023 } else { exponent(x * f64::from_bits((1023 + 64) << 52)) - 64 }
+}
+
+/// x 2^k. Exact unless the result is subnormal or overflows; then rounded once.
+#[inline(always)]
+pub(crate) fn ldexp(x: f64, k: i32) -> f64 {
+    let power = |k: i32| f64::from_bits(((k + 1023) as u64) << 52);
+    match k {
+        -1022..=1023 => x * power(k),
+        1024.. => ldexp(x * power(1023), k - 1023),
+        // The first factor keeps x normal, so only the last product rounds.
+        _ => ldexp(x * power(-969), k + 969),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponents_and_scaling_reach_the_ends() {
+        for (x, e) in [(1.0, 0), (1.9, 0), (0.5, -1), (f64::MAX, 1023), (f64::MIN_POSITIVE, -1022), (5e-324, -1074)] {
+            assert_eq!(exponent(x), e, "{x}");
+            assert_eq!(exponent(-x), e, "-{x}");
+        }
+        assert_eq!(ldexp(1.5, 1000), 1.5 * 2f64.powi(1000));
+        assert_eq!(ldexp(ldexp(1.5, -1060), 1060), 1.5, "subnormal and back");
+        assert_eq!(ldexp(5e-324, 2000), 2f64.powi(2000 - 1074));
+        assert_eq!(ldexp(1.0, -3000), 0.0);
     }
 }

@@ -6,10 +6,11 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
+use crate::number::vector::LANES;
 use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
 use crate::shade::Shade;
-use crate::view::View;
 use crate::view::ray::{UNSURE, positive};
+use crate::view::{View, ViewRecord};
 use glam::DVec3;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -75,11 +76,20 @@ impl Settler<'_> {
         (end - first) as usize + self.twin.general_lists.of(row, column).len()
     }
 
-    /// The spheres that may be the nearest hit of `pixel`, in the scene's order; `all` is room for its candidates.
-    fn candidates(&self, all: &mut Vec<(f32, u32)>, pixel: u32) -> Vec<u32> {
+    /// The spheres that may be the nearest hit of each pixel.
+    fn candidates(&self, pixels: &[u32]) -> Lists {
+        let (mut lists, mut all) = (Lists::default(), Vec::new());
+        for pixel in pixels {
+            self.add_candidates(&mut lists, &mut all, *pixel);
+        }
+        lists
+    }
+
+    /// The same for one pixel, in the scene's order; `all` is room for its candidates.
+    fn add_candidates(&self, lists: &mut Lists, all: &mut Vec<(f32, u32)>, pixel: u32) {
         let twin = &self.twin;
         if !(self.go_on)() {
-            return Vec::new();
+            return lists.add(std::iter::empty());
         }
         let [row, column] = twin.view.place(pixel);
         let [row, column] = twin.view.sample_position(row, column);
@@ -90,18 +100,14 @@ impl Settler<'_> {
         let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
         let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
         let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
-        all.retain(|(low, _)| *low <= limit);
-        let mut ids: Vec<u32> = all.iter().map(|(_, slot)| twin.id(*slot)).collect();
-        ids.sort_unstable();
-        ids
+        lists.add(all.iter().filter(|(low, _)| *low <= limit).map(|(_, slot)| twin.id(*slot)));
     }
 
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let scene = self.scene;
-        let candidates = |all: &mut Vec<_>, pixel: &u32| self.candidates(all, *pixel);
-        let mut lists: Vec<Vec<u32>> = pixels.par_iter().map_init(Vec::new, candidates).collect();
+        let mut lists: Vec<Lists> = pixels.par_chunks(TOGETHER).map(|pixels| self.candidates(pixels)).collect();
         // Only the candidates are set up, in their order, so that the lower id stays the lower.
-        let mut ids: Vec<u32> = lists.concat();
+        let mut ids: Vec<u32> = lists.par_iter().flat_map_iter(Lists::different).collect();
         ids.par_sort_unstable();
         ids.dedup();
         let mut spheres = Spheres::default();
@@ -111,32 +117,102 @@ impl Settler<'_> {
         let few = Scene { spheres, ..scene.bare() };
         let judge = self.view.judge(&few)?;
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
+        let mut settled: Vec<Settled> = pixels.par_iter().map(|&pixel| Settled { pixel, truth: None }).collect();
         let arch = pulp::Arch::new();
-        let decide = |(&pixel, candidates): (&u32, &mut Vec<u32>)| {
-            candidates.iter_mut().for_each(|id| *id = local(id));
-            let [row, column] = self.twin.view.place(pixel);
-            let at = self.twin.view.sample_position(row, column);
-            let truth = arch.dispatch(Decision { judge: &judge, at, candidates });
-            Settled { pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
+        let decide = |(settled, lists): (&mut [Settled], &mut Lists)| {
+            lists.ids.iter_mut().for_each(|id| *id = local(id));
+            arch.dispatch(Decisions { judge: &judge, view: self.twin.view, lists, settled });
+            for truth in settled.iter_mut().filter_map(|settled| settled.truth.as_mut()) {
+                truth.id = ids[truth.id as usize];
+            }
         };
-        Ok(pixels.par_iter().zip(&mut lists).map(decide).collect())
+        settled.par_chunks_mut(TOGETHER).zip(&mut lists).for_each(decide);
+        Ok(settled)
     }
 }
 
-/// The decision of one pixel, compiled for processors with a fused multiply-add, which would be a function call elsewhere.
-struct Decision<'a> {
-    judge: &'a Judge,
-    at: [u32; 2],
-    candidates: &'a [u32],
+/// The candidates of some pixels, one list after the other.
+#[derive(Debug, Default)]
+struct Lists {
+    ids: Vec<u32>,
+    ends: Vec<usize>,
 }
 
-impl NullaryFnOnce for Decision<'_> {
-    type Output = Option<Truth>;
+impl Lists {
+    /// Adds the candidates of the next pixel.
+    fn add(&mut self, candidates: impl Iterator<Item = u32>) {
+        let first = self.ids.len();
+        self.ids.extend(candidates);
+        self.ids[first..].sort_unstable();
+        self.ends.push(self.ids.len());
+    }
+
+    /// The candidates of a pixel.
+    fn of(&self, n: usize) -> &[u32] {
+        &self.ids[n.checked_sub(1).map_or(0, |n| self.ends[n])..self.ends[n]]
+    }
+
+    /// All candidates, each once.
+    fn different(&self) -> Vec<u32> {
+        let mut ids = self.ids.clone();
+        ids.sort_unstable();
+        ids.dedup();
+        ids
+    }
+}
+
+/// Pixels that one job decides.
+const TOGETHER: usize = 256;
+
+/// Rays of one sphere that are decided together; fewer take less time one by one.
+const SEVERAL: usize = 3;
+
+/// The decisions of some pixels, compiled for processors with vectors and a fused multiply-add, which would be a function call
+/// elsewhere.
+struct Decisions<'a> {
+    judge: &'a Judge,
+    view: &'a ViewRecord,
+    /// The candidates of each pixel.
+    lists: &'a Lists,
+    settled: &'a mut [Settled],
+}
+
+impl NullaryFnOnce for Decisions<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn call(self) -> Option<Truth> {
-        let [row, column] = self.at;
-        self.judge.among(row, column, self.candidates)
+    fn call(self) {
+        let Self { judge, view, lists, settled } = self;
+        let at = |pixel: u32| {
+            let [row, column] = view.place(pixel);
+            view.sample_position(row, column)
+        };
+        let count = |n: &usize| lists.of(*n).len();
+        let mut alone: Vec<usize> = (0..settled.len()).filter(|n| count(n) == 1).collect();
+        alone.sort_by_key(|n| lists.of(*n)[0]);
+        let mut left: Vec<usize> = (0..settled.len()).filter(|n| count(n) > 1).collect();
+        for same in alone.chunk_by(|a, b| lists.of(*a) == lists.of(*b)) {
+            for some in same.chunks(LANES) {
+                if some.len() < SEVERAL {
+                    left.extend(some);
+                    continue;
+                }
+                let mut places = [[0; 2]; LANES];
+                for (l, place) in places.iter_mut().enumerate() {
+                    *place = at(settled[some[l.min(some.len() - 1)]].pixel);
+                }
+                for (n, truth) in some.iter().zip(judge.surely_hit(&places, lists.of(some[0])[0])) {
+                    settled[*n].truth = truth;
+                    if truth.is_none() {
+                        left.push(*n);
+                    }
+                }
+            }
+        }
+        for n in left {
+            let [row, column] = at(settled[n].pixel);
+            settled[n].truth = judge.among(row, column, lists.of(n));
+        }
     }
 }
 

@@ -2,10 +2,12 @@
 
 use super::decide::{ExactFrame, Meeting, Root};
 use super::field::FieldElement;
-use super::filter::{AxesDd, Body, FilterHit, TINY};
+use super::filter::{AxesDd, Body, FilterHit, FilterRay, TINY, splat};
 use super::ray::RayForms;
-use crate::double_double::{self as dd, Dd};
+use crate::double_double::Dd;
 use crate::dyadic::{Dyadic, Dyadic3};
+use crate::number::vector::Vector;
+use crate::number::{Fused, Mask};
 
 /// The nearest hit of a ray.
 ///
@@ -47,53 +49,96 @@ pub(crate) struct DecidedHit {
     pub(crate) tangent: bool,
 }
 
-/// The answer in double-double, if it is precise enough.
-#[inline(always)]
-pub(crate) fn quick(
-    name: DecidedHit,
-    eye: [f64; 3],
-    basis: &AxesDd,
-    rays: &RayForms<'_>,
-    body: &Body,
-    hit: &FilterHit,
-) -> Option<Truth> {
-    let ray = &rays.quick;
-    let distance = hit.t * ray.a.sqrt();
-    let from = ray.start(body.k);
-    let aside = from.map_or(0.0, |[x, y]| x.hi.abs() + y.hi.abs());
-    // The hit point has the error of its t; its position on the sphere also that of p. A depth close to underflow has
-    // too few bits.
-    let good = (hit.error + STEPS) * distance.hi <= CLOSE * distance.hi.min(body.r)
-        && STEPS * (distance.hi + body.size + aside) <= CLOSE * body.r
-        && (!rays.planar() || hit.t.hi * ray.dir[2].hi > TINY);
-    if !good {
-        return None;
+/// The answers to a ray, or to a vector of them, in double-double.
+pub(crate) struct Quick<T: Fused = f64> {
+    /// Where they are precise enough.
+    pub(crate) good: T::Mask,
+    t: T,
+    distance: T,
+    /// NaN for rays without a camera.
+    depth: T,
+    normal: [T; 3],
+    position: [T; 3],
+}
+
+impl<T: Fused> Quick<T> {
+    /// The answer of a hit at a root; `is_planar` where the third component of the direction is along the view axis.
+    #[inline(always)]
+    pub(crate) fn new(
+        root: Root,
+        (eye, basis): ([f64; 3], &AxesDd),
+        (ray, is_planar): (&FilterRay<T>, bool),
+        body: &Body,
+        hit: &FilterHit<T>,
+    ) -> Self {
+        let distance = hit.t * ray.a.sqrt();
+        let from = ray.start(body.k);
+        let aside = if let Some([x, y]) = from { x.hi.abs() + y.hi.abs() } else { T::ZERO };
+        let (size, radius, steps, close) = (T::splat(body.size), T::splat(body.r), T::splat(STEPS), T::splat(CLOSE));
+        // The hit point has the error of its t; its position on the sphere also that of p. A depth close to underflow has
+        // too few bits.
+        let nearest = distance.hi.less(radius).pick(distance.hi, radius);
+        let mut good = ((hit.error + steps) * distance.hi).at_most(close * nearest)
+            & (steps * (distance.hi + size + aside)).at_most(close * radius);
+        let depth = hit.t * ray.dir[2];
+        if is_planar {
+            good = good & T::splat(TINY).less(hit.t.hi * ray.dir[2].hi);
+        }
+        // Neither closures, nor array::from_fn, nor map, which compilers leave as calls.
+        let [u, v, w] = ray.dir;
+        let mut offset = [u * hit.t, v * hit.t, w * hit.t];
+        if let Some([x, y]) = from {
+            (offset[0], offset[1]) = (x, y);
+        }
+        let (r, [p, q, s]) = (Dd::of(radius), splat(body.p));
+        let [x, y, z] = basis.world([(offset[0] - p) / r, (offset[1] - q) / r, (offset[2] - s) / r]);
+        let mut normal = [x.value(), y.value(), z.value()];
+        if root == Root::Far {
+            normal = [-normal[0], -normal[1], -normal[2]];
+        }
+        let offset = basis.world(offset);
+        let place = [
+            offset[0].ldexp(body.k) + Dd::of(T::splat(eye[0])),
+            offset[1].ldexp(body.k) + Dd::of(T::splat(eye[1])),
+            offset[2].ldexp(body.k) + Dd::of(T::splat(eye[2])),
+        ];
+        Self {
+            good,
+            t: hit.t.value().ldexp(body.k - ray.k),
+            distance: distance.value().ldexp(body.k),
+            depth: if is_planar { depth.value().ldexp(body.k) } else { T::splat(f64::NAN) },
+            normal,
+            position: [place[0].value(), place[1].value(), place[2].value()],
+        }
     }
-    // Neither array::from_fn nor map, which compilers leave as calls.
-    let [u, v, w] = ray.dir;
-    let mut offset = [u * hit.t, v * hit.t, w * hit.t];
-    if let Some([x, y]) = from {
-        (offset[0], offset[1]) = (x, y);
+}
+
+impl Quick {
+    /// The answer, if it is precise enough.
+    #[inline(always)]
+    pub(crate) fn truth(self, name: DecidedHit) -> Option<Truth> {
+        let Self { good, t, distance, depth, normal, position } = self;
+        let DecidedHit { id, root, tangent } = name;
+        // An offset beyond f64 may still give a finite position.
+        let is_finite = position[0].is_finite() && position[1].is_finite() && position[2].is_finite();
+        (good && is_finite).then_some(Truth { id, root, tangent, t, distance, depth, normal, position })
     }
-    let (r, [p, q, s]) = (Dd::from(body.r), body.p);
-    let [x, y, z] = basis.world([(offset[0] - p) / r, (offset[1] - q) / r, (offset[2] - s) / r]);
-    let facing = |x: Dd| if name.root == Root::Near { x.value() } else { -x.value() };
-    let normal = [facing(x), facing(y), facing(z)];
-    let offset = basis.world(offset);
-    let scaled = |x: Dd, k: i32| dd::ldexp(x.value(), k);
-    let place = |n: usize| (offset[n].ldexp(body.k) + Dd::from(eye[n])).value();
-    let position = [place(0), place(1), place(2)];
-    // An offset beyond f64 may still give a finite position.
-    position.iter().all(|x| x.is_finite()).then(|| Truth {
-        id: name.id,
-        root: name.root,
-        tangent: name.tangent,
-        t: scaled(hit.t, body.k - ray.k),
-        distance: scaled(distance, body.k),
-        depth: if rays.planar() { scaled(hit.t * ray.dir[2], body.k) } else { f64::NAN },
-        normal,
-        position,
-    })
+}
+
+impl Quick<Vector<f64>> {
+    /// The answer of a lane.
+    #[inline(always)]
+    pub(crate) fn lane(&self, l: usize) -> Quick {
+        let of = |v: &[Vector<f64>; 3]| [v[0].0[l], v[1].0[l], v[2].0[l]];
+        Quick {
+            good: self.good.0[l] != 0,
+            t: self.t.0[l],
+            distance: self.distance.0[l],
+            depth: self.depth.0[l],
+            normal: of(&self.normal),
+            position: of(&self.position),
+        }
+    }
 }
 
 /// The answer from exact numbers, with as many bits as necessary; `None` when the line misses the sphere.

@@ -22,10 +22,11 @@
 //!
 //! Products that underflow err by less than [`TINY`]. The bounds themselves are f64: [`ROUNDED`] pays for that.
 
-use super::decide::{ExactFrame, Root, odds, power, root};
+use super::decide::{ExactFrame, Root, power, root};
 use super::field::FieldBasis;
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::dyadic::{self, Dyadic};
+use crate::number::{Fused, Mask};
 use crate::scene::camera::ExactViewport;
 use std::cmp::Ordering;
 
@@ -72,11 +73,16 @@ impl AxesDd {
 
     /// The sum of the axes times `a`: from the frame to the world.
     #[inline(always)]
-    pub(crate) fn world(&self, a: Dd3) -> Dd3 {
+    pub(crate) fn world<T: Fused>(&self, a: Dd3<T>) -> Dd3<T> {
         // Not array::from_fn, which compilers leave as a call.
+        [self.component(a, 0), self.component(a, 1), self.component(a, 2)]
+    }
+
+    /// One component of it. Not a closure, which compilers leave as a call.
+    #[inline(always)]
+    fn component<T: Fused>(&self, [a, b, c]: Dd3<T>, k: usize) -> Dd<T> {
         let [right, up, forward] = &self.0;
-        let component = |k: usize| a[0] * right[k] + a[1] * up[k] + a[2] * forward[k];
-        [component(0), component(1), component(2)]
+        a * Dd::splat(right[k]) + b * Dd::splat(up[k]) + c * Dd::splat(forward[k])
     }
 }
 
@@ -183,17 +189,23 @@ impl Screen {
     }
 }
 
-/// A ray in the frame: direction within 2^-99 of itself, scaled by 2^-k.
+/// These numbers in every lane. Not `map`, which compilers leave as a call.
+#[inline(always)]
+pub(crate) fn splat<T: Fused>([x, y, z]: Dd3) -> Dd3<T> {
+    [Dd::splat(x), Dd::splat(y), Dd::splat(z)]
+}
+
+/// A ray in the frame, or a vector of them: direction within 2^-99 of itself, scaled by 2^-k.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FilterRay {
-    pub(crate) dir: Dd3,
+pub(crate) struct FilterRay<T = f64> {
+    pub(crate) dir: Dd3<T>,
     /// |dir|^2, within 2^-97.
-    pub(crate) a: Dd,
+    pub(crate) a: Dd<T>,
     /// At least |dir|.
-    length: f64,
+    length: T,
     pub(crate) k: i32,
     /// The origin of a parallel ray in the plane of the eye, times 2^-k with its own k.
-    from: Option<([Dd; 2], i32)>,
+    from: Option<([Dd<T>; 2], i32)>,
 }
 
 /// The exponent of the largest number of a lens.
@@ -202,41 +214,114 @@ pub(crate) fn exponent(lens: &ExactViewport) -> i32 {
     dd::exponent(lens.vw.max(lens.height_over(0, 1.0)).max(depth))
 }
 
-impl FilterRay {
+impl<T: Fused> FilterRay<T> {
     #[inline(always)]
-    fn new(dir: Dd3, k: i32) -> Self {
+    fn new(dir: Dd3<T>, k: i32) -> Self {
         let a = dd::dot(dir, dir);
         // The second term is for a direction whose square underflows.
-        Self { dir, a, length: a.hi.sqrt() * ROUNDED + power_of_two(-500), k, from: None }
+        Self { dir, a, length: a.hi.sqrt() * T::splat(ROUNDED) + T::splat(power_of_two(-500)), k, from: None }
     }
 
-    /// A ray with a given direction; not zero.
-    pub(crate) fn along(direction: [f64; 3]) -> Self {
-        let k = dd::exponent(direction.iter().fold(0.0f64, |m, x| m.max(x.abs())));
-        Self::new(direction.map(|x| Dd::from(dd::ldexp(x, -k))), k)
-    }
-
-    /// The ray through the centre of row i, column j.
+    /// The ray through the centre of a pixel, which lies `columns` and `rows` half pixels from the middle of the image.
     #[inline(always)]
-    pub(crate) fn through(lens: &ExactViewport, [width, height]: [u32; 2], i: u32, j: u32) -> Self {
+    pub(crate) fn through(lens: &ExactViewport, [width, height]: [u32; 2], [columns, rows]: [T; 2]) -> Self {
         let k = exponent(lens);
-        let [columns, rows] = odds([width.into(), height.into()], i, j).map(|n| n as f64);
-        let part = |n: f64, [x, y, z]: [f64; 3], count: u32| {
-            Dd::product(n, x) * Dd::from(y) / Dd::product(z, 2.0 * f64::from(count))
-        };
-        let [right, up] =
-            [part(columns, [dd::ldexp(lens.vw, -k), 1.0, 1.0], width), part(rows, lens.height(k), height)];
+        let right = Self::part(columns, [dd::ldexp(lens.vw, -k), 1.0, 1.0], width);
+        let up = Self::part(rows, lens.height(k), height);
         if lens.is_parallel() {
-            let ahead = [0.0, 0.0, 1.0].map(Dd::from);
+            let ahead = [Dd::of(T::ZERO), Dd::of(T::ZERO), Dd::of(T::splat(1.0))];
             return Self { from: Some(([right, up], k)), ..Self::new(ahead, 0) };
         }
-        Self::new([right, up, Dd::from(dd::ldexp(lens.d, -k))], k)
+        Self::new([right, up, Dd::of(T::splat(dd::ldexp(lens.d, -k)))], k)
+    }
+
+    /// n x y / (2 z count)
+    #[inline(always)]
+    fn part(n: T, [x, y, z]: [f64; 3], count: u32) -> Dd<T> {
+        let by: Dd = Dd::product(z, 2.0 * f64::from(count));
+        Dd::product(n, T::splat(x)) * Dd::of(T::splat(y)) / Dd::splat(by)
     }
 
     /// The origin of a parallel ray in the plane of the eye, times 2^-k.
     #[inline(always)]
-    pub(crate) fn start(&self, k: i32) -> Option<[Dd; 2]> {
-        self.from.map(|(from, own)| from.map(|x| x.ldexp(own - k)))
+    pub(crate) fn start(&self, k: i32) -> Option<[Dd<T>; 2]> {
+        let ([right, up], own) = self.from?;
+        Some([right.ldexp(own - k), up.ldexp(own - k)])
+    }
+
+    /// b = dir.p and the error of it and of the components of dir x p.
+    #[inline(always)]
+    fn along_body(&self, s: &Body) -> (Dd<T>, T) {
+        let e = T::splat(CROSS) * self.length * T::splat(s.size) + T::splat(TINY);
+        (dd::dot(self.dir, splat(s.p)), e)
+    }
+
+    /// Where the ray of a perspective camera surely hits the sphere at the root of its side, and the hit if it does.
+    #[inline(always)]
+    pub(crate) fn hit(&self, s: &Body) -> (T::Mask, FilterHit<T>) {
+        let (b, e) = self.along_body(s);
+        self.hit_at(s, (b, e), self.discriminant(s, e))
+    }
+
+    #[inline(always)]
+    fn hit_at(&self, s: &Body, (b, e): (Dd<T>, T), disc: (Dd<T>, T)) -> (T::Mask, FilterHit<T>) {
+        let ahead = e.less(b.hi);
+        let sure = match s.side {
+            Ordering::Less => ahead | !ahead,
+            Ordering::Equal => ahead,
+            Ordering::Greater => ahead & disc.1.less(disc.0.hi),
+        };
+        let (t, error) = self.parameter(s, b, e, disc);
+        (sure, FilterHit { t, error, k: s.k })
+    }
+
+    /// D and its error; `e` is that of the components of dir x p.
+    #[inline(always)]
+    fn discriminant(&self, s: &Body, e: T) -> (Dd<T>, T) {
+        let moment = dd::cross(self.dir, splat(s.p));
+        let l2 = dd::dot(moment, moment);
+        let ar2 = self.a * Dd::splat(Dd::product(s.r, s.r));
+        let error = (T::splat(2.0) * l2.hi.sqrt() + e) * e + T::splat(SQUARES) * (ar2.hi + l2.hi) + T::splat(TINY);
+        (ar2 - l2, error * T::splat(ROUNDED))
+    }
+
+    /// t and its relative error for a line that hits the sphere.
+    ///
+    /// |b| + sqrt(D) = q is a sum of like signs; one root is q/a, the other |power|/q. Where D > E its root errs by at
+    /// most E/sqrt(D), anywhere by sqrt(E), and roundings of q and its parts stay below 2^-98 q. An a that is itself next
+    /// to underflow has fewer bits than that.
+    #[inline(always)]
+    fn parameter(&self, s: &Body, b: Dd<T>, e: T, (disc, error): (Dd<T>, T)) -> (Dd<T>, T) {
+        let is_behind = b.hi.less(T::ZERO);
+        let magnitude = Dd::pick(is_behind, -b, b);
+        let (q, loss) = if s.side == Ordering::Equal {
+            (magnitude + magnitude, T::splat(2.0) * e)
+        } else {
+            let half = disc.sqrt();
+            (magnitude + half, e + error.less(disc.hi).pick(error / half.hi, error.sqrt()))
+        };
+        let rounded = T::splat(ROUNDED);
+        let loss = (loss + T::splat(power_of_two(-98)) * q.hi) * rounded;
+        let is_bounded = (T::splat(2.0) * loss).less(q.hi) & T::splat(TINY).less(self.a.hi);
+        let q_error = is_bounded.pick(loss / (q.hi - loss), T::splat(f64::INFINITY));
+        // The quotients and a itself add less than 2^-96.
+        let steps = T::splat(power_of_two(-96));
+        let far = (q_error + steps) * rounded;
+        let near = (q_error + T::splat(s.power_error) + steps) * rounded;
+        let power = Dd::splat(if s.side == Ordering::Less { -s.power } else { s.power });
+        match s.side {
+            Ordering::Equal => (q / self.a, far),
+            Ordering::Greater => (power / q, near),
+            Ordering::Less => (Dd::pick(is_behind, power / q, q / self.a), is_behind.pick(near, far)),
+        }
+    }
+}
+
+impl FilterRay {
+    /// A ray with a given direction; not zero.
+    pub(crate) fn along(direction: [f64; 3]) -> Self {
+        let k = dd::exponent(direction.iter().fold(0.0f64, |m, x| m.max(x.abs())));
+        Self::new(direction.map(|x| Dd::from(dd::ldexp(x, -k))), k)
     }
 
     /// The f64 pass: whether the line certainly misses the sphere.
@@ -257,8 +342,7 @@ impl FilterRay {
         if let Some(from) = self.start(s.k) {
             return aside(from, s);
         }
-        let e = CROSS * self.length * s.size + TINY;
-        let b = dd::dot(self.dir, s.p);
+        let (b, e) = self.along_body(s);
         if s.side != Ordering::Less && b.hi < -e {
             return FilterResult::Miss;
         }
@@ -266,49 +350,8 @@ impl FilterRay {
         if s.side == Ordering::Greater && disc.hi < -error {
             return FilterResult::Miss;
         }
-        let ahead = b.hi > e;
-        let sure = match s.side {
-            Ordering::Less => true,
-            Ordering::Equal => ahead,
-            Ordering::Greater => ahead && disc.hi > error,
-        };
-        let (t, error) = self.parameter(s, b, e, (disc, error));
-        let hit = FilterHit { t, error, k: s.k };
+        let (sure, hit) = self.hit_at(s, (b, e), (disc, error));
         if sure { FilterResult::FilterHit(hit, root(s.side)) } else { FilterResult::Unsure(hit) }
-    }
-
-    /// D and its error; `e` is that of the components of dir x p.
-    #[inline(always)]
-    fn discriminant(&self, s: &Body, e: f64) -> (Dd, f64) {
-        let moment = dd::cross(self.dir, s.p);
-        let l2 = dd::dot(moment, moment);
-        let ar2 = self.a * Dd::product(s.r, s.r);
-        let error = (2.0 * l2.hi.sqrt() + e) * e + SQUARES * (ar2.hi + l2.hi) + TINY;
-        (ar2 - l2, error * ROUNDED)
-    }
-
-    /// t and its relative error for a line that hits the sphere.
-    ///
-    /// |b| + sqrt(D) = q is a sum of like signs; one root is q/a, the other |power|/q. Where D > E its root errs by at
-    /// most E/sqrt(D), anywhere by sqrt(E), and roundings of q and its parts stay below 2^-98 q. An a that is itself next
-    /// to underflow has fewer bits than that.
-    #[inline(always)]
-    fn parameter(&self, s: &Body, b: Dd, e: f64, (disc, error): (Dd, f64)) -> (Dd, f64) {
-        let magnitude = if b.hi < 0.0 { -b } else { b };
-        let (q, loss) = if s.side == Ordering::Equal {
-            (magnitude + magnitude, 2.0 * e)
-        } else {
-            let half = disc.sqrt();
-            (magnitude + half, e + if disc.hi > error { error / half.hi } else { error.sqrt() })
-        };
-        let loss = (loss + power_of_two(-98) * q.hi) * ROUNDED;
-        let q_error = if q.hi > 2.0 * loss && self.a.hi > TINY { loss / (q.hi - loss) } else { f64::INFINITY };
-        // The quotients and a itself add less than 2^-96.
-        if s.side == Ordering::Equal || (s.side == Ordering::Less && b.hi >= 0.0) {
-            return (q / self.a, (q_error + power_of_two(-96)) * ROUNDED);
-        }
-        let power = if s.side == Ordering::Less { -s.power } else { s.power };
-        (power / q, (q_error + s.power_error + power_of_two(-96)) * ROUNDED)
     }
 }
 
@@ -318,7 +361,7 @@ impl FilterRay {
 fn aside([right, up]: [Dd; 2], s: &Body) -> FilterResult {
     let (x, y, b) = (s.p[0] - right, s.p[1] - up, s.p[2]);
     let e = CROSS * (s.size + right.hi.abs() + up.hi.abs()) + TINY;
-    let (l2, r2) = (x * x + y * y, Dd::product(s.r, s.r));
+    let (l2, r2): (Dd, Dd) = (x * x + y * y, Dd::product(s.r, s.r));
     let disc = r2 - l2;
     let error = ((2.0 * l2.hi.sqrt() + e) * e + SQUARES * (r2.hi + l2.hi) + TINY) * ROUNDED;
     if disc.hi < -error {
@@ -353,9 +396,9 @@ pub(crate) enum FilterResult {
 
 /// The root that counts: t for the scaled ray and sphere, its relative error, and the sphere's exponent.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FilterHit {
-    pub(crate) t: Dd,
-    pub(crate) error: f64,
+pub(crate) struct FilterHit<T = f64> {
+    pub(crate) t: Dd<T>,
+    pub(crate) error: T,
     k: i32,
 }
 

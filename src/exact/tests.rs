@@ -207,6 +207,34 @@ fn the_filter_says_what_exact_signs_say() {
 }
 
 #[test]
+fn eight_rays_at_once_have_the_answers_of_each() {
+    let (mut rng, mut hits, mut decided) = (Rng(8), 0, 0);
+    for scale in [1.0, 1e-30, 1e30, 1e-140, 1e150] {
+        for _ in 0..8 {
+            let scene = random_scene(&mut rng, scale);
+            let judge = Judge::new(&scene).expect("a scene");
+            let places: Vec<[u32; 2]> = pixels(&scene).map(|(i, j)| [i, j]).collect();
+            let balls = scene.spheres.centers.iter().copied().zip(scene.spheres.radii.iter().copied());
+            for (id, ball) in (0..).zip(balls) {
+                for eight in places.as_chunks().0 {
+                    for ([i, j], truth) in eight.iter().zip(judge.surely_hit(eight, id)) {
+                        let alone = judge.hit_of(*i, *j, ball).map(|alone| Truth { id, ..alone });
+                        (hits, decided) = (hits + u32::from(alone.is_some()), decided + u32::from(truth.is_some()));
+                        assert!(truth.is_none() || truth == alone, "{truth:?} {alone:?}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(hits > 1000 && decided > hits / 10 * 9, "{decided} of {hits}");
+    // A close call is left to exact signs.
+    for k in 110..130 {
+        let judge = slanted([0.0, 0.0, 2f64.powi(-k)], &[([7.0, 9.0, 3.0], 7.0)]);
+        assert!(judge.pixel(0, 2).is_some() && judge.surely_hit(&[[0, 2]; LANES], 0) == [None; LANES], "2^-{k}");
+    }
+}
+
+#[test]
 fn the_filter_leaves_close_calls_to_exact_signs() {
     // Double-doubles represent a shift of 2^-k beside a 3, but not its effect on a discriminant.
     for k in 40..130 {

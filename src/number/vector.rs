@@ -4,7 +4,7 @@
 //! Loops over indices, and masks of bits instead of truth values: of iterators and of `bool` the compiler makes scalar
 //! code.
 
-use super::{Arithmetic, Mask, Number, TruthValue};
+use super::{Arithmetic, Fused, Mask, Number, TruthValue, ldexp};
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
@@ -210,6 +210,27 @@ impl<T: Lane> Arithmetic for Vector<T> {
     #[inline(always)]
     fn equal(self, b: Self) -> Self::Mask {
         self.compare(b, T::eq)
+    }
+}
+
+impl Fused for Vector<f64> {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self([x; LANES])
+    }
+    #[inline(always)]
+    fn mul_add(mut self, a: Self, b: Self) -> Self {
+        for l in 0..LANES {
+            self.0[l] = self.0[l].mul_add(a.0[l], b.0[l]);
+        }
+        self
+    }
+    #[inline(always)]
+    fn ldexp(mut self, k: i32) -> Self {
+        for l in 0..LANES {
+            self.0[l] = ldexp(self.0[l], k);
+        }
+        self
     }
 }
 
