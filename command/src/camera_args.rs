@@ -110,14 +110,6 @@ impl CameraArgs {
         at.into_iter().chain(&self.focus).cloned().collect()
     }
 
-    /// The point to look at, where it is given by its coordinates.
-    pub(super) fn point(&self) -> Option<DVec3> {
-        match &self.pose.at {
-            Some(Aimed::Point(at)) => Some(*at),
-            _ => None,
-        }
-    }
-
     /// The number of pictures of one scene: the turns, or the cameras of a list; `None` without either. A list that
     /// cannot be read counts as several, and is reported when it is opened.
     pub(super) fn turns(&self) -> Option<u32> {

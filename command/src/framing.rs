@@ -93,20 +93,46 @@ fn chosen<'a>(option: &str, mark: Option<&'a Mark>, frame: &SceneFrame) -> Resul
     if !mark.spheres.is_empty() {
         return Ok(Some(&mark.spheres));
     }
-    let count = frame.scene.spheres.len();
+    Err(none_selected(option, &mark.text, &mark.notes, frame.scene.spheres.len() as u64))
+}
+
+/// The error for an expression that selects none of so many spheres.
+pub(super) fn none_selected(option: &str, text: &str, notes: &[String], count: u64) -> Error {
     let problem =
-        format!("{option} {}: the expression selects none of the {count} spheres that are drawn", quote(&mark.text));
-    let mend = match &mark.notes[..] {
+        format!("{option} {}: the expression selects none of the {count} spheres that are drawn", quote(text));
+    let mend = match notes {
         [] => "use another expression; halfline info lists the columns of the file".to_owned(),
         notes => notes.join("; "),
     };
-    Err(Error::settings(problem, mend))
+    Error::settings(problem, mend)
 }
 
 /// The mean of the centres.
-fn center(spheres: &Spheres) -> DVec3 {
-    let (middle, count) = (spheres.middle(), spheres.len() as f64);
-    middle + spheres.centers.iter().map(|center| (DVec3::from_array(*center) - middle) / count).sum::<DVec3>()
+pub(super) fn center(spheres: &Spheres) -> DVec3 {
+    let mut mean = Mean { middle: spheres.middle(), count: spheres.len() as u64, sum: DVec3::ZERO };
+    mean.add(spheres);
+    mean.center()
+}
+
+/// The mean of the centres of so many spheres, which are added in order, in any blocks.
+#[derive(Debug, Default)]
+pub(super) struct Mean {
+    /// The middle of their box.
+    pub(super) middle: DVec3,
+    pub(super) count: u64,
+    pub(super) sum: DVec3,
+}
+
+impl Mean {
+    pub(super) fn add(&mut self, spheres: &Spheres) {
+        for center in spheres.centers.iter() {
+            self.sum += (DVec3::from_array(*center) - self.middle) / self.count as f64;
+        }
+    }
+
+    pub(super) fn center(&self) -> DVec3 {
+        self.middle + self.sum
+    }
 }
 
 /// Applies the options of the camera to a frame, and frames the spheres where they do not give its place. `aside` is what a

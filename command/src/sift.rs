@@ -22,8 +22,8 @@ use std::path::Path;
 pub(crate) struct Sift {
     #[command(flatten)]
     args: SceneArgs,
-    /// The id of the first sphere of the file in the whole scene; the others follow. Ids decide ties, and are those of the
-    /// buffer id.
+    /// The id of the first sphere of the file in the whole scene; the others follow, without those that are not selected. Ids
+    /// decide ties, and are those of the buffer id.
     #[arg(long, value_name = "N", help_heading = "Input")]
     first_id: u64,
     /// Prints one JSON object about the part on standard output.

@@ -1,8 +1,9 @@
 //! A scene that is read in blocks: for `--stream` because it does not fit in memory, for `halfline sift` because it is a part.
 
+use crate::camera_args::Aimed;
 use crate::camera_file;
 use crate::clash::check_inputs;
-use crate::framing::{Way, turn};
+use crate::framing::{Mean, Way, center, none_selected, turn};
 use crate::legend;
 use crate::lens_args::PictureLens;
 use crate::messages::note;
@@ -22,7 +23,7 @@ use halfline::scene::instances::Instances;
 use halfline::scene::{Facing, Framing, ImagePlane, LightSource, Lighting, Reach, Scene, Spheres, Spread, middle};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::Coloring;
-use halfline_files::read::{FrameTime, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks};
+use halfline_files::read::{FrameTime, Mark, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks};
 use halfline_files::write::file::Target;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -39,12 +40,16 @@ pub(crate) struct Source<'a> {
     why: Cell<Option<String>>,
     /// Whether the range of the colours is that of all particles and not known yet.
     lacks_range: bool,
+    /// What is to be said about the spheres that are looked at.
+    notes: Vec<String>,
 }
 
 /// A scene that is copies of spheres in memory.
 struct Copied {
     instances: Instances,
     about: About,
+    /// The spheres of the file, not their copies, that are looked at.
+    marks: Vec<Mark>,
 }
 
 /// What is known of a scene once all of its spheres were read.
@@ -77,6 +82,9 @@ impl<'a> Source<'a> {
                 "render the frames, turns or cameras one by one, or without --stream",
             );
         }
+        if args.camera.focus.is_some() {
+            return refuse("what --focus shows is chosen among all spheres in memory", "use --at, or remove --focus");
+        }
         let arrangement = args.read.arrangement();
         if arrangement.outline.is_some() {
             return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");
@@ -97,7 +105,7 @@ impl<'a> Source<'a> {
             return refuse("lights that are spheres need all spheres in memory", "remove them, or --stream");
         }
         let lacks_range = matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none());
-        Ok(Self { args, options, taken, arrangement, scene, why: Cell::new(why), lacks_range })
+        Ok(Self { args, options, taken, arrangement, scene, why: Cell::new(why), lacks_range, notes: Vec::new() })
     }
 
     /// Every file that is read.
@@ -132,8 +140,8 @@ impl<'a> Source<'a> {
         self.args.camera.zoom(&mut frame.scene)?;
         let (mut picture, own) = self.begin(frame, settings, targets)?;
         let mut stream = Stream::new(&picture.scene, &own)?;
-        let (visible, about) = match copied {
-            Some(Copied { instances, about }) => {
+        let (visible, mut about) = match copied {
+            Some(Copied { instances, about, .. }) => {
                 if self.arrangement.clip.is_empty() {
                     targets.iter().try_for_each(|target| target.check_ids(instances.total()))?;
                 }
@@ -157,6 +165,7 @@ impl<'a> Source<'a> {
                 "look plain: a stream is lit from the eye, because lights and a sky need all spheres in memory"
             ));
         }
+        about.skipped.assumed.append(&mut self.notes);
         (picture.legend, picture.when) = (about.legend, about.when);
         let framed = framed.then(|| "all spheres".to_owned());
         let picture = PictureScene { scene, skipped: about.skipped, framed, ids: Some(ids), ..picture };
@@ -175,6 +184,9 @@ impl<'a> Source<'a> {
         }
         if self.lacks_range {
             return Err(Error::settings("the range of colours is that of all parts", "add --range LOW,HIGH"));
+        }
+        if !self.options.marks.is_empty() {
+            return Err(Error::settings("what --at selects is that of all parts", "give --at a point"));
         }
         let mut frame = self.bare()?;
         let framed = match self.taken {
@@ -226,8 +238,9 @@ impl<'a> Source<'a> {
     /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
     /// twice more, and once more for its principal axes. Returns whether they are framed.
     fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<bool> {
-        let camera = &self.args.camera;
-        let at = camera.point();
+        let (camera, at) = (&self.args.camera, self.looked_at(copied)?);
+        // The passes that follow need not look for them.
+        self.options.marks.clear();
         let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
         let way = |frame: &SceneFrame| camera.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
         let given = way(frame);
@@ -237,7 +250,7 @@ impl<'a> Source<'a> {
         }
         let watch = self.options.watch.clone();
         let bounds = match copied {
-            Some(Copied { instances, about }) => {
+            Some(Copied { instances, about, .. }) => {
                 (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend.clone());
                 instances.bounds(&watch)?
             }
@@ -280,6 +293,53 @@ impl<'a> Source<'a> {
         frame.scene.fit_to(&framing, &reach).map(|()| true)
     }
 
+    /// The point to look at: that of `--at`, or the mean of the centres of the spheres that it selects, for which the file is read
+    /// twice.
+    fn looked_at(&mut self, copied: Option<&Copied>) -> Result<Option<DVec3>> {
+        let text = match &self.args.camera.pose.at {
+            None => return Ok(None),
+            Some(Aimed::Point(at)) => return Ok(Some(*at)),
+            Some(Aimed::Selected(selection)) => selection.to_string(),
+        };
+        if let Some(Copied { marks, instances, .. }) = copied {
+            let spheres = marks.first().map(|mark| &mark.spheres).filter(|spheres| !spheres.is_empty());
+            self.notes = marks.iter().flat_map(|mark| mark.notes.clone()).collect();
+            return match spheres {
+                Some(spheres) => Ok(Some(center(spheres))),
+                None => Err(none_selected("--at", &text, &self.notes, instances.total())),
+            };
+        }
+        self.check_repeatable("the camera depends on the spheres that --at selects", "give --at a point")?;
+        let (mut ends, mut mean) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], Mean::default());
+        let mut all = 0;
+        let blocks = self.read(self.blocks_of_places()?, |block, marks| {
+            all += block.len() as u64;
+            for spheres in marks.iter().filter(|spheres| !spheres.is_empty()) {
+                let [low, high] = spheres.bounds();
+                (ends, mean.count) = ([ends[0].min(low), ends[1].max(high)], mean.count + spheres.len() as u64);
+            }
+            Ok(())
+        })?;
+        self.notes = blocks.mark_notes().concat();
+        match (mean.count, all) {
+            // An empty scene has nothing to look at.
+            (0, 0) => return Ok(None),
+            (0, _) => return Err(none_selected("--at", &text, &self.notes, all)),
+            _ => mean.middle = middle(ends),
+        }
+        note(format_args!("the camera depends on the spheres that --at selects, so the file is read for it twice"));
+        self.read(self.blocks_of_places()?, |_, marks| {
+            marks.iter().for_each(|spheres| mean.add(spheres));
+            Ok(())
+        })?;
+        Ok(Some(mean.center()))
+    }
+
+    /// The blocks of the file for their places, without colours.
+    fn blocks_of_places(&self) -> Result<SphereBlocks> {
+        SphereBlocks::survey(self.args.path(), &self.options)
+    }
+
     /// Returns an error for standard input, which can be read once.
     fn check_repeatable(&self, why: &str, mend: &str) -> Result<()> {
         if self.args.path() != Path::new("-") {
@@ -292,7 +352,7 @@ impl<'a> Source<'a> {
     /// said when the first block was read.
     fn survey(&mut self, why: &str) -> Result<([DVec3; 2], About)> {
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        let blocks = self.read(SphereBlocks::survey(self.args.path(), &self.options)?, |block| {
+        let blocks = self.read(self.blocks_of_places()?, |block, _| {
             let [low, high] = block.bounds();
             if bounds[0].x > bounds[1].x {
                 note(format_args!("{why}"));
@@ -329,8 +389,9 @@ impl<'a> Source<'a> {
         }
         let options = ReadOptions { as_operators: self.is_assembly(), ..self.options.clone() };
         let mut sequence = Sequence::open(self.args.path(), &options)?;
-        let SceneFrame { mut scene, skipped, has_camera, legend, cell, instances, when, is_molecule, .. } =
-            sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
+        let SceneFrame {
+            mut scene, skipped, has_camera, legend, cell, instances, when, is_molecule, mut marks, ..
+        } = sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
         if has_camera {
             let mend = "remove --stream, or use a file of particles";
             return Err(Error::settings("--stream: a scene with a camera of its own is in memory", mend));
@@ -345,7 +406,8 @@ impl<'a> Source<'a> {
             return Err(Error::Limits { problem, mend: "add --stream; ids are then int64".into() });
         }
         self.say_why();
-        Ok(Some(Copied { instances, about: About { skipped, legend, when, is_molecule } }))
+        marks.iter_mut().try_for_each(|mark| self.clip(&mut mark.spheres))?;
+        Ok(Some(Copied { instances, about: About { skipped, legend, when, is_molecule }, marks }))
     }
 
     /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a
@@ -364,18 +426,30 @@ impl<'a> Source<'a> {
     }
 
     /// Every block of the file.
-    fn each(&self, each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
-        let blocks = self.read(SphereBlocks::open(self.args.path(), &self.options)?, each)?;
+    fn each(&self, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
+        let blocks = self.read(SphereBlocks::open(self.args.path(), &self.options)?, |block, _| each(block))?;
         Ok(About::of(&blocks))
     }
 
-    /// All blocks, as they are arranged.
-    fn read(&self, mut blocks: SphereBlocks, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<SphereBlocks> {
+    /// All blocks, as they are arranged, with those of their spheres that are looked at.
+    fn read(
+        &self,
+        mut blocks: SphereBlocks,
+        mut each: impl FnMut(Spheres, Vec<Spheres>) -> Result<()>,
+    ) -> Result<SphereBlocks> {
         while let Some(mut block) = blocks.next_block()? {
+            let mut marks = blocks.marked();
             self.arrangement.apply(&mut block, None, &self.options.watch)?;
+            marks.iter_mut().try_for_each(|spheres| self.clip(spheres))?;
             self.say_why();
-            each(block)?;
+            each(block, marks)?;
         }
         Ok(blocks)
+    }
+
+    /// Leaves out what clip planes cut off.
+    fn clip(&self, spheres: &mut Spheres) -> Result<()> {
+        let clip = Arrangement { clip: self.arrangement.clip.clone(), ..Arrangement::default() };
+        clip.apply(spheres, None, &self.options.watch)
     }
 }

@@ -120,6 +120,10 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
         ),
         ("c.dump", format!("{CAMERA} --radius 0.012 --radius type~3=0.03 --select type~2:4 --clip 0,0,1,0.3")),
         ("c.npy", "--select radius<0.015~and~abs~z<0.7 --hide index~123456".to_owned()),
+        // What is looked at is found by two passes.
+        ("c.csv", "--at kind~late~and~x>0 --view left --color-by v".to_owned()),
+        ("c.csv", "--eye 3,2,4 --at kind~last~and~v<0.1 --hide kind~late --clip 0,0,1,0.3".to_owned()),
+        ("c.dump", "--radius 0.012 --at index~599990:700000".to_owned()),
     ] {
         let said = same(&dir, file, &options);
         let (kept, all) = said
@@ -222,10 +226,16 @@ fn copies_have_the_bytes_of_copies_in_memory() {
         writeln!(text, "{} {x:.5} {y:.5} {z:.5}", ["C", "O", "Fe"][n % 3]).expect("text");
     }
     let dir = TestDir::new(&[("a.xyz", &text)]);
-    for options in ["--copies 5,4,3 --radius-scale 0.2", "--copies 3,2,4 --eye 70,50,60 --vfov 30 --clip 0,0,1,20"] {
+    for options in [
+        "--copies 5,4,3 --radius-scale 0.2",
+        "--copies 3,2,4 --eye 70,50,60 --vfov 30 --clip 0,0,1,20",
+        "--copies 3,2,4 --at element~Fe~and~x>5 --view top --clip 0,0,1,20",
+    ] {
         let said = same(&dir, "a.xyz", options);
         assert!(said.contains("may be hit first"), "{said}");
     }
+    let focus = ["a.xyz", "--stream", "-o", "p.png", "--copies", "2,2,2", "--focus", "element C"];
+    dir.refused_render(2, &focus[..], &["remove --focus"]);
     let all = "--copies 4294967295,4294967295,4294967295";
     dir.refused_render(5, &format!("a.xyz --stream --size 8x8 -o p.png {all}"), &["64-bit ids"]);
 }
@@ -324,7 +334,8 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
         ("c.csv --hide same~kind~as~index~0", "`same` in the selection"),
         ("c.csv --color around~1~index~0=red", "`around` in the selection"),
         ("c.csv --hide ligand", "`ligand` in the selection"),
-        ("c.csv --at kind~a", "give --at a point"),
+        ("c.csv --at kind~c", "selects none of the 2 spheres that are drawn; `kind c` in the selection"),
+        ("c.csv --at within~1~of~index~0", "`within` in the selection"),
         ("c.csv --focus kind~a", "remove --focus"),
         ("c.csv --select colour<3", "the file has index, x, y, z, radius, kind"),
         ("c.csv --color-by kind", "the names in kind"),
@@ -369,11 +380,12 @@ fn a_scene_file_streams_with_the_files_that_it_names() {
         (selected, ""),
         (colored, "--color teal --radius-scale 0.5 --clip 0,0,1,0.4"),
         ("", "--fit"),
+        (selected, "--at radius<0.015~and~index~100:90000"),
     ] {
         dir.put("s.toml", scene(more));
         let told = |said: &str| said.matches("the selection `radius > 5` leaves none of 60000 spheres").count();
-        let whole = dir.render(&format!("s.toml {options} {}", outputs("memory"))).err;
-        let said = dir.render(&format!("s.toml --stream {options} {}", outputs("stream"))).err;
+        let whole = render(&dir, &format!("s.toml {options} {}", outputs("memory"))).err;
+        let said = render(&dir, &format!("s.toml --stream {options} {}", outputs("stream"))).err;
         assert_eq!([told(&whole), told(&said)], [usize::from(more == selected); 2], "{whole}{said}");
         let files = dir.files();
         for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("memory")) {
@@ -381,6 +393,9 @@ fn a_scene_file_streams_with_the_files_that_it_names() {
             assert!(files[&other] == *bytes, "{more} {options}: {other} differs from {name}");
         }
         assert!(said.contains("may be hit first"), "{said}");
+        if options.contains("--at") {
+            continue;
+        }
         dir.good(&format!("sift s.toml --first-id 0 {options} -o s.npz"));
         dir.render(&format!("--visible s.npz --background #ddeeff {}", outputs("parts")));
         assert!(dir.files()["parts.png"] == files["memory.png"], "{more} {options}");

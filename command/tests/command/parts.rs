@@ -154,6 +154,8 @@ fn what_does_not_belong_together_is_refused() {
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 --backend cpu -o x.npz", "--backend is not an option of a part"),
         (2, "sift 0.csv --first-id 0 --eye 1,2,3 --color-by v -o x.npz", "--range LOW,HIGH"),
         (2, "sift 0.csv --first-id 0 --eye 1,2,3 --select ligand -o x.npz", "`ligand` in the selection"),
+        (2, "sift 0.csv --first-id 0 --eye 1,2,3 --at v>0 -o x.npz", "give --at a point"),
+        (2, "sift 0.csv --first-id 0 --focus v>0 -o x.npz", "remove --focus"),
         (5, "sift 0.npy --first-id 36028797018963968 --eye 1,2,3 -o x.npz", "use ids below"),
         (2, "sift 0.npy --eye 1,2,3 -o x.npz", "--first-id"),
     ] {

@@ -16,7 +16,7 @@ mod values;
 
 pub(super) use apply::{SelectedSpheres, Selections, apply, marks_of, mask};
 pub(super) use columns::candidates;
-pub(super) use note::Notes;
+pub(super) use note::{Note, Notes};
 
 #[cfg(test)]
 mod tests;

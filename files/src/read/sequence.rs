@@ -10,8 +10,8 @@ use super::particles::frame_time::FrameTime;
 use super::particles::periodic;
 use super::particles::periodic::Periodic;
 use super::particles::periodic::no_cell;
-use super::select;
 use super::select::selection::Selection;
+use super::select::{self, Note};
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::sphere_lights::SphereLights;
@@ -98,11 +98,11 @@ pub struct Mark {
 }
 
 /// The marks of spheres by their masks.
-fn marks(options: &ReadOptions, masks: Vec<(Vec<bool>, Vec<String>)>, spheres: &Spheres) -> Vec<Mark> {
-    let mark = |(selection, (mask, notes)): (&Selection, (Vec<bool>, Vec<String>))| Mark {
+fn marks(options: &ReadOptions, masks: Vec<(Vec<bool>, Vec<Note>)>, spheres: &Spheres) -> Vec<Mark> {
+    let mark = |(selection, (mask, notes)): (&Selection, (Vec<bool>, Vec<Note>))| Mark {
         text: selection.to_string(),
         spheres: spheres.part(&mask),
-        notes,
+        notes: notes.iter().map(Note::to_string).collect(),
     };
     options.marks.iter().zip(masks).map(mark).collect()
 }
@@ -337,7 +337,7 @@ impl Sequence {
                 SequenceState::One(frame) => {
                     let Some(frame) = frame.take() else { return Ok(None) };
                     if wanted {
-                        let masks = select::marks_of(&self.options.marks, &frame.scene.spheres)?;
+                        let masks = select::marks_of(&self.options.marks, 0, &frame.scene.spheres)?;
                         let marks = marks(&self.options, masks, &frame.scene.spheres);
                         return Ok(Some(SceneFrame { number, marks, ..*frame }));
                     }

@@ -7,7 +7,7 @@ use super::options::ReadOptions;
 use super::particles::frame::{ParticleFrames, Particles};
 use super::particles::periodic::Periodic;
 use super::particles::survey::{Part, Survey};
-use super::select::{self, Notes};
+use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
@@ -16,7 +16,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
 use halfline::quote::count;
-use halfline::quote::setting::{AT, COLOR, FOCUS, FRAMES, MAP, RADIUS, RANGE, STREAM, UNWRAP, WRAP};
+use halfline::quote::setting::{COLOR, FRAMES, MAP, RADIUS, RANGE, STREAM, UNWRAP, WRAP};
 use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -49,6 +49,9 @@ pub struct SphereBlocks {
     said: BTreeSet<String>,
     /// What is to be said about selections.
     notes: Notes,
+    /// Of each of [`ReadOptions::marks`] those spheres of the last block that it selects, and what is to be said about it.
+    marked: Vec<Spheres>,
+    mark_notes: Vec<Notes>,
     /// The legend without rules of the style, and the number of particles that each rule colours.
     legend: Option<Legend>,
     painted: Vec<u64>,
@@ -132,6 +135,8 @@ impl SphereBlocks {
             skipped: Skipped::default(),
             said: BTreeSet::new(),
             notes: Notes::default(),
+            marked: Vec::new(),
+            mark_notes: options.marks.iter().map(|_| Notes::default()).collect(),
             legend: None,
             painted: vec![0; options.style.paints.len()],
             surveys,
@@ -184,6 +189,17 @@ impl SphereBlocks {
         Ok(Some(last))
     }
 
+    /// Takes those spheres of the last block that each of [`ReadOptions::marks`] selects; nothing for a block without spheres.
+    pub fn marked(&mut self) -> Vec<Spheres> {
+        std::mem::take(&mut self.marked)
+    }
+
+    /// What the evaluation of each of [`ReadOptions::marks`] said; complete after the last block.
+    #[must_use]
+    pub fn mark_notes(&self) -> Vec<Vec<String>> {
+        self.mark_notes.iter().map(|notes| notes.told().collect()).collect()
+    }
+
     /// What was left out or assumed so far; complete after the last block.
     #[must_use]
     pub fn skipped(&self) -> &Skipped {
@@ -222,6 +238,9 @@ impl SphereBlocks {
                 _ => part.colors.into(),
             });
             self.options.style.restyle(&mut spheres)?;
+            let masks = select::marks_of(&self.options.marks, self.count, &spheres)?;
+            self.count += count as u64;
+            self.mark(masks, &spheres);
             return Ok(spheres);
         }
         self.has_elements |= part.elements.iter().any(|number| *number != 0);
@@ -252,6 +271,7 @@ impl SphereBlocks {
                 return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
             }
         }
+        let masks = std::mem::take(&mut part.marks);
         let painted = self.options.style.painted(&part);
         self.painted.iter_mut().zip(painted).for_each(|(all, more)| *all += more);
         let (mut spheres, skipped, legend) = self.options.style.dress_part(part, &self.file)?;
@@ -269,7 +289,17 @@ impl SphereBlocks {
             (Some(first), Some(second)) if !first.is_scale() => Some(joined_elements(first, &second)),
             (first, second) => first.or(second),
         };
+        self.mark(masks, &spheres);
         Ok(spheres.checked())
+    }
+
+    /// Takes what the marks of a block are.
+    fn mark(&mut self, masks: Vec<(Vec<bool>, Vec<Note>)>, spheres: &Spheres) {
+        self.marked.clear();
+        for ((mask, block), notes) in masks.into_iter().zip(&mut self.mark_notes) {
+            self.marked.push(spheres.part(&mask));
+            notes.join(block);
+        }
     }
 
     /// Widens the range of colours by that of a part.
@@ -344,17 +374,12 @@ fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Part
 
 /// Refuses what needs all particles at once.
 fn check(options: &ReadOptions) -> Result<()> {
-    let selections = options.select.iter().chain(&options.hide).chain(options.style.selections());
+    let selections = options.select.iter().chain(&options.hide).chain(&options.marks).chain(options.style.selections());
     let word = selections.filter_map(|selection| Some((selection, selection.word_for_several()?))).next();
     let (problem, mend) = if let Some((selection, word)) = word {
         (
             format!("`{word}` in the selection `{}` needs all particles in memory", selection.brief()),
             format!("select by columns, elements or coordinates, or remove {STREAM}"),
-        )
-    } else if !options.marks.is_empty() {
-        (
-            "a camera that looks at selected particles needs them in memory".to_owned(),
-            format!("give {AT} a point and remove {FOCUS}, or remove {STREAM}"),
         )
     } else if options.periodic != Periodic::AsListed {
         (format!("{WRAP} and {UNWRAP} need all particles in memory"), "remove them".to_owned())

@@ -11,6 +11,7 @@ use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use super::vectors;
 use crate::read::format::Format;
+use crate::read::select::Note;
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::memory::{check, entries, extend_to};
@@ -49,7 +50,7 @@ pub(crate) struct Particles {
     pub(crate) paint: Vec<u16>,
     pub(crate) size: Vec<u16>,
     /// The particles of each of [`ReadOptions::marks`](crate::read::ReadOptions::marks), and what its evaluation said.
-    pub(in crate::read) marks: Vec<(Vec<bool>, Vec<String>)>,
+    pub(in crate::read) marks: Vec<(Vec<bool>, Vec<Note>)>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
     /// The copies of the particles, where an assembly is kept as operators: parts that together are all particles.

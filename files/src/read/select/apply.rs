@@ -36,7 +36,7 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
     }
     check(8 * count as u64, || format!("the selections of {count} particles"))?;
     let mut notes = Vec::new();
-    let marks = marks.iter().map(|selection| mask(selection, particles)).collect::<Result<Vec<_>>>()?;
+    let marks = marks.iter().map(|selection| noted(selection, particles)).collect::<Result<Vec<_>>>()?;
     let mut of = |selection: &Selection| -> Result<Mask> {
         let (mask, said) = noted(selection, particles)?;
         notes.extend(said);
@@ -74,17 +74,23 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
     Ok(notes)
 }
 
-/// The spheres that selections select, and what their evaluation said. Spheres have an index, coordinates and a radius.
+/// The spheres that selections select, and what their evaluation said. Spheres have an index, which is `before` for the first,
+/// coordinates and a radius.
 ///
 /// # Errors
 /// Those of the selections.
-pub(in crate::read) fn marks_of(selections: &[Selection], spheres: &Spheres) -> Result<Vec<(Mask, Vec<String>)>> {
-    if selections.is_empty() {
+pub(in crate::read) fn marks_of(
+    selections: &[Selection],
+    before: u64,
+    spheres: &Spheres,
+) -> Result<Vec<(Mask, Vec<Note>)>> {
+    // Without spheres there are no columns either.
+    if selections.is_empty() || spheres.is_empty() {
         return Ok(Vec::new());
     }
     let (positions, radii) = (spheres.centers.to_vec(), spheres.radii.to_vec());
-    let particles = Particles { positions, radii, ..Particles::default() };
-    selections.iter().map(|selection| mask(selection, &particles)).collect()
+    let particles = Particles { positions, radii, before, ..Particles::default() };
+    selections.iter().map(|selection| noted(selection, &particles)).collect()
 }
 
 /// The particles that a selection selects, and messages about it.
