@@ -71,8 +71,8 @@ impl SphereBlocks {
     ///
     /// # Errors
     /// Those of [`Sequence::open`](super::Sequence::open); [`Error::Settings`] for formats that are not lists of rows, and for
-    /// options that need all particles at once: words of selections such as `within`, a periodic cell, a range of colours that is not given (see
-    /// [`Self::survey`]).
+    /// options that need all particles at once: words of selections such as `within`, a periodic cell, a range of colours that is
+    /// not given (see [`Self::survey`]).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         check(options)?;
         if needs_range(options) {
