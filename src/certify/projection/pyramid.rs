@@ -372,9 +372,9 @@ impl SamplePlaces {
 fn lower(limits: &[AtomicU32], limit: u32) {
     for known in limits {
         if known.load(Ordering::Relaxed) > limit {
-            // Another job may lower it between the two; what is stored is a limit as well, if not the least. A locked minimum
-            // takes several times as long.
-            known.store(limit, Ordering::Relaxed);
+            // Another job may lower it between the two. Without the minimum, what a stream keeps would depend on chance; without the
+            // look before it, which is seldom followed by it, it would take several times as long.
+            known.fetch_min(limit, Ordering::Relaxed);
         }
     }
 }
