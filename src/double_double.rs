@@ -58,7 +58,7 @@ impl<T: Fused> Dd<T> {
         let root = self.hi.sqrt();
         let rest = (self - Self::product(root, root)).value();
         let (zero, root) = (Self { hi: T::ZERO, lo: T::ZERO }, Self::fast(root, rest / (root + root)));
-        Self::pick(self.hi.less(T::ZERO) | self.hi.equal(T::ZERO), zero, root)
+        Self::pick(self.hi.at_most(T::ZERO), zero, root)
     }
 
     /// Times 2^k, exactly unless it leaves the range.

@@ -59,9 +59,10 @@ pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target])
 /// The part of all spheres of the files.
 fn combined(args: &SceneArgs) -> Result<Part> {
     let watch = watch();
-    let parts = args.visible.iter().map(|path| watch.check().and_then(|()| parts::read(path)));
+    let mut parts = args.visible.iter().map(|path| watch.check().and_then(|()| parts::read(path)));
     let none = || Error::settings("--visible has no part", "name at least one file of halfline sift");
-    Part::combined(parts)?.ok_or_else(none)
+    let first = parts.next().ok_or_else(none)??;
+    first.combine_all(parts)
 }
 
 /// Refuses options that read a scene or give its camera.

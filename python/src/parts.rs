@@ -135,10 +135,8 @@ impl Part {
     }
 
     fn combine(&self, py: Python<'_>, others: Vec<Py<Self>>) -> PyResult<Self> {
-        let others = || others.iter().map(|part| Ok(part.get().0.clone()));
-        let all = || CorePart::combined([Ok(self.0.clone())].into_iter().chain(others()));
-        // There is at least this one.
-        Job::default().run(py, None, || Ok(all()?.unwrap_or_else(|| self.0.clone()))).map(Self)
+        let all = || self.0.clone().combine_all(others.iter().map(|part| Ok(part.get().0.clone())));
+        Job::default().run(py, None, all).map(Self)
     }
 
     fn __len__(&self) -> usize {

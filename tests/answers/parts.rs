@@ -73,7 +73,10 @@ fn check(what: &str, renderer: &mut Renderer, scene: &Scene, settings: &Settings
         for turn in 0..2 {
             let all = match turn {
                 0 => by_chance(&mut rng, parts.clone()),
-                _ => Part::combined(parts.iter().rev().cloned().map(Ok)).expect("parts of one frame").expect("a part"),
+                _ => {
+                    let (last, before) = parts.split_last().expect("a part");
+                    last.clone().combine_all(before.iter().rev().cloned().map(Ok)).expect("parts of one frame")
+                }
             };
             assert_eq!((all.count(), all.gaps()), (scene.spheres.len() as u64, None), "{what}");
             let kept = all.ids().len();

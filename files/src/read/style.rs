@@ -193,13 +193,12 @@ impl Style {
         let mut radii = self.radii_of(&particles, &mut skipped)?;
         self.apply_rules(&particles, &mut colors, &mut radii);
         let are_checked = particles.checked && self.keeps_radii(&particles);
-        let (centers, colors) = (particles.positions.into(), colors.map(Into::into));
+        let (centers, colors) = (std::mem::take(&mut particles.positions).into(), colors.map(Into::into));
         let spheres = Spheres { centers, radii: radii.into(), colors, materials: None };
         let of_two = |(center, radius)| !(is_center(center) & is_radius(radius));
         let all = || spheres.centers.par_iter().zip(&spheres.radii);
         if let Some(n) = (!are_checked).then(all).and_then(|all| all.position_first(of_two)) {
-            let index = particles.before + particles.places.get(n).map_or(n as u64, |place| u64::from(*place));
-            let place = || file.clone().named(format!("particle {index}"));
+            let place = || file.clone().named(format!("particle {}", particles.index(n)));
             check_sphere(spheres.centers[n], spheres.radii[n], place)?;
         }
         Ok((spheres, skipped, legend))

@@ -245,29 +245,27 @@ impl Part {
         if self.join(other)? { self.sifted() } else { Ok(self) }
     }
 
-    /// The part of all spheres of several parts, which are taken one by one: they are sifted together whenever twice as many spheres
-    /// are in memory as the last time. `None` without parts.
+    /// The part of all spheres of this part and of others, which are taken one by one: they are sifted together whenever twice as many
+    /// spheres are in memory as the last time.
     ///
     /// # Errors
     /// The first of the parts, and those of [`Part::combine`].
-    pub fn combined(parts: impl IntoIterator<Item = Result<Self>>) -> Result<Option<Self>> {
-        Self::combined_beyond(KEPT, parts)
+    pub fn combine_all(self, others: impl IntoIterator<Item = Result<Self>>) -> Result<Self> {
+        self.combine_beyond(KEPT, others)
     }
 
     /// The same, where fewer than `few` spheres are not sifted before the end.
-    fn combined_beyond(few: usize, parts: impl IntoIterator<Item = Result<Self>>) -> Result<Option<Self>> {
-        let mut parts = parts.into_iter();
-        let Some(mut whole) = parts.next().transpose()? else { return Ok(None) };
+    fn combine_beyond(mut self, few: usize, others: impl IntoIterator<Item = Result<Self>>) -> Result<Self> {
         let limit = |whole: &Self| few.max(2 * whole.kept.numbers.len());
-        let (mut most, mut is_sifted) = (limit(&whole), true);
-        for part in parts {
-            is_sifted &= !whole.join(&part?)?;
-            if whole.kept.numbers.len() > most {
-                whole = whole.sifted()?;
-                (most, is_sifted) = (limit(&whole), true);
+        let (mut most, mut is_sifted) = (limit(&self), true);
+        for part in others {
+            is_sifted &= !self.join(&part?)?;
+            if self.kept.numbers.len() > most {
+                self = self.sifted()?;
+                (most, is_sifted) = (limit(&self), true);
             }
         }
-        if is_sifted { Ok(Some(whole)) } else { whole.sifted().map(Some) }
+        if is_sifted { Ok(self) } else { self.sifted() }
     }
 
     /// Adds the spheres of another part, of which others may hide some. Returns whether there are new ones.
@@ -472,12 +470,13 @@ mod tests {
             }
             stream.add(&block).and_then(|()| stream.part()).expect("a part")
         };
-        let parts: Vec<Part> = [3000, 0, 7500, 1500, 6000, 3000, 4500].map(part).to_vec();
+        let parts = [3000, 0, 7500, 1500, 6000, 3000, 4500].map(part);
+        let (first, others) = parts.split_first().expect("a part");
         let all = parts.iter().map(|part| part.ids().len()).sum::<usize>();
         let mut renderer = Renderer::new(&settings).expect("the CPU path");
         let whole = renderer.render(&scene, &settings).expect("a frame");
         for few in [0, 2000, usize::MAX] {
-            let part = Part::combined_beyond(few, parts.iter().cloned().map(Ok)).expect("one frame").expect("a part");
+            let part = first.clone().combine_beyond(few, others.iter().cloned().map(Ok)).expect("one frame");
             let kept = part.ids().len();
             assert!(2 * kept < all, "{few}: {kept} of {all}");
             let Visible { scene, ids } = part.visible(&scene, &settings).expect("the same frame");
