@@ -5,9 +5,12 @@ use crate::gpu::device;
 use crate::scene::{ImagePlane, Lighting, Scene, Spheres};
 use glam::DVec3;
 
+#[path = "../tests/common/amount.rs"]
+mod amount;
 #[path = "../tests/common/skip.rs"]
 mod skip;
 
+pub(crate) use amount::{amount, everything};
 pub(crate) use skip::skip;
 
 /// The adapter that the tests are pinned to. `None`, and the test is skipped, where HALFLINE_NO_GPU is set.

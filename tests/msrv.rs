@@ -1,4 +1,5 @@
-//! The promise: no dependency declares a newer Rust version than Cargo.toml. For crates that declare none, a CI job
+//! The promise: no dependency declares a newer Rust version than Cargo.toml, and no document or workflow names another. For
+//! crates that declare none, a CI job
 //! builds with that version.
 
 use serde_json::Value;
@@ -25,4 +26,38 @@ fn no_dependency_needs_a_newer_rust() {
         .map(|(package, theirs)| format!("{} {} needs {theirs}", package["name"], package["version"]))
         .collect();
     assert!(newer.is_empty(), "rust-version is {ours}, but {}", newer.join(", "));
+}
+
+/// The words after `before` in a text, up to the end of their line or a comma.
+fn after<'a>(text: &'a str, before: &str) -> Vec<&'a str> {
+    text.split(before).skip(1).map(|rest| rest.split(['\n', ',', ' ']).next().unwrap_or_default()).collect()
+}
+
+#[test]
+fn documents_and_workflows_name_the_rust_of_the_manifest() {
+    let text = |file: &str| {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+        std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{file}: {e}"))
+    };
+    let ours = env!("CARGO_PKG_RUST_VERSION").trim_end_matches(".0");
+    for (file, before) in
+        [("README.md", "[Rust](https://rustup.rs), "), ("docs/python.md", "[Rust](https://rustup.rs) ")]
+    {
+        assert_eq!(after(&text(file), before), [ours], "{file} names another Rust than Cargo.toml");
+    }
+    // A job that installs a fixed version falls behind Cargo.toml: the one of the oldest Rust reads it from there.
+    let mut oldest = 0;
+    for file in [".github/workflows/ci.yml", ".github/workflows/weekly.yml"] {
+        let text = text(file);
+        let (actions, toolchains) = (after(&text, "dtolnay/rust-toolchain@"), after(&text, "toolchain: "));
+        assert_eq!(actions.len(), toolchains.len(), "{file}: an installation of Rust does not say which");
+        for (action, toolchain) in actions.into_iter().zip(toolchains) {
+            assert!(action.len() == 40, "{file}: rust-toolchain@{action} is not a commit");
+            oldest += usize::from(toolchain == "${{");
+            assert!(["stable", "${{"].contains(&toolchain), "{file}: installs Rust {toolchain}");
+        }
+        let version = text.contains("rust-version = ") && text.contains("steps.oldest.outputs.version");
+        assert_eq!(version, file.ends_with("ci.yml"), "{file}: where the oldest Rust is read");
+    }
+    assert_eq!(oldest, 1, "jobs with the oldest Rust");
 }

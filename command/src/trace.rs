@@ -27,7 +27,7 @@ use halfline_files::read::{SceneFrame, Sequence};
 use halfline_files::write::file::{check_writable, is_standard};
 use halfline_files::write::hits::{HitFile, HitWriter, Query};
 use report::{Cloud, Tally, TraceReport};
-use source::{BLOCK, RaySource, SourceArgs};
+use source::{RaySource, SourceArgs, rays_of_a_block};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -226,7 +226,7 @@ impl Work<'_> {
     ) -> Result<()> {
         self.progress(self.total);
         threads::ahead(
-            || source.next_block(BLOCK),
+            || source.next_block(rays_of_a_block()),
             cancel,
             |block| {
                 if !go_on() {

@@ -93,8 +93,10 @@ mod tests {
     use crate::tile::{CHUNK, TILE};
     use crate::view::ray::{NONE, RayRecord};
     use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
+    use rayon::prelude::*;
     use std::collections::BTreeSet;
     use std::mem::offset_of;
+    use std::sync::LazyLock;
 
     /// Every kernel that a plan can select.
     fn kernels() -> Vec<Kernel> {
@@ -156,6 +158,18 @@ mod tests {
         checked.unwrap_or_else(|error| panic!("{kernel:?}: {error}"))
     }
 
+    /// Every kernel with its module, validated with what the device will have; made once for all tests.
+    fn modules() -> &'static [(Kernel, naga::Module, naga::valid::ModuleInfo)] {
+        static MODULES: LazyLock<Vec<(Kernel, naga::Module, naga::valid::ModuleInfo)>> = LazyLock::new(|| {
+            let made = |kernel: Kernel| {
+                let (module, info) = module(&kernel);
+                (kernel, module, info)
+            };
+            kernels().into_par_iter().map(made).collect()
+        });
+        &MODULES
+    }
+
     /// Every step of a resident frame.
     fn steps() -> impl Iterator<Item = Step> {
         let splats = [false, true].into_iter().flat_map(|samples| [Step::Small { samples }, Step::Large { samples }]);
@@ -172,24 +186,20 @@ mod tests {
 
     #[test]
     fn every_composed_shader_validates_with_what_the_device_will_have() {
-        let kernels = kernels();
+        let modules = modules();
         let looks = 1 + 2 + 1 + 2;
         // Without a list of general spheres, with one, with four in a uniform, and with lists, each with and without starts of
         // rays from the hits; a search by every sharing.
         let (certified, winners) = (4 * 2, 4 * 4);
         let sampled = (Method::ALL.len() * 8 + certified) * looks + winners;
         let all = (Method::ALL.len() * (8 + 2) + certified) * 4 * looks + winners + sampled + 4;
-        assert_eq!(kernels.len(), all, "the list is complete");
-        for kernel in &kernels {
-            module(kernel);
-        }
+        assert_eq!(modules.len(), all, "the list is complete");
     }
 
     #[test]
     fn a_kernel_binds_what_it_needs_and_nothing_else() {
-        for kernel in kernels() {
-            let (module, info) = module(&kernel);
-            let bound: BTreeSet<_> = bindings(&module, &info).into_iter().map(|b| b.name).collect();
+        for (kernel, module, info) in modules() {
+            let bound: BTreeSet<_> = bindings(module, info).into_iter().map(|b| b.name).collect();
             let given = kernel.rays != RaySource::Camera;
             let (certify, tiles) = (kernel.certify, kernel.tiles);
             let wanted: BTreeSet<_> = [
@@ -237,9 +247,13 @@ mod tests {
 
     #[test]
     fn f64_is_requested_exactly_where_it_is_used() {
-        for kernel in kernels() {
-            let without = validate(&compose(&kernel), Capabilities::SUBGROUP);
-            assert_eq!(without.is_err(), kernel.method == Method::Native64, "{kernel:?}");
+        for (kernel, ..) in modules() {
+            // All others are valid without it: `modules` validates them with no more than they request.
+            let wide = kernel.method == Method::Native64;
+            assert_eq!(capabilities(kernel).contains(Capabilities::FLOAT64), wide, "{kernel:?}");
+            if wide {
+                validate(&compose(kernel), Capabilities::SUBGROUP).expect_err("f64 without the capability");
+            }
         }
     }
 
@@ -356,12 +370,11 @@ mod tests {
 
     #[test]
     fn workgroups_are_tiles() {
-        for kernel in kernels() {
-            let (module, _) = module(&kernel);
+        for (kernel, module, _) in modules() {
             assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
             assert_eq!(module.entry_points[0].workgroup_size, [GROUP / kernel.rows(), 1, 1], "{kernel:?}");
             if kernel.rays == RaySource::Camera {
-                assert_eq!(constant(&module, "TILE"), f64::from(TILE), "{kernel:?}");
+                assert_eq!(constant(module, "TILE"), f64::from(TILE), "{kernel:?}");
             }
         }
         assert_eq!(TILE * TILE, GROUP);

@@ -4,6 +4,7 @@
 //! the other pixels that are rendered.
 
 use crate::adapter::{admitted, cpu, gpu_or_skip, renderers};
+use crate::amount::amount;
 use crate::bits::Bits;
 use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
@@ -64,7 +65,10 @@ pub(crate) fn windows() -> Vec<Window> {
         let [a, b] = [0, 1].map(|_| (random.unit() * f64::from(n)) as u32);
         [a.min(b), a.max(b) + 1]
     };
-    let random = (0..6).map(|_| (range(w), range(h))).map(|([x0, x1], [y0, y1])| [x0, y0, x1, y1]).collect::<Vec<_>>();
+    let random = (0..amount("random windows", 1, 6))
+        .map(|_| (range(w), range(h)))
+        .map(|([x0, x1], [y0, y1])| [x0, y0, x1, y1])
+        .collect::<Vec<_>>();
     fixed.into_iter().chain(random).map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 }).collect()
 }
 

@@ -2,6 +2,8 @@
 
 #[path = "../common/adapter.rs"]
 mod adapter;
+#[path = "../common/amount.rs"]
+mod amount;
 #[path = "../common/bits.rs"]
 mod bits;
 #[path = "../common/data.rs"]

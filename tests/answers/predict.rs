@@ -7,9 +7,11 @@
 //! straight ahead stays far below a bound for all views: through 25 degrees (jacks.nff) the small components of p and d
 //! have small errors, and f64 shows less than a hundredth.
 
+use super::extremes;
 use crate::adapter::{admitted, cpu, gpu};
+use crate::amount::amount;
+use crate::nff;
 use crate::rng::Rng;
-use crate::{nff, planets};
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::exact::Judge;
@@ -51,11 +53,10 @@ fn share([error, predicted]: [f64; 2]) -> f64 {
 /// message for each above 1.
 fn shares(
     what: &str,
-    scene: &Scene,
+    (scene, truths): (&Scene, &Truths),
     method: Method,
     places: &mut [(&str, Vec<Method>, Renderer)],
 ) -> ([f64; 2], Vec<String>) {
-    let truths = Truths::of(scene).expect("a good scene");
     let predicted = Prediction::of(scene, method).expect("a good scene").expect("spheres");
     let (mut worst, mut faulty) = ([0.0f64; 2], Vec::new());
     for (place, methods, renderer) in places {
@@ -89,17 +90,14 @@ fn words(worst: &[[f64; 2]]) -> String {
 fn no_error_is_larger_than_predicted() {
     let mut places = places();
     let (mut faulty, mut compared) = (Vec::new(), 0);
-    let folder = tempfile::tempdir().expect("a folder");
-    for (name, content) in [("shells.nff", nff::shells()), ("solar_system.csv", planets::csv())] {
-        std::fs::write(folder.path().join(name), content).expect("written");
-    }
     println!("largest outline and distance as shares of their prediction");
     for family in FAMILIES {
         let mut worst = vec![[0.0f64; 2]; Method::ALL.len()];
-        for (n, scene) in family.scenes(SEED, Some(folder.path())).expect("valid scenes").iter().enumerate() {
+        for (n, scene) in extremes::scenes(family, SEED).iter().enumerate() {
             compared += 1;
+            let truths = Truths::of(scene).expect("a good scene");
             for (worst, &method) in worst.iter_mut().zip(Method::ALL) {
-                let (shares, faults) = shares(&format!("{} [{n}]", family.name), scene, method, &mut places);
+                let (shares, faults) = shares(&format!("{} [{n}]", family.name), (scene, &truths), method, &mut places);
                 *worst = [worst[0].max(shares[0]), worst[1].max(shares[1])];
                 faulty.extend(faults);
             }
@@ -223,7 +221,7 @@ fn errors_of_ordinary_scenes_come_within_a_hundredth_of_the_prediction() {
         std::fs::write(&path, nff::balls(depth)).expect("written");
         path
     });
-    for path in [weekend].into_iter().chain(balls) {
+    for path in [weekend].into_iter().chain(balls).take(amount("scenes of files", 1, 3)) {
         let mut scene = halfline_files::read::scene(&path, &ReadOptions::default()).expect("a scene").scene;
         // Fewer rays where there are many spheres.
         (scene.image.width, scene.image.height) = match scene.spheres.len() {
@@ -243,7 +241,8 @@ fn errors_of_ordinary_scenes_come_within_a_hundredth_of_the_prediction() {
             let mut seen = [0.0f64; 2];
             for (turn, part) in PARTS.into_iter().enumerate() {
                 let scene = grazed(scene, &limbs, method, turn, part);
-                let (shares, faults) = shares(name, &scene, method, &mut places);
+                let truths = Truths::of(&scene).expect("a good scene");
+                let (shares, faults) = shares(name, (&scene, &truths), method, &mut places);
                 seen = [seen[0].max(shares[0]), seen[1].max(shares[1])];
                 faulty.extend(faults);
             }

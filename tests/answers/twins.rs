@@ -6,6 +6,7 @@
 //! lecture's methods lose half the digits).
 
 use crate::adapter::{self, admitted, cpu, gpu_or_skip, is_strict};
+use crate::amount::amount;
 use crate::bits::Bits;
 use crate::cloud;
 use crate::oblique::{self, vfov};
@@ -99,9 +100,11 @@ fn gpu_and_cpu_agree_for_every_scene_method_and_shading() {
     println!("comparing bit for bit: {strict}");
     let mut hits = 0;
     let methods = admitted(&mut gpu);
-    for (name, scene) in scenes() {
-        for &method in &methods {
-            for &shade in Shade::ALL {
+    // Every pair of a method and a shading, and every pair of a scene and a method.
+    let count = amount("shadings of a scene by a method", 1, Shade::ALL.len());
+    for (n, (name, scene)) in scenes().into_iter().enumerate() {
+        for (m, &method) in methods.iter().enumerate() {
+            for shade in (0..count).map(|k| Shade::ALL[(n + m + k) % Shade::ALL.len()]) {
                 let settings = settings(method, shade);
                 let (a, b) = (frame(&mut gpu, &scene, &settings), frame(&mut cpu, &scene, &settings));
                 assert_eq!((a.report.backend, b.report.backend), ("gpu", "cpu"), "no frame is compared with itself");
@@ -112,7 +115,7 @@ fn gpu_and_cpu_agree_for_every_scene_method_and_shading() {
             }
         }
     }
-    assert!(hits > 100_000, "the scenes have hits: {hits}");
+    assert!(hits > 30_000, "the scenes have hits: {hits}");
 }
 
 /// Negative control: one changed bit.

@@ -13,7 +13,12 @@ use halfline_files::write::rays;
 use std::path::PathBuf;
 
 /// The rays that are traced together. Their answers do not depend on it.
-pub(super) const BLOCK: usize = 1 << 19;
+const BLOCK: usize = 1 << 19;
+
+/// Rays of a block.
+pub(super) fn rays_of_a_block() -> usize {
+    halfline_files::blocks::at_most(BLOCK)
+}
 
 /// Where the rays come from.
 #[derive(Debug, Args)]
@@ -107,7 +112,7 @@ impl SourceArgs {
         // The rays themselves are still to be traced.
         let mut source = RaySource::Pattern { lidar: *lidar, basis: *basis, done: 0 };
         rays::write(path, lidar.beams(), lidar.range().is_finite(), |add| {
-            while let Some(block) = source.next_block(BLOCK)? {
+            while let Some(block) = source.next_block(rays_of_a_block())? {
                 add(&block.rays())?;
             }
             Ok(())

@@ -5,8 +5,10 @@ use crate::rng::Rng;
 use crate::test_dir::{Output, TestDir};
 use std::fmt::Write as _;
 
-/// More than two parts of a reader.
-const COUNT: usize = 600_000;
+/// What blocks of files are divided by.
+const PARTS: usize = 64;
+/// More than two blocks of a reader.
+const COUNT: usize = 600_000 / PARTS;
 
 /// A camera that does not depend on the spheres.
 const CAMERA: &str = "--eye 3,2,4 --at 0,0,0 --vfov 40";
@@ -82,7 +84,8 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
         writeln!(dump, "{} {} {x:.5} {y:.5} {z:.5} {v:.4}", n + 1, n % 4 + 1).expect("text");
         writeln!(ply, "{x:.5} {y:.5} {z:.5} {radius:.4}").expect("text");
     }
-    let dir = TestDir::new(&[("c.csv", &csv), ("c.xyz", &xyz), ("c.ply", &ply), ("c.dump", &dump)]);
+    let dir = TestDir::new(&[("c.csv", &csv), ("c.xyz", &xyz), ("c.ply", &ply), ("c.dump", &dump)]).in_parts(PARTS);
+    let [first, early, late, last] = [100_000, 350_000, 420_000, 599_990].map(|n| n / PARTS);
     dir.put("c.npy", array(&rows));
     for (file, options) in [
         ("c.npy", CAMERA.to_owned()),
@@ -105,7 +108,7 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
         // Selections see a block at a time.
         (
             "c.csv",
-            format!("{CAMERA} --select kind~late --select kind~last~and~v<0.8 --hide index~0:1000~350000:420000"),
+            format!("{CAMERA} --select kind~late --select kind~last~and~v<0.8 --hide index~0:{first}~{early}:{late}"),
         ),
         (
             "c.csv",
@@ -119,11 +122,11 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
             format!("{CAMERA} --radius-scale 0.01 --hide element~C --color element~Fe~and~x>0=gold --legend l.svg"),
         ),
         ("c.dump", format!("{CAMERA} --radius 0.012 --radius type~3=0.03 --select type~2:4 --clip 0,0,1,0.3")),
-        ("c.npy", "--select radius<0.015~and~abs~z<0.7 --hide index~123456".to_owned()),
+        ("c.npy", format!("--select radius<0.015~and~abs~z<0.7 --hide index~{first}")),
         // What is looked at is found by two passes.
         ("c.csv", "--at kind~late~and~x>0 --view left --color-by v".to_owned()),
         ("c.csv", "--eye 3,2,4 --at kind~last~and~v<0.1 --hide kind~late --clip 0,0,1,0.3".to_owned()),
-        ("c.dump", "--radius 0.012 --at index~599990:700000".to_owned()),
+        ("c.dump", format!("--radius 0.012 --at index~{last}:700000")),
     ] {
         let said = same(&dir, file, &options);
         let (kept, all) = said
@@ -146,43 +149,55 @@ fn a_word_that_selects_nothing_in_the_whole_file_is_told() {
     let mut table = String::from("x,y,z,radius,kind\n");
     for n in 0..COUNT {
         let kind = if n < COUNT / 2 { "early" } else { "late" };
-        writeln!(table, "{},{},0,0.4,{kind}", n % 1000, n / 1000).expect("text");
+        writeln!(table, "{},{},0,0.4,{kind}", n % 100, n / 100).expect("text");
     }
-    let dir = TestDir::new(&[("c.csv", &table)]);
+    let dir = TestDir::new(&[("c.csv", &table)]).in_parts(PARTS);
     for (options, told) in [
         ("--hide kind~early", None),
         ("--select kind~late~or~index~0:9", None),
-        ("--color kind~late=red --hide x>999", None),
+        ("--color kind~late=red --hide x>99", None),
         ("--hide kind~never", Some("`kind never` in the selection `kind never`: no particle has it")),
-        ("--select kind~late~and~index~0:9", Some("the selections leave none of the 600000 particles")),
+        ("--select kind~late~and~index~0:9", Some("the selections leave none of the 9375 particles")),
         ("--select kind~early~or~x<9~and~y<3", Some("from left to right")),
     ] {
         let said =
-            render(&dir, &format!("c.csv --eye 500,300,800 --at 500,300,0 --size 9x9 --stream {options} -o p.png")).err;
+            render(&dir, &format!("c.csv --eye 50,40,80 --at 50,40,0 --size 9x9 --stream {options} -o p.png")).err;
         let warnings: Vec<&str> = said.lines().filter(|line| line.contains("select")).collect();
         assert_eq!(warnings.len(), usize::from(told.is_some()), "{options}: {said}");
         assert!(told.is_none_or(|told| warnings[0].contains(told)), "{options}: {said}");
     }
     // A part has the ids of the spheres that are left.
-    let part = dir.good(
-        &["sift", "c.csv", "--first-id", "7", "--select", "kind late", "--eye", "500,300,800", "--json", "-o", "p.npz"]
-            [..],
-    );
-    assert_eq!(part.json()["ids"], serde_json::json!([[7, 7 + COUNT / 2]]));
+    let part =
+        dir.good(
+            &[
+                "sift",
+                "c.csv",
+                "--first-id",
+                "7",
+                "--select",
+                "kind late",
+                "--eye",
+                "50,40,80",
+                "--json",
+                "-o",
+                "p.npz",
+            ][..],
+        );
+    assert_eq!(part.json()["ids"], serde_json::json!([[7, 7 + COUNT.div_ceil(2)]]));
 }
 
 /// The reader names the row of a text or of an array, and the style the particle of other files, counted in the file and not
 /// in its block.
 #[test]
 fn a_bad_row_in_a_late_block_is_refused_with_its_file_and_row() {
-    const LATE: usize = 550_001;
+    const LATE: usize = 550_001 / PARTS;
     let good = rows();
     let mut text = String::from("x,y,z,radius\n");
     for (n, ([x, y, z], radius, ..)) in good.iter().enumerate() {
         let sign = if n == LATE { "-" } else { "" };
         writeln!(text, "{x:.3},{y:.3},{z:.3},{sign}{radius:.4}").expect("text");
     }
-    let dir = TestDir::new(&[("radius.csv", &text)]);
+    let dir = TestDir::new(&[("radius.csv", &text)]).in_parts(PARTS);
     let (mut center, mut radius) = (good.clone(), good);
     center[LATE].0[1] = f64::NAN;
     radius[LATE].1 = -0.5;
@@ -355,11 +370,11 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
 /// A scene file with spheres of its own, some with colours, and those of files, some with colours.
 #[test]
 fn a_scene_file_streams_with_the_files_that_it_names() {
-    let rows = &rows()[..90_000];
-    let dir = TestDir::new(&[]);
-    dir.put("plain.npy", array(&rows[..60_000]));
-    let table =
-        rows[60_000..].iter().map(|([x, y, z], radius, [r, g, b], _)| format!("{x},{y},{z},{radius},{r},{g},{b}\n"));
+    let rows = rows();
+    let (plain, colored) = rows.split_at(6_000);
+    let dir = TestDir::new(&[]).in_parts(PARTS);
+    dir.put("plain.npy", array(plain));
+    let table = colored.iter().map(|([x, y, z], radius, [r, g, b], _)| format!("{x},{y},{z},{radius},{r},{g},{b}\n"));
     dir.put("colored.csv", format!("x,y,z,radius,r,g,b\n{}", table.collect::<String>()));
     dir.put("atoms.xyz", "2\n\nC 0.1 0.2 0.3\nO 0.3 0.2 0.1\n");
     let scene = |more: &str| {
@@ -371,7 +386,7 @@ fn a_scene_file_streams_with_the_files_that_it_names() {
         )
     };
     let colored = "[[spheres]]\nfile = \"colored.csv\"\n\n[[spheres]]\nfile = \"atoms.xyz\"\n";
-    let selected = "[[spheres]]\nfile = \"colored.csv\"\nselect = \"x > 0 or index 20000:25000\"\n
+    let selected = "[[spheres]]\nfile = \"colored.csv\"\nselect = \"x > 0 or index 2000:2500\"\n
         [[spheres]]\nfile = \"plain.npy\"\nselect = \"radius > 5\"\n
         [[spheres]]\nfile = \"atoms.xyz\"\nselect = \"element O\"\n";
     for (more, options) in [
@@ -380,10 +395,10 @@ fn a_scene_file_streams_with_the_files_that_it_names() {
         (selected, ""),
         (colored, "--color teal --radius-scale 0.5 --clip 0,0,1,0.4"),
         ("", "--fit"),
-        (selected, "--at radius<0.015~and~index~100:90000"),
+        (selected, "--at radius<0.015~and~index~100:9000"),
     ] {
         dir.put("s.toml", scene(more));
-        let told = |said: &str| said.matches("the selection `radius > 5` leaves none of 60000 spheres").count();
+        let told = |said: &str| said.matches("the selection `radius > 5` leaves none of 6000 spheres").count();
         let whole = render(&dir, &format!("s.toml {options} {}", outputs("memory"))).err;
         let said = render(&dir, &format!("s.toml --stream {options} {}", outputs("stream"))).err;
         assert_eq!([told(&whole), told(&said)], [usize::from(more == selected); 2], "{whole}{said}");

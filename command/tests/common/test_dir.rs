@@ -76,8 +76,11 @@ impl Arguments for Vec<String> {
     }
 }
 
-/// A temporary folder.
-pub(crate) struct TestDir(tempfile::TempDir);
+/// A temporary folder, and the number of parts that blocks of files are divided into.
+pub(crate) struct TestDir {
+    folder: tempfile::TempDir,
+    parts: Option<usize>,
+}
 
 /// The result of a command: exit code, standard output, standard error.
 pub(crate) struct Output {
@@ -114,14 +117,19 @@ impl Output {
 impl TestDir {
     /// With these files in it.
     pub(crate) fn new(files: &[(&str, &str)]) -> Self {
-        let dir = Self(tempfile::tempdir().expect("a temporary folder"));
+        let dir = Self { folder: tempfile::tempdir().expect("a temporary folder"), parts: None };
         files.iter().for_each(|(name, content)| dir.put(name, content));
         dir
     }
 
+    /// Blocks of files are smaller by this factor, so that short files have many.
+    pub(crate) fn in_parts(self, parts: usize) -> Self {
+        Self { parts: Some(parts), ..self }
+    }
+
     /// The path of a file in the folder; of the folder itself for "".
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.folder.path().join(name)
     }
 
     pub(crate) fn put(&self, name: &str, content: impl AsRef<[u8]>) {
@@ -138,7 +146,7 @@ impl TestDir {
 
     /// The names and contents of the entries, in order; a folder's content is empty.
     pub(crate) fn files(&self) -> BTreeMap<String, Vec<u8>> {
-        let entries = fs::read_dir(self.0.path()).expect("the folder").map(|entry| entry.expect("an entry"));
+        let entries = fs::read_dir(self.folder.path()).expect("the folder").map(|entry| entry.expect("an entry"));
         entries.map(|e| (e.file_name().to_string_lossy().into(), fs::read(e.path()).unwrap_or_default())).collect()
     }
 
@@ -149,8 +157,9 @@ impl TestDir {
             command.env_remove(name);
         }
         // A layer of Mesa writes to standard error on machines without a desktop.
-        command.env("NODEVICE_SELECT", "1").env("XDG_CONFIG_HOME", self.0.path()).env_remove("RUST_LOG");
-        command.current_dir(self.0.path()).stdin(Stdio::null());
+        command.env("NODEVICE_SELECT", "1").env("XDG_CONFIG_HOME", self.folder.path()).env_remove("RUST_LOG");
+        command.envs(self.parts.map(|parts| ("HALFLINE_BLOCKS", parts.to_string())));
+        command.current_dir(self.folder.path()).stdin(Stdio::null());
         command
     }
 

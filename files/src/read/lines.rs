@@ -2,6 +2,7 @@
 //! invalid UTF-8.
 
 use super::input::Input;
+use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
 use halfline::quote::setting::FORMAT;
@@ -83,8 +84,8 @@ impl<R: BufRead> Lines<R> {
         block.parts.clear();
         (block.path, block.any_bytes, block.lines) = (self.path.clone(), self.any_bytes, 0);
         let (mut part, mut last) = (0, 0);
-        while block.lines < most && block.bytes.len() < BLOCK {
-            if block.bytes.len() >= part + PART || block.lines == 0 {
+        while block.lines < most && block.bytes.len() < blocks::at_most(BLOCK) {
+            if block.bytes.len() >= part + blocks::at_most(PART) || block.lines == 0 {
                 part = block.bytes.len();
                 block.parts.push((part, self.number + block.lines));
             }

@@ -7,6 +7,7 @@ mod rows;
 
 use super::input::{Counts, Input, fill};
 use super::particles::survey::Survey;
+use crate::blocks;
 use crate::npy::{DType, Fault, Header, Scalar};
 use halfline::error::{Error, Place, Result, relocate};
 use halfline::frame::provenance::Provenance;
@@ -107,7 +108,7 @@ impl<R: BufRead> Npy<R> {
     /// Replaces the content of `block` by rows of `row` bytes, at most `most`; returns their number, which is 0 at the end.
     pub(super) fn block(&mut self, most: u64, row: usize, block: &mut Vec<u8>) -> io::Result<u64> {
         // The content of an earlier block is overwritten, not cleared.
-        block.resize(most.min((BLOCK / row).max(1) as u64) as usize * row, 0);
+        block.resize(most.min((blocks::at_most(BLOCK) / row).max(1) as u64) as usize * row, 0);
         let filled = fill(&mut self.reader, block)?;
         block.truncate(filled - filled % row);
         self.counts.found();

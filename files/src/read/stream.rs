@@ -12,6 +12,7 @@ use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::style::{Coloring, is_8_bit, joined_elements, no_selections};
+use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
@@ -103,7 +104,7 @@ impl SphereBlocks {
         }
         let format = source.format;
         let (sender, parts) = sync_channel(AHEAD);
-        let survey = Survey::passing(sender, BLOCK);
+        let survey = Survey::passing(sender, blocks::at_most(BLOCK));
         let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if format == Format::Native {
             if !(options.select.is_empty() && options.hide.is_empty()) {
                 return Err(no_selections());

@@ -1,15 +1,19 @@
 //! Every constant of the bounds is set to 0, halved and reduced by a tenth in turn: then a claim must fail, a quantity
 //! exceed its bound, or the sum of all roundings exceed its bound. Every condition of `certain` is left out in the same
 //! way.
+//!
+//! The shots that show it are stored in `sabotage.txt`: such a shot exceeds the reduced bound, and stays within the right one.
+//! The search for them is repeated for what has none, and with `tests/run --all`, which prints the lines of the file anew.
 
 use super::bounds::Quantity::{self, *};
 use super::bounds::worst;
 use super::claims::{Case, Checks};
-use super::first_order::{Check, WHOLE, largest};
+use super::first_order::{Aim, Check, WHOLE, largest};
 use super::shots::Regime::{self, *};
 use super::sound::{case, hold};
 use super::worlds::FAMILIES;
 use crate::certify::{TERMS, Terms};
+use crate::testing::{amount, everything};
 use rayon::prelude::*;
 
 /// A constant: its name, its member of `Terms`, and the regimes where it matters: for the adversary's roundings, and
@@ -158,25 +162,61 @@ const SURVIVORS: &[Survivor] = &[
 ];
 
 /// The result of a sabotage: the family with a false answer, the quantity that exceeds its bound or the largest ratio,
-/// and the share of the bound that the sum of all roundings reaches.
+/// and the share of the bound that the sum of all roundings reaches, with the shot where it does.
 struct Caught {
     answer: Option<&'static str>,
     bound: Result<String, f64>,
-    share: f64,
+    share: (f64, Option<Aim>),
 }
 
 impl Caught {
     fn any(&self) -> bool {
-        self.answer.is_some() || self.bound.is_ok() || self.share > WHOLE
+        self.answer.is_some() || self.bound.is_ok() || self.share.0 > WHOLE
     }
 
     fn cell(&self) -> String {
+        let share = self.share.0;
         if matches!(self.bound, Err(ratio) if ratio.is_nan()) {
-            return format!("{:5.3}", self.share);
+            return format!("{share:5.3}");
         }
         let bound = self.bound.clone().unwrap_or_else(|ratio| format!("- ({ratio:.2})"));
-        format!("{:13} {bound:20} {:5.3}", self.answer.unwrap_or("-"), self.share)
+        format!("{:13} {bound:20} {share:5.3}", self.answer.unwrap_or("-"))
     }
+}
+
+const FACTORS: [f32; 3] = [0.0, 0.5, 0.9];
+
+/// Shots that exceed a bound with a reduced constant: lines of the constant's name, the factor and the shot.
+const STORED: &str = include_str!("sabotage.txt");
+
+/// The stored shot for a constant and a factor.
+fn stored(name: &str, factor: f32) -> Option<Aim> {
+    let aim = |line: &str| Aim::of_words(line).expect("a shot in sabotage.txt");
+    STORED.lines().find_map(|line| line.strip_prefix(&format!("{name} {factor} "))).map(aim)
+}
+
+fn survives(name: &str, factor: f32) -> bool {
+    SURVIVORS.iter().any(|survivor| survivor.name == name && factor >= survivor.from)
+}
+
+/// Shots that were found once: a change of a constant that is caught at all is caught by these at once.
+#[test]
+fn stored_shots_exceed_reduced_bounds_and_no_others() {
+    let pairs = CONSTANTS.iter().flat_map(|constant| FACTORS.map(|factor| (constant, factor)));
+    let stored: Vec<_> =
+        pairs.filter_map(|(constant, factor)| Some((constant, factor, stored(constant.name, factor)?))).collect();
+    assert_eq!(stored.len(), STORED.lines().count(), "each line is for one constant and factor");
+    for (constant, factor, aim) in &stored {
+        let [reduced, right] = [sabotaged(constant, *factor), TERMS].map(|terms| aim.share(&terms));
+        println!("{:9} times {factor}: {reduced:.3} of the bound, {right:.3} of the right one", constant.name);
+        assert!(
+            reduced > WHOLE,
+            "{} times {factor} is no longer detected by its stored shot: {reduced}",
+            constant.name
+        );
+        assert!(right <= WHOLE, "a false bound: {} {right} {aim:?}", constant.name);
+    }
+    assert!(stored.len() > 40, "{} stored shots", stored.len());
 }
 
 #[test]
@@ -193,24 +233,33 @@ fn every_constant_is_needed() {
         let bound = false_bound(constant.aims, &terms);
         Caught { answer: wrong_answer(&cases, &terms, Checks::ALL), bound, share }
     };
-    const FACTORS: [f32; 3] = [0.0, 0.5, 0.9];
-    let try_all = |constant: &Constant| FACTORS.map(|factor| (factor, sabotage(constant, factor)));
-    let rows: Vec<_> = CONSTANTS.par_iter().map(try_all).collect();
-    println!("constant  | times 0: false answer, false bound, share | times 1/2: share | times 9/10: share");
-    for (Constant { name, .. }, row) in CONSTANTS.iter().zip(&rows) {
-        println!("{name:9} | {}", row.each_ref().map(|(_, caught)| caught.cell()).join(" | "));
+    let all: Vec<_> = CONSTANTS.iter().flat_map(|constant| FACTORS.map(|factor| (constant, factor))).collect();
+    let searched: Vec<_> = all
+        .iter()
+        .filter(|(Constant { name, .. }, factor)| {
+            everything() || stored(name, *factor).is_none() && !survives(name, *factor)
+        })
+        .collect();
+    amount("searches for reduced constants", searched.len(), all.len());
+    let found: Vec<_> = searched.par_iter().map(|(constant, factor)| sabotage(constant, *factor)).collect();
+    println!("constant, factor: false answer, false bound, share");
+    for ((Constant { name, .. }, factor), caught) in searched.iter().zip(&found) {
+        println!("{name:9} {factor}: {}", caught.cell());
     }
     for Survivor { name, from, why } in SURVIVORS {
         println!("{name} times {from} survives: {why}");
     }
-    for (Constant { name, .. }, row) in CONSTANTS.iter().zip(&rows) {
-        for (factor, caught) in row {
-            let survives = SURVIVORS.iter().any(|s| s.name == *name && *factor >= s.from);
-            let cell = caught.cell();
-            assert!(caught.any() || survives, "{name} times {factor}: {cell}");
-            // A ratio near 1 may exceed 1 on some platforms only.
-            assert!(!survives || caught.share < 1.02, "{name} times {factor} is detected: {cell}");
+    println!("lines of sabotage.txt:");
+    for ((Constant { name, .. }, factor), caught) in searched.iter().zip(&found) {
+        if let (true, Some(aim)) = (caught.share.0 > WHOLE, &caught.share.1) {
+            println!("{name} {factor} {}", aim.to_words());
         }
+    }
+    for ((Constant { name, .. }, factor), caught) in searched.iter().zip(&found) {
+        let (survives, cell) = (survives(name, *factor), caught.cell());
+        assert!(caught.any() || survives, "{name} times {factor}: {cell}");
+        // A ratio near 1 may exceed 1 on some platforms only.
+        assert!(!survives || caught.share.0 < 1.02, "{name} times {factor} is detected: {cell}");
     }
 }
 

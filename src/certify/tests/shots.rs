@@ -105,6 +105,33 @@ impl Shot {
         })
     }
 
+    /// The shot as one word, whose numbers are bits.
+    pub(super) fn to_word(&self) -> String {
+        let Self { half, width, pixel: [i, j], z, r, impact, turn, oblique, parallel, second } = self;
+        let numbers = [half, z, r, impact, turn, oblique, second].map(|x| format!("{:x}", x.to_bits())).join(",");
+        format!("{width},{i},{j},{},{numbers}", u8::from(*parallel))
+    }
+
+    /// The shot of such a word.
+    pub(super) fn of_word(word: &str) -> Option<Self> {
+        let parts: Vec<_> = word.split(',').collect();
+        let [width, i, j, parallel] = [0, 1, 2, 3].map(|k| parts.get(k)?.parse().ok());
+        let [half, z, r, impact, turn, oblique, second] =
+            [4, 5, 6, 7, 8, 9, 10].map(|k| u64::from_str_radix(parts.get(k)?, 16).map(f64::from_bits).ok());
+        Some(Self {
+            half: half?,
+            width: width?,
+            pixel: [i?, j?],
+            z: z?,
+            r: r?,
+            impact: impact?,
+            turn: turn?,
+            oblique: oblique?,
+            parallel: parallel? == 1,
+            second: second?,
+        })
+    }
+
     /// Moves numbers to just above powers of two, where rounding loses most.
     fn snap(&mut self, rng: &mut Rng) {
         let width = f64::from(self.width);

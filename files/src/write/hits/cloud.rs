@@ -5,6 +5,7 @@ use super::las::LasGrid;
 use super::point::Point;
 use super::rows::Rows;
 use super::{pcd, ply};
+use crate::blocks;
 use crate::write::atomic::scratch;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
@@ -107,10 +108,11 @@ impl Cloud {
         let (header, add) = self.encoding()?;
         out.write_all(&header).map_err(|error| failed(&self.path, error))?;
         self.file.rewind().map_err(|error| failed(&self.path, error))?;
-        let (mut points, mut bytes, mut left) = (vec![Point::default(); BLOCK], Vec::new(), self.summary.points);
+        let (mut points, mut bytes, mut left) =
+            (vec![Point::default(); blocks::at_most(BLOCK)], Vec::new(), self.summary.points);
         while left > 0 {
             watch.check()?;
-            let size = left.min(BLOCK as u64) as usize;
+            let size = left.min(points.len() as u64) as usize;
             let read = self.file.read_exact(bytemuck::cast_slice_mut(&mut points[..size]));
             read.map_err(|error| failed(&self.path, error))?;
             bytes.clear();
