@@ -82,8 +82,10 @@ fn kinds(renderer: &mut Renderer) -> Vec<(String, Settings)> {
         |accuracy: Accuracy| (accuracy.name().to_owned(), Settings { accuracy, sky: sky(rays(accuracy)), ..all() });
     let mut kinds = vec![accuracy(Accuracy::Certified), accuracy(Accuracy::Exact)];
     kinds.push(("certified, all".into(), Settings { search: Search::All, ..kinds[0].1.clone() }));
-    for method in admitted(renderer) {
-        for search in [Search::All, Search::Tiles] {
+    let searches = amount("searches of a method", 1, 2);
+    for (m, method) in admitted(renderer).into_iter().enumerate() {
+        for k in 0..searches {
+            let search = [Search::All, Search::Tiles][(m + k) % 2];
             let name = format!("{}, {}", method.name(), search.name());
             kinds.push((name, Settings { method: Some(method), search, ..all() }));
         }

@@ -5,6 +5,7 @@
 //! as IEEE 754 does; the frame with one sample; the full frame.
 
 use crate::adapter::{admitted, cpu, gpu_or_skip, is_strict, renderers};
+use crate::amount::amount;
 use crate::bits::Bits;
 use crate::weekend;
 use glam::DVec3;
@@ -45,11 +46,13 @@ fn kinds(renderer: &mut Renderer) -> Vec<(String, Settings)> {
     let accuracy = |accuracy: Accuracy| (accuracy.name().to_owned(), Settings { accuracy, ..sampled(4, 7) });
     let mut kinds = vec![accuracy(Accuracy::Certified), accuracy(Accuracy::Exact)];
     kinds.push(("certified, flat".into(), Settings { shade: Shade::Flat, ..kinds[0].1.clone() }));
-    for method in admitted(renderer) {
+    let searches = amount("searches of a method", 1, 2);
+    for (m, method) in admitted(renderer).into_iter().enumerate() {
         // SwiftShader takes long to compile normals in wider arithmetic.
         let wide = [Method::Native64, Method::DoubleFloat].contains(&method);
         let shade = if wide { Shade::Flat } else { Shade::Headlight };
-        for search in [Search::All, Search::Tiles] {
+        for k in 0..searches {
+            let search = [Search::All, Search::Tiles][(m + k) % 2];
             let name = format!("{}, {}", method.name(), search.name());
             kinds.push((name, Settings { method: Some(method), search, shade, ..sampled(4, 7) }));
         }

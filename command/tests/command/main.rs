@@ -1,5 +1,7 @@
 //! Promises of the command line, on the CPU path.
 
+#[path = "../../../tests/common/amount.rs"]
+mod amount;
 #[path = "../../../tests/common/data.rs"]
 mod data;
 #[path = "../../../tests/common/nff.rs"]

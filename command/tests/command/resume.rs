@@ -1,6 +1,7 @@
 //! The promise of `--resume`: a file is kept only if it is whole and its provenance is that of this rendering. And the promises
 //! of `--progress`, `--preview` and signals.
 
+use crate::amount::amount;
 use crate::test_dir::{Output, SPHERE, TestDir};
 use serde_json::Value;
 use std::fs;
@@ -165,8 +166,9 @@ fn signals_leave_no_half_files() {
     let renders = Renders::new();
     let before = renders.names();
     let (mut ended, start) = (0, Instant::now());
-    for n in 0..24u64 {
-        let signal = ["-TERM", "-INT", "-HUP", "-QUIT", "-KILL", "-USR1"][n as usize % 6];
+    let apart = 4 / amount("moments of signals, in quarters", 1, 4);
+    for n in (0..24u64).step_by(apart) {
+        let signal = ["-TERM", "-INT", "-HUP", "-QUIT", "-KILL", "-USR1"][(n as usize + n as usize / 8) % 6];
         // Some spend more time rendering, some more writing.
         let options =
             ["-o", "a.exr", "--aov", "depth,position,normal,id", "--aov", "position=p.npy", "--size", "900x700"];
@@ -191,5 +193,5 @@ fn signals_leave_no_half_files() {
             renders.0.remove(&name);
         }
     }
-    assert!(ended > 1, "only {ended} of 12 renders were interrupted in {:?}", start.elapsed());
+    assert!(ended > 0, "only {ended} of 12 renders were interrupted in {:?}", start.elapsed());
 }

@@ -310,8 +310,9 @@ fn terms_of_a_start_are_needed() {
         ("blur", Terms { given: given_device::TERMS.sharp(), ..STARTS }),
     ];
     for (name, terms) in each {
-        let wrong: u32 = of_all_families(&terms).iter().map(|[wrong, _]| wrong).sum();
-        println!("without {name}: {wrong} wrong");
-        assert!(wrong > 0, "without {name} no claim is false");
+        let wrong = |family: &usize| false_claims(&terms, *family, SCENES)[0] > 0;
+        let family = (0..FAMILIES.len()).into_par_iter().find_any(wrong).map(|family| FAMILIES[family].name);
+        println!("without {name}: a false claim in {family:?}");
+        assert!(family.is_some(), "without {name} no claim is false");
     }
 }

@@ -1,5 +1,6 @@
 //! The spheres that a device holds, in blocks that fit a binding.
 
+use super::sky::SUBMISSION;
 use crate::certify::ProjectionRecord;
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{PlacedSummary, PlacingRecord};
@@ -30,6 +31,8 @@ pub(crate) struct Resident {
     pub(super) starts: Option<Result<Starts, &'static str>>,
     /// Spheres of a block.
     pub(super) block: usize,
+    /// Rays from hits that one submission traces.
+    pub(super) submission: u64,
     /// Blocks leave their minima in the reverse order.
     #[cfg(test)]
     pub(super) reversed: bool,
@@ -63,6 +66,7 @@ impl Default for Resident {
             steps: Steps::default(),
             starts: None,
             block: BLOCK,
+            submission: SUBMISSION,
             #[cfg(test)]
             reversed: false,
         }

@@ -16,7 +16,7 @@ use crate::view::{View, ViewRecord};
 use bytemuck::{Pod, Zeroable};
 
 /// Rays that one submission traces: some milliseconds on hardware.
-const TOGETHER: u64 = 1 << 22;
+pub(super) const SUBMISSION: u64 = 1 << 22;
 /// The most rays of a pixel, which one invocation traces one after the other.
 const MOST: u32 = 1 << 12;
 
@@ -132,7 +132,7 @@ impl Gpu {
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));
         self.open.queue.submit([encoder.finish()]);
-        let together = (TOGETHER / u64::from(asked.each())).max(1);
+        let together = (self.resident.submission / u64::from(asked.each())).max(1);
         for first in (0..pixels).step_by(together as usize) {
             if !go_on(first) {
                 return Err(Error::Interrupted);

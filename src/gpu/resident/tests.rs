@@ -39,23 +39,30 @@ fn kernel(samples: bool) -> Kernel {
     }
 }
 
-/// What a device and the CPU path make of the rays of a scene, and why the device leaves it to the host.
-fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw, Option<String>) {
+/// What a device makes of the rays of a scene, why it leaves it to the host, and the view.
+fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Option<String>, View) {
     let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
     let reach = gpu.hold(scene, number).expect("a device").expect("spheres");
     let mut view = View::in_unit(scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
     view.record.sample = raster.count() / 2;
     let placer = Placer::new(scene, &view, 1e-5).expect("a lens").expect("a projection");
-    let binned = BinnedScene::new((scene, None), &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
-    let raw = || Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
-    let (mut device, mut host) = (raw(), raw());
-    cpu::certified(&kernel, &view, &binned, scene.spheres.colors.as_deref(), &mut host, &|| true);
+    let mut device = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
     let frame = ResidentFrame { scene, view: &view, placer: &placer, pool: &pool };
     let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
     let left = match gpu.render_resident(&kernel, frame, &mut output, &|_| true).expect("a frame") {
         Rendered::Frame(_) => None,
         Rendered::Left(reason) => Some(reason),
     };
+    (device, left, view)
+}
+
+/// What a device and the CPU path make of the rays of a scene, and why the device leaves it to the host.
+fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw, Option<String>) {
+    let (mut device, left, view) = on_device(gpu, scene, raster, number);
+    let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
+    let binned = BinnedScene::new((scene, None), &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+    let mut host = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
+    cpu::certified(&kernel, &view, &binned, scene.spheres.colors.as_deref(), &mut host, &|| true);
     // The depths of misses are of no sphere.
     for raw in [&mut device, &mut host] {
         let Raw { id, depth, .. } = raw;
@@ -107,10 +114,9 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
     let (scene, pool) = (near_and_far(3), Pool::default());
     let tree = Tree::new(&scene.spheres.centers, &scene.spheres.radii).expect("spheres");
     let raster = Raster::centres(Window::full(scene.image.width, scene.image.height));
-    let mut found = Vec::new();
-    for (number, (block, groups, rays)) in [(BLOCK, 65_535, 600), (7, 65_535, 600), (7, 2, 600)].into_iter().enumerate()
-    {
-        gpu.resident.block = block;
+    let (mut found, rays) = (Vec::new(), 70);
+    for (number, (block, groups)) in [(BLOCK, 65_535), (7, 65_535), (7, 2)].into_iter().enumerate() {
+        (gpu.resident.block, gpu.resident.submission) = (block, 1 << 18);
         gpu.limits.max_compute_workgroups_per_dimension = groups;
         let reach = gpu.hold(&scene, number as u64).expect("a device").expect("spheres");
         let view = View::in_unit(&scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
@@ -194,7 +200,7 @@ fn places_have_the_bits_of_the_host() {
         let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
             .expect("a stage")
             .expect("a lens");
-        let (_, _, left) = both(&mut gpu, &scene, raster, number);
+        let (_, left, _) = on_device(&mut gpu, &scene, raster, number);
         assert_eq!(left, None);
         for (id, device) in gpu.records().expect("records").into_iter().enumerate() {
             let Some(device) = device else { continue };
@@ -219,17 +225,17 @@ fn what_a_device_cannot_hold_is_left_to_the_host() {
         .for_each(|n| crowd.push([f64::from(n % 256) - 128.0, f64::from(n / 256) - 128.0, 0.0], 0.4, Some([1.0; 3])));
     let scene = Scene { camera: Camera::CANONICAL, image, spheres: crowd, lighting: Default::default() };
     let raster = Raster::centres(Window::full(64, 64));
-    let (_, _, left) = both(&mut gpu, &scene, raster, 1);
+    let (_, left, _) = on_device(&mut gpu, &scene, raster, 1);
     assert!(left.as_ref().is_some_and(|reason| reason.contains("around the eye")), "{left:?}");
     let image = ImagePlane { width: 2048, height: 2048, background: [0.0; 3] };
     let mut walls = Spheres::default();
     (0..9000).for_each(|n| walls.push([0.0, 0.0, -10.0 - f64::from(n)], 2.0 + 0.2 * f64::from(n), Some([1.0; 3])));
     let scene = Scene { image, spheres: walls, ..scene };
-    let (_, _, left) = both(&mut gpu, &scene, Raster::centres(Window::full(2048, 2048)), 2);
+    let (_, left, _) = on_device(&mut gpu, &scene, Raster::centres(Window::full(2048, 2048)), 2);
     assert!(left.as_ref().is_some_and(|reason| reason.contains("large")), "{left:?}");
     gpu.limits.max_storage_buffers_per_shader_stage = 8;
     let scene = near_and_far(6);
     let full = Window::full(scene.image.width, scene.image.height);
-    let (_, _, left) = both(&mut gpu, &scene, Raster::centres(full), 3);
+    let (_, left, _) = on_device(&mut gpu, &scene, Raster::centres(full), 3);
     assert!(left.as_ref().is_some_and(|reason| reason.contains("at most 8")), "{left:?}");
 }
