@@ -1,6 +1,5 @@
 //! The promise: no dependency declares a newer Rust version than Cargo.toml, and no document or workflow names another. For
-//! crates that declare none, a CI job
-//! builds with that version.
+//! crates that declare none, a CI job builds with that version.
 
 use serde_json::Value;
 use std::process::Command;

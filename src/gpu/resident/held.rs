@@ -1,6 +1,5 @@
 //! The spheres that a device holds, in blocks that fit a binding.
 
-use super::sky::SUBMISSION;
 use crate::certify::ProjectionRecord;
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{PlacedSummary, PlacingRecord};
@@ -58,6 +57,9 @@ pub(super) struct Starts {
 
 /// Spheres of a block: 64 MiB, and 80 MiB of records.
 pub(super) const BLOCK: usize = 1 << 21;
+
+/// Rays from hits that one submission traces: some milliseconds on hardware.
+const SUBMISSION: u64 = 1 << 22;
 
 impl Default for Resident {
     fn default() -> Self {

@@ -15,8 +15,6 @@ use crate::search::tree::device_rays::DirectionRecord;
 use crate::view::{View, ViewRecord};
 use bytemuck::{Pod, Zeroable};
 
-/// Rays that one submission traces: some milliseconds on hardware.
-pub(super) const SUBMISSION: u64 = 1 << 22;
 /// The most rays of a pixel, which one invocation traces one after the other.
 const MOST: u32 = 1 << 12;
 
