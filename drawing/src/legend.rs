@@ -197,5 +197,14 @@ mod tests {
         let dark =
             picture.enumerate_pixels().filter(|(_, y, p)| *y >= below && p.0.iter().all(|level| *level < 64)).count();
         assert!(dark > 50, "{dark} dark pixels in the numbers");
+        // A mark for each number, from one end of the bar to the other.
+        let [left, top, wide, high] = BAR;
+        let is_dark = |x: &i32| picture.get_pixel(*x as u32, (top + high + 5) as u32).0.iter().all(|level| *level < 64);
+        let marks: Vec<i32> = (0..picture.width() as i32).filter(is_dark).collect();
+        for tick in 0..Legend::TICKS {
+            let at = left + wide * tick / (Legend::TICKS - 1);
+            assert!(marks.iter().any(|x| (x - at).abs() <= 1), "no mark at {at}: {marks:?}");
+        }
+        assert!(marks.len() <= 3 * Legend::TICKS as usize, "{marks:?}");
     }
 }

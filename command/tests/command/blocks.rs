@@ -143,6 +143,24 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
     }
 }
 
+/// Files are written in bands of rows.
+#[test]
+fn files_do_not_depend_on_the_size_of_bands() {
+    let formats =
+        ["exr", "npy", "npz", "pfm"].map(|format| format!("--aov depth=depth.{format} --aov normal=n.{format}"));
+    let words = format!("s.toml --size 300x200 -o picture.png {}", formats.join(" "));
+    let written = |dir: TestDir| {
+        dir.render(&words);
+        dir.files()
+    };
+    let dir = || TestDir::new(&[("s.toml", crate::test_dir::SCENE)]);
+    let [whole, bands] = [written(dir()), written(dir().in_parts(PARTS))];
+    assert_eq!(whole.len(), 10);
+    for (name, bytes) in &whole {
+        assert!(bands[name] == *bytes, "{name}");
+    }
+}
+
 /// What holds for every block is said, and what holds for some is not.
 #[test]
 fn a_word_that_selects_nothing_in_the_whole_file_is_told() {

@@ -4,6 +4,7 @@
 
 use super::format::{Bits, FileFormat};
 use super::layer::LayerFormat;
+use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::provenance::Provenance;
 use halfline::window::Window;
@@ -75,7 +76,7 @@ impl Head {
     /// A multiple of the rows that EXR compresses together.
     pub(super) fn band_rows(&self) -> usize {
         const BYTES: usize = 4 << 20;
-        (BYTES / self.rows().max(1)).max(1).next_multiple_of(EXR_ROWS)
+        (blocks::at_most(BYTES) / self.rows().max(1)).max(1).next_multiple_of(EXR_ROWS)
     }
 }
 
