@@ -115,7 +115,8 @@ fn gpu_and_cpu_agree_for_every_scene_method_and_shading() {
             }
         }
     }
-    assert!(hits > 30_000, "the scenes have hits: {hits}");
+    let enough = if count < Shade::ALL.len() { 30_000 } else { 100_000 };
+    assert!(hits > enough, "the scenes have hits: {hits}");
 }
 
 /// Negative control: one changed bit.

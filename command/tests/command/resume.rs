@@ -193,5 +193,5 @@ fn signals_leave_no_half_files() {
             renders.0.remove(&name);
         }
     }
-    assert!(ended > 0, "only {ended} of 12 renders were interrupted in {:?}", start.elapsed());
+    assert!(ended > usize::from(apart == 1), "only {ended} of 12 renders were interrupted in {:?}", start.elapsed());
 }
