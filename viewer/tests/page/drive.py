@@ -6,6 +6,7 @@
 Without --url it starts mock.py; some checks need that. Prints a line per check; exits 1 if one fails, 77 without Chromium."""
 
 import argparse
+import contextlib
 import json
 import math
 import pathlib
@@ -45,11 +46,11 @@ def near(a, b, e=1e-4):
 
 
 class Run:
-    def __init__(self, settings, program):
+    def __init__(self, settings, started):
         self.settings, self.failed, self.number = settings, 0, 0
         self.mock = None if settings.url else mock.Mock()
         self.url = settings.url or mock.serve(self.mock)
-        self.browser = browser.Browser(program)
+        self.browser = started
         self.tab = None
 
     def check(self, name, ok, detail=""):
@@ -611,23 +612,25 @@ class Run:
         return 1 if self.failed else 0
 
 
-def main():
+def options(arguments=None):
+    """What the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--url", help="of a running server, with its token; else mock.py is started")
     parser.add_argument("--select", help="an expression that the file of --url can be selected by")
     parser.add_argument("--shots", default=str(pathlib.Path(tempfile.gettempdir()) / "halfline-view"), help="the folder of the screenshots")
     parser.add_argument("--only", help="only the groups whose name has this word")
     parser.add_argument("--times", action="store_true", help="prints how long each group took")
-    settings = parser.parse_args()
+    return parser.parse_args(arguments)
+
+
+def main():
+    settings = options()
     program = browser.find()
     if not program:
         print("skipped: there is no Chromium (set CHROMIUM to its path)")
         return 77
-    run = Run(settings, program)
-    try:
-        return run.everything()
-    finally:
-        run.browser.close()
+    with contextlib.closing(browser.Browser(program)) as started:
+        return Run(settings, started).everything()
 
 
 if __name__ == "__main__":
