@@ -12,7 +12,8 @@ var<private> proved: bool;
 var<private> winner: u32; // its slot
 
 fn winner_record(slot: u32) -> Projected {
-    return projected_of(projected[slot - part.first]);
+    let v = projected[slot - part.first];
+    return projected_of(vec4<i32>(v.xy, v.z & 0x7fffffff, v.w)); // its sign says that the sphere is large: place/rectangle.wgsl
 }
 
 fn projected_detail(slot: u32) -> ProjectedDetail {
@@ -58,10 +59,11 @@ fn render(tile: vec3<u32>, index: u32) {
     }
     winner = k.slot;
     answer = certify_winner(s, k);
-    proved = k.slot == NONE || certain(answer, k);
+    // A depth without its sphere would be a miss that nothing proves.
+    proved = (k.slot == NONE && k.low == BEYOND) || (k.slot != NONE && certain(answer, k));
     if (!proved) {
         // No nearer hit lies behind this depth: the third pass of shaders/splat compares with it.
-        minima[2u * pixels + pixel] = select(0u, inverted(answer.high + VANISH), answer.hits);
+        minima[2u * pixels + pixel] = select(0u, inverted(answer.high + VANISH), answer.hits && k.slot != NONE);
     }
     keep_start(pixel, s);
     write_outputs(pixel, Ray(vec3<f32>(s.x, s.y, -1.0)), Hit(answer.offset, answer.id));

@@ -131,5 +131,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         projected[pair].w = bits.y;
     }
     projected[part.count + n] = vec4<i32>(bitcast<i32>(offset[0]), bitcast<i32>(offset[1]), bitcast<i32>(center), i32(slot));
-    cut(slot, rectangle(fixed[0], fixed[1], rho));
+    if (cut(slot, rectangle(fixed[0], fixed[1], rho))) {
+        projected[n].z = bitcast<i32>(-rho);
+    }
 }

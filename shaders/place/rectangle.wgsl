@@ -41,7 +41,18 @@ fn rectangle(x: i32, y: i32, rho: f32) -> vec4<i32> {
     return vec4<i32>(max(first, vec2<i32>(0)), min(last, vec2<i32>(i32(placing.columns), i32(placing.rows)) - vec2<i32>(1)));
 }
 
-// Whether one invocation goes through all pixels.
+// Whether one invocation goes through all pixels. Sides come first, for their product may be more than an i32.
 fn is_small(r: vec4<i32>) -> bool {
-    return any(r.zw < r.xy) || (r.z - r.x + 1) * (r.w - r.y + 1) <= SMALL;
+    let sides = r.zw - r.xy + vec2<i32>(1);
+    return any(sides < vec2<i32>(1)) || (all(sides <= vec2<i32>(SMALL)) && sides.x * sides.y <= SMALL);
+}
+
+// A rectangle is computed in f32, whose last bits may differ from kernel to kernel, so one kernel alone decides whether a sphere is
+// cut, and says so by the sign of rho.
+fn is_cut(record: vec4<i32>) -> bool {
+    return record.z < 0;
+}
+
+fn uncut(record: vec4<i32>) -> vec4<i32> {
+    return vec4<i32>(record.xy, record.z & 0x7fffffff, record.w);
 }

@@ -13,11 +13,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (place >= part.count) {
         return;
     }
-    let f = projected_of(projected[place]);
+    let f = projected_of(uncut(projected[place]));
     let whole = rectangle(f.x, f.y, f.rho);
-    let across = u32(whole.z - whole.x) / PIECE + 1u;
-    let corner = whole.xy + vec2<i32>(vec2<u32>(piece.y % across, piece.y / across) * PIECE);
-    let r = in_band(vec4<i32>(corner, min(whole.zw, corner + vec2<i32>(i32(PIECE) - 1))));
+    let corner = vec2<i32>(vec2<u32>(piece.y & 0xffffu, piece.y >> 16u) * PIECE);
+    let r = in_band(vec4<i32>(max(whole.xy, corner), min(whole.zw, corner + vec2<i32>(i32(PIECE) - 1))));
     let c = frame_constants();
     // Squares of 8 x 8 pixels, one for each invocation.
     let own = r.xy + vec2<i32>(vec2<u32>(index % 8u, index / 8u));

@@ -5,15 +5,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (n >= part.count) {
         return;
     }
+    if (projected[n].x == NOWHERE || is_cut(projected[n])) {
+        return;
+    }
     let f = projected_of(projected[n]);
-    if (f.x == NOWHERE) {
-        return;
-    }
-    let all = rectangle(f.x, f.y, f.rho);
-    if (!is_small(all)) {
-        return;
-    }
-    let r = in_band(all);
+    let r = in_band(rectangle(f.x, f.y, f.rho));
     let slot = part.first + n;
     let c = frame_constants();
     for (var row = r.y; row <= r.w; row++) {

@@ -284,6 +284,8 @@ impl Gpu {
         let details: Vec<ProjectedDetailRecord> = bytemuck::pod_collect_to_vec(details);
         let depths: Vec<f64> = bytemuck::pod_collect_to_vec(&depths[..count * size_of::<f64>()]);
         let one = |((record, detail), depth): ((ProjectedRecord, ProjectedDetailRecord), f64)| {
+            // The sign says that the sphere is cut into pieces.
+            let record = ProjectedRecord { rho: record.rho.abs(), ..record };
             (record.x != NOTHING.x).then_some(Placed { record, detail, depth })
         };
         Ok(records.into_iter().zip(details).zip(depths).map(one).collect())
