@@ -51,12 +51,16 @@ fn slopes_of(c: Frame, to: vec2<u32>) -> Slopes {
 }
 
 fn splat(c: Frame, f: Projected, slot: u32, at: vec2<u32>) {
+    let pixel = (at.y - c.first.y) * c.columns + (at.x - c.first.x);
+    // Nearly all pixels are proved.
+    if (c.mode == PAIRS_OF_UNSURE && frame_id[pixel] != UNSURE) {
+        return;
+    }
     let low = projected_low(slopes_of(c, sample_position(at)), f);
     if (low >= MISS) {
         return;
     }
     let key = inverted(low);
-    let pixel = (at.y - c.first.y) * c.columns + (at.x - c.first.x);
     if (c.mode == LEAST) {
         if (key > atomicLoad(&minima[pixel])) {
             atomicMax(&minima[pixel], key);
@@ -71,7 +75,7 @@ fn splat(c: Frame, f: Projected, slot: u32, at: vec2<u32>) {
         } else if (key > atomicLoad(&minima[second])) {
             atomicMax(&minima[second], key);
         }
-    } else if (frame_id[pixel] == UNSURE && key >= atomicLoad(&minima[2u * c.pixels + pixel])) {
+    } else if (key >= atomicLoad(&minima[2u * c.pixels + pixel])) {
         // main/certified.wgsl has left the depth that the nearest hit does not exceed.
         let place = atomicAdd(&summary[SUMMARY_PAIRS], 1u);
         if (place < PAIRS) {

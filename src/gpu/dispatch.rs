@@ -3,7 +3,7 @@
 use crate::answers::raw::Raw;
 use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
-use crate::gpu::compose::compose;
+use crate::gpu::compose::{Step, compose, compose_step};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings, is_texture};
@@ -17,6 +17,8 @@ use crate::kernel::{Kernel, KernelOutput, RaySource};
 use crate::quote::setting::{ADAPTER, BACKEND, SIZE};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
+use naga::valid::Capabilities;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
 use std::time::Instant;
@@ -45,6 +47,48 @@ pub(super) struct Pipeline {
     pub(super) compute: wgpu::ComputePipeline,
     pub(super) bindings: Vec<Binding>,
     budget: SubmissionBudget,
+}
+
+/// What a pipeline is made of.
+pub(super) enum Wanted {
+    Kernel(Kernel),
+    Step(Step),
+}
+
+/// A pipeline and what it binds.
+fn built(device: &wgpu::Device, wanted: &Wanted) -> Result<(wgpu::ComputePipeline, Vec<Binding>)> {
+    let (source, capabilities, label) = match wanted {
+        Wanted::Kernel(kernel) => (compose(kernel), crate::gpu::layout::capabilities(kernel), kernel.method.name()),
+        Wanted::Step(step) => (compose_step(*step), Capabilities::empty(), "resident"),
+    };
+    let (module, info) = validate(&source, capabilities)?;
+    let bindings = bindings(&module, &info);
+    Ok((compile(device, label, module), bindings))
+}
+
+/// Runs `work`; also the first error that the device reports meanwhile on this thread.
+fn caught<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> (T, Option<wgpu::Error>) {
+    let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
+        .map(|filter| device.push_error_scope(filter));
+    let outcome = work();
+    let mut failure = None;
+    for scope in scopes.into_iter().rev() {
+        failure = pollster::block_on(scope.pop()).or(failure);
+    }
+    (outcome, failure)
+}
+
+fn failed(summary: &AdapterSummary, failure: &wgpu::Error) -> Error {
+    match failure {
+        wgpu::Error::OutOfMemory { .. } => Error::Limits {
+            problem: format!("{} is out of memory", summary.name),
+            mend: format!("render fewer spheres, or use a smaller {SIZE}"),
+        },
+        error => Error::Adapter {
+            problem: format!("{} failed: {error}", summary.name),
+            mend: format!("use another {ADAPTER} or {BACKEND} cpu, and report this as a bug"),
+        },
+    }
 }
 
 impl Gpu {
@@ -100,27 +144,11 @@ impl Gpu {
     /// Runs `work` and converts errors that the device reports meanwhile.
     pub(super) fn guarded<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
         let device = self.open.device.clone();
-        let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
-            .map(|filter| device.push_error_scope(filter));
-        let outcome = work(self);
-        let mut failure = None;
-        for scope in scopes.into_iter().rev() {
-            failure = pollster::block_on(scope.pop()).or(failure);
-        }
+        let (outcome, failure) = caught(&device, || work(self));
         if let Some(message) = self.open.lost.lock().ok().and_then(|lost| lost.clone()) {
             return Err(Error::DeviceLost(message));
         }
-        match failure {
-            None => outcome,
-            Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::Limits {
-                problem: format!("{} is out of memory", self.summary.name),
-                mend: format!("render fewer spheres, or use a smaller {SIZE}"),
-            }),
-            Some(error) => Err(Error::Adapter {
-                problem: format!("{} failed: {error}", self.summary.name),
-                mend: format!("use another {ADAPTER} or {BACKEND} cpu, and report this as a bug"),
-            }),
-        }
+        failure.map_or(outcome, |failure| Err(failed(&self.summary, &failure)))
     }
 
     fn run_unguarded(
@@ -150,8 +178,7 @@ impl Gpu {
             let (tests, start) = (bands.tests(&band), Instant::now());
             timings.time("trace", || self.dispatch(kernel, &record, &band))?;
             // Wall time includes the uploads before the submission, and for the first band the driver's compile time.
-            let clocked = self.clock.as_ref().and_then(Clock::last).map(|ms| ms * 1e-3);
-            let seconds = clocked.unwrap_or_else(|| start.elapsed().as_secs_f64());
+            let seconds = self.seconds(start);
             tracing::debug!(band.first, band.count, tests, seconds, "submitted");
             if let Some(pipeline) = self.pipelines.get_mut(kernel) {
                 pipeline.budget.took(tests, seconds);
@@ -192,11 +219,35 @@ impl Gpu {
         if self.pipelines.contains_key(kernel) {
             return Ok(());
         }
-        let source = compose(kernel);
-        let (module, info) = validate(&source, crate::gpu::layout::capabilities(kernel))?;
-        let bindings = bindings(&module, &info);
-        let compute = compile(&self.open.device, kernel.method.name(), module);
+        let (compute, bindings) = built(&self.open.device, &Wanted::Kernel(*kernel))?;
         self.pipelines.insert(*kernel, Pipeline { compute, bindings, budget: self.budget });
+        Ok(())
+    }
+
+    /// Compiles what is missing, side by side: a driver takes a tenth of a second or more for each.
+    pub(super) fn pipelines(&mut self, wanted: impl IntoIterator<Item = Wanted>) -> Result<()> {
+        let is_missing = |wanted: &Wanted| match wanted {
+            Wanted::Kernel(kernel) => !self.pipelines.contains_key(kernel),
+            Wanted::Step(step) => !self.resident.steps.0.contains_key(step),
+        };
+        let missing: Vec<Wanted> = wanted.into_iter().filter(is_missing).collect();
+        let (device, summary) = (&self.open.device, &self.summary);
+        // Scopes of errors belong to threads.
+        let one = |wanted: &Wanted| match caught(device, || built(device, wanted)) {
+            (made, None) => made,
+            (_, Some(failure)) => Err(failed(summary, &failure)),
+        };
+        let made = missing.par_iter().map(one).collect::<Result<Vec<_>>>()?;
+        for (wanted, (compute, bindings)) in missing.into_iter().zip(made) {
+            match wanted {
+                Wanted::Kernel(kernel) => {
+                    self.pipelines.insert(kernel, Pipeline { compute, bindings, budget: self.budget });
+                }
+                Wanted::Step(step) => {
+                    self.resident.steps.0.insert(step, (compute, bindings));
+                }
+            }
+        }
         Ok(())
     }
 
@@ -244,27 +295,83 @@ impl Gpu {
             .iter()
             .map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: self.bound(b.name, kernel, pixels) })
             .collect();
-        let times = self.clock.as_ref().map(Clock::writes);
-        let mut encoder = self.record(&pipeline.compute, &entries, groups, times);
+        let mut encoder = self.record(&pipeline.compute, &entries, groups, self.times());
         for output in KernelOutput::of(kernel).filter(|_| !self.direct) {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes());
         }
-        if let Some(clock) = &self.clock {
+        self.finish(encoder, true, |gpu| gpu.ask(kernel, pixels))
+    }
+
+    /// Submits commands, asks for the mapping of buffers, and waits for all of it. `timed` if a pass of the commands writes the
+    /// clock's timestamps.
+    pub(super) fn finish(
+        &mut self,
+        mut encoder: wgpu::CommandEncoder,
+        timed: bool,
+        ask: impl FnOnce(&Self),
+    ) -> Result<()> {
+        let clock = self.clock.as_ref().filter(|_| timed);
+        if let Some(clock) = clock {
             clock.resolve(&mut encoder);
         }
         let commands = encoder.finish();
         let start = Instant::now();
         self.open.queue.submit([commands]);
-        if let Some(clock) = &self.clock {
+        if let Some(clock) = clock {
             clock.ask();
         }
+        ask(self);
         self.wait()?;
         self.traffic.busy += start.elapsed();
-        if let Some(clock) = &mut self.clock {
+        if let Some(clock) = self.clock.as_mut().filter(|_| timed) {
             clock.add();
         }
         Ok(())
+    }
+
+    /// Submits commands that leave `size` bytes in a buffer for reading; its numbers.
+    pub(super) fn fetch(
+        &mut self,
+        encoder: wgpu::CommandEncoder,
+        timed: bool,
+        name: &'static str,
+        size: u64,
+    ) -> Result<Vec<u32>> {
+        self.finish(encoder, timed, |gpu| gpu.buffers[name].map_async(wgpu::MapMode::Read, 0..size, |_| {}))?;
+        self.take(name, size)
+    }
+
+    /// The first numbers of a buffer whose mapping was asked for before the last wait.
+    pub(super) fn take(&mut self, name: &'static str, size: u64) -> Result<Vec<u32>> {
+        let buffer = &self.buffers[name];
+        let numbers = bytemuck::pod_collect_to_vec(&mapped(buffer, size)?);
+        buffer.unmap();
+        self.traffic.down += size;
+        Ok(numbers)
+    }
+
+    /// Where a pass writes its timestamps, if the device has a clock.
+    pub(super) fn times(&self) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        self.clock.as_ref().map(Clock::writes)
+    }
+
+    /// Seconds of the last timed pass, by the device's clock if it has one, else since `start`.
+    pub(super) fn seconds(&self, start: Instant) -> f64 {
+        let clocked = self.clock.as_ref().and_then(Clock::last).map(|ms| ms * 1e-3);
+        clocked.unwrap_or_else(|| start.elapsed().as_secs_f64())
+    }
+
+    /// The buffer in which the host reads an output.
+    fn read_from(&self, output: &KernelOutput) -> &wgpu::Buffer {
+        &self.buffers[if self.direct { output.name } else { output.staging }]
+    }
+
+    /// Requests the mapping of the outputs, which completes with the next wait.
+    pub(super) fn ask(&self, kernel: &Kernel, pixels: u64) {
+        for output in KernelOutput::of(kernel) {
+            self.read_from(output).map_async(wgpu::MapMode::Read, 0..pixels * output.bytes(), |_| {});
+        }
     }
 
     /// A dispatch that is recorded and not yet submitted.
@@ -288,7 +395,7 @@ impl Gpu {
         encoder
     }
 
-    /// `first_entry` is where the band's lists begin among those of the frame.
+    /// Takes the outputs that [`Gpu::ask`] mapped. `first_entry` is where the band's lists begin among those of the frame.
     pub(super) fn read_back(
         &mut self,
         kernel: &Kernel,
@@ -299,21 +406,12 @@ impl Gpu {
     ) -> Result<()> {
         let row = if kernel.rays == RaySource::Camera { record.columns as usize } else { 1 };
         let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
-        let from = |output: &KernelOutput| if self.direct { output.name } else { output.staging };
-        let read: Vec<_> = KernelOutput::of(kernel).collect();
-        for output in &read {
-            self.buffers[from(output)].map_async(wgpu::MapMode::Read, 0..pixels as u64 * output.bytes(), |_| {});
-        }
-        self.wait()?;
-        for output in &read {
-            let staging = &self.buffers[from(output)];
-            {
-                let bytes = pixels as u64 * output.bytes();
-                let mapped = mapped(staging, bytes)?;
-                self.traffic.down += bytes;
-                raw.store(output.name, first, pixels, &mapped);
-            }
-            staging.unmap();
+        for output in KernelOutput::of(kernel) {
+            let bytes = pixels as u64 * output.bytes();
+            let buffer = self.read_from(output);
+            raw.store(output.name, first, pixels, &mapped(buffer, bytes)?);
+            buffer.unmap();
+            self.traffic.down += bytes;
         }
         if kernel.winners && first_entry > 0 {
             raw.move_slots(first..first + pixels, first_entry);

@@ -9,6 +9,8 @@ pub(crate) mod steps;
 mod tests;
 
 use super::Gpu;
+use super::compose::Step;
+use super::dispatch::Wanted;
 use super::input::{Input, KernelRays, Output};
 use super::sizes::{HOST_SPHERES, PAIRS, PIECES};
 use super::transfers::{Band, Entries};
@@ -21,7 +23,6 @@ use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::search::tile_candidates::CandidateList;
 use crate::tile::TILE;
-use crate::view::ray::UNSURE;
 use crate::view::{View, ViewRecord};
 use held::{Held, PlacedFor, Reach, Starts};
 
@@ -88,6 +89,10 @@ impl Gpu {
     ) -> Result<Rendered> {
         let ResidentFrame { scene, view, placer, .. } = frame;
         self.forget_hits();
+        // What nearly every frame needs, side by side; the kernel without general spheres is a guess.
+        let expected = Kernel { sharing: Sharing::None, generals: Generals::None, ..*kernel };
+        let steps = [Step::Place, Step::Small { samples: kernel.samples }].map(Wanted::Step);
+        output.timings.time("pipeline", || self.pipelines(steps.into_iter().chain([Wanted::Kernel(expected)])))?;
         let mut binned = match output.timings.time("place", || self.place(frame))? {
             Ok(binned) => binned,
             Err(reason) => return Ok(Rendered::Left(reason)),
@@ -104,7 +109,9 @@ impl Gpu {
         if bound > most as usize {
             return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
         }
-        output.timings.time("pipeline", || self.pipeline(&kernel))?;
+        let large = self.resident.held.as_ref().is_some_and(|held| held.pieces > 0);
+        let large = large.then_some(Wanted::Step(Step::Large { samples: kernel.samples }));
+        output.timings.time("pipeline", || self.pipelines(large.into_iter().chain([Wanted::Kernel(kernel)])))?;
         let candidates = Some(CandidateList::Certified(&binned));
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing, candidates };
         output.timings.time("upload", || self.upload_resident(&kernel, &input))?;
@@ -128,14 +135,11 @@ impl Gpu {
             self.know_lists(generals == Generals::Lists && band.count == record.rows);
             output.timings.time("trace", || self.trace_band(&kernel, &record, &band))?;
             output.timings.time("readback", || self.read_back(&kernel, &record, &band, 0, output.raw))?;
-            let (before, pixels) = (band.before(&kernel, &record) as usize, (band.count * record.columns) as usize);
-            if output.raw.id[before..before + pixels].contains(&UNSURE) {
-                let found = output.timings.time("pairs", || self.pairs(&kernel, &record, &band))?;
-                let Some(found) = found else {
-                    return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
-                };
-                pairs.extend(found.into_iter().map(|[pixel, slot]| [pixel + before as u32, slot]));
-            }
+            let Some(found) = self.take_pairs()? else {
+                return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
+            };
+            let before = band.before(&kernel, &record) as u32;
+            pairs.extend(found.into_iter().map(|[pixel, slot]| [pixel + before, slot]));
             first += band.count;
         }
         if asked_for_starts {
@@ -263,14 +267,5 @@ impl Gpu {
         let done = self.submit_steps(kernel, &held, pixels, record.tiles());
         self.resident.held = Some(held);
         done
-    }
-
-    /// The spheres at the unsure pixels of the band that was traced last: pixel and slot; `None` where there are too many.
-    fn pairs(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<Option<Vec<[u32; 2]>>> {
-        let pixels = u64::from(band.count) * u64::from(record.columns);
-        let Some(held) = self.resident.held.take() else { return Ok(None) };
-        let found = self.submit_pairs(kernel, &held, pixels);
-        self.resident.held = Some(held);
-        found
     }
 }

@@ -42,6 +42,12 @@ impl SubmissionBudget {
         Self { seconds_per_test: Some(1.0), trusted: 0.0, bound: 0.0 }
     }
 
+    /// A budget whose first band costs at most so much.
+    #[cfg(test)]
+    pub(crate) fn starting(trusted: f64) -> Self {
+        Self { trusted, ..Self::default() }
+    }
+
     /// The tests that the next band may cost, out of `left`.
     pub(super) fn next(&self, left: f64) -> f64 {
         let Some(seconds) = self.seconds_per_test else { return self.trusted };

@@ -10,6 +10,7 @@ use crate::gpu::compose::Step;
 use crate::gpu::device::Open;
 use crate::gpu::layout::Binding;
 use crate::gpu::sizes::{HOST_SPHERES, SUMMARY_LIST};
+use crate::gpu::submission_budget::SubmissionBudget;
 use crate::scene::Spheres;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
@@ -20,18 +21,18 @@ use std::collections::HashMap;
 
 /// The pipelines of the steps.
 #[derive(Default)]
-pub(super) struct Steps(pub(super) HashMap<Step, (wgpu::ComputePipeline, Vec<Binding>)>);
+pub(in crate::gpu) struct Steps(pub(in crate::gpu) HashMap<Step, (wgpu::ComputePipeline, Vec<Binding>)>);
 
 /// What the device holds from frame to frame.
 pub(crate) struct Resident {
     pub(super) held: Option<Held>,
-    pub(super) steps: Steps,
+    pub(in crate::gpu) steps: Steps,
     /// The frame whose hits lie on the device, for rays from there, or why they do not.
     pub(super) starts: Option<Result<Starts, &'static str>>,
     /// Spheres of a block.
     pub(super) block: usize,
-    /// Rays from hits that one submission traces.
-    pub(super) submission: u64,
+    /// For rays from hits.
+    pub(super) sky: SubmissionBudget,
     /// Blocks leave their minima in the reverse order.
     #[cfg(test)]
     pub(super) reversed: bool,
@@ -58,9 +59,6 @@ pub(super) struct Starts {
 /// Spheres of a block: 64 MiB, and 80 MiB of records.
 pub(super) const BLOCK: usize = 1 << 21;
 
-/// Rays from hits that one submission traces: some milliseconds on hardware.
-const SUBMISSION: u64 = 1 << 22;
-
 impl Default for Resident {
     fn default() -> Self {
         Self {
@@ -68,7 +66,7 @@ impl Default for Resident {
             steps: Steps::default(),
             starts: None,
             block: BLOCK,
-            submission: SUBMISSION,
+            sky: SubmissionBudget::default(),
             #[cfg(test)]
             reversed: false,
         }

@@ -7,16 +7,20 @@ use crate::answers::lit::Traced;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
-use crate::gpu::dispatch::READING;
+use crate::gpu::dispatch::{READING, Wanted};
 use crate::gpu::input::GROUP;
 use crate::gpu::texture::texture;
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::view::{View, ViewRecord};
 use bytemuck::{Pod, Zeroable};
+use std::time::Instant;
 
 /// The most rays of a pixel, which one invocation traces one after the other.
 const MOST: u32 = 1 << 12;
+
+/// The cost of a ray in ray-sphere tests, for the budget of submissions.
+const PER_RAY: f64 = 128.0;
 
 /// What is traced from the hits of the frame that was rendered last.
 #[derive(Clone, Copy)]
@@ -115,7 +119,7 @@ impl Gpu {
         if held.tree.is_none() {
             held.tree = Some(self.hold_tree(asked.tree)?);
         }
-        self.step(Step::Sky)?;
+        self.pipelines([Wanted::Step(Step::Sky)])?;
         let pixels = asked.view.record.pixels() as u64;
         let bytes = 4 * pixels * Traced::words_of(asked.each() as usize) as u64;
         self.check_size("rays to the sky", bytes)?;
@@ -130,12 +134,14 @@ impl Gpu {
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));
         self.open.queue.submit([encoder.finish()]);
-        let together = (self.resident.submission / u64::from(asked.each())).max(1);
-        for first in (0..pixels).step_by(together as usize) {
+        let each = PER_RAY * f64::from(asked.each());
+        let mut first = 0;
+        while first < pixels {
             if !go_on(first) {
                 return Err(Error::Interrupted);
             }
-            let end = (first + together).min(pixels);
+            let together = self.resident.sky.next(each * (pixels - first) as f64) / each;
+            let end = (first + (together as u64).max(1)).min(pixels);
             let groups = ((end - first) as u32).div_ceil(GROUP);
             let groups = spread(groups, self.limits.max_compute_workgroups_per_dimension);
             let part = SkyRecord {
@@ -157,12 +163,15 @@ impl Gpu {
                 unused_rest: 0.0,
             };
             self.refill("sky", bytemuck::bytes_of(&part))?;
+            let start = Instant::now();
             self.submit_sky(held, groups)?;
+            let seconds = self.seconds(start);
+            self.resident.sky.took(each * (end - first) as f64, seconds);
+            first = end;
         }
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.buffers["open"], 0, &self.buffers["read open"], 0, bytes);
-        self.finish(encoder)?;
-        self.read("read open", bytes)
+        self.fetch(encoder, false, "read open", bytes)
     }
 
     /// One dispatch.
@@ -176,8 +185,8 @@ impl Gpu {
         };
         let entries: Vec<_> =
             bindings.iter().map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: bound(b.name) }).collect();
-        let encoder = self.record(pipeline, &entries, groups, None);
-        self.finish(encoder)
+        let encoder = self.record(pipeline, &entries, groups, self.times());
+        self.finish(encoder, true, |_| {})
     }
 
     /// Sends a tree.

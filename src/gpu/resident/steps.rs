@@ -5,16 +5,14 @@ use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{NOTHING, Placed};
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::gpu::compose::{Step, compose_step};
-use crate::gpu::dispatch::{READING, mapped};
+use crate::gpu::compose::Step;
+use crate::gpu::dispatch::{Pipeline, READING, Wanted};
 use crate::gpu::input::GROUP;
-use crate::gpu::layout::{Binding, bindings};
+use crate::gpu::layout::Binding;
 use crate::gpu::sizes::{HOST_SPHERES, PAIRS, PIECES, SUMMARY_LIST};
-use crate::gpu::validate::{compile, validate};
+use crate::intersect::Method;
 use crate::kernel::{Kernel, KernelOutput};
 use bytemuck::{Pod, Zeroable};
-use naga::valid::Capabilities;
-use std::time::Instant;
 
 /// A block of spheres in one dispatch, declared in shaders/place/placing.wgsl.
 #[repr(C)]
@@ -34,6 +32,9 @@ pub(crate) struct BlockPass {
 const LEAST: u32 = 0;
 const SLOTS: u32 = 1;
 const PAIRS_OF_UNSURE: u32 = 2;
+
+/// Spheres for the host, and pairs, that come back with the submission that counts them.
+const FIRST: u32 = 1 << 12;
 
 /// A dispatch: a pipeline, what it binds of a block, and its workgroups.
 struct Job<'a> {
@@ -79,7 +80,7 @@ impl Gpu {
 
     /// Runs a step for some blocks and reads the summary.
     fn summarize(&mut self, blocks: &[&Block], step: Step) -> Result<Vec<u32>> {
-        self.step(step)?;
+        self.pipelines([Wanted::Step(step)])?;
         let most = self.limits.max_compute_workgroups_per_dimension;
         let mut jobs = Vec::new();
         let mut parts = Vec::new();
@@ -90,23 +91,27 @@ impl Gpu {
         }
         self.fill_of_parts(&parts)?;
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        self.encode(&mut encoder, &jobs, None);
-        let head = 4 * u64::from(SUMMARY_LIST);
-        encoder.copy_buffer_to_buffer(&self.buffers["summary"], 0, &self.buffers["read summary"], 0, head);
-        self.finish(encoder)?;
-        let mut numbers = self.read("read summary", head)?;
-        let host = numbers[4].min(HOST_SPHERES);
-        if host > 0 {
-            let size = 4 * u64::from(SUMMARY_LIST + host);
-            let mut encoder = self.open.device.create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_buffer(&self.buffers["summary"], 0, &self.buffers["read summary"], 0, size);
-            self.finish(encoder)?;
-            numbers = self.read("read summary", size)?;
+        {
+            let mut pass = self.pass(&mut encoder);
+            self.encode(&mut pass, &jobs, &Kernel::bare(Method::Stable), 1);
         }
-        Ok(numbers)
+        let size = |host: u32| 4 * u64::from(SUMMARY_LIST + host);
+        let copy = |gpu: &Self, encoder: &mut wgpu::CommandEncoder, host: u32| {
+            let [from, to] = ["summary", "read summary"].map(|name| &gpu.buffers[name]);
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, size(host));
+        };
+        copy(self, &mut encoder, FIRST);
+        let numbers = self.fetch(encoder, true, "read summary", size(FIRST))?;
+        let host = numbers[4].min(HOST_SPHERES);
+        if host <= FIRST {
+            return Ok(numbers);
+        }
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        copy(self, &mut encoder, host);
+        self.fetch(encoder, false, "read summary", size(host))
     }
 
-    /// Both passes of minima and the kernel that certifies.
+    /// Both passes of minima, the kernel that certifies, and the pass that finds the spheres of pixels that are not proved.
     pub(super) fn submit_steps(
         &mut self,
         kernel: &Kernel,
@@ -116,8 +121,10 @@ impl Gpu {
     ) -> Result<()> {
         let (mut jobs, mut parts) = (Vec::new(), Vec::new());
         for mode in [LEAST, SLOTS] {
-            self.splats(kernel, held, mode, &mut jobs, &mut parts)?;
+            self.splats(kernel, held, mode, &mut jobs, &mut parts);
         }
+        let minima = jobs.len();
+        self.splats(kernel, held, PAIRS_OF_UNSURE, &mut jobs, &mut parts);
         let firsts: Vec<u64> = held
             .blocks
             .iter()
@@ -127,65 +134,64 @@ impl Gpu {
             })
             .collect();
         self.fill_of_parts(&parts)?;
+        self.reserve("read pairs", 8 * u64::from(FIRST), READING);
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.buffers["minima"], 0, Some(12 * pixels));
-        self.encode(&mut encoder, &jobs, Some(pixels));
-        let [columns, rows] = tiles.map(|[first, last]| last - first + 1);
-        let pipeline = &self.pipelines[kernel];
+        encoder.clear_buffer(&self.buffers["summary"], 4 * 6, Some(4));
         {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&pipeline.compute);
+            let mut pass = self.pass(&mut encoder);
+            self.encode(&mut pass, &jobs[..minima], kernel, pixels);
+            let [columns, rows] = tiles.map(|[first, last]| last - first + 1);
+            let Pipeline { compute, bindings, .. } = &self.pipelines[kernel];
+            pass.set_pipeline(compute);
             for (block, part) in held.blocks.iter().zip(firsts) {
-                let layout = pipeline.compute.get_bind_group_layout(0);
-                let entries: Vec<_> =
-                    pipeline.bindings.iter().map(|b| self.entry(b, block, part, kernel, pixels)).collect();
-                let group = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
-                pass.set_bind_group(0, &self.open.device.create_bind_group(&group), &[]);
+                pass.set_bind_group(0, &self.group(compute, bindings, (block, part), kernel, pixels), &[]);
                 pass.dispatch_workgroups(columns, rows, 1);
             }
+            self.encode(&mut pass, &jobs[minima..], kernel, pixels);
         }
         for output in KernelOutput::of(kernel).filter(|_| !self.direct) {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes());
         }
-        self.finish(encoder)
+        let counted = [("summary", "read summary", 32), ("pairs", "read pairs", 8 * u64::from(FIRST))];
+        for (from, to, size) in counted {
+            encoder.copy_buffer_to_buffer(&self.buffers[from], 0, &self.buffers[to], 0, size);
+        }
+        self.finish(encoder, true, |gpu| {
+            gpu.ask(kernel, pixels);
+            for (_, name, size) in counted {
+                gpu.buffers[name].map_async(wgpu::MapMode::Read, 0..size, |_| {});
+            }
+        })
     }
 
-    /// The pass that finds the spheres of unsure pixels.
-    pub(super) fn submit_pairs(&mut self, kernel: &Kernel, held: &Held, pixels: u64) -> Result<Option<Vec<[u32; 2]>>> {
-        let (mut jobs, mut parts) = (Vec::new(), Vec::new());
-        self.splats(kernel, held, PAIRS_OF_UNSURE, &mut jobs, &mut parts)?;
-        self.fill_of_parts(&parts)?;
-        self.open.queue.write_buffer(&self.buffers["summary"], 4 * 6, &[0; 4]);
-        let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        self.encode(&mut encoder, &jobs, Some(pixels));
-        encoder.copy_buffer_to_buffer(&self.buffers["summary"], 0, &self.buffers["read summary"], 0, 32);
-        self.finish(encoder)?;
-        let count = self.read("read summary", 32)?[6];
+    /// The spheres at pixels that are not proved, after [`Gpu::submit_steps`]: pixel and slot; `None` where there are too many.
+    pub(super) fn take_pairs(&mut self) -> Result<Option<Vec<[u32; 2]>>> {
+        let count = self.take("read summary", 32)?[6];
+        let mut numbers = self.take("read pairs", 8 * u64::from(FIRST))?;
         if count > PAIRS {
             return Ok(None);
         }
-        if count == 0 {
-            return Ok(Some(Vec::new()));
+        if count > FIRST {
+            let size = 8 * u64::from(count);
+            self.reserve("read pairs", size, READING);
+            let mut encoder = self.open.device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(&self.buffers["pairs"], 0, &self.buffers["read pairs"], 0, size);
+            numbers = self.fetch(encoder, false, "read pairs", size)?;
         }
-        let size = 8 * u64::from(count);
-        self.reserve("read pairs", size, READING);
-        let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(&self.buffers["pairs"], 0, &self.buffers["read pairs"], 0, size);
-        self.finish(encoder)?;
-        let numbers = self.read("read pairs", size)?;
-        Ok(Some(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()))
+        Ok(Some(numbers.chunks_exact(2).take(count as usize).map(|pair| [pair[0], pair[1]]).collect()))
     }
 
     /// The dispatches of a pass of all spheres over the pixels.
     fn splats<'a>(
-        &mut self,
+        &self,
         kernel: &Kernel,
         held: &'a Held,
         mode: u32,
         jobs: &mut Vec<Job<'a>>,
         parts: &mut Vec<BlockPass>,
-    ) -> Result<()> {
+    ) {
         let most = self.limits.max_compute_workgroups_per_dimension;
         let samples = kernel.samples;
         #[cfg(test)]
@@ -204,20 +210,6 @@ impl Gpu {
         if self.resident.reversed {
             jobs[first..].reverse();
         }
-        self.step(Step::Small { samples })?;
-        self.step(Step::Large { samples })
-    }
-
-    /// Compiles a step.
-    pub(super) fn step(&mut self, step: Step) -> Result<()> {
-        if self.resident.steps.0.contains_key(&step) {
-            return Ok(());
-        }
-        let (module, info) = validate(&compose_step(step), Capabilities::empty())?;
-        let bindings = bindings(&module, &info);
-        let pipeline = compile(&self.open.device, "resident", module);
-        self.resident.steps.0.insert(step, (pipeline, bindings));
-        Ok(())
     }
 
     /// Bytes between the parts of different dispatches in their buffer.
@@ -234,19 +226,33 @@ impl Gpu {
         self.refill("part", &bytes)
     }
 
-    fn encode(&self, encoder: &mut wgpu::CommandEncoder, jobs: &[Job<'_>], pixels: Option<u64>) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+    /// A pass that the clock times.
+    fn pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::ComputePass<'a> {
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes: self.times() })
+    }
+
+    fn encode(&self, pass: &mut wgpu::ComputePass<'_>, jobs: &[Job<'_>], kernel: &Kernel, pixels: u64) {
         for job in jobs {
             let (pipeline, bindings) = &self.resident.steps.0[&job.step];
-            let layout = pipeline.get_bind_group_layout(0);
-            let kernel = Kernel::bare(crate::intersect::Method::Stable);
-            let entries: Vec<_> =
-                bindings.iter().map(|b| self.entry(b, job.block, job.part, &kernel, pixels.unwrap_or(1))).collect();
-            let group = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &self.open.device.create_bind_group(&group), &[]);
+            pass.set_bind_group(0, &self.group(pipeline, bindings, (job.block, job.part), kernel, pixels), &[]);
             pass.dispatch_workgroups(job.groups.0, job.groups.1, 1);
         }
+    }
+
+    /// What a pipeline binds of a block and its part.
+    fn group(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        bindings: &[Binding],
+        (block, part): (&Block, u64),
+        kernel: &Kernel,
+        pixels: u64,
+    ) -> wgpu::BindGroup {
+        let layout = pipeline.get_bind_group_layout(0);
+        let entries: Vec<_> = bindings.iter().map(|b| self.entry(b, block, part, kernel, pixels)).collect();
+        let group = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
+        self.open.device.create_bind_group(&group)
     }
 
     fn entry<'a>(
@@ -276,8 +282,7 @@ impl Gpu {
         self.reserve("read records", size, READING);
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&block.projected, 0, &self.buffers["read records"], 0, size);
-        self.finish(encoder)?;
-        let bytes: Vec<u8> = bytemuck::cast_slice(&self.read("read records", size)?).to_vec();
+        let bytes: Vec<u8> = bytemuck::cast_slice(&self.fetch(encoder, false, "read records", size)?).to_vec();
         let (records, rest) = bytes.split_at(count * size_of::<ProjectedRecord>());
         let (details, depths) = rest.split_at(count * size_of::<ProjectedDetailRecord>());
         let records: Vec<ProjectedRecord> = bytemuck::pod_collect_to_vec(records);
@@ -289,27 +294,6 @@ impl Gpu {
             (record.x != NOTHING.x).then_some(Placed { record, detail, depth })
         };
         Ok(records.into_iter().zip(details).zip(depths).map(one).collect())
-    }
-
-    /// Submits and waits.
-    pub(super) fn finish(&mut self, encoder: wgpu::CommandEncoder) -> Result<()> {
-        let commands = encoder.finish();
-        let start = Instant::now();
-        self.open.queue.submit([commands]);
-        let done = self.wait();
-        self.traffic.busy += start.elapsed();
-        done
-    }
-
-    /// The first numbers of a buffer for reading.
-    pub(super) fn read(&mut self, name: &'static str, size: u64) -> Result<Vec<u32>> {
-        let buffer = &self.buffers[name];
-        buffer.map_async(wgpu::MapMode::Read, 0..size, |_| {});
-        self.wait()?;
-        let numbers = bytemuck::pod_collect_to_vec(&mapped(buffer, size)?);
-        buffer.unmap();
-        self.traffic.down += size;
-        Ok(numbers)
     }
 }
 

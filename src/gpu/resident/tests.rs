@@ -9,6 +9,7 @@ use crate::certify::TERMS;
 use crate::cpu;
 use crate::frame::report::Timings;
 use crate::gpu::device;
+use crate::gpu::submission_budget::SubmissionBudget;
 use crate::intersect::Method;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Spheres};
@@ -18,6 +19,7 @@ use crate::shade::Shade;
 use crate::testing::{Rng, adapter_or_skip, near_and_far};
 use crate::view::directions::SkyDirections;
 use crate::view::raster::Raster;
+use crate::view::ray::UNSURE;
 use crate::window::Window;
 
 /// A device of the pinned adapter.
@@ -116,7 +118,7 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
     let raster = Raster::centres(Window::full(scene.image.width, scene.image.height));
     let (mut found, rays) = (Vec::new(), 70);
     for (number, (block, groups)) in [(BLOCK, 65_535), (7, 65_535), (7, 2)].into_iter().enumerate() {
-        (gpu.resident.block, gpu.resident.submission) = (block, 1 << 18);
+        (gpu.resident.block, gpu.resident.sky) = (block, SubmissionBudget::starting(1e6));
         gpu.limits.max_compute_workgroups_per_dimension = groups;
         let reach = gpu.hold(&scene, number as u64).expect("a device").expect("spheres");
         let view = View::in_unit(&scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
