@@ -8,6 +8,7 @@ use halfline_drawing::canvas;
 use halfline_drawing::cells::Cells;
 use plotters::coord::ranged1d::{BoldPoints, Ranged, ValueFormatter};
 use roxmltree::Document;
+use std::sync::LazyLock;
 
 fn samples() -> [Record; 3] {
     [sample::ladder(), sample::scene(), sample::families()]
@@ -15,6 +16,13 @@ fn samples() -> [Record; 3] {
 
 fn drawn(record: &Record) -> Vec<Plot> {
     plots(record).expect("every plot can be drawn")
+}
+
+/// The samples with their plots, drawn once for all tests that only look at them.
+fn shown() -> &'static [(Record, Vec<Plot>)] {
+    static SHOWN: LazyLock<Vec<(Record, Vec<Plot>)>> =
+        LazyLock::new(|| samples().into_iter().map(|record| (record.clone(), drawn(&record))).collect());
+    &SHOWN
 }
 
 #[test]
@@ -39,8 +47,8 @@ fn plots_are_well_formed_and_say_what_they_show() {
         ("heat", ["in a cell", "a wrong pixel in the cell"]),
         ("crops", ["distance / radius", "false miss"]),
     ];
-    for record in samples() {
-        for plot in drawn(&record) {
+    for (record, plots) in shown() {
+        for plot in plots {
             let document = Document::parse(&plot.svg).unwrap_or_else(|error| panic!("{}: {error}", plot.name));
             let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
             let says = |words: &str| assert!(texts.iter().any(|text| text.contains(words)), "{}: {words}", plot.name);
@@ -57,8 +65,8 @@ fn plots_are_well_formed_and_say_what_they_show() {
 
 #[test]
 fn the_png_shows_the_plot() {
-    for record in samples() {
-        for plot in drawn(&record) {
+    for (_, plots) in shown() {
+        for plot in plots {
             let picture = image::load_from_memory(&plot.png).expect("a readable PNG").to_rgb8();
             assert_eq!(picture.width(), 2000, "{}", plot.name);
             let inked = picture.pixels().filter(|pixel| pixel.0 != [255; 3]).count();
@@ -85,9 +93,8 @@ fn text_is_drawn_without_system_fonts() {
 
 #[test]
 fn the_same_record_gives_the_same_bytes() {
-    for record in samples() {
-        let (first, second) = (drawn(&record), drawn(&record));
-        assert_eq!(first, second);
+    for (record, plots) in shown() {
+        assert_eq!(drawn(record), *plots);
     }
 }
 
