@@ -22,6 +22,11 @@ fn keep(k: Best, ray: CertifiedRay, place: u32, bounds: Bounds) -> Best {
     return Best(k.low, k.high, k.place, min(k.rival, bounds.low), k.limit);
 }
 
+// What is left to the host.
+fn undecided() -> Best {
+    return Best(MISS, MISS, NONE, 0.0, 0.0);
+}
+
 // The place of the sphere that is hit, NONE or UNSURE.
 fn answer(k: Best) -> u32 {
     return select(UNSURE, k.place, k.rival > k.high || (k.place == NONE && k.rival == MISS));

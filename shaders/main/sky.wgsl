@@ -14,11 +14,11 @@ struct Sky {
     sure_limit: f32,   // of rays toward the sky
     limit: f32,
     unit: f32,         // the frame's unit in that of the tree; 0 where ways from the eye are of no use
-    unused: f32,
+    steps: u32,        // of the tree in an invocation; beyond them the host traces the pixel
     eye: vec3<i32>,    // on the grid of places: whole steps, and the rest
-    unused_eye: i32,
+    first_ray: u32,    // the first ray of each pixel in this dispatch, and one past the last
     eye_rest: vec3<f32>,
-    unused_rest: f32,
+    end_ray: u32,
 }
 
 @group(0) @binding(BIND_SKY) var<uniform> sky: Sky;
@@ -146,20 +146,30 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let words = pixel * ((each >> 5u) + 1u);
+    if (((open[words + (each >> 5u)] >> (each & 31u)) & 1u) == 1u) {
+        return;
+    }
     var unsure = id == UNSURE || starts[2u * pixel].w <= 0.0;
     if (!unsure) {
         own = places[id];
         local_index = index;
         let start = start_of(pixel, at);
         let spheres_level = level_of_spheres();
-        var next = next_ray(start, 0u);
+        var next = next_ray(start, sky.first_ray);
         var best = begin(next.ray);
         var position = Position(select(NOWHERE, 0u, next.found == NONE), 0u, 0u);
-        var number = 0u;
+        var number = sky.first_ray;
         var bits = 0u;
+        var steps = 0u;
         loop {
-            while (position.level < spheres_level) {
+            while (position.level < spheres_level && steps < sky.steps) {
                 position = descend(position, next.seen, best.limit);
+                steps++;
+            }
+            steps++;
+            if (steps > sky.steps) {
+                unsure = true;
+                break;
             }
             if (position.level != NOWHERE) {
                 if (position.place != own) {
@@ -172,11 +182,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 unsure = found == UNSURE;
                 bits |= select(0u, 1u, found == NONE) << (number & 31u);
                 number++;
-                if (unsure || number == each) {
+                if (unsure || number == sky.end_ray) {
                     break;
                 }
                 if ((number & 31u) == 0u) {
-                    open[words + (number >> 5u) - 1u] = bits;
+                    open[words + (number >> 5u) - 1u] |= bits;
                     bits = 0u;
                 }
                 next = next_ray(start, number);
@@ -184,7 +194,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 position = Position(select(NOWHERE, 0u, next.found == NONE), 0u, 0u);
             }
         }
-        open[words + ((number - 1u) >> 5u)] = bits;
+        open[words + ((max(number, 1u) - 1u) >> 5u)] |= bits;
     }
     if (unsure) {
         open[words + (each >> 5u)] |= 1u << (each & 31u);

@@ -53,7 +53,8 @@ struct BlockPass {
 
 // What the blocks of a frame have in common: SUMMARY_DEPTHS, the least and the largest depth of spheres that some ray meets, as
 // bits of f32; SUMMARY_PERHAPS, those of spheres of which f32 does not tell; then the numbers of spheres for the host, of pieces of
-// large spheres and of pairs of unsure pixels; then the slots of spheres for the host.
+// large spheres and of pairs of unsure pixels; SUMMARY_MORE, above 0 where the pieces are too many to be counted; then the slots of
+// spheres for the host.
 @group(0) @binding(BIND_SUMMARY) var<storage, read_write> summary: array<atomic<u32>>;
 
 // The number of an invocation in the block.

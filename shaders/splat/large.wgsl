@@ -15,8 +15,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let f = projected_of(uncut(projected[place]));
     let whole = rectangle(f.x, f.y, f.rho);
-    let corner = vec2<i32>(vec2<u32>(piece.y & 0xffffu, piece.y >> 16u) * PIECE);
-    let r = in_band(vec4<i32>(max(whole.xy, corner), min(whole.zw, corner + vec2<i32>(i32(PIECE) - 1))));
+    let side = PIECE << (piece.y >> 30u);
+    let corner = vec2<i32>(vec2<u32>(piece.y & 0x7fffu, (piece.y >> 15u) & 0x7fffu) * side);
+    let r = in_band(vec4<i32>(max(whole.xy, corner), min(whole.zw, corner + vec2<i32>(i32(side) - 1))));
     let c = frame_constants();
     // Squares of 8 x 8 pixels, one for each invocation.
     let own = r.xy + vec2<i32>(vec2<u32>(index % 8u, index / 8u));

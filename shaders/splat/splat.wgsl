@@ -77,9 +77,12 @@ fn splat(c: Frame, f: Projected, slot: u32, at: vec2<u32>) {
         }
     } else if (key >= atomicLoad(&minima[2u * c.pixels + pixel])) {
         // main/certified.wgsl has left the depth that the nearest hit does not exceed.
-        let place = atomicAdd(&summary[SUMMARY_PAIRS], 1u);
-        if (place < PAIRS) {
-            pairs[place] = vec2<u32>(pixel, slot);
+        // The host asks only whether there are more than PAIRS, so the count stops soon after, and cannot wrap.
+        if (atomicLoad(&summary[SUMMARY_PAIRS]) <= PAIRS) {
+            let place = atomicAdd(&summary[SUMMARY_PAIRS], 1u);
+            if (place < PAIRS) {
+                pairs[place] = vec2<u32>(pixel, slot);
+            }
         }
     }
 }

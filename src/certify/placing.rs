@@ -206,21 +206,24 @@ impl Placer {
 
     /// Makes the lists of tiles from pairs of a pixel of the window and a sphere that its ray may hit first.
     pub(crate) fn list(&self, scene: &Scene, view: &View, binned: &mut BinnedScene, mut pairs: Vec<[u32; 2]>) {
-        let columns = self.image[0].div_ceil(TILE);
+        // Tiles are numbered in the window, which has fewer than pixels; an image may have more than a u32 counts.
+        let tiles = view.record.tiles();
+        let [[left, right], [top, _]] = tiles;
+        let columns = right - left + 1;
         for [tile, _] in &mut pairs {
             let [row, column] = view.record.place(*tile);
-            *tile = row / TILE * columns + column / TILE;
+            *tile = (row / TILE - top) * columns + (column / TILE - left);
         }
         pairs.par_sort_unstable();
         pairs.dedup();
-        let tiles: Vec<_> = pairs.chunk_by(|a, b| a[0] == b[0]).collect();
+        let listed: Vec<_> = pairs.chunk_by(|a, b| a[0] == b[0]).collect();
         let reference = binned.projection.depth;
         let list = |pairs: &&[[u32; 2]]| {
             let placed = pairs.iter().filter_map(|[_, id]| self.placed(scene, *id, reference));
-            ([pairs[0][0] % columns, pairs[0][0] / columns], placed.collect())
+            ([left + pairs[0][0] % columns, top + pairs[0][0] / columns], placed.collect())
         };
-        let lists: Vec<_> = tiles.par_iter().map(list).collect();
-        binned.lists = Lists::of_tiles(view.record.tiles(), &lists);
+        let lists: Vec<_> = listed.par_iter().map(list).collect();
+        binned.lists = Lists::of_tiles(tiles, &lists);
     }
 }
 

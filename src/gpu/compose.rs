@@ -3,7 +3,7 @@
 //! an error.
 
 use crate::gpu::layout::buffers;
-use crate::gpu::sizes::{HOST_SPHERES, PAIRS, PIECE, PIECES, SMALL, SUMMARY_LIST};
+use crate::gpu::sizes::{COARSEST, CUT, HOST_SPHERES, PAIRS, PIECE, PIECES, SMALL, SUMMARY_LIST};
 use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel, KernelOutput, RaySource, Sharing};
 use crate::scene::DEFAULT_COLOR;
@@ -329,6 +329,9 @@ const SUMMARY_PERHAPS: u32 = 2u;
 const SUMMARY_HOST: u32 = 4u;
 const SUMMARY_PIECES: u32 = 5u;
 const SUMMARY_PAIRS: u32 = 6u;
+const SUMMARY_MORE: u32 = 7u;
+const CUT: u32 = {CUT}u; // the most pieces of a sphere
+const COARSEST: u32 = {COARSEST}u; // pieces are up to 2^COARSEST times as wide
 const SUMMARY_LIST: u32 = {SUMMARY_LIST}u;
 const PIECE: u32 = {PIECE}u; // pixels along a side of a piece of a large sphere
 const SMALL: i32 = {SMALL}; // pixels of a sphere that one invocation goes through

@@ -183,7 +183,7 @@ impl Gpu {
     ) -> Result<std::result::Result<BinnedScene, String>> {
         let ResidentFrame { scene, view, placer, pool } = frame;
         let record = placer.record(0.0);
-        let key = PlacedFor { placing: record, lens: placer.lens(), tiles: view.record.tiles() };
+        let key = PlacedFor { camera: scene.camera, placing: record, lens: placer.lens(), tiles: view.record.tiles() };
         if let Some((_, binned)) = held.placed.as_ref().filter(|(known, _)| *known == key) {
             return Ok(Ok(binned.clone()));
         }
@@ -207,10 +207,10 @@ impl Gpu {
         if let Some(block) = held.guests() {
             counts.pieces = self.cut_guests(block)?;
         }
-        if counts.pieces > PIECES {
-            return Ok(Err(format!("{} pieces of large spheres, more than {PIECES}", counts.pieces)));
+        if counts.pieces > u64::from(PIECES) {
+            return Ok(Err(format!("more than {PIECES} pieces of large spheres")));
         }
-        held.pieces = counts.pieces;
+        held.pieces = counts.pieces as u32;
         held.placed = Some((key, binned.clone()));
         Ok(Ok(binned))
     }

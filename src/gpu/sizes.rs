@@ -6,7 +6,9 @@ pub(crate) const PIECES: u32 = 1 << 20;
 pub(crate) const PAIRS: u32 = 1 << 20;
 /// Where the list of spheres begins in the summary.
 pub(crate) const SUMMARY_LIST: u32 = 8;
-/// Pixels along a side of a piece.
+/// Pixels along a side of a piece; those of a sphere with more than [`CUT`] are up to 2^[`COARSEST`] times as wide.
 pub(crate) const PIECE: u32 = 32;
+pub(crate) const CUT: u32 = 1 << 14;
+pub(crate) const COARSEST: u32 = 3;
 /// Pixels of a sphere that one invocation goes through.
 pub(crate) const SMALL: u32 = 256;

@@ -6,6 +6,7 @@ use crate::given_families::{Family, families};
 use crate::rng::Rng;
 use glam::DVec3;
 use halfline::frame::Aov;
+use halfline::scene::Spheres;
 use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::{Hits, Occlusion, Rays, Renderer};
 
@@ -180,5 +181,27 @@ fn neither_order_nor_threads_change_an_answer() {
             assert_eq!(bits(&whole.0, n), bits(&hits, m), "{}, ray {n}", family.name);
             assert_eq!(whole.1.hit[n], any.hit[m], "{}, ray {n}", family.name);
         }
+    }
+}
+
+/// A ray along a row of spheres that it passes by before it meets the last: more steps through the tree than a shader takes.
+#[test]
+fn a_ray_past_many_spheres_meets_the_last() {
+    let count = 40_000;
+    let mut spheres = Spheres::default();
+    // On both sides, so that the boxes of some reach across the ray.
+    let side = |n: i32| if n % 2 == 0 { 1.2 } else { -1.2 };
+    (0..count).for_each(|n| spheres.push([0.0, side(n), f64::from(n) * -4.0], 1.0, None));
+    spheres.push([0.0, 0.0, f64::from(count) * -4.0], 1.0, None);
+    let given = Rays { origins: &[[0.0, 0.0, 4.0]; 20], directions: &[[0.0, 0.0, -1.0]; 20], limits: &[] };
+    for (backend, mut renderer) in renderers() {
+        let settings = Settings { backend, ..settings(Accuracy::Certified, Search::Auto) };
+        let mut tracer = renderer.tracer(&spheres, &settings).expect("valid spheres");
+        let (hits, any) = (tracer.hits(&given).expect("valid rays"), tracer.occluded(&given).expect("valid rays"));
+        assert!(
+            hits.id.iter().all(|id| *id == count) && any.hit.iter().all(|hit| *hit == 1),
+            "{backend:?}: {:?}",
+            hits.id
+        );
     }
 }

@@ -4,13 +4,18 @@
 
 use super::{crop, extremes, off_center, ortho};
 use crate::adapter::{cpu, gpu_or_skip, is_strict};
+use crate::amount::amount;
 use crate::bits::differing;
 use crate::cloud::cloud;
+use crate::rng::Rng;
 use crate::weekend::weekend;
+use halfline::Sky;
+use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Frame};
 use halfline::render::Renderer;
-use halfline::scene::Scene;
+use halfline::scene::{ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
+use halfline::window::Window;
 use halfline_measure::suite::extremes::FAMILIES;
 
 /// The CPU path and the adapter, and how many frames the adapter has searched itself.
@@ -159,4 +164,87 @@ fn spheres_of_every_size_have_the_bits_of_the_cpu_path() {
         }
     }
     both.done(0);
+}
+
+/// Crops of frames of up to 2^40 pixels, of spheres from some pixels to all: counters, numbers of tiles and rectangles at their ends.
+#[test]
+fn crops_of_huge_frames_have_the_bits_of_the_cpu_path() {
+    let Some(mut both) = Both::new() else { return };
+    let mut random = Rng::new(0xb16);
+    let mut hits = 0;
+    for case in 0..amount("crops of huge frames", 60, 600) {
+        let sides = [0, 1].map(|_| 2f64.powf(12.0 + 8.0 * random.unit()) as u32);
+        let count = 1 + (8.0 * random.unit()) as usize;
+        let mut spheres = Spheres::default();
+        for _ in 0..count {
+            let [x, y, z] = random.cube();
+            spheres.push([x, y, z - 4.0], 10f64.powf(-3.0 * random.unit()), None);
+        }
+        let image = ImagePlane { width: sides[0], height: sides[1], background: [0.0; 3] };
+        let lens = Lens::Viewport { vw: 2.0, vh: 2.0 * f64::from(sides[1]) / f64::from(sides[0]), distance: 2.0 };
+        let scene =
+            Scene { camera: Camera { lens, ..Camera::CANONICAL }, image, spheres, lighting: Default::default() };
+        // A window at an edge of a sphere as it is projected, or anywhere.
+        let [x, y, z] = scene.spheres.centers[0];
+        let radius = scene.spheres.radii[0];
+        let aside =
+            if case % 3 == 0 { [random.unit(), random.unit()] } else { [0.5 + (x + radius) / -z, 0.5 - y / -z] };
+        let corner = [0, 1].map(|k| (aside[k].clamp(0.0, 1.0) * f64::from(sides[k] - 40)) as u32);
+        let size = [8 + (30.0 * random.unit()) as u32, 8 + (30.0 * random.unit()) as u32];
+        let window = Window { x0: corner[0], y0: corner[1], x1: corner[0] + size[0], y1: corner[1] + size[1] };
+        let settings = Settings { window: Some(window), ..all() };
+        hits += both.compare(&format!("{case}: {sides:?}, {window:?}"), &scene, &settings).report.hits;
+    }
+    assert!(hits > 1000, "{hits}");
+    both.done(30);
+    // One sphere of more pieces than the loops of llvmpipe count, and several of more than 2^32 together.
+    let Some(mut both) = Both::new() else { return };
+    for (sides, count, most) in [([8224, 8224], 1, 0), ([1 << 20, 599_200], 7, 1)] {
+        let mut spheres = Spheres::default();
+        (0..count).for_each(|n| spheres.push([0.0, 0.0, -40.0 - f64::from(n)], 30.0, None));
+        let image = ImagePlane { width: sides[0], height: sides[1], background: [0.0; 3] };
+        let lens = Lens::Viewport { vw: 1.0, vh: 1.0, distance: 1.0 };
+        let scene =
+            Scene { camera: Camera { lens, ..Camera::CANONICAL }, image, spheres, lighting: Default::default() };
+        let left = both.left;
+        for [x0, y0] in [[0, 0], [sides[0] / 2, sides[1] / 2], [sides[0] - 24, sides[1] - 24]] {
+            let settings = Settings { window: Some(Window { x0, y0, x1: x0 + 24, y1: y0 + 24 }), ..all() };
+            let frame = both.compare(&format!("{count} that fill {sides:?}"), &scene, &settings);
+            assert_eq!(frame.report.hits, 576);
+        }
+        assert!(both.left - left <= 3 * most);
+    }
+}
+
+/// The camera's numbers in f64 are the same, those in double-double are not.
+#[test]
+fn cameras_one_ulp_apart_are_two_cameras() {
+    let Some(mut both) = Both::new() else { return };
+    // A pixel is 2^-58 of the distance, and an ulp of the direction 2^-53.
+    let size = 64.0 * 2f64.powi(-58);
+    let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
+    let lens = Lens::Viewport { vw: size, vh: size, distance: 1.0 };
+    let mut direction = glam::DVec3::new(0.3, -0.2, -0.9);
+    let mut spheres = Spheres::default();
+    spheres.push(direction.normalize().to_array(), 20.0 * 2f64.powi(-58), None);
+    let mut hits = 0;
+    for _ in 0..12 {
+        let camera = Camera { look: Look::View(direction), lens, ..Camera::CANONICAL };
+        let scene = Scene { camera, image, spheres: spheres.clone(), lighting: Default::default() };
+        hits += both.compare(&format!("{direction:?}"), &scene, &all()).report.hits;
+        direction.x = direction.x.next_up();
+    }
+    assert!(hits > 100, "the sphere is in sight: {hits}");
+}
+
+/// More rays of a pixel than one dispatch traces.
+#[test]
+fn many_rays_of_a_pixel_have_the_bits_of_the_cpu_path() {
+    let Some(mut both) = Both::new() else { return };
+    let mut scene = Scene { spheres: cloud(6, 3000, [0.0; 3], 1.0, 0.04), ..crop::scenes().remove(1).1 };
+    (scene.image.width, scene.image.height) = (24, 20);
+    for rays in [31, 33, 700, 2048] {
+        scene.lighting.sky = Some(Sky { rays, ..Sky::default() });
+        both.compare(&format!("{rays} rays"), &scene, &Settings { aovs: vec![Aov::Occlusion], ..Settings::default() });
+    }
 }

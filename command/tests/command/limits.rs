@@ -87,7 +87,8 @@ fn too_little_memory_is_exit_code_5() {
     let length = fs::metadata(dir.path("1.npy")).expect("there").len() >> 20;
     assert!(length >= 80, "{length} MiB");
     // Below 64 MiB the program itself may not be loaded, or its threads not be started.
-    let base = within(&dir, "render s.toml --backend cpu -o little.png", "little.png", (64..=192).step_by(8 * apart)).least;
+    let base =
+        within(&dir, "render s.toml --backend cpu -o little.png", "little.png", (64..=192).step_by(8 * apart)).least;
     let merged = refused("merge 1.npy 2.npy -o whole.npy", "whole.npy", (64..=320).step_by(8 * apart));
     assert!(merged < base + length, "merged within {merged} MiB, the program itself takes {base}");
     refused("compare 1.npy 1.npy", "none", (128..=1152).step_by(128 * apart));

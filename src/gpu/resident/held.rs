@@ -12,6 +12,7 @@ use crate::gpu::layout::Binding;
 use crate::gpu::sizes::{HOST_SPHERES, SUMMARY_LIST};
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::scene::Spheres;
+use crate::scene::camera::Camera;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
 use crate::view::ViewRecord;
@@ -127,9 +128,11 @@ impl Reach {
     }
 }
 
-/// What records depend on: the camera, the promise and the tiles of the window.
+/// What records depend on: the camera, the promise and the tiles of the window. The camera's numbers in f64 are not enough: the
+/// host projects in double-double.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PlacedFor {
+    pub(super) camera: Camera,
     pub(super) placing: PlacingRecord,
     pub(super) lens: ProjectionRecord,
     pub(super) tiles: [[u32; 2]; 2],
@@ -268,7 +271,12 @@ impl Block {
 pub(super) struct Counts {
     pub(super) summary: PlacedSummary,
     pub(super) host: u32,
-    pub(super) pieces: u32,
+    pub(super) pieces: u64,
+}
+
+/// Pieces of large spheres, in two words.
+pub(super) fn pieces(numbers: &[u32]) -> u64 {
+    u64::from(numbers[7]) << 32 | u64::from(numbers[5])
 }
 
 impl Counts {
@@ -282,6 +290,6 @@ impl Counts {
         let mut for_host: Vec<u32> = numbers[SUMMARY_LIST as usize..][..host.min(HOST_SPHERES) as usize].to_vec();
         for_host.sort_unstable();
         let summary = PlacedSummary { depths: range(0), perhaps: range(2), for_host };
-        Self { summary, host, pieces: numbers[5] }
+        Self { summary, host, pieces: pieces(numbers) }
     }
 }

@@ -7,6 +7,7 @@ use crate::answers::lit::Traced;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
+use crate::gpu::device::AdapterSummary;
 use crate::gpu::dispatch::{READING, Wanted};
 use crate::gpu::input::GROUP;
 use crate::gpu::texture::texture;
@@ -21,6 +22,20 @@ const MOST: u32 = 1 << 12;
 
 /// The cost of a ray in ray-sphere tests, for the budget of submissions.
 const PER_RAY: f64 = 128.0;
+
+/// The rays of a pixel in a dispatch, and the steps through the tree of an invocation, beyond which the host traces the pixel.
+struct Reach {
+    rays: u32,
+    steps: u32,
+}
+
+impl Reach {
+    /// llvmpipe ends the loops of a vector of up to 16 invocations after 65,536 iterations together, of which a step is at most
+    /// three. On hardware the steps end what would hang.
+    fn of(summary: &AdapterSummary) -> Self {
+        if summary.is_software() { Self { rays: 16, steps: 1300 } } else { Self { rays: 512, steps: 1 << 18 } }
+    }
+}
 
 /// What is traced from the hits of the frame that was rendered last.
 #[derive(Clone, Copy)]
@@ -56,11 +71,11 @@ pub(crate) struct SkyRecord {
     pub(crate) sure_limit: f32,
     pub(crate) limit: f32,
     pub(crate) unit: f32,
-    pub(crate) unused: f32,
+    pub(crate) steps: u32,
     pub(crate) eye: [i32; 3],
-    pub(crate) unused_eye: i32,
+    pub(crate) first_ray: u32,
     pub(crate) eye_rest: [f32; 3],
-    pub(crate) unused_rest: f32,
+    pub(crate) end_ray: u32,
 }
 
 impl SkyRays<'_> {
@@ -134,39 +149,43 @@ impl Gpu {
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));
         self.open.queue.submit([encoder.finish()]);
-        let each = PER_RAY * f64::from(asked.each());
+        let Reach { rays: together, steps } = Reach::of(&self.summary);
+        let each = PER_RAY * f64::from(asked.each().min(together));
         let mut first = 0;
         while first < pixels {
             if !go_on(first) {
                 return Err(Error::Interrupted);
             }
-            let together = self.resident.sky.next(each * (pixels - first) as f64) / each;
-            let end = (first + (together as u64).max(1)).min(pixels);
+            let count = self.resident.sky.next(each * (pixels - first) as f64) / each;
+            let end = (first + (count as u64).max(1)).min(pixels);
             let groups = ((end - first) as u32).div_ceil(GROUP);
             let groups = spread(groups, self.limits.max_compute_workgroups_per_dimension);
-            let part = SkyRecord {
-                first: first as u32,
-                end: end as u32,
-                rays: asked.rays,
-                lights: asked.lights,
-                turns: turned.checked_div(asked.rays).unwrap_or(1),
-                seed: asked.seed,
-                chessboard: asked.chessboard.into(),
-                groups: groups.0,
-                sure_limit: asked.limit[0],
-                limit: asked.limit[1],
-                unit,
-                unused: 0.0,
-                eye,
-                unused_eye: 0,
-                eye_rest,
-                unused_rest: 0.0,
-            };
-            self.refill("sky", bytemuck::bytes_of(&part))?;
-            let start = Instant::now();
-            self.submit_sky(held, groups)?;
-            let seconds = self.seconds(start);
-            self.resident.sky.took(each * (end - first) as f64, seconds);
+            for first_ray in (0..asked.each()).step_by(together as usize) {
+                let end_ray = asked.each().min(first_ray + together);
+                let part = SkyRecord {
+                    first: first as u32,
+                    end: end as u32,
+                    rays: asked.rays,
+                    lights: asked.lights,
+                    turns: turned.checked_div(asked.rays).unwrap_or(1),
+                    seed: asked.seed,
+                    chessboard: asked.chessboard.into(),
+                    groups: groups.0,
+                    sure_limit: asked.limit[0],
+                    limit: asked.limit[1],
+                    unit,
+                    steps,
+                    eye,
+                    first_ray,
+                    eye_rest,
+                    end_ray,
+                };
+                self.refill("sky", bytemuck::bytes_of(&part))?;
+                let start = Instant::now();
+                self.submit_sky(held, groups)?;
+                let seconds = self.seconds(start);
+                self.resident.sky.took(PER_RAY * f64::from(end_ray - first_ray) * (end - first) as f64, seconds);
+            }
             first = end;
         }
         let mut encoder = self.open.device.create_command_encoder(&Default::default());

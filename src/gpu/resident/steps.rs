@@ -1,6 +1,6 @@
 //! The dispatches of a resident frame.
 
-use super::held::{Block, Counts, Held};
+use super::held::{Block, Counts, Held, pieces};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{NOTHING, Placed};
 use crate::error::Result;
@@ -65,8 +65,8 @@ impl Gpu {
     }
 
     /// Cuts the large ones of the spheres that the host placed; the number of pieces of all.
-    pub(super) fn cut_guests(&mut self, block: &Block) -> Result<u32> {
-        Ok(self.summarize(&[block], Step::Guests)?[5])
+    pub(super) fn cut_guests(&mut self, block: &Block) -> Result<u64> {
+        Ok(pieces(&self.summarize(&[block], Step::Guests)?))
     }
 
     fn reserve_summary(&mut self) {
