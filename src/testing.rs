@@ -7,11 +7,17 @@ use glam::DVec3;
 
 #[path = "../tests/common/amount.rs"]
 mod amount;
+#[path = "../tests/common/home.rs"]
+mod home;
 #[path = "../tests/common/skip.rs"]
 mod skip;
+#[path = "../tests/common/strict.rs"]
+mod strict;
 
 pub(crate) use amount::{amount, everything};
+pub(crate) use home::home;
 pub(crate) use skip::skip;
+pub(crate) use strict::keeps_bits;
 
 /// The adapter that the tests are pinned to. `None`, and the test is skipped, where HALFLINE_NO_GPU is set.
 pub(crate) fn adapter_or_skip() -> Option<device::FoundAdapter> {

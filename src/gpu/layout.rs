@@ -350,7 +350,7 @@ mod tests {
     /// Every file is part of a kernel or of the self-test, and every name refers to a file.
     #[test]
     fn every_file_is_used() {
-        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+        let root = crate::testing::home().join("shaders");
         let mut unused = BTreeSet::new();
         for folder in std::fs::read_dir(&root).expect("shaders").map(|entry| entry.expect("an entry").path()) {
             let is_file = folder.is_file();

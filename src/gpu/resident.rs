@@ -20,7 +20,7 @@ use crate::certify::tiles::Placed;
 use crate::error::{Error, Result};
 use crate::kernel::{Generals, Kernel, KernelOutput, Sharing};
 use crate::memory::Pool;
-use crate::scene::Scene;
+use crate::scene::{Scene, Spheres};
 use crate::search::tile_candidates::CandidateList;
 use crate::tile::TILE;
 use crate::view::{View, ViewRecord};
@@ -41,6 +41,11 @@ pub(crate) enum Rendered {
     Left(String),
 }
 
+/// Whether a device numbers so many spheres.
+fn can_hold(spheres: &Spheres) -> bool {
+    !spheres.is_empty() && spheres.len() <= (u32::MAX >> 2) as usize
+}
+
 impl Gpu {
     /// Holds the spheres of a scene from now on; what it holds already is not sent again. `frame` is a number for which
     /// spheres that others may change stay the same. `None` where the device cannot hold them.
@@ -49,7 +54,7 @@ impl Gpu {
     /// Those of the device.
     pub(crate) fn hold(&mut self, scene: &Scene, frame: u64) -> Result<Option<Reach>> {
         let spheres = &scene.spheres;
-        if spheres.is_empty() || spheres.len() > (u32::MAX >> 2) as usize {
+        if !can_hold(spheres) {
             return Ok(None);
         }
         if self.resident.held.as_ref().is_none_or(|held| !held.is_of(spheres, frame)) {
@@ -63,6 +68,18 @@ impl Gpu {
             })?;
         }
         Ok(self.resident.held.as_ref().map(|held| held.reach))
+    }
+
+    /// What [`Gpu::hold`] returns, without sending a sphere.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::hold`] that are known before.
+    pub(crate) fn reach(&self, spheres: &Spheres) -> Result<Option<Reach>> {
+        if !can_hold(spheres) {
+            return Ok(None);
+        }
+        self.check_size("spheres", Held::largest(spheres.len().min(self.resident.block)))?;
+        Ok(Some(Reach::of(spheres)))
     }
 
     /// Fills `output` by `kernel` for the spheres that it holds. `go_on` is called before every band with the number of

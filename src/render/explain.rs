@@ -59,13 +59,15 @@ impl Renderer {
     }
 
     /// The WGSL that would be compiled here for `scene`, with the name of its file above each part. On the CPU path it
-    /// is the kernel of an adapter that does not share loads.
+    /// is the kernel of an adapter that does not share loads. Where an adapter places the spheres (search splat) it is the
+    /// kernel that certifies.
     ///
     /// # Errors
     /// Those of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
         let composed = |this: &mut Self, plan: Plan, rays: FrameRays| {
             let raster = Raster::centres(rays.window);
+            let plan = this.as_set_up(plan, scene, settings, raster)?;
             let setup =
                 FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut Timings::default())?;
             if !setup.is_traced() {
@@ -78,8 +80,9 @@ impl Renderer {
     }
 
     /// The report of a plan on this device.
-    fn explanation(&self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
+    fn explanation(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let FrameRays { window, samples } = rays;
+        let plan = self.as_set_up(plan, scene, settings, Raster::centres(window))?;
         let gpu = match &self.place {
             Executor::Gpu(gpu) => Some(&**gpu),
             Executor::Cpu => None,

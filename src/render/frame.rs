@@ -21,7 +21,9 @@ use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
+use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
+use crate::gpu::resident::held::Reach;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::gpu::traffic::Traffic;
 use crate::progress::Step;
@@ -63,8 +65,10 @@ impl Renderer {
     /// # Errors
     /// Those of [`Renderer::render`] that do not depend on rays.
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
-        let known =
-            |this: &mut Self, plan: Plan, rays: FrameRays| Ok(this.report(&plan, scene, settings, rays.samples));
+        let known = |this: &mut Self, plan: Plan, rays: FrameRays| {
+            let plan = this.as_set_up(plan, scene, settings, Raster::centres(rays.window))?;
+            Ok(this.report(&plan, scene, settings, rays.samples))
+        };
         self.planned(scene, settings, known).map(|(report, _)| report)
     }
 
@@ -245,28 +249,48 @@ impl Renderer {
         raster: Raster,
         timings: &mut Timings,
     ) -> Result<FrameSetup> {
-        let mut plan = plan;
-        if let Executor::Gpu(gpu) = &mut self.place
-            && plan.search == Search::Splat
-        {
-            scene.check()?;
-            let eye = scene.camera.basis()?.e;
-            let places = gpu.verdict()?.places;
-            let held = if places { timings.time("hold", || gpu.hold(scene, self.frames))? } else { None };
-            if let Some(unit) = held.and_then(|reach| reach.unit(eye)) {
-                match timings.time("view", || FrameSetup::resident(plan, scene, settings, raster, unit))? {
-                    Ok(setup) => return Ok(setup),
-                    Err(left) => plan = left,
-                }
-            }
-            plan = plan.by_tiles(NOT_PLACED);
-        }
+        let frame = self.frames;
+        let hold = |gpu: &mut Gpu, timings: &mut Timings| timings.time("hold", || gpu.hold(scene, frame));
+        let plan = match self.resident_setup(plan, scene, settings, raster, timings, hold)? {
+            Ok(setup) => return Ok(setup),
+            Err(plan) => plan,
+        };
         let pool = Arc::clone(&self.pool);
         let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
         let ordered = || self.order.groups(&scene.spheres, self.frames, pixels);
         let order = (plan.accuracy == Accuracy::Certified).then(ordered).flatten();
         let groups = order.as_ref().map(Ordered::groups);
         FrameSetup::new(plan, (scene, groups), settings, raster, &pool, timings)
+    }
+
+    /// The setup where the device holds the spheres, whose reach `reach` returns. Else the plan, which is by tiles if the device
+    /// cannot place them.
+    fn resident_setup(
+        &mut self,
+        plan: Plan,
+        scene: &Scene,
+        settings: &Settings,
+        raster: Raster,
+        timings: &mut Timings,
+        reach: impl FnOnce(&mut Gpu, &mut Timings) -> Result<Option<Reach>>,
+    ) -> Result<std::result::Result<FrameSetup, Plan>> {
+        let Executor::Gpu(gpu) = &mut self.place else { return Ok(Err(plan)) };
+        if plan.search != Search::Splat {
+            return Ok(Err(plan));
+        }
+        scene.check()?;
+        let eye = scene.camera.basis()?.e;
+        let reach = if gpu.verdict()?.places { reach(gpu, timings)? } else { None };
+        let Some(unit) = reach.and_then(|reach| reach.unit(eye)) else { return Ok(Err(plan.by_tiles(NOT_PLACED))) };
+        let setup = timings.time("view", || FrameSetup::resident(plan, scene, settings, raster, unit))?;
+        Ok(setup.map_err(|plan| plan.by_tiles(NOT_PLACED)))
+    }
+
+    /// The plan by which [`Renderer::setup`] sets a frame up, without holding the spheres.
+    pub(super) fn as_set_up(&mut self, plan: Plan, scene: &Scene, settings: &Settings, raster: Raster) -> Result<Plan> {
+        let reach = |gpu: &mut Gpu, _: &mut Timings| gpu.reach(&scene.spheres);
+        let setup = self.resident_setup(plan, scene, settings, raster, &mut Timings::default(), reach)?;
+        Ok(setup.map_or_else(|plan| plan, |setup| setup.plan))
     }
 
     /// Traces and settles: the kernel's answers in `raw`, and the settled pixels.

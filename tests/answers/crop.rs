@@ -113,7 +113,7 @@ fn check(mut renderer: Renderer) {
     for (name, scene) in scenes() {
         for (kind, settings) in kinds(&mut renderer) {
             let full = renderer.render(&scene, &settings).expect("a frame");
-            assert!(full.report.hits > 500, "{name} has hits");
+            assert!(full.report.hits > 500, "{name}, {kind} has hits: {}", full.report.hits);
             for window in windows() {
                 let crop = render(&mut renderer, &scene, &settings, window);
                 assert_eq!(differing(&crop, &full, window), None, "{name}, {kind}, crop {window}");

@@ -4,6 +4,7 @@
 //! scene's numbers. All is computed here in f64; its error is below a metre, as the first test shows.
 
 use crate::adapter::cpu;
+use crate::home::home;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::frame::Aov;
@@ -11,7 +12,6 @@ use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
 use halfline_files::read::ReadOptions;
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
 /// The points of a light that are asked for each pixel.
 const POINTS: u32 = 64;
@@ -53,7 +53,7 @@ struct Pixel {
 }
 
 fn file() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/eclipse.toml");
+    let path = home().join("scenes/eclipse.toml");
     halfline_files::read::scene(&path, &ReadOptions::default()).expect("the eclipse").scene
 }
 

@@ -10,6 +10,8 @@ mod bits;
 mod data;
 #[path = "../common/given_families.rs"]
 mod given_families;
+#[path = "../common/home.rs"]
+mod home;
 #[path = "../common/nff.rs"]
 #[expect(dead_code, reason = "the other test programs use more of it")]
 mod nff;

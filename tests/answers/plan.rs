@@ -2,6 +2,7 @@
 
 use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
 use crate::amount::amount;
+use crate::home::home;
 use crate::weekend::weekend;
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
@@ -9,7 +10,6 @@ use halfline::intersect::Method;
 use halfline::quote::setting::SIZE;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
-use std::path::Path;
 
 /// Spheres from 5 to 2000 radii away, without colours.
 fn scene() -> Scene {
@@ -109,7 +109,7 @@ fn the_plan_lists_what_is_uploaded_and_what_is_left_out() {
     assert_eq!(written, [("frame_id", 4 * pixels), ("frame_color", 12 * pixels)]);
     assert!(plan.dispatches == 1 && plan.kernel.iter().any(|part| part.file == "form/stable.wgsl"));
     for part in &plan.kernel {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").join(part.file);
+        let file = home().join("shaders").join(part.file);
         let text = std::fs::read_to_string(file).expect("a file of the kernel");
         assert_eq!(text.lines().count(), part.lines, "{}", part.file);
     }
@@ -117,7 +117,13 @@ fn the_plan_lists_what_is_uploaded_and_what_is_left_out() {
     let plan = planned(&scene, &uncertified);
     assert_eq!(names(&plan).last(), Some(&("colors", 12 * n)));
     assert!(!plan.left_out.iter().any(|left| left.what == "sphere colours"), "{:?}", plan.left_out);
-    let plan = planned(&weekend(), &settings(Backend::Gpu, None, &[Aov::Distance]));
+    let by = |search| Settings { search, ..settings(Backend::Gpu, None, &[Aov::Distance]) };
+    let plan = planned(&weekend(), &by(Search::Splat));
+    let uploaded = names(&plan);
+    assert_eq!(uploaded.iter().map(|b| b.0).collect::<Vec<_>>(), ["view", "projection", "placing", "resident"]);
+    assert_eq!(uploaded.last(), Some(&("resident", 32 * plan.spheres)));
+    assert!(uploaded[..3].iter().map(|b| b.1).sum::<u64>() < 2048, "a camera: {uploaded:?}");
+    let plan = planned(&weekend(), &by(Search::Tiles));
     let staged = plan.staged.expect("a certified frame is staged");
     assert_eq!(staged.front + staged.near + staged.unseen, plan.spheres);
     assert!(staged.unseen > 0);
@@ -145,7 +151,9 @@ fn the_plan_says_how_many_spheres_fit() {
             assert!(plan.room.needed < free && fit > plan.spheres && fit < free / 32, "{:?}", plan.room);
             assert_eq!(plan.room.adapter.is_some(), backend == Backend::Gpu);
             assert!(plan.room.adapter.is_none_or(|fit| fit > plan.spheres), "{:?}", plan.room);
-            assert_eq!(plan.dispatches, u64::from(backend == Backend::Gpu), "a light frame");
+            // A light frame: one dispatch, or by splat one that places the spheres and one for the pixels.
+            let dispatches = if plan.search == "splat" { 2 } else { u64::from(backend == Backend::Gpu) };
+            assert_eq!(plan.dispatches, dispatches, "{}", plan.search);
         }
         if backend == Backend::Gpu {
             let adapter = &halfline::adapters().expect("adapters")[0];
@@ -217,7 +225,7 @@ fn the_plan_is_what_is_rendered() {
             let accuracies = [Accuracy::Auto, Accuracy::Fast, Accuracy::Certified, Accuracy::Exact].map(|a| (a, None));
             let methods = Method::ALL.iter().map(|method| (Accuracy::Auto, Some(*method)));
             for (accuracy, method) in accuracies.into_iter().chain(methods) {
-                for search in [Search::Auto, Search::All, Search::Tiles] {
+                for search in [Search::Auto, Search::All, Search::Tiles, Search::Splat] {
                     for (aovs, samples, window) in [
                         (&[Aov::Color][..], 1, None),
                         (&[Aov::Color, Aov::Distance, Aov::Bound], 4, None),
@@ -261,34 +269,41 @@ fn the_plan_is_what_is_rendered() {
     assert!(compared > 40, "{compared}");
 }
 
-/// The printed shader is complete: it is valid WGSL, and its banners are the files of the plan.
+/// The printed shader is complete: it is valid WGSL, and its banners are the files of the plan. By splat they are those of the
+/// kernel that certifies, the last of the plan.
 #[test]
 fn the_printed_shader_is_complete() {
     let colored = [Aov::Color, Aov::Distance, Aov::Id];
-    let settings = |backend, method: Option<Method>, aovs: &[Aov]| Settings {
+    let settings = |backend, (method, search): (Option<Method>, Search), aovs: &[Aov]| Settings {
         backend,
         method,
+        search,
         aovs: aovs.to_vec(),
         ..Settings::default()
     };
     let methods = Method::ALL.iter().filter(|method| !["f64", "double-float"].contains(&method.name()));
-    let variants = methods.map(|method| Some(*method)).chain([None]);
-    for (method, (backend, mut renderer)) in
-        variants.flat_map(|method| renderers().into_iter().map(move |r| (method, r)))
+    let certified = [Search::Auto, Search::Tiles, Search::Splat].map(|search| (None, search));
+    let variants = methods.map(|method| (Some(*method), Search::Auto)).chain(certified);
+    for (variant, (backend, mut renderer)) in
+        variants.flat_map(|variant| renderers().into_iter().map(move |r| (variant, r)))
     {
         for aovs in [&colored[..], &[Aov::Id], &[Aov::Normal, Aov::Bound]] {
-            let (scene, settings) = (weekend(), settings(backend, method, aovs));
+            let (scene, settings) = (weekend(), settings(backend, variant, aovs));
             let text = renderer.wgsl(&scene, &settings).expect("a kernel");
             let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
             let (flags, all) = (naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
             naga::valid::Validator::new(flags, all).validate(&module).expect("valid WGSL");
             let banners: Vec<_> = text.lines().filter_map(|line| line.strip_prefix("// ======== shaders/")).collect();
-            let files: Vec<_> = renderer.explain(&scene, &settings).expect("a plan").kernel;
-            let files: Vec<_> = files.iter().map(|part| format!("{} ========", part.file)).collect();
-            assert!(banners.len() > 5 && (files.is_empty() || banners == files), "{banners:?} {files:?}");
+            let plan = renderer.explain(&scene, &settings).expect("a plan");
+            let files: Vec<_> = plan.kernel.iter().map(|part| format!("{} ========", part.file)).collect();
+            let is_of_plan = match plan.search {
+                "splat" => banners.iter().all(|file| files.iter().any(|part| part == file)),
+                _ => files.is_empty() || banners == files,
+            };
+            assert!(banners.len() > 5 && is_of_plan, "{banners:?} {files:?}");
         }
     }
-    let exact = Settings { accuracy: Accuracy::Exact, ..settings(Backend::Cpu, None, &colored) };
+    let exact = Settings { accuracy: Accuracy::Exact, ..settings(Backend::Cpu, (None, Search::Auto), &colored) };
     let error = cpu().wgsl(&weekend(), &exact).expect_err("no kernel").to_string();
     assert!(error.contains("without a kernel"), "{error}");
 }

@@ -10,6 +10,7 @@
 use super::extremes;
 use crate::adapter::{admitted, cpu, gpu};
 use crate::amount::amount;
+use crate::home::home;
 use crate::nff;
 use crate::rng::Rng;
 use glam::DVec3;
@@ -24,7 +25,6 @@ use halfline::settings::Settings;
 use halfline_files::read::ReadOptions;
 use halfline_measure::score::Truths;
 use halfline_measure::suite::extremes::FAMILIES;
-use std::path::Path;
 
 const SEED: u64 = 0x5eed_0003;
 
@@ -215,7 +215,7 @@ const PARTS: [f64; 12] = [0.25, 0.1, 0.05, 0.03, 0.02, 0.02, 0.02, 0.015, 0.015,
 fn errors_of_ordinary_scenes_come_within_a_hundredth_of_the_prediction() {
     let mut scenes = vec![("atoms".to_owned(), atoms())];
     let folder = tempfile::tempdir().expect("a folder");
-    let weekend = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
+    let weekend = home().join("scenes/weekend.toml");
     let balls = [("balls_s2.nff", 2), ("balls_s4.nff", 4)].map(|(name, depth)| {
         let path = folder.path().join(name);
         std::fs::write(&path, nff::balls(depth)).expect("written");

@@ -1,14 +1,16 @@
 //! The promise: a kernel and its CPU twin give the same answer, bit for bit where the adapter rounds as IEEE 754 does.
 //!
-//! Gold standard: the twin, in Rust's f32. Tolerance on adapters that are known to do so: none. On any other: ids
-//! differ at 2e-3 of the pixels at most (WGSL lets every operation round either way and division be off by 2.5 ulp,
-//! which moves silhouettes by fractions of a pixel), and where ids agree t differs by at most 1e-3 of itself (the
-//! lecture's methods lose half the digits).
+//! Gold standard: the twin, in Rust's f32. Tolerance on adapters that are known to do so: none. On any other every operation may
+//! round either way, and division be off by 2.5 ulp. The predicted errors (docs/prediction.md) hold for either twin, so these differ
+//! by at most twice as much: ids at the pixels between two outlines, distances where ids agree. Where outlines are predicted to
+//! be visibly off ([`VISIBLE`]) the form has lost its digits in this scene, as the lecture's forms do far from a sphere
+//! (docs/accuracy.md): either answer is as wrong as the other, and nothing is promised.
 
 use crate::adapter::{self, admitted, cpu, gpu_or_skip, is_strict};
 use crate::amount::amount;
 use crate::bits::Bits;
 use crate::cloud;
+use crate::home::home;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
 use glam::DVec3;
@@ -19,10 +21,16 @@ use halfline::scene::{Scene, Spheres};
 use halfline::settings::Settings;
 use halfline::shade::Shade;
 use halfline_files::read::ReadOptions;
-use std::path::Path;
 
 /// The buffers that a kernel writes, and those that are derived from them.
 const AOVS: [Aov; 7] = [Aov::Color, Aov::Distance, Aov::Depth, Aov::Normal, Aov::Position, Aov::Id, Aov::Mask];
+
+/// The predicted error of outlines, in radii, and of distances up to which twins are compared on adapters that do not keep bits: that
+/// from which frames have a warning.
+const VISIBLE: f64 = 0.02;
+
+/// What is allowed of outlines and distances at least: a pixel or two of these small images, where outlines pass centres of pixels.
+const FEW: f64 = 5e-5;
 
 fn settings(method: Method, shade: Shade) -> Settings {
     Settings { method: Some(method), shade, aovs: AOVS.to_vec(), ..Settings::default() }
@@ -42,7 +50,7 @@ fn cloud(seed: u64, count: usize, at: [f64; 3], side: f64, r: f64, colored: bool
 /// The project's own scenes, small, and random ones at many scales, with and without colours; sphere counts that are
 /// not multiples of any subgroup size.
 fn scenes() -> Vec<(String, Scene)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let folder = home().join("scenes");
     let mut scenes = Vec::new();
     for entry in folder.read_dir().expect("scenes/") {
         let path = entry.expect("an entry").path();
@@ -83,13 +91,14 @@ fn differing(a: &Frame, b: &Frame) -> (usize, String) {
     (count, first)
 }
 
-/// The tolerance for adapters that are not known to round as IEEE 754 does.
-fn near(a: &Frame, b: &Frame) -> bool {
+/// The tolerance for adapters that are not known to round as IEEE 754 does: two outlines that are off by `outline` radii to
+/// either side enclose 4 `outline` of a disc, and two distances differ by twice `distance`.
+fn near(a: &Frame, b: &Frame, [outline, distance]: [f64; 2]) -> bool {
     let (ids, others) = (a.ids(), b.ids());
     let same: Vec<_> = (0..ids.len()).filter(|&k| ids[k] == others[k]).collect();
     let (t, u) = (a.f64(Aov::Depth).expect("a requested buffer"), b.f64(Aov::Depth).expect("a requested buffer"));
-    let close = |&k: &usize| t[k] == u[k] || (t[k] - u[k]).abs() <= 1e-3 * u[k].abs();
-    ids.len() - same.len() <= ids.len().div_ceil(500) && same.iter().all(close)
+    let close = |&k: &usize| t[k] == u[k] || (t[k] - u[k]).abs() <= 2.0 * distance * u[k].abs();
+    (ids.len() - same.len()) as f64 <= 4.0 * outline * ids.len() as f64 && same.iter().all(close)
 }
 
 #[test]
@@ -98,7 +107,7 @@ fn gpu_and_cpu_agree_for_every_scene_method_and_shading() {
     let mut cpu = cpu();
     let strict = is_strict(&gpu);
     println!("comparing bit for bit: {strict}");
-    let mut hits = 0;
+    let (mut hits, mut compared, mut lost) = (0, 0, 0);
     let methods = admitted(&mut gpu);
     // Every pair of a method and a shading, and every pair of a scene and a method.
     let count = amount("shadings of a scene by a method", 1, Shade::ALL.len());
@@ -109,14 +118,25 @@ fn gpu_and_cpu_agree_for_every_scene_method_and_shading() {
                 let (a, b) = (frame(&mut gpu, &scene, &settings), frame(&mut cpu, &scene, &settings));
                 assert_eq!((a.report.backend, b.report.backend), ("gpu", "cpu"), "no frame is compared with itself");
                 let (count, first) = differing(&a, &b);
-                let what = format!("{name}, {}, {}", method.name(), shade.name());
-                assert!(if strict { count == 0 } else { near(&a, &b) }, "{what}: {count} values differ, first {first}");
                 hits += a.report.hits;
+                let predicted =
+                    a.report.predicted.map_or([0.0; 2], |predicted| [predicted.outline, predicted.distance]);
+                let is_lost = predicted.iter().any(|error| *error > VISIBLE);
+                if !strict && is_lost {
+                    lost += 1;
+                    continue;
+                }
+                compared += 1;
+                let same = if strict { count == 0 } else { near(&a, &b, predicted.map(|error| error.max(FEW))) };
+                let what = format!("{name}, {}, {}", method.name(), shade.name());
+                assert!(same, "{what}: {count} values differ, first {first}, predicted {predicted:?}");
             }
         }
     }
     let enough = if count < Shade::ALL.len() { 30_000 } else { 100_000 };
     assert!(hits > enough, "the scenes have hits: {hits}");
+    println!("{compared} frames compared, {lost} whose method loses its digits");
+    assert!(compared > lost, "{compared} frames compared, {lost} not");
 }
 
 /// Negative control: one changed bit.
@@ -147,7 +167,8 @@ fn a_frame_beyond_one_binding_agrees_with_the_cpu() {
     (scene.image.width, scene.image.height) = (4800, 2700);
     let settings = Settings { aovs: vec![Aov::Normal, Aov::Depth], ..Settings::default() };
     let (a, b) = (frame(&mut gpu, &scene, &settings), frame(&mut cpu(), &scene, &settings));
-    assert!(near(&a, &b));
+    // Certified: distances within 1e-5 each.
+    assert!(near(&a, &b, [0.0, 1e-5]));
     assert!(a.ids().contains(&2) && a.report.hits > 100_000);
 }
 

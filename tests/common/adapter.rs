@@ -1,13 +1,13 @@
 //! The renderers that a test compares: the CPU path, and the adapter that the tests are pinned to.
 
+#[path = "strict.rs"]
+mod strict;
+
 use crate::skip::skip;
 use halfline::error::Error;
 use halfline::intersect::Method;
 use halfline::render::Renderer;
 use halfline::settings::{Backend, Settings};
-
-/// Adapters whose every f32 operation was measured to round as IEEE 754 does.
-const STRICT: [&str; 2] = ["llvmpipe", "SwiftShader"];
 
 /// A renderer on the pinned adapter, or `None` where HALFLINE_NO_GPU is set. A missing adapter fails the test;
 /// HALFLINE_TEST_ADAPTER is a part of the required adapter's name.
@@ -48,7 +48,7 @@ pub(crate) fn renderers() -> Vec<(Backend, Renderer)> {
 
 /// Whether answers of this adapter and of the CPU path are compared bit for bit.
 pub(crate) fn is_strict(renderer: &Renderer) -> bool {
-    STRICT.iter().any(|name| renderer.adapter().contains(name))
+    strict::keeps_bits(renderer.adapter())
 }
 
 /// The methods that can run on this renderer's adapter. A method that cannot run must be refused with the reason.

@@ -100,7 +100,7 @@ const SPAN: i32 = 64;
 const LARGEST: i32 = 300;
 
 impl Reach {
-    fn of(spheres: &Spheres) -> Self {
+    pub(super) fn of(spheres: &Spheres) -> Self {
         let none = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, radii: [f64::INFINITY, 0.0] };
         let one = |all: Self, (center, radius): (&[f64; 3], &f64)| {
             let center = DVec3::from_array(*center);

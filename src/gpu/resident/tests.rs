@@ -1,5 +1,6 @@
-//! Resident frames have the bits of the CPU path whatever the order and the division of their work, and what a device places
-//! has the bits of the host.
+//! Resident frames have the same bits whatever the order and the division of their work, and what a device places has the bits of
+//! the host. On adapters that keep bits (tests/common/strict.rs) frames have those of the CPU path; on others what both prove
+//! agrees.
 
 use super::held::BLOCK;
 use super::sky::SkyRays;
@@ -16,7 +17,7 @@ use crate::scene::{ImagePlane, Spheres};
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::shade::Shade;
-use crate::testing::{Rng, adapter_or_skip, near_and_far};
+use crate::testing::{Rng, adapter_or_skip, keeps_bits, near_and_far};
 use crate::view::directions::SkyDirections;
 use crate::view::raster::Raster;
 use crate::view::ray::UNSURE;
@@ -41,13 +42,16 @@ fn kernel(samples: bool) -> Kernel {
     }
 }
 
+/// The tolerance of the frames' distances.
+const TOLERANCE: f64 = 1e-5;
+
 /// What a device makes of the rays of a scene, why it leaves it to the host, and the view.
 fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Option<String>, View) {
     let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
     let reach = gpu.hold(scene, number).expect("a device").expect("spheres");
     let mut view = View::in_unit(scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
     view.record.sample = raster.count() / 2;
-    let placer = Placer::new(scene, &view, 1e-5).expect("a lens").expect("a projection");
+    let placer = Placer::new(scene, &view, TOLERANCE).expect("a lens").expect("a projection");
     let mut device = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
     let frame = ResidentFrame { scene, view: &view, placer: &placer, pool: &pool };
     let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
@@ -62,7 +66,7 @@ fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw,
 fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw, Option<String>) {
     let (mut device, left, view) = on_device(gpu, scene, raster, number);
     let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
-    let binned = BinnedScene::new((scene, None), &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+    let binned = BinnedScene::new((scene, None), &view, TOLERANCE, &TERMS, 0, &pool).expect("a stage").expect("a lens");
     let mut host = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
     cpu::certified(&kernel, &view, &binned, scene.spheres.colors.as_deref(), &mut host, &|| true);
     // The depths of misses are of no sphere.
@@ -73,11 +77,33 @@ fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw,
     (device, host, left)
 }
 
+/// What device and host prove agrees: ids; depths within twice the tolerance, normals within twice 1e-3 (certify::NORMAL), and so the
+/// headlight's colours, since both are within the promise. At least nine of ten pixels are proved by both: their share with
+/// spheres around the eye.
+fn assert_proved_alike(device: &Raw, host: &Raw, what: &str) {
+    let proved: Vec<_> = (0..host.id.len()).filter(|&n| device.id[n] != UNSURE && host.id[n] != UNSURE).collect();
+    assert!(10 * proved.len() >= 9 * host.id.len(), "{what}: {} of {} pixels", proved.len(), host.id.len());
+    for n in proved {
+        assert_eq!(device.id[n], host.id[n], "{what}: pixel {n}");
+        if host.id[n] >= UNSURE {
+            continue;
+        }
+        let [a, b] = [device, host].map(|raw| raw.depth[n] + f64::from(raw.t[n]));
+        assert!((a - b).abs() <= 2.0 * TOLERANCE * b, "{what}: pixel {n}: depths {a} and {b}");
+        for (name, a, b) in [("normals", &device.normal, &host.normal), ("colours", &device.color, &host.color)] {
+            let [a, b] = [a, b].map(|values| &values[3 * n..3 * n + 3]);
+            let off = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(off <= 2e-3, "{what}: pixel {n}: {name} {a:?} and {b:?}");
+        }
+    }
+}
+
 #[test]
 fn a_frame_has_the_same_bits_in_every_order_and_division() {
     let (Some(mut near_by), Some(mut far)) = (open(), open()) else { return };
     // The host reads results from copies, as on devices with memory of their own.
     far.direct = false;
+    let strict = keeps_bits(&far.summary.name);
     let mut number = 0;
     for near in [0, 3, 6] {
         let scene = near_and_far(near);
@@ -85,6 +111,7 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
         let part = Window { x0: 37, y0: 11, x1: 102, y1: 59 };
         let samples = Raster::samples(part, 4, 7, &scene.image).expect("room").expect("several samples");
         for raster in [Raster::centres(full), Raster::centres(part), samples] {
+            let mut first: Option<Raw> = None;
             // Blocks, their order, workgroups in a row, and bytes of a binding: several blocks, rows and bands.
             for (block, reversed, groups, binding) in [
                 (BLOCK, false, 65_535, 128 << 20),
@@ -102,8 +129,19 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
                 let what = format!("{near} near, {raster:?}, blocks of {block}, {groups} groups, {binding} bytes");
                 let hits = host.id.iter().filter(|id| **id < UNSURE).count();
                 assert!(hits > 1000, "{hits} hits: {what}");
-                let differ = device.id.iter().zip(&host.id).filter(|(a, b)| a != b).count();
-                assert!(device == host, "{what}: {differ} ids differ");
+                let same = |a: &Raw, b: &Raw, what: &str| {
+                    let differ = a.id.iter().zip(&b.id).filter(|(a, b)| a != b).count();
+                    assert!(a == b, "{what}: {differ} ids differ");
+                };
+                if strict {
+                    same(&device, &host, &what);
+                } else {
+                    assert_proved_alike(&device, &host, &what);
+                }
+                match &first {
+                    None => first = Some(device),
+                    Some(first) => same(&device, first, &format!("{what}, and the first division")),
+                }
             }
         }
     }
@@ -166,10 +204,21 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
     assert!(found[0].iter().any(|word| *word != 0) && found[1..].iter().all(|words| *words == found[0]));
 }
 
+/// How far the `low` of a device may be from that of the host: a part of the error that is subtracted from the depth of the centre,
+/// and a part of the difference. On adapters that do not keep bits, + - * round either way, a root is within 4.6 ulp and a
+/// quotient within 2.5. The error of shaders/place/low.wgsl is then within 48 roundings of 2^-23 of its terms (1 - T unit is at least
+/// 1/4, so the quotient has four times those of T), as is the host's, and each difference within one. `INFLATE` of
+/// certify/projection.rs leaves 2^-9 of the error for these roundings, so the device's `low` is a lower bound as well.
+const LOW: [f64; 2] = [1.0 / 65_536.0, 1.0 / 4_194_304.0];
+
+/// What may be lost of `low` where subnormal numbers are flushed: FLUSHED, 2^-124, twice.
+const LOW_FLUSHED: f64 = 1e-37;
+
 /// Cameras from near to far, through long and wide lenses, for parallel rays too.
 #[test]
 fn places_have_the_bits_of_the_host() {
     let Some(mut gpu) = open() else { return };
+    let strict = keeps_bits(&gpu.summary.name);
     let mut rng = Rng(0x91ace);
     let (mut placed, mut number) = (0, 1000);
     for case in 0..120 {
@@ -205,9 +254,16 @@ fn places_have_the_bits_of_the_host() {
         let (_, left, _) = on_device(&mut gpu, &scene, raster, number);
         assert_eq!(left, None);
         for (id, device) in gpu.records().expect("records").into_iter().enumerate() {
-            let Some(device) = device else { continue };
+            let Some(mut device) = device else { continue };
             // The device also keeps spheres that lie just outside the image, or between pixels.
             let Some(host) = placer.placed(&scene, id as u32, binned.projection.depth) else { continue };
+            if !strict {
+                let [a, b] = [&device, &host].map(|placed| f64::from(placed.record.low));
+                let error = f64::from(host.detail.center) - b;
+                let allowed = LOW[0] * error + LOW[1] * b.abs() + LOW_FLUSHED;
+                assert!((a - b).abs() <= allowed, "case {case}, sphere {id}: low {a:e} and {b:e}, error {error:e}");
+                device.record.low = host.record.low;
+            }
             let bits = |placed: &Placed| (placed.record, placed.detail, placed.depth.to_bits());
             assert_eq!(bits(&device), bits(&host), "case {case}, sphere {id}");
             placed += 1;

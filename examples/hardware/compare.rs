@@ -1,0 +1,143 @@
+//! Answers of the device beside those of the CPU path.
+
+use super::Result;
+use super::cloud::{Random, cloud};
+use super::scenes::{Times, certified, looked, median, told};
+use halfline::frame::{Data, Frame};
+use halfline::{Aov, Backend, Method, Rays, Renderer, Search, Settings};
+use serde_json::{Map, Value, json};
+use std::time::Instant;
+
+/// The largest differences of two certified frames: each is within 1e-5 of the true distance and within 1e-3 of the true normal, of
+/// which a headlight's colours are made. Ids, masks and shares of the sky have no tolerance.
+const DISTANCE: f64 = 2e-5;
+const NORMAL: f64 = 2e-3;
+
+/// How the values of a buffer differ.
+struct Difference {
+    values: usize,
+    differ: usize,
+    most: f64,
+    relative: f64,
+}
+
+impl Difference {
+    fn of(a: &Data, b: &Data) -> Result<Self> {
+        fn pairs<T: Copy>(a: &[T], b: &[T], to: impl Fn(T) -> f64) -> Vec<[f64; 2]> {
+            a.iter().zip(b).map(|(a, b)| [to(*a), to(*b)]).collect()
+        }
+        let pairs = match (a, b) {
+            (Data::F32(a), Data::F32(b)) => pairs(a, b, f64::from),
+            (Data::F64(a), Data::F64(b)) => pairs(a, b, |x| x),
+            (Data::I32(a), Data::I32(b)) => pairs(a, b, f64::from),
+            (Data::U8(a), Data::U8(b)) => pairs(a, b, f64::from),
+            _ => return Err("buffers of other types".into()),
+        };
+        let differing = pairs.iter().filter(|[a, b]| a != b && !(a.is_nan() && b.is_nan()));
+        let none = Self { values: pairs.len(), differ: 0, most: 0.0, relative: 0.0 };
+        Ok(differing.fold(none, |all, [a, b]| {
+            let off = (a - b).abs();
+            let relative = off / b.abs().max(f64::MIN_POSITIVE);
+            Self { differ: all.differ + 1, most: all.most.max(off), relative: all.relative.max(relative), ..all }
+        }))
+    }
+
+    /// Whether it is within what two certified frames promise.
+    fn is_within(&self, aov: Aov) -> bool {
+        match aov {
+            Aov::Distance => self.relative <= DISTANCE,
+            Aov::Normal | Aov::Color => self.most <= NORMAL,
+            _ => self.differ == 0,
+        }
+    }
+}
+
+/// A frame of the device and of the CPU path.
+pub(crate) fn frames(count: usize, look: &str, side: u32) -> Result {
+    let [device, host] = [Backend::Gpu, Backend::Cpu].map(|backend| -> Result<Frame> {
+        let (scene, settings) = looked(count, look, side, backend)?;
+        Ok(Renderer::new(&settings)?.render(&scene, &settings)?)
+    });
+    let (device, host) = (device?, host?);
+    let (mut buffers, mut good) = (Map::new(), true);
+    for buffer in &device.buffers {
+        let other = host.get(buffer.aov).ok_or("a buffer is missing")?;
+        let difference = Difference::of(&buffer.data, &other.data)?;
+        good &= difference.is_within(buffer.aov);
+        let Difference { values, differ, most, relative } = difference;
+        let shown = json!({ "values": values, "differ": differ, "most": most, "relative": relative });
+        buffers.insert(buffer.aov.name().to_owned(), shown);
+    }
+    Ok(json!({
+        "spheres": count, "look": look, "side": side, "buffers": buffers, "device": told(&device), "host": told(&host), "good": good,
+    }))
+}
+
+/// Random rays in a cloud: the nearest hits, and whether anything is hit.
+pub(crate) fn rays(count: usize, many: usize) -> Result {
+    let mut scene = cloud(count);
+    scene.spheres.share();
+    let mut random = Random(11);
+    let mut three = |low: f64, size: f64| [0; 3].map(|_| low + size * random.unit());
+    let origins: Vec<_> = (0..many).map(|_| three(0.0, 1.0)).collect();
+    let directions: Vec<_> = (0..many).map(|_| three(-1.0, 2.0)).collect();
+    let given = Rays { origins: &origins, directions: &directions, limits: &[] };
+    let (mut backends, mut found) = (Map::new(), Vec::new());
+    for backend in [Backend::Gpu, Backend::Cpu] {
+        let settings = Settings { search: Search::Auto, ..certified(backend, &[]) };
+        let mut renderer = Renderer::new(&settings)?;
+        let mut tracer = renderer.tracer(&scene.spheres, &settings)?;
+        let (mut times, mut ids) = (Vec::new(), Vec::new());
+        for _ in 0..3 {
+            let started = Instant::now();
+            ids = tracer.hits(&given)?.id;
+            times.push(started.elapsed().as_secs_f64() * 1e3);
+        }
+        let started = Instant::now();
+        let blocked = tracer.occluded(&given)?.hit;
+        let any_ms = started.elapsed().as_secs_f64() * 1e3;
+        let told = json!({
+            "on_device": tracer.is_gpu(), "build_ms": tracer.build_ms(), "first_ms": times[0], "hits_ms": median(&times[1..]),
+            "any_ms": any_ms, "refined": tracer.refined(),
+        });
+        backends.insert(backend.name().to_owned(), told);
+        found.push((ids, blocked));
+    }
+    Ok(json!({ "spheres": count, "rays": many, "backends": backends, "good": found[0] == found[1] }))
+}
+
+/// Frames by every method that the adapter runs, of lists and of all spheres where these are few. Uncertified ids may differ.
+pub(crate) fn methods(count: usize, side: u32) -> Result {
+    let mut scene = cloud(count);
+    (scene.image.width, scene.image.height) = (side, side);
+    scene.spheres.share();
+    let of = |backend, search, method| Settings {
+        backend,
+        search,
+        method,
+        aovs: vec![Aov::Id, Aov::Distance],
+        ..Settings::default()
+    };
+    let [device, host] = [Backend::Gpu, Backend::Cpu].map(|backend| Renderer::new(&of(backend, Search::Auto, None)));
+    let (mut device, mut host) = (device?, host?);
+    let searches = if count > 10_000 { vec![Search::Tiles] } else { vec![Search::All, Search::Tiles] };
+    let mut all: Vec<Value> = Vec::new();
+    for (search, &method) in searches.into_iter().flat_map(|search| Method::ALL.iter().map(move |m| (search, m))) {
+        let (name, by) = (method.name(), search.name());
+        if let Err(error) = device.check_method(method) {
+            all.push(json!({ "method": name, "search": by, "refused": error.to_string() }));
+            continue;
+        }
+        let settings = of(Backend::Gpu, search, Some(method));
+        let (mut on, mut times) = (device.render(&scene, &settings)?, Times::default());
+        for _ in 0..3 {
+            on = device.render(&scene, &settings)?;
+            times.add(&on);
+        }
+        let off = host.render(&scene, &of(Backend::Cpu, search, Some(method)))?;
+        let differ = on.ids().iter().zip(off.ids()).filter(|(a, b)| a != b).count();
+        let (times, cpu_ms) = (times.medians(), off.report.frame_ms[0]);
+        all.push(json!({ "method": name, "search": by, "times": times, "cpu_ms": cpu_ms, "ids_differ": differ }));
+    }
+    Ok(json!({ "spheres": count, "side": side, "methods": all }))
+}

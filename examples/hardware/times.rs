@@ -1,0 +1,119 @@
+//! The times of frames, and the memory that they take.
+
+use super::Result;
+use super::scenes::{Times, looked, told};
+use glam::{DMat3, DVec3};
+use halfline::{Backend, Look, Renderer, Scene, Settings};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::process::Command;
+use std::time::Instant;
+
+/// The first frame, the second, frames from one camera, and frames whose camera goes round the cloud.
+pub(crate) fn frames(count: usize, look: &str, side: u32, many: usize, backend: Backend, seconds: f64) -> Result {
+    let (scene, settings) = looked(count, look, side, backend)?;
+    let mut renderer = Renderer::new(&settings)?;
+    let mut one = || -> Result {
+        let frame = renderer.render(&scene, &settings)?;
+        let mut told = told(&frame);
+        (told["frame_ms"], told["setup_ms"]) = (json!(frame.report.frame_ms[0]), json!(frame.report.setup_ms));
+        renderer.recycle(frame);
+        Ok(told)
+    };
+    let (first, second) = (one()?, one()?);
+    let (steady, last) = series(&mut renderer, &settings, many, seconds / 2.0, |_| scene.clone())?;
+    let (moving, _) = series(&mut renderer, &settings, many, seconds / 2.0, |n| {
+        let mut turned = scene.clone();
+        let (middle, angle) = (DVec3::splat(0.5), 0.02 * (n + 1) as f64);
+        turned.camera.eye = middle + DMat3::from_rotation_y(angle) * (scene.camera.eye - middle);
+        turned
+    })?;
+    Ok(json!({
+        "spheres": count, "look": look, "side": side, "backend": backend.name(),
+        "shader_cache": std::env::var_os("MESA_SHADER_CACHE_DISABLE").is_none(), "first": first,
+        "second_ms": second["frame_ms"], "steady": steady, "moving": moving, "last": last, "host_mib": peak_memory(),
+        "device_mib": device_memory(),
+    }))
+}
+
+/// The medians of up to `many` frames in some seconds, and what the last one reports.
+fn series(
+    renderer: &mut Renderer,
+    settings: &Settings,
+    many: usize,
+    seconds: f64,
+    mut scene: impl FnMut(usize) -> Scene,
+) -> Result<(Value, Value)> {
+    let (mut times, mut last, started) = (Times::default(), Value::Null, Instant::now());
+    for n in 0..many {
+        let frame = renderer.render(&scene(n), settings)?;
+        times.add(&frame);
+        last = told(&frame);
+        renderer.recycle(frame);
+        if started.elapsed().as_secs_f64() > seconds {
+            break;
+        }
+    }
+    Ok((times.medians(), last))
+}
+
+/// The eye in the middle of a cloud.
+pub(crate) fn inside(count: usize) -> Result {
+    let (mut scene, settings) = looked(count, "plain", 1024, Backend::Gpu)?;
+    scene.camera.look = Look::At(DVec3::ZERO);
+    let mut renderer = Renderer::new(&settings)?;
+    let mut eye = DVec3::splat(0.5);
+    let mut at = |step: f64| {
+        eye += step * DVec3::new(0.003, 0.001, 0.0);
+        scene.camera.eye = eye;
+        scene.clone()
+    };
+    series(&mut renderer, &settings, 1, f64::INFINITY, |_| at(0.0))?;
+    let (times, last) = series(&mut renderer, &settings, 5, f64::INFINITY, |n| at(n as f64))?;
+    Ok(json!({ "spheres": count, "times": times, "last": last }))
+}
+
+/// Spheres that move: the device takes all of them for every frame.
+pub(crate) fn film(count: usize, many: usize) -> Result {
+    let (mut scene, settings) = looked(count, "plain", 1024, Backend::Gpu)?;
+    let mut renderer = Renderer::new(&settings)?;
+    let mut moved = |n: usize| {
+        let mut centers = scene.spheres.centers.clone().into_vec();
+        centers.iter_mut().for_each(|center| center[n % 3] += 1e-4);
+        scene.spheres.centers = centers.into();
+        scene.spheres.share();
+        scene.clone()
+    };
+    series(&mut renderer, &settings, 1, f64::INFINITY, &mut moved)?;
+    let (times, last) = series(&mut renderer, &settings, many, f64::INFINITY, &mut moved)?;
+    Ok(json!({ "spheres": count, "times": times, "last": last }))
+}
+
+/// The most memory that this process had, MiB.
+fn peak_memory() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().trim_end_matches(" kB").trim().parse::<f64>().ok()? / 1024.0)
+}
+
+/// Memory in use on the device, MiB: of all processes as nvidia-smi reports it, else of this one as the kernel does.
+fn device_memory() -> Option<f64> {
+    let asked = ["--query-gpu=memory.used", "--format=csv,noheader,nounits", "--id=0"];
+    if let Ok(told) = Command::new("nvidia-smi").args(asked).output()
+        && told.status.success()
+    {
+        return String::from_utf8_lossy(&told.stdout).trim().parse().ok();
+    }
+    // A device is opened more than once: its regions are counted once each.
+    let mut regions = BTreeMap::<String, f64>::new();
+    for entry in std::fs::read_dir("/proc/self/fdinfo").ok()?.flatten() {
+        for line in std::fs::read_to_string(entry.path()).unwrap_or_default().lines() {
+            if let Some((name, kib)) = line.split_once(':').filter(|(name, _)| name.starts_with("drm-total")) {
+                let kib: f64 = kib.trim().trim_end_matches(" KiB").trim().parse().unwrap_or(0.0);
+                let most = regions.entry(name.to_owned()).or_default();
+                *most = most.max(kib / 1024.0);
+            }
+        }
+    }
+    (!regions.is_empty()).then(|| regions.values().sum())
+}
