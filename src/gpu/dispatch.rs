@@ -18,7 +18,6 @@ use crate::quote::setting::{ADAPTER, BACKEND, SIZE};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
 use naga::valid::Capabilities;
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
 use std::time::Instant;
@@ -50,6 +49,7 @@ pub(super) struct Pipeline {
 }
 
 /// What a pipeline is made of.
+#[derive(Clone, Copy)]
 pub(super) enum Wanted {
     Kernel(Kernel),
     Step(Step),
@@ -64,31 +64,6 @@ fn built(device: &wgpu::Device, wanted: &Wanted) -> Result<(wgpu::ComputePipelin
     let (module, info) = validate(&source, capabilities)?;
     let bindings = bindings(&module, &info);
     Ok((compile(device, label, module), bindings))
-}
-
-/// Runs `work`; also the first error that the device reports meanwhile on this thread.
-fn caught<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> (T, Option<wgpu::Error>) {
-    let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
-        .map(|filter| device.push_error_scope(filter));
-    let outcome = work();
-    let mut failure = None;
-    for scope in scopes.into_iter().rev() {
-        failure = pollster::block_on(scope.pop()).or(failure);
-    }
-    (outcome, failure)
-}
-
-fn failed(summary: &AdapterSummary, failure: &wgpu::Error) -> Error {
-    match failure {
-        wgpu::Error::OutOfMemory { .. } => Error::Limits {
-            problem: format!("{} is out of memory", summary.name),
-            mend: format!("render fewer spheres, or use a smaller {SIZE}"),
-        },
-        error => Error::Adapter {
-            problem: format!("{} failed: {error}", summary.name),
-            mend: format!("use another {ADAPTER} or {BACKEND} cpu, and report this as a bug"),
-        },
-    }
 }
 
 impl Gpu {
@@ -144,11 +119,27 @@ impl Gpu {
     /// Runs `work` and converts errors that the device reports meanwhile.
     pub(super) fn guarded<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
         let device = self.open.device.clone();
-        let (outcome, failure) = caught(&device, || work(self));
+        let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
+            .map(|filter| device.push_error_scope(filter));
+        let outcome = work(self);
+        let mut failure = None;
+        for scope in scopes.into_iter().rev() {
+            failure = pollster::block_on(scope.pop()).or(failure);
+        }
         if let Some(message) = self.open.lost.lock().ok().and_then(|lost| lost.clone()) {
             return Err(Error::DeviceLost(message));
         }
-        failure.map_or(outcome, |failure| Err(failed(&self.summary, &failure)))
+        match failure {
+            None => outcome,
+            Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::Limits {
+                problem: format!("{} is out of memory", self.summary.name),
+                mend: format!("render fewer spheres, or use a smaller {SIZE}"),
+            }),
+            Some(error) => Err(Error::Adapter {
+                problem: format!("{} failed: {error}", self.summary.name),
+                mend: format!("use another {ADAPTER} or {BACKEND} cpu, and report this as a bug"),
+            }),
+        }
     }
 
     fn run_unguarded(
@@ -224,27 +215,15 @@ impl Gpu {
         Ok(())
     }
 
-    /// Compiles what is missing, side by side: a driver takes a tenth of a second or more for each.
+    /// Compiles what is missing, one after the other: side by side, eight renderers of a process hung on NVIDIA's driver.
     pub(super) fn pipelines(&mut self, wanted: impl IntoIterator<Item = Wanted>) -> Result<()> {
-        let is_missing = |wanted: &Wanted| match wanted {
-            Wanted::Kernel(kernel) => !self.pipelines.contains_key(kernel),
-            Wanted::Step(step) => !self.resident.steps.0.contains_key(step),
-        };
-        let missing: Vec<Wanted> = wanted.into_iter().filter(is_missing).collect();
-        let (device, summary) = (&self.open.device, &self.summary);
-        // Scopes of errors belong to threads.
-        let one = |wanted: &Wanted| match caught(device, || built(device, wanted)) {
-            (made, None) => made,
-            (_, Some(failure)) => Err(failed(summary, &failure)),
-        };
-        let made = missing.par_iter().map(one).collect::<Result<Vec<_>>>()?;
-        for (wanted, (compute, bindings)) in missing.into_iter().zip(made) {
+        for wanted in wanted {
             match wanted {
-                Wanted::Kernel(kernel) => {
-                    self.pipelines.insert(kernel, Pipeline { compute, bindings, budget: self.budget });
-                }
+                Wanted::Kernel(kernel) => self.pipeline(&kernel)?,
+                Wanted::Step(step) if self.resident.steps.0.contains_key(&step) => {}
                 Wanted::Step(step) => {
-                    self.resident.steps.0.insert(step, (compute, bindings));
+                    let made = built(&self.open.device, &wanted)?;
+                    self.resident.steps.0.insert(step, made);
                 }
             }
         }

@@ -106,10 +106,6 @@ impl Gpu {
     ) -> Result<Rendered> {
         let ResidentFrame { scene, view, placer, .. } = frame;
         self.forget_hits();
-        // What nearly every frame needs, side by side; the kernel without general spheres is a guess.
-        let expected = Kernel { sharing: Sharing::None, generals: Generals::None, ..*kernel };
-        let steps = [Step::Place, Step::Small { samples: kernel.samples }].map(Wanted::Step);
-        output.timings.time("pipeline", || self.pipelines(steps.into_iter().chain([Wanted::Kernel(expected)])))?;
         let mut binned = match output.timings.time("place", || self.place(frame))? {
             Ok(binned) => binned,
             Err(reason) => return Ok(Rendered::Left(reason)),
@@ -126,9 +122,11 @@ impl Gpu {
         if bound > most as usize {
             return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
         }
+        let samples = kernel.samples;
         let large = self.resident.held.as_ref().is_some_and(|held| held.pieces > 0);
-        let large = large.then_some(Wanted::Step(Step::Large { samples: kernel.samples }));
-        output.timings.time("pipeline", || self.pipelines(large.into_iter().chain([Wanted::Kernel(kernel)])))?;
+        let large = large.then_some(Wanted::Step(Step::Large { samples }));
+        let wanted = [Wanted::Step(Step::Small { samples }), Wanted::Kernel(kernel)];
+        output.timings.time("pipeline", || self.pipelines(wanted.into_iter().chain(large)))?;
         let candidates = Some(CandidateList::Certified(&binned));
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing, candidates };
         output.timings.time("upload", || self.upload_resident(&kernel, &input))?;
