@@ -79,8 +79,15 @@ impl Provenance {
             // Not part of a scene that the sky does not light.
             words.set("halfline:occlusion", format!("{} rays, reach {:?}", sky.rays, sky.reach));
         }
-        if report.samples > 1 && aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha)) {
+        let sampled = report.samples > 1 && aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha));
+        if sampled {
             words.set("halfline:samples", report.samples);
+        }
+        // Rays to the sky, to lights that have a size and from fuzzy metal are drawn by the seed, also for one sample.
+        let drawn = |aov: &Aov| {
+            matches!(aov, Aov::Shadow | Aov::Occlusion) || *aov == Aov::Color && report.shade == Some("lights")
+        };
+        if sampled || aovs.iter().any(drawn) {
             words.set("halfline:seed", seed);
         }
         if aovs.contains(&Aov::Id) && !ids_fit(report.spheres) {

@@ -65,6 +65,26 @@ fn array(rows: &[([f64; 3], f64, [f64; 3], f64)]) -> Vec<u8> {
     npy_of("<f4", "False", &format!("({}, 4)", rows.len()), &data)
 }
 
+/// LAS 1.2, point format 2, with colours up to `top`.
+fn las(rows: &[([f64; 3], f64, [f64; 3], f64)], top: f64) -> Vec<u8> {
+    let mut bytes = vec![0; 227];
+    let mut put = |at: usize, new: &[u8]| bytes[at..at + new.len()].copy_from_slice(new);
+    put(0, b"LASF");
+    put(24, &[1, 2]);
+    put(94, &227u16.to_le_bytes());
+    put(96, &227u32.to_le_bytes());
+    put(104, &[2]);
+    put(105, &26u16.to_le_bytes());
+    put(107, &(rows.len() as u32).to_le_bytes());
+    (0..3).for_each(|k| put(131 + 8 * k, &1e-6f64.to_le_bytes()));
+    for (at, _, color, _) in rows {
+        bytes.extend(at.iter().flat_map(|x| ((x * 1e6) as i32).to_le_bytes()));
+        bytes.extend([0; 8]);
+        bytes.extend(color.iter().flat_map(|c| ((c * top) as u16).to_le_bytes()));
+    }
+    bytes
+}
+
 #[test]
 fn streamed_files_have_the_bytes_of_files_in_memory() {
     let rows = rows();
@@ -87,7 +107,12 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
     let dir = TestDir::new(&[("c.csv", &csv), ("c.xyz", &xyz), ("c.ply", &ply), ("c.dump", &dump)]).in_parts(PARTS);
     let [first, early, late, last] = [100_000, 350_000, 420_000, 599_990].map(|n| n / PARTS);
     dir.put("c.npy", array(&rows));
+    // Colours of 16 and of 8 bits.
+    dir.put("c16.las", las(&rows, 65535.0));
+    dir.put("c8.las", las(&rows, 255.0));
     for (file, options) in [
+        ("c16.las", format!("{CAMERA} --radius 0.012")),
+        ("c8.las", format!("{CAMERA} --radius 0.012")),
         ("c.npy", CAMERA.to_owned()),
         ("c.npy", "--vfov 30".to_owned()),
         ("c.npy", "--ortho --crop 10,5,50,33".to_owned()),

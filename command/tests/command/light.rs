@@ -305,3 +305,40 @@ fn rendering_reports_its_lights_and_writes_their_shadows() {
     let (open, shape) = dir.array("o.png");
     assert_eq!((shape, open[0], open[15 * 45 + 22]), (vec![31, 45], 255.0, 255.0), "nothing hides the sky");
 }
+
+/// A buffer of four lights has as many channels as colour with alpha, and is no colour.
+#[test]
+fn shadows_of_any_number_of_lights_are_written_beside_alpha() {
+    let dir = dir();
+    let mut words = "scene.toml -o a.png --transparent".to_owned();
+    for lights in 1..=5 {
+        words += &format!(" --sun {},{},1", lights % 3, lights / 3);
+        let [first, second, third] = ["s.npy", "s.npz", "s.exr"].map(|name| {
+            dir.render(&format!("{words} --aov shadow={name}"));
+            dir.array(name)
+        });
+        assert_eq!(first.1, [31, 45, lights]);
+        assert!(first == second && first == third, "{lights} lights");
+    }
+}
+
+/// What is drawn by a seed is not taken for what another seed draws.
+#[test]
+fn another_seed_is_another_rendering() {
+    let dir = dir();
+    let ball = "[[light]]\nposition = [4, 3, -1]\nradius = 2\n[[sphere]]\ncenter = [0.9, 0.6, -2]\nradius = 0.2\n";
+    dir.put("ball.toml", format!("{SCENE}{ball}"));
+    for (words, file) in [
+        ("ball.toml --aov occlusion=o.npy --occlusion 8", "o.npy"),
+        ("ball.toml --aov shadow=s.npy", "s.npy"),
+        ("ball.toml -o a.png --occlusion 8", "a.png"),
+    ] {
+        let render = |seed: u32, more: &str| {
+            dir.render(&format!("{words} --seed {seed} {more}"));
+            dir.array(file)
+        };
+        let second = render(2, "");
+        assert!(render(1, "") != second, "{words}: seeds change nothing");
+        assert!(render(2, "--resume") == second, "{words}: an old file was kept");
+    }
+}

@@ -22,6 +22,12 @@ pub(crate) fn light_of(number: f64, of: Scalar) -> f64 {
     if is_byte { light(number as u8) } else { number }
 }
 
+/// A level of sRGB between 0 and `top` in linear light (IEC 61966-2-1).
+pub(crate) fn light_of_level(level: f32, top: f32) -> f32 {
+    let x = f64::from(level) / f64::from(top);
+    (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
+}
+
 /// Parses a colour: a CSS name such as `rebeccapurple`, in any case, or `#rgb` or `#rrggbb`, all in sRGB; or `r,g,b` in
 /// linear RGB. Names and hexadecimal digits have the meaning of <https://www.w3.org/TR/css-color-4/>; its other notations
 /// (`#rgba`, `hsl()`) are errors.

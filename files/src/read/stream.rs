@@ -11,7 +11,7 @@ use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, is_8_bit, joined_elements, no_selections};
+use super::style::{Coloring, joined_elements, no_selections, top_level};
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -41,8 +41,8 @@ pub struct SphereBlocks {
     reader: Option<JoinHandle<Result<Option<Particles>>>>,
     options: ReadOptions,
     file: Place,
-    /// Whether the colours so far are 8-bit sRGB.
-    levels: Option<bool>,
+    /// The largest level of the colours so far; none inside where they are linear.
+    levels: Option<Option<u16>>,
     /// Particles so far.
     count: u64,
     skipped: Skipped,
@@ -266,9 +266,9 @@ impl SphereBlocks {
             return Err(Error::settings(problem, format!("add {RADIUS}, or remove {STREAM}")));
         }
         if self.options.style.coloring == Coloring::File && !part.colors.is_empty() {
-            let levels = is_8_bit(&part.colors);
+            let levels = top_level(&part.colors);
             if *self.levels.get_or_insert(levels) != levels {
-                let problem = "the colours of one part are whole numbers up to 255, and those of another are not";
+                let problem = "the colours of one part are levels of 8 or of 16 bits, and those of another are not";
                 return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
             }
         }

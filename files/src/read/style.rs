@@ -20,7 +20,7 @@ use halfline::quote::setting::{COLOR_BY, RADIUS};
 use halfline::quote::{number, quote};
 use halfline::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 
-use super::color::of_hex;
+use super::color::{light_of_level, of_hex};
 use super::elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
@@ -322,11 +322,16 @@ impl Style {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
             Coloring::File if !particles.colors.is_empty() => {
                 let mut colors = std::mem::take(&mut particles.colors);
-                if is_8_bit(&colors) {
-                    let said =
-                        "the colours are whole numbers up to 255, so they are read as 8-bit sRGB, not as linear RGB";
-                    skipped.assumed.push(said.into());
-                    colors.par_iter_mut().for_each(|color| *color = linear(color.map(|level| level as u8)));
+                if let Some(top) = top_level(&colors) {
+                    let bits = if top > 255 { 16 } else { 8 };
+                    skipped.assumed.push(format!(
+                        "the colours are whole numbers up to {top}, so they are read as {bits}-bit sRGB, not as linear RGB"
+                    ));
+                    let light = |color: [f32; 3]| match top {
+                        255 => linear(color.map(|level| level as u8)),
+                        top => color.map(|level| light_of_level(level, top.into())),
+                    };
+                    colors.par_iter_mut().for_each(|color| *color = light(*color));
                 }
                 Some(colors)
             }
@@ -358,10 +363,11 @@ pub(super) fn no_selections() -> Error {
     Error::settings("this scene has no columns to select by", mend)
 }
 
-/// Whether colours are 8-bit levels, not linear RGB: whole numbers up to 255, some above 1.
-pub(super) fn is_8_bit(colors: &[[f32; 3]]) -> bool {
-    let level = |x: &f32| x.fract() == 0.0 && (0.0..=255.0).contains(x);
-    colors.par_iter().flatten().all(level) && colors.par_iter().flatten().any(|x| *x > 1.0)
+/// The largest level, 255 or 65535, of colours that are whole numbers, some above 1; `None` where they are linear RGB.
+pub(super) fn top_level(colors: &[[f32; 3]]) -> Option<u16> {
+    let is_level = |x: &f32| x.fract() == 0.0 && (0.0..=65535.0).contains(x);
+    let most = colors.par_iter().flatten().copied().reduce(|| 0.0, f32::max);
+    (most > 1.0 && colors.par_iter().flatten().all(is_level)).then_some(if most > 255.0 { u16::MAX } else { 255 })
 }
 
 /// The mean distance between neighbours if the particles filled their box evenly; 1 for one particle.
@@ -425,7 +431,10 @@ mod tests {
             (found.expect("colours"), skipped.assumed.len())
         };
         assert_eq!(colored(&[[255.0, 0.0, 128.0]]), (vec![linear([255, 0, 128])], 1));
-        for linear in [[[1.0, 0.0, 1.0]], [[0.5, 2.0, 0.0]], [[256.0, 0.0, 0.0]]] {
+        let (deep, said) = colored(&[[65535.0, 0.0, 32896.0]]);
+        let eight = linear([255, 0, 128]);
+        assert!(said == 1 && deep[0].iter().zip(eight).all(|(a, b)| (a - b).abs() < 1e-6), "{deep:?}");
+        for linear in [[[1.0, 0.0, 1.0]], [[0.5, 2.0, 0.0]], [[256.5, 0.0, 0.0]], [[65536.0, 0.0, 0.0]]] {
             assert_eq!(colored(&linear), (linear.to_vec(), 0), "linear, beyond 1 too");
         }
     }

@@ -33,7 +33,7 @@ impl<'a> Encoder<'a> {
         let wide = frame.get(Aov::Id).is_some_and(Buffer::is_wide);
         let forms = format.forms(aovs, style.bits, lights, wide)?;
         let buffers = forms.iter().map(|form| frame.get(form.aov)).collect::<Option<_>>()?;
-        let with_alpha = forms.iter().any(|form| form.channels == 4);
+        let with_alpha = forms.iter().any(LayerFormat::has_alpha);
         let alpha = if with_alpha { Some(frame.f32(Aov::Alpha)?) } else { None };
         Some(Self { buffers, forms, alpha, columns: frame.width as usize, format, style, toning: frame.toning() })
     }
@@ -59,7 +59,7 @@ impl Rows for Encoder<'_> {
         let channels = buffer.channels();
         let values = channels * pixels.start..channels * pixels.end;
         Ok(match &buffer.data {
-            Data::F32(all) => match self.alpha.filter(|_| form.channels == 4) {
+            Data::F32(all) => match self.alpha.filter(|_| form.has_alpha()) {
                 Some(alpha) => with_alpha(&all[values], &alpha[pixels], form, self.toning).into(),
                 None => floats(&all[values], form, self.toning),
             },

@@ -46,6 +46,11 @@ pub struct LayerFormat {
 }
 
 impl LayerFormat {
+    /// Whether the last of its channels is alpha. Other buffers have as many channels as there are lights.
+    pub(super) fn has_alpha(&self) -> bool {
+        self.aov == Aov::Color && self.channels == 4
+    }
+
     /// Bytes per pixel.
     pub fn pixel(&self) -> usize {
         self.kind.size() * self.channels

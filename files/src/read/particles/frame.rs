@@ -10,13 +10,15 @@ use super::names::Names;
 use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use super::vectors;
+use crate::read::color::light_of_level;
 use crate::read::format::Format;
 use crate::read::select::Note;
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::memory::{check, entries, extend_to};
-use halfline::quote::setting::STREAM;
+use halfline::quote::setting::{COLOR, STREAM};
 use halfline::scene::{Cell, keep};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// One frame of particles, as the file has them.
@@ -30,6 +32,8 @@ pub(crate) struct Particles {
     pub(crate) elements: Vec<u8>,
     /// Linear RGB; empty if the file has no colours.
     pub(crate) colors: Vec<[f32; 3]>,
+    /// Of colours that the file has as levels, until they are made linear.
+    pub(in crate::read) levels: Option<Levels>,
     /// The columns of [`ReadOptions::columns`](crate::read::ReadOptions::columns) that the file has, with a number for
     /// every particle. Names of columns in files are converted to lower case.
     pub(crate) columns: Vec<Column>,
@@ -73,6 +77,13 @@ pub(crate) struct Particles {
     pub(in crate::read) survey: Option<Survey>,
     /// The number of particles for which all lists have capacity.
     pub(in crate::read) room: usize,
+}
+
+/// Colours as levels of sRGB in fields of 16 bits, into which many programs write 8 bits.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(in crate::read) struct Levels {
+    /// The largest level, 255 or 65535, once a colour that is not black tells it.
+    top: Option<f32>,
 }
 
 impl Column {
@@ -299,6 +310,32 @@ impl Particles {
         reading || self.labels.contains_key(name)
     }
 
+    /// Converts colours that are levels to linear RGB. A file that is read in blocks calls it for each of them.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for levels of 16 bits behind a block that had those of 8.
+    pub(super) fn lighten(&mut self) -> Result<()> {
+        let Some(levels) = &mut self.levels else { return Ok(()) };
+        let most = self.colors.par_iter().map(|color| color.iter().fold(0.0f32, |most, c| most.max(*c)));
+        let most = most.reduce(|| 0.0, f32::max);
+        if most == 0.0 {
+            return Ok(());
+        }
+        let is_first = levels.top.is_none();
+        let top = *levels.top.get_or_insert(if most <= 255.0 { 255.0 } else { 65535.0 });
+        if most > top {
+            let problem =
+                "colours above 255 follow points whose colours were read as 8-bit sRGB, for none was above 255";
+            return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
+        }
+        if is_first && top < 65535.0 {
+            let said = "no colour is above 255, so colours are read as 8-bit sRGB, not as 16-bit";
+            self.skipped.assumed.push(said.into());
+        }
+        self.colors.par_iter_mut().for_each(|color| *color = color.map(|level| light_of_level(level, top)));
+        Ok(())
+    }
+
     /// The index of particle `n` in the file.
     pub(in crate::read) fn index(&self, n: usize) -> u64 {
         self.before + self.places.get(n).map_or(n as u64, |place| u64::from(*place))
@@ -333,7 +370,10 @@ impl Particles {
         {
             match survey.is_counting() {
                 true => self.count(&mut survey.counts()),
-                false => survey.pass(self.split_off()?)?,
+                false => {
+                    self.lighten()?;
+                    survey.pass(self.split_off()?)?;
+                }
             }
             return Ok(());
         }

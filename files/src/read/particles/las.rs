@@ -5,7 +5,7 @@ mod format;
 mod laz;
 
 use super::bytes::BinaryFile;
-use super::frame::Particles;
+use super::frame::{Levels, Particles};
 use super::layout::Layout;
 use super::request::Request;
 use super::role::Role;
@@ -14,7 +14,6 @@ use format::{DAMAGED, FORMATS, PointFormat, u16_at, u32_at};
 use halfline::error::Result;
 use halfline::memory::check_ids;
 use laz::{Laz, LazScheme};
-use rayon::prelude::*;
 
 /// What the header says of the points.
 struct LasHeader {
@@ -56,6 +55,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
     let mut header = LasHeader::read(&mut file)?;
     let layout = columns(header.format, &file, request)?;
     let mut particles = layout.begin();
+    particles.levels = Some(Levels::default());
     let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
     if let Some(scheme) = header.scheme.take() {
         let mut laz = Laz::new(file, scheme, header.format, header.record)?;
@@ -67,7 +67,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
                 laz.found();
             }
         }
-        light(&mut particles);
+        particles.lighten()?;
         return Ok(particles);
     }
     while read < header.points {
@@ -81,7 +81,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
         read += count;
         file.found();
     }
-    light(&mut particles);
+    particles.lighten()?;
     Ok(particles)
 }
 
@@ -189,20 +189,6 @@ impl LasHeader {
         }
         numbers.extend(self.format.infrared.map(|at| f64::from(u16_at(record, at))));
     }
-}
-
-/// Converts the colours from sRGB of 16 bits to linear RGB. Many programs write 8 bits into the fields of 16.
-fn light(particles: &mut Particles) {
-    let most = particles.colors.par_iter().map(|color| color.iter().fold(0.0f32, |most, c| most.max(*c)));
-    let most = most.reduce(|| 0.0, f32::max);
-    let top = if most > 0.0 && most <= 255.0 { 255.0 } else { 65535.0 };
-    if top < 65535.0 {
-        let said = "no colour is above 255, so colours are read as 8-bit sRGB, not as 16-bit";
-        particles.skipped.assumed.push(said.into());
-    }
-    // IEC 61966-2-1.
-    let linear = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
-    particles.colors.par_iter_mut().for_each(|color| *color = color.map(|c| linear(f64::from(c) / top) as f32));
 }
 
 #[cfg(test)]
