@@ -25,6 +25,9 @@ pub(crate) struct Raster {
     pub(crate) aside: [f64; 2],
 }
 
+/// The most rows of samples in a pixel: light keeps directions for each of their squares.
+const STRATA: u32 = 1 << 10;
+
 impl Raster {
     /// Pixel centres.
     pub(crate) fn centres(window: Window) -> Self {
@@ -41,10 +44,13 @@ impl Raster {
         }
         let strata = u64::from(samples - 1).isqrt() as u32 + 1;
         let most = MAX_SIDE as u32 / image.width.max(image.height).max(1);
+        if strata > STRATA {
+            let problem = format!("{samples} samples per pixel are too many");
+            return Err(Error::Limits { problem, mend: format!("use at most {}", STRATA * STRATA) });
+        }
         if strata > most {
-            let side = u64::from(most) * u64::from(most);
             let problem = format!("{samples} samples per pixel are too many for an image of this size");
-            return Err(Error::Limits { problem, mend: format!("use at most {side}, or a smaller {SIZE}") });
+            return Err(Error::Limits { problem, mend: format!("use at most {}, or a smaller {SIZE}", most * most) });
         }
         let mut jitter = FINEST;
         while strata * jitter > most {

@@ -133,6 +133,11 @@ fn a_frame_beyond_memory_is_exit_code_5_at_once() {
         let arguments = ["render", "scene.toml", "-o", "out.png", "--size", "1048576x1048576", "--backend", backend];
         dir.refused(5, &arguments, &["bytes", "--size"]);
     }
+    // Light keeps directions for every sample of a pixel.
+    for samples in [1_100_000, 2_000_000_000, u32::MAX] {
+        let words = format!("render scene.toml --backend cpu --size 2x2 --samples {samples} -o a.png");
+        dir.refused(5, &words, &["samples per pixel are too many", "use at most 1048576"]);
+    }
     assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
 }
 
