@@ -108,6 +108,12 @@ impl Lists {
         lists
     }
 
+    /// Entries of the longest list.
+    pub(crate) fn longest(&self) -> u32 {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts.zip(&self.ends).map(|(start, end)| end - start).max().unwrap_or(0)
+    }
+
     /// The lists of some tiles of the window, in the order of their cells: pairs of a tile (column and row) and its spheres.
     /// All other tiles have none.
     pub(crate) fn of_tiles(tiles: [[u32; 2]; 2], some: &[([u32; 2], Vec<Placed>)]) -> Self {

@@ -47,6 +47,10 @@ pub(super) struct FrameRays {
     pub(super) samples: Option<Raster>,
 }
 
+/// The most spheres that a ray tests one after the other on a software adapter: llvmpipe ends all loops of a shader after 65,536
+/// iterations, in each of which a ray tests eight.
+const LONGEST: u32 = 500_000;
+
 impl Renderer {
     /// Renders `scene`. The backend and adapter of `settings` take effect in [`Renderer::new`] only.
     ///
@@ -373,8 +377,18 @@ impl Renderer {
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
         let row = || doing.next(u64::from(view.record.columns));
         let kernel = self.kernel_of(setup);
+        let tested = match &candidates {
+            None => view.record.spheres,
+            Some(lists) => lists.binned().lists.longest().saturating_add(lists.binned().generals.len() as u32),
+        };
+        let is_too_long = self.device() == Device::Software && tested > LONGEST;
+        if is_too_long {
+            let adapter = self.adapter();
+            self.left_to_host =
+                Some(format!("the CPU path traced this frame: {adapter} ends loops over {tested} spheres"));
+        }
         match &mut self.place {
-            Executor::Gpu(gpu) => {
+            Executor::Gpu(gpu) if !is_too_long => {
                 let input = Input { view, colors, rays: KernelRays::Viewing, candidates };
                 let (go_on, mut output) = (|done| doing.reached(done), Output { raw, timings });
                 match kernel.winners {
@@ -382,7 +396,7 @@ impl Renderer {
                     false => gpu.run(&kernel, &input, &mut output, &go_on)?,
                 }
             }
-            Executor::Cpu => timings.time("trace", || match candidates {
+            _ => timings.time("trace", || match candidates {
                 None => cpu::render(&plan.kernel, view, colors, raw, &row),
                 Some(CandidateList::Uncertified(tile_candidates)) => {
                     cpu::by_tiles(&plan.kernel, &tile_candidates, colors, raw, &row)

@@ -251,3 +251,28 @@ fn many_rays_of_a_pixel_have_the_bits_of_the_cpu_path() {
         both.compare(&format!("{rays} rays"), &scene, &Settings { aovs: vec![Aov::Occlusion], ..Settings::default() });
     }
 }
+
+/// More spheres for a ray than a shader's loop has iterations: the host goes through them.
+#[test]
+fn longer_lists_than_loops_have_the_bits_of_the_cpu_path() {
+    let Some(mut both) = Both::new() else { return };
+    let count = 530_000;
+    let mut spheres = Spheres::default();
+    // All in one tile, beside its rays, before what the rays hit.
+    (0..count).for_each(|n| spheres.push([0.013, 0.017, -2.0 - 1e-6 * f64::from(n)], 1e-7, None));
+    spheres.push([0.0, 0.0, -10.0], 5.0, None);
+    let image = ImagePlane { width: 9, height: 9, background: [0.0; 3] };
+    let scene = Scene { image, spheres, camera: Camera::CANONICAL, lighting: Default::default() };
+    let stable = Some(halfline::intersect::Method::Stable);
+    for (method, accuracy, search) in [
+        (None, Accuracy::Certified, Search::Tiles),
+        (stable, Accuracy::Fast, Search::All),
+        (stable, Accuracy::Fast, Search::Tiles),
+    ] {
+        let settings = Settings { method, accuracy, search, aovs: vec![Aov::Distance, Aov::Id], ..Settings::default() };
+        let device = both.gpu.render(&scene, &settings).expect("a frame");
+        let host = both.cpu.render(&scene, &settings).expect("a frame");
+        assert_eq!(device.ids(), host.ids(), "{search:?}");
+        assert!(host.ids().contains(&(count as i32)));
+    }
+}
