@@ -207,6 +207,11 @@ impl Inference {
             self.open -= 1;
             elements[member.index] = self.unknown(b"X");
             self.found.unknown += 1;
+        } else if member.open && is_virtual(atom.symbol.trim_ascii(), None) {
+            // The file says so itself, whatever the name is: `EP` of OpenMM's water of five sites.
+            member.open = false;
+            self.open -= 1;
+            elements[member.index] = self.virtual_site(member.name());
         }
         self.members.push(member);
     }
@@ -281,6 +286,14 @@ impl Inference {
         self.members.clear();
     }
 
+    /// Counts a virtual site; its code.
+    fn virtual_site(&mut self, name: &[u8]) -> u8 {
+        let name = String::from_utf8_lossy(name).into_owned();
+        let full = self.found.sites.len() > RESIDUE && !self.found.sites.contains_key(&name);
+        *self.found.sites.entry(if full { "others".into() } else { name }).or_default() += 1;
+        VIRTUAL
+    }
+
     fn decide_one(&mut self, member: &ResidueAtom, residue: &Residue) -> u8 {
         let name = member.name();
         let (site, how) = residue.site(name);
@@ -289,12 +302,7 @@ impl Inference {
             self.evidence.take(member.raw(), known);
         }
         let code = match site {
-            Site::Virtual => {
-                let name = String::from_utf8_lossy(name).into_owned();
-                let full = self.found.sites.len() > RESIDUE && !self.found.sites.contains_key(&name);
-                *self.found.sites.entry(if full { "others".into() } else { name }).or_default() += 1;
-                return VIRTUAL;
-            }
+            Site::Virtual => return self.virtual_site(name),
             Site::Bead => {
                 self.found.beads += 1;
                 return self.unknown(name);

@@ -107,6 +107,19 @@ fn inferred_elements_are_reported_with_counts() {
 }
 
 #[test]
+fn a_symbol_of_a_virtual_site_is_one_whatever_its_name() {
+    let mut inference = Inference::new(true);
+    let mut elements = Vec::new();
+    for (symbol, name) in [(" O", " O  "), (" H", " H1 "), (" H", " H2 "), ("EP", " M1 "), ("EP", " H3 ")] {
+        let (symbol, name) = (symbol.as_bytes(), name.as_bytes());
+        inference.push(&AtomNames { symbol, name, residue: b"HOH", site: b"A   1" }, &mut elements);
+    }
+    let found = inference.finish(&mut elements);
+    assert_eq!(elements[..3], [8, 1, 1]);
+    assert!(is_site(elements[3]) && is_site(elements[4]) && found.sites() == 2, "{elements:?}");
+}
+
+#[test]
 fn a_given_element_is_kept() {
     let mut inference = Inference::new(true);
     let mut elements = Vec::new();
