@@ -213,6 +213,16 @@ impl LammpsData<'_> {
             let mend = format!("use one of {}", names.join(", "));
             return Err(Error::scene(line.named(heading), format!("{} is not an atom style", quote(&style)), mend));
         };
+        // What follows the coordinates of these has any number of columns.
+        if told && !["hybrid", "tdpd"].contains(&style.as_str()) {
+            let (own, found) = (columns.split(' ').count(), self.row().count());
+            if found != own && found != own + 3 {
+                let problem =
+                    format!("the style {style} has {own} columns, or {} with image flags, not {found}", own + 3);
+                let mend = format!("write the style that the rows have behind `Atoms #`; {style} is {columns}");
+                return Err(self.lines.fail(0, heading, problem, mend));
+            }
+        }
         let columns = &self.with_flags(columns, &style);
         let mut layout = Layout::whole(self.request);
         for name in columns.split(' ') {

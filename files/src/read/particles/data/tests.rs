@@ -47,7 +47,7 @@ fn styles_are_named_or_follow_from_the_columns() {
     let file = |heading: &str, row: &str| format!("{HEAD}\n{heading}\n\n{row}\n{row}\n");
     for (heading, row, assumed) in [
         ("Atoms # sphere", "1 1 3 0.1 1 2 3", 0),
-        ("Atoms # dipole", "1 1 0.5 1 2 3 9 9 9 9", 0),
+        ("Atoms # dipole", "1 1 0.5 1 2 3 9 9 9", 0),
         ("Atoms # hybrid sphere", "1 1 1 2 3 0.5 1", 0),
         ("Atoms", "1 1 1 2 3", 1),
         ("Atoms", "1 1 1 2 3 0 -1 0", 1),
@@ -89,6 +89,7 @@ fn errors_are_reported_with_line_and_column() {
         ("t\n\n0 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), ":7:1: count: expected 0 atoms, found 1"),
         ("t\n\n9999999999 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), "more than 32-bit ids"),
         (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 b 3\n"), ":12:7: y: `b`"),
+        (file("Atoms # molecular\n\n1 1 1 0.5 1 2 3\n"), ":11:1: Atoms: the style molecular has 6 columns, or 9"),
         (file("Atoms # fancy\n\n1 1 1 2 3\n"), ":9:1: Atoms: `fancy` is not an atom style"),
         (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "is not known"),
         (file("Atoms # sphere\n\n1 1 0 0.1 1 2 3\n"), ":11:5: diameter: `0` is not positive"),
