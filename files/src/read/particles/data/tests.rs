@@ -34,10 +34,10 @@ fn image_flags_behind_the_columns_are_columns_if_they_are_requested() {
         assert_eq!((columns(0), columns(1)), (vec![0.0, -1.0, 2.0], vec![1.0, 0.0, 0.0]));
     }
     assert!(read(&file(" # atomic", rows), &["id"]).expect("no flags").has.iter().all(|name| name != "ix"));
-    // Two numbers more, and what a hybrid has, are not flags.
-    for (heading, rows) in [(" # atomic", "7 1 1 2 3 0 -1\n3 2 4 5 6 1 0"), (" # hybrid atomic sphere", rows)] {
-        assert!(read(&file(heading, rows), &["ix"]).expect("no flags").columns.is_empty(), "{heading}");
-    }
+    // What a hybrid has are no flags, and two numbers more are of another style.
+    assert!(read(&file(" # hybrid atomic sphere", rows), &["ix"]).expect("no flags").columns.is_empty());
+    let error = read(&file(" # atomic", "7 1 1 2 3 0 -1\n3 2 4 5 6 1 0"), &["ix"]).map(drop).expect_err("7 columns");
+    assert!(error.to_string().contains("the style atomic has 5 columns, or 8 with image flags, not 7"), "{error}");
     let error = read(&file(" # atomic", "7 1 1 2 3 0 -1 2\n3 2 4 5 6"), &["ix"]).map(drop).expect_err("no flags");
     assert!(error.to_string().contains(":12:10: ix: expected 8 fields, found 5"), "{error}");
 }
