@@ -10,6 +10,7 @@ pub(crate) mod resident;
 pub(crate) mod selftest;
 mod sizes;
 pub(crate) mod submission_budget;
+mod submit;
 #[cfg(test)]
 mod tests;
 pub(crate) mod texture;

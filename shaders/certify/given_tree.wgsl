@@ -2,10 +2,6 @@
 
 @group(0) @binding(BIND_BOXES) var<storage, read> boxes: array<BoxRay>;
 
-// Steps of a ray before it is left to the host. Each step is at most three iterations of loops, those of `resume` with it, and
-// llvmpipe ends all loops of a vector of up to 16 invocations after 65,536 iterations together.
-const STEPS: u32 = 1300u;
-
 fn search(ray: CertifiedRay) -> Best {
     let seen = boxes[ray_number];
     let spheres_level = level_of_spheres();

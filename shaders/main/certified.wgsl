@@ -12,8 +12,7 @@ var<private> proved: bool;
 var<private> winner: u32; // its slot
 
 fn winner_record(slot: u32) -> Projected {
-    let v = projected[slot - part.first];
-    return projected_of(vec4<i32>(v.xy, v.z & 0x7fffffff, v.w)); // its sign says that the sphere is large: place/rectangle.wgsl
+    return projected_of(uncut(projected[slot - part.first]));
 }
 
 fn projected_detail(slot: u32) -> ProjectedDetail {

@@ -4,6 +4,17 @@
 // bits each, then s.
 @group(0) @binding(BIND_PIECES) var<storage, read_write> pieces: array<vec2<u32>>;
 
+// Columns and rows of the squares that a rectangle reaches.
+fn squares(r: vec4<i32>, s: u32) -> vec2<u32> {
+    let side = vec2<u32>(PIECE << s);
+    return vec2<u32>(r.zw) / side - vec2<u32>(r.xy) / side + vec2<u32>(1u);
+}
+
+// Their product may be more than a u32.
+fn are_too_many(across: vec2<u32>) -> bool {
+    return across.x > CUT / across.y;
+}
+
 // Cuts the rectangle of a large sphere into pieces; whether it is large.
 fn cut(slot: u32, r: vec4<i32>) -> bool {
     if (is_small(r)) {
@@ -11,15 +22,12 @@ fn cut(slot: u32, r: vec4<i32>) -> bool {
     }
     // The finest squares of which there are at most CUT.
     var s = 0u;
-    var corner = vec2<u32>(r.xy) / PIECE;
-    var last = vec2<u32>(r.zw) / PIECE;
-    while (s < COARSEST && last.x - corner.x >= CUT / (last.y - corner.y + 1u)) {
+    while (s < COARSEST && are_too_many(squares(r, s))) {
         s++;
-        corner >>= vec2<u32>(1u);
-        last >>= vec2<u32>(1u);
     }
-    let across = last - corner + vec2<u32>(1u);
-    if (across.x > CUT / across.y || any(last > vec2<u32>(0x7fffu))) {
+    let corner = vec2<u32>(r.xy) / (PIECE << s);
+    let across = squares(r, s);
+    if (are_too_many(across) || any(corner + across > vec2<u32>(0x8000u))) {
         atomicAdd(&summary[SUMMARY_MORE], 1u);
         return true;
     }

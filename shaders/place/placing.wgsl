@@ -61,3 +61,13 @@ struct BlockPass {
 fn place_in_block(group: vec3<u32>, index: u32) -> u32 {
     return (group.y * part.groups + group.x) * GROUP + index;
 }
+
+// The rectangle of a sphere is computed in f32, whose last bits may differ from kernel to kernel, so one kernel alone decides whether a sphere is
+// cut, and says so by the sign of rho.
+fn is_cut(record: vec4<i32>) -> bool {
+    return record.z < 0;
+}
+
+fn uncut(record: vec4<i32>) -> vec4<i32> {
+    return vec4<i32>(record.xy, record.z & 0x7fffffff, record.w);
+}

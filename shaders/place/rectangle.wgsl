@@ -46,13 +46,3 @@ fn is_small(r: vec4<i32>) -> bool {
     let sides = r.zw - r.xy + vec2<i32>(1);
     return any(sides < vec2<i32>(1)) || (all(sides <= vec2<i32>(SMALL)) && sides.x * sides.y <= SMALL);
 }
-
-// A rectangle is computed in f32, whose last bits may differ from kernel to kernel, so one kernel alone decides whether a sphere is
-// cut, and says so by the sign of rho.
-fn is_cut(record: vec4<i32>) -> bool {
-    return record.z < 0;
-}
-
-fn uncut(record: vec4<i32>) -> vec4<i32> {
-    return vec4<i32>(record.xy, record.z & 0x7fffffff, record.w);
-}

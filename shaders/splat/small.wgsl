@@ -5,10 +5,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (n >= part.count) {
         return;
     }
-    if (projected[n].x == NOWHERE || is_cut(projected[n])) {
+    let record = projected[n];
+    if (record.x == NOWHERE || is_cut(record)) {
         return;
     }
-    let f = projected_of(projected[n]);
+    let f = projected_of(record);
     let r = in_band(rectangle(f.x, f.y, f.rho));
     let slot = part.first + n;
     let c = frame_constants();

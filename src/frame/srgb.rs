@@ -24,11 +24,13 @@ pub fn levels(linear: &[f32]) -> Vec<u8> {
 /// Converts 8-bit sRGB to linear RGB.
 #[must_use]
 pub fn linear(srgb: [u8; 3]) -> [f32; 3] {
-    srgb.map(|level| {
-        let x = f64::from(level) / 255.0;
-        // IEC 61966-2-1.
-        (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
-    })
+    srgb.map(|level| decoded(f64::from(level) / 255.0) as f32)
+}
+
+/// The linear light of an sRGB component in [0, 1]: the inverse of the transfer function.
+#[must_use]
+pub fn decoded(x: f64) -> f64 {
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
 /// The 16-bit sRGB level of a linear component: as [`level`] with 65535 for 255.

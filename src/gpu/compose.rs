@@ -3,7 +3,10 @@
 //! an error.
 
 use crate::gpu::layout::buffers;
-use crate::gpu::sizes::{COARSEST, CUT, HOST_SPHERES, PAIRS, PIECE, PIECES, SMALL, SUMMARY_LIST};
+use crate::gpu::sizes::{
+    COARSEST, CUT, HOST_SPHERES, PAIRS, PIECE, PIECES, SMALL, STEPS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MORE,
+    SUMMARY_PAIRS, SUMMARY_PIECES,
+};
 use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel, KernelOutput, RaySource, Sharing};
 use crate::scene::DEFAULT_COLOR;
@@ -218,7 +221,13 @@ fn certify_given(kernel: &Kernel, parts: &mut Vec<Part>) {
     let query = if kernel.any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
     parts.extend(files(["certify/constants.wgsl", "certify/given_constants.wgsl", "certify/given.wgsl", query]));
     match kernel.tree {
-        true => parts.extend(files(["search/tree.wgsl", "certify/given_tree.wgsl"])),
+        true => {
+            parts.push(emitted(
+                "emitted: steps",
+                format!("const STEPS: u32 = {STEPS}u; // of a ray, before the host traces it\n"),
+            ));
+            parts.extend(files(["search/tree.wgsl", "certify/given_tree.wgsl"]));
+        }
         false => parts.extend(files(["certify/given_all.wgsl"])),
     }
 }
@@ -326,10 +335,10 @@ const PIECES: u32 = {PIECES}u;
 const PAIRS: u32 = {PAIRS}u;
 const SUMMARY_DEPTHS: u32 = 0u;
 const SUMMARY_PERHAPS: u32 = 2u;
-const SUMMARY_HOST: u32 = 4u;
-const SUMMARY_PIECES: u32 = 5u;
-const SUMMARY_PAIRS: u32 = 6u;
-const SUMMARY_MORE: u32 = 7u;
+const SUMMARY_HOST: u32 = {SUMMARY_HOST}u;
+const SUMMARY_PIECES: u32 = {SUMMARY_PIECES}u;
+const SUMMARY_PAIRS: u32 = {SUMMARY_PAIRS}u;
+const SUMMARY_MORE: u32 = {SUMMARY_MORE}u;
 const CUT: u32 = {CUT}u; // the most pieces of a sphere
 const COARSEST: u32 = {COARSEST}u; // pieces are up to 2^COARSEST times as wide
 const SUMMARY_LIST: u32 = {SUMMARY_LIST}u;

@@ -1,9 +1,8 @@
 //! Rendering one frame on the device: upload, dispatch by bands, readback.
 
-use crate::answers::raw::Raw;
 use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
-use crate::gpu::compose::{Step, compose, compose_step};
+use crate::gpu::compose::{Source, compose};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings, is_texture};
@@ -32,7 +31,7 @@ pub(crate) struct Gpu {
     /// What lies in small buffers that were refilled.
     filled: HashMap<&'static str, Vec<u8>>,
     pub(super) textures: HashMap<&'static str, (wgpu::Texture, wgpu::TextureView)>,
-    clock: Option<Clock>,
+    pub(super) clock: Option<Clock>,
     pub(super) traffic: Traffic,
     /// Output buffers are read in place.
     pub(super) direct: bool,
@@ -46,24 +45,6 @@ pub(super) struct Pipeline {
     pub(super) compute: wgpu::ComputePipeline,
     pub(super) bindings: Vec<Binding>,
     budget: SubmissionBudget,
-}
-
-/// What a pipeline is made of.
-#[derive(Clone, Copy)]
-pub(super) enum Wanted {
-    Kernel(Kernel),
-    Step(Step),
-}
-
-/// A pipeline and what it binds.
-fn built(device: &wgpu::Device, wanted: &Wanted) -> Result<(wgpu::ComputePipeline, Vec<Binding>)> {
-    let (source, capabilities, label) = match wanted {
-        Wanted::Kernel(kernel) => (compose(kernel), crate::gpu::layout::capabilities(kernel), kernel.method.name()),
-        Wanted::Step(step) => (compose_step(*step), Capabilities::empty(), "resident"),
-    };
-    let (module, info) = validate(&source, capabilities)?;
-    let bindings = bindings(&module, &info);
-    Ok((compile(device, label, module), bindings))
 }
 
 impl Gpu {
@@ -210,24 +191,23 @@ impl Gpu {
         if self.pipelines.contains_key(kernel) {
             return Ok(());
         }
-        let (compute, bindings) = built(&self.open.device, &Wanted::Kernel(*kernel))?;
+        let capabilities = crate::gpu::layout::capabilities(kernel);
+        let (compute, bindings) = self.built(&compose(kernel), capabilities, kernel.method.name())?;
         self.pipelines.insert(*kernel, Pipeline { compute, bindings, budget: self.budget });
         Ok(())
     }
 
-    /// Compiles what is missing, one after the other: side by side, eight renderers of a process hung on NVIDIA's driver.
-    pub(super) fn pipelines(&mut self, wanted: impl IntoIterator<Item = Wanted>) -> Result<()> {
-        for wanted in wanted {
-            match wanted {
-                Wanted::Kernel(kernel) => self.pipeline(&kernel)?,
-                Wanted::Step(step) if self.resident.steps.0.contains_key(&step) => {}
-                Wanted::Step(step) => {
-                    let made = built(&self.open.device, &wanted)?;
-                    self.resident.steps.0.insert(step, made);
-                }
-            }
-        }
-        Ok(())
+    /// A pipeline and what it binds. They are compiled one after the other: side by side, eight renderers of a process hung on
+    /// NVIDIA's driver.
+    pub(super) fn built(
+        &self,
+        source: &Source,
+        capabilities: Capabilities,
+        label: &str,
+    ) -> Result<(wgpu::ComputePipeline, Vec<Binding>)> {
+        let (module, info) = validate(source, capabilities)?;
+        let bindings = bindings(&module, &info);
+        Ok((compile(&self.open.device, label, module), bindings))
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
@@ -254,18 +234,6 @@ impl Gpu {
         self.submit(kernel, pixels, groups)
     }
 
-    /// The buffers of the kernel's outputs.
-    pub(super) fn reserve_outputs(&mut self, kernel: &Kernel, pixels: u64) {
-        for output in KernelOutput::of(kernel) {
-            let bytes = pixels * output.bytes();
-            let reading = if self.direct { wgpu::BufferUsages::MAP_READ } else { wgpu::BufferUsages::COPY_SRC };
-            self.reserve(output.name, bytes, wgpu::BufferUsages::STORAGE | reading);
-            if !self.direct {
-                self.reserve(output.staging, bytes, READING);
-            }
-        }
-    }
-
     /// One dispatch, with copies of the outputs to buffers that can be mapped.
     pub(super) fn submit(&mut self, kernel: &Kernel, pixels: u64, groups: (u32, u32)) -> Result<()> {
         let pipeline = &self.pipelines[kernel];
@@ -280,77 +248,6 @@ impl Gpu {
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes());
         }
         self.finish(encoder, true, |gpu| gpu.ask(kernel, pixels))
-    }
-
-    /// Submits commands, asks for the mapping of buffers, and waits for all of it. `timed` if a pass of the commands writes the
-    /// clock's timestamps.
-    pub(super) fn finish(
-        &mut self,
-        mut encoder: wgpu::CommandEncoder,
-        timed: bool,
-        ask: impl FnOnce(&Self),
-    ) -> Result<()> {
-        let clock = self.clock.as_ref().filter(|_| timed);
-        if let Some(clock) = clock {
-            clock.resolve(&mut encoder);
-        }
-        let commands = encoder.finish();
-        let start = Instant::now();
-        self.open.queue.submit([commands]);
-        if let Some(clock) = clock {
-            clock.ask();
-        }
-        ask(self);
-        self.wait()?;
-        self.traffic.busy += start.elapsed();
-        if let Some(clock) = self.clock.as_mut().filter(|_| timed) {
-            clock.add();
-        }
-        Ok(())
-    }
-
-    /// Submits commands that leave `size` bytes in a buffer for reading; its numbers.
-    pub(super) fn fetch(
-        &mut self,
-        encoder: wgpu::CommandEncoder,
-        timed: bool,
-        name: &'static str,
-        size: u64,
-    ) -> Result<Vec<u32>> {
-        self.finish(encoder, timed, |gpu| gpu.buffers[name].map_async(wgpu::MapMode::Read, 0..size, |_| {}))?;
-        self.take(name, size)
-    }
-
-    /// The first numbers of a buffer whose mapping was asked for before the last wait.
-    pub(super) fn take(&mut self, name: &'static str, size: u64) -> Result<Vec<u32>> {
-        let buffer = &self.buffers[name];
-        let numbers = bytemuck::pod_collect_to_vec(&mapped(buffer, size)?);
-        buffer.unmap();
-        self.traffic.down += size;
-        Ok(numbers)
-    }
-
-    /// Where a pass writes its timestamps, if the device has a clock.
-    pub(super) fn times(&self) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        self.clock.as_ref().map(Clock::writes)
-    }
-
-    /// Seconds of the last timed pass, by the device's clock if it has one, else since `start`.
-    pub(super) fn seconds(&self, start: Instant) -> f64 {
-        let clocked = self.clock.as_ref().and_then(Clock::last).map(|ms| ms * 1e-3);
-        clocked.unwrap_or_else(|| start.elapsed().as_secs_f64())
-    }
-
-    /// The buffer in which the host reads an output.
-    fn read_from(&self, output: &KernelOutput) -> &wgpu::Buffer {
-        &self.buffers[if self.direct { output.name } else { output.staging }]
-    }
-
-    /// Requests the mapping of the outputs, which completes with the next wait.
-    pub(super) fn ask(&self, kernel: &Kernel, pixels: u64) {
-        for output in KernelOutput::of(kernel) {
-            self.read_from(output).map_async(wgpu::MapMode::Read, 0..pixels * output.bytes(), |_| {});
-        }
     }
 
     /// A dispatch that is recorded and not yet submitted.
@@ -372,35 +269,6 @@ impl Gpu {
         pass.dispatch_workgroups(groups.0, groups.1, 1);
         drop(pass);
         encoder
-    }
-
-    /// Takes the outputs that [`Gpu::ask`] mapped. `first_entry` is where the band's lists begin among those of the frame.
-    pub(super) fn read_back(
-        &mut self,
-        kernel: &Kernel,
-        record: &ViewRecord,
-        band: &Band,
-        first_entry: u32,
-        raw: &mut Raw,
-    ) -> Result<()> {
-        let row = if kernel.rays == RaySource::Camera { record.columns as usize } else { 1 };
-        let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
-        for output in KernelOutput::of(kernel) {
-            let bytes = pixels as u64 * output.bytes();
-            let buffer = self.read_from(output);
-            raw.store(output.name, first, pixels, &mapped(buffer, bytes)?);
-            buffer.unmap();
-            self.traffic.down += bytes;
-        }
-        if kernel.winners && first_entry > 0 {
-            raw.move_slots(first..first + pixels, first_entry);
-        }
-        Ok(())
-    }
-
-    pub(super) fn wait(&self) -> Result<()> {
-        let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
-        self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
     }
 
     /// A texture, or the part of a buffer that this dispatch uses. Buffers are kept between frames, so they may be larger.
@@ -472,17 +340,10 @@ impl Gpu {
 /// Size of the smallest buffer in bytes: enough for one record of any kind.
 const SMALLEST: u64 = 64;
 
-/// The first `size` bytes of a buffer that was mapped for reading.
-pub(super) fn mapped(buffer: &wgpu::Buffer, size: u64) -> Result<wgpu::BufferView> {
-    buffer.get_mapped_range(0..size).map_err(|e| Error::DeviceLost(format!("a buffer cannot be read back: {e}")))
-}
-
-/// The usage of buffers that the host reads.
-pub(super) const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answers::raw::Raw;
     use crate::certify::binned::BinnedScene;
     use crate::frame::report::Timings;
     use crate::gpu::device;

@@ -10,7 +10,6 @@ mod tests;
 
 use super::Gpu;
 use super::compose::Step;
-use super::dispatch::Wanted;
 use super::input::{Input, KernelRays, Output};
 use super::sizes::{HOST_SPHERES, PAIRS, PIECES};
 use super::transfers::{Band, Entries};
@@ -124,9 +123,13 @@ impl Gpu {
         }
         let samples = kernel.samples;
         let large = self.resident.held.as_ref().is_some_and(|held| held.pieces > 0);
-        let large = large.then_some(Wanted::Step(Step::Large { samples }));
-        let wanted = [Wanted::Step(Step::Small { samples }), Wanted::Kernel(kernel)];
-        output.timings.time("pipeline", || self.pipelines(wanted.into_iter().chain(large)))?;
+        output.timings.time("pipeline", || {
+            self.step(Step::Small { samples })?;
+            if large {
+                self.step(Step::Large { samples })?;
+            }
+            self.pipeline(&kernel)
+        })?;
         let candidates = Some(CandidateList::Certified(&binned));
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing, candidates };
         output.timings.time("upload", || self.upload_resident(&kernel, &input))?;

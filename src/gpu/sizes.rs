@@ -4,7 +4,12 @@
 pub(crate) const HOST_SPHERES: u32 = 1 << 16;
 pub(crate) const PIECES: u32 = 1 << 20;
 pub(crate) const PAIRS: u32 = 1 << 20;
-/// Where the list of spheres begins in the summary.
+/// Places of the summary: the numbers of spheres for the host, of pieces and of pairs; above 0 where pieces are too many to be counted;
+/// where the list of spheres begins.
+pub(crate) const SUMMARY_HOST: u32 = 4;
+pub(crate) const SUMMARY_PIECES: u32 = 5;
+pub(crate) const SUMMARY_PAIRS: u32 = 6;
+pub(crate) const SUMMARY_MORE: u32 = 7;
 pub(crate) const SUMMARY_LIST: u32 = 8;
 /// Pixels along a side of a piece; those of a sphere with more than [`CUT`] are up to 2^[`COARSEST`] times as wide.
 pub(crate) const PIECE: u32 = 32;
@@ -12,3 +17,6 @@ pub(crate) const CUT: u32 = 1 << 14;
 pub(crate) const COARSEST: u32 = 3;
 /// Pixels of a sphere that one invocation goes through.
 pub(crate) const SMALL: u32 = 256;
+/// Steps through a tree of an invocation before it is left to the host. Each is at most three iterations of loops, and llvmpipe ends
+/// the loops of a vector of up to 16 invocations after 65,536 iterations together.
+pub(crate) const STEPS: u32 = 1300;

@@ -377,13 +377,13 @@ impl Renderer {
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
         let row = || doing.next(u64::from(view.record.columns));
         let kernel = self.kernel_of(setup);
-        let tested = match &candidates {
+        let tested = || match &candidates {
             None => view.record.spheres,
             Some(lists) => lists.binned().lists.longest().saturating_add(lists.binned().generals.len() as u32),
         };
-        let is_too_long = self.device() == Device::Software && tested > LONGEST;
+        let is_too_long = self.device() == Device::Software && tested() > LONGEST;
         if is_too_long {
-            let adapter = self.adapter();
+            let (adapter, tested) = (self.adapter(), tested());
             self.left_to_host =
                 Some(format!("the CPU path traced this frame: {adapter} ends loops over {tested} spheres"));
         }

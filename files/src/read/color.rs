@@ -3,7 +3,7 @@
 use crate::npy::{NumberKind, Scalar};
 use color_name::css::COLORS_DATA;
 use halfline::error::{Error, Result};
-use halfline::frame::srgb::linear;
+use halfline::frame::srgb::{decoded, linear};
 use halfline::quote::quote;
 use std::sync::LazyLock;
 use strsim::damerau_levenshtein;
@@ -22,10 +22,14 @@ pub(crate) fn light_of(number: f64, of: Scalar) -> f64 {
     if is_byte { light(number as u8) } else { number }
 }
 
-/// A level of sRGB between 0 and `top` in linear light (IEC 61966-2-1).
+/// The largest level of colours that are whole numbers up to `most`: of 8 bits where these hold them all, else of 16.
+pub(crate) fn top_level(most: f32) -> f32 {
+    if most <= 255.0 { 255.0 } else { 65535.0 }
+}
+
+/// A level of sRGB between 0 and `top` in linear light.
 pub(crate) fn light_of_level(level: f32, top: f32) -> f32 {
-    let x = f64::from(level) / f64::from(top);
-    (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
+    decoded(f64::from(level) / f64::from(top)) as f32
 }
 
 /// Parses a colour: a CSS name such as `rebeccapurple`, in any case, or `#rgb` or `#rrggbb`, all in sRGB; or `r,g,b` in

@@ -11,7 +11,7 @@ use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, joined_elements, no_selections, top_level};
+use super::style::{Coloring, joined_elements, levels_of, no_selections};
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -42,7 +42,7 @@ pub struct SphereBlocks {
     options: ReadOptions,
     file: Place,
     /// The largest level of the colours so far; none inside where they are linear.
-    levels: Option<Option<u16>>,
+    levels: Option<Option<f32>>,
     /// Particles so far.
     count: u64,
     skipped: Skipped,
@@ -266,7 +266,7 @@ impl SphereBlocks {
             return Err(Error::settings(problem, format!("add {RADIUS}, or remove {STREAM}")));
         }
         if self.options.style.coloring == Coloring::File && !part.colors.is_empty() {
-            let levels = top_level(&part.colors);
+            let levels = levels_of(&part.colors);
             if *self.levels.get_or_insert(levels) != levels {
                 let problem = "the colours of one part are levels of 8 or of 16 bits, and those of another are not";
                 return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));

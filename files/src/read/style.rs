@@ -14,13 +14,13 @@ use super::skipped::Skipped;
 pub(super) use categories::joined_elements;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::{Category, Legend};
-use halfline::frame::srgb::{self, linear};
+use halfline::frame::srgb;
 use halfline::memory::check_spheres;
 use halfline::quote::setting::{COLOR_BY, RADIUS};
 use halfline::quote::{number, quote};
 use halfline::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 
-use super::color::{light_of_level, of_hex};
+use super::color::{light_of_level, of_hex, top_level};
 use super::elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
@@ -322,16 +322,12 @@ impl Style {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
             Coloring::File if !particles.colors.is_empty() => {
                 let mut colors = std::mem::take(&mut particles.colors);
-                if let Some(top) = top_level(&colors) {
-                    let bits = if top > 255 { 16 } else { 8 };
+                if let Some(top) = levels_of(&colors) {
+                    let bits = if top > 255.0 { 16 } else { 8 };
                     skipped.assumed.push(format!(
                         "the colours are whole numbers up to {top}, so they are read as {bits}-bit sRGB, not as linear RGB"
                     ));
-                    let light = |color: [f32; 3]| match top {
-                        255 => linear(color.map(|level| level as u8)),
-                        top => color.map(|level| light_of_level(level, top.into())),
-                    };
-                    colors.par_iter_mut().for_each(|color| *color = light(*color));
+                    colors.par_iter_mut().for_each(|color| *color = color.map(|level| light_of_level(level, top)));
                 }
                 Some(colors)
             }
@@ -364,10 +360,10 @@ pub(super) fn no_selections() -> Error {
 }
 
 /// The largest level, 255 or 65535, of colours that are whole numbers, some above 1; `None` where they are linear RGB.
-pub(super) fn top_level(colors: &[[f32; 3]]) -> Option<u16> {
+pub(super) fn levels_of(colors: &[[f32; 3]]) -> Option<f32> {
     let is_level = |x: &f32| x.fract() == 0.0 && (0.0..=65535.0).contains(x);
     let most = colors.par_iter().flatten().copied().reduce(|| 0.0, f32::max);
-    (most > 1.0 && colors.par_iter().flatten().all(is_level)).then_some(if most > 255.0 { u16::MAX } else { 255 })
+    (most > 1.0 && colors.par_iter().flatten().all(is_level)).then(|| top_level(most))
 }
 
 /// The mean distance between neighbours if the particles filled their box evenly; 1 for one particle.
@@ -392,6 +388,7 @@ pub(super) fn spacing_of([low, high]: [[f64; 3]; 2], count: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use halfline::frame::srgb::linear;
 
     fn particles(n: usize) -> Particles {
         Particles { positions: (0..n).map(|k| [k as f64, 0.0, 0.0]).collect(), ..Particles::default() }

@@ -9,7 +9,7 @@ use crate::double_double as dd;
 use crate::gpu::compose::Step;
 use crate::gpu::device::Open;
 use crate::gpu::layout::Binding;
-use crate::gpu::sizes::{HOST_SPHERES, SUMMARY_LIST};
+use crate::gpu::sizes::{HOST_SPHERES, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MORE, SUMMARY_PIECES};
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::scene::Spheres;
 use crate::scene::camera::Camera;
@@ -22,12 +22,12 @@ use std::collections::HashMap;
 
 /// The pipelines of the steps.
 #[derive(Default)]
-pub(in crate::gpu) struct Steps(pub(in crate::gpu) HashMap<Step, (wgpu::ComputePipeline, Vec<Binding>)>);
+pub(super) struct Steps(pub(super) HashMap<Step, (wgpu::ComputePipeline, Vec<Binding>)>);
 
 /// What the device holds from frame to frame.
 pub(crate) struct Resident {
     pub(super) held: Option<Held>,
-    pub(in crate::gpu) steps: Steps,
+    pub(super) steps: Steps,
     /// The frame whose hits lie on the device, for rays from there, or why they do not.
     pub(super) starts: Option<Result<Starts, &'static str>>,
     /// Spheres of a block.
@@ -276,7 +276,7 @@ pub(super) struct Counts {
 
 /// Pieces of large spheres, in two words.
 pub(super) fn pieces(numbers: &[u32]) -> u64 {
-    u64::from(numbers[7]) << 32 | u64::from(numbers[5])
+    u64::from(numbers[SUMMARY_MORE as usize]) << 32 | u64::from(numbers[SUMMARY_PIECES as usize])
 }
 
 impl Counts {
@@ -286,7 +286,7 @@ impl Counts {
             let [least, most] = [numbers[at], numbers[at + 1]];
             (least <= most).then(|| [least, most].map(|bits| f64::from(f32::from_bits(bits))))
         };
-        let host = numbers[4];
+        let host = numbers[SUMMARY_HOST as usize];
         let mut for_host: Vec<u32> = numbers[SUMMARY_LIST as usize..][..host.min(HOST_SPHERES) as usize].to_vec();
         for_host.sort_unstable();
         let summary = PlacedSummary { depths: range(0), perhaps: range(2), for_host };

@@ -8,8 +8,9 @@ use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
 use crate::gpu::device::AdapterSummary;
-use crate::gpu::dispatch::{READING, Wanted};
 use crate::gpu::input::GROUP;
+use crate::gpu::sizes::STEPS;
+use crate::gpu::submit::READING;
 use crate::gpu::texture::texture;
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
@@ -24,16 +25,15 @@ const MOST: u32 = 1 << 12;
 const PER_RAY: f64 = 128.0;
 
 /// The rays of a pixel in a dispatch, and the steps through the tree of an invocation, beyond which the host traces the pixel.
-struct Reach {
+struct Portion {
     rays: u32,
     steps: u32,
 }
 
-impl Reach {
-    /// llvmpipe ends the loops of a vector of up to 16 invocations after 65,536 iterations together, of which a step is at most
-    /// three. On hardware the steps end what would hang.
+impl Portion {
+    /// On hardware the steps end what would hang.
     fn of(summary: &AdapterSummary) -> Self {
-        if summary.is_software() { Self { rays: 16, steps: 1300 } } else { Self { rays: 512, steps: 1 << 18 } }
+        if summary.is_software() { Self { rays: 16, steps: STEPS } } else { Self { rays: 512, steps: 1 << 18 } }
     }
 }
 
@@ -134,7 +134,7 @@ impl Gpu {
         if held.tree.is_none() {
             held.tree = Some(self.hold_tree(asked.tree)?);
         }
-        self.pipelines([Wanted::Step(Step::Sky)])?;
+        self.step(Step::Sky)?;
         let pixels = asked.view.record.pixels() as u64;
         let bytes = 4 * pixels * Traced::words_of(asked.each() as usize) as u64;
         self.check_size("rays to the sky", bytes)?;
@@ -149,7 +149,7 @@ impl Gpu {
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));
         self.open.queue.submit([encoder.finish()]);
-        let Reach { rays: together, steps } = Reach::of(&self.summary);
+        let Portion { rays: together, steps } = Portion::of(&self.summary);
         let each = PER_RAY * f64::from(asked.each().min(together));
         let mut first = 0;
         while first < pixels {

@@ -5,14 +5,16 @@ use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{NOTHING, Placed};
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::gpu::compose::Step;
-use crate::gpu::dispatch::{Pipeline, READING, Wanted};
+use crate::gpu::compose::{Step, compose_step};
+use crate::gpu::dispatch::Pipeline;
 use crate::gpu::input::GROUP;
 use crate::gpu::layout::Binding;
-use crate::gpu::sizes::{HOST_SPHERES, PAIRS, PIECES, SUMMARY_LIST};
+use crate::gpu::sizes::{HOST_SPHERES, PAIRS, PIECES, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_PAIRS};
+use crate::gpu::submit::READING;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, KernelOutput};
 use bytemuck::{Pod, Zeroable};
+use naga::valid::Capabilities;
 
 /// A block of spheres in one dispatch, declared in shaders/place/placing.wgsl.
 #[repr(C)]
@@ -35,6 +37,9 @@ const PAIRS_OF_UNSURE: u32 = 2;
 
 /// Spheres for the host, and pairs, that come back with the submission that counts them.
 const FIRST: u32 = 1 << 12;
+
+/// Bytes of the summary before its list.
+const HEAD: u64 = 4 * SUMMARY_LIST as u64;
 
 /// A dispatch: a pipeline, what it binds of a block, and its workgroups.
 struct Job<'a> {
@@ -80,7 +85,7 @@ impl Gpu {
 
     /// Runs a step for some blocks and reads the summary.
     fn summarize(&mut self, blocks: &[&Block], step: Step) -> Result<Vec<u32>> {
-        self.pipelines([Wanted::Step(step)])?;
+        self.step(step)?;
         let most = self.limits.max_compute_workgroups_per_dimension;
         let mut jobs = Vec::new();
         let mut parts = Vec::new();
@@ -102,7 +107,7 @@ impl Gpu {
         };
         copy(self, &mut encoder, FIRST);
         let numbers = self.fetch(encoder, true, "read summary", size(FIRST))?;
-        let host = numbers[4].min(HOST_SPHERES);
+        let host = numbers[SUMMARY_HOST as usize].min(HOST_SPHERES);
         if host <= FIRST {
             return Ok(numbers);
         }
@@ -137,7 +142,7 @@ impl Gpu {
         self.reserve("read pairs", 8 * u64::from(FIRST), READING);
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.buffers["minima"], 0, Some(12 * pixels));
-        encoder.clear_buffer(&self.buffers["summary"], 4 * 6, Some(4));
+        encoder.clear_buffer(&self.buffers["summary"], 4 * u64::from(SUMMARY_PAIRS), Some(4));
         {
             let mut pass = self.pass(&mut encoder);
             self.encode(&mut pass, &jobs[..minima], kernel, pixels);
@@ -154,7 +159,7 @@ impl Gpu {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes());
         }
-        let counted = [("summary", "read summary", 32), ("pairs", "read pairs", 8 * u64::from(FIRST))];
+        let counted = [("summary", "read summary", HEAD), ("pairs", "read pairs", 8 * u64::from(FIRST))];
         for (from, to, size) in counted {
             encoder.copy_buffer_to_buffer(&self.buffers[from], 0, &self.buffers[to], 0, size);
         }
@@ -168,7 +173,7 @@ impl Gpu {
 
     /// The spheres at pixels that are not proved, after [`Gpu::submit_steps`]: pixel and slot; `None` where there are too many.
     pub(super) fn take_pairs(&mut self) -> Result<Option<Vec<[u32; 2]>>> {
-        let count = self.take("read summary", 32)?[6];
+        let count = self.take("read summary", HEAD)?[SUMMARY_PAIRS as usize];
         let mut numbers = self.take("read pairs", 8 * u64::from(FIRST))?;
         if count > PAIRS {
             return Ok(None);
@@ -210,6 +215,15 @@ impl Gpu {
         if self.resident.reversed {
             jobs[first..].reverse();
         }
+    }
+
+    /// Compiles a step.
+    pub(super) fn step(&mut self, step: Step) -> Result<()> {
+        if !self.resident.steps.0.contains_key(&step) {
+            let made = self.built(&compose_step(step), Capabilities::empty(), "resident")?;
+            self.resident.steps.0.insert(step, made);
+        }
+        Ok(())
     }
 
     /// Bytes between the parts of different dispatches in their buffer.

@@ -10,7 +10,7 @@ use super::names::Names;
 use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use super::vectors;
-use crate::read::color::light_of_level;
+use crate::read::color::{light_of_level, top_level};
 use crate::read::format::Format;
 use crate::read::select::Note;
 use crate::read::skipped::Skipped;
@@ -322,7 +322,7 @@ impl Particles {
             return Ok(());
         }
         let is_first = levels.top.is_none();
-        let top = *levels.top.get_or_insert(if most <= 255.0 { 255.0 } else { 65535.0 });
+        let top = *levels.top.get_or_insert(top_level(most));
         if most > top {
             let problem =
                 "colours above 255 follow points whose colours were read as 8-bit sRGB, for none was above 255";
