@@ -281,7 +281,12 @@ fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
         let mend = format!("keep them within 2^{WIDEST} of each other and below 2^1000");
         return Err(Error::scene(Place::field("spheres"), problem, mend));
     }
-    Ok((least + (most - least) / 2).max(LEAST_UNIT))
+    Ok(middle([least, most]))
+}
+
+/// The exponent of the unit of sizes with exponents from the first to the second.
+pub(crate) fn middle([least, most]: [i32; 2]) -> i32 {
+    (least + (most - least) / 2).max(LEAST_UNIT)
 }
 
 /// The least and the largest size of some spheres, as bits.

@@ -82,7 +82,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let blur = (error * near * (vec2<f32>(1.0) + tilt * abs(q)) + abs(q) * 5e-16) * per;
     let aside = vec2<f32>(q.x, -q.y) * per;
     let out = abs(placing.middle_f32 + aside);
-    let in_range = rho > 1e-18 && rho < 1e18 && size > 1e-18 && size < 1e18 && total * placing.low_scale.x < 0.7499
+    let in_range = rho > 1e-18 && rho < 1e18 && size > 1e-24 && size < 1e24 && total * placing.low_scale.x < 0.7499
         && max(blur.x, blur.y) < 7.4e-9;
     if (!in_range) {
         for_host(slot);

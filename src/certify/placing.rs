@@ -102,6 +102,11 @@ impl Placer {
         Ok(fits.then_some(Self { projection, image, fine: view.record.fine(), tolerance }))
     }
 
+    /// As [`ProjectionBounds::is_same_in_units`].
+    pub(crate) fn is_same_in_units(&self, span: i32) -> bool {
+        self.projection.is_same_in_units(span)
+    }
+
     /// The tolerance of the frame.
     pub(crate) fn tolerance(&self) -> f64 {
         self.tolerance

@@ -48,9 +48,13 @@ const LEAST_TOLERANCE: f64 = 1.0 / (1 << 21) as f64;
 const WIDER: f64 = 1.0 + 1.0 / (1u64 << 8) as f64;
 /// Factor for the rounding of the bounds themselves, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
-/// Range of projected radii, and of depths in their unit, that f32 squares without underflow or overflow: 2^-60 to
-/// 2^60.
+/// Range of projected radii that f32 squares without underflow or overflow: 2^-60 to 2^60.
 const RANGE: [f64; 2] = [1.0 / (1u64 << 60) as f64, (1u64 << 60) as f64];
+/// Range of the lengths of rho's unit in the frame's unit, 2^-80 to 2^80: what f32 flushes of a product with one is 2^-46 of it, less
+/// than a depth is off by.
+const LENGTHS: [f64; 2] = [1.0 / (1u128 << 80) as f64, (1u128 << 80) as f64];
+/// The largest depth in the frame's unit, 2^122. Depths of spheres that the unit is chosen for are below 2^121.
+const DEEPEST: f64 = (1u128 << 122) as f64;
 /// Columns run along u, rows against v.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 /// Pixels of error that f64 may leave in a projected centre, and from which double-double may start: 2^40 times that.
@@ -357,10 +361,33 @@ impl ProjectionBounds {
         (pixels, self.size, if self.parallel { [0.0; 2] } else { self.slope })
     }
 
+    /// Whether f32 can represent depths of this size and the length of rho's unit there. No other condition on a sphere depends on the
+    /// frame's unit.
+    #[inline(always)]
+    fn is_in_range(&self, depth: f64) -> bool {
+        let length = self.length(depth);
+        (length >= LENGTHS[0]) & (length < LENGTHS[1]) & (depth < DEEPEST)
+    }
+
+    /// The same of a depth in the world and the unit 2^`unit`. True for parallel rays, of which a frame that is not bounded is exact.
+    pub(super) fn is_in_range_of(&self, depth: f64, unit: i32) -> bool {
+        let length = dd::ldexp(self.length(dd::ldexp(depth, -self.frame)), self.frame - unit);
+        self.parallel || (LENGTHS[0]..LENGTHS[1]).contains(&length) && dd::ldexp(depth, -unit) < DEEPEST
+    }
+
+    /// Whether spheres whose sizes have exponents from -`span` to `span` in the frame's unit are the same to the bounds in every unit
+    /// between the least and the largest size.
+    pub(super) fn is_same_in_units(&self, span: i32) -> bool {
+        // The depth of a projected centre is at least 2^-7 of its largest coordinate.
+        let most = 2 * span + 8;
+        let unit = self.scale[0] + self.scale[1];
+        [-most, most].into_iter().all(|k| (LENGTHS[0]..LENGTHS[1]).contains(&dd::ldexp(unit, k)))
+    }
+
     /// Whether f32 can represent the rays and the squares in a general sphere's bound.
     pub(super) fn is_bounded(&self) -> bool {
         match self.parallel {
-            true => (RANGE[0]..RANGE[1]).contains(&self.scale[1]),
+            true => self.is_in_range(0.0),
             false => self.slope.iter().all(|slope| *slope >= NARROWEST) && self.widest <= UNBOUNDED,
         }
     }

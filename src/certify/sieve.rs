@@ -141,6 +141,11 @@ impl Sieve {
         matches!(self.projection.enclose(around), Enclosed::Unknown)
     }
 
+    /// Whether a sphere that is projected at this depth of the world has a form that f32 holds in the unit 2^`unit` too.
+    pub(crate) fn holds(&self, depth: f64, unit: i32) -> bool {
+        self.projection.is_in_range_of(depth, unit)
+    }
+
     /// The exponent of the unit of depths.
     pub(crate) fn unit(&self) -> i32 {
         self.projection.unit_exponent()
@@ -185,6 +190,12 @@ impl NullaryFnOnce for Block<'_> {
                     match projection.stage(index, eight_centers[l], eight_radii[l], 0.0) {
                         Staged::Unseen => continue,
                         Staged::General(_) => {
+                            // Where only this unit keeps it from being projected, the frame's unit decides.
+                            if let Ok(depth) = projection.depth_in_any_unit(eight_centers[l], eight_radii[l]) {
+                                depth.into_iter().for_each(|depth| marks.see(depth, index));
+                                kept.push(index);
+                                continue;
+                            }
                             marks.general = marks.general.or(Some(index));
                             if !projection.misses(&Enclosure::of(eight_centers[l], eight_radii[l])) {
                                 kept.push(index);

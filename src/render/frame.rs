@@ -285,8 +285,8 @@ impl Renderer {
         scene.check()?;
         let eye = scene.camera.basis()?.e;
         let reach = if gpu.verdict()?.places { reach(gpu, timings)? } else { None };
-        let Some(unit) = reach.and_then(|reach| reach.unit(eye)) else { return Ok(Err(plan.by_tiles(NOT_PLACED))) };
-        let setup = timings.time("view", || FrameSetup::resident(plan, scene, settings, raster, unit))?;
+        let Some(sizes) = reach.and_then(|reach| reach.sizes(eye)) else { return Ok(Err(plan.by_tiles(NOT_PLACED))) };
+        let setup = timings.time("view", || FrameSetup::resident(plan, scene, settings, raster, sizes))?;
         Ok(setup.map_err(|plan| plan.by_tiles(NOT_PLACED)))
     }
 

@@ -12,8 +12,8 @@ use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::{Accuracy, Search, Settings};
-use crate::view::View;
 use crate::view::raster::Raster;
+use crate::view::{Records, View, middle};
 
 /// A plan with the data that it needs.
 pub(crate) struct FrameSetup {
@@ -27,8 +27,8 @@ pub(crate) struct FrameSetup {
 }
 
 impl FrameSetup {
-    /// The setup where a device holds the spheres; `unit` is the exponent of the frame's unit. The plan comes back where the
-    /// camera does not allow it.
+    /// The setup where a device holds the spheres, whose sizes and distances have exponents within `sizes`. The plan comes back where
+    /// the camera does not allow it.
     ///
     /// # Errors
     /// Those of [`View::new`] but for the spheres.
@@ -37,10 +37,16 @@ impl FrameSetup {
         scene: &Scene,
         settings: &Settings,
         raster: Raster,
-        unit: i32,
+        sizes: [i32; 2],
     ) -> Result<std::result::Result<Self, Plan>> {
-        let view = View::in_unit(scene, raster, unit)?;
-        let placer = Placer::new(scene, &view, settings.promise().relative())?;
+        let (unit, tolerance) = (middle(sizes), settings.promise().relative());
+        let mut view = View::in_unit(scene, raster, unit)?;
+        let mut placer = Placer::new(scene, &view, tolerance)?;
+        if placer.as_ref().is_some_and(|placer| !placer.is_same_in_units(sizes[1] + 1 - unit)) {
+            // What is projected depends on the unit: here it is that of the CPU path, which looks at every sphere.
+            view = View::for_rays(scene, raster, Records::None)?;
+            placer = Placer::new(scene, &view, tolerance)?;
+        }
         Ok(match placer {
             Some(placer) => Ok(Self { plan, view, binned: None, placer: Some(placer) }),
             None => Err(plan),

@@ -14,6 +14,7 @@ pub use part::{Part, Seen};
 use super::plan::choose::FEW;
 use crate::answers::silhouette;
 use crate::certify::sieve::{Sieve, Sifted};
+use crate::double_double::exponent;
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
 use crate::memory::{check_wide_ids, ids_fit};
@@ -21,6 +22,7 @@ use crate::quote::setting::{ACCURACY, APERTURE, LOOK, METHOD, STREAM};
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
+use crate::view::middle;
 use crate::view::raster::Raster;
 use digests::Digests;
 use rayon::prelude::*;
@@ -187,6 +189,7 @@ impl Stream {
     fn rest(&mut self) -> Result<NumberedSpheres> {
         self.refresh();
         self.forget();
+        self.check_unit()?;
         drop(std::mem::take(&mut self.sieves));
         std::mem::take(&mut self.kept).with(self.witnesses.all())
     }
@@ -198,6 +201,22 @@ impl Stream {
         let made = self.rasters.iter().map(|raster| Sieve::new(&scene, *raster, tolerance));
         self.sieves = made.collect::<Result<Option<Vec<_>>>>()?.unwrap_or_default();
         Ok(())
+    }
+
+    /// Refuses spheres so far apart that some that are forgotten would be general in the unit of all.
+    fn check_unit(&self) -> Result<()> {
+        let sizes = [-self.witnesses.score(1), self.witnesses.score(0)].map(exponent);
+        let is_held = |(n, sieve): (usize, &Sieve)| {
+            let [least, most] = [0, 1].map(|end| self.witnesses.end(n, end));
+            !most.is_finite() || [-least, most].into_iter().all(|depth| sieve.holds(depth, middle(sizes)))
+        };
+        if self.sieves.iter().enumerate().all(is_held) {
+            return Ok(());
+        }
+        let [least, most] = sizes;
+        let problem =
+            format!("sizes and distances from 2^{least} to 2^{most} are too far apart to forget hidden spheres");
+        Err(Error::scene(Place::field("spheres"), problem, format!("render them in memory, without {STREAM}")))
     }
 
     /// Forgets spheres that are hidden by now.

@@ -50,4 +50,5 @@ mod stream;
 mod tiles;
 mod truth;
 mod twins;
+mod units;
 mod weekend;

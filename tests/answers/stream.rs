@@ -39,7 +39,7 @@ pub(crate) fn settings() -> Settings {
 }
 
 /// The spheres in blocks of `size`.
-fn blocks(spheres: &Spheres, size: usize) -> impl Iterator<Item = Spheres> + '_ {
+pub(crate) fn blocks(spheres: &Spheres, size: usize) -> impl Iterator<Item = Spheres> + '_ {
     (0..spheres.len()).step_by(size).map(move |first| {
         let mut block = Spheres::default();
         for n in first..(first + size).min(spheres.len()) {

@@ -64,8 +64,8 @@ impl ProjectionBounds {
         let blurred = self.low.blurred(rho[1] as f32);
         let ranged = rho[0] >= RANGE[0]
             && rho[1] < RANGE[1]
-            && self.length(near) >= RANGE[0]
-            && self.length(far) < RANGE[1]
+            && self.is_in_range(near)
+            && self.is_in_range(far)
             && self.total(rho[1], blurred) * self.scale[0] <= STEEPEST;
         // The quotients of the centres' coordinates and depths.
         let q =

@@ -23,8 +23,10 @@ const NEVER: f64 = -((1u128 << 126) as f64);
 pub(super) struct Aim {
     /// Entirely behind the eye plane.
     pub(super) behind: bool,
-    /// Entirely in front of it, with every number in the range of the bounds.
+    /// Entirely in front of it, with every number in the range of the bounds, in the frame's unit or another.
     pub(super) projected: bool,
+    /// In the frame's.
+    pub(super) in_range: bool,
     /// Depth of the centre in the frame's unit.
     pub(super) depth: f64,
     /// The sizes of its coordinates, one after the other, summed in f32.
@@ -137,7 +139,7 @@ impl ProjectionBounds {
         for l in 0..LANES {
             let aim = self.aim(centers[l], radii[l]);
             let landed = self.land(&aim, aim.place, [0.0; 2], reference);
-            let plain = aim.projected & (aim.blur <= LONG);
+            let plain = aim.projected & aim.in_range & (aim.blur <= LONG);
             e.projected[l] = u32::from(plain & landed.seen & !landed.outside);
             e.other[l] = u32::from(!aim.behind & (!plain | landed.seen & landed.outside));
             e.depth[l] = landed.placed.depth;
@@ -158,6 +160,17 @@ impl ProjectionBounds {
     /// sphere.
     pub(super) fn project(&self, center: [f64; 3], radius: f64, reference: f64) -> Result<Option<Landed>, ()> {
         let aim = self.aim(center, radius);
+        if !aim.behind && !aim.in_range { Err(()) } else { self.project_in_any_unit(&aim, center, reference) }
+    }
+
+    /// The depth, in the frame's unit, of a sphere that is projected in some unit; else as [`Self::project`].
+    pub(in crate::certify) fn depth_in_any_unit(&self, center: [f64; 3], radius: f64) -> Result<Option<f64>, ()> {
+        let aim = self.aim(center, radius);
+        Ok(self.project_in_any_unit(&aim, center, 0.0)?.map(|landed| landed.placed.depth))
+    }
+
+    /// The projection of a sphere, whose numbers in f32 may be out of range.
+    fn project_in_any_unit(&self, aim: &Aim, center: [f64; 3], reference: f64) -> Result<Option<Landed>, ()> {
         if aim.behind {
             return Ok(None);
         }
@@ -178,7 +191,7 @@ impl ProjectionBounds {
                 (place[k], low[k]) = (0.5 * at.hi, 0.5 * at.lo);
             }
         }
-        let landed = self.land(&aim, place, low, reference);
+        let landed = self.land(aim, place, low, reference);
         match (landed.seen, landed.outside) {
             (false, _) => Ok(None),
             (true, true) => Err(()),
@@ -202,13 +215,14 @@ impl ProjectionBounds {
         #[expect(clippy::manual_range_contains, reason = "both are evaluated, so that there is no branch")]
         let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
         let blurred = self.low.blurred(rho as f32);
-        let ranged = small(rho) & small(self.length(z)) & (self.total(rho, blurred) * self.scale[0] <= STEEPEST);
+        let ranged = small(rho) & (self.total(rho, blurred) * self.scale[0] <= STEEPEST);
         let q = [x * inverse, y * inverse];
         let reach = self.reach(rho);
         let behind = z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0;
         Aim {
             behind,
             projected: (in_front | self.parallel & !behind) & ranged,
+            in_range: self.is_in_range(z),
             depth: z,
             coordinates: (x as f32).abs() + (y as f32).abs() + (z as f32).abs(),
             plain: !self.parallel | ((z - radius > 2.0 * error + 4.0 * U64 * z) & (error < KNOWN * z)),

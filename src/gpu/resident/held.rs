@@ -116,15 +116,15 @@ impl Reach {
         jobs.map(|(centers, radii)| centers.iter().zip(radii).fold(none, one)).reduce(|| none, both)
     }
 
-    /// A unit's exponent for a frame from `eye`; `None` where sizes and distances may be too far apart.
-    pub(crate) fn unit(&self, eye: DVec3) -> Option<i32> {
+    /// Exponents between which those of all sizes and distances from `eye` are; `None` where they may be too far apart.
+    pub(crate) fn sizes(&self, eye: DVec3) -> Option<[i32; 2]> {
         let near = (self.low - eye).max(eye - self.high).max_element().max(0.0);
         let far = (self.high - eye).abs().max((eye - self.low).abs()).max_element();
         let [least, most] = [near.max(self.radii[0]), far.max(self.radii[1])];
         let range = [least, most].map(dd::exponent);
         let world = self.low.abs().max(self.high.abs()).max(eye.abs()).max_element();
         let fits = range[1] - range[0] <= SPAN && range[0] >= -LARGEST && range[1].max(dd::exponent(world)) <= LARGEST;
-        (least > 0.0 && most.is_finite() && fits).then(|| range[0] + (range[1] - range[0]) / 2)
+        (least > 0.0 && most.is_finite() && fits).then_some(range)
     }
 }
 

@@ -19,6 +19,7 @@ use crate::search::tree::device_rays::DirectionRecord;
 use crate::shade::Shade;
 use crate::testing::{Rng, adapter_or_skip, keeps_bits, near_and_far};
 use crate::view::directions::SkyDirections;
+use crate::view::middle;
 use crate::view::raster::Raster;
 use crate::view::ray::UNSURE;
 use crate::window::Window;
@@ -49,7 +50,7 @@ const TOLERANCE: f64 = 1e-5;
 fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Option<String>, View) {
     let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
     let reach = gpu.hold(scene, number).expect("a device").expect("spheres");
-    let mut view = View::in_unit(scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
+    let mut view = View::in_unit(scene, raster, middle(reach.sizes(scene.camera.eye).expect("sizes"))).expect("a view");
     view.record.sample = raster.count() / 2;
     let placer = Placer::new(scene, &view, TOLERANCE).expect("a lens").expect("a projection");
     let mut device = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
@@ -159,7 +160,8 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         (gpu.resident.block, gpu.resident.sky) = (block, SubmissionBudget::starting(1e6));
         gpu.limits.max_compute_workgroups_per_dimension = groups;
         let reach = gpu.hold(&scene, number as u64).expect("a device").expect("spheres");
-        let view = View::in_unit(&scene, raster, reach.unit(scene.camera.eye).expect("a unit")).expect("a view");
+        let view =
+            View::in_unit(&scene, raster, middle(reach.sizes(scene.camera.eye).expect("sizes"))).expect("a view");
         let placer = Placer::new(&scene, &view, 1e-5).expect("a lens").expect("a projection");
         let kernel = Kernel { certify: true, starts: true, ..Kernel::bare(Method::Stable) };
         let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
@@ -243,10 +245,10 @@ fn places_have_the_bits_of_the_host() {
         let scene = Scene { camera, image, spheres, lighting: Default::default() };
         number += 1;
         let raster = Raster::centres(Window::full(61, 40));
-        let Some(unit) = gpu.hold(&scene, number).expect("a device").and_then(|reach| reach.unit(camera.eye)) else {
+        let Some(sizes) = gpu.hold(&scene, number).expect("a device").and_then(|reach| reach.sizes(camera.eye)) else {
             continue;
         };
-        let view = View::in_unit(&scene, raster, unit).expect("a view");
+        let view = View::in_unit(&scene, raster, middle(sizes)).expect("a view");
         let Some(placer) = Placer::new(&scene, &view, 1e-5).expect("a lens") else { continue };
         let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
             .expect("a stage")

@@ -20,8 +20,8 @@ use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::Tolerance;
-use crate::view::View;
 use crate::view::raster::Raster;
+use crate::view::{View, middle};
 use crate::window::Window;
 
 /// The check's name.
@@ -114,10 +114,10 @@ impl Gpu {
     fn resident(&mut self, scene: &Scene, kernel: &Kernel, raw: &mut Raw) -> Result<Option<Resident>> {
         let pool = Pool::default();
         let raster = Raster::centres(Window::full(scene.image.width, scene.image.height));
-        let Some(unit) = self.hold(scene, u64::MAX)?.and_then(|reach| reach.unit(scene.camera.eye)) else {
+        let Some(sizes) = self.hold(scene, u64::MAX)?.and_then(|reach| reach.sizes(scene.camera.eye)) else {
             return Ok(None);
         };
-        let view = View::in_unit(scene, raster, unit)?;
+        let view = View::in_unit(scene, raster, middle(sizes))?;
         let tolerance = Tolerance::default().relative();
         let (Some(placer), Some(binned)) = (
             Placer::new(scene, &view, tolerance)?,
