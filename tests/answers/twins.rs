@@ -27,7 +27,7 @@ const AOVS: [Aov; 7] = [Aov::Color, Aov::Distance, Aov::Depth, Aov::Normal, Aov:
 
 /// The predicted error of outlines, in radii, and of distances up to which twins are compared on adapters that do not keep bits: that
 /// from which frames have a warning.
-const VISIBLE: f64 = 0.02;
+pub(crate) const VISIBLE: f64 = 0.02;
 
 /// What is allowed of outlines and distances at least: a pixel or two of these small images, where outlines pass centres of pixels.
 const FEW: f64 = 5e-5;
@@ -199,6 +199,11 @@ fn given_rays_hit_their_targets() {
                     let length = (DVec3::from_array(spheres.centers[k]) - from(n)).length();
                     let reach = hits.t[n] * d.length();
                     let what = format!("{name}, {}, ray {n}: {reach} of {length}", method.name());
+                    // The squares of 1e6 that the lecture's forms subtract are off by up to 8 roundings of 2^-23, more than 1e3 squared.
+                    let forms = [Method::Textbook, Method::Unit, Method::Geometric];
+                    if !strict && hits.id[n] < 0 && forms.contains(&method) {
+                        continue;
+                    }
                     assert!(hits.id[n] >= 0 && reach <= length, "{what}");
                     let normal = hits.normal.as_ref().expect("a requested buffer")[n];
                     let normal = DVec3::from_array(normal.map(f64::from));
