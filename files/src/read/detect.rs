@@ -1,4 +1,4 @@
-//! Detects the format of a scene file by its beginning, then by its name.
+//! Detects the format of a scene file by its beginning and its name.
 
 use super::format::Format;
 use super::particles::table::names::axes;
@@ -6,31 +6,32 @@ use super::{foreign, nff};
 use halfline::quote::setting::{COLUMNS, FORMAT};
 use std::path::Path;
 
-/// The format of a file with this beginning and name, or the problem and its remedy.
-pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Format, (String, String)> {
+/// A format, and what to say where the name of the file says another.
+pub(super) type Recognised = (Format, Option<String>);
+
+/// The format of a file with this beginning and name, or the problem and its remedy. A signature, which one format alone has,
+/// decides. Else the name does, where the beginning can be of its format: titles and comments may look like any other format.
+/// Else the content does, and where it is not recognised, the name.
+pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String, String)> {
     let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.lines().take(64).collect();
     let foreign = |foreign: &foreign::Foreign| {
         (format!("this is {}, which is not supported", foreign.what), foreign.mend.to_owned())
     };
+    let named = Format::of_name(name);
     // Tinker's files have the extension of XYZ and a similar beginning.
-    match (of_content(start), foreign::of_content(start, &lines)) {
+    match (of_content(start, named), foreign::of_content(start, &lines)) {
         (None | Some(Format::Xyz), Some(found)) => return Err(foreign(found)),
-        // If the beginning is a long header, the name determines the format.
-        (Some(Format::Pdb), _) => {
-            let dialect = Format::of_name(name).filter(|format| matches!(format, Format::Pqr | Format::Pdbqt));
-            return Ok(dialect.unwrap_or(Format::Pdb));
-        }
-        (Some(format), _) => return Ok(format),
+        (Some(format), _) => return Ok((format, named.and_then(|named| contradiction(format, named, &text)))),
         (None, None) => {}
     }
-    if let Some(format) = Format::of_name(name) {
-        return Ok(format);
+    if let Some(format) = named {
+        return Ok((format, None));
     }
     if let Some(found) = foreign::of_name(name) {
         return Err(foreign(found));
     }
-    native(start).ok_or_else(|| {
+    native(start).map(|format| (format, None)).ok_or_else(|| {
         let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
         let row = said(&lines).next().unwrap_or_default();
         let table = row.split([',', ';', '\t', ' ']).filter(|word| word.trim().parse::<f64>().is_ok()).count() >= 3;
@@ -41,8 +42,28 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Format, (String, St
     })
 }
 
-/// Detects the format by the beginning of a file.
-fn of_content(start: &[u8]) -> Option<Format> {
+/// What to say of a file that is read in a format, where its name or its content says another.
+fn contradiction(format: Format, named: Format, text: &str) -> Option<String> {
+    let (read, other) = (format.name(), named.name());
+    if format != named {
+        return Some(format!(
+            "the name of the file says {other}, but its content is that of {read} and read as such; {FORMAT} sets another"
+        ));
+    }
+    let lines: Vec<&str> = text.lines().collect();
+    let in_columns = |atom: &str| run(atom) == 5 && columns(atom).is_some();
+    let is_either = format == Format::Pqr && !is_pqr(&lines) && atoms(&lines).next().is_some();
+    (is_either && atoms(&lines).all(in_columns)).then(|| {
+        format!(
+            "the numbers behind the coordinates are in the columns of occupancy and B factor of {}; they are read as charge and \
+             radius, as the name of the file says; {FORMAT} sets another",
+            Format::Pdb.name()
+        )
+    })
+}
+
+/// Detects the format by the beginning of a file, which may be that of the format `named`.
+fn of_content(start: &[u8], named: Option<Format>) -> Option<Format> {
     if start.starts_with(b"\x93NUMPY") {
         return Some(Format::Npy);
     }
@@ -53,24 +74,42 @@ fn of_content(start: &[u8]) -> Option<Format> {
         return Some(*format);
     }
     let text = String::from_utf8_lossy(start);
-    let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(64).collect();
-    let signs: [(Format, Sign); 13] = [
-        (Format::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
-        (Format::Pcd, is_pcd),
-        (Format::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
-        (Format::Mmcif, is_mmcif),
-        (Format::Pdbqt, is_pdbqt),
-        (Format::Pqr, is_pqr),
-        (Format::Pdb, is_pdb),
-        (Format::Gro, is_gro),
-        (Format::Xyz, is_xyz),
-        (Format::Poscar, is_poscar),
-        (Format::Nff, is_nff),
-        (Format::Data, is_data),
-        (Format::Csv, is_csv),
-    ];
-    signs.into_iter().find(|(_, sign)| sign(&lines)).map(|(format, _)| format)
+    let mut lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().collect();
+    // The last line may be cut.
+    if lines.len() > 1 && !start.ends_with(b"\n") {
+        lines.pop();
+    }
+    let found = |signs: &[(Format, Sign)]| signs.iter().find(|(_, sign)| sign(&lines)).map(|(format, _)| *format);
+    let by_name = |named: &Format| match named {
+        Format::Native => said(&lines).next().is_some() && native(start).is_some(),
+        Format::Pdb => is_pdb(&lines) && !is_free(&lines) && !has_types(&lines),
+        Format::Pqr => is_pdb(&lines) && !is_pdbqt(&lines),
+        Format::Pdbqt => is_pdb(&lines),
+        named => SIGNS.iter().any(|(format, sign)| format == named && sign(&lines)),
+    };
+    found(&SIGNATURES).or_else(|| named.filter(by_name)).or_else(|| found(&SIGNS))
 }
+
+/// The first lines that one format alone has.
+const SIGNATURES: [(Format, Sign); 3] = [
+    (Format::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
+    (Format::Pcd, is_pcd),
+    (Format::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
+];
+
+/// The beginnings of the other formats of text; the first that fits is taken.
+const SIGNS: [(Format, Sign); 10] = [
+    (Format::Mmcif, is_mmcif),
+    (Format::Pdbqt, is_pdbqt),
+    (Format::Pqr, is_pqr),
+    (Format::Pdb, is_pdb),
+    (Format::Gro, is_gro),
+    (Format::Xyz, is_xyz),
+    (Format::Poscar, is_poscar),
+    (Format::Nff, is_nff),
+    (Format::Data, is_data),
+    (Format::Csv, is_csv),
+];
 
 /// Whether bytes begin a format.
 type BinarySign = fn(&[u8]) -> bool;
@@ -115,40 +154,75 @@ const RECORDS: [&str; 20] = [
 
 fn is_pdb(lines: &[&str]) -> bool {
     let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end());
-    // In GROMOS the word is alone on its line.
-    lines.iter().find(|line| !line.trim().is_empty()).is_some_and(|line| record(line) && line.trim_end() != "TITLE")
+    let Some(first) = lines.iter().find(|line| !line.trim().is_empty()) else { return false };
+    // In GROMOS the word is alone on its line, too, but no atoms of PDB follow.
+    record(first) && (first.trim_end() != "TITLE" || atoms(lines).next().is_some())
 }
 
-/// The first atom of a file of PDB records.
-fn first_atom<'a>(lines: &'a [&'a str]) -> Option<&'a str> {
-    lines.iter().copied().find(|line| line.starts_with("ATOM") || line.starts_with("HETATM"))
+/// The atoms of a file of PDB records.
+fn atoms<'a>(lines: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
+    lines.iter().copied().filter(|line| line.starts_with("ATOM") || line.starts_with("HETATM"))
 }
 
-/// PDB records whose atoms end in a charge, columns 71 to 76, and an AutoDock atom type, or that have a tree of
-/// branches.
+/// A charge in columns 71 to 76 of an atom, and an AutoDock atom type behind it.
+fn has_charge(atom: &str) -> bool {
+    let point = atom.as_bytes().get(72) == Some(&b'.') && atom.as_bytes().get(76) == Some(&b' ');
+    point
+        && numbers(atom.get(70..76).unwrap_or_default()) == 1
+        && atom.get(77..).is_some_and(|kind| !kind.trim().is_empty())
+}
+
+/// A tree of branches.
+fn is_tree(lines: &[&str]) -> bool {
+    is_pdb(lines) && lines.iter().any(|line| line.trim_end() == "ROOT")
+}
+
+/// PDB records whose atoms end in a charge and an AutoDock atom type, or that have a tree of branches.
 fn is_pdbqt(lines: &[&str]) -> bool {
-    let charged = |line: &str| {
-        let point = line.as_bytes().get(72) == Some(&b'.') && line.as_bytes().get(76) == Some(&b' ');
-        point
-            && numbers(line.get(70..76).unwrap_or_default()) == 1
-            && line.get(77..).is_some_and(|kind| !kind.trim().is_empty())
-    };
-    first_atom(lines)
-        .is_some_and(|atom| charged(atom) || is_pdb(lines) && lines.iter().any(|line| line.trim_end() == "ROOT"))
+    atoms(lines).next().is_some_and(|atom| has_charge(atom) || is_tree(lines))
 }
 
-/// PDB records whose atoms have two numbers after their coordinates that are not in the columns of occupancy and B
-/// factor.
+/// The same, where the columns of PDB cannot have these types: letters in column 79, or aromatic carbon.
+fn has_types(lines: &[&str]) -> bool {
+    let typed = |atom: &str| {
+        let kind = atom.as_bytes().get(77..).unwrap_or_default();
+        kind.get(1).is_some_and(u8::is_ascii_alphabetic) || kind.first() == Some(&b'A')
+    };
+    is_tree(lines) || atoms(lines).any(|atom| has_charge(atom) && typed(atom))
+}
+
+/// The numbers with a decimal point that follow each other in an atom.
+fn run(atom: &str) -> usize {
+    let is_number = |word: &&str| word.contains('.') && word.parse::<f64>().is_ok();
+    atom.split_whitespace().skip_while(|word| !is_number(word)).take_while(is_number).count()
+}
+
+/// Coordinates, occupancy and B factor of an atom, as far as its columns of PDB have numbers; `None` where they cannot be these.
+fn columns(atom: &str) -> Option<[f64; 5]> {
+    let field = |from: usize, to: usize| atom.get(from..to.min(atom.len())).unwrap_or_default().trim();
+    let mut found = [0.0; 5];
+    for (k, (from, to)) in [(30, 38), (38, 46), (46, 54), (54, 60), (60, 66)].into_iter().enumerate() {
+        found[k] = match field(from, to) {
+            "" if k > 2 => continue,
+            text => text.parse().ok()?,
+        };
+    }
+    Some(found)
+}
+
+/// PDB records most of whose atoms have two numbers after their coordinates, and are not in the columns of PDB.
+fn is_free(lines: &[&str]) -> bool {
+    let [fit, free] = atoms(lines).fold([0, 0], |[fit, free], atom| match columns(atom) {
+        None if run(atom) == 5 => [fit, free + 1],
+        _ => [fit + 1, free],
+    });
+    is_pdb(lines) && free > fit
+}
+
+/// The same, or atoms with charges: numbers in the columns of the occupancy of which some are negative.
 fn is_pqr(lines: &[&str]) -> bool {
-    first_atom(lines).is_some_and(|atom| {
-        let columns = atom.as_bytes();
-        let decimals = [57, 63]
-            .map(|at| columns.get(at) == Some(&b'.') && columns.get(at + 3).is_none_or(|c| !c.is_ascii_digit()));
-        let words: Vec<&str> = atom.split_whitespace().collect();
-        let is_number = |word: &&str| word.contains('.') && word.parse::<f64>().is_ok();
-        let run = words.iter().skip_while(|word| !is_number(word)).take_while(|word| is_number(word)).count();
-        is_pdb(lines) && decimals != [true; 2] && run == 5
-    })
+    let negative = |atom: &str| run(atom) == 5 && columns(atom).is_some_and(|numbers| numbers[3] < 0.0);
+    is_free(lines) || is_pdb(lines) && atoms(lines).any(negative)
 }
 
 /// A title, a count, and atoms with their number in columns 16 to 20, before coordinates with a decimal point.
@@ -282,23 +356,25 @@ mod tests {
             ("", None),
         ];
         for (text, format) in cases {
-            assert_eq!(of_content(text.as_bytes()), format, "{text:?}");
+            assert_eq!(of_content(text.as_bytes(), None), format, "{text:?}");
         }
-        assert_eq!(of_content(b"\x93NUMPY\x01\x00"), Some(Format::Npy));
-        assert_eq!(of_content(b"PK\x03\x04"), Some(Format::Npz));
-        assert_eq!(of_content(b"LASF\0\0"), Some(Format::Las));
-        assert_eq!(of_content(&[0xdf, 0x65].repeat(4)), Some(Format::Gsd));
-        assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0]), Some(Format::Xtc));
-        assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0]), Some(Format::Xtc));
-        assert_eq!(of_content(&[0, 0, 7, 0xc9, 0, 0]), Some(Format::Trr));
-        assert_eq!(of_content(b"T\0\0\0CORD"), Some(Format::Dcd));
-        assert_eq!(of_content(b"\0\0\0\0\0\0\0TCORD"), Some(Format::Dcd));
+        assert_eq!(of_content(b"\x93NUMPY\x01\x00", None), Some(Format::Npy));
+        assert_eq!(of_content(b"PK\x03\x04", None), Some(Format::Npz));
+        assert_eq!(of_content(b"LASF\0\0", None), Some(Format::Las));
+        assert_eq!(of_content(&[0xdf, 0x65].repeat(4), None), Some(Format::Gsd));
+        assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0], None), Some(Format::Xtc));
+        assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0], None), Some(Format::Xtc));
+        assert_eq!(of_content(&[0, 0, 7, 0xc9, 0, 0], None), Some(Format::Trr));
+        assert_eq!(of_content(b"T\0\0\0CORD", None), Some(Format::Dcd));
+        assert_eq!(of_content(b"\0\0\0\0\0\0\0TCORD", None), Some(Format::Dcd));
     }
 
     #[test]
     fn names_decide_where_content_does_not_and_unsupported_formats_are_named() {
         let header = "REMARK   1\n".repeat(80);
-        let of = |text: &str, name: &str| recognise(text.as_bytes(), Path::new(name)).map_err(|(problem, _)| problem);
+        let of = |text: &str, name: &str| {
+            recognise(text.as_bytes(), Path::new(name)).map(|(format, _)| format).map_err(|(problem, _)| problem)
+        };
         assert_eq!(of(&header, "a.pqr"), Ok(Format::Pqr));
         assert_eq!(of(&header, "a.pdbqt"), Ok(Format::Pdbqt));
         assert_eq!(of(&header, "a.gro"), Ok(Format::Pdb));
@@ -315,6 +391,79 @@ mod tests {
         ] {
             let problem = of(text, name).expect_err(name);
             assert!(problem.contains(what), "{problem}");
+        }
+    }
+
+    /// Atoms in the columns of PDB, and such as PDB2PQR and AMBER write, which are not.
+    const PDB: [&str; 4] = [
+        "ATOM    194  O   LYS A  20      34.379  53.562  37.179  1.00  53.1           O",
+        "ATOM    194  O   LYS A  20      34.379  53.562  37.179   1.0  53.10          O",
+        "ATOM    194  O   LYS A  20      34.379  53.562  37.179  0.50 3.1             O",
+        "HETATM  194  O   HOH A  20      34.379  53.562  37.179 1.000100.5            O",
+    ];
+    const PQR: [&str; 3] = [
+        "ATOM      1  N   MET     1     -11.921   26.307   10.410 -0.3000 1.8500",
+        "ATOM      1  N   MET A   1      27.340  24.430   2.614  0.1414 1.8240",
+        "ATOM 1 N MET A 1 27.340 24.430 2.614 -0.4157 1.8240",
+    ];
+
+    #[test]
+    fn a_name_that_a_beginning_can_have_is_right_and_another_is_told() {
+        let of = |text: &str, name: &str| {
+            let (format, said) = recognise(text.as_bytes(), Path::new(name)).expect(text);
+            (format, said.is_some())
+        };
+        for atom in PDB {
+            let long = format!("{}{atom}\n", "REMARK\n".repeat(99));
+            for text in [&format!("{atom}\n"), &format!("TITLE\n{atom}\n"), &long] {
+                for name in ["a.pdb", "a.ent", "a", "a.txt"] {
+                    assert_eq!(of(text, name), (Format::Pdb, false), "{name}: {text}");
+                }
+                // Five numbers with blanks between them can be those of PQR.
+                let is_either = run(atom) == 5;
+                assert_eq!(of(text, "a.pqr"), (Format::Pqr, is_either), "{text}");
+            }
+        }
+        for atom in PQR {
+            let long = format!("{}{atom}\n", "REMARK\n".repeat(99));
+            for text in [&format!("{atom}\n"), &long] {
+                assert_eq!(of(text, "a.pqr"), (Format::Pqr, false), "{text}");
+                assert_eq!(of(text, "a.pdb"), (Format::Pqr, true), "{text}");
+                assert_eq!(of(text, "a"), (Format::Pqr, false), "{text}");
+            }
+        }
+        let qt = "ATOM      1  O   UNL A   1      31.770  31.020  29.720  0.00  0.00    -0.350 OA\n";
+        assert_eq!(of(qt, "a.pdb"), (Format::Pdbqt, true));
+        assert_eq!(of(&qt.replace("OA", "O "), "a.pdb"), (Format::Pdb, false));
+        assert_eq!(of("2\n\nO 0 0 0\nH 1 0 0\n", "a.pdb"), (Format::Xyz, true));
+        assert_eq!(of("x y z\n1 2 3\n", "a.xyz"), (Format::Csv, true));
+        assert_eq!(of("ply\n", "a.csv"), (Format::Ply, true));
+    }
+
+    #[test]
+    fn titles_and_comments_look_like_other_formats() {
+        let cell = "1.0\n4 0 0\n0 4 0\n0 0 4\nNa Cl\n1 1\nDirect\n";
+        let atoms = " 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
+        let data = "\n 12 atoms\n";
+        for title in
+            ["data_salt", "loop_", "HEADER of it", "MODEL 1", "ATOM file", "TITLE x", "REMARK", "USER", "# x y z"]
+        {
+            for (rest, name, format) in [
+                (cell, "POSCAR", Format::Poscar),
+                (cell, "a.vasp", Format::Poscar),
+                (atoms, "a.gro", Format::Gro),
+                (data, "a.data", Format::Data),
+            ] {
+                let text = format!("{title}\n{rest}");
+                assert_eq!(recognise(text.as_bytes(), Path::new(name)), Ok((format, None)), "{text}");
+            }
+        }
+        for (text, name, format) in [
+            ("# the units of x y z are metres\n[camera]\neye = [0, 0, 1]\n", "s.toml", Format::Native),
+            ("# x y z\nv\nfrom 0 0 1\n", "s.nff", Format::Nff),
+            ("data_id,x,y,z\n1,0,0,0\n", "a.csv", Format::Csv),
+        ] {
+            assert_eq!(recognise(text.as_bytes(), Path::new(name)), Ok((format, None)), "{text}");
         }
     }
 

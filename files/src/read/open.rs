@@ -14,7 +14,10 @@ use halfline::quote::setting::{COLUMNS, FORMAT, TOPOLOGY};
 use std::path::Path;
 
 /// The frames of a particle file; `None` for formats that contain a whole scene.
-pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
+pub(super) fn open(
+    mut source: SceneSource,
+    options: &ReadOptions,
+) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
     if !options.columns_named.is_empty() && source.format != Format::Csv {
         let problem = format!("{COLUMNS} names the columns of tables, but the file is {}", source.format.name());
         return Err(Error::settings(problem, format!("remove it, or add {FORMAT} csv if the file is a table")));
@@ -35,6 +38,7 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
     if has_any_columns(source.format) {
         request.check_columns()?;
     }
+    let said = source.said.take();
     let frames: Box<dyn ParticleFrames> = match source.format {
         Format::Mmcif => Box::new(mmcif::Mmcif::new(source, request)),
         Format::Gro => Box::new(gro::Gro::new(source, request)),
@@ -54,9 +58,32 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Format::Pcd => one(move || pcd::read(source, &request)),
         Format::Las => one(move || las::read(source, &request)),
         Format::Gsd => Box::new(gsd::Gsd::new(source, request)),
-        _ => return Ok(Err(source)),
+        _ => return Ok(Err(SceneSource { said, ..source })),
     };
-    Ok(Ok(frames))
+    Ok(Ok(match said {
+        Some(_) => Box::new(Noted { frames, said }),
+        None => frames,
+    }))
+}
+
+/// The frames of a file of which something is to be said, which the first that is read says.
+struct Noted {
+    frames: Box<dyn ParticleFrames>,
+    said: Option<String>,
+}
+
+impl ParticleFrames for Noted {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        let mut frame = self.frames.next()?;
+        if let Some(frame) = &mut frame {
+            frame.skipped.assumed.extend(self.said.take());
+        }
+        Ok(frame)
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        self.frames.skip()
+    }
 }
 
 /// The frames of a file that has one.

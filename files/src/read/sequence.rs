@@ -184,11 +184,13 @@ impl Sequence {
         let state = match open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
-                let native::Read { mut scene, skipped, look, aperture, files: named } = match source.format {
+                let said = source.said.clone();
+                let native::Read { mut scene, mut skipped, look, aperture, files: named } = match source.format {
                     Format::Nff => native::Read::of(nff::read(source.reader, path, options.strict)?),
                     _ => native::read(source.reader, path, &options.watch)?,
                 };
                 files.extend(named);
+                skipped.assumed.extend(said);
                 if !(options.select.is_empty() && options.hide.is_empty()) {
                     return Err(no_selections());
                 }

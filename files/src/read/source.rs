@@ -15,6 +15,8 @@ pub(super) struct SceneSource {
     pub(super) path: PathBuf,
     /// Its format.
     pub(super) format: Format,
+    /// What to say where name and content say different formats.
+    pub(super) said: Option<String>,
 }
 
 /// What the caller knows about the format.
@@ -50,8 +52,9 @@ impl SceneSource {
             name.set_extension("");
         }
         let start = reader.look(LOOK).map_err(|e| Error::read(path, e))?;
-        let format = match (known, recognise(&start, &name)) {
-            (KnownFormat::Given(format), _) | (_, Ok(format)) | (KnownFormat::IfNone(format), Err(_)) => format,
+        let (format, said) = match (known, recognise(&start, &name)) {
+            (KnownFormat::Given(format), _) | (KnownFormat::IfNone(format), Err(_)) => (format, None),
+            (_, Ok(recognised)) => recognised,
             (KnownFormat::Nothing, Err((problem, mend))) => {
                 return Err(Error::scene(Place::file(path.display().to_string()), problem, mend));
             }
@@ -61,7 +64,7 @@ impl SceneSource {
             let place = Place::file(path.display().to_string());
             return Err(Error::scene(place, "the file is empty", "use a file with particles"));
         }
-        Ok(Self { reader, path: path.to_path_buf(), format })
+        Ok(Self { reader, path: path.to_path_buf(), format, said })
     }
 }
 
@@ -74,7 +77,7 @@ impl SceneSource {
 
     /// As [`SceneSource::of_text`].
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
-        Self { reader: Input::of_bytes(bytes), path: "text".into(), format: Format::Native }
+        Self { reader: Input::of_bytes(bytes), path: "text".into(), format: Format::Native, said: None }
     }
 }
 
