@@ -7,6 +7,7 @@ use super::frame::{ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::infer::{AtomNames, Inference};
 use super::molecule::{Copies, Model};
+use super::pdb::overruns;
 use super::request::Request;
 use super::rows::surplus;
 use crate::read::input::Input;
@@ -110,12 +111,17 @@ impl Gro {
         let mut position = [0.0; 3];
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let at = X + k * width;
-            let found = self.number(at..at + width).filter(|x| x.is_finite());
+            // A coordinate has five digits less than its columns behind the decimal point.
+            let overruns = overruns(self.lines.text().as_bytes(), at..at + width, width.saturating_sub(5));
+            let found = self.number(at..at + width).filter(|x| x.is_finite() && !overruns);
             position[k] = NANOMETRE
                 * found.ok_or_else(|| {
                     let found = self.field(at..at + width);
                     let blanks = found.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-                    let problem = format!("expected a finite number, found {}", quote(found.trim_ascii()));
+                    let problem = match overruns {
+                        true => format!("{} goes on behind its columns", quote(found.trim_ascii())),
+                        false => format!("expected a finite number, found {}", quote(found.trim_ascii())),
+                    };
                     let byte = (at + blanks % found.len().max(1)).min(self.lines.text().len());
                     self.lines.fail(byte, axis, problem, "use the columns of the first atom of the frame")
                 })?;
@@ -374,6 +380,16 @@ MD of 2 waters, t= 0.0
             ("   1.624   1.679  0.1", "   1.six   1.679  0.1", "text:3:32: y: expected a finite number, found `1.six`"),
             ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "   0.126   1.624", "text:3:37: z"),
             ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "", "text:3:21: x: no two numbers"),
+            (
+                "   0.190   1.661   1.747",
+                "10000.190 1.661   1.747",
+                "text:4:21: x: `10000.19` goes on behind its columns",
+            ),
+            (
+                "   0.190   1.661   1.747",
+                "   0.190   1.66110000.747",
+                "text:4:37: z: `10000.74` goes on behind its columns",
+            ),
             ("  0.190", "    inf", "text:4:26: x: expected a finite number, found `inf`"),
             ("   1.82060   1.82060   1.82060", "   1.82060   1.82060", "text:6:1: box: a box has 2 numbers"),
             ("   1.82060   1.82060   1.82060", " 1 -1e308 1", "text:6:4: box: an edge is too long"),

@@ -18,6 +18,7 @@ use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::source::SceneSource;
 use biomt::Biomt;
+pub(super) use columns::overruns;
 use columns::{
     BFACTOR, CHAIN, CHARGE, COORDINATE, ICODE, LOCATION, NAME, OCCUPANCY, PdbRecord, RECORD, RESIDUE, RESIDUE_ID,
     RESIDUE_NAME, SEGMENT, SERIAL, SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,

@@ -62,7 +62,18 @@ pub(super) fn number(field: &[u8]) -> Option<f64> {
 }
 
 pub(super) fn coordinate<R: BufRead>(lines: &Lines<R>, columns: Range<usize>, axis: &str) -> Result<f64> {
-    let found = field(lines.text().as_bytes(), columns.clone());
+    let line = lines.text().as_bytes();
+    let found = field(line, columns.clone());
+    if overruns(line, columns.clone(), DECIMALS) {
+        let problem =
+            format!("{} overruns its columns {} to {}", quote(around(line, &columns)), columns.start + 1, columns.end);
+        return Err(lines.fail(
+            columns.start,
+            axis,
+            problem,
+            "write coordinates of more digits as mmCIF, or move the atoms",
+        ));
+    }
     number(found).filter(|x| x.is_finite()).ok_or_else(|| {
         let blanks = found.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
         let at = (columns.start + blanks % found.len().max(1)).min(lines.text().len());
@@ -73,6 +84,25 @@ pub(super) fn coordinate<R: BufRead>(lines: &Lines<R>, columns: Range<usize>, ax
         let mend = format!("write {axis} in columns {} to {}, such as -12.345", columns.start + 1, columns.end);
         lines.fail(at, axis, problem, mend)
     })
+}
+
+/// Decimals of a coordinate that fills its columns.
+const DECIMALS: usize = 3;
+
+/// Whether a number with other than so many decimals goes on behind its columns, so that these have only a part of it.
+pub(in crate::read::particles) fn overruns(line: &[u8], columns: Range<usize>, decimals: usize) -> bool {
+    let goes_on = line.get(columns.end).is_some_and(|next| next.is_ascii_digit() || *next == b'.');
+    let found = field(line, columns);
+    let point = found.iter().position(|byte| *byte == b'.').unwrap_or(found.len());
+    goes_on && !found.ends_with(b" ") && found.len() != point + 1 + decimals
+}
+
+/// The word of a line that has these columns.
+fn around<'a>(line: &'a [u8], columns: &Range<usize>) -> &'a [u8] {
+    let blank = |byte: &u8| byte.is_ascii_whitespace();
+    let (before, behind) = line.split_at(columns.end.min(line.len()));
+    let start = before.iter().rposition(blank).map_or(0, |at| at + 1);
+    &line[start..before.len() + behind.iter().position(blank).unwrap_or(behind.len())]
 }
 
 /// A whole number, in hybrid-36 where the columns are too narrow for decimal digits: `A0000` follows 99999, and `a0000`

@@ -301,10 +301,34 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
             "ATOM      1  N    MET     1     -11.921   26.307   10.410 1.0 -2.0\n",
             "text:1:63: radius: `-2.0` is negative",
         ),
-        ("ATOM      1  N    MET     1     -11.921   26.307   nan    1.0 2.0\n", "expected a finite number"),
+        ("ATOM      1  N    MET     1     -11.921   26.307   nan    1.0 2.0\n", "x: `-11.921` overruns its columns"),
         ("ATOM\n", "x: columns 31 to 38 are empty"),
     ] {
         let error = read_as(Format::Pqr, line, &options(&[])).map(drop).expect_err(line).to_string();
         assert!(error.contains(told), "{error}");
+    }
+}
+
+#[test]
+fn coordinates_that_overrun_their_columns_are_refused() {
+    let at = |from: usize, numbers: &str| format!("{:30}{}{numbers}", "ATOM      1  CA  ALA A   1", " ".repeat(from));
+    for (numbers, axis) in [
+        ("31256.96532685.06460403.930", "x"),
+        ("31256.965  32.064  60.930  1.00", "x"),
+        ("  12.34532685.06460403.930", "y"),
+        ("  12.345  32.06412345.678  1.00", "z"),
+        ("-1256.965  32.064  60.930  1.00", "x"),
+        ("123456.782345.678 345.678", "x"),
+    ] {
+        let error = read(&at(0, numbers), &Request::default()).map(drop).expect_err(numbers).to_string();
+        assert!(error.contains("text:1:") && error.contains(&format!(": {axis}: ")), "{numbers}: {error}");
+    }
+    for (numbers, position) in [
+        ("1234.5671234.5671234.567100.00", [1234.567; 3]),
+        ("-123.456-123.456-123.456 -1.00", [-123.456; 3]),
+        ("   1.5     2.25    3.0", [1.5, 2.25, 3.0]),
+    ] {
+        let found = read(&at(0, numbers), &Request::default()).expect(numbers).remove(0);
+        assert_eq!(found.positions, [position], "{numbers}");
     }
 }
