@@ -16,10 +16,10 @@ use crate::read::lines::Lines;
 use crate::read::source::SceneSource;
 use halfline::error::{Error, Place, Result};
 use halfline::memory::Ledger;
-use halfline::quote::setting::{FRAMES, MODEL};
 use halfline::scene::Cell;
 use operators::{OperatorItem, Operators};
 use row::{AtomColumns, AtomRow};
+use std::collections::VecDeque;
 use tokens::{Token, Tokens};
 
 /// The reader.
@@ -31,8 +31,12 @@ pub(in crate::read) struct Mmcif {
     row: AtomRow,
     names: NameTable,
     state: State,
-    /// The number of models read or skipped, and the numbers of the skipped ones.
-    count: u64,
+    /// The models of the block, once its atoms were read, by their numbers in the order of their first atoms; those that are not
+    /// selected have none.
+    models: VecDeque<(i64, Option<Model>)>,
+    /// The number of the last model that was taken.
+    taken: i64,
+    /// The numbers of skipped models.
     passed: Passed,
     /// Whether it was reported that assemblies are not built.
     told: bool,
@@ -45,7 +49,7 @@ pub(in crate::read) struct Mmcif {
 enum State {
     /// Before the atoms.
     Before,
-    /// Within the atoms: the row holds the first atom of the next model.
+    /// Within the atoms: the row holds an atom.
     AtomRow,
     /// After the atoms, in the same block.
     Behind,
@@ -62,7 +66,8 @@ impl Mmcif {
             row: AtomRow::default(),
             names: NameTable::default(),
             state: State::Before,
-            count: 0,
+            models: VecDeque::new(),
+            taken: 0,
             passed: Passed::default(),
             told: false,
             blocks: false,
@@ -224,11 +229,22 @@ impl Mmcif {
         Ok(true)
     }
 
-    /// Reads the atoms of the row's model into `model`, or skips them.
-    fn body(&mut self, mut model: Option<&mut Model>) -> Result<()> {
-        let number = self.row.model;
-        while self.state == State::AtomRow && self.row.model == number {
-            if let Some(model) = &mut model {
+    /// Reads all atoms: the rows of a model need not follow each other.
+    fn body(&mut self) -> Result<()> {
+        let mut at = 0;
+        while self.state == State::AtomRow {
+            let number = self.row.model;
+            if self.models.get(at).is_none_or(|(known, _)| *known != number) {
+                at = self.models.iter().position(|(known, _)| *known == number).unwrap_or(self.models.len());
+            }
+            if at == self.models.len() {
+                let model = self.selects(number, at).then(|| {
+                    let model = Model::new(&self.request, &self.layout.has(), Inference::new(false));
+                    if self.layout.is_fractional() { model.whole() } else { model }
+                });
+                self.models.push_back((number, model));
+            }
+            if let Some((_, Some(model))) = self.models.get_mut(at) {
                 self.row.give(model, &self.operators.symmetry)?;
             }
             if self.layout.is_of_one() {
@@ -237,23 +253,15 @@ impl Mmcif {
                 self.row()?;
             }
         }
-        self.count += 1;
-        Ok(())
+        self.rest()
     }
 
-    /// Checks that the operators were read if an assembly is selected.
-    fn know_operators(&mut self) -> Result<()> {
-        if self.request.assembly.is_some() && !self.operators.known() && self.state == State::AtomRow {
-            if self.request.model.is_none() && self.count < self.request.frames.last() {
-                let problem = "the operators of the assembly come after the atoms of several models";
-                let mend = format!("select one model with {MODEL} or {FRAMES}");
-                return Err(Error::settings(format!("{}: {problem}", self.tokens.file()), mend));
-            }
-            while self.state == State::AtomRow {
-                self.row()?;
-            }
+    /// Whether the model with this number, the one at this place of the file from 0, is kept.
+    fn selects(&self, number: i64, at: usize) -> bool {
+        match self.request.model {
+            Some(wanted) => wanted == number,
+            None => (at as u64) < self.request.frames.last(),
         }
-        self.rest()
     }
 
     /// The cell for fractional positions.
@@ -264,11 +272,15 @@ impl Mmcif {
         })
     }
 
-    fn begin(&mut self) -> Result<bool> {
+    /// Reads the file, if it was not read yet, and takes its next model.
+    fn take(&mut self) -> Result<Option<Option<Model>>> {
         if self.state == State::Before {
             self.seek()?;
+            self.body()?;
         }
-        Ok(self.state == State::AtomRow)
+        let Some((number, model)) = self.models.pop_front() else { return Ok(None) };
+        self.taken = number;
+        Ok(Some(model))
     }
 }
 
@@ -280,20 +292,12 @@ impl ParticleFrames for Mmcif {
     fn next(&mut self) -> Result<Option<Particles>> {
         let asked = self.request.model;
         let behind = self.state != State::Before;
-        while self.begin()? {
-            let number = self.row.model;
-            if asked.is_some_and(|wanted| wanted != number) {
-                self.passed.push(number);
-                self.body(None)?;
+        while let Some(model) = self.take()? {
+            let Some(model) = model else {
+                self.passed.push(self.taken);
                 continue;
-            }
-            let mut model = Model::new(&self.request, &self.layout.has(), Inference::new(false));
-            if self.layout.is_fractional() {
-                model = model.whole();
-            }
-            self.body(Some(&mut model))?;
-            let more = self.state == State::AtomRow;
-            self.know_operators()?;
+            };
+            let more = !self.models.is_empty();
             let file = self.tokens.file();
             let assembly = match &self.request.assembly {
                 Some(id) => Some(self.operators.assembly(id, &file)?),
@@ -322,7 +326,7 @@ impl ParticleFrames for Mmcif {
                 said.extend(not_assembled(self.operators.counts()));
             }
             if asked.is_some() {
-                self.state = State::End;
+                self.models.clear();
             }
             return Ok(Some(particles));
         }
@@ -336,11 +340,7 @@ impl ParticleFrames for Mmcif {
         if self.request.model.is_some() {
             return Ok(self.next()?.is_some());
         }
-        let found = self.begin()?;
-        if found {
-            self.body(None)?;
-        }
-        Ok(found)
+        Ok(self.take()?.is_some())
     }
 }
 

@@ -150,11 +150,6 @@ impl Operators {
         Ok(())
     }
 
-    /// Whether all data of assemblies was read.
-    pub(super) fn known(&self) -> bool {
-        !self.generators.is_empty() && !self.list.is_empty()
-    }
-
     /// The cell, if it was given and has a volume.
     pub(super) fn cell(&self) -> Option<Cell> {
         let [a, b, c, alpha, beta, gamma] = self.cell;

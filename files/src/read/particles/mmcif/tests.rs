@@ -7,8 +7,17 @@ fn options(columns: &[&str]) -> Request {
 }
 
 fn read(text: &str, options: &Request) -> Result<Vec<Particles>> {
-    let mut mmcif = Mmcif::new(SceneSource::of_text(text), options.clone());
-    std::iter::from_fn(|| mmcif.next().transpose()).collect()
+    let reader = |options: Request| Mmcif::new(SceneSource::of_text(text), options);
+    let mut mmcif = reader(options.clone());
+    let frames: Vec<Particles> = std::iter::from_fn(|| mmcif.next().transpose()).collect::<Result<_>>()?;
+    if options.model.is_some() || options.frames != Request::default().frames {
+        return Ok(frames);
+    }
+    // What is said of the first model depends on the frames that are selected.
+    let mut others = reader(Request { frames: "2-".parse()?, ..options.clone() });
+    others.skip()?;
+    let others = std::iter::from_fn(|| others.next().transpose()).collect::<Result<Vec<Particles>>>()?;
+    Ok([frames, others].concat())
 }
 
 fn refused(text: &str, options: &Request) -> String {
@@ -106,7 +115,8 @@ fn models_and_alternate_locations_are_chosen() {
     assert_eq!((second.len(), xs(&second[0]), &second[0].skipped.assumed[..]), (1, vec![5.0], &[][..]));
     let error = with(Altloc::All, Some(3)).map(drop).expect_err("no third").to_string();
     assert!(error.contains("no model 3") && error.contains("the file has 1, 2"), "{error}");
-    let mut mmcif = Mmcif::new(SceneSource::of_text(&text), options(&[]));
+    let both = Request { frames: "1-".parse().expect("frames"), ..options(&[]) };
+    let mut mmcif = Mmcif::new(SceneSource::of_text(&text), both);
     assert!(mmcif.skip().expect("skipped"));
     assert_eq!(xs(&mmcif.next().expect("read").expect("the second")), [5.0]);
     assert!(!mmcif.skip().expect("the end") && mmcif.next().expect("the end").is_none());
@@ -135,7 +145,8 @@ fn assemblies_are_built_wherever_their_operators_stand() {
     );
     let behind = format!("data_X\n{ATOMS}{ASSEMBLY}");
     let all = Request { frames: "1-".parse().expect("frames"), ..with("1") };
-    assert!(refused(&behind, &all).contains(setting::MODEL));
+    let models = read(&behind, &all).expect("two models");
+    assert_eq!([xs(&models[0]), xs(&models[1])], [vec![1.0, 3.0, 101.0, 103.0], vec![5.0, 105.0]]);
     assert_eq!(xs(&read(&behind, &Request { model: Some(2), ..all }).expect("one model")[0]), [5.0, 105.0]);
     let error = refused(&text.replace("100 P", "x P"), &with("1"));
     assert!(error.contains("text:24:1: _pdbx_struct_oper_list: operator `P` does not have 12"), "{error}");
@@ -231,4 +242,45 @@ fn symmetry_fills_the_cell_of_a_small_molecule() {
     // Macromolecular files list the asymmetric unit, even if operators follow.
     let entry = format!("data_X\n{ATOMS}{}", operators("_symmetry_equiv.pos_as_xyz", centred));
     assert_eq!(read(&entry, &options(&[])).expect("atoms")[0].positions.len(), 4);
+}
+
+/// Rows of models in any order are those of the models one after the other.
+#[test]
+fn rows_of_models_need_not_follow_each_other() {
+    let head = "data_x\nloop_\n_atom_site.id\n_atom_site.type_symbol\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n\
+        _atom_site.Cartn_z\n_atom_site.pdbx_PDB_model_num\n";
+    let row = |model: i64, n: i64| format!("{n} C {n} {model} 0 {model}\n");
+    for models in [vec![1, 2], vec![1, 2, 3], vec![7, 3, 5, 4]] {
+        let rows: Vec<(i64, i64)> = models.iter().flat_map(|model| (0..5).map(|n| (*model, n))).collect();
+        let text = |rows: &[(i64, i64)]| {
+            let rows: String = rows.iter().map(|(model, n)| row(*model, *n)).collect();
+            format!("{head}{rows}loop_\n_cell.length_a\n1\n")
+        };
+        let mut turns = rows.clone();
+        turns.sort_by_key(|(model, n)| (*n, models.iter().position(|other| other == model)));
+        let mut late = rows.clone();
+        let last = late.remove(1);
+        late.push(last);
+        late.sort_by_key(|(_, n)| *n == 1);
+        for other in [&turns, &late] {
+            for request in [
+                Request { frames: "1-".parse().expect("a range"), ..Request::default() },
+                Request::default(),
+                Request { model: Some(models[1]), ..Request::default() },
+            ] {
+                let frames = |rows: &[(i64, i64)]| {
+                    let frames = read(&text(rows), &request).expect("models");
+                    let of = |frame: &Particles| {
+                        let mut positions = frame.positions.clone();
+                        positions.sort_by(|a, b| a[0].total_cmp(&b[0]));
+                        positions
+                    };
+                    frames.iter().map(of).collect::<Vec<_>>()
+                };
+                let whole = frames(&rows);
+                assert!(whole.iter().take(2).all(|frame| frame.len() == 5), "{request:?}");
+                assert_eq!(frames(other), whole, "{models:?} {request:?}");
+            }
+        }
+    }
 }
