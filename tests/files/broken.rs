@@ -4,8 +4,12 @@ use crate::damage::damage;
 use crate::numpy::{little, npy, npy_of};
 use crate::rng::Rng;
 use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, read, read_spheres};
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use halfline::error::Error;
-use halfline_files::read::ReadOptions;
+use halfline_files::read::{Format, ReadOptions, Sequence};
+use std::io::{Cursor, Write};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 #[test]
@@ -294,4 +298,43 @@ fn a_damaged_file_of_spheres_is_read_or_refused() {
         }
         assert!((200..2000).contains(&refused), "{name}: {refused} of 2000 refused");
     }
+}
+
+/// A stream without content ends soon, whatever format it is said to have.
+#[test]
+fn lines_without_content_are_not_read_for_long() {
+    let formats =
+        [Format::Csv, Format::Xyz, Format::Pdb, Format::Mmcif, Format::Gro, Format::Nff, Format::Dump, Format::Native];
+    let began = Instant::now();
+    for (format, head) in formats.into_iter().map(|format| (format, "")).chain([
+        (Format::Csv, "x,y,z\n0,0,0\n"),
+        (Format::Pdb, "REMARK\n"),
+        (Format::Pqr, "HEADER\n"),
+        (Format::Xyz, "1\n\nC 0 0 0\n"),
+        (Format::Mmcif, "data_x\nloop_\n"),
+        (Format::Data, "title\n\n1 atoms\n"),
+        (Format::Pcd, "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 9\nDATA ascii\n"),
+        (Format::Ply, "ply\nformat ascii 1.0\nelement face 99999999\nelement vertex 1\nproperty float x\nend_header\n"),
+    ]) {
+        for line in ["\n", "# \n"] {
+            let text = (head.to_owned() + &line.repeat(3 << 19)).into_bytes();
+            let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+            packed.write_all(&text).expect("in memory");
+            for bytes in [text, packed.finish().expect("in memory")] {
+                let options = ReadOptions { format: Some(format), ..ReadOptions::default() };
+                let read = Sequence::from_reader(Cursor::new(bytes), Path::new("a"), &options);
+                let scene = read.and_then(|mut read| read.next_scene());
+                let error = scene.map(drop).expect_err(head);
+                assert!(matches!(error, Error::Limits { .. } | Error::Scene { .. }), "{format:?} {head}: {error}");
+            }
+        }
+    }
+    assert!(began.elapsed() < Duration::from_secs(120), "{:?}", began.elapsed());
+}
+
+/// The lines that are counted are those in a row.
+#[test]
+fn many_blank_lines_between_rows_are_no_fault() {
+    let text = "x,y,z,radius\n".to_owned() + &["\n".repeat(1 << 19), "0,0,0,1\n".into()].concat().repeat(3);
+    assert_eq!(read("a.csv", text).expect("three rows").spheres.len(), 3);
 }

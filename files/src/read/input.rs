@@ -21,6 +21,9 @@ const SILENCE: u64 = 1 << 29;
 /// The most compressed bytes that may decompress to nothing; a block of bzip2 has less than one of 2^20.
 const BARREN: u64 = 4 << 20;
 
+/// The bytes that a line or a number of a stream of unknown length counts for at least, since short ones take as long.
+const LEAST: usize = 32;
+
 /// Bytes per read.
 const BLOCK: usize = 1 << 16;
 
@@ -182,7 +185,7 @@ impl Input {
 
     /// Counts delivered bytes.
     fn count(&mut self, bytes: usize) {
-        self.since += bytes as u64;
+        self.since += if self.length > 0 { bytes } else { bytes.max(LEAST) } as u64;
         self.delivered += bytes as u64;
     }
 }

@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 /// The most bytes in a line, so that a file without lines does not fill the memory.
 const LONGEST: u64 = 1 << 20;
 
+/// The most lines in a row that are blank or comments, so that a file without content is not read for minutes.
+const IDLE: u64 = 1 << 20;
+
 /// The approximate bytes in a block of lines, and in one of its parts. They are constants, so that results do not
 /// depend on the number of cores.
 const BLOCK: usize = 2 << 20;
@@ -26,11 +29,14 @@ pub(super) struct Lines<R> {
     any_bytes: bool,
     /// Whether the current line is the next one too.
     again: bool,
+    /// The lines before that are blank or comments.
+    idle: u64,
 }
 
 impl<R: BufRead> Lines<R> {
     pub(super) fn new(reader: R, path: &Path) -> Self {
-        Self { reader, path: path.to_path_buf(), text: String::new(), number: 0, any_bytes: false, again: false }
+        let (path, text) = (path.to_path_buf(), String::new());
+        Self { reader, path, text, number: 0, any_bytes: false, again: false, idle: 0 }
     }
 
     /// Accepts lines that are not UTF-8, with a question mark for each byte that is not ASCII, so that columns stay in
@@ -74,7 +80,17 @@ impl<R: BufRead> Lines<R> {
         if self.number == 1 && self.text.starts_with('\u{feff}') {
             self.text.remove(0);
         }
+        self.rest(u64::from(is_idle(&self.text)))?;
         Ok(true)
+    }
+
+    /// Counts lines without content, or for 0 one with content.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] for too many of them in a row.
+    pub(super) fn rest(&mut self, lines: u64) -> Result<()> {
+        self.idle = if lines == 0 { 0 } else { self.idle + lines };
+        if self.idle <= IDLE { Ok(()) } else { Err(too_idle(&self.place(0))) }
     }
 
     /// Reads `most` lines into `block`, fewer where the file ends or the block is full. The last of them becomes the
@@ -109,10 +125,12 @@ impl<R: BufRead> Lines<R> {
     /// Skips `count` lines; returns the number skipped.
     pub(super) fn pass(&mut self, count: u64) -> Result<u64> {
         for passed in 0..count {
-            if self.reader.skip_until(b'\n').map_err(|e| Error::read(&self.path, e))? == 0 {
+            let length = self.reader.skip_until(b'\n').map_err(|e| Error::read(&self.path, e))?;
+            if length == 0 {
                 return Ok(passed);
             }
             self.number += 1;
+            self.rest(u64::from(length == 1))?;
         }
         Ok(count)
     }
@@ -292,6 +310,27 @@ impl Spot {
 /// The characters before `byte`, plus one.
 fn column(line: &str, byte: usize) -> u64 {
     line.get(..byte).unwrap_or(line).chars().count() as u64 + 1
+}
+
+fn is_idle(line: &str) -> bool {
+    line.trim_start().is_empty() || line.starts_with('#')
+}
+
+fn too_idle(place: &Place) -> Error {
+    let problem = format!("{place}: {IDLE} lines before it are blank or comments");
+    Error::Limits { problem, mend: "remove them, and check that it is a scene or particle file".into() }
+}
+
+/// Refuses a text with as many lines in a row that are blank or comments as [`Lines`] refuses.
+pub(super) fn check_idle(text: &str, file: &Place) -> Result<()> {
+    let mut idle = 0;
+    for (line, number) in text.lines().zip(1..) {
+        idle = if is_idle(line) { idle + 1 } else { 0 };
+        if idle > IDLE {
+            return Err(too_idle(&file.clone().at(number, 1)));
+        }
+    }
+    Ok(())
 }
 
 /// The error for text after `lines` whole lines that is not UTF-8.

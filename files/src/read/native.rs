@@ -11,7 +11,7 @@ mod spheres;
 mod table;
 
 use super::input::Input;
-use super::lines::not_utf8;
+use super::lines::{check_idle, not_utf8};
 use super::skipped::Skipped;
 use glam::DVec3;
 use halfline::error::{Error, Place, Result, relocate};
@@ -64,6 +64,7 @@ pub(super) fn without_files(reader: Input, path: &Path, watch: &Watch) -> Result
 fn document(reader: Input, path: &Path, watch: &Watch, is_whole: bool) -> Result<(Read, Vec<NamedSpheres>)> {
     let file = Place::file(path.display().to_string());
     let text = String::from_utf8(bytes(reader, path)?).map_err(|e| not_utf8(file.clone(), 0, e))?;
+    check_idle(&text, &file)?;
     let length = text.len();
     check(room::most_held(&text), || format!("{file}: {length} bytes of TOML"))?;
     let (path, within) = (path.to_path_buf(), watch.clone());

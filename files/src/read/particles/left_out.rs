@@ -15,6 +15,11 @@ pub(crate) struct LeftOut {
 const FIELD: usize = 80;
 
 impl LeftOut {
+    /// Whether no row was left out.
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
     /// Counts a row that has this error.
     pub(super) fn add(&mut self, error: Error) {
         self.count += 1;

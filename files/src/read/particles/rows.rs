@@ -33,7 +33,7 @@ pub(super) fn rows(
     while block.len() > 0 {
         let (mut some, parts) = (false, block.parts());
         let mut append = |part: Particles| {
-            some |= !part.positions.is_empty();
+            some |= !part.positions.is_empty() || !part.left_out.is_empty();
             particles.append(part)
         };
         let read = if parts.len() == 1 {
@@ -49,6 +49,7 @@ pub(super) fn rows(
         if some {
             lines.found();
         }
+        lines.rest(if some { 0 } else { block.len() })?;
         read?;
         taken += next.len();
         std::mem::swap(&mut block, &mut next);
