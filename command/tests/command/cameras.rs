@@ -166,6 +166,63 @@ fn principal_points_may_lie_beside_the_middle() {
     assert!((point[0] - 18.3717).abs() <= 1.0 / 512.0 && (point[1] - 16.2229).abs() <= 1.0 / 512.0, "{point:?}");
 }
 
+/// docs/film.md: what a list does not say of the image is that of the picture, and a picture of another size has its view.
+#[test]
+fn lenses_belong_to_the_image_of_the_list_or_to_the_picture() {
+    let dir = dir();
+    let matrix = json!([[1, 0, 0, 0.5], [0, 1, 0, 0.2], [0, 0, 1, 9], [0, 0, 0, 1]]);
+    let angle = |side: f64| 2.0 * (side / 2.0 / 50.0).atan();
+    let ids = |name: &str, list: Value, size: &str| {
+        let Value::Object(mut list) = list else { panic!("an object") };
+        list.insert("frames".into(), json!([{"transform_matrix": matrix}]));
+        dir.put("list.json", Value::Object(list).to_string());
+        dir.render(&format!("a.xyz --size {size} --cameras list.json --aov id={name}%d.npy"));
+        dir.array(&format!("{name}1.npy")).0
+    };
+    let expected = ids("i", json!({"fl_x": 50, "fl_y": 50, "cx": 20, "cy": 15, "w": 40, "h": 30}), "40x30");
+    assert!(expected.iter().filter(|id| **id >= 0.0).count() > 100, "the atoms are in view");
+    let off = ids("o", json!({"fl_x": 50, "cx": 24, "cy": 12}), "40x30");
+    assert!(off != expected);
+    for (list, picture) in [
+        (json!({"camera_angle_x": angle(40.0)}), &expected),
+        (json!({"camera_angle_y": angle(30.0)}), &expected),
+        (json!({"camera_angle_x": angle(40.0), "camera_angle_y": angle(30.0)}), &expected),
+        (json!({"fl_x": 50}), &expected),
+        (json!({"fy": 50}), &expected),
+        (json!({"fl_x": 50, "k1": 0, "p1": 0.0, "camera_model": "OPENCV", "distortion_params": [0, 0]}), &expected),
+        (json!({"camera_angle_x": angle(40.0), "w": 400, "h": 300}), &expected),
+        (json!({"fl_x": 500, "width": 400, "height": 300}), &expected),
+        (json!({"fl_x": 500, "cx": 240, "cy": 120, "w": 400, "h": 300}), &off),
+        (json!({"K": [[25, 0, 12], [0, 25, 6], [0, 0, 1]], "w": 20, "h": 15}), &off),
+        (json!({"intrinsics": {"fx": 50, "cx": 24, "cy": 12}}), &off),
+    ] {
+        let said = list.to_string();
+        assert!(&ids("f", list, "40x30") == picture, "{said}");
+    }
+    for (key, value, words) in [
+        ("k1", json!(0.03), "distortion 0.03"),
+        ("k4", json!(-1e-9), "distortion"),
+        ("p2", json!(0.1), "distortion"),
+        ("distortion_params", json!([0, 0, 0, 0.5]), "distortion 0.5"),
+        ("camera_model", json!("OPENCV_FISHEYE"), "OPENCV_FISHEYE"),
+        ("camera_model", json!("EQUIRECTANGULAR"), "EQUIRECTANGULAR"),
+        ("is_fisheye", json!(true), "fisheye"),
+        ("cx", json!(20), "cy: missing beside cx"),
+        ("h", json!(20), "w: missing beside h"),
+    ] {
+        for inside in [false, true] {
+            let mut list = json!({"fl_x": 50, "frames": [{"transform_matrix": matrix}]});
+            let target = if inside { &mut list["frames"][0] } else { &mut list };
+            target[key] = value.clone();
+            if inside {
+                target["fl_x"] = json!(50);
+            }
+            dir.put("list.json", list.to_string());
+            dir.refused_render(3, "a.xyz --size 40x30 --cameras list.json -o a%d.png", &["list.json", words]);
+        }
+    }
+}
+
 #[test]
 fn a_list_moves_through_the_frames_of_a_film() {
     let dir = dir();

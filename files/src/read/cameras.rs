@@ -11,7 +11,7 @@ mod listed;
 mod table;
 
 pub use axes::{AxesProblem, check_axes};
-pub use lens::{ListedLens, lens_of};
+pub use lens::{ListedLens, PixelLens, lens_of};
 pub use listed::ListedCamera;
 
 use halfline::error::{Error, Place, Result};

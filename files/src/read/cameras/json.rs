@@ -1,7 +1,9 @@
 //! Cameras in JSON: a list, or an object with `frames` (NeRF), `cameras` or `poses`.
 
+use super::lens::PixelLens;
 use super::listed::ListedCamera;
 use halfline::error::{Error, Place, Result};
+use halfline::quote::quote;
 use halfline::scene::camera::{Intrinsics, Lens, Look};
 use serde_json::{Map, Value};
 
@@ -44,14 +46,11 @@ pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
         let object = Object { map, place };
         let mut camera = object.camera()?;
         camera.size = object.size()?.or(size);
-        camera.intrinsics = match (object.intrinsics()?, intrinsics) {
-            (Some(own), _) => Some(own.of(camera.size)),
-            (None, Some(shared)) if !camera.has_lens => Some(shared.of(camera.size)),
-            _ => None,
-        };
+        let own = object.intrinsics()?;
+        let lens = own.or(intrinsics.filter(|_| !camera.has_lens));
+        camera.intrinsics = lens.map(|lens| PixelLens { image: camera.size, ..lens });
         // A viewport has the principal point in its middle.
-        let middle = camera.size.map(|size| size.map(|side| f64::from(side) / 2.0));
-        if camera.intrinsics.is_some_and(|own| middle.is_some_and(|middle| [own.cx, own.cy] != middle)) {
+        if own.is_some_and(|own| camera.size.is_some_and(|size| !own.is_centred(size))) {
             camera.has_lens = false;
         }
         Ok(camera)
@@ -59,26 +58,14 @@ pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
     list.iter().enumerate().map(one).collect()
 }
 
-/// Focal lengths, or an angle, with an optional principal point.
-#[derive(Clone, Copy)]
-struct Focus {
-    fx: Option<f64>,
-    fy: Option<f64>,
-    /// Horizontal field of view, radians.
-    angle: Option<f64>,
-    center: Option<[f64; 2]>,
-}
+/// What a list says of distortion: coefficients by name, and lists of them.
+const COEFFICIENTS: [&str; 8] = ["k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"];
+const DISTORTIONS: [&str; 6] =
+    ["distortion", "distortion_params", "distortion_coefficients", "dist_coeffs", "dist", "D"];
 
-impl Focus {
-    /// The intrinsics for an image of this size.
-    fn of(self, size: Option<[u32; 2]>) -> Intrinsics {
-        let [w, h] = size.unwrap_or([0, 0]).map(f64::from);
-        let by_angle = self.angle.map(|angle| 0.5 * w / (0.5 * angle).tan());
-        let fx = self.fx.or(by_angle).unwrap_or(f64::NAN);
-        let [cx, cy] = self.center.unwrap_or([w / 2.0, h / 2.0]);
-        Intrinsics { fx, fy: self.fy.unwrap_or(fx), cx, cy }
-    }
-}
+/// The models of COLMAP and nerfstudio that are pinholes where their coefficients are 0.
+const PINHOLES: [&str; 7] =
+    ["PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "FULL_OPENCV", "PERSPECTIVE"];
 
 impl Object<'_> {
     fn fail(&self, key: &str, problem: &str) -> Error {
@@ -107,18 +94,63 @@ impl Object<'_> {
             .transpose()
     }
 
+    /// Two numbers, each under one of two names; one of them alone is an error.
+    fn both(&self, first: [&str; 2], second: [&str; 2]) -> Result<Option<[f64; 2]>> {
+        let of = |names: [&str; 2]| Ok::<_, Error>(self.number(names[0])?.or(self.number(names[1])?));
+        match (of(first)?, of(second)?) {
+            (Some(a), Some(b)) => Ok(Some([a, b])),
+            (None, None) => Ok(None),
+            (Some(_), None) => Err(self.fail(second[0], &format!("missing beside {}", first[0]))),
+            (None, Some(_)) => Err(self.fail(first[0], &format!("missing beside {}", second[0]))),
+        }
+    }
+
     fn size(&self) -> Result<Option<[u32; 2]>> {
         let sides = match self.numbers::<2>("size")? {
             Some(sides) => Some(sides),
-            None => self.number("w")?.zip(self.number("h")?).map(|(w, h)| [w, h]),
+            None => self.both(["w", "width"], ["h", "height"])?,
         };
         let side = |x: f64| Some(x as u32).filter(|side| *side > 0 && f64::from(*side) == x);
         let whole = |[w, h]: [f64; 2]| side(w).zip(side(h)).map(|(w, h)| [w, h]);
         sides.map(|sides| whole(sides).ok_or_else(|| self.fail("size", "expected whole positive numbers"))).transpose()
     }
 
+    /// Refuses lenses whose pictures are not those of a pinhole.
+    fn check_pinhole(&self) -> Result<()> {
+        let refuse = |key: &str, what: String| {
+            let mend = "undistort the images (colmap image_undistorter, cv2.undistort) and give the cameras of these, or remove it \
+                        for pictures without distortion";
+            Err(Error::scene(self.field(key), format!("{what}, and pictures are those of a pinhole"), mend))
+        };
+        let is_none = |value: &Value| value.is_null() || value.as_f64() == Some(0.0);
+        for (key, value) in self.map {
+            let key = &key[..];
+            let values = match value {
+                Value::Array(values) if DISTORTIONS.contains(&key) => &values[..],
+                _ if COEFFICIENTS.contains(&key) => std::slice::from_ref(value),
+                _ => &[],
+            };
+            if let Some(value) = values.iter().find(|value| !is_none(value)) {
+                return refuse(key, format!("the lens has the distortion {value}"));
+            }
+            let is_other = |model: &&str| match key {
+                "camera_model" => !PINHOLES.contains(&&model.to_ascii_uppercase()[..]),
+                "model" => model.to_ascii_uppercase().contains("FISHEYE"),
+                _ => false,
+            };
+            if let Some(model) = value.as_str().filter(is_other) {
+                return refuse(key, format!("the lens has the model {}", quote(model)));
+            }
+            if key == "is_fisheye" && *value == Value::Bool(true) {
+                return refuse(key, "the lens is a fisheye".into());
+            }
+        }
+        Ok(())
+    }
+
     /// Focal lengths under the names of NeRF, of OpenCV (`K`) and of halfline (`intrinsics`).
-    fn intrinsics(&self) -> Result<Option<Focus>> {
+    fn intrinsics(&self) -> Result<Option<PixelLens>> {
+        self.check_pinhole()?;
         if let Some(value) = self.map.get("K") {
             let rows: Option<Vec<[f64; 3]>> = value.as_array().and_then(|rows| rows.iter().map(numbers).collect());
             let Some([[fx, skew, cx], [low, fy, cy], [0.0, 0.0, 1.0]]) = rows.as_deref() else {
@@ -127,16 +159,18 @@ impl Object<'_> {
             if [*skew, *low] != [0.0; 2] {
                 return Err(self.fail("K", "a skewed image cannot be rendered"));
             }
-            return Ok(Some(Focus { fx: Some(*fx), fy: Some(*fy), angle: None, center: Some([*cx, *cy]) }));
+            return Ok(Some(PixelLens::of(Intrinsics { fx: *fx, fy: *fy, cx: *cx, cy: *cy })));
         }
         if let Some(Value::Object(map)) = self.map.get("intrinsics") {
             let inner = Object { map, place: self.place.clone().named("intrinsics") };
             return inner.intrinsics();
         }
         let either = |a: &str, b: &str| Ok::<_, Error>(self.number(a)?.or(self.number(b)?));
-        let (fx, fy, angle) = (either("fl_x", "fx")?, either("fl_y", "fy")?, self.number("camera_angle_x")?);
-        let center = self.number("cx")?.zip(self.number("cy")?).map(|(cx, cy)| [cx, cy]);
-        Ok((fx.is_some() || angle.is_some()).then_some(Focus { fx, fy, angle, center }))
+        let focal = [either("fl_x", "fx")?, either("fl_y", "fy")?];
+        let angles = [self.number("camera_angle_x")?, self.number("camera_angle_y")?];
+        let center = self.both(["cx"; 2], ["cy"; 2])?;
+        let is_given = focal.iter().chain(&angles).any(Option::is_some);
+        Ok(is_given.then_some(PixelLens { focal, angles, center, image: None }))
     }
 
     fn camera(&self) -> Result<ListedCamera> {

@@ -9,7 +9,52 @@ pub enum ListedLens {
     /// It does not depend on the size of the image.
     Known(Lens),
     /// Its lengths are in pixels of the image.
-    InPixels(Intrinsics),
+    InPixels(PixelLens),
+}
+
+/// Focal lengths or angles of view, and a principal point.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PixelLens {
+    /// Across and down, in pixels; one stands for both.
+    pub(super) focal: [Option<f64>; 2],
+    /// Fields of view across and down, radians, for focal lengths that are not given.
+    pub(super) angles: [Option<f64>; 2],
+    /// The middle of the image, where it is not given.
+    pub(super) center: Option<[f64; 2]>,
+    /// Columns and rows of the image that the pixels belong to; those of the picture where they are not given.
+    pub(super) image: Option<[u32; 2]>,
+}
+
+impl PixelLens {
+    /// These intrinsics, of a picture of any size.
+    #[must_use]
+    pub fn of(intrinsics: Intrinsics) -> Self {
+        let Intrinsics { fx, fy, cx, cy } = intrinsics;
+        Self { focal: [Some(fx), Some(fy)], center: Some([cx, cy]), ..Self::default() }
+    }
+
+    /// Whether the principal point is the middle of an image of this size.
+    pub(super) fn is_centred(&self, size: [u32; 2]) -> bool {
+        self.center.is_none_or(|center| center == size.map(|side| f64::from(side) / 2.0))
+    }
+
+    /// The intrinsics for a picture of `width` x `height` pixels. A picture of another size than the image has the height of its
+    /// view, and square pixels where these are square.
+    fn intrinsics(&self, width: u32, height: u32) -> Intrinsics {
+        let sides = self.image.unwrap_or([width, height]).map(f64::from);
+        let by_angle = |k: usize| self.angles[k].map(|angle| 0.5 * sides[k] / (0.5 * angle).tan());
+        let [x, y] = [0, 1].map(|k| self.focal[k].or_else(|| by_angle(k)));
+        let [fx, fy] = [x.or(y), y.or(x)].map(|focal| focal.unwrap_or(f64::NAN));
+        let [w, h] = sides;
+        let [cx, cy] = self.center.unwrap_or([w / 2.0, h / 2.0]);
+        let [width, height] = [width, height].map(f64::from);
+        if [w, h] == [width, height] {
+            return Intrinsics { fx, fy, cx, cy };
+        }
+        let scale = height / h;
+        let moved = |center: f64, from: f64, to: f64| (center - from / 2.0) * scale + to / 2.0;
+        Intrinsics { fx: fx * scale, fy: fy * scale, cx: moved(cx, w, width), cy: moved(cy, h, height) }
+    }
 }
 
 impl ListedLens {
@@ -20,10 +65,12 @@ impl ListedLens {
     pub fn for_image(&self, index: usize, width: u32, height: u32) -> Result<Lens> {
         match self {
             Self::Known(lens) => Ok(*lens),
-            Self::InPixels(intrinsics) => lens_of(intrinsics, width, height).map_err(|error| match error {
-                Error::Settings { problem, mend } => Error::settings(format!("camera {index}: {problem}"), mend),
-                other => other,
-            }),
+            Self::InPixels(lens) => {
+                lens_of(&lens.intrinsics(width, height), width, height).map_err(|error| match error {
+                    Error::Settings { problem, mend } => Error::settings(format!("camera {index}: {problem}"), mend),
+                    other => other,
+                })
+            }
         }
     }
 }

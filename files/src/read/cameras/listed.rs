@@ -1,7 +1,7 @@
 //! A camera of a list.
 
 use super::axes::{AxesProblem, check_axes};
-use super::lens::ListedLens;
+use super::lens::{ListedLens, PixelLens};
 use glam::DVec3;
 use halfline::scene::camera::{Camera, Intrinsics, Lens, Look};
 
@@ -13,7 +13,7 @@ pub struct ListedCamera {
     /// Whether the list gives a lens other than by intrinsics.
     pub has_lens: bool,
     /// Focal lengths and principal point.
-    pub intrinsics: Option<Intrinsics>,
+    pub intrinsics: Option<PixelLens>,
     /// Columns and rows of its image.
     pub size: Option<[u32; 2]>,
 }
@@ -26,7 +26,7 @@ impl ListedCamera {
         if self.has_lens {
             return Some(ListedLens::Known(self.camera.lens));
         }
-        self.intrinsics.or(intrinsics).map(ListedLens::InPixels).or(vfov.map(ListedLens::Known))
+        self.intrinsics.or(intrinsics.map(PixelLens::of)).map(ListedLens::InPixels).or(vfov.map(ListedLens::Known))
     }
 
     /// A camera at `eye` that looks along `view`.
@@ -60,20 +60,22 @@ mod tests {
         let intrinsics = |fx: f64| Intrinsics { fx, fy: 50.0, cx: 20.0, cy: 15.0 };
         let angle = |degrees: f64| Lens::Vfov { degrees, distance: 1.0 };
         let bare = ListedCamera::new([0.0; 3], Look::View(-DVec3::Z), [0.0, 1.0, 0.0]);
-        let in_pixels = ListedCamera { intrinsics: Some(intrinsics(40.0)), ..bare };
+        let in_pixels = ListedCamera { intrinsics: Some(PixelLens::of(intrinsics(40.0))), ..bare };
         let known = in_pixels.with_lens(angle(20.0));
         let (given, vfov) = (Some(intrinsics(60.0)), Some(angle(30.0)));
         for (camera, given, vfov, expected) in [
             (&known, given, vfov, Some(ListedLens::Known(angle(20.0)))),
-            (&in_pixels, given, vfov, Some(ListedLens::InPixels(intrinsics(40.0)))),
-            (&bare, given, vfov, Some(ListedLens::InPixels(intrinsics(60.0)))),
+            (&in_pixels, given, vfov, Some(ListedLens::InPixels(PixelLens::of(intrinsics(40.0))))),
+            (&bare, given, vfov, Some(ListedLens::InPixels(PixelLens::of(intrinsics(60.0))))),
             (&bare, None, vfov, Some(ListedLens::Known(angle(30.0)))),
             (&bare, None, None, None),
         ] {
             assert_eq!(camera.lens(given, vfov), expected, "{camera:?}");
         }
-        let error =
-            ListedLens::InPixels(intrinsics(0.0)).for_image(3, 40, 30).expect_err("no focal length").to_string();
+        let error = ListedLens::InPixels(PixelLens::of(intrinsics(0.0)))
+            .for_image(3, 40, 30)
+            .expect_err("no focal length")
+            .to_string();
         assert!(error.contains("camera 3: ") && error.contains("not positive"), "{error}");
     }
 }

@@ -1,6 +1,7 @@
 //! Cameras in a table: a header that names `eye_x, eye_y, eye_z`, `view_x..` or `at_x..`, `up_x..`, and optionally `vfov`
 //! or `fx, fy, cx, cy`; a row for each camera.
 
+use super::lens::PixelLens;
 use super::listed::ListedCamera;
 use crate::read::lines::Lines;
 use crate::read::particles::table::fields::{delimiter, fields, has_content};
@@ -73,5 +74,5 @@ fn camera(values: &[Option<f64>; COLUMNS.len()]) -> Result<ListedCamera, &'stati
     }
     let Some(fx) = values[13] else { return Ok(camera) };
     let [fy, cx, cy] = [values[14].unwrap_or(fx), values[15].ok_or("cx")?, values[16].ok_or("cy")?];
-    Ok(ListedCamera { intrinsics: Some(Intrinsics { fx, fy, cx, cy }), ..camera })
+    Ok(ListedCamera { intrinsics: Some(PixelLens::of(Intrinsics { fx, fy, cx, cy })), ..camera })
 }
