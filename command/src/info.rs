@@ -103,7 +103,8 @@ fn text(info: &FileInfo) -> String {
         line("elements", list(counts.iter().map(|(symbol, count)| format!("{symbol} {count}"))) + &column);
     }
     if !info.chains.is_empty() {
-        line("chains", format!("{}: {}", info.chains.len(), list(&info.chains)));
+        let names = info.chains.iter().map(|name| if name.is_empty() { "(blank)" } else { name });
+        line("chains", format!("{}: {}", info.chains.len(), list(names)));
     }
     for (n, (name, column)) in info.columns.iter().filter(|column| !is_elements(info, column)).enumerate() {
         line(if n == 0 { "columns" } else { "" }, format!("{name:12} {}", values(column)));

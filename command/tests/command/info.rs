@@ -179,3 +179,25 @@ fn files_that_cannot_be_read_are_refused() {
     dir.refused(8, "info missing.pdb", &["missing.pdb"]);
     dir.refused(2, "info a.pdb --columns x=1", &["--columns", "the file is pdb"]);
 }
+
+#[test]
+fn a_chain_without_a_name_is_called_blank() {
+    let dir = TestDir::new(&[("a.pdb", &PDB.replace(" A   ", "     "))]);
+    let text = dir.good("info a.pdb").text();
+    assert!(text.lines().any(|line| line.split_whitespace().eq("chains 2: (blank), B".split_whitespace())), "{text}");
+    assert_eq!(dir.good("info a.pdb --json").json()["chains"], json!(["", "B"]));
+}
+
+#[test]
+fn a_file_without_atoms_is_told_so() {
+    let dir = TestDir::new(&[("a.pdb", "HEADER    VIRUS\nTITLE     WITHOUT ATOMS\n"), ("b.pqr", "REMARK\nEND\n")]);
+    for name in ["a.pdb", "b.pqr"] {
+        for options in ["", "--frames 2"] {
+            dir.refused_render(
+                3,
+                &format!("{name} {options} -o a%d.png"),
+                &[name, "no atoms or particles", "coordinates"],
+            );
+        }
+    }
+}

@@ -382,11 +382,13 @@ impl Sequence {
     #[must_use]
     pub fn nothing(&self) -> Error {
         let place = Place::file(self.path.display().to_string());
-        let problem = match self.passed {
-            0 | 1 => "the file has no frame".to_owned(),
-            n => format!("the file has {}, none of them selected", count(n - 1, "frame")),
-        };
-        Error::scene(place, problem, format!("use other {FRAMES}, or another {MODEL}"))
+        match self.passed {
+            0 | 1 => Error::scene(place, "the file has no atoms or particles", "use a file with coordinates"),
+            n => {
+                let problem = format!("the file has {}, none of them selected", count(n - 1, "frame"));
+                Error::scene(place, problem, format!("use other {FRAMES}, or another {MODEL}"))
+            }
+        }
     }
 }
 
