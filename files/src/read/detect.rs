@@ -153,7 +153,9 @@ const RECORDS: [&str; 20] = [
 ];
 
 fn is_pdb(lines: &[&str]) -> bool {
-    let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end());
+    // In free form a blank is enough behind the name of the record.
+    let is_atom = |line: &str| ["ATOM", "HETATM"].contains(&line.split_whitespace().next().unwrap_or_default());
+    let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end()) || is_atom(line);
     let Some(first) = lines.iter().find(|line| !line.trim().is_empty()) else { return false };
     // In GROMOS the word is alone on its line, too, but no atoms of PDB follow.
     record(first) && (first.trim_end() != "TITLE" || atoms(lines).next().is_some())
