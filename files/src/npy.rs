@@ -6,7 +6,7 @@ mod scalar;
 
 use halfline::quote::quote;
 use literal::Literal;
-pub(crate) use scalar::{NumberKind, Scalar};
+pub(crate) use scalar::{NumberKind, Scalar, bits, levels};
 use std::fmt::{self, Display, Formatter};
 use std::io::{self, Read};
 

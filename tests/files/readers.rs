@@ -11,7 +11,7 @@ use halfline::error::Error;
 use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Material, Scene, Sky, SkyColors};
 use halfline::settings::{FileLook, Look as PictureLook};
 use halfline_files::read::SceneFrame;
-use halfline_files::read::{ReadOptions, Sequence};
+use halfline_files::read::{Keep, ReadOptions, Sequence};
 use std::io::{Cursor, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -409,5 +409,185 @@ fn the_planets_of_the_ephemeris_have_their_exact_values() {
     for (one, other) in all.iter().zip(all.iter().skip(1)) {
         let apart = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).any(|n| (a[n] - b[n]).abs() > 1.5e-6);
         assert!(one.radii == other.radii && !one.centers.iter().zip(other.centers.iter()).any(apart));
+    }
+}
+
+/// Levels of 8 bits, as three points have them.
+const LEVELS: [[u8; 3]; 3] = [[200, 0, 7], [0, 255, 1], [3, 9, 250]];
+
+/// A file whose colours are these levels times `scale`: its name, its content, and whether it has a column `red`.
+type ColoredFile = (&'static str, Vec<u8>, bool);
+
+/// The points (n, 0, 0) of radius 2 in every format whose fields have names, with colours as `names` of this type of NumPy.
+fn colored(descr: &str, scale: f64, names: [&str; 3]) -> Vec<ColoredFile> {
+    let number = |level: f64| -> Vec<u8> {
+        match descr {
+            "|u1" => vec![level as u8],
+            "<u2" => (level as u16).to_le_bytes().to_vec(),
+            "<i4" => (level as i32).to_le_bytes().to_vec(),
+            "<f4" => (level as f32).to_le_bytes().to_vec(),
+            _ => level.to_le_bytes().to_vec(),
+        }
+    };
+    let (letter, size) = (&descr[1..2], &descr[2..]);
+    let scaled = |n: usize| LEVELS[n].map(|level| f64::from(level) * scale);
+    let bytes = |n: usize| scaled(n).into_iter().flat_map(number).collect::<Vec<u8>>();
+    let shown = |n: usize| scaled(n).map(|level| level.to_string());
+    let has_red = names[0].eq_ignore_ascii_case("red");
+    let rows = |row: &dyn Fn(usize) -> String| (0..3).map(row).collect::<String>().into_bytes();
+    let records = |row: &dyn Fn(usize) -> Vec<u8>| (0..3).flat_map(row).collect::<Vec<u8>>();
+    let xyz = |n: usize| [n as f32, 0.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let archive = |members: &[(&str, Vec<u8>)]| {
+        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        for (name, content) in members {
+            zip.start_file(format!("{name}.npy"), stored).expect("in memory");
+            zip.write_all(content).expect("in memory");
+        }
+        zip.finish().expect("in memory").into_inner()
+    };
+    let array = |shape: &str, data: &[u8]| npy_of(descr, "False", shape, data);
+    let [r, g, b] = names;
+    let positions = npy_of("<f8", "False", "(3, 3)", &little(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0]));
+    let radii = npy_of("<i2", "False", "(3,)", &[4, 0, 4, 0, 4, 0]);
+    let channel = |k: usize| array("(3,)", &records(&|n| number(scaled(n)[k])));
+    let beside = |n: usize| [xyz(n), bytes(n), 2i16.to_le_bytes().to_vec()].concat();
+    let pcd = format!(
+        "VERSION 0.7\nFIELDS x y z {r} {g} {b} radius\nSIZE 4 4 4 {size} {size} {size} 2\nTYPE F F F {0} {0} {0} I\nWIDTH 3\n",
+        letter.to_uppercase()
+    );
+    let kind = match descr {
+        "|u1" => "uchar",
+        "<u2" => "ushort",
+        "<i4" => "int",
+        "<f4" => "float",
+        _ => "double",
+    };
+    let axes = ["x", "y", "z"].map(|axis| format!("property float {axis}\n")).concat();
+    let colors = names.map(|name| format!("property {kind} {name}\n")).concat();
+    let ply = |format: &str| {
+        format!("ply\nformat {format} 1.0\nelement vertex 3\n{axes}{colors}property short radius\nend_header\n")
+            .into_bytes()
+    };
+    let line = |n: usize| format!("{n} 0 0 {} 2\n", shown(n).join(" "));
+    let fields = |colors: String| {
+        let descr = format!("[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), {colors}, ('radius', '<i2')]");
+        crate::numpy::npy(&format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (3,), }}"), &records(&beside))
+    };
+    let dump =
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\nITEM: ATOMS x y z";
+    let mut files: Vec<ColoredFile> = vec![
+        ("a.npy", fields(names.map(|name| format!("('{name}', '{descr}')")).join(", ")), has_red),
+        ("a.npy", fields(format!("('rgb', '{descr}', (3,))")), false),
+        (
+            "a.npz",
+            archive(&[
+                ("pos", positions.clone()),
+                ("diameters", radii.clone()),
+                (r, channel(0)),
+                (g, channel(1)),
+                (b, channel(2)),
+            ]),
+            has_red,
+        ),
+        (
+            "a.npz",
+            archive(&[
+                ("colors", array("(3, 3)", &records(&bytes))),
+                ("pos", positions.clone()),
+                ("diameter", radii.clone()),
+            ]),
+            false,
+        ),
+        (
+            "a.npz",
+            archive(&[
+                ("colour", array("(3, 4)", &records(&|n| [bytes(n), number(9.0)].concat()))),
+                ("pos", positions),
+                ("diameter", radii),
+            ]),
+            false,
+        ),
+        (
+            "a.pcd",
+            [pcd.clone() + "DATA binary\n"].concat().into_bytes().into_iter().chain(records(&beside)).collect(),
+            has_red,
+        ),
+        ("a.pcd", [(pcd + "DATA ascii\n").into_bytes(), rows(&line)].concat(), has_red),
+        ("a.ply", [ply("ascii"), rows(&line)].concat(), has_red),
+        ("a.ply", [ply("binary_little_endian"), records(&beside)].concat(), has_red),
+    ];
+    // Numbers in text have no type.
+    if letter == "f" || scale > 1.0 || descr == "|u1" {
+        let row = |n: usize| format!("C {n} 0 0 {} 2\n", shown(n).join(" "));
+        for property in ["color:R:3", "rgb:I:3", &names.map(|name| format!("{name}:R:1")).join(":")] {
+            let head = format!("3\nProperties=species:S:1:pos:R:3:{property}:radius:I:1\n");
+            files.push(("a.xyz", [head.into_bytes(), rows(&row)].concat(), has_red && property.contains("red:")));
+        }
+        files.push(("a.dump", [format!("{dump} {r} {g} {b} radius\n").into_bytes(), rows(&line)].concat(), has_red));
+        files.push(("a.csv", [format!("x y z {r} {g} {b} radius\n").into_bytes(), rows(&line)].concat(), has_red));
+    }
+    files
+}
+
+/// docs/reading.md: one rule for the names and the numbers of colours and radii.
+#[test]
+fn colours_and_radii_have_one_rule_in_all_formats() {
+    let sets = [["red", "green", "blue"], ["R", "G", "B"], ["diffuse_red", "Diffuse_Green", "diffuse_blue"]];
+    let options = ReadOptions { keep: Keep::All, ..ReadOptions::default() };
+    let expected = LEVELS.map(halfline::frame::srgb::linear);
+    for names in sets {
+        for (descr, scale) in [("|u1", 1.0), ("<u2", 1.0), ("<u2", 257.0), ("<i4", 257.0), ("<f4", 1.0), ("<f8", 257.0)]
+        {
+            for (n, (name, content, has_red)) in colored(descr, scale, names).into_iter().enumerate() {
+                let what = format!("{n} {name} {descr} {scale} {names:?}");
+                let frame = read_frame(name, &content, &options).unwrap_or_else(|e| panic!("{what}: {e}"));
+                let spheres = &frame.scene.spheres;
+                assert_eq!((spheres.centers[2], spheres.radii[2]), ([2.0, 0.0, 0.0], 2.0), "{what}");
+                let colors = spheres.colors.as_ref().unwrap_or_else(|| panic!("{what}: no colours"));
+                let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-6;
+                assert!(colors.iter().flatten().zip(expected.iter().flatten()).all(near), "{what}: {colors:?}");
+                if has_red {
+                    let selection = format!("red {}", 200.0 * scale).parse().expect("a selection");
+                    let (mask, _) = frame.columns.select(&selection, spheres).expect(&what);
+                    assert_eq!(mask, [true, false, false], "{what}: red is as in the file");
+                }
+            }
+        }
+    }
+}
+
+/// A name that is known and not taken is told; a colour of floats that are linear stays so.
+#[test]
+fn what_is_called_like_a_colour_or_a_radius_and_is_none_is_told() {
+    let numbers = little(&[0.0; 3]);
+    let fields = |more: &str, bytes: &[u8]| {
+        let descr = format!("[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), {more}]");
+        let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (1,), }}");
+        crate::numpy::npy(&header, &[&numbers[..], bytes].concat())
+    };
+    let xyz = "1\nProperties=species:S:1:pos:R:3";
+    for (name, content, told) in [
+        ("a.npy", fields("('red', '|S1'), ('green', '|S1'), ('blue', '|S1')", b"abc"), "red"),
+        ("a.npy", fields("('radius', '<f2')", &[0, 0]), "radius"),
+        ("a.npy", fields("('rgb', '<f8')", &[0; 8]), "rgb"),
+        ("a.npy", fields("('red', '|u1'), ('green', '|u1')", &[1, 2]), "`red`, `green`"),
+        ("a.csv", b"x,y,z,color\n0,0,0,red\n".to_vec(), "color"),
+        ("a.csv", b"x,y,z,rgb\n0,0,0,255\n".to_vec(), "rgb"),
+        ("a.xyz", format!("{xyz}:color:S:1\nC 0 0 0 red\n").into_bytes(), "color"),
+        ("a.xyz", format!("{xyz}:radius:R:3\nC 0 0 0 1 2 3\n").into_bytes(), "radius"),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+              property list uchar uchar rgb\nend_header\n0 0 0 3 1 2 3\n"
+                .to_vec(),
+            "rgb",
+        ),
+    ] {
+        let frame =
+            read_frame(name, &content, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name} {told}: {e}"));
+        let said =
+            frame.skipped.warnings().into_iter().filter(|said| said.contains("not taken") && said.contains(told));
+        assert_eq!(said.count(), 1, "{name} {told}: {:?}", frame.skipped.warnings());
     }
 }

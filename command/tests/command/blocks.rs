@@ -168,6 +168,152 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
     }
 }
 
+/// A file with colours, and whether it is read as a stream.
+type Colored = (String, Vec<u8>);
+
+/// The same points in every format that is read as a stream, with colours of whole numbers `levels` or, times 1/1000, as floats.
+fn colored(name: &str, points: &[[f64; 3]], levels: &[[u16; 3]]) -> Vec<Colored> {
+    let count = points.len();
+    let rows = || points.iter().zip(levels);
+    let mut files: Vec<Colored> = Vec::new();
+    let mut text = |ending: &str, head: &str, row: &dyn Fn(&[f64; 3], [String; 3]) -> String, scale: f64| {
+        let rows = rows().map(|(at, color)| row(at, color.map(|c| (f64::from(c) * scale).to_string())));
+        files.push((
+            format!("{name}{}.{ending}", files.len()),
+            (head.to_owned() + &rows.collect::<String>()).into_bytes(),
+        ));
+    };
+    let box_of = "ITEM: BOX BOUNDS pp pp pp\n-1 1\n-1 1\n-1 1\n";
+    for scale in [1.0, 0.001] {
+        let csv = |[x, y, z]: &[f64; 3], [r, g, b]: [String; 3]| format!("{x},{y},{z},0.1,{r},{g},{b}\n");
+        text("csv", "x,y,z,radius,red,green,blue\n", &csv, scale);
+        let xyz = |[x, y, z]: &[f64; 3], [r, g, b]: [String; 3]| format!("C {x} {y} {z} {r} {g} {b} 0.1\n");
+        for kind in ["R", "I"].iter().take(if scale < 1.0 { 1 } else { 2 }) {
+            let head = format!("{count}\nProperties=species:S:1:pos:R:3:color:{kind}:3:radius:R:1\n");
+            text("xyz", &head, &xyz, scale);
+        }
+        let dump = |[x, y, z]: &[f64; 3], [r, g, b]: [String; 3]| format!("{x} {y} {z} {r} {g} {b} 0.2\n");
+        let head =
+            format!("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{count}\n{box_of}ITEM: ATOMS x y z r g b diameter\n");
+        text("dump", &head, &dump, scale);
+        let ply = |[x, y, z]: &[f64; 3], [r, g, b]: [String; 3]| format!("{x} {y} {z} {r} {g} {b} 0.1\n");
+        for (kind, names) in
+            [("float", ["red", "green", "blue"]), ("ushort", ["diffuse_red", "diffuse_green", "diffuse_blue"])]
+        {
+            let colors = names.map(|name| format!("property {kind} {name}\n")).concat();
+            let head = format!(
+                "ply\nformat ascii 1.0\nelement vertex {count}\nproperty double x\nproperty double y\nproperty double z\n\
+                 {colors}property float radius\nend_header\n"
+            );
+            if kind == "float" || scale == 1.0 {
+                text("ply", &head, &ply, scale);
+            }
+        }
+    }
+    let mut las = vec![0; 227];
+    let mut put = |at: usize, new: &[u8]| las[at..at + new.len()].copy_from_slice(new);
+    put(0, b"LASF");
+    put(24, &[1, 2]);
+    [(94, 227u16), (105, 26)].iter().for_each(|(at, number)| put(*at, &number.to_le_bytes()));
+    [(96, 227), (104, 2), (107, count as u32)].iter().for_each(|(at, number): &(usize, u32)| match at {
+        104 => put(*at, &[*number as u8]),
+        _ => put(*at, &number.to_le_bytes()),
+    });
+    (0..3).for_each(|k| put(131 + 8 * k, &1e-6f64.to_le_bytes()));
+    let (mut ply, mut record) = (Vec::new(), Vec::new());
+    for (at, color) in rows() {
+        las.extend(at.iter().flat_map(|x| ((x * 1e6) as i32).to_le_bytes()));
+        las.extend([0; 8]);
+        las.extend(color.iter().flat_map(|c| c.to_le_bytes()));
+        ply.extend(at.iter().flat_map(|x| x.to_le_bytes()));
+        // 8 bits are those of 16.
+        let [r, g, b] = color.map(|c| if c > 255 { (c / 257) as u8 } else { c as u8 });
+        ply.extend(u32::from_be_bytes([0, r, g, b]).to_le_bytes());
+        record.extend(at.iter().flat_map(|x| x.to_le_bytes()));
+        record.extend(color.iter().flat_map(|c| c.to_le_bytes()));
+        record.extend(0.1f64.to_le_bytes());
+    }
+    files.push((format!("{name}.las"), las));
+    let head = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty double x\nproperty double y\nproperty double z\n\
+         property uint rgb\nend_header\n"
+    );
+    files.push((format!("{name}-packed.ply"), [head.into_bytes(), ply].concat()));
+    let fields = "[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('red', '<u2'), ('green', '<u2'), ('blue', '<u2'), ('radius', '<f8')]";
+    let head = format!("{{'descr': {fields}, 'fortran_order': False, 'shape': ({count},), }}\n");
+    let array = [&b"\x93NUMPY\x01\x00"[..], &(head.len() as u16).to_le_bytes(), head.as_bytes(), &record].concat();
+    files.push((format!("{name}.npy"), array));
+    files
+}
+
+/// Colours of every type and of all kinds of levels, in blocks of seven: what the numbers are follows from the whole file, however it is
+/// read, and whatever is selected.
+#[test]
+fn colours_of_every_format_are_those_of_the_whole_file() {
+    let mut rng = Rng::new(77);
+    let points: Vec<[f64; 3]> = (0..40).map(|_| rng.cube()).collect();
+    let mut levels = |most: u16| -> Vec<[u16; 3]> {
+        (0..40).map(|_| [0; 3].map(|_: u16| (rng.unit() * f64::from(most)) as u16)).collect()
+    };
+    let (low, high) = (levels(256), levels(65535));
+    let late = |late: &[[u16; 3]], before: &dyn Fn(usize) -> [u16; 3]| -> Vec<[u16; 3]> {
+        (0..40).map(|n| if n < 30 { before(n) } else { late[n] }).collect()
+    };
+    let dir = TestDir::new(&[]).in_parts(37_450);
+    let cases = [
+        ("low", low.clone()),
+        ("high", high.clone()),
+        ("none", vec![[0; 3]; 40]),
+        ("dark", late(&low, &|_| [0; 3])),
+        ("late", late(&high, &|n| low[n])),
+        ("black", late(&high, &|_| [0; 3])),
+        ("bits", late(&low, &|n| low[n].map(|c| c % 2))),
+    ];
+    let camera = "--eye 3,2,4 --at 0,0,0 --vfov 40 --size 12x9 --look plain";
+    let picture = |name: &str| dir.files().remove(name).unwrap_or_else(|| panic!("{name}"));
+    let mut compared = 0;
+    for (case, levels) in cases {
+        for (name, content) in colored(case, &points, &levels) {
+            dir.put(&name, content);
+            let radius = if name.ends_with(".las") || name.contains("packed") { "--radius 0.1" } else { "" };
+            for selected in
+                ["", "--select index~0:19"].iter().take(if ["dark", "late"].contains(&case) { 2 } else { 1 })
+            {
+                let options = format!("{camera} {radius} {selected}");
+                let said = render(&dir, &format!("{name} {options} -o memory.png")).err;
+                let memory = picture("memory.png");
+                let streamed = render(&dir, &format!("{name} {options} --stream -o stream.png")).err;
+                assert!(memory == picture("stream.png"), "{name} {selected}: the stream differs");
+                if ["low", "none", "late"].contains(&case) && selected.is_empty() {
+                    dir.good(&format!(
+                        "sift {name} --first-id 0 {radius} {} -o part.npz",
+                        camera.replace("--look plain", "")
+                    ));
+                    dir.render("--visible part.npz -o parts.png");
+                    assert!(memory == picture("parts.png"), "{name}: the part differs");
+                }
+                let told = |said: &str| {
+                    said.lines().filter(|line| line.contains("colour")).map(str::to_owned).collect::<Vec<_>>()
+                };
+                assert_eq!(told(&said), told(&streamed), "{name}");
+                compared += 1;
+                if case == "none" {
+                    assert!(
+                        told(&said).iter().any(|line| line.contains("all 0") || line.contains("are 0")),
+                        "{name}: {said}"
+                    );
+                    // The scenes differ, and the pixels do not.
+                    render(&dir, &format!("{name} {options} -o grey.png --color 0.8,0.8,0.8"));
+                    let is_black = told(&said).iter().any(|line| line.contains("black; "));
+                    assert_eq!(dir.run("compare grey.png memory.png").code, i32::from(is_black), "{name}");
+                }
+            }
+            dir.remove(&name);
+        }
+    }
+    assert!(compared >= 9 * 13, "{compared}");
+}
+
 /// Files are written in bands of rows.
 #[test]
 fn files_do_not_depend_on_the_size_of_bands() {

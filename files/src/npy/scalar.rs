@@ -69,6 +69,12 @@ impl Scalar {
         self.size
     }
 
+    /// The three levels of a packed colour, 0xRRGGBB, of these 4 bytes.
+    pub(crate) fn levels(self, bytes: &[u8]) -> [f64; 3] {
+        let bytes = bytes.first_chunk().copied().unwrap_or_default();
+        levels(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
     /// Whether it is an integer type.
     pub(crate) fn is_whole(self) -> bool {
         self.kind != NumberKind::Float
@@ -90,6 +96,17 @@ impl Scalar {
             NumberKind::Float => f64::from_bits(whole),
         }
     }
+}
+
+/// The three levels of a packed colour, 0xRRGGBB.
+pub(crate) fn levels(bits: u32) -> [f64; 3] {
+    let [_, red, green, blue] = bits.to_be_bytes();
+    [red, green, blue].map(f64::from)
+}
+
+/// The bits of a packed colour that is written as a number of this type.
+pub(crate) fn bits(number: f64, of: Scalar) -> u32 {
+    if of.is_whole() { number as i64 as u32 } else { (number as f32).to_bits() }
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! Colours in sRGB and in text.
 
-use crate::npy::{NumberKind, Scalar};
 use color_name::css::COLORS_DATA;
 use halfline::error::{Error, Result};
 use halfline::frame::srgb::{decoded, linear};
@@ -8,27 +7,18 @@ use halfline::quote::quote;
 use std::sync::LazyLock;
 use strsim::damerau_levenshtein;
 
-/// A level of sRGB in linear light.
-pub(crate) fn light(level: u8) -> f64 {
-    // A table, not a power for every point.
-    static LIGHT: LazyLock<Vec<f64>> =
-        LazyLock::new(|| (0..=255).map(|level| f64::from(linear([level; 3])[0])).collect());
-    LIGHT[usize::from(level)]
-}
-
-/// A component of a colour in linear light: bytes are sRGB, other numbers are linear already.
-pub(crate) fn light_of(number: f64, of: Scalar) -> f64 {
-    let is_byte = of.size() == 1 && matches!(of.kind, NumberKind::Unsigned | NumberKind::Bool);
-    if is_byte { light(number as u8) } else { number }
-}
-
 /// The largest level of colours that are whole numbers up to `most`: of 8 bits where these hold them all, else of 16.
 pub(crate) fn top_level(most: f32) -> f32 {
     if most <= 255.0 { 255.0 } else { 65535.0 }
 }
 
-/// A level of sRGB between 0 and `top` in linear light.
+/// A level of sRGB between 0 and `top` in linear light (IEC 61966-2-1).
 pub(crate) fn light_of_level(level: f32, top: f32) -> f32 {
+    // A table, not a power for every point.
+    static LIGHT: LazyLock<Vec<f32>> = LazyLock::new(|| (0..=255).map(|level| linear([level; 3])[0]).collect());
+    if top == 255.0 && level.fract() == 0.0 {
+        return LIGHT[usize::from(level as u8)];
+    }
     decoded(f64::from(level) / f64::from(top)) as f32
 }
 

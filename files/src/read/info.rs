@@ -5,6 +5,7 @@ use super::elements::element;
 use super::frame_range::FrameRange;
 use super::open::open;
 use super::options::ReadOptions;
+use super::particles::colors::ColorScale;
 use super::particles::frame::Particles;
 use super::particles::survey::{ColumnCounts, Counts, Survey};
 use super::sequence::{SceneFrame, Sequence};
@@ -187,7 +188,7 @@ impl FileInfo {
             cell: counts.cell.as_ref().map(CellInfo::of),
             extent: (counts.particles > 0).then_some(Extent { min: low, max: high }),
             radii: RadiiInfo::of(&counts),
-            colored: counts.colored > 0,
+            colored: counts.colored > 0 && counts.colors.scale() != ColorScale::Empty,
             camera: false,
             warnings,
             columns: counts.columns.into_iter().map(|(name, column)| (name, ColumnInfo::of(column))).collect(),

@@ -4,6 +4,7 @@
 pub(super) mod assembly;
 pub(super) mod atom_property;
 pub(super) mod bytes;
+pub(super) mod colors;
 pub(super) mod column_names;
 pub(super) mod data;
 pub(super) mod dump;
@@ -16,6 +17,7 @@ pub(super) mod las;
 pub(super) mod layout;
 pub(super) mod left_out;
 pub(super) mod masses;
+pub(super) mod meaning;
 pub(super) mod mixed;
 pub(super) mod mmcif;
 pub(super) mod molecule;

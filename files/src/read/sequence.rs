@@ -15,7 +15,7 @@ use super::select::{self, Note};
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::sphere_lights::SphereLights;
-use super::style::no_selections;
+use super::style::{Coloring, no_selections};
 use super::{native, nff};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -257,6 +257,12 @@ impl Sequence {
         self.options.watch.check()?;
         periodic::apply(self.options.periodic, &mut particles)?;
         particles.add_lengths(&self.options.named_columns())?;
+        if self.options.style.coloring == Coloring::File {
+            // What is selected does not tell what the numbers of the file are.
+            let colors = particles.color_survey();
+            particles.lighten(&colors);
+            particles.skipped.assumed.extend(colors.said());
+        }
         let notes = select::apply(&self.options.selections(), &mut particles)?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         if !particles.placed.is_empty() {

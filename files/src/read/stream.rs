@@ -4,6 +4,7 @@ use super::format::Format;
 use super::native::{self, NamedSpheres};
 use super::open::open as open_particles;
 use super::options::ReadOptions;
+use super::particles::colors::ColorSurvey;
 use super::particles::frame::{ParticleFrames, Particles};
 use super::particles::periodic::Periodic;
 use super::particles::survey::{Part, Survey};
@@ -11,7 +12,7 @@ use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, joined_elements, levels_of, no_selections};
+use super::style::{Coloring, Style, joined_elements, no_selections};
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -41,8 +42,8 @@ pub struct SphereBlocks {
     reader: Option<JoinHandle<Result<Option<Particles>>>>,
     options: ReadOptions,
     file: Place,
-    /// The largest level of the colours so far; none inside where they are linear.
-    levels: Option<Option<f32>>,
+    /// What the colours of the file have in common; of a file that is read once, those so far.
+    colors: Option<ColorSurvey>,
     /// Particles so far.
     count: u64,
     skipped: Skipped,
@@ -56,6 +57,8 @@ pub struct SphereBlocks {
     /// The legend without rules of the style, and the number of particles that each rule colours.
     legend: Option<Legend>,
     painted: Vec<u64>,
+    /// Whether the spheres have the colours of the file, if it has some.
+    is_colored: bool,
     /// Whether the blocks are read for the range of their colours, and the range so far.
     surveys: bool,
     range: Option<[f64; 2]>,
@@ -80,7 +83,7 @@ impl SphereBlocks {
             let problem = format!("{STREAM}: the range of colours is that of all particles");
             return Err(Error::settings(problem, format!("add {RANGE} LOW,HIGH")));
         }
-        Self::begin(path, options, false)
+        Self::begin(path, options, false, options.style.coloring == Coloring::File)
     }
 
     /// As [`Self::open`], for what depends on all spheres: the range of colours need not be given, and [`Self::range`] has it
@@ -90,10 +93,10 @@ impl SphereBlocks {
     /// As [`Self::open`].
     pub fn survey(path: &Path, options: &ReadOptions) -> Result<Self> {
         check(options)?;
-        Self::begin(path, options, needs_range(options))
+        Self::begin(path, options, needs_range(options), false)
     }
 
-    fn begin(path: &Path, options: &ReadOptions, surveys: bool) -> Result<Self> {
+    fn begin(path: &Path, options: &ReadOptions, surveys: bool, is_colored: bool) -> Result<Self> {
         let source = SceneSource::open(path, options.known_format(), &options.watch)?;
         if !ROWS.contains(&source.format) && source.format != Format::Native {
             let problem = format!("{} files are not read as a stream", source.format.name());
@@ -103,35 +106,18 @@ impl SphereBlocks {
             return Err(Error::settings(problem, mend));
         }
         let format = source.format;
-        let (sender, parts) = sync_channel(AHEAD);
-        let survey = Survey::passing(sender, blocks::at_most(BLOCK));
-        let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if format == Format::Native {
-            if !(options.select.is_empty() && options.hide.is_empty()) {
-                return Err(no_selections());
-            }
-            let scene = InBlocks::open(source, options)?;
-            (Some(scene.is_colored), Box::new(move || scene.pass(&survey)))
-        } else {
-            let passing = ReadOptions { survey: Some(survey), ..options.clone() };
-            let Ok(frames) = open_particles(source, &passing)? else {
-                return Err(Error::settings("scenes are not read as a stream", format!("remove {STREAM}")));
-            };
-            let number = options.frames.numbers().next().unwrap_or(1);
-            // The thread must hold the only sender, so that the receiver sees the end.
-            (None, Box::new(move || frame(frames, number)))
-        };
-        let reader = thread::Builder::new().name("halfline blocks".into()).spawn(read);
-        let reader = reader.map_err(|e| Error::Limits {
-            problem: format!("no thread could be started to read the file: {e}"),
-            mend: format!("allow the process more threads, or remove {STREAM}"),
-        })?;
+        // A pipe is read once.
+        let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
+        let reads_twice = is_colored && format != Format::Native && is_file && path != Path::new("-");
+        let colors = if reads_twice { colors_of(path, options)? } else { None };
+        let (scene, parts, reader) = start(source, options)?;
         let file = Place::file(path.display().to_string());
         Ok(Self {
             parts,
             reader: Some(reader),
             options: options.clone(),
             file,
-            levels: None,
+            colors,
             count: 0,
             skipped: Skipped::default(),
             said: BTreeSet::new(),
@@ -140,6 +126,7 @@ impl SphereBlocks {
             mark_notes: options.marks.iter().map(|_| Notes::default()).collect(),
             legend: None,
             painted: vec![0; options.style.paints.len()],
+            is_colored,
             surveys,
             range: None,
             format,
@@ -253,6 +240,7 @@ impl SphereBlocks {
         // The reader speaks of the whole file, the style of a part.
         self.skipped.append(std::mem::take(&mut part.skipped));
         part.add_lengths(&self.options.named_columns())?;
+        self.lighten(&mut part)?;
         let size = part.positions.len();
         part.before = self.count;
         self.count += size as u64;
@@ -264,13 +252,6 @@ impl SphereBlocks {
         if self.options.style.default_radius.is_none() && self.options.style.spacing_of(&part).is_some() {
             let problem = "the file has no radii, and half the mean spacing needs all particles";
             return Err(Error::settings(problem, format!("add {RADIUS}, or remove {STREAM}")));
-        }
-        if self.options.style.coloring == Coloring::File && !part.colors.is_empty() {
-            let levels = levels_of(&part.colors);
-            if *self.levels.get_or_insert(levels) != levels {
-                let problem = "the colours of one part are levels of 8 or of 16 bits, and those of another are not";
-                return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
-            }
         }
         let masks = std::mem::take(&mut part.marks);
         let painted = self.options.style.painted(&part);
@@ -292,6 +273,27 @@ impl SphereBlocks {
         };
         self.mark(masks, &spheres);
         Ok(spheres.checked())
+    }
+
+    /// Makes the colours of a part linear light, as those of the file in memory.
+    fn lighten(&mut self, part: &mut Particles) -> Result<()> {
+        if !self.is_colored || part.colors.is_empty() {
+            part.colors.clear();
+            return Ok(());
+        }
+        let before = self.colors.map(|colors| colors.scale());
+        let colors = self.colors.get_or_insert_default();
+        colors.see(part.color_type, &part.colors);
+        if before.is_some_and(|before| before != colors.scale()) {
+            let problem =
+                "the colours of one part are levels of 8 or of 16 bits or all 0, and those of another are not";
+            return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
+        }
+        part.lighten(colors);
+        if let Some(said) = colors.said().filter(|said| !self.skipped.assumed.contains(said)) {
+            self.skipped.assumed.push(said);
+        }
+        Ok(())
     }
 
     /// Takes what the marks of a block are.
@@ -359,6 +361,55 @@ impl InBlocks {
         }
         Ok(Some(rest))
     }
+}
+
+/// The parts of a file while they are read, and the thread that reads them; whether the spheres of a scene have colours.
+type Started = (Option<bool>, Receiver<Part>, JoinHandle<Result<Option<Particles>>>);
+
+/// Starts to read a file in parts.
+fn start(source: SceneSource, options: &ReadOptions) -> Result<Started> {
+    let (sender, parts) = sync_channel(AHEAD);
+    let survey = Survey::passing(sender, blocks::at_most(BLOCK));
+    let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if source.format == Format::Native {
+        if !(options.select.is_empty() && options.hide.is_empty()) {
+            return Err(no_selections());
+        }
+        let scene = InBlocks::open(source, options)?;
+        (Some(scene.is_colored), Box::new(move || scene.pass(&survey)))
+    } else {
+        let passing = ReadOptions { survey: Some(survey), ..options.clone() };
+        let Ok(frames) = open_particles(source, &passing)? else {
+            return Err(Error::settings("scenes are not read as a stream", format!("remove {STREAM}")));
+        };
+        let number = options.frames.numbers().next().unwrap_or(1);
+        // The thread must hold the only sender, so that the receiver sees the end.
+        (None, Box::new(move || frame(frames, number)))
+    };
+    let reader = thread::Builder::new().name("halfline blocks".into()).spawn(read);
+    let reader = reader.map_err(|e| Error::Limits {
+        problem: format!("no thread could be started to read the file: {e}"),
+        mend: format!("allow the process more threads, or remove {STREAM}"),
+    })?;
+    Ok((scene, parts, reader))
+}
+
+/// What the colours of a file have in common, by reading it as far as it takes to know; `None` where it has none. What is wrong
+/// with a row is said when its block is used.
+fn colors_of(path: &Path, options: &ReadOptions) -> Result<Option<ColorSurvey>> {
+    let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+    let (_, parts, reader) = start(source, &ReadOptions { style: Style::default(), ..options.clone() })?;
+    let mut colors = ColorSurvey::default();
+    for part in &parts {
+        options.watch.check()?;
+        colors.see(part.color_type, &part.colors);
+        if part.colors.is_empty() || colors.is_decided() {
+            return Ok((!part.colors.is_empty()).then_some(colors));
+        }
+    }
+    if let Ok(Ok(Some(rest))) = reader.join() {
+        colors.see(rest.color_type, &rest.colors);
+    }
+    Ok(Some(colors))
 }
 
 /// Reads one frame, whose parts are passed on; returns the rest of it.

@@ -20,7 +20,7 @@ use halfline::quote::setting::{COLOR_BY, RADIUS};
 use halfline::quote::{number, quote};
 use halfline::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
 
-use super::color::{light_of_level, of_hex, top_level};
+use super::color::of_hex;
 use super::elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
@@ -320,17 +320,7 @@ impl Style {
         };
         let colors = match &self.coloring {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
-            Coloring::File if !particles.colors.is_empty() => {
-                let mut colors = std::mem::take(&mut particles.colors);
-                if let Some(top) = levels_of(&colors) {
-                    let bits = if top > 255.0 { 16 } else { 8 };
-                    skipped.assumed.push(format!(
-                        "the colours are whole numbers up to {top}, so they are read as {bits}-bit sRGB, not as linear RGB"
-                    ));
-                    colors.par_iter_mut().for_each(|color| *color = color.map(|level| light_of_level(level, top)));
-                }
-                Some(colors)
-            }
+            Coloring::File if !particles.colors.is_empty() => Some(std::mem::take(&mut particles.colors)),
             Coloring::File => {
                 let legend = || categories::elements(&particles.elements, &particles.paint);
                 return Ok(elements().map_or((None, None), |colors| (Some(colors), Some(legend()))));
@@ -359,13 +349,6 @@ pub(super) fn no_selections() -> Error {
     Error::settings("this scene has no columns to select by", mend)
 }
 
-/// The largest level, 255 or 65535, of colours that are whole numbers, some above 1; `None` where they are linear RGB.
-pub(super) fn levels_of(colors: &[[f32; 3]]) -> Option<f32> {
-    let is_level = |x: &f32| x.fract() == 0.0 && (0.0..=65535.0).contains(x);
-    let most = colors.par_iter().flatten().copied().reduce(|| 0.0, f32::max);
-    (most > 1.0 && colors.par_iter().flatten().all(is_level)).then(|| top_level(most))
-}
-
 /// The mean distance between neighbours if the particles filled their box evenly; 1 for one particle.
 fn spacing(positions: &[[f64; 3]]) -> f64 {
     let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
@@ -388,7 +371,6 @@ pub(super) fn spacing_of([low, high]: [[f64; 3]; 2], count: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use halfline::frame::srgb::linear;
 
     fn particles(n: usize) -> Particles {
         Particles { positions: (0..n).map(|k| [k as f64, 0.0, 0.0]).collect(), ..Particles::default() }
@@ -416,23 +398,5 @@ mod tests {
         assert_eq!(radii(&style, &p), (vec![3.0, 1.2, UNKNOWN_RADIUS, 3.0, 3.0], 1));
         p.radii = vec![3.0; 5];
         assert_eq!(radii(&Style { radius: Some(0.5), ..covalent }, &p), (vec![1.0; 5], 0));
-    }
-
-    #[test]
-    fn colours_of_files_may_be_levels_of_8_bits() {
-        let colored = |colors: &[[f32; 3]]| {
-            let mut p = particles(colors.len());
-            p.colors = colors.to_vec();
-            let mut skipped = Skipped::default();
-            let (found, _) = Style::default().colors(&mut p, &mut skipped).expect("colours");
-            (found.expect("colours"), skipped.assumed.len())
-        };
-        assert_eq!(colored(&[[255.0, 0.0, 128.0]]), (vec![linear([255, 0, 128])], 1));
-        let (deep, said) = colored(&[[65535.0, 0.0, 32896.0]]);
-        let eight = linear([255, 0, 128]);
-        assert!(said == 1 && deep[0].iter().zip(eight).all(|(a, b)| (a - b).abs() < 1e-6), "{deep:?}");
-        for linear in [[[1.0, 0.0, 1.0]], [[0.5, 2.0, 0.0]], [[256.5, 0.0, 0.0]], [[65536.0, 0.0, 0.0]]] {
-            assert_eq!(colored(&linear), (linear.to_vec(), 0), "linear, beyond 1 too");
-        }
     }
 }

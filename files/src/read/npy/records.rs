@@ -2,15 +2,15 @@
 
 use super::{MEND, Npy};
 use crate::npy::{DType, Field, Header, Scalar};
-use crate::read::color::light_of;
 use crate::read::input::Input;
 use crate::read::particles::frame::{ParticleFrames, Particles};
 use crate::read::particles::layout::Layout;
+use crate::read::particles::meaning::{FieldKind, NamedField, meanings};
 use crate::read::particles::request::Request;
 use crate::read::particles::role::Role;
-use crate::read::particles::vectors::component;
 use crate::read::source::SceneSource;
 use halfline::error::Result;
+use halfline::quote::list;
 use halfline::scene::Spheres;
 use std::io::ErrorKind;
 
@@ -52,34 +52,43 @@ impl Npy<Input> {
             [n] => n,
             ref other => return Err(self.fail("shape", format!("found records in {other:?}, expected (n,)"))),
         };
-        let (mut layout, mut places, mut size) = (Layout::new(request), Vec::new(), 0usize);
+        let (mut places, mut size) = (Vec::new(), 0usize);
         for field in fields {
             let bytes = field.dtype.bytes().filter(|bytes| *bytes <= MOST - size);
             let Some(bytes) = bytes else {
                 return Err(self.fail("dtype", format!("records have more than {MOST} bytes or hold objects")));
             };
-            for (place, scalar, name, role) in columns(field) {
-                layout.add(&name, role).map_err(|problem| self.fail("dtype", problem))?;
-                places.push((size + place, scalar, role));
-            }
+            places.push(size);
             size += bytes;
         }
+        let meanings = meanings(&fields.iter().map(named).collect::<Vec<_>>());
+        let packed = meanings.packed;
+        // The place and the type of the first number of a field, and how many columns it has.
+        let read = |k: usize| {
+            let scalar = scalar(&fields[k].dtype).filter(|_| !meanings.fields[k].is_empty())?;
+            Some((places[k], scalar, if packed == Some(k) { 0 } else { meanings.fields[k].len() }))
+        };
+        let read: Vec<(usize, Scalar, usize)> = (0..fields.len()).filter_map(read).collect();
+        let mut layout = Layout::new(request);
+        layout.add_fields(meanings).map_err(|problem| self.fail("dtype", problem))?;
         if (0..3).any(|axis| !layout.contains(Role::Position(axis))) {
-            return Err(self.fail("dtype", "the fields x, y and z are missing"));
+            return Err(self.fail("dtype", format!("no fields of numbers x, y and z among {}", shown(fields))));
         }
         let mut particles = layout.begin();
-        let (mut block, mut numbers, mut row) = (Vec::new(), vec![0.0; places.len()], 0);
+        let (mut block, mut numbers, mut row) = (Vec::new(), Vec::new(), 0);
         while row < rows {
-            let read = self.block(rows - row, size, &mut block).map_err(|error| self.cut(error, row, rows))?;
-            if read == 0 {
+            let found = self.block(rows - row, size, &mut block).map_err(|error| self.cut(error, row, rows))?;
+            if found == 0 {
                 return Err(self.cut(ErrorKind::UnexpectedEof.into(), row, rows));
             }
             for record in block.chunks_exact(size) {
-                for (number, (place, scalar, role)) in numbers.iter_mut().zip(&places) {
-                    *number = scalar.number(&record[*place..]);
-                    if matches!(role, Role::Color(_)) {
-                        *number = light_of(*number, *scalar);
+                numbers.clear();
+                for (place, scalar, columns) in &read {
+                    if *columns == 0 {
+                        numbers.extend(scalar.levels(&record[*place..]));
                     }
+                    let each = |k: usize| scalar.number(&record[place + k * scalar.size()..]);
+                    numbers.extend((0..*columns).map(each));
                 }
                 layout.numbers(&numbers, &mut particles).map_err(|error| self.in_row(row, error))?;
                 row += 1;
@@ -90,27 +99,30 @@ impl Npy<Input> {
     }
 }
 
-/// The numbers in a field: offset, type, name and role of each; empty if the field is not numeric.
-fn columns(field: &Field) -> Vec<(usize, Scalar, String, Role)> {
-    let name = field.name.to_lowercase();
-    match &field.dtype {
-        DType::Array(3, inner) => {
-            let Some(scalar) = inner.scalar() else { return Vec::new() };
-            let column = |k: usize| {
-                let (called, role) = match name.as_str() {
-                    "pos" | "position" | "xyz" => (["x", "y", "z"][k].to_owned(), Role::Position(k)),
-                    "color" | "rgb" => (["r", "g", "b"][k].to_owned(), Role::Color(k)),
-                    _ => (component(&name, k), Role::Other),
-                };
-                (k * scalar.size(), scalar, called, role)
-            };
-            (0..3).map(column).collect()
-        }
-        dtype => {
-            let role = Role::of_field(&name);
-            dtype.scalar().map(|scalar| (0, scalar, name, role)).into_iter().collect()
-        }
+/// The most numbers of a field that are columns.
+const MOST_COLUMNS: u64 = 16;
+
+/// The type of the numbers of a field.
+fn scalar(dtype: &DType) -> Option<Scalar> {
+    match dtype {
+        DType::Array(_, inner) => inner.scalar(),
+        dtype => dtype.scalar(),
     }
+}
+
+/// The name of a field and what it has.
+fn named(field: &Field) -> NamedField<'_> {
+    let count = if let DType::Array(count, _) = field.dtype { count } else { 1 };
+    let kind = match scalar(&field.dtype).filter(|_| count <= MOST_COLUMNS) {
+        Some(scalar) => FieldKind::Binary(scalar),
+        None => FieldKind::Other(field.dtype.to_string()),
+    };
+    NamedField { name: &field.name, count: count as usize, kind }
+}
+
+/// The fields of a record in words.
+fn shown(fields: &[Field]) -> String {
+    list(fields.iter().map(|field| format!("{} ({})", field.name, field.dtype)))
 }
 
 #[cfg(test)]
@@ -164,7 +176,7 @@ mod tests {
         let cut = read(descr, "(2,)", &data[..60]).map(drop).expect_err("cut short").to_string();
         assert!(cut.contains("after 1 of 2 rows"), "{cut}");
         for (descr, told) in [
-            ("[('x', '<f8')]", "the fields x, y and z are missing"),
+            ("[('x', '<f8')]", "no fields of numbers x, y and z among x"),
             ("[('x', '<f8', (99999999,)), ('y', '<f8'), ('z', '<f8')]", "more than 65536 bytes"),
             ("[('x', '|O'), ('y', '<f8'), ('z', '<f8')]", "hold objects"),
         ] {

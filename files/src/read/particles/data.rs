@@ -33,6 +33,17 @@ struct LammpsData<'a> {
     request: &'a Request,
 }
 
+/// The meaning of a column of a style.
+fn role(name: &str) -> Role {
+    match name {
+        "x" => Role::Position(0),
+        "y" => Role::Position(1),
+        "z" => Role::Position(2),
+        "diameter" => Role::Diameter,
+        _ => Role::Other,
+    }
+}
+
 /// The columns of the Atoms section by style. `x y z` are coordinates, `diameter` is a diameter.
 const STYLES: [(&str, &str); 23] = [
     ("angle", "id mol type x y z"),
@@ -227,7 +238,7 @@ impl LammpsData<'_> {
         let mut layout = Layout::whole(self.request);
         for name in columns.split(' ') {
             let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
-            layout.add(name, Role::of_field(name)).map_err(twice)?;
+            layout.add(name, role(name)).map_err(twice)?;
         }
         let mut particles = layout.begin();
         if !told {

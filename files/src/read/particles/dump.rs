@@ -1,9 +1,11 @@
 //! LAMMPS dump: a sequence of `ITEM:` sections, of which the atoms end a frame. Columns, scaled coordinates and the
 //! bounding box of a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
 
+use super::colors::ColorType;
 use super::frame::{ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::layout::Layout;
+use super::meaning::{FieldKind, Meanings, NamedField, meanings};
 use super::request::Request;
 use super::role::Role;
 use super::rows::{rows, surplus};
@@ -131,15 +133,20 @@ impl Dump {
         let Some((axes, scaled)) = AXES.into_iter().find(|(axes, _)| axes.iter().all(|axis| has(axis))) else {
             return fail("no three columns are coordinates".into(), "dump x y z, xu yu zu, xs ys zs or xsu ysu zsu");
         };
-        let role = |name: &str| match name {
-            "radius" => Role::Radius,
-            "diameter" => Role::Diameter,
-            "element" => Role::Symbol,
+        let fields: Vec<NamedField<'_>> =
+            names().map(|word| NamedField { name: word.text, count: 1, kind: FieldKind::Text }).collect();
+        let Meanings { fields, said, .. } = meanings(&fields);
+        let role = |name: &str, role: Role| match (name, role) {
+            ("element", _) => Role::Symbol,
             // The label of a type may look like a number.
-            "typelabel" => Role::Text,
-            name => axes.iter().position(|axis| *axis == name).map_or(Role::Other, Role::Position),
+            ("typelabel", _) => Role::Text,
+            (name, Role::Position(_) | Role::Other) => {
+                axes.iter().position(|axis| *axis == name).map_or(Role::Other, Role::Position)
+            }
+            (_, role) => role,
         };
-        let mut columns: Vec<_> = names().map(|word| (word.text.to_owned(), role(word.text))).collect();
+        let mut columns: Vec<_> =
+            fields.concat().into_iter().map(|(name, found)| (name.clone(), role(&name, found))).collect();
         let place = self.lines.place(at).named("ITEM: ATOMS");
         if count > 0 {
             self.need("atom")?;
@@ -150,6 +157,7 @@ impl Dump {
             }
         }
         let mut layout = Layout::new(&self.request);
+        layout.note(ColorType::Real, said);
         for (name, role) in &columns {
             let twice = |problem: String| Error::scene(place.clone(), problem, "use each column name once");
             layout.add(name, *role).map_err(twice)?;

@@ -1,5 +1,6 @@
 //! The particles of a frame, as a file lists them, and the trait of their readers.
 
+use super::colors::ColorType;
 use super::frame_time::FrameTime;
 use super::infer;
 use super::infer::species::Species;
@@ -10,15 +11,13 @@ use super::names::Names;
 use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use super::vectors;
-use crate::read::color::{light_of_level, top_level};
 use crate::read::format::Format;
 use crate::read::select::Note;
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::memory::{check, entries, extend_to};
-use halfline::quote::setting::{COLOR, STREAM};
+use halfline::quote::setting::STREAM;
 use halfline::scene::{Cell, keep};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// One frame of particles, as the file has them.
@@ -30,10 +29,10 @@ pub(crate) struct Particles {
     pub(crate) radii: Vec<f64>,
     /// Atomic numbers, 0 for an unknown element; empty where the format has no elements.
     pub(crate) elements: Vec<u8>,
-    /// Linear RGB; empty if the file has no colours.
+    /// Colours, as the numbers of the file until they are made linear RGB; empty if the file has none.
     pub(crate) colors: Vec<[f32; 3]>,
-    /// Of colours that the file has as levels, until they are made linear.
-    pub(in crate::read) levels: Option<Levels>,
+    /// What these numbers are.
+    pub(in crate::read) color_type: ColorType,
     /// The columns of [`ReadOptions::columns`](crate::read::ReadOptions::columns) that the file has, with a number for
     /// every particle. Names of columns in files are converted to lower case.
     pub(crate) columns: Vec<Column>,
@@ -77,13 +76,6 @@ pub(crate) struct Particles {
     pub(in crate::read) survey: Option<Survey>,
     /// The number of particles for which all lists have capacity.
     pub(in crate::read) room: usize,
-}
-
-/// Colours as levels of sRGB in fields of 16 bits, into which many programs write 8 bits.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(in crate::read) struct Levels {
-    /// The largest level, 255 or 65535, once a colour that is not black tells it.
-    top: Option<f32>,
 }
 
 impl Column {
@@ -236,6 +228,8 @@ impl Particles {
         counts.add_unknown(self.unknown);
         counts.cell = self.cell;
         counts.warnings.extend(self.skipped.warnings());
+        let said = counts.colors.said();
+        counts.warnings.extend(said);
         counts
     }
 
@@ -255,7 +249,7 @@ impl Particles {
         counts.add(&Counted {
             positions: &self.positions,
             radii: &self.radii,
-            colors: self.colors.len(),
+            colors: (self.color_type, &self.colors),
             elements: &self.elements,
             columns: columns
                 .map(|column| (&column.name[..], &column.values[..], self.is_text(&column.name)))
@@ -290,6 +284,7 @@ impl Particles {
             radii: std::mem::take(&mut self.radii),
             elements: std::mem::take(&mut self.elements),
             colors: std::mem::take(&mut self.colors),
+            color_type: self.color_type,
             columns: columns.map(|column| (column.name.clone(), std::mem::take(&mut column.values))).collect(),
             labels,
             has: self.has.clone(),
@@ -299,41 +294,15 @@ impl Particles {
 
     /// The particles of a part.
     pub(in crate::read) fn of_part(part: Part) -> Self {
-        let Part { positions, radii, elements, colors, columns, labels, has, checked } = part;
+        let Part { positions, radii, elements, colors, color_type, columns, labels, has, checked } = part;
         let columns = columns.into_iter().map(|(name, values)| Column { name, values }).collect();
-        Self { positions, radii, elements, colors, columns, labels, has, checked, ..Self::default() }
+        Self { positions, radii, elements, colors, color_type, columns, labels, has, checked, ..Self::default() }
     }
 
     /// Whether a column has names.
     pub(super) fn is_text(&self, name: &str) -> bool {
         let reading = self.texts.iter().any(|(column, _)| self.columns[*column].name == name);
         reading || self.labels.contains_key(name)
-    }
-
-    /// Converts colours that are levels to linear RGB. A file that is read in blocks calls it for each of them.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for levels of 16 bits behind a block that had those of 8.
-    pub(super) fn lighten(&mut self) -> Result<()> {
-        let Some(levels) = &mut self.levels else { return Ok(()) };
-        let most = self.colors.par_iter().map(|color| color.iter().fold(0.0f32, |most, c| most.max(*c)));
-        let most = most.reduce(|| 0.0, f32::max);
-        if most == 0.0 {
-            return Ok(());
-        }
-        let is_first = levels.top.is_none();
-        let top = *levels.top.get_or_insert(top_level(most));
-        if most > top {
-            let problem =
-                "colours above 255 follow points whose colours were read as 8-bit sRGB, for none was above 255";
-            return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
-        }
-        if is_first && top < 65535.0 {
-            let said = "no colour is above 255, so colours are read as 8-bit sRGB, not as 16-bit";
-            self.skipped.assumed.push(said.into());
-        }
-        self.colors.par_iter_mut().for_each(|color| *color = color.map(|level| light_of_level(level, top)));
-        Ok(())
     }
 
     /// The index of particle `n` in the file.
@@ -370,10 +339,7 @@ impl Particles {
         {
             match survey.is_counting() {
                 true => self.count(&mut survey.counts()),
-                false => {
-                    self.lighten()?;
-                    survey.pass(self.split_off()?)?;
-                }
+                false => survey.pass(self.split_off()?)?,
             }
             return Ok(());
         }

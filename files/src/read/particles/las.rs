@@ -5,7 +5,8 @@ mod format;
 mod laz;
 
 use super::bytes::BinaryFile;
-use super::frame::{Levels, Particles};
+use super::colors::ColorType;
+use super::frame::Particles;
 use super::layout::Layout;
 use super::request::Request;
 use super::role::Role;
@@ -55,7 +56,6 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
     let mut header = LasHeader::read(&mut file)?;
     let layout = columns(header.format, &file, request)?;
     let mut particles = layout.begin();
-    particles.levels = Some(Levels::default());
     let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
     if let Some(scheme) = header.scheme.take() {
         let mut laz = Laz::new(file, scheme, header.format, header.record)?;
@@ -67,7 +67,6 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
                 laz.found();
             }
         }
-        particles.lighten()?;
         return Ok(particles);
     }
     while read < header.points {
@@ -81,13 +80,13 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
         read += count;
         file.found();
     }
-    particles.lighten()?;
     Ok(particles)
 }
 
 /// The columns, in the order of [`LasHeader::numbers`].
 fn columns(format: PointFormat, file: &BinaryFile, request: &Request) -> Result<Layout> {
     let mut layout = Layout::new(request);
+    layout.note(ColorType::Whole, Vec::new());
     let mut add = |name: &str, role| {
         let wrong = |problem: String| file.fail(104, "point format", problem, DAMAGED);
         layout.add(name, role).map_err(wrong)
@@ -242,7 +241,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request::of(columns))
+        super::read(SceneSource::of_bytes(bytes), &Request::of(columns)).map(Particles::lit)
     }
 
     #[test]

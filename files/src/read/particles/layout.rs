@@ -1,13 +1,16 @@
 //! Columns by name: positions, radii, colours, elements, and requested columns. All formats with named columns share
 //! it.
 
+use super::colors::ColorType;
 use super::frame::{Column, Particles};
+use super::meaning::Meanings;
 use super::names::Names;
 use super::request::Request;
 use super::role::Role;
 use super::survey::Survey;
 use crate::read::elements::element;
 use crate::read::lines::{Lines, Word};
+use crate::read::skipped::Skipped;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
 use halfline::scene::check_color;
@@ -31,6 +34,10 @@ pub(crate) struct Layout {
     named: usize,
     /// Whether rows with invalid coordinates or radii are left out instead of being errors.
     skip_invalid: bool,
+    /// The numbers that colours are.
+    color_type: ColorType,
+    /// What to say of columns that are not taken.
+    said: Vec<String>,
 }
 
 #[derive(Debug)]
@@ -73,6 +80,27 @@ impl Layout {
     /// No columns yet, for a reader that keeps every row until the end of the file.
     pub(crate) fn whole(request: &Request) -> Self {
         Self { wanted: request.columns.clone(), ..Self::default() }
+    }
+
+    /// Adds the columns of fields.
+    pub(crate) fn add_fields(&mut self, meanings: Meanings) -> Result<(), String> {
+        for columns in meanings.fields {
+            for (name, role) in &columns {
+                self.add(name, *role)?;
+            }
+            if let [(first, Role::Other), ..] = &columns[..] {
+                self.vector(first.trim_end_matches("_x"), columns.len());
+            }
+        }
+        self.color_type = meanings.color_type;
+        self.said.extend(meanings.said);
+        Ok(())
+    }
+
+    /// Sets the numbers that colours are, and what to say of columns that are not taken.
+    pub(crate) fn note(&mut self, color_type: ColorType, said: Vec<String>) {
+        self.color_type = color_type;
+        self.said.extend(said);
     }
 
     /// Adds a column. A column that occurs twice is an error, because it is ambiguous.
@@ -151,14 +179,15 @@ impl Layout {
 
     /// An empty list of particles with a list for every requested column; for a survey they are counted and dropped.
     pub(crate) fn begin(&self) -> Particles {
-        Particles { has: self.has.clone(), survey: self.survey.clone(), ..self.begin_part() }
+        let skipped = Skipped { assumed: self.said.clone(), ..Skipped::default() };
+        Particles { has: self.has.clone(), survey: self.survey.clone(), skipped, ..self.begin_part() }
     }
 
     /// The same for a part of the file, without the names of the other columns.
     pub(crate) fn begin_part(&self) -> Particles {
         let columns = self.requested.iter().map(|name| Column { name: name.clone(), values: Vec::new() }).collect();
         let texts = self.texts.iter().map(|column| (*column, Names::default())).collect();
-        Particles { columns, texts, ..Particles::default() }
+        Particles { columns, texts, color_type: self.color_type, ..Particles::default() }
     }
 
     /// Adds a particle from the words of a line, or counts the line as left out; words after the last column are ignored.

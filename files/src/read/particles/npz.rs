@@ -5,9 +5,12 @@ mod archive;
 
 use super::frame::{Column, ParticleFrames, Particles};
 use super::layout::is_wanted;
+use super::meaning::{FieldKind, Meanings, NamedField, is_known, meanings};
 use super::request::Request;
-use crate::npy::{DType, Header};
+use super::role::Role;
+use crate::npy::{DType, Header, Scalar, bits, levels};
 use crate::read::npy::Npy;
+use crate::read::skipped::Skipped;
 use crate::read::source::SceneSource;
 use archive::{Archive, MEND};
 use halfline::error::{Error, Place, Result};
@@ -26,13 +29,19 @@ pub(in crate::read) struct Npz {
 /// The arrays read so far, in any order.
 #[derive(Default)]
 struct Arrays {
-    positions: Option<Vec<f64>>,
-    axes: [Option<Vec<f64>>; 3],
-    radii: Option<Vec<f64>>,
-    colors: Option<Vec<f64>>,
+    /// Those that are called like positions, colours or radii.
+    known: Vec<KnownArray>,
     columns: Vec<Column>,
     /// Names and lengths of one-dimensional numeric arrays.
     one: Vec<(String, u64)>,
+}
+
+/// An array with the name of a position, a colour or a radius.
+struct KnownArray {
+    name: String,
+    width: usize,
+    /// Its numbers and their type; else what it is instead, in words.
+    numbers: Result<(Vec<f64>, Scalar), String>,
 }
 
 /// The most arrays, and the most bytes in the name of an array.
@@ -71,75 +80,103 @@ impl Arrays {
         {
             self.one.push((name.clone(), shape[0]));
         }
-        let slot = match (name.as_str(), &shape[..]) {
-            ("positions" | "position" | "pos" | "coords" | "coordinates" | "points" | "xyz", [_, 3]) => {
-                &mut self.positions
-            }
-            ("x" | "y" | "z", [_]) => &mut self.axes[usize::from(name.as_bytes()[0] - b'x')],
-            ("radii" | "radius", [_]) => &mut self.radii,
-            ("colors" | "color" | "rgb", [_, 3]) => &mut self.colors,
-            (_, [_] | [_, 2..=3]) if is_wanted(wanted, &name) => {
-                let numbers = npy.numbers(header)?;
-                // For vectors their length.
-                let width = shape.get(1).map_or(1, |width| *width as usize);
-                check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
-                let length = |vector: &[f64]| vector.iter().fold(0.0f64, |length, x| length.hypot(*x));
-                let values = if width == 1 { numbers } else { numbers.chunks_exact(width).map(length).collect() };
-                self.columns.push(Column { name, values });
-                return Ok(());
-            }
-            _ => return Ok(()),
+        let (is_wanted, is_known) = (is_wanted(wanted, &name), is_known(&name));
+        let width = match shape[..] {
+            [_] => 1,
+            [_, width @ 1..=4] if is_known => width as usize,
+            [_, width @ 2..=3] => width as usize,
+            _ => 0,
         };
-        let numbers = npy.numbers(header)?;
-        let requested = shape.len() == 1 && is_wanted(wanted, &name);
-        if requested {
-            check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
-            self.columns.push(Column { name, values: numbers.clone() });
+        if is_known && (width == 0 || header.dtype.scalar().is_none()) && self.known.len() < MOST {
+            let found = format!("{} of shape {shape:?}", header.dtype);
+            self.known.push(KnownArray { name, width: 1, numbers: Err(found) });
+            return Ok(());
         }
-        *slot = Some(numbers);
+        if width == 0 || !(is_wanted || is_known) {
+            return Ok(());
+        }
+        let numbers = npy.numbers(header)?;
+        let column = || check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)));
+        if is_known {
+            if let Some(scalar) = header.dtype.scalar() {
+                if width == 1 && is_wanted {
+                    column()?;
+                    self.columns.push(Column { name: name.clone(), values: numbers.clone() });
+                }
+                self.known.push(KnownArray { name, width, numbers: Ok((numbers, scalar)) });
+            }
+            return Ok(());
+        }
+        // For vectors their length.
+        column()?;
+        let length = |vector: &[f64]| vector.iter().fold(0.0f64, |length, x| length.hypot(*x));
+        let values = if width == 1 { numbers } else { numbers.chunks_exact(width).map(length).collect() };
+        self.columns.push(Column { name, values });
         Ok(())
+    }
+
+    /// What the known arrays are.
+    fn meanings(&self) -> Meanings {
+        let named = |array: &KnownArray| match &array.numbers {
+            Ok((_, scalar)) => (array.width, FieldKind::Binary(*scalar)),
+            Err(found) => (1, FieldKind::Other(found.clone())),
+        };
+        let fields = self.known.iter().map(|array| {
+            let (count, kind) = named(array);
+            NamedField { name: &array.name, count, kind }
+        });
+        meanings(&fields.collect::<Vec<_>>())
+    }
+
+    /// The numbers of a role's column.
+    fn numbers(&self, meanings: &Meanings, role: Role) -> Option<Vec<f64>> {
+        let column = |k: usize| meanings.fields[k].iter().position(|(_, known)| *known == role);
+        let (k, column) = (0..self.known.len()).find_map(|k| Some((k, column(k)?)))?;
+        let (numbers, scalar) = self.known[k].numbers.as_ref().ok()?;
+        if meanings.packed == Some(k) {
+            return Some(numbers.iter().map(|number| levels(bits(*number, *scalar))[column]).collect());
+        }
+        Some(numbers.iter().skip(column).step_by(self.known[k].width).copied().collect())
     }
 
     fn particles(self, file: &Place) -> Result<Particles> {
         let fail = |field: &str, problem: String| Err(Error::scene(file.clone().named(field), problem, MEND));
-        let found = [&self.positions, &self.colors, &self.axes[0], &self.axes[1], &self.axes[2]];
-        let numbers: usize = found.into_iter().flatten().map(Vec::len).sum();
-        check(8 * numbers as u64, || "the particles besides the file's arrays".into())?;
-        let threes =
-            |numbers: &[f64]| -> Vec<[f64; 3]> { numbers.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect() };
-        let positions = match (self.positions, self.axes) {
-            (Some(positions), _) => threes(&positions),
-            (None, [Some(x), Some(y), Some(z)]) => {
-                if x.len() != y.len() || x.len() != z.len() {
-                    return fail(
-                        "x, y, z",
-                        format!("x, y and z have {}, {} and {} numbers", x.len(), y.len(), z.len()),
-                    );
-                }
-                x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect()
-            }
-            _ => {
-                let names = list(self.one.iter().map(|(name, _)| name));
-                let found = if names.is_empty() { "none" } else { &names };
-                return fail("positions", format!("no array (n, 3) has that name; found {found}"));
-            }
+        let numbers: usize =
+            self.known.iter().filter_map(|array| array.numbers.as_ref().ok()).map(|(all, _)| all.len()).sum();
+        check(16 * numbers as u64, || "the particles besides the file's arrays".into())?;
+        let meanings = self.meanings();
+        let of = |role: Role| self.numbers(&meanings, role);
+        let three = |role: fn(usize) -> Role| Some([of(role(0))?, of(role(1))?, of(role(2))?]);
+        let Some([x, y, z]) = three(Role::Position) else {
+            let names = list(self.one.iter().map(|(name, _)| name));
+            let found = if names.is_empty() { "none" } else { &names };
+            return fail("positions", format!("no array (n, 3) has that name; found {found}"));
         };
+        if x.len() != y.len() || x.len() != z.len() {
+            return fail("x, y, z", format!("x, y and z have {}, {} and {} numbers", x.len(), y.len(), z.len()));
+        }
+        let positions: Vec<[f64; 3]> = x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect();
         let n = positions.len();
-        let radii = self.radii.unwrap_or_default();
+        let halved = || Some(of(Role::Diameter)?.into_iter().map(|diameter| diameter / 2.0).collect());
+        let radii = of(Role::Radius).or_else(halved).unwrap_or_default();
         if !radii.is_empty() && radii.len() != n {
             return fail("radii", format!("found {} radii for {n} positions", radii.len()));
         }
-        let colors: Vec<[f32; 3]> =
-            threes(&self.colors.unwrap_or_default()).into_iter().map(|color| color.map(|c| c as f32)).collect();
-        if !colors.is_empty() && colors.len() != n {
-            return fail("colors", format!("found {} colours for {n} positions", colors.len()));
+        let [red, green, blue] = three(Role::Color).unwrap_or_default();
+        let lengths = [&red, &green, &blue].map(Vec::len);
+        if let Some(length) = lengths.into_iter().find(|length| *length != lengths[0] || *length > 0 && *length != n) {
+            return fail("colors", format!("found {length} colours for {n} positions"));
         }
+        let colors = red.into_iter().zip(green).zip(blue).map(|((r, g), b)| [r, g, b].map(|c| c as f32));
+        let colors: Vec<[f32; 3]> = colors.collect();
         for (row, color) in colors.iter().enumerate() {
             check_color(*color, || file.clone().named(format!("colors row {row}")))?;
         }
         let columns = self.columns.into_iter().filter(|column| column.values.len() == n).collect();
         let has = self.one.into_iter().filter(|(_, rows)| *rows == n as u64).map(|(name, _)| name).collect();
-        Ok(Particles { positions, radii, colors, columns, has, ..Particles::default() })
+        let Meanings { color_type, said, .. } = meanings;
+        let skipped = Skipped { assumed: said, ..Skipped::default() };
+        Ok(Particles { positions, radii, colors, color_type, columns, has, skipped, ..Particles::default() })
     }
 }
 

@@ -10,8 +10,7 @@ use super::frame::Particles;
 use super::request::Request;
 use super::role::Role;
 use super::rows::surplus;
-use crate::npy::Scalar;
-use crate::read::color::light;
+use crate::npy::{Scalar, bits, levels};
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
@@ -82,9 +81,7 @@ impl Points<'_> {
                     match field.kind {
                         PcdKind::Padding => {}
                         PcdKind::Color => {
-                            let number = word.number("rgb")?;
-                            let bits = if field.scalar.is_whole() { number as u32 } else { (number as f32).to_bits() };
-                            self.color(bits);
+                            self.numbers.extend(levels(bits(word.number("rgb")?, field.scalar)));
                         }
                         PcdKind::Numbers => self.numbers.push(word.number("point")?),
                     }
@@ -169,17 +166,11 @@ impl Points<'_> {
     fn field(&mut self, kind: PcdKind, scalar: Scalar, bytes: &[u8]) {
         match kind {
             PcdKind::Padding => {}
-            PcdKind::Color => self.color(bytes.first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes))),
+            PcdKind::Color => self.numbers.extend(scalar.levels(bytes)),
             PcdKind::Numbers => {
                 self.numbers.extend(bytes.chunks_exact(scalar.size()).map(|bytes| scalar.number(bytes)));
             }
         }
-    }
-
-    /// Adds the three components of a packed colour, in linear light.
-    fn color(&mut self, bits: u32) {
-        let [_, red, green, blue] = bits.to_be_bytes();
-        self.numbers.extend([red, green, blue].map(light));
     }
 
     /// Adds the point of the current numbers, if it has coordinates.
@@ -243,7 +234,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], strict: bool) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t", "n"]) })
+        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t", "n"]) }).map(Particles::lit)
     }
 
     #[test]

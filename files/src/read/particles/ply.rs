@@ -7,6 +7,7 @@ mod text;
 
 use super::frame::Particles;
 use super::layout::Layout;
+use super::meaning::{NamedField, meanings};
 use super::request::Request;
 use super::role::Role;
 use crate::read::input::Input;
@@ -16,7 +17,7 @@ use binary::Binary;
 use halfline::error::{Error, Result};
 use halfline::memory::check_ids;
 use halfline::quote::unquoted;
-use header::{PlyElement, PlyEncoding, header};
+use header::{PlyElement, PlyEncoding, Property, header};
 use std::io::BufReader;
 use text::{rest_of_text, text};
 
@@ -32,7 +33,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
         let mend = "use a file with points";
         return Err(lines.fail(0, "header", "the element vertex is missing", mend));
     };
-    let layout = columns(&elements[place], &lines, request)?;
+    let (layout, packed) = columns(&elements[place], &lines, request)?;
     let mut particles = layout.begin();
     for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
         let kind = match other.name.as_str() {
@@ -52,7 +53,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             for element in before {
                 lines.pass(element.count)?;
             }
-            text(&mut lines, vertices, &layout, &mut particles)?;
+            text(&mut lines, vertices, &layout, packed, &mut particles)?;
             particles.tell_left_out();
             rest_of_text(&mut lines, vertices, behind, &mut particles)?;
         }
@@ -61,32 +62,25 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             for element in before {
                 binary.pass(element)?;
             }
-            binary.vertices(vertices, &layout, &mut particles)?;
+            binary.vertices(vertices, &layout, packed, &mut particles)?;
             binary.rest(vertices, behind, &mut particles)?;
         }
     }
     Ok(particles)
 }
 
-/// The columns of a vertex: its properties that are not lists.
-fn columns(vertex: &PlyElement, lines: &Lines<Input>, request: &Request) -> Result<Layout> {
+/// The columns of a vertex: its properties that are not lists. One of these may be a packed colour, which has three columns.
+fn columns(vertex: &PlyElement, lines: &Lines<Input>, request: &Request) -> Result<(Layout, Option<usize>)> {
     let wrong = |problem: String| {
         let mend = "give the vertices the properties x, y and z, each once";
         Error::scene(lines.file().named("vertex"), problem, mend)
     };
-    let mut layout = Layout::new(request);
-    let colored = ["red", "green", "blue"].iter().all(|name| vertex.properties.iter().any(|p| p.name == *name));
-    for property in vertex.properties.iter().filter(|property| property.length.is_none()) {
-        let role = match property.name.as_str() {
-            "red" if colored => Role::Color(0),
-            "green" if colored => Role::Color(1),
-            "blue" if colored => Role::Color(2),
-            name => Role::of_field(name),
-        };
-        layout.add(&property.name, role).map_err(wrong)?;
-    }
+    let fields: Vec<NamedField<'_>> = vertex.properties.iter().map(Property::field).collect();
+    let meanings = meanings(&fields);
+    let (mut layout, packed) = (Layout::new(request), meanings.packed);
+    layout.add_fields(meanings).map_err(wrong)?;
     match (0..3).find(|k| !layout.contains(Role::Position(*k))) {
-        None => Ok(layout),
+        None => Ok((layout, packed)),
         Some(k) => Err(wrong(format!("a vertex has no {}", ["x", "y", "z"][k]))),
     }
 }
@@ -123,7 +117,7 @@ mod tests {
     }
 
     fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t"]) })
+        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t"]) }).map(Particles::lit)
     }
 
     #[test]

@@ -7,7 +7,7 @@ pub(crate) enum Role {
     Position(usize),
     Radius,
     Diameter,
-    /// A component of linear RGB.
+    /// A component of a colour.
     Color(usize),
     /// The symbol of an element.
     Symbol,
@@ -17,18 +17,4 @@ pub(crate) enum Role {
     Text,
     /// A number that is read only if it is requested.
     Other,
-}
-
-impl Role {
-    /// The meaning of a field that is called by its plain name, `x`, `y`, `z`, `radius` or `diameter`, in lower case.
-    pub(crate) fn of_field(name: &str) -> Self {
-        match name {
-            "x" => Self::Position(0),
-            "y" => Self::Position(1),
-            "z" => Self::Position(2),
-            "radius" => Self::Radius,
-            "diameter" => Self::Diameter,
-            _ => Self::Other,
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! A file read part by part, so that the memory does not grow with it: the particles of a part are counted and dropped,
 //! or passed on.
 
+use super::colors::{ColorSurvey, ColorType};
 use super::infer::{Inference, code_of_unknown};
 use halfline::error::{Error, Result};
 use halfline::scene::{Cell, Spheres};
@@ -43,6 +44,7 @@ pub(in crate::read) struct Part {
     pub(in crate::read) radii: Vec<f64>,
     pub(in crate::read) elements: Vec<u8>,
     pub(in crate::read) colors: Vec<[f32; 3]>,
+    pub(in crate::read) color_type: ColorType,
     /// Names and values.
     pub(in crate::read) columns: Vec<(String, Vec<f64>)>,
     /// The names of columns of names, numbered for this part.
@@ -62,6 +64,8 @@ pub(in crate::read) struct Counts {
     pub(in crate::read) radii: [f64; 2],
     pub(in crate::read) sized: u64,
     pub(in crate::read) colored: u64,
+    /// What the colours have in common.
+    pub(in crate::read) colors: ColorSurvey,
     /// Particles by atomic number, 0 for an unknown element; all 0 where the format has no elements.
     pub(in crate::read) elements: [u64; 256],
     pub(in crate::read) columns: BTreeMap<String, ColumnCounts>,
@@ -99,6 +103,7 @@ impl Default for Counts {
             radii: [f64::INFINITY, f64::NEG_INFINITY],
             sized: 0,
             colored: 0,
+            colors: ColorSurvey::default(),
             elements: [0; 256],
             columns: BTreeMap::new(),
             unknown: BTreeMap::new(),
@@ -112,7 +117,7 @@ impl Default for Counts {
 pub(super) struct Counted<'a> {
     pub(super) positions: &'a [[f64; 3]],
     pub(super) radii: &'a [f64],
-    pub(super) colors: usize,
+    pub(super) colors: (ColorType, &'a [[f32; 3]]),
     pub(super) elements: &'a [u8],
     /// Name and values of every column, and whether it has names.
     pub(super) columns: Vec<(&'a str, &'a [f64], bool)>,
@@ -183,7 +188,7 @@ impl Survey {
         self.counts().add(&Counted {
             positions: &spheres.centers,
             radii: if sized { &spheres.radii } else { &[] },
-            colors: spheres.colors.as_ref().map_or(0, |colors| colors.len()),
+            colors: (ColorType::Real, spheres.colors.as_deref().unwrap_or_default()),
             elements: &[],
             columns: Vec::new(),
         });
@@ -209,7 +214,11 @@ impl Counts {
             self.radii = [self.radii[0].min(*radius), self.radii[1].max(*radius)];
             self.sized += 1;
         }
-        self.colored += part.colors as u64;
+        let (kind, colors) = part.colors;
+        self.colored += colors.len() as u64;
+        if !colors.is_empty() {
+            self.colors.see(kind, colors);
+        }
         part.elements.iter().for_each(|number| self.elements[usize::from(*number)] += 1);
         for (name, values, text) in &part.columns {
             if !self.columns.contains_key(*name) {

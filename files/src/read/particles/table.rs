@@ -29,8 +29,8 @@ pub(crate) struct Table<R> {
     delimiter: u8,
     /// Whether the current line is a row that has not been parsed yet.
     ahead: bool,
-    /// The columns that are assumed where there is no header.
-    assumed: Option<String>,
+    /// What is assumed of the columns.
+    assumed: Vec<String>,
 }
 
 impl<R: BufRead> Table<R> {
@@ -45,7 +45,7 @@ impl<R: BufRead> Table<R> {
             let role = role(word.text).ok_or_else(|| fail(format!("unknown column {}", quote(word.text))))?;
             layout.add(word.text, role).map_err(fail)?;
         }
-        Ok(Self { lines, layout, delimiter: b',', ahead: false, assumed: None })
+        Ok(Self { lines, layout, delimiter: b',', ahead: false, assumed: Vec::new() })
     }
 
     /// A table with any delimiter, other columns, and a header that may be a comment or missing.

@@ -5,6 +5,7 @@
 use super::frame::{ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::layout::Layout;
+use super::meaning::{FieldKind, NamedField, meanings};
 use super::request::Request;
 use super::role::Role;
 use super::rows::{rows, surplus};
@@ -96,21 +97,28 @@ impl Xyz {
             self.lines.fail(at, "Properties", problem, "write name:type:columns triples such as species:S:1:pos:R:3")
         };
         let mut parts = properties.split(':');
-        let mut layout = Layout::new(&self.request);
+        let mut declared = Vec::new();
         while let Some(name) = parts.next() {
             let (Some(kind @ ("S" | "R" | "I" | "L")), Some(count)) = (parts.next(), parts.next()) else {
                 return Err(wrong(format!("{} needs a type S, R, I or L and a number of columns", quote(name))));
             };
             let count = count.parse().map_err(|_| wrong(format!("{} is not a number of columns", quote(count))))?;
-            let name = name.to_lowercase();
-            for k in 0..count {
-                let (column, role) = column(&name, kind, k, count);
-                layout.add(&column, role).map_err(wrong)?;
+            if count > MOST {
+                return Err(wrong(format!("more than {MOST} columns")));
             }
-            if matches!(kind, "R" | "I") {
-                layout.vector(&name, count);
-            }
+            let written = match kind {
+                "R" | "I" => FieldKind::Text,
+                _ => FieldKind::Other("text".into()),
+            };
+            declared.push((NamedField { name, count, kind: written }, kind));
         }
+        let (fields, kinds): (Vec<NamedField<'_>>, Vec<&str>) = declared.into_iter().unzip();
+        let mut meanings = meanings(&fields);
+        for ((field, kind), columns) in fields.iter().zip(kinds).zip(&mut meanings.fields) {
+            atoms(field, kind, columns);
+        }
+        let mut layout = Layout::new(&self.request);
+        layout.add_fields(meanings).map_err(wrong)?;
         if !layout.contains(Role::Position(2)) {
             return Err(wrong("the property pos with three columns is missing".into()));
         }
@@ -133,19 +141,20 @@ impl Xyz {
     }
 }
 
-/// The name and the meaning of the `k`th of `count` columns of a property.
-fn column(name: &str, kind: &str, k: usize, count: usize) -> (String, Role) {
-    match (name, kind, count) {
-        ("species" | "element" | "symbol", "S", 1) => (name.to_owned(), Role::Symbol),
-        ("z" | "numbers" | "atomic_numbers", "I", 1) => (name.to_owned(), Role::Number),
-        ("pos" | "positions", _, 3) => (["x", "y", "z"][k].to_owned(), Role::Position(k)),
-        ("color" | "colour" | "colors" | "rgb", "R", 3) => (["r", "g", "b"][k].to_owned(), Role::Color(k)),
-        ("radius" | "radii", _, 1) => (name.to_owned(), Role::Radius),
-        _ => {
-            let named = if count == 1 { name.to_owned() } else { component(name, k) };
-            (named, if matches!(kind, "R" | "I") { Role::Other } else { Role::Text })
-        }
-    }
+/// The most columns of a property.
+const MOST: usize = 4096;
+
+/// Corrects the columns of a property that names elements or has text.
+fn atoms(field: &NamedField<'_>, kind: &str, columns: &mut Vec<(String, Role)>) {
+    let name = field.name.to_lowercase();
+    let role = match (&name[..], kind, field.count) {
+        ("species" | "element" | "symbol", "S", 1) => Role::Symbol,
+        ("z" | "numbers" | "atomic_numbers", "I", 1) => Role::Number,
+        (_, "S" | "L", _) => Role::Text,
+        _ => return,
+    };
+    let named = |k: usize| if field.count == 1 { name.clone() } else { component(&name, k) };
+    *columns = (0..field.count).map(|k| (named(k), role)).collect();
 }
 
 /// The `key=value` pairs of a comment, with values optionally in quotes or brackets, each with the byte at which its

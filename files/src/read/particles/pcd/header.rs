@@ -4,9 +4,9 @@ use crate::npy::Scalar;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::particles::layout::Layout;
+use crate::read::particles::meaning::{FieldKind, NamedField, meanings};
 use crate::read::particles::request::Request;
 use crate::read::particles::role::Role;
-use crate::read::particles::vectors::component;
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check_ids;
 use halfline::quote::quote;
@@ -131,7 +131,6 @@ fn fields(lists: &[(Vec<String>, Place); 4], file: &Place, request: &Request) ->
         }
     }
     for (k, name) in names.iter().enumerate() {
-        let wrong = |problem: String| Error::scene(place.clone(), problem, MEND);
         let scalar = Scalar::of_numpy(&format!("<{}{}", types[k].to_ascii_lowercase(), sizes[k])).ok_or_else(|| {
             let problem = format!("the type {} of size {}", quote(&types[k]), quote(&sizes[k]));
             Error::scene(place.clone().named(format!("TYPE of {name}")), problem, "the types are I, U and F")
@@ -141,29 +140,18 @@ fn fields(lists: &[(Vec<String>, Place); 4], file: &Place, request: &Request) ->
             let mend = "use a number up to 4096";
             Error::scene(place.clone().named(format!("COUNT of {name}")), format!("{}", quote(&counts[k])), mend)
         })?;
-        let packed = ["rgb", "rgba"].contains(&name.as_str()) && scalar.size() == 4 && count == 1;
-        let kind = match name.as_str() {
-            "_" => PcdKind::Padding,
-            _ if packed && !layout.contains(Role::Color(0)) => PcdKind::Color,
-            _ => PcdKind::Numbers,
-        };
-        match kind {
-            PcdKind::Padding => {}
-            PcdKind::Color => {
-                for (axis, color) in ["red", "green", "blue"].into_iter().enumerate() {
-                    layout.add(color, Role::Color(axis)).map_err(wrong)?;
-                }
-            }
-            PcdKind::Numbers => {
-                for part in 0..count {
-                    let column = if count == 1 { name.clone() } else { component(name, part) };
-                    layout.add(&column, Role::of_field(&column)).map_err(wrong)?;
-                }
-                layout.vector(&name.to_lowercase(), count);
-            }
-        }
+        let kind = if name == "_" { PcdKind::Padding } else { PcdKind::Numbers };
         fields.push(PcdField { scalar, count, kind });
     }
+    let named = |(k, field): (usize, &PcdField)| match field.kind {
+        PcdKind::Padding => NamedField { name: "_", count: 0, kind: FieldKind::Other("padding".into()) },
+        _ => NamedField { name: &names[k], count: field.count, kind: FieldKind::Binary(field.scalar) },
+    };
+    let meanings = meanings(&fields.iter().enumerate().map(named).collect::<Vec<_>>());
+    if let Some(packed) = meanings.packed {
+        fields[packed].kind = PcdKind::Color;
+    }
+    layout.add_fields(meanings).map_err(|problem| Error::scene(place.clone(), problem, MEND))?;
     match (0..3).find(|axis| !layout.contains(Role::Position(*axis))) {
         None => Ok((fields, layout)),
         Some(axis) => {

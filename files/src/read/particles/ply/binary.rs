@@ -19,14 +19,19 @@ pub(super) struct Binary {
 }
 
 impl Binary {
+    /// Fills `bytes`; `false` at the end of the file.
+    fn bytes(&mut self, bytes: &mut [u8]) -> Result<bool> {
+        match self.reader.read_exact(bytes) {
+            Ok(()) => Ok(true),
+            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
+            Err(e) => Err(Error::read(&self.path, e)),
+        }
+    }
+
     /// A number; `None` at the end of the file.
     fn number(&mut self, scalar: Scalar) -> Result<Option<f64>> {
         let mut bytes = [0; 8];
-        match self.reader.read_exact(&mut bytes[..scalar.size()]) {
-            Ok(()) => Ok(Some(scalar.number(&bytes))),
-            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
-            Err(e) => Err(Error::read(&self.path, e)),
-        }
+        Ok(self.bytes(&mut bytes[..scalar.size()])?.then(|| scalar.number(&bytes)))
     }
 
     /// Skips bytes; returns the number skipped.
@@ -104,22 +109,28 @@ impl Binary {
         Ok(())
     }
 
-    pub(super) fn vertices(&mut self, element: &PlyElement, layout: &Layout, particles: &mut Particles) -> Result<()> {
+    pub(super) fn vertices(
+        &mut self,
+        element: &PlyElement,
+        layout: &Layout,
+        packed: Option<usize>,
+        particles: &mut Particles,
+    ) -> Result<()> {
         let file = Place::file(self.path.display().to_string());
         let mut numbers = Vec::new();
         for read in 0..element.count {
             numbers.clear();
-            for property in &element.properties {
+            for (k, property) in element.properties.iter().enumerate() {
+                let mut bytes = [0; 8];
                 let there = match property.length {
                     Some(_) => self.skip_property(property)?,
-                    None => match self.number(property.scalar)? {
-                        Some(number) => {
-                            numbers.push(property.light(layout, numbers.len(), number));
-                            true
-                        }
-                        None => false,
-                    },
+                    None => self.bytes(&mut bytes[..property.scalar.size()])?,
                 };
+                match property.length {
+                    Some(_) => {}
+                    None if packed == Some(k) => numbers.extend(property.scalar.levels(&bytes)),
+                    None => numbers.push(property.scalar.number(&bytes)),
+                }
                 if !there {
                     return Err(truncated(file, read, element));
                 }

@@ -1,11 +1,9 @@
 //! The header of a polygon file: its elements and their properties.
 
 use crate::npy::Scalar;
-use crate::read::color::light_of;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
-use crate::read::particles::layout::Layout;
-use crate::read::particles::role::Role;
+use crate::read::particles::meaning::{FieldKind, NamedField};
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
 
@@ -103,12 +101,13 @@ pub(super) fn short_of(file: Place, found: u64, element: &PlyElement) -> String 
 }
 
 impl Property {
-    /// The value of a column: bytes of colours are converted from sRGB to linear.
-    pub(super) fn light(&self, layout: &Layout, column: usize, number: f64) -> f64 {
-        match layout.role(column) {
-            Role::Color(_) => light_of(number, self.scalar),
-            _ => number,
-        }
+    /// Its name and numbers.
+    pub(super) fn field(&self) -> NamedField<'_> {
+        let kind = match self.length {
+            None => FieldKind::Binary(self.scalar),
+            Some(_) => FieldKind::Other("list".into()),
+        };
+        NamedField { name: &self.name, count: 1, kind }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The vertices of a polygon file in text.
 
 use super::header::{PlyElement, short_of, truncated};
+use crate::npy::{bits, levels};
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::particles::frame::Particles;
@@ -14,6 +15,7 @@ pub(super) fn text(
     lines: &mut Lines<Input>,
     element: &PlyElement,
     layout: &Layout,
+    packed: Option<usize>,
     particles: &mut Particles,
 ) -> Result<()> {
     let mut numbers = Vec::new();
@@ -24,7 +26,7 @@ pub(super) fn text(
         numbers.clear();
         let mut invalid = None;
         let mut words = Words::of(lines);
-        for property in &element.properties {
+        for (k, property) in element.properties.iter().enumerate() {
             let need = || lines.ends(&property.name, "the line ends before it", "give every property of the vertex");
             let word = words.next().ok_or_else(need)?;
             match property.length {
@@ -34,6 +36,9 @@ pub(super) fn text(
                     for _ in 0..count as u64 {
                         words.next().ok_or_else(need)?;
                     }
+                }
+                None if packed == Some(k) => {
+                    numbers.extend(levels(bits(word.number(&property.name)?, property.scalar)));
                 }
                 None => {
                     let (role, name) = (layout.role(numbers.len()), &property.name);
@@ -51,7 +56,7 @@ pub(super) fn text(
                         }
                         number => number?,
                     };
-                    numbers.push(property.light(layout, numbers.len(), number));
+                    numbers.push(number);
                 }
             }
         }

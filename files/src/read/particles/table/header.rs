@@ -4,6 +4,7 @@ use super::fields::{delimiter, fields, next};
 use super::names::{Axes, axes, split};
 use crate::read::lines::Lines;
 use crate::read::particles::column_names::ColumnNames;
+use crate::read::particles::meaning::{FieldKind, Meanings, NamedField, meanings};
 use crate::read::particles::role::Role;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::setting::COLUMNS;
@@ -17,8 +18,8 @@ pub(super) struct TableHeader {
     /// Whether it is a comment.
     pub(super) comment: bool,
     pub(super) place: Place,
-    /// What is assumed where the table has no header.
-    pub(super) assumed: Option<String>,
+    /// What is assumed where the table has no header, and of columns that are not taken.
+    pub(super) assumed: Vec<String>,
 }
 
 /// What to do about a table whose coordinates are not named.
@@ -84,14 +85,14 @@ impl TableHeader {
             let said = format!(
                 "{place}: the table has no header, so its columns are read as {what}; name them with {COLUMNS}"
             );
-            return Some(header(roles[..numbers.len()].to_vec(), Some(said)));
+            return Some(header(roles[..numbers.len()].to_vec(), vec![said]));
         }
         let names: Vec<String> = (0..numbers.len()).map(|n| ColumnNames::name_of(None, n)).collect();
         let roles = given.roles(&names).ok()?;
         // One number makes it a row, so that an invalid first row is not taken for a header.
         let is_number =
             |(role, number): (&Option<Role>, &bool)| *number && role.is_some_and(|role| role != Role::Symbol);
-        roles.iter().zip(&numbers).any(is_number).then(|| header(roles, None)).filter(Self::is_placed)
+        roles.iter().zip(&numbers).any(is_number).then(|| header(roles, Vec::new())).filter(Self::is_placed)
     }
 
     /// Whether x, y and z are among the columns.
@@ -127,7 +128,7 @@ impl TableHeader {
                 problem.get_or_insert_with(missing);
                 continue;
             };
-            let roles = roles(&names, &fixed, &axes);
+            let (roles, assumed) = roles(&names, &fixed, &axes);
             let lengths = |role| !matches!(role, Role::Radius | Role::Diameter);
             let odd = names.iter().find(|name| ["radius", "diameter"].contains(&split(name).0.as_str()));
             if let Some(odd) = odd.filter(|_| roles.iter().copied().all(lengths)) {
@@ -137,7 +138,7 @@ impl TableHeader {
             }
             let comment = start > 0 && lines.text()[..start].ends_with('#');
             let names = names.into_iter().zip(roles).collect();
-            let header = Self { names, delimiter, comment, place: place.clone(), assumed: None };
+            let header = Self { names, delimiter, comment, place: place.clone(), assumed };
             if header.is_placed() {
                 return Ok(Ok(header));
             }
@@ -148,36 +149,36 @@ impl TableHeader {
     }
 }
 
-/// The meaning of each column: the given one, else that of its name.
-fn roles(names: &[String], fixed: &[Option<Role>], axes: &Axes) -> Vec<Role> {
+/// The meaning of each column: the given one, else that of its name; and what to say of columns that are not taken.
+fn roles(names: &[String], fixed: &[Option<Role>], axes: &Axes) -> (Vec<Role>, Vec<String>) {
+    let fields: Vec<NamedField<'_>> =
+        names.iter().map(|name| NamedField { name, count: 1, kind: FieldKind::Text }).collect();
+    let Meanings { fields, said, .. } = meanings(&fields);
+    let found = fields.concat().into_iter().map(|(_, role)| role);
     let is_given = |role: Role| fixed.contains(&Some(role));
     let length = is_given(Role::Radius) || is_given(Role::Diameter);
-    let own = |name: &String| match role(name, axes) {
+    let own = |name: &str, found: Role| match role(name, found, axes) {
         Role::Radius | Role::Diameter if length => Role::Other,
         role if is_given(role) => Role::Other,
         role => role,
     };
-    let mut roles: Vec<Role> =
-        names.iter().zip(fixed).map(|(name, fixed)| fixed.unwrap_or_else(|| own(name))).collect();
-    // Three components or none: an `r` alone is not a colour.
-    let all = (0..3).all(|k| roles.contains(&Role::Color(k)));
-    roles.iter_mut().filter(|role| matches!(role, Role::Color(_)) && !all).for_each(|r| *r = Role::Other);
-    roles
+    let roles =
+        names.iter().zip(found).zip(fixed).map(|((name, found), fixed)| fixed.unwrap_or_else(|| own(name, found)));
+    (roles.collect(), if fixed.iter().flatten().count() == 0 { said } else { Vec::new() })
 }
 
-/// The meaning of a column, where lengths have the unit of these axes.
-fn role(name: &str, axes: &Axes) -> Role {
+/// The meaning of a column, where lengths have the unit of these axes; without units it is `found`.
+fn role(name: &str, found: Role, axes: &Axes) -> Role {
     if let Some(axis) = axes.of(name) {
         return Role::Position(axis);
     }
     let (base, unit) = split(name);
-    match (base.as_str(), name.to_lowercase().as_str()) {
+    match (base.as_str(), found) {
         ("radius", _) if unit == axes.unit => Role::Radius,
         ("diameter", _) if unit == axes.unit => Role::Diameter,
-        (_, "r" | "red") => Role::Color(0),
-        (_, "g" | "green") => Role::Color(1),
-        (_, "b" | "blue") => Role::Color(2),
-        (_, "element" | "symbol") => Role::Symbol,
-        _ => Role::Other,
+        (_, Role::Radius | Role::Diameter) if !axes.unit.is_empty() => Role::Other,
+        (_, Role::Position(_)) => Role::Other,
+        ("element" | "symbol", _) => Role::Symbol,
+        (_, found) => found,
     }
 }

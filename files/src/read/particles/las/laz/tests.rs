@@ -31,7 +31,7 @@ const NAMES: [&str; 9] = [
 ];
 
 fn read(bytes: &[u8]) -> Result<Particles> {
-    las::read(SceneSource::of_bytes(bytes), &Request::of(&NAMES))
+    las::read(SceneSource::of_bytes(bytes), &Request::of(&NAMES)).map(Particles::lit)
 }
 
 /// Position, columns and colour of point `n`.

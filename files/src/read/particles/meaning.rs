@@ -1,0 +1,193 @@
+//! The meaning of fields by their names: one rule for all formats whose fields have names.
+
+use super::colors::ColorType;
+use super::role::Role;
+use super::vectors::component;
+use crate::npy::Scalar;
+use halfline::quote::quote;
+
+/// A field of a row.
+pub(crate) struct NamedField<'a> {
+    pub(crate) name: &'a str,
+    /// Numbers per row.
+    pub(crate) count: usize,
+    pub(crate) kind: FieldKind,
+}
+
+/// What a field has.
+pub(crate) enum FieldKind {
+    /// Numbers of a binary type.
+    Binary(Scalar),
+    /// Numbers in text.
+    Text,
+    /// Something else, in words.
+    Other(String),
+}
+
+/// What the fields of a row are.
+pub(crate) struct Meanings {
+    /// The names and roles of the columns of each field; none where it has no numbers.
+    pub(crate) fields: Vec<Vec<(String, Role)>>,
+    /// The field that has a colour in one number of 4 bytes, 0xRRGGBB, whose bits may be those of a float.
+    pub(crate) packed: Option<usize>,
+    /// The numbers that colours are.
+    pub(crate) color_type: ColorType,
+    /// What to say of fields that are called like colours or radii and are not taken.
+    pub(crate) said: Vec<String>,
+}
+
+/// The names of positions and colours that are one field.
+const POSITIONS: [&str; 7] = ["positions", "position", "pos", "coords", "coordinates", "points", "xyz"];
+const COLORS: [&str; 6] = ["colors", "color", "colours", "colour", "rgb", "rgba"];
+
+/// The names of three fields that are a colour, in the order of preference.
+const COLOR_SETS: [[&str; 3]; 3] =
+    [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+
+/// Those of a colour in one number.
+const PACKED: [&str; 2] = ["rgb", "rgba"];
+
+const RADII: [&str; 2] = ["radius", "radii"];
+const DIAMETERS: [&str; 2] = ["diameter", "diameters"];
+
+/// Whether a field of this name, in lower case, is a position, a colour or a radius where its shape and its type fit.
+pub(crate) fn is_known(name: &str) -> bool {
+    let single = ["x", "y", "z"].contains(&name) || RADII.contains(&name) || DIAMETERS.contains(&name);
+    single
+        || POSITIONS.contains(&name)
+        || COLORS.contains(&name)
+        || COLOR_SETS.iter().flatten().any(|known| *known == name)
+}
+
+/// The meanings of the fields of a row.
+pub(crate) fn meanings(fields: &[NamedField<'_>]) -> Meanings {
+    let names: Vec<String> = fields.iter().map(|field| field.name.to_lowercase()).collect();
+    let find = |of: &[&str], fits: &dyn Fn(&NamedField<'_>) -> bool| {
+        of.iter().find_map(|name| (0..names.len()).find(|k| names[*k] == *name && fits(&fields[*k])))
+    };
+    let is_number = |field: &NamedField<'_>| !matches!(field.kind, FieldKind::Other(_));
+    let single = |of: &[&str]| find(of, &|field| field.count == 1 && is_number(field));
+    let three = |set: &[&str; 3]| set.iter().all(|name| single(&[name]).is_some());
+    let is_packed = |field: &NamedField<'_>| match field.kind {
+        FieldKind::Binary(scalar) => field.count == 1 && scalar.size() == 4,
+        _ => false,
+    };
+    let positions =
+        find(&POSITIONS, &|field| field.count == 3 && is_number(field)).filter(|_| !three(&["x", "y", "z"]));
+    let vector = find(&COLORS, &|field| [3, 4].contains(&field.count) && is_number(field));
+    let packed = find(&PACKED, &is_packed).filter(|_| vector.is_none());
+    let set = COLOR_SETS.iter().find(|set| vector.or(packed).is_none() && three(set));
+    let lengths = [(&RADII, Role::Radius), (&DIAMETERS, Role::Diameter)];
+    let length = lengths.into_iter().find_map(|(names, role)| Some((single(names)?, role)));
+
+    let role = |name: &str| {
+        let axis = ["x", "y", "z"].iter().position(|axis| *axis == name).filter(|_| positions.is_none());
+        let part = || set.and_then(|set| set.iter().position(|part| *part == name));
+        let (axis, part) = (axis.map(Role::Position), || part().map(Role::Color));
+        let length = || length.filter(|(field, _)| names[*field] == name).map(|(_, role)| role);
+        axis.or_else(part).or_else(length).unwrap_or(Role::Other)
+    };
+    let columns = |k: usize| -> Vec<(String, Role)> {
+        let (name, field) = (&names[k], &fields[k]);
+        let parts = |named: [&str; 3], role: fn(usize) -> Role| {
+            let others = (3..field.count).map(|k| (component(name, k), Role::Other));
+            (0..3).map(|k| (named[k].to_owned(), role(k))).chain(others).collect()
+        };
+        match field.count {
+            _ if !is_number(field) => Vec::new(),
+            _ if positions == Some(k) => parts(["x", "y", "z"], Role::Position),
+            _ if vector == Some(k) => parts(["r", "g", "b"], Role::Color),
+            _ if packed == Some(k) => parts(["red", "green", "blue"], Role::Color),
+            1 => vec![(field.name.to_owned(), role(name))],
+            count => (0..count).map(|part| (component(name, part), Role::Other)).collect(),
+        }
+    };
+    let type_of = |k: usize| match fields[k].kind {
+        FieldKind::Binary(_) if packed == Some(k) => ColorType::Byte,
+        FieldKind::Binary(scalar) => ColorType::of(scalar),
+        _ => ColorType::Real,
+    };
+    let sources = set.into_iter().flatten().filter_map(|name| single(&[name])).chain(vector).chain(packed);
+    let color_type = sources.map(type_of).max();
+
+    let unread = |is: &dyn Fn(&str) -> bool, what: &str, mend: &str| {
+        let shown = |k: usize| match (&fields[k].kind, fields[k].count) {
+            (FieldKind::Other(kind), _) => format!("{} ({kind})", quote(fields[k].name)),
+            (_, 1) => quote(fields[k].name).to_string(),
+            (_, count) => format!("{} ({count} numbers)", quote(fields[k].name)),
+        };
+        let found: Vec<String> = (0..names.len()).filter(|k| is(&names[*k])).map(shown).collect();
+        (!found.is_empty()).then(|| format!("{what} are not taken from {}: {mend}", found.join(", ")))
+    };
+    // An `r` alone is any number.
+    let is_color = |name: &str| COLORS.contains(&name) || [0, 2].iter().any(|set| COLOR_SETS[*set].contains(&name));
+    let is_length = |name: &str| RADII.contains(&name) || DIAMETERS.contains(&name);
+    let colors = || {
+        let mend = "they are three numbers red, green and blue, a field rgb of three, or one of 4 bytes";
+        unread(&is_color, "colours", mend)
+    };
+    let radii = || unread(&is_length, "radii", "a radius or a diameter is one number");
+    let said = color_type.is_none().then(colors).flatten().into_iter();
+    Meanings {
+        fields: (0..fields.len()).map(columns).collect(),
+        packed,
+        color_type: color_type.unwrap_or_default(),
+        said: said.chain(length.is_none().then(radii).flatten()).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_called_like_a_colour_or_a_radius_is_taken_or_told() {
+        let number = |name: &str| Scalar::of_numpy(name).expect("a type");
+        let (byte, short, real, long) = (number("|u1"), number("<u2"), number("<f4"), number("<f8"));
+        let binary = |name, count, scalar| NamedField { name, count, kind: FieldKind::Binary(scalar) };
+        let other = |name| NamedField { name, count: 1, kind: FieldKind::Other("<U3".into()) };
+        let roles = |fields: &[NamedField<'_>]| -> Vec<Role> {
+            meanings(fields).fields.concat().into_iter().map(|(_, role)| role).collect()
+        };
+        let color = [0, 1, 2].map(Role::Color);
+        for names in [["red", "green", "blue"], ["R", "G", "B"], ["Diffuse_Red", "diffuse_green", "DIFFUSE_BLUE"]] {
+            for (scalar, kind) in [(byte, ColorType::Byte), (short, ColorType::Whole), (long, ColorType::Real)] {
+                let fields = names.map(|name| binary(name, 1, scalar));
+                let found = meanings(&fields);
+                assert_eq!(
+                    (roles(&fields), found.color_type, found.said.len()),
+                    (color.to_vec(), kind, 0),
+                    "{names:?}"
+                );
+            }
+        }
+        for name in COLORS {
+            assert_eq!(roles(&[binary(name, 3, short)]), color, "{name}");
+            assert_eq!(roles(&[binary(name, 4, byte)]), [&color[..], &[Role::Other]].concat(), "{name}");
+            let found = meanings(&[binary(name, 1, long)]);
+            assert!(found.said.len() == 1 && found.said[0].contains(name), "{name}: {:?}", found.said);
+        }
+        for scalar in [real, number("<u4"), number("<i4")] {
+            assert_eq!(meanings(&[binary("rgb", 1, scalar)]).packed, Some(0));
+        }
+        for (name, role) in [("radius", Role::Radius), ("Radii", Role::Radius), ("diameter", Role::Diameter)] {
+            assert_eq!(roles(&[binary(name, 1, short)]), [role]);
+            for field in [binary(name, 3, real), other(name)] {
+                let found = meanings(&[field]);
+                assert!(found.said.len() == 1 && found.said[0].contains(name), "{name}: {:?}", found.said);
+            }
+        }
+        for fields in
+            [vec![binary("red", 1, byte), binary("green", 1, byte)], vec![other("red"), other("green"), other("blue")]]
+        {
+            let found = meanings(&fields);
+            assert!(found.said[0].contains("red") && !roles(&fields).contains(&color[0]), "{:?}", found.said);
+        }
+        let whole =
+            [binary("rgb", 3, byte), binary("red", 1, real), binary("radius", 1, real), binary("diameter", 1, real)];
+        let found = [&color[..], &[Role::Other, Role::Radius, Role::Other]].concat();
+        assert_eq!((roles(&whole), meanings(&whole).said), (found, Vec::new()), "the first of several");
+        assert_eq!(roles(&[binary("r", 1, real)]), [Role::Other]);
+        assert_eq!(roles(&[binary("pos", 3, real)]), [0, 1, 2].map(Role::Position));
+    }
+}
