@@ -1,10 +1,13 @@
 //! The requests of one connection and their answers, in turn.
 
 use crate::guard::admit;
-use crate::http::{Input, Trouble, refused};
+use crate::http::{Input, Refused, Trouble, refused};
 use crate::reply::Reply;
 use crate::routes::{Route, Routes};
 use std::io::{Read, Write};
+
+/// The answer while as many requests are answered as may be.
+pub(crate) const BUSY: Refused = Refused { status: 503, message: "8 other requests are being answered" };
 
 /// Where a connection is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +36,7 @@ pub(crate) fn converse(
             Ok((Route::Ask(question), body, keeps_alive)) if goes_on(Moment::Working) => {
                 (routes.ask(question, &body), keeps_alive)
             }
+            Ok((Route::Ask(..), ..)) => (BUSY.into(), false),
             // What else is in the connection is not read as a request.
             Err(Trouble::Refused(refused)) => (refused.into(), false),
             _ => return,

@@ -1,11 +1,9 @@
-//! The connections that are open. There are few places; a new connection gets that of one that only waits.
+//! The connections that are open. Whoever has shown the token gets an answer before those who have not: a new connection takes
+//! the place of the oldest stranger.
 
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-
-/// How long a request may take to arrive before its connection counts as one that only waits.
-const SLOW: Duration = Duration::from_secs(1);
 
 /// What a connection does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +19,7 @@ struct Place {
     number: u64,
     stream: Arc<TcpStream>,
     doing: Doing,
+    /// When it was opened or, with the token, when it was last used.
     since: Instant,
     /// Whether it has shown the token.
     has_token: bool,
@@ -28,10 +27,8 @@ struct Place {
 
 impl Place {
     /// How soon it is closed for a new connection, the smallest first; `None` if it is not.
-    fn rank(&self) -> Option<(bool, bool, Instant)> {
-        let is_reading = self.doing == Doing::Reading;
-        let keeps = self.doing == Doing::Working || (is_reading && self.since.elapsed() < SLOW);
-        (!keeps).then_some((self.has_token, is_reading, self.since))
+    fn rank(&self) -> Option<(bool, Instant)> {
+        (self.doing != Doing::Working).then_some((self.has_token, self.since))
     }
 }
 
@@ -45,6 +42,15 @@ struct List {
     used: Instant,
 }
 
+/// The most connections that are at work at a time. Browsers open six.
+const WORKING: usize = 8;
+
+impl List {
+    fn working(&self) -> usize {
+        self.places.iter().filter(|place| place.doing == Doing::Working).count()
+    }
+}
+
 impl Places {
     pub(crate) fn new() -> Self {
         Self(Mutex::new(List { places: Vec::new(), next: 0, used: Instant::now() }))
@@ -54,9 +60,12 @@ impl Places {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A place for a new connection, of `most`; `None` if all others are at work.
+    /// A place for a new connection, of `most`; `None` if as many are at work as may be.
     pub(crate) fn take(&self, stream: Arc<TcpStream>, most: usize) -> Option<u64> {
         let mut list = self.lock();
+        if list.working() >= WORKING {
+            return None;
+        }
         if list.places.len() >= most {
             let ranks = list.places.iter().enumerate().filter_map(|(n, place)| Some((place.rank()?, n)));
             let (_, n) = ranks.min()?;
@@ -69,15 +78,22 @@ impl Places {
         Some(number)
     }
 
-    /// Says what a connection does; `false` if its place has been given away.
+    /// Says what a connection does; `false` if its place has been given away, and for work if there is enough of it.
     pub(crate) fn set(&self, number: u64, doing: Doing) -> bool {
         let mut list = self.lock();
+        let is_full = list.working() >= WORKING;
         let Some(place) = list.places.iter_mut().find(|place| place.number == number) else { return false };
         if place.doing != doing {
+            if doing == Doing::Working && is_full {
+                return false;
+            }
             let now = Instant::now();
             let is_used = [place.doing, doing].contains(&Doing::Working);
-            (place.doing, place.since) = (doing, now);
             place.has_token |= doing == Doing::Working;
+            place.doing = doing;
+            if place.has_token {
+                place.since = now;
+            }
             if is_used {
                 list.used = now;
             }

@@ -1,7 +1,6 @@
 //! The server: the port, a thread for each connection, and the end.
 
-use crate::exchange::{Moment, converse};
-use crate::http::Refused;
+use crate::exchange::{BUSY, Moment, converse};
 use crate::places::{Doing, Places};
 use crate::reply::Reply;
 use crate::routes::Routes;
@@ -18,8 +17,8 @@ use std::time::{Duration, Instant};
 /// The port that is tried first where none is given.
 pub const PORT: u16 = 8642;
 
-/// The most connections at a time. Browsers open six.
-const CONNECTIONS: usize = 8;
+/// The most connections at a time: far more than are at work, so that many strangers do not keep the owner out.
+const CONNECTIONS: usize = 128;
 
 /// The slowest that an answer may be taken, in bytes a second: a picture through a slow line takes longer than a request.
 const SLOWEST: usize = 64 << 10;
@@ -142,9 +141,8 @@ impl Shared {
     /// Gives a connection a place and a thread, or returns it refused.
     fn receive(self: &Arc<Self>, stream: Arc<TcpStream>) -> Option<Arc<TcpStream>> {
         let Some(number) = self.places.take(stream.clone(), CONNECTIONS) else {
-            let refused = Refused { status: 503, message: "8 other requests are being answered" };
             let _ = stream.set_nonblocking(true);
-            let _ = Reply::from(refused).write(&mut &*stream, false);
+            let _ = Reply::from(BUSY).write(&mut &*stream, false);
             let _ = stream.shutdown(Shutdown::Write);
             return Some(stream);
         };
