@@ -3,6 +3,7 @@
 use super::lines::{ProgressLines, ProgressOutput};
 use super::messages::is_quiet;
 use super::signals::watch;
+use super::tally::Tally;
 use halfline::progress::{Progress, Step, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -30,7 +31,7 @@ pub(super) struct Bar {
 /// The latest progress.
 #[derive(Default)]
 struct Notes {
-    latest: Option<Progress>,
+    tally: Tally,
     /// When the frame and its step began.
     frame: Option<Instant>,
     step: Option<Instant>,
@@ -48,7 +49,7 @@ impl Bar {
             let (stop, stopped) = mpsc::channel();
             let (notes, line) = (Arc::clone(&notes), line.clone());
             let draw = move || {
-                let mut artist = Artist { line, step: None };
+                let mut artist = Artist { line, shown: None };
                 while stopped.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
                     artist.draw(&notes.lock().unwrap_or_else(PoisonError::into_inner));
                 }
@@ -60,6 +61,14 @@ impl Bar {
             None
         };
         Self { lines, notes, line, drawing }
+    }
+
+    /// The following pictures have so many samples per pixel.
+    pub(super) fn expect(&self, samples: u32) {
+        match &self.lines {
+            Some(lines) => lines.lock().unwrap_or_else(PoisonError::into_inner).expect(samples),
+            None => self.notes.lock().unwrap_or_else(PoisonError::into_inner).tally.expect(samples),
+        }
     }
 
     /// Ends work on an interrupt, and stores progress for the line.
@@ -111,14 +120,12 @@ impl Drop for Bar {
 impl Notes {
     fn record(&mut self, progress: Progress) {
         let now = Instant::now();
-        if self.latest.is_none_or(|latest| latest.step != progress.step || latest.done > progress.done) {
+        if self.tally.latest.is_none_or(|latest| latest.step != progress.step || latest.done > progress.done) {
             self.step = Some(now);
-            // A frame begins with staging; exact decisions in `measure` have no other step.
-            if progress.step == Step::Stage || self.latest.is_none_or(|latest| latest.step >= progress.step) {
-                self.frame = self.step;
-            }
         }
-        self.latest = Some(progress);
+        if self.tally.record(progress) {
+            self.frame = self.step;
+        }
         self.reported = Some(now);
     }
 }
@@ -126,19 +133,19 @@ impl Notes {
 /// The drawing thread's state.
 struct Artist {
     line: ProgressBar,
-    /// The step on the line and when it began; `None` while nothing is shown.
-    step: Option<(Step, Instant)>,
+    /// The picture on the line by its beginning, and whether it has a bar; `None` while nothing is shown.
+    shown: Option<(Instant, bool)>,
 }
+
+/// The length of the bar of a picture.
+const LENGTH: u64 = 1000;
 
 impl Artist {
     fn draw(&mut self, notes: &Notes) {
-        let Notes { latest: Some(progress), frame: Some(frame), step: Some(began), reported: Some(reported) } = *notes
-        else {
-            return;
-        };
-        let Progress { step, done, total } = progress;
+        let Notes { tally, frame: Some(frame), step: Some(began), reported: Some(reported) } = *notes else { return };
+        let Some(progress) = tally.latest else { return };
         if frame.elapsed() < LONG {
-            if self.step.take().is_some() {
+            if self.shown.take().is_some() {
                 // Hiding alone would leave the line on the screen.
                 self.line.finish_and_clear();
                 self.line.set_draw_target(ProgressDrawTarget::hidden());
@@ -146,14 +153,17 @@ impl Artist {
             }
             return;
         }
-        let shown = self.step.is_some();
-        if self.step != Some((step, began)) {
-            self.step = Some((step, began));
-            self.line.set_style(style(progress));
-            self.line.set_length(total);
+        let shown = self.shown.is_some();
+        let has_bar = tally.share() > 0.0;
+        if self.shown != Some((frame, has_bar)) {
+            self.shown = Some((frame, has_bar));
+            self.line.set_style(style(has_bar));
+            self.line.set_length(LENGTH);
         }
-        self.line.set_message(words(progress, reported.duration_since(began), reported.elapsed()));
-        self.line.set_position(done);
+        let (share, spent) = (tally.share(), reported.duration_since(frame).as_secs_f64());
+        let left = has_bar.then(|| spent * (1.0 - share) / share - reported.elapsed().as_secs_f64());
+        self.line.set_message(words(&tally, progress, reported.duration_since(began), (reported.elapsed(), left)));
+        self.line.set_position((share * LENGTH as f64) as u64);
         if !shown {
             self.line.set_draw_target(ProgressDrawTarget::stderr());
         }
@@ -161,20 +171,21 @@ impl Artist {
     }
 }
 
-/// Staging reports only its beginning and its end, so it has no bar, nor has a step without a known end.
-fn style(progress: Progress) -> ProgressStyle {
-    let template = if progress.step == Step::Stage || progress.known_total().is_none() {
-        "{spinner} {msg}"
-    } else {
-        "{wide_bar} {percent:>3} %  {msg}"
-    };
+/// Staging reports only its beginning and its end, so until then there is no bar, nor is one for a step without a known end.
+fn style(has_bar: bool) -> ProgressStyle {
+    let template = if has_bar { "{wide_bar} {percent:>3} %  {msg}" } else { "{spinner} {msg}" };
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// The step, its rate and the remaining time at that rate: `done` took `spent`, reported `since` ago.
-fn words(progress: Progress, spent: Duration, since: Duration) -> String {
+/// The sample, the step, its rate, and the seconds that are left of the picture: `done` took `spent`, reported `since` ago.
+fn words(tally: &Tally, progress: Progress, spent: Duration, (since, left): (Duration, Option<f64>)) -> String {
     let Progress { step, done, total } = progress;
     let (name, unit, since) = (step.name(), step.unit(), since.as_secs_f64());
+    let name = match (tally.samples, tally.sample()) {
+        (0 | 1, _) => name.to_owned(),
+        (_, 0) => format!("centres, {name}"),
+        (samples, sample) => format!("sample {sample} of {samples}, {name}"),
+    };
     if step == Step::Stage || done == 0 {
         return format!("{name} {}{unit}, {}", quantity(total as f64), span(since));
     }
@@ -182,7 +193,8 @@ fn words(progress: Progress, spent: Duration, since: Duration) -> String {
     if progress.known_total().is_none() {
         return format!("{name} {}{unit}/s, {}{unit}", quantity(rate), quantity(done as f64));
     }
-    format!("{name} {}{unit}/s, {} left", quantity(rate), span((total - done) as f64 / rate - since))
+    let left = left.map_or(String::new(), |left| format!(", {} left", span(left)));
+    format!("{name} {}{unit}/s{left}", quantity(rate))
 }
 
 /// A number with three digits and a suffix for thousands.
@@ -208,18 +220,21 @@ mod tests {
     fn a_message_has_a_rate_and_a_time() {
         let at = |step, done| Progress { step, done, total: 8_294_400 };
         let [none, two] = [0, 2].map(Duration::from_secs);
-        assert_eq!(words(at(Step::Trace, 2_073_600), two, none), "trace 1.04 Mpixels/s, 0:06 left");
-        assert_eq!(words(at(Step::Trace, 2_073_600), two, two), "trace 1.04 Mpixels/s, 0:04 left");
-        assert_eq!(
-            words(at(Step::Trace, 8_294_300), two, two),
-            "trace 4.15 Mpixels/s, 0:00 left",
-            "late, not negative"
-        );
-        assert_eq!(words(at(Step::Settle, 90), two, none), "settle 45.0 pixels/s, 51:11:58 left");
-        assert_eq!(words(at(Step::Trace, 0), none, two), "trace 8.29 Mpixels, 0:02");
-        assert_eq!(words(at(Step::Stage, 0), none, two), "stage 8.29 Mspheres, 0:02");
+        let words = |progress, spent, since, left| super::words(&Tally::default(), progress, spent, (since, left));
+        assert_eq!(words(at(Step::Trace, 2_073_600), two, none, Some(5.2)), "trace 1.04 Mpixels/s, 0:06 left");
+        assert_eq!(words(at(Step::Trace, 8_294_300), two, two, Some(-1.0)), "trace 4.15 Mpixels/s, 0:00 left", "late");
+        assert_eq!(words(at(Step::Settle, 90), two, none, Some(184_318.0)), "settle 45.0 pixels/s, 51:11:58 left");
+        assert_eq!(words(at(Step::Trace, 0), none, two, Some(1.0)), "trace 8.29 Mpixels, 0:02");
+        assert_eq!(words(at(Step::Stage, 0), none, two, None), "stage 8.29 Mspheres, 0:02");
         let endless = Progress { step: Step::Rays, done: 3_000_000, total: 0 };
-        assert_eq!(words(endless, two, none), "trace 1.50 Mrays/s, 3.00 Mrays");
+        assert_eq!(words(endless, two, none, None), "trace 1.50 Mrays/s, 3.00 Mrays");
+        let mut tally = Tally::default();
+        tally.expect(16);
+        [Step::Stage, Step::Trace, Step::Settle, Step::Trace]
+            .into_iter()
+            .for_each(|step| _ = tally.record(at(step, 9)));
+        let of_sample = super::words(&tally, at(Step::Trace, 2_073_600), two, (none, Some(60.0)));
+        assert_eq!(of_sample, "sample 1 of 16, trace 1.04 Mpixels/s, 1:00 left");
     }
 
     #[test]

@@ -36,6 +36,7 @@ mod sift;
 mod signals;
 mod standard;
 mod threads;
+mod tally;
 mod trace;
 mod values;
 mod view;

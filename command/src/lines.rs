@@ -1,6 +1,7 @@
 //! Progress for programs: lines of JSON on standard error, or those of Open Job Description on standard output
 //! (<https://github.com/OpenJobDescription/openjd-specifications/wiki/How-Jobs-Are-Run>).
 
+use super::tally::Tally;
 use halfline::progress::{Progress, Step};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -29,7 +30,7 @@ pub(super) enum ProgressOutput {
     Auto,
     /// None.
     None,
-    /// One JSON object per line on standard error: step, done, total, frame.
+    /// One JSON object per line on standard error: step, done, total, frame, sample, samples.
     Json,
     /// openjd_progress and openjd_status on standard output.
     Openjd,
@@ -48,16 +49,20 @@ const PAUSE: Duration = Duration::from_millis(100);
 /// Prints the lines.
 pub(super) struct ProgressLines {
     output: ProgressOutput,
-    /// The number of frames, and the index of the current one, from 1.
+    /// The number of pictures.
     frames: u32,
-    frame: u32,
-    latest: Option<Progress>,
+    tally: Tally,
     printed_at: Instant,
 }
 
 impl ProgressLines {
     pub(super) fn new(output: ProgressOutput, frames: u32) -> Self {
-        Self { output, frames, frame: 0, latest: None, printed_at: Instant::now() }
+        Self { output, frames, tally: Tally::default(), printed_at: Instant::now() }
+    }
+
+    /// The following pictures have so many samples per pixel.
+    pub(super) fn expect(&mut self, samples: u32) {
+        self.tally.expect(samples);
     }
 
     /// Prints a line unless one was printed just before. A closed output is not an error.
@@ -81,11 +86,8 @@ impl ProgressLines {
 
     fn is_due(&mut self, progress: Progress) -> bool {
         let Progress { step, done, total } = progress;
-        let latest = self.latest.replace(progress);
-        // A new frame begins with an earlier step than the last one ended with, or with less of the same.
-        if latest.is_none_or(|latest| (step, done) < (latest.step, latest.done)) {
-            self.frame += 1;
-        }
+        let latest = self.tally.latest;
+        self.tally.record(progress);
         if latest == Some(progress) {
             return false;
         }
@@ -103,20 +105,18 @@ impl ProgressLines {
         let known = progress.known_total();
         if self.output == ProgressOutput::Json {
             let total = known.map_or("null".into(), |total| total.to_string());
-            return format!("{{\"step\":\"{name}\",\"done\":{done},\"total\":{total},\"frame\":{}}}\n", self.frame);
+            let Tally { frame, samples, .. } = self.tally;
+            let of = match step {
+                Step::Rays => String::new(),
+                _ => format!(",\"sample\":{},\"samples\":{}", self.tally.sample(), samples.max(1)),
+            };
+            return format!("{{\"step\":\"{name}\",\"done\":{done},\"total\":{total},\"frame\":{frame}{of}}}\n");
         }
-        // The share of a frame at which a step begins and ends is an estimate.
-        let (begin, end) = match step {
-            Step::Stage => (0.0, 0.05),
-            Step::Trace => (0.05, 0.75),
-            Step::Rays => (0.0, 0.95),
-            _ => (0.75, 0.95),
-        };
-        let part = known.map_or(0.0, |total| done as f64 / (total as f64).max(1.0));
-        let share = begin + (end - begin) * part;
-        let percent = 100.0 * (f64::from(self.frame.saturating_sub(1)) + share) / f64::from(self.frames);
+        let pictures = f64::from(self.tally.frame.saturating_sub(1)) + self.tally.share();
+        let percent = 100.0 * pictures / f64::from(self.frames);
         let of = known.map_or(String::new(), |total| format!(" of {total}"));
-        format!("openjd_progress: {:.1}\nopenjd_status: {name} {done}{of} {unit}\n", percent.min(100.0))
+        let sample = if self.tally.samples > 1 { format!("sample {}: ", self.tally.sample()) } else { String::new() };
+        format!("openjd_progress: {:.1}\nopenjd_status: {sample}{name} {done}{of} {unit}\n", percent.min(100.0))
     }
 }
 
@@ -150,14 +150,18 @@ mod tests {
     fn frames_are_counted_and_pauses_kept() {
         let lines = printed(ProgressOutput::Json, 2);
         assert_eq!(lines.len(), 12, "a quarter of a step after so short a time is not reported: {lines:?}");
-        assert_eq!(lines[0], "{\"step\":\"stage\",\"done\":0,\"total\":9,\"frame\":1}");
-        assert_eq!(lines[11], "{\"step\":\"settle\",\"done\":2,\"total\":2,\"frame\":2}");
+        assert_eq!(lines[0], "{\"step\":\"stage\",\"done\":0,\"total\":9,\"frame\":1,\"sample\":1,\"samples\":1}");
+        assert_eq!(lines[11], "{\"step\":\"settle\",\"done\":2,\"total\":2,\"frame\":2,\"sample\":1,\"samples\":1}");
     }
 
     #[test]
     fn an_unknown_total_is_null() {
         let endless = Progress { step: Step::Rays, done: 7, total: 0 };
-        let lines = |output| ProgressLines { frame: 1, ..ProgressLines::new(output, 1) }.lines(endless);
+        let lines = |output| {
+            let mut lines = ProgressLines::new(output, 1);
+            lines.is_due(endless);
+            lines.lines(endless)
+        };
         assert_eq!(lines(ProgressOutput::Json), "{\"step\":\"trace\",\"done\":7,\"total\":null,\"frame\":1}\n");
         assert_eq!(lines(ProgressOutput::Openjd), "openjd_progress: 0.0\nopenjd_status: trace 7 rays\n");
     }

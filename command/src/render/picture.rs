@@ -8,8 +8,8 @@ use crate::preview::Preview;
 use crate::scene_args::SceneArgs;
 use crate::signals::go_on;
 use halfline::error::Result;
-use halfline::frame::Frame;
 use halfline::frame::provenance::Origin;
+use halfline::frame::{Aov, Frame};
 use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
@@ -156,6 +156,10 @@ impl PictureWriter<'_> {
             renderer.recycle(frame);
             frame = renderer.render(scene, settings)?;
             times.extend(&frame.report.frame_ms);
+        if let Some(bar) = self.messages.bar {
+            let is_sampled = settings.aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha));
+            bar.expect(if is_sampled { settings.samples } else { 1 });
+        }
             kernels.extend(&frame.report.kernel_ms);
             host.extend(&frame.report.host_ms);
         }
