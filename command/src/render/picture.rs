@@ -20,6 +20,7 @@ use halfline_files::write::file::Target;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -28,9 +29,12 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// picture is not printed again.
 pub(crate) struct Messages<'a> {
     bar: Option<&'a Bar>,
-    /// For each kind of message the first picture that has it, and what was printed for that.
-    printed: Mutex<BTreeMap<String, (u64, BTreeSet<String>)>>,
+    /// For each kind of message the first picture that has it, and what was printed for that, by their hashes.
+    printed: Mutex<BTreeMap<u64, (u64, BTreeSet<u64>)>>,
 }
+
+/// The most kinds of messages that are known: a page can ask for pictures without end. Beyond, they are said again.
+const KINDS: usize = 1 << 10;
 
 impl<'a> Messages<'a> {
     pub(crate) fn new(bar: Option<&'a Bar>) -> Self {
@@ -47,12 +51,15 @@ impl<'a> Messages<'a> {
     }
 
     fn once(&self, number: u64, kind: String, words: String, print: fn(fmt::Arguments<'_>)) {
+        let hash = |text: &str| BuildHasherDefault::<DefaultHasher>::default().hash_one(text);
         let mut printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
-        let (first, all) = printed.entry(kind).or_insert_with(|| (number, BTreeSet::new()));
-        if *first == number && !all.contains(&words) {
+        if printed.len() == KINDS && !printed.contains_key(&hash(&kind)) {
+            printed.clear();
+        }
+        let (first, all) = printed.entry(hash(&kind)).or_insert_with(|| (number, BTreeSet::new()));
+        if *first == number && all.len() < KINDS && all.insert(hash(&words)) {
             let print = || print(format_args!("{words}"));
             self.bar.map_or_else(print, |bar| bar.aside(print));
-            all.insert(words);
         }
     }
 }
@@ -149,6 +156,10 @@ impl PictureWriter<'_> {
 
     /// Renders the repeated frames; returns the last one with the times of all and the warnings of its files.
     fn frames(&self, renderer: &mut Renderer, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Frame> {
+        if let Some(bar) = self.messages.bar {
+            let is_sampled = settings.aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha));
+            bar.expect(if is_sampled { settings.samples } else { 1 });
+        }
         let mut frame = renderer.render(scene, settings)?;
         let mut times = frame.report.frame_ms.clone();
         let (mut kernels, mut host) = (frame.report.kernel_ms.clone(), frame.report.host_ms.clone());
@@ -156,10 +167,6 @@ impl PictureWriter<'_> {
             renderer.recycle(frame);
             frame = renderer.render(scene, settings)?;
             times.extend(&frame.report.frame_ms);
-        if let Some(bar) = self.messages.bar {
-            let is_sampled = settings.aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha));
-            bar.expect(if is_sampled { settings.samples } else { 1 });
-        }
             kernels.extend(&frame.report.kernel_ms);
             host.extend(&frame.report.host_ms);
         }
