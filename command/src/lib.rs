@@ -13,6 +13,7 @@ mod failure;
 mod file_args;
 mod film;
 mod framing;
+mod help;
 mod info;
 mod inset_args;
 mod legend;
@@ -35,8 +36,8 @@ mod shell;
 mod sift;
 mod signals;
 mod standard;
-mod threads;
 mod tally;
+mod threads;
 mod trace;
 mod values;
 mod view;
@@ -107,7 +108,8 @@ fn arguments() -> Result<Arguments> {
     };
     read_args::check_range(process::all_arguments())?;
     let words = inset_args::joined(process::all_arguments().iter().cloned());
-    let mut matches = command.clone().try_get_matches_from(words).unwrap_or_else(|error| end(&error));
+    let parsed = help::on_one_screen(command.clone(), &words).try_get_matches_from(words);
+    let mut matches = parsed.unwrap_or_else(|error| end(&help::translated(error)));
     // A configuration file that cannot be read is an error only for commands that use it; help does not.
     if let Some(fault) = fault.filter(|_| matches.subcommand_name().is_some_and(config::is_configured)) {
         return Err(fault);

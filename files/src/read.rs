@@ -15,6 +15,7 @@ pub mod info;
 mod input;
 mod lines;
 mod native;
+mod nearest;
 mod nff;
 mod npy;
 mod open;

@@ -1,11 +1,11 @@
 //! Colours in sRGB and in text.
 
+use super::nearest::nearest;
 use color_name::css::COLORS_DATA;
 use halfline::error::{Error, Result};
 use halfline::frame::srgb::{decoded, linear};
 use halfline::quote::quote;
 use std::sync::LazyLock;
-use strsim::damerau_levenshtein;
 
 /// The largest level of colours that are whole numbers up to `most`: of 8 bits where these hold them all, else of 16.
 pub(crate) fn top_level(most: f32) -> f32 {
@@ -38,7 +38,8 @@ pub fn color(text: &str) -> Result<[f32; 3]> {
     let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
     let color = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
     color.filter(|color| color.iter().all(|c| c.is_finite() && *c >= 0.0)).ok_or_else(|| {
-        let nearest = nearest(text).map_or(String::new(), |name| format!("{name}, "));
+        let names = COLORS_DATA.iter().map(|(name, _)| name.to_ascii_lowercase());
+        let nearest = nearest(text, names).map_or(String::new(), |name| format!("{name}, "));
         let mend = format!("use {nearest}a CSS name such as red, #rrggbb (sRGB), or r,g,b (linear, 0 or more)");
         Error::settings(format!("{} is not a colour", quote(text)), mend)
     })
@@ -53,16 +54,6 @@ fn hex(digits: &str) -> Option<u32> {
     // A sign is not a digit.
     let is_hex = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
     is_hex.then(|| u32::from_str_radix(&digits, 16).ok()).flatten()
-}
-
-/// The name of a colour that differs from `text` in the fewest letters, if these are at most two and less than half.
-fn nearest(text: &str) -> Option<String> {
-    // The longest name is `lightgoldenrodyellow`; the comparison takes time that grows with the product of the lengths.
-    let text = Some(text.trim().to_ascii_lowercase()).filter(|text| text.len() <= 24)?;
-    let distance = |name: &str| damerau_levenshtein(name, &text);
-    let names = COLORS_DATA.iter().map(|(name, _)| name.to_ascii_lowercase());
-    let name = names.min_by_key(|name| distance(name))?;
-    (distance(&name) <= 2.min(name.len() / 2)).then_some(name)
 }
 
 pub(super) fn of_hex(rgb: u32) -> [f32; 3] {

@@ -1,5 +1,6 @@
 //! Tables and values of a TOML document, whose errors have the line, column and key.
 
+use crate::read::nearest::did_you_mean;
 use crate::read::style::color;
 use halfline::error::{Error, Place, Result};
 use halfline::scene::check_color;
@@ -109,7 +110,8 @@ impl<'a> TomlTable<'a> {
         let unknown = self.keys.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
         let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(()) };
         let place = self.doc.place(key.span().start).named(self.name.field(key.get_ref()));
-        Err(Error::scene(place, "unknown key", format!("the keys of this table are {}", known.join(", "))))
+        let mend = format!("the keys of this table are {}", known.join(", "));
+        Err(Error::scene(place, "unknown key", did_you_mean(key.get_ref(), known.iter().copied(), mend)))
     }
 
     pub(super) fn get(&self, key: &'static str) -> Option<TomlValue<'a>> {

@@ -8,6 +8,7 @@ use super::note::{Note, Unmatched};
 use super::selection::Selection;
 use super::values::{Range, pattern};
 use crate::read::elements::element;
+use crate::read::nearest::did_you_mean;
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::particles::infer::residues::{ResidueClass, class};
 use crate::read::particles::infer::rules::is_ion;
@@ -322,7 +323,8 @@ impl<'a> Evaluator<'a> {
         has.extend(
             self.particles.has.iter().map(String::as_str).filter(|name| !["x", "y", "z", "radius"].contains(name)),
         );
-        Error::settings(problem, format!("the file has {}", list(has)))
+        let mend = format!("the file has {}", list(&has));
+        Error::settings(problem, did_you_mean(word, has, mend))
     }
 
     /// The values that the file has, for a message.

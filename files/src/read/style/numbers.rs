@@ -2,6 +2,7 @@
 
 use super::categories;
 use super::scale::{Colored, Scale};
+use crate::read::nearest::did_you_mean;
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::particles::vectors;
 use crate::read::skipped::Skipped;
@@ -27,8 +28,12 @@ impl Scale {
             known.map(Cow::Borrowed).or_else(|| own(particles, name).map(Cow::Owned)).ok_or_else(|| {
                 let all = particles.has.iter().map(String::as_str);
                 let axes = ["x", "y", "z"].into_iter().filter(|axis| !particles.has.iter().any(|name| name == axis));
-                let mend = format!("the file has {}", list(all.chain(axes)));
-                Error::settings(format!("the file has no column {} to colour by", quote(name)), mend)
+                let all: Vec<&str> = all.chain(axes).collect();
+                let mend = format!("the file has {}", list(&all));
+                Error::settings(
+                    format!("the file has no column {} to colour by", quote(name)),
+                    did_you_mean(name, all, mend),
+                )
             })
         };
         let columns: Vec<Cow<'_, Column>> = self.columns.iter().map(column).collect::<Result<_>>()?;
