@@ -43,6 +43,20 @@ pub(super) fn check_one_standard(what: &str, are_there: impl IntoIterator<Item =
     Err(Error::settings(problem, "use files for the others"))
 }
 
+/// Returns an error for names that are not UTF-8 and so cannot stand in the JSON of `list`.
+///
+/// # Errors
+/// [`Error::Settings`] naming the first.
+pub(super) fn check_text<'a>(names: impl IntoIterator<Item = &'a Path>, list: &str) -> Result<()> {
+    match names.into_iter().find(|name| name.to_str().is_none()) {
+        Some(name) => {
+            let problem = format!("{} is not UTF-8, and {list} cannot name it", name.display());
+            Err(Error::settings(problem, "use a name in UTF-8"))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Returns an error for name patterns that give the same file for some numbers, which may be different ones: `z%d` and
 /// `z1%d`.
 ///

@@ -9,6 +9,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::quote::shortened;
 use std::collections::BTreeMap;
 use std::env;
+use std::ffi::OsString;
 use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
@@ -127,6 +128,15 @@ impl Config {
         Ok(Self(words))
     }
 
+    /// The options that environment and file set: identifiers and values.
+    pub(super) fn preferences(&self) -> Vec<(String, OsString)> {
+        let of = |name: &&str| {
+            let value = env::var_os(variable(name)).or_else(|| self.0.get(*name).map(|word| word.text.clone().into()));
+            Some((name.replace('-', "_"), value?))
+        };
+        NAMES.iter().filter_map(of).collect()
+    }
+
     /// The command with the environment variables and the values of this file added to the options of its subcommands that use
     /// them.
     ///
@@ -155,7 +165,7 @@ impl Config {
             ArgAction::SetTrue => argument.value_parser(BoolishValueParser::new()),
             _ => argument,
         };
-        let argument = argument.env(format!("HALFLINE_{}", name.to_uppercase().replace('-', "_")));
+        let argument = argument.env(variable(&name));
         // Help shows the variable's name but not its value, so that manuals are the same on every machine.
         let argument = argument.hide_env_values(true);
         match self.0.get(&name) {
@@ -166,6 +176,11 @@ impl Config {
             None => (argument, Ok(())),
         }
     }
+}
+
+/// The environment variable of an option.
+fn variable(name: &str) -> String {
+    format!("HALFLINE_{}", name.to_uppercase().replace('-', "_"))
 }
 
 impl ConfigValue {

@@ -6,7 +6,7 @@ pub(super) mod stream;
 use super::adapters::note_fallback;
 use super::bar::Bar;
 use super::camera_list::WrittenCameras;
-use super::clash::{check_inputs, check_one_standard};
+use super::clash::{check_inputs, check_one_standard, check_text};
 use super::film::FilmWriter;
 use super::legend;
 use super::lines::ProgressArgs;
@@ -291,6 +291,10 @@ impl Render {
         self.args.insets.check(self.args.image.is_part(), &self.args.files)?;
         self.args.check_outputs()?;
         self.args.files.check_dpi(&targets)?;
+        self.args.files.check_transparent(&targets);
+        if self.args.camera_list()?.is_some() {
+            check_text(targets.iter().map(Target::path), "cameras.json")?;
+        }
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "no output is requested";
             return Err(Error::settings(problem, "use -o for a picture, --aov for a buffer, or --json"));

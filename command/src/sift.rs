@@ -1,6 +1,6 @@
 //! `halfline sift FILE`: a part of a scene for `render --visible`.
 
-use super::clash::check_inputs;
+use super::clash::{check_inputs, check_text};
 use super::messages::{QuietArgs, flags, note, warn};
 use super::process::{ExitCode, is_typed};
 use super::render::stream::Source;
@@ -134,6 +134,9 @@ impl Sift {
             return Err(Error::settings(problem, "use the file name extension .npz"));
         }
         let settings = self.args.settings(&[]);
+        if self.json {
+            check_text([output.as_path()], "the report of --json")?;
+        }
         let source = Source::new(&self.args, &Cancel::default(), None).map_err(of_parts)?;
         check_inputs([output.as_path()], &source.inputs())?;
         let (part, framed) = source.part(&settings, self.first_id).map_err(of_parts)?;

@@ -13,6 +13,7 @@ mod summary;
 pub use pick::{apart, describe};
 pub use summary::{legend, scene};
 
+use super::config::Config;
 use super::inset_args::joined;
 use super::messages::{QuietArgs, note};
 use super::process::{ExitCode, all_arguments};
@@ -149,7 +150,7 @@ impl View {
             let problem = format!("--{long} is an option of pictures in files");
             return Err(Error::settings(problem, "remove it; the page copies a command to which it can be added"));
         }
-        Given::of(&command, &matches, &OWN)
+        Given::of(&command, &matches, &OWN, Config::load()?.preferences())
     }
 
     fn not_bound(&self, error: &std::io::Error) -> Error {

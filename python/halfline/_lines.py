@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -94,7 +95,17 @@ def shell(source: Source | None, shot: Shot) -> str | None:
     if file.startswith("-"):
         file = f"./{file}"
     words = ["halfline", "render", file, *words, "-o", _output(source)]
-    return " ".join(shlex.quote(word) for word in words)
+    return " ".join(map(_quoted, words))
+
+
+def _quoted(word: str) -> str:
+    """A word for a POSIX shell; by its bytes where it is not UTF-8."""
+    try:
+        word.encode()
+    except UnicodeEncodeError:
+        data = os.fsencode(word)
+        return f"\"$(printf %b '{''.join(f'{chr(92)}0{byte:03o}' for byte in data)}')\""
+    return shlex.quote(word)
 
 
 def _of_lens(lens: Mapping[str, float]) -> dict[str, float]:
@@ -157,8 +168,8 @@ def _literal(value: Any) -> str:
     """A value as Python reads it."""
     value = _plain(value)
     if isinstance(value, str):
-        # The escapes of JSON are those of Python.
-        return json.dumps(value, ensure_ascii=False)
+        # The escapes of JSON are those of Python. Bytes of a name that are not UTF-8 are surrogates.
+        return json.dumps(value, ensure_ascii=False).encode("utf-8", "backslashreplace").decode()
     if isinstance(value, Mapping):
         return f"{{{', '.join(f'{_literal(k)}: {_literal(v)}' for k, v in value.items())}}}"
     if isinstance(value, np.ndarray):

@@ -89,6 +89,10 @@ class Options(TypedDict, total=False):
     """Columns x0 to x1 and rows y0 to y1 of the frame, ends excluded: ``(x0, y0, x1, y1)``."""
     background: Color | None
     """Colour of rays that hit nothing; by default the scene's."""
+    transparent: bool
+    """Whether the background is transparent: the buffer alpha is there, and .png, .exr and .npz files
+    of the color have it.
+    """
     sun: ArrayLike
     """White lights infinitely far in these directions, shape (3,) or (n, 3)."""
     shadows: bool
@@ -152,6 +156,9 @@ def checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
     directions = [vector(f"sun[{k}]", row) for k, row in enumerate(suns)]
     if (0.0, 0.0, 0.0) in directions:
         raise ValueError("a direction of sun is zero; give one that points toward the light")
+    transparent = bool(given.get("transparent", False))
+    if transparent and background is not None:
+        raise ValueError("transparent and background exclude each other; remove one of them")
     if reach is not None and number("reach", reach) <= 0:
         raise ValueError(f"reach is {reach}; give a positive length")
     # 0 takes the number of the scene.
@@ -175,6 +182,7 @@ def checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
         "depth_cue": bool(given.get("depth_cue", False)),
         "crop": None if crop is None else list(wholes("crop", crop, 4)),
         "background": None if background is None else color("background", background),
+        "transparent": transparent,
         "sun": directions,
         "shadows": bool(given.get("shadows", False)),
         "occlusion": rays,

@@ -32,6 +32,8 @@ pub(crate) struct Frame {
     renderer: Shared,
     /// What is drawn into its pictures.
     panels: Option<Panels>,
+    /// Whether files of its colour have an alpha.
+    transparent: bool,
     /// Lengths rounded to float32, where they are requested so, once they were.
     rounded: Option<Rounded>,
 }
@@ -50,8 +52,9 @@ impl Rounded {
 
 impl Frame {
     pub(crate) fn new(rendered: Rendered, single: bool, settings: Settings, renderer: Shared) -> Self {
-        let Rendered { scene, frame, panels } = rendered;
-        Self { frame: Some(frame), scene, settings, renderer, panels, rounded: single.then(Rounded::default) }
+        let Rendered { scene, frame, panels, transparent } = rendered;
+        let frame = Some(frame);
+        Self { frame, scene, settings, renderer, panels, transparent, rounded: single.then(Rounded::default) }
     }
 
     /// A copy of these buffers of the frame, with the panels in its colour.
@@ -62,7 +65,7 @@ impl Frame {
             report: exact.report.clone(),
             ..*exact
         };
-        panels.draw(&mut frame, false);
+        panels.draw(&mut frame, self.transparent);
         Ok(frame)
     }
 
@@ -83,6 +86,17 @@ impl Frame {
         let origin = origin(&self.scene, &self.settings, &frame.report, frame.window);
         let drawn = panels.map(|panels| self.drawn(panels, target.aovs())).transpose()?;
         write(target, drawn.as_ref().unwrap_or(frame), &origin)
+    }
+
+    /// How files are written.
+    fn style(&self, bits: u32, unit: f64, no_return: &str) -> Result<FormatOptions> {
+        Ok(FormatOptions {
+            bits: bits.to_string().parse()?,
+            unit,
+            no_return: no_return.parse()?,
+            transparent: self.transparent,
+            ..FormatOptions::default()
+        })
     }
 
     fn exact(&self) -> Result<&CoreFrame> {
@@ -191,7 +205,7 @@ impl Frame {
         unit: f64,
         no_return: &str,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let style = style(bits, unit, no_return).or_raise()?;
+        let style = self.style(bits, unit, no_return).or_raise()?;
         let mut target = self.target("frame.png".into(), aovs, style).or_raise()?;
         let job = Job::default();
         let bytes = job.run(py, None, || {
@@ -212,7 +226,7 @@ impl Frame {
         unit: f64,
         no_return: &str,
     ) -> PyResult<()> {
-        let mut target = self.target(path, aovs, style(bits, unit, no_return).or_raise()?).or_raise()?;
+        let mut target = self.target(path, aovs, self.style(bits, unit, no_return).or_raise()?).or_raise()?;
         let job = Job::default();
         job.run(py, None, || {
             target.check()?;
@@ -221,14 +235,4 @@ impl Frame {
             })
         })
     }
-}
-
-/// How files are written.
-fn style(bits: u32, unit: f64, no_return: &str) -> Result<FormatOptions> {
-    Ok(FormatOptions {
-        bits: bits.to_string().parse()?,
-        unit,
-        no_return: no_return.parse()?,
-        ..FormatOptions::default()
-    })
 }

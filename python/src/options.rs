@@ -41,6 +41,8 @@ pub(crate) struct Rendered {
     pub(crate) scene: halfline::Scene,
     pub(crate) frame: halfline::Frame,
     pub(crate) panels: Option<Panels>,
+    /// Whether files of its colour have an alpha.
+    pub(crate) transparent: bool,
 }
 
 /// What a picture looks like, and which part of it is rendered.
@@ -59,6 +61,7 @@ pub(crate) struct Picture {
     depth_cue: bool,
     crop: Option<[u32; 4]>,
     background: Option<[f32; 3]>,
+    transparent: bool,
     sun: Vec<[f64; 3]>,
     shadows: bool,
     occlusion: Option<u32>,
@@ -124,12 +127,12 @@ impl Picture {
         frame.report.number = number;
         frame.report.look = self.look(scene)?;
         frame.report.warnings.extend(self.insets.warnings(scene, panels.as_ref()));
-        Ok(Rendered { scene: exact, frame, panels })
+        Ok(Rendered { scene: exact, frame, panels, transparent: self.transparent })
     }
 
     /// The scene with this camera, size, background and light.
     pub(crate) fn scene(&self, scene: &Scene, camera: Option<&Camera>) -> Result<halfline::Scene> {
-        let mut exact = scene.sized(camera, self.size, self.background)?;
+        let mut exact = scene.sized(camera, self.size, self.background())?;
         if camera.is_none() {
             let aside = self.insets.aside(scene, exact.image)?;
             scene.frame_beside(&mut exact, aside)?;
@@ -151,9 +154,9 @@ impl Picture {
         self.size
     }
 
-    /// The colour of rays that hit nothing, if it is given.
+    /// The colour of rays that hit nothing, if it is given: of a transparent background none.
     pub(crate) fn background(&self) -> Option<[f32; 3]> {
-        self.background
+        if self.transparent { Some([0.0; 3]) } else { self.background }
     }
 
     /// The name of the look of a picture, and its samples.
@@ -163,7 +166,11 @@ impl Picture {
     }
 
     fn aovs(&self) -> Result<Vec<Aov>> {
-        self.aovs.iter().map(|name| name.parse()).collect()
+        let mut aovs = self.aovs.iter().map(|name| name.parse()).collect::<Result<Vec<Aov>>>()?;
+        if self.transparent && aovs.contains(&Aov::Color) && !aovs.contains(&Aov::Alpha) {
+            aovs.push(Aov::Alpha);
+        }
+        Ok(aovs)
     }
 
     fn shade(&self) -> Result<Option<Shade>> {

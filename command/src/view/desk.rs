@@ -320,9 +320,9 @@ impl Stage for Desk {
             let words = self.words(&request);
             // What the command would refuse is an error here.
             book.parser.args(&words)?;
-            let python =
-                python::lines(&self.given.scene, &self.given.output(), &self.given.options_of(&request), &request);
-            Ok(Commands { shell: line(&words), python })
+            let options = self.given.with_preferences(self.given.options_of(&request));
+            let python = python::lines(&self.given.scene, &self.given.output(), &options, &request);
+            Ok(Commands { shell: line(&words)?, python })
         })
     }
 

@@ -7,7 +7,8 @@ use halfline_viewer::{FrameRequest, Lens, Pose};
 use std::ffi::{OsStr, OsString};
 
 /// The options that the page sets by itself: those of the camera and of the size.
-const OF_THE_PAGE: [&str; 11] = ["eye", "at", "view", "up", "focus", "fit", "from", "vfov", "ortho", "zoom", "size"];
+pub(super) const OF_THE_PAGE: [&str; 11] =
+    ["eye", "at", "view", "up", "focus", "fit", "from", "vfov", "ortho", "zoom", "size"];
 
 /// The colour of spheres that are selected on the page, and that of the others.
 const SELECTED: &str = "darkorange";
@@ -29,18 +30,27 @@ pub(super) struct Given {
     options: Vec<GivenOption>,
     /// The options of the camera with which the page begins.
     camera: Vec<GivenOption>,
+    /// Those of environment and configuration, which the command has by itself and Python has not.
+    preferences: Vec<GivenOption>,
     /// The frame with which it begins, if one is typed.
     pub(super) frame: Option<u64>,
 }
 
 impl Given {
     /// What `matches` of `command` has from the command line, without the options of the page and those named `own`.
-    /// Environment and configuration hold for every command alike, so that they are left out.
+    /// Environment and configuration hold for every command alike, so that those of `preferences` are no words of it.
     ///
     /// # Errors
     /// [`Error::Settings`] for several frames.
-    pub(super) fn of(command: &Command, matches: &ArgMatches, own: &[&str]) -> Result<Self> {
-        let mut given = Self { scene: OsString::new(), options: Vec::new(), camera: Vec::new(), frame: None };
+    pub(super) fn of(
+        command: &Command,
+        matches: &ArgMatches,
+        own: &[&str],
+        preferences: Vec<(String, OsString)>,
+    ) -> Result<Self> {
+        let preferences = preferences.into_iter().map(|(id, value)| GivenOption::new(&id, Some(value))).collect();
+        let mut given =
+            Self { scene: OsString::new(), options: Vec::new(), camera: Vec::new(), preferences, frame: None };
         for arg in command.get_arguments() {
             let id = arg.get_id().as_str();
             let is_typed = matches.value_source(id) == Some(ValueSource::CommandLine);
@@ -89,6 +99,18 @@ impl Given {
         }
         set("size", format!("{}x{}", size[0], size[1]));
         options
+    }
+
+    /// The same options, before them those of environment and configuration that they do not replace.
+    pub(super) fn with_preferences(&self, options: Vec<GivenOption>) -> Vec<GivenOption> {
+        let has = |id: &str| options.iter().any(|option| option.id == id);
+        let is_replaced = |id: &str| match id {
+            // Each of the two replaces the other.
+            "background" | "transparent" => has("background") || has("transparent"),
+            id => has(id),
+        };
+        let kept = self.preferences.iter().filter(|preference| !is_replaced(&preference.id));
+        kept.cloned().chain(options.iter().cloned()).collect()
     }
 
     /// The options of a picture that is framed: the direction, the lens and the size of a request, and what it selects as the
@@ -197,32 +219,63 @@ fn typed(arg: &Arg, long: &str, matches: &ArgMatches) -> Vec<GivenOption> {
 }
 
 /// The words as a line for a POSIX shell.
-pub(super) fn line(words: &[OsString]) -> String {
-    let words = words.iter().map(|word| quoted(&word.to_string_lossy()));
-    std::iter::once("halfline".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+///
+/// # Errors
+/// [`Error::Settings`] for a word that no line can have.
+pub(super) fn line(words: &[OsString]) -> Result<String> {
+    let words = words.iter().map(|word| {
+        let problem = "the command has a name that is not UTF-8 and ends with a line break";
+        quoted(word).ok_or_else(|| Error::settings(problem, "rename the file"))
+    });
+    let words = std::iter::once(Ok("halfline".to_owned())).chain(words);
+    Ok(words.collect::<Result<Vec<_>>>()?.join(" "))
 }
 
-/// A word for a POSIX shell: as it is where no character has a meaning there, else in single quotes.
-fn quoted(word: &str) -> String {
+/// A word for a POSIX shell: as it is where no character has a meaning there, else in single quotes; by its bytes where it is
+/// not UTF-8. `None` where a shell would take the line break from the end of the bytes.
+fn quoted(word: &OsStr) -> Option<String> {
+    let Some(word) = word.to_str() else {
+        let byte = |byte: &u8| match byte {
+            byte if byte.is_ascii_alphanumeric() || b"-_./,=".contains(byte) => char::from(*byte).to_string(),
+            byte => format!("\\0{byte:03o}"),
+        };
+        let bytes: String = word.as_encoded_bytes().iter().map(byte).collect();
+        return (!bytes.ends_with("\\0012")).then(|| format!("\"$(printf %b '{bytes}')\""));
+    };
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
+        return Some(word.to_owned());
     }
-    format!("'{}'", word.replace('\'', r"'\''"))
+    Some(format!("'{}'", word.replace('\'', r"'\''")))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn printed(word: &OsStr) -> Vec<u8> {
+        let line = format!("printf %s {}", quoted(word).expect("a word"));
+        std::process::Command::new("sh").arg("-c").arg(line).output().expect("a shell").stdout
+    }
+
     #[test]
     fn a_shell_reads_a_quoted_word_back() {
         for word in
             ["", "a b", "it's", "$HOME", "`x`", "\"", "a\\b", "*", "~", "é", "--color=(a)=b", "a\nb", "plain-1.5,2"]
         {
-            let printed =
-                std::process::Command::new("sh").arg("-c").arg(format!("printf %s {}", quoted(word))).output();
-            assert_eq!(String::from_utf8(printed.expect("a shell").stdout).expect("UTF-8"), word);
+            assert_eq!(printed(word.as_ref()), word.as_bytes());
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_word_that_is_not_text_is_quoted_by_its_bytes() {
+        use std::os::unix::ffi::OsStrExt;
+        for word in [&b"a\xff.csv"[..], b"\xff", b"-%d\xc3 '$\\0101`\"\n7", b"--hide=\xe9 a=1"] {
+            let line = quoted(OsStr::from_bytes(word)).expect("a word");
+            assert!(line.is_ascii() && printed(OsStr::from_bytes(word)) == word, "{line}");
+        }
+        assert_eq!(quoted(OsStr::from_bytes(b"\xff\n")), None);
+        line(&[OsStr::from_bytes(b"\xff\n").to_owned()]).expect_err("no line");
     }
 }

@@ -3,6 +3,7 @@
 use super::given::GivenOption;
 use halfline_viewer::{FrameRequest, Lens};
 use std::ffi::OsStr;
+use std::str::Utf8Chunk;
 
 /// Where an option stands in Python: in the reading of the file, in the rendering, or in the renderer.
 #[derive(Clone, Copy, PartialEq)]
@@ -87,14 +88,19 @@ const KEYWORDS: [(&str, &str, Call, Form); 46] = [
 ];
 
 /// The others.
-const MORE: [(&str, &str, Call, Form); 6] = [
+const MORE: [(&str, &str, Call, Form); 8] = [
     ("search", "search", Call::Render, Form::Text),
     ("backend", "backend", Call::Renderer, Form::Text),
     ("adapter", "adapter", Call::Renderer, Form::Text),
     ("aperture", "aperture", Call::Camera, Form::Number),
     ("focus_distance", "focus", Call::Camera, Form::Number),
     ("bits", "bits", Call::Save, Form::Number),
+    ("transparent", "transparent", Call::Render, Form::Flag),
+    ("outline", "cell", Call::Read, Form::NumberOrFlag),
 ];
+
+/// Options that do not change the picture, which Python does not have.
+const OUTSIDE: [&str; 5] = ["unit", "no_return", "preview", "progress", "quiet"];
 
 /// Options that [`lines`] writes by themselves: the camera and the size.
 const BY_ITSELF: [&str; 6] = ["eye", "at", "up", "vfov", "ortho", "size"];
@@ -109,7 +115,8 @@ pub(super) fn lines(scene: &OsStr, output: &OsStr, options: &[GivenOption], requ
             .collect::<String>()
     };
     let is_known = |option: &&GivenOption| {
-        BY_ITSELF.contains(&option.id.as_str()) || known.clone().any(|(id, ..)| *id == option.id)
+        let by_itself = BY_ITSELF.iter().chain(&OUTSIDE).any(|id| *id == option.id);
+        by_itself || known.clone().any(|(id, ..)| *id == option.id)
     };
     let unknown = options.iter().filter(|option| !is_known(option));
     let notes: String = unknown.map(|option| format!("# {} has no keyword in Python\n", option.flag())).collect();
@@ -120,7 +127,7 @@ pub(super) fn lines(scene: &OsStr, output: &OsStr, options: &[GivenOption], requ
         Lens::Height(height) => format!("height={height:?}"),
     };
     let [width, height] = request.size;
-    let (file, output) = (text(&scene.to_string_lossy()), text(&output.to_string_lossy()));
+    let (file, output) = (path(scene), path(output));
     let renderer = keywords(Call::Renderer);
     let render = match renderer.strip_prefix(", ") {
         Some(renderer) => format!("hl.Renderer({renderer}).render"),
@@ -143,12 +150,15 @@ fn values(options: &[GivenOption], id: &str) -> Option<Vec<String>> {
     Some(values).filter(|values| !values.is_empty())
 }
 
-/// A value in Python.
+/// A value in Python; a flag of environment or configuration may be a word.
 fn value(form: Form, values: &[String]) -> String {
     let last = values.last().map_or("", String::as_str);
     let several =
         |one: fn(&str) -> String| format!("[{}]", values.iter().map(|v| one(v)).collect::<Vec<_>>().join(", "));
     match form {
+        Form::Flag if ["0", "n", "no", "f", "false", "off"].contains(&last.to_ascii_lowercase().as_str()) => {
+            "False".into()
+        }
         Form::Flag => "True".into(),
         Form::NumberOrFlag | Form::TextOrFlag if last.is_empty() => "True".into(),
         Form::Number | Form::NumberOrFlag => last.to_owned(),
@@ -187,9 +197,22 @@ fn tuple(value: &str) -> String {
     format!("({})", value.split(',').map(str::trim).collect::<Vec<_>>().join(", "))
 }
 
+/// The name of a file as a literal of Python, where bytes that are not UTF-8 are lone surrogates.
+fn path(name: &OsStr) -> String {
+    let of = |chunk: Utf8Chunk<'_>| {
+        let escaped: String = chunk.invalid().iter().map(|byte| format!("\\udc{byte:02x}")).collect();
+        escape(chunk.valid()) + &escaped
+    };
+    format!("\"{}\"", name.as_encoded_bytes().utf8_chunks().map(of).collect::<String>())
+}
+
 /// A text as a literal of Python, which has the escapes of Rust but for those of characters beyond ASCII.
 fn text(value: &str) -> String {
-    let escaped: String = value
+    format!("\"{}\"", escape(value))
+}
+
+fn escape(value: &str) -> String {
+    value
         .chars()
         .map(|c| match c {
             '\\' => "\\\\".into(),
@@ -197,15 +220,38 @@ fn text(value: &str) -> String {
             c if c.is_control() => format!("\\U{:08x}", u32::from(c)),
             c => c.to_string(),
         })
-        .collect();
-    format!("\"{escaped}\"")
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::given::GivenOption;
+    use crate::scene_args::SceneArgs;
+    use crate::view::REFUSED;
+    use crate::view::given::{GivenOption, OF_THE_PAGE};
+    use clap::{Args, Command};
     use halfline_viewer::{Mode, Pose};
+
+    #[test]
+    fn every_option_of_a_picture_is_known() {
+        let command = SceneArgs::augment_args(Command::new("view"));
+        let of_page = |id: &str| OF_THE_PAGE.contains(&id) || REFUSED.contains(&id);
+        let others = command.get_arguments().filter(|arg| arg.get_long().is_some() && !of_page(arg.get_id().as_str()));
+        let known: Vec<&str> = KEYWORDS.iter().chain(&MORE).map(|(id, ..)| *id).collect();
+        let unknown: Vec<&str> = others.map(|arg| arg.get_id().as_str()).filter(|id| !known.contains(id)).collect();
+        assert_eq!(unknown, ["dpi"], "it is no part of the pixels");
+        let ids: Vec<&str> = command.get_arguments().map(|arg| arg.get_id().as_str()).collect();
+        assert!(known.iter().all(|id| ids.contains(id)), "each is an option");
+    }
+
+    #[test]
+    fn bytes_of_names_are_surrogates() {
+        #[cfg(unix)]
+        {
+            use std::os::unix::ffi::OsStrExt;
+            assert_eq!(path(OsStr::from_bytes(b"a\"\xff\xc3\xa9\xc3.csv")), r#""a\"\udcffé\udcc3.csv""#);
+        }
+    }
 
     #[test]
     fn options_are_keywords() {
