@@ -155,7 +155,9 @@ impl Columns {
     /// # Errors
     /// Those of the selection, also for a column that was not kept.
     pub fn select(&self, selection: &Selection, spheres: &Spheres) -> Result<(Vec<bool>, Vec<String>)> {
-        let selected = select::mask(selection, &self.particles(spheres)?);
+        let mut particles = self.particles(spheres)?;
+        particles.add_lengths(&selection.columns())?;
+        let selected = select::mask(selection, &particles);
         let others = &self.others;
         let lost =
             || others.iter().find(|name| selection.columns().iter().any(|known| known.eq_ignore_ascii_case(name)));

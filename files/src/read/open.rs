@@ -36,7 +36,7 @@ pub(super) fn open(
         molecule::check(source.format, &request)?;
     }
     if has_any_columns(source.format) {
-        request.check_columns()?;
+        options.check_columns()?;
     }
     let said = source.said.take();
     let frames: Box<dyn ParticleFrames> = match source.format {

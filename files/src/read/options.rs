@@ -74,22 +74,19 @@ impl ReadOptions {
     }
 
     /// The columns that the reader must keep, as far as the file has them: those that are named, and the components of
-    /// velocities.
+    /// vectors whose length they may be.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
         let mut columns = self.named_columns();
         vectors::request(&mut columns);
+        if self.keep == Keep::All || self.survey.as_ref().is_some_and(Survey::is_counting) {
+            columns.push(EVERY.to_owned());
+        }
         columns
     }
 
     /// The columns that colours, selections and molecules name.
     pub(super) fn named_columns(&self) -> Vec<String> {
-        if self.survey.as_ref().is_some_and(Survey::is_counting) {
-            return vec![EVERY.to_owned()];
-        }
-        if self.keep == Keep::All {
-            return vec![EVERY.to_owned()];
-        }
         let mut columns: Vec<String> = self.style.columns().to_vec();
         if self.periodic == Periodic::Unwrap {
             let more = periodic::columns().filter(|name| !columns.iter().any(|known| known.eq_ignore_ascii_case(name)));
@@ -117,6 +114,20 @@ impl ReadOptions {
         columns
     }
 
+    /// Limits the columns of a format whose columns have any name.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for more.
+    pub(super) fn check_columns(&self) -> Result<()> {
+        const ASKED: usize = 64;
+        let count = self.named_columns().len();
+        if count > ASKED {
+            let problem = format!("colours and selections read {count} columns, more than {ASKED}");
+            return Err(Error::settings(problem, "use fewer columns"));
+        }
+        Ok(())
+    }
+
     /// What is known of a file's format before it is opened.
     pub(super) fn known_format(&self) -> KnownFormat {
         match self.format {
@@ -130,8 +141,10 @@ impl ReadOptions {
     pub(super) fn request(&self, format: Format) -> Request {
         use Format::{Gro, Mmcif, Pdb, Pdbqt, Pqr};
         let all = self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro);
+        let mut columns = self.columns();
+        columns.extend(all.then(|| EVERY.to_owned()));
         Request {
-            columns: if all { vec![EVERY.to_owned()] } else { self.columns() },
+            columns,
             columns_named: self.columns_named.clone(),
             strict: self.strict,
             skip_invalid: self.skip_invalid,

@@ -98,18 +98,20 @@ impl Particles {
         format.is_of_molecules() && !is_boxed && self.elements.iter().any(|number| *number != 0)
     }
 
-    /// Adds the length of the velocity under each of these names that means it and that no column has.
+    /// Adds the length of the vector that each of these names means, unless a column has the name.
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
     pub(in crate::read) fn add_lengths(&mut self, wanted: &[String]) -> Result<()> {
         for name in wanted {
-            let named: Vec<(&str, &[f64])> = self.columns.iter().map(Column::named).collect();
-            if !vectors::is_missing(name, &named) {
+            let numbers = self.columns.iter().filter(|column| !self.labels.contains_key(&column.name));
+            let named: Vec<(&str, &[f64])> = numbers.map(Column::named).collect();
+            if self.columns.iter().any(|column| column.name.eq_ignore_ascii_case(name)) {
                 continue;
             }
-            check(8 * self.positions.len() as u64, || format!("the column {name}"))?;
-            if let Some(values) = vectors::speed(&named) {
+            if let Some(parts) = vectors::parts(name, &named) {
+                check(8 * self.positions.len() as u64, || format!("the column {name}"))?;
+                let values = vectors::length(&parts);
                 self.columns.push(Column { name: name.clone(), values });
             }
         }
@@ -244,7 +246,9 @@ impl Particles {
         self.leave_sites_out(self.elements.iter().any(|code| infer::is_site(*code)));
         let columns = self.columns.iter().filter(|column| !["x", "y", "z"].contains(&column.name.as_str()));
         let named: Vec<(&str, &[f64])> = self.columns.iter().map(Column::named).collect();
-        let speed = vectors::speed(&named).filter(|_| vectors::is_missing(vectors::VELOCITY, &named));
+        let has_speed = named.iter().any(|(name, _)| name.eq_ignore_ascii_case(vectors::VELOCITY));
+        let speed = vectors::parts(vectors::VELOCITY, &named).filter(|_| !has_speed);
+        let speed = speed.map(|parts| vectors::length(&parts));
         let speed = speed.iter().map(|speed| (vectors::VELOCITY, &speed[..], false));
         counts.add(&Counted {
             positions: &self.positions,

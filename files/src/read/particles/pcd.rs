@@ -255,7 +255,8 @@ mod tests {
             assert_eq!(found.colors[1], [0.0, 1.0, 0.0]);
             let columns: Vec<_> =
                 found.columns.iter().map(|column| (column.name.as_str(), &column.values[..])).collect();
-            assert_eq!(columns, [("t", &[-3.0, 7.0][..]), ("n", &[5.0, 5.0])], "the length of a vector");
+            let vector = [("n_x", &[3.0, 3.0][..]), ("n_y", &[4.0, 4.0]), ("n", &[5.0, 5.0])];
+            assert_eq!(columns, [&[("t", &[-3.0, 7.0][..])][..], &vector].concat(), "a vector and its length");
             assert_eq!(found.skipped.kinds, [("point without coordinates", 1)]);
             let error = read(&bytes, true).map(drop).expect_err("strict").to_string();
             assert!(error.contains("point without coordinates"), "{error}");

@@ -42,19 +42,6 @@ impl Request {
     pub(super) fn any_model(&self) -> bool {
         self.model.is_none() && self.frames == FrameRange::first()
     }
-
-    /// Limits the columns of a format whose columns have any name.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for more.
-    pub(in crate::read) fn check_columns(&self) -> Result<()> {
-        const ASKED: usize = 64;
-        if self.columns.len() > ASKED {
-            let problem = format!("colours and selections read {} columns, more than {ASKED}", self.columns.len());
-            return Err(Error::settings(problem, "use fewer columns"));
-        }
-        Ok(())
-    }
 }
 
 /// Selection of alternate locations of atoms.

@@ -15,13 +15,13 @@ fn is_velocity(name: &str) -> bool {
     WORDS.iter().any(|word| word.eq_ignore_ascii_case(name))
 }
 
-/// Adds the columns that the velocity is made of to the requested ones, where its length is requested.
+/// Adds the columns whose length each of the requested ones may be.
 pub(in crate::read) fn request(wanted: &mut Vec<String>) {
-    if !wanted.iter().any(|name| is_velocity(name)) {
-        return;
-    }
+    let is_fast = wanted.iter().any(|name| is_velocity(name));
     let words = WORDS.iter().map(|word| (*word).to_owned());
-    for name in words.chain(sets().into_iter().flatten()) {
+    let of_velocity = words.chain(sets().into_iter().flatten()).filter(|_| is_fast);
+    let parts: Vec<String> = wanted.iter().flat_map(|name| [0, 1, 2].map(|k| component(name, k))).collect();
+    for name in of_velocity.chain(parts) {
         if !wanted.iter().any(|known| known.eq_ignore_ascii_case(&name)) {
             wanted.push(name);
         }
@@ -37,23 +37,26 @@ fn sets() -> [[String; 3]; 5] {
 /// A column by its name.
 pub(super) type Named<'a> = (&'a str, &'a [f64]);
 
-/// Whether a word means the length of the velocity, which is not the name of one of these columns.
-pub(super) fn is_missing(word: &str, columns: &[Named<'_>]) -> bool {
-    is_velocity(word) && !columns.iter().any(|(name, _)| name.eq_ignore_ascii_case(word))
-}
-
-/// The length of the velocity: a column of it, or of two or three components; `None` without.
-pub(super) fn speed(columns: &[Named<'_>]) -> Option<Vec<f64>> {
+/// The columns whose length a word that is no column means: the components of the vector of this name, and for the velocity
+/// those of any of its names, or its length by another name.
+pub(in crate::read) fn parts<'a>(word: &str, columns: &[Named<'a>]) -> Option<Vec<&'a [f64]>> {
     let find = |word: &str| columns.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, values)| *values);
+    if !is_velocity(word) {
+        let parts: Vec<&[f64]> = (0..).map_while(|k| find(&component(word, k))).collect();
+        return Some(parts).filter(|parts| parts.len() > 1);
+    }
     if let Some(values) = WORDS.iter().find_map(|word| find(word)) {
-        return Some(values.to_vec());
+        return Some(vec![values]);
     }
     let parts = |set: &[String; 3]| set.iter().filter_map(|name| find(name)).collect::<Vec<&[f64]>>();
-    sets().iter().map(parts).find(|parts| parts.len() > 1).map(|parts| length(&parts))
+    sets().iter().map(parts).find(|parts| parts.len() > 1)
 }
 
-/// The lengths of the vectors with these components.
+/// The lengths of the vectors with these components; of one column its values.
 pub(in crate::read) fn length(parts: &[&[f64]]) -> Vec<f64> {
+    if let [one] = parts {
+        return one.to_vec();
+    }
     let count = parts.first().map_or(0, |part| part.len());
     (0..count).into_par_iter().map(|n| parts.iter().map(|part| part[n].powi(2)).sum::<f64>().sqrt()).collect()
 }
@@ -110,7 +113,8 @@ mod tests {
             let mut wanted = names(&["Velocity"]);
             request(&mut wanted);
             assert!(parts.iter().all(|name| wanted.iter().any(|wanted| wanted == name)), "{wanted:?}");
-            assert!(is_missing("Velocity", &columns) && speed(&columns) == Some(vec![7.0]), "{parts:?}");
+            let speed = |columns: &[Named<'_>]| super::parts("Velocity", columns).map(|parts| length(&parts));
+            assert_eq!(speed(&columns), Some(vec![7.0]), "{parts:?}");
             assert_eq!(speed(&columns[..2]), Some(vec![13.0_f64.sqrt()]), "in a plane");
             for requested in [&names(&["Velocity"]), &names(&parts)] {
                 assert_eq!(title(requested, &names(&parts)), "|velocity|");
@@ -118,12 +122,20 @@ mod tests {
         }
         // A column of that name is what it says.
         let own = [("velocity", &[-1.0][..]), ("vx", &[2.0]), ("vy", &[2.0])];
-        assert!(!is_missing("velocity", &own));
         assert_eq!(title(&names(&["velocity"]), &names(&["velocity", "vx", "vy"])), "velocity");
-        assert_eq!(speed(&[("mass", &[1.0])]), None);
+        assert_eq!(parts("vel", &own), Some(vec![&[-1.0][..]]));
+        assert_eq!(parts("velocity", &[("mass", &[1.0])]), None);
         let mut wanted = names(&["mass"]);
         request(&mut wanted);
-        assert_eq!(wanted, ["mass"]);
+        assert_eq!(wanted, ["mass", "mass_x", "mass_y", "mass_z"]);
+    }
+
+    #[test]
+    fn a_vector_has_a_length_by_its_name() {
+        let columns = [("f_x", &[3.0][..]), ("F_y", &[4.0]), ("f_z", &[12.0]), ("g_x", &[1.0])];
+        assert_eq!(parts("f", &columns).map(|parts| length(&parts)), Some(vec![13.0]));
+        assert_eq!(parts("f", &columns[..2]).map(|parts| length(&parts)), Some(vec![5.0]));
+        assert_eq!((parts("g", &columns), parts("h", &columns)), (None, None));
     }
 
     #[test]
