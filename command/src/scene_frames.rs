@@ -258,7 +258,14 @@ impl AllFrames {
         let each = ReadOptions { frames: "1-".parse()?, ..options.clone() };
         let mut sequence = Sequence::open(args.path(), &each)?;
         let (mut all, mut known) = (Self::default(), HashSet::new());
-        while let Some(mut frame) = sequence.next_scene()? {
+        loop {
+            let mut frame = match sequence.next_scene() {
+                Ok(Some(frame)) => frame,
+                Ok(None) => break,
+                // A frame that is not shown may lack the columns of those that are.
+                Err(Error::Settings { .. }) if !options.frames.contains(sequence.passed()) => continue,
+                Err(error) => return Err(error),
+            };
             if frame.scene.spheres.is_empty() {
                 continue;
             }

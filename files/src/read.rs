@@ -46,7 +46,7 @@ pub use particles::periodic::Periodic;
 pub use particles::request::Altloc;
 pub use particles::survey::Survey;
 pub use select::selection::Selection;
-pub use sequence::{Mark, SceneFrame, Sequence};
+pub use sequence::{Mark, SceneFrame, Sequence, all_clipped};
 pub use skipped::Skipped;
 pub use stream::SphereBlocks;
 pub use style::Style;

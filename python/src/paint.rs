@@ -60,8 +60,8 @@ impl Paint {
             Some(legend) if legend.is_scale() => Some(Legend { overrides, ..legend.clone() }),
             Some(legend) => {
                 let categories: Vec<Category> = legend.categories.iter().filter(stays).cloned().collect();
-                // As the reader has it: a column without categories has no legend, and elements have theirs.
-                match categories.is_empty() && legend.name != "element" {
+                // As the reader has it: without categories the legend is that of the selections.
+                match categories.is_empty() {
                     true => Some(Legend::of_selections(overrides)),
                     false => Some(Legend { categories, overrides, ..legend.clone() }),
                 }

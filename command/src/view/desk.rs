@@ -115,8 +115,8 @@ impl Desk {
     fn read_first(&self, mut frames: Frames, args: &SceneArgs) -> Result<(Frames, Value, Option<CameraRecord>, u64)> {
         let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let first = self.given.frame.unwrap_or(1);
-        let held = frames.held_camera()?;
-        let (picture, pose) = first_picture(args, without_columns(frames.get(1)?), record.as_ref(), held)?;
+        let held = frames.held_camera(first)?;
+        let (picture, pose) = first_picture(args, without_columns(frames.framed(first)?), record.as_ref(), held)?;
         let mut summary = summary::of(&self.given.scene, frames.get(first)?, &picture, &pose)?;
         summary["format"] = json!(frames.format.map(Format::name));
         summary["sized"] = json!(args.image.size.is_some() || record.is_some());
@@ -132,8 +132,8 @@ impl Desk {
         let mut options = self.given.initial();
         options.push(GivenOption::new("size", Some(format!("{width}x{height}").into())));
         let args = book.parser.args(&self.given.words(&options))?;
-        let held = book.plain.held_camera()?;
-        let frame = without_columns(book.plain.get(1)?);
+        let held = book.plain.held_camera(book.first)?;
+        let frame = without_columns(book.plain.framed(book.first)?);
         first_picture(&args, frame, book.record.as_ref(), held).map(|(_, pose)| pose)
     }
 

@@ -58,15 +58,28 @@ impl Frames {
         self.words == words
     }
 
-    /// The camera of all frames, with `--hold all`.
+    /// The camera of all frames, with `--hold all`; see [`Self::framed`] for `first`.
     ///
     /// # Errors
     /// Those of reading.
-    pub(super) fn held_camera(&mut self) -> Result<Option<Camera>> {
+    pub(super) fn held_camera(&mut self, first: u64) -> Result<Option<Camera>> {
         if self.passed == 0 {
-            self.read(1)?;
+            self.framed(first)?;
         }
         Ok(self.held)
+    }
+
+    /// The frame whose camera all have: the first one of the file, unless it lacks a column that frame `first`, with which the
+    /// page begins, may have.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub(super) fn framed(&mut self, first: u64) -> Result<&mut SceneFrame> {
+        let number = match self.get(1) {
+            Err(Error::Settings { .. }) => first,
+            frame => frame.map(|_| 1)?,
+        };
+        self.get(number)
     }
 
     /// Frame `number` of the file, from 1.
@@ -107,7 +120,12 @@ impl Frames {
             }
         };
         loop {
-            let Some(mut frame) = reading.next_scene()? else {
+            let next = match reading.next_scene() {
+                // It lacks the columns that the wanted one may have.
+                Err(Error::Settings { .. }) if reading.passed() < number => continue,
+                next => next?,
+            };
+            let Some(mut frame) = next else {
                 if self.passed == 0 {
                     return Err(reading.nothing());
                 }

@@ -15,7 +15,7 @@ use super::select::{self, Note};
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::sphere_lights::SphereLights;
-use super::style::{Coloring, no_selections};
+use super::style::{Coloring, Whole, no_selections};
 use super::{native, nff};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -42,7 +42,8 @@ pub struct Sequence {
     passed: u64,
     /// The files that the scene file refers to, and the topology.
     files: Vec<PathBuf>,
-    /// Whether the following frames are held to one that was read.
+    /// Whether the following frames are held to one that was read: to its radius, and to its colours.
+    holds_radius: bool,
     holds: bool,
     /// What the reader said about a frame that is not selected.
     said: Vec<String>,
@@ -82,6 +83,8 @@ pub struct SceneFrame {
     /// Whether it is of atoms without a box around them, whose default camera is that of their principal axes: of a format
     /// of molecules ([`Format::is_of_molecules`]), with an element; of XYZ only without a cell.
     pub is_molecule: bool,
+    /// The number of the last spheres of the scene that are beads along the edges of a cell.
+    pub beads: usize,
     /// The spheres of each of [`ReadOptions::marks`].
     pub marks: Vec<Mark>,
 }
@@ -95,6 +98,13 @@ pub struct Mark {
     pub spheres: Spheres,
     /// What its evaluation said, such as which values the file has instead.
     pub notes: Vec<String>,
+}
+
+/// The words for clip planes that leave none of so many spheres.
+#[must_use]
+pub fn all_clipped(spheres: u64) -> String {
+    // Marked as the names of `quote::setting` are.
+    format!("`\u{2060}clip` removes all {} of the file", count(spheres, "sphere"))
 }
 
 /// The marks of spheres by their masks.
@@ -124,11 +134,12 @@ impl SceneFrame {
             instances: None,
             when: FrameTime::default(),
             is_molecule: false,
+            beads: 0,
             marks: Vec::new(),
         }
     }
 
-    /// Arranges the spheres, and with them their columns and the lights that are spheres.
+    /// Arranges the spheres, and with them their columns and the lights that are spheres. Says so where clip planes remove all.
     ///
     /// # Errors
     /// Those of [`Arrangement::apply`].
@@ -138,12 +149,19 @@ impl SceneFrame {
         }
         let lights = SphereLights::of(&self.scene);
         let (spheres, cell) = (&mut self.scene.spheres, self.cell.as_ref());
-        let rows = (!self.columns.is_empty()).then(|| arrangement.rows(spheres, cell, watch)).transpose()?;
+        // The beads of an outline are no spheres of the file.
+        let alone = Arrangement { outline: None, ..arrangement.clone() };
+        if alone.leaves_nothing(spheres, cell, watch)? {
+            self.skipped.assumed.push(all_clipped(spheres.len() as u64));
+        }
+        let needs_rows = !self.columns.is_empty() || arrangement.outline.is_some();
+        let rows = needs_rows.then(|| arrangement.rows(spheres, cell, watch)).transpose()?;
         arrangement.apply(spheres, cell, watch)?;
         lights.follow(&mut self.scene);
         let spheres = &self.scene.spheres;
         if let Some(rows) = rows {
-            self.columns = self.columns.rearranged(&rows, spheres.len().saturating_sub(rows.len()))?;
+            self.beads = spheres.len().saturating_sub(rows.len());
+            self.columns = self.columns.rearranged(&rows, self.beads)?;
         }
         Ok(())
     }
@@ -205,7 +223,13 @@ impl Sequence {
             }
         };
         let (path, options) = (path.to_path_buf(), options.clone());
-        Ok(Self { path, options, format, state, passed: 0, files, holds: false, said: Vec::new() })
+        Ok(Self { path, options, format, state, passed: 0, files, holds_radius: false, holds: false, said: Vec::new() })
+    }
+
+    /// The number of frames that were read or passed over.
+    #[must_use]
+    pub fn passed(&self) -> u64 {
+        self.passed
     }
 
     /// Its format.
@@ -240,8 +264,16 @@ impl Sequence {
                 continue;
             }
             let number = self.passed;
-            let said = particles.skipped.assumed.clone();
-            let frame = self.dress(particles, number)?;
+            let mut said = particles.skipped.assumed.clone();
+            let frame = match self.dress(particles, number) {
+                // The frames that are selected need not lack what this one does.
+                Err(Error::Settings { problem, .. } | Error::Scene { problem, .. }) => {
+                    said.push(format!("frame {number} is not what the others are held to: {problem}"));
+                    self.said.extend(said);
+                    continue;
+                }
+                dressed => dressed?,
+            };
             if !frame.scene.spheres.is_empty() {
                 self.said.extend(said);
                 return Ok(Some(frame));
@@ -263,16 +295,20 @@ impl Sequence {
             particles.lighten(&colors);
             particles.skipped.assumed.extend(colors.said());
         }
+        let whole = self.options.style.whole(&particles);
+        let hold = self.options.hold;
+        if hold != Hold::None && !self.holds_radius && !particles.positions.is_empty() {
+            self.holds_radius = true;
+            self.options.style.default_radius = whole.radius;
+        }
         let notes = select::apply(&self.options.selections(), &mut particles)?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         if !particles.placed.is_empty() {
-            return self.dress_placed(particles, number, &file);
+            return self.dress_placed(particles, whole, number, &file);
         }
         let columns = self.columns(&mut particles)?;
-        let spacing = self.options.style.spacing_of(&particles);
         let masks = std::mem::take(&mut particles.marks);
-        let (spheres, mut skipped, legend) = self.options.style.dress(particles, &file)?;
-        let hold = self.options.hold;
+        let (spheres, mut skipped, legend) = self.options.style.dress(particles, whole, &file)?;
         if hold != Hold::None && !self.holds && !spheres.is_empty() {
             self.holds = true;
             let (frames, flat) = (&self.options.frames, legend.as_ref().filter(|legend| legend.is_flat()));
@@ -286,7 +322,7 @@ impl Sequence {
                 let said_of_film = if frames.contains(number) { &mut skipped.assumed } else { &mut self.said };
                 said_of_film.push(said);
             }
-            self.options.style.hold(spacing, legend.as_ref(), hold == Hold::First);
+            self.options.style.hold(legend.as_ref(), hold == Hold::First);
         }
         self.options.watch.check()?;
         let marks = marks(&self.options, masks, &spheres);
@@ -316,9 +352,9 @@ impl Sequence {
     }
 
     /// The same for particles with copies, which are one frame.
-    fn dress_placed(&self, particles: Particles, number: u64, file: &Place) -> Result<SceneFrame> {
+    fn dress_placed(&self, particles: Particles, whole: Whole, number: u64, file: &Place) -> Result<SceneFrame> {
         let (when, is_molecule) = (particles.when, particles.are_molecule(self.format));
-        let (instances, skipped, legend) = self.options.style.dress_placed(particles, file)?;
+        let (instances, skipped, legend) = self.options.style.dress_placed(particles, whole, file)?;
         let mut scene = Scene {
             camera: Camera::CANONICAL,
             image: ImagePlane::default(),

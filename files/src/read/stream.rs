@@ -12,7 +12,7 @@ use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, Style, joined_elements, no_selections};
+use super::style::{Coloring, Style, Whole, joined_elements, no_selections};
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -44,8 +44,9 @@ pub struct SphereBlocks {
     file: Place,
     /// What the colours of the file have in common; of a file that is read once, those so far.
     colors: Option<ColorSurvey>,
-    /// Particles so far.
+    /// Particles so far, and those that are selected.
     count: u64,
+    left: u64,
     skipped: Skipped,
     /// What was said of parts, without numbers.
     said: BTreeSet<String>,
@@ -119,6 +120,7 @@ impl SphereBlocks {
             file,
             colors,
             count: 0,
+            left: 0,
             skipped: Skipped::default(),
             said: BTreeSet::new(),
             notes: Notes::default(),
@@ -194,6 +196,12 @@ impl SphereBlocks {
         &self.skipped
     }
 
+    /// The number of spheres so far.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.left
+    }
+
     /// The range of the numbers that give the colours, as in memory; complete after the last block of [`Self::survey`]. `None`
     /// where no number is finite, and for a range that is given.
     #[must_use]
@@ -228,6 +236,7 @@ impl SphereBlocks {
             self.options.style.restyle(&mut spheres)?;
             let masks = select::marks_of(&self.options.marks, self.count, &spheres)?;
             self.count += count as u64;
+            self.left += count as u64;
             self.mark(masks, &spheres);
             return Ok(spheres);
         }
@@ -244,19 +253,25 @@ impl SphereBlocks {
         let size = part.positions.len();
         part.before = self.count;
         self.count += size as u64;
+        let style = &self.options.style;
+        // As in memory, where one atom with an element is enough for all to have the radius of theirs.
+        let whole = style.whole(&part);
+        let whole = Whole { radius: whole.radius.filter(|_| !self.has_elements) };
         self.notes.join(select::apply(&self.options.selections(), &mut part)?);
         let left = part.positions.len();
+        self.left += left as u64;
         if left == 0 {
             return Ok(Spheres::default());
         }
-        if self.options.style.default_radius.is_none() && self.options.style.spacing_of(&part).is_some() {
+        let lacks_radius = || (0..left).any(|n| !part.is_sized(n));
+        if style.default_radius.is_none() && whole.radius.is_some() && lacks_radius() {
             let problem = "the file has no radii, and half the mean spacing needs all particles";
             return Err(Error::settings(problem, format!("add {RADIUS}, or remove {STREAM}")));
         }
         let masks = std::mem::take(&mut part.marks);
         let painted = self.options.style.painted(&part);
         self.painted.iter_mut().zip(painted).for_each(|(all, more)| *all += more);
-        let (mut spheres, skipped, legend) = self.options.style.dress_part(part, &self.file)?;
+        let (mut spheres, skipped, legend) = self.options.style.dress_part(part, whole, &self.file)?;
         if self.surveys {
             spheres.colors = None;
             self.see(legend.as_ref())?;

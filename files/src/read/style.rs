@@ -120,6 +120,13 @@ pub enum Coloring {
 /// Linear RGB of each particle.
 type Colors = Vec<[f32; 3]>;
 
+/// What a style takes from all particles of a frame, so that the spheres that are drawn do not depend on which others are.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Whole {
+    /// The radius before it is scaled, where the file has neither radii nor elements.
+    pub(super) radius: Option<f64>,
+}
+
 /// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
 const UNKNOWN_RADIUS: f64 = 1.6;
 
@@ -168,13 +175,18 @@ impl Style {
         }
     }
 
-    /// Turns particles into spheres. Assumptions are added to what was skipped.
+    /// Turns particles into spheres. Assumptions are added to what was skipped. `whole` is of all particles of the frame.
     ///
     /// # Errors
     /// [`Error::Scene`] for an invalid sphere, [`Error::Settings`] for a missing column, [`Error::Limits`].
-    pub(super) fn dress(&self, particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
+    pub(super) fn dress(
+        &self,
+        particles: Particles,
+        whole: Whole,
+        file: &Place,
+    ) -> Result<(Spheres, Skipped, Option<Legend>)> {
         let painted = self.painted(&particles);
-        let (spheres, skipped, legend) = self.dress_part(particles, file)?;
+        let (spheres, skipped, legend) = self.dress_part(particles, whole, file)?;
         Ok((spheres, skipped, self.with_overrides(legend, &painted)))
     }
 
@@ -185,12 +197,13 @@ impl Style {
     pub(super) fn dress_part(
         &self,
         mut particles: Particles,
+        whole: Whole,
         file: &Place,
     ) -> Result<(Spheres, Skipped, Option<Legend>)> {
         check_spheres(particles.positions.len() as u64, true)?;
         let mut skipped = std::mem::take(&mut particles.skipped);
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
-        let mut radii = self.radii_of(&particles, &mut skipped)?;
+        let mut radii = self.radii_of(&particles, whole, &mut skipped);
         self.apply_rules(&particles, &mut colors, &mut radii);
         let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (std::mem::take(&mut particles.positions).into(), colors.map(Into::into));
@@ -209,16 +222,16 @@ impl Style {
         self.radius.is_none() && self.radius_scale == 1.0 && !particles.radii.is_empty() && particles.size.is_empty()
     }
 
-    /// Half the mean spacing, where it is the radius of these particles.
-    pub(super) fn spacing_of(&self, particles: &Particles) -> Option<f64> {
-        let elements = particles.elements.iter().any(|number| *number != 0);
-        let is_used = self.radius.is_none() && particles.radii.is_empty() && !elements;
-        is_used.then(|| spacing(&particles.positions) / 2.0)
+    /// What it takes from all particles of a frame, before some are selected.
+    pub(super) fn whole(&self, particles: &Particles) -> Whole {
+        let has_elements = particles.elements.iter().any(|number| *number != 0);
+        let is_spaced = self.radius.is_none() && particles.radii.is_empty() && !has_elements;
+        let radius = || self.default_radius.unwrap_or_else(|| spacing(&particles.positions) / 2.0);
+        Whole { radius: is_spaced.then(radius) }
     }
 
-    /// Takes the radius, the names and, if `ranges`, the range of colours of this frame for the following ones.
-    pub(super) fn hold(&mut self, spacing: Option<f64>, legend: Option<&Legend>, ranges: bool) {
-        self.default_radius = self.default_radius.or(spacing);
+    /// Takes the names and, if `ranges`, the range of colours of this frame for the following ones.
+    pub(super) fn hold(&mut self, legend: Option<&Legend>, ranges: bool) {
         let (Coloring::Column(scale), Some(legend)) = (&mut self.coloring, legend) else { return };
         if scale.names.is_empty() {
             scale.names.clone_from(&legend.names);
@@ -261,44 +274,49 @@ impl Style {
         let rows = self.paints.iter().zip(painted.iter().copied()).filter(|(_, count)| *count > 0);
         let overrides: Vec<Category> = rows.map(row).collect();
         match legend {
-            Some(legend) => Some(Legend { overrides, ..legend }),
-            None if overrides.is_empty() => None,
-            None => Some(Legend::of_selections(overrides)),
+            Some(legend) if overrides.is_empty() => Some(legend),
+            // Where all have the colours of selections, elements are no heading.
+            Some(legend) if legend.is_scale() || !legend.categories.is_empty() => Some(Legend { overrides, ..legend }),
+            _ if overrides.is_empty() => None,
+            _ => Some(Legend::of_selections(overrides)),
         }
     }
 
-    fn radii_of(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Vec<f64>> {
+    /// The radii without those of rules. Nothing is said about particles that a rule gives their radius.
+    fn radii_of(&self, particles: &Particles, whole: Whole, skipped: &mut Skipped) -> Vec<f64> {
         let (n, scale) = (particles.positions.len(), self.radius_scale);
         if let Some(radius) = self.radius {
-            return Ok(vec![radius * scale; n]);
+            return vec![radius * scale; n];
         }
+        let count = |lacks: &(dyn Fn(usize) -> bool + Sync)| {
+            (0..n).into_par_iter().filter(|n| !particles.is_sized(*n) && lacks(*n)).count()
+        };
         if !particles.radii.is_empty() {
-            let missing = particles.radii.par_iter().filter(|radius| radius.is_nan()).count();
-            if missing == 0 {
-                return Ok(particles.radii.par_iter().map(|radius| radius * scale).collect());
+            let missing = count(&|n| particles.radii[n].is_nan());
+            if missing > 0 {
+                skipped.assumed.push(format!(
+                    "{missing} of {n} particles have no radius in the file, so the radius of their element is used, or {UNKNOWN_RADIUS}"
+                ));
             }
-            skipped.assumed.push(format!(
-                "{missing} of {n} particles have no radius in the file, so the radius of their element is used, or {UNKNOWN_RADIUS}"
-            ));
             let own = |n: usize| particles.elements.get(n).map_or(UNKNOWN_RADIUS, |number| self.radii.radius(*number));
             let radius = |(n, radius): (usize, &f64)| {
                 if radius.is_nan() { own(n) } else { *radius }
             };
-            return Ok(particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect());
+            return particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect();
         }
-        if let Some(spacing) = self.spacing_of(particles) {
-            let radius = self.default_radius.unwrap_or(spacing);
-            if n > 0 {
-                let particles = if n == 1 { "particle has" } else { "particles have" };
+        if let Some(radius) = whole.radius {
+            let missing = count(&|_| true);
+            if missing > 0 {
+                let particles = if missing == 1 { "particle has" } else { "particles have" };
                 skipped.assumed.push(format!(
-                    "{n} {particles} no radius, so half the mean spacing is used, {}; use {RADIUS} to set another",
+                    "{missing} {particles} no radius, so half the mean spacing is used, {}; use {RADIUS} to set another",
                     number(radius, 4)
                 ));
             }
-            return Ok(vec![radius * scale; n]);
+            return vec![radius * scale; n];
         }
-        let known = |number: &u8| element(*number).and_then(|element| self.radii.of(element));
-        let missing = particles.elements.par_iter().filter(|number| known(number).is_none()).count();
+        let known = |number: u8| element(number).and_then(|element| self.radii.of(element));
+        let missing = count(&|n| known(particles.elements[n]).is_none());
         if missing > 0 {
             let names: Vec<String> = particles.unknown.iter().map(|(name, n)| format!("{n} {}", quote(name))).collect();
             let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
@@ -307,7 +325,7 @@ impl Style {
                 self.radii.name()
             ));
         }
-        Ok(particles.elements.par_iter().map(|number| self.radii.radius(*number) * scale).collect())
+        particles.elements.par_iter().map(|number| self.radii.radius(*number) * scale).collect()
     }
 
     /// Takes the file's colours where the style uses them.
@@ -381,7 +399,7 @@ mod tests {
         let mut p = particles(5);
         let radii = |style: &Style, p: &Particles| {
             let mut skipped = Skipped::default();
-            (style.radii_of(p, &mut skipped).expect("radii"), skipped.assumed.len())
+            (style.radii_of(p, style.whole(p), &mut skipped), skipped.assumed.len())
         };
         let style = Style::default();
         let (spaced, warned) = radii(&style, &p);

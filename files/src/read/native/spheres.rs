@@ -124,9 +124,10 @@ impl NamedSpheres {
         let Some(mut particles) = frames.next()? else {
             return Err(Error::scene(Place::file(name), "the file has no frame", "use a file with particles"));
         };
+        let whole = options.style.whole(&particles);
         let notes = apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
-        let (part, skipped, _) = options.style.dress(particles, &Place::file(name))?;
+        let (part, skipped, _) = options.style.dress(particles, whole, &Place::file(name))?;
         append(spheres, &part)?;
         Ok(skipped.warnings())
     }

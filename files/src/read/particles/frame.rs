@@ -309,6 +309,11 @@ impl Particles {
         reading || self.labels.contains_key(name)
     }
 
+    /// Whether a rule gives particle `n` its radius.
+    pub(in crate::read) fn is_sized(&self, n: usize) -> bool {
+        self.size.get(n).is_some_and(|rule| *rule != 0)
+    }
+
     /// The index of particle `n` in the file.
     pub(in crate::read) fn index(&self, n: usize) -> u64 {
         self.before + self.places.get(n).map_or(n as u64, |place| u64::from(*place))
