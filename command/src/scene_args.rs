@@ -19,6 +19,8 @@ use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, FileLook, Search, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
+use halfline_files::parts;
+use halfline_files::read::Sequence;
 use halfline_files::write::file::{Target, is_standard_output};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -155,6 +157,14 @@ impl SceneArgs {
         self.expected() > 1
     }
 
+    /// The number of frames of the file; `None` where they cannot be counted.
+    pub(super) fn frames_of_file(&self) -> Option<u64> {
+        let path = self.scene.as_deref().filter(|path| *path != Path::new("-"))?;
+        let mut sequence = Sequence::open(path, &self.read.options()).ok()?;
+        while sequence.pass().ok()? {}
+        Some(sequence.passed())
+    }
+
     /// The number of pictures by the arguments alone: the selected frames, the turns, or one. The file may have fewer frames.
     pub(super) fn expected(&self) -> u32 {
         match (&self.read.frames, self.camera.turns()) {
@@ -221,10 +231,12 @@ impl SceneArgs {
             .map(|target| target.memory(columns, scene.lighting.lights.len()))
             .fold(0, u64::saturating_add);
         let own = Settings { window, reserve, ..picture.look.settings(settings) };
-        Ok(match &picture.seen {
-            Some(seen) if is_typed("--seed") => Settings { window: Some(seen.window), ..own },
-            Some(seen) => Settings { window: Some(seen.window), seed: seen.seed, ..own },
-            None => own,
+        let Some(seen) = &picture.seen else { return Ok(own) };
+        Ok(Settings {
+            window: Some(seen.window),
+            seed: if is_typed("--seed") { own.seed } else { seen.seed },
+            tolerance: if is_typed("--tolerance") { own.tolerance } else { parts::tolerance(seen)? },
+            ..own
         })
     }
 

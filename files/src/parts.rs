@@ -8,13 +8,23 @@ use crate::write::npz::{self, write_archive};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::array::{Array, Values};
 use halfline::memory::check;
-use halfline::render::stream::Part;
+use halfline::render::stream::{Part, Seen};
+use halfline::settings::Tolerance;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
 /// The remedy for files that hold no part.
 const MEND: &str = "use a file of halfline sift, or of Part.save in Python";
+
+/// The tolerance of a frame of a part for which none is asked: that which the part was made for. The default is none, since with one
+/// that is asked for accuracy `auto` may take a method.
+///
+/// # Errors
+/// [`Error::Settings`] for a number that no part has.
+pub fn tolerance(seen: &Seen) -> Result<Option<Tolerance>> {
+    Ok(Some(Tolerance::new(seen.tolerance)?).filter(|tolerance| *tolerance != Tolerance::default()))
+}
 
 /// Reads the part in a file.
 ///

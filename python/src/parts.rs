@@ -109,7 +109,8 @@ impl Part {
         }
         // 0 is the default of the keyword.
         let seed = if settings.seed == 0 { seen.seed } else { settings.seed };
-        Ok(Settings { seed, window: settings.window.or(Some(seen.window)), ..settings })
+        let tolerance = settings.tolerance.or(parts::tolerance(seen)?);
+        Ok(Settings { seed, tolerance, window: settings.window.or(Some(seen.window)), ..settings })
     }
 }
 

@@ -40,7 +40,7 @@ fn dir() -> TestDir {
 }
 
 fn outputs(name: &str) -> String {
-    let aovs = ["id", "distance", "normal", "certainty"].map(|aov| format!(" --aov {aov}={name}-{aov}.npy"));
+    let aovs = ["id", "distance", "normal", "certainty", "bound"].map(|aov| format!(" --aov {aov}={name}-{aov}.npy"));
     format!("-o {name}.png {}", aovs.concat())
 }
 
@@ -50,6 +50,7 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
     for (ending, seen, drawn) in [
         ("npy", CAMERA.to_owned(), ""),
         ("npy", format!("{CAMERA} --samples 16 --seed 3"), ""),
+        ("npy", format!("{CAMERA} --tolerance 1e-3"), ""),
         ("npy", CAMERA.replace("64x48", "200x150"), "--label {count}"),
         (
             "npy",
@@ -69,7 +70,27 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
             let other = name.replacen("whole", "parts", 1);
             assert!(files[&other] == *bytes, "{seen} {drawn}: {other} differs from {name}");
         }
-        assert_eq!(files.keys().filter(|name| name.starts_with("parts")).count(), 5);
+        assert_eq!(files.keys().filter(|name| name.starts_with("parts")).count(), 6);
+    }
+}
+
+/// Of few spheres `auto` may take a method, where a tolerance is asked for.
+#[test]
+fn the_tolerance_is_that_of_the_parts() {
+    let dir = dir();
+    dir.put("few.csv", "x,y,z,radius\n0,0,0,0.5\n0.3,0,0,0.4\n-0.6,0.2,0.1,0.3\n");
+    let outputs =
+        |name: &str| ["bound", "certainty", "distance"].map(|aov| format!(" --aov {aov}={name}-{aov}.npy")).concat();
+    for tolerance in ["", "--tolerance 1e-3", "--tolerance 3e-9"] {
+        for file in ["few.csv", "1.npy"] {
+            dir.good(&format!("sift {file} --first-id 0 {CAMERA} {tolerance} -o part.npz"));
+            dir.render(&format!("{file} --look plain {CAMERA} {tolerance} {}", outputs("whole")));
+            dir.render(&format!("--visible part.npz {}", outputs("parts")));
+            for aov in ["bound", "certainty", "distance"] {
+                let [whole, parts] = ["whole", "parts"].map(|name| dir.get(&format!("{name}-{aov}.npy")));
+                assert!(whole == parts, "{file} {tolerance}: {aov}");
+            }
+        }
     }
 }
 
