@@ -2,6 +2,7 @@
 
 use super::clash::{place, written_twice};
 use super::film::{FPS, Film};
+use super::messages::warn;
 use super::names::{check_pattern, numbered};
 use super::process::is_typed;
 use super::values::{color, positive};
@@ -22,7 +23,7 @@ type AovArgument = (Vec<Aov>, Option<PathBuf>);
 #[command(next_help_heading = "Output")]
 pub(super) struct FileArgs {
     /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw; - is a PNG on standard output. For several pictures
-    /// %d or %04d is replaced by the number, or .mp4 or .gif is a film of them, made by ffmpeg.
+    /// %d or %04d is replaced by the number, and %% beside it by %, or .mp4 or .gif is a film of them, made by ffmpeg.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Pictures per second of a film [default: 25].
@@ -106,15 +107,24 @@ impl FileArgs {
         Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"))
     }
 
+    /// Warns of a --transparent of the command line that none of the files shows.
+    pub(super) fn check_transparent(&self, targets: &[Target]) {
+        let shows = |target: &Target| target.aovs().contains(&Aov::Alpha);
+        if is_typed("--transparent") && !targets.is_empty() && !targets.iter().any(shows) {
+            warn(["--transparent: no file has the alpha of the picture; .png, .exr and .npz store it"]);
+        }
+    }
+
     /// The film that -o names.
     pub(super) fn film(&self) -> Option<Film<'_>> {
         self.output.as_deref().and_then(|path| Film::of(path, self.fps.unwrap_or(FPS)))
     }
 
     /// Returns an error for options that make no film, and for --fps without one.
-    pub(super) fn check_film(&self, is_many: bool, resume: bool) -> Result<()> {
+    /// `frames` counts those of the file.
+    pub(super) fn check_film(&self, is_many: bool, resume: bool, frames: impl FnOnce() -> Option<u64>) -> Result<()> {
         if let Some(film) = self.film() {
-            return film.check(is_many, self.transparent, resume);
+            return film.check(is_many, self.transparent, resume, frames);
         }
         if self.fps.is_none() {
             return Ok(());

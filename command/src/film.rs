@@ -81,15 +81,32 @@ impl<'a> Film<'a> {
     }
 
     /// Returns an error for options that make no film, and where ffmpeg is missing.
-    pub(super) fn check(&self, is_many: bool, is_transparent: bool, resume: bool) -> Result<()> {
+    /// `frames` counts those of the file.
+    pub(super) fn check(
+        &self,
+        is_many: bool,
+        is_transparent: bool,
+        resume: bool,
+        frames: impl FnOnce() -> Option<u64>,
+    ) -> Result<()> {
         let name = self.path.display();
         let refuse = |problem: String, mend: &str| Err(Error::settings(problem, mend));
         if check_pattern(self.path).is_ok() {
             return refuse(format!("{name} is one film, not a file for each picture"), "use a name without %d");
         }
         if !is_many {
-            let mend = "use .png for a picture, or --frames A-B, --spin N or --cameras FILE for a film";
-            return refuse(format!("{name} is a film, but there is one picture"), mend);
+            let problem = format!("{name} is a film, but there is one picture");
+            return match frames().filter(|frames| *frames > 1) {
+                Some(frames) => refuse(
+                    format!("{problem}, of the {frames} frames of the file"),
+                    &format!(
+                        "use --frames 1-{frames} for a film of them, --spin N or --cameras FILE, or .png for a picture"
+                    ),
+                ),
+                None => {
+                    refuse(problem, "use .png for a picture, or --frames A-B, --spin N or --cameras FILE for a film")
+                }
+            };
         }
         if resume {
             let stem = self.path.with_extension("%04d.png");
@@ -104,9 +121,14 @@ impl<'a> Film<'a> {
         if env::split_paths(&folders).any(|folder| folder.join(&program).is_file()) {
             return Ok(());
         }
-        let pictures = self.path.with_extension("%04d.png");
-        let mend = format!("install it, or use -o {} and where ffmpeg is: {}", pictures.display(), self.line());
+        let mend = format!("install it, or {}", self.of_pictures());
         refuse(format!("{name} needs the program ffmpeg, and no folder of PATH has it"), &mend)
+    }
+
+    /// How it is made of pictures in files, as a mend.
+    pub(super) fn of_pictures(&self) -> String {
+        let pictures = self.path.with_extension("%04d.png");
+        format!("use -o {} and where ffmpeg is: {}", pictures.display(), self.line())
     }
 
     /// The line that makes the film of its pictures as files.

@@ -48,6 +48,9 @@ impl InsetArgs {
             let what = "--legend-in, --label and --scale-bar";
             Err(Error::settings(format!("{what} {problem}"), mend))
         };
+        if let Some(film) = files.film() {
+            return refuse("are drawn into pictures, not into films", &film.of_pictures());
+        }
         if is_part {
             return refuse("are drawn into whole pictures, because parts would not merge", "remove --crop or --tile");
         }
@@ -106,7 +109,7 @@ fn values(file: &Path, picture: &PictureScene) -> LabelValues {
     LabelValues {
         frame: picture.number,
         file: Some(name.to_string_lossy().into_owned()),
-        count: picture.ids.as_ref().map_or(picture.scene.spheres.len(), |ids| ids.count as usize),
+        count: picture.ids.as_ref().map_or(picture.scene.spheres.len() - picture.beads, |ids| ids.count as usize),
         time: picture.when.time,
         step: picture.when.step,
     }

@@ -26,19 +26,28 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     Ok(())
 }
 
-/// Returns an error where a legend is requested and there is none to show.
+/// Warns where a legend is requested and the colours have no values to show.
 ///
 /// # Errors
 /// [`Error::Settings`] for spheres without elements, a column and colours of selections.
-pub(super) fn check_content(args: &SceneArgs, picture: &PictureScene) -> Result<()> {
-    let is_requested = args.insets.legend_in.is_some() || args.color.legend.is_some();
-    if !is_requested || args.color.color_by.is_some() || picture.legend.is_some() || picture.scene.spheres.is_empty() {
+pub(super) fn check_content(args: &SceneArgs, picture: &mut PictureScene) -> Result<()> {
+    let asked = [("--legend-in", args.insets.legend_in.is_some()), ("--legend", args.color.legend.is_some())];
+    let Some((option, _)) = asked.into_iter().find(|(_, is_asked)| *is_asked) else { return Ok(()) };
+    if picture.legend.is_some() {
         return Ok(());
     }
-    let option = if args.insets.legend_in.is_some() { "--legend-in" } else { "--legend" };
-    let problem = format!("{option}: the spheres have neither elements nor a column that gives them their colours");
-    let mend = "add --color-by COLUMN, or --color 'EXPR=COLOR' for a row, or remove it";
-    Err(Error::settings(problem, mend))
+    let why = match &args.color.color_by {
+        _ if picture.scene.spheres.is_empty() => "there are no spheres".to_owned(),
+        Some(column) => format!("no value of {column} is a number; --range LOW,HIGH gives a legend its ends"),
+        None => {
+            let problem =
+                format!("{option}: the spheres have neither elements nor a column that gives them their colours");
+            let mend = "add --color-by COLUMN, or --color 'EXPR=COLOR' for a row, or remove it";
+            return Err(Error::settings(problem, mend));
+        }
+    };
+    picture.skipped.assumed.push(format!("{option}: there is no legend, because {why}"));
+    Ok(())
 }
 
 /// The legend's file for picture `number`, if one is requested and can be written.

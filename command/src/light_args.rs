@@ -69,6 +69,8 @@ pub(super) struct PictureLook {
     depth_cue: bool,
     /// The sky of the buffer `occlusion` in a scene without one.
     buffer_sky: Sky,
+    /// Whether `--occlusion` replaces the sky rays of the look.
+    has_own_sky: bool,
 }
 
 impl LightArgs {
@@ -119,6 +121,7 @@ impl LightArgs {
             silhouette: self.silhouette || look.has_silhouette(),
             depth_cue: self.depth_cue || look.has_depth_cue(),
             buffer_sky: light.buffer_sky(),
+            has_own_sky: self.occlusion.is_some(),
         })
     }
 }
@@ -155,9 +158,10 @@ impl PictureLook {
             Look::Soft => {
                 let light = "a light from above left without shadows if the scene has no light";
                 let (rays, samples) = (Sky::AT_CENTERS.rays, look.samples());
-                format!(
-                    "--occlusion {rays} at every second pixel's centre, --silhouette --samples {samples}, and {light}"
-                )
+                let own = "--occlusion at every sample, which takes much longer than its own";
+                let own = if self.has_own_sky { own } else { "--occlusion" };
+                let sky = format!("{own} {rays} at every second pixel's centre");
+                format!("{sky}, --silhouette --samples {samples}, and {light}")
             }
             Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
         };

@@ -11,6 +11,8 @@ pub(super) struct PictureScene {
     /// The number of the frame or the turn, from 1.
     pub(super) number: u64,
     pub(super) scene: Scene,
+    /// The number of its spheres that are beads of a cell.
+    pub(super) beads: usize,
     pub(super) skipped: Skipped,
     pub(super) legend: Option<Legend>,
     pub(super) look: PictureLook,
@@ -29,6 +31,7 @@ impl PictureScene {
         Self {
             number: 1,
             scene,
+            beads: 0,
             skipped: Skipped::default(),
             legend: None,
             look,

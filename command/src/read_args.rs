@@ -1,6 +1,7 @@
 //! How a scene is read and what its particles look like, as options.
 
 use super::messages::note;
+use super::process::is_typed;
 use super::signals::watch;
 use super::values::{color, numbers, positive, wholes};
 use clap::Args;
@@ -201,6 +202,13 @@ impl ColorArgs {
     }
 
     fn coloring(&self) -> Result<Coloring> {
+        let of_numbers = [("--map", is_typed("--map")), ("--range", self.range.is_some()), ("--log", self.log)];
+        if let (None | Some("element"), Some((option, _))) =
+            (self.color_by.as_deref(), of_numbers.iter().find(|(_, is_given)| *is_given))
+        {
+            let problem = format!("{option} belongs to the colours of a column");
+            return Err(Error::settings(problem, format!("add --color-by COLUMN, or remove {option}")));
+        }
         Ok(match (Rule::for_all(&self.color), self.color_by.as_deref()) {
             (Some(_), Some(_)) => {
                 let mend = "remove one of them, or colour selected spheres with --color 'EXPR=COLOR'";

@@ -282,7 +282,7 @@ impl Render {
 
     /// The files of the first picture; checks combinations of options.
     fn check(&self) -> Result<Vec<Target>> {
-        self.args.files.check_film(self.args.is_many(), self.resume)?;
+        self.args.files.check_film(self.args.is_many(), self.resume, || self.args.frames_of_file())?;
         let targets = self.args.files.targets(1)?;
         if self.args.is_many() {
             self.args.files.check_many()?;

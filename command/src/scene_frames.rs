@@ -209,9 +209,9 @@ fn light(
     turn(&mut frame);
     // The light from above left belongs to the final camera.
     let look = args.light.apply(&mut frame, &args.files.buffers(), request, lens)?;
-    let SceneFrame { number, scene, skipped, legend, when, .. } = frame;
-    let picture = PictureScene { number, scene, skipped, legend, look, when, framed: None, ids: None, seen: None };
-    legend::check_content(args, &picture)?;
+    let SceneFrame { number, scene, skipped, legend, when, beads, .. } = frame;
+    let mut picture = PictureScene { number, beads, skipped, legend, when, ..PictureScene::bare(scene, look) };
+    legend::check_content(args, &mut picture)?;
     Ok(picture)
 }
 
@@ -325,17 +325,11 @@ pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut Scene
 
 /// Applies copies, clip planes and outline.
 pub(super) fn arrange(read: &ReadArgs, frame: &mut SceneFrame) -> Result<()> {
-    let count = frame.scene.spheres.len();
     let arrangement = read.arrangement();
     frame.arrange(&arrangement, &watch())?;
-    let SceneFrame { scene, skipped, marks, .. } = frame;
     // What is looked at is that of the file itself, as far as it is drawn, not its copies.
     let clip = Arrangement { clip: arrangement.clip, ..Arrangement::default() };
-    marks.iter_mut().try_for_each(|mark| clip.apply(&mut mark.spheres, None, &watch()))?;
-    if count > 0 && scene.spheres.is_empty() {
-        skipped.assumed.push(format!("--clip removes all {count} spheres of the file"));
-    }
-    Ok(())
+    frame.marks.iter_mut().try_for_each(|mark| clip.apply(&mut mark.spheres, None, &watch()))
 }
 
 /// Rotates the camera about the up axis through a point, by a share of a full turn.

@@ -118,6 +118,7 @@ struct Report<'a> {
     spheres: u64,
     /// The spheres that are left.
     kept: usize,
+    warnings: Vec<String>,
     seen: &'a Seen,
 }
 
@@ -133,13 +134,14 @@ impl Sift {
             let problem = format!("{} cannot hold a part", output.display());
             return Err(Error::settings(problem, "use the file name extension .npz"));
         }
-        let settings = self.args.settings(&[]);
         if self.json {
             check_text([output.as_path()], "the report of --json")?;
         }
+        let settings = self.args.settings(&[]);
         let source = Source::new(&self.args, &Cancel::default(), None).map_err(of_parts)?;
         check_inputs([output.as_path()], &source.inputs())?;
-        let (part, framed) = source.part(&settings, self.first_id).map_err(of_parts)?;
+        let (part, warnings, framed) = source.part(&settings, self.first_id).map_err(of_parts)?;
+        warn(&warnings);
         if framed {
             warn([
                 "the camera frames the spheres of this part alone; give all parts of a scene the same --eye and --at, or --camera-from",
@@ -149,7 +151,8 @@ impl Sift {
         note(format_args!("{}: {part}", output.display()));
         if self.json {
             let (ids, spheres, kept, seen) = (part.all_ids(), part.count(), part.ids().len(), part.seen());
-            print_json(&Report { halfline: env!("CARGO_PKG_VERSION"), output, ids, spheres, kept, seen })?;
+            let halfline = env!("CARGO_PKG_VERSION");
+            print_json(&Report { halfline, output, ids, spheres, kept, warnings, seen })?;
         }
         Ok(ExitCode::SUCCESS)
     }

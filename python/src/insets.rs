@@ -85,7 +85,13 @@ impl Insets {
             return Ok(None);
         }
         let (time, step) = scene.when();
-        let values = LabelValues { frame: number, file: scene.file.clone(), count: exact.spheres.len(), time, step };
+        let values = LabelValues {
+            frame: number,
+            file: scene.file.clone(),
+            count: exact.spheres.len() - scene.beads,
+            time,
+            step,
+        };
         let insets = CoreInsets {
             legend: self.shown(scene)?,
             label: self.label()?.map(|label| label.text(&values)).transpose()?,

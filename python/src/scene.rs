@@ -46,6 +46,8 @@ pub(crate) struct Scene {
     /// The periodic copies along its edges, and whether the edges are drawn.
     copies: [u32; 3],
     outlined: bool,
+    /// The number of its last spheres, which are beads of these edges.
+    pub(crate) beads: usize,
     /// The name of its file.
     #[pyo3(get)]
     pub(crate) file: Option<String>,
@@ -73,6 +75,7 @@ impl Scene {
             cell: frame.cell.map(|cell| (cell.origin, cell.edges)),
             copies: arrangement.copies,
             outlined: arrangement.outline.is_some(),
+            beads: frame.beads,
             file,
             legend: frame.legend.map(Arc::new),
             columns: Arc::new(frame.columns),
@@ -100,6 +103,7 @@ impl Scene {
             cell: None,
             copies: [1; 3],
             outlined: false,
+            beads: 0,
             file: None,
             legend: None,
             columns: Arc::default(),
@@ -132,7 +136,8 @@ impl Scene {
             arrangement.apply(&mut scene.spheres, cell.as_ref(), &Watch::default())?;
             scene.spheres.share();
         }
-        Ok(Self { outlined: true, ..self.with(scene) })
+        let beads = self.beads + scene.spheres.len() - self.scene.spheres.len();
+        Ok(Self { outlined: true, beads, ..self.with(scene) })
     }
 
     /// Frames the spheres beside a legend that takes these shares of the picture's width, unless the file has a camera.

@@ -44,8 +44,13 @@ pub(crate) fn summary(py: Python<'_>, scene: &Scene, picture: Picture) -> PyResu
         let exact = scene.sized(None, None, picture.background())?;
         let (look, samples) = picture.look_and_samples(scene)?;
         let edges = scene.cell.map(|(_, edges)| edges);
-        let mut summary =
-            shown::scene(&exact.spheres, &scene.columns, edges, exact.image.background, (Some(look), samples));
+        let mut summary = shown::scene(
+            (&exact.spheres, scene.beads),
+            &scene.columns,
+            edges,
+            exact.image.background,
+            (Some(look), samples),
+        );
         (summary["file"], summary["frame"]) = (json!(scene.file), json!(scene.number));
         Ok(summary)
     });

@@ -23,7 +23,7 @@ use halfline::scene::instances::Instances;
 use halfline::scene::{Facing, Framing, ImagePlane, LightSource, Lighting, Reach, Scene, Spheres, Spread, middle};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::Coloring;
-use halfline_files::read::{FrameTime, Mark, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks};
+use halfline_files::read::{FrameTime, Mark, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped};
 use halfline_files::write::file::Target;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -168,17 +168,17 @@ impl<'a> Source<'a> {
         about.skipped.assumed.append(&mut self.notes);
         (picture.legend, picture.when) = (about.legend, about.when);
         let framed = framed.then(|| "all spheres".to_owned());
-        let picture = PictureScene { scene, skipped: about.skipped, framed, ids: Some(ids), ..picture };
-        legend::check_content(self.args, &picture)?;
+        let mut picture = PictureScene { scene, skipped: about.skipped, framed, ids: Some(ids), ..picture };
+        legend::check_content(self.args, &mut picture)?;
         Ok(picture)
     }
 
-    /// Reads a part of a scene, whose spheres have the ids from `first_id` on. Returns what a frame needs of it, and whether the camera
-    /// frames these spheres alone.
+    /// Reads a part of a scene, whose spheres have the ids from `first_id` on. Returns what a frame needs of it, what is to be said
+    /// about its spheres, and whether the camera frames them alone.
     ///
     /// # Errors
     /// Those of reading and of [`Stream`], and [`Error::Settings`] for what depends on other parts.
-    pub(crate) fn part(mut self, settings: &Settings, first_id: u64) -> Result<(Part, bool)> {
+    pub(crate) fn part(mut self, settings: &Settings, first_id: u64) -> Result<(Part, Vec<String>, bool)> {
         if self.is_copied() {
             return Err(Error::settings("the ids of copies depend on all spheres", "remove --copies and --assembly"));
         }
@@ -196,8 +196,8 @@ impl<'a> Source<'a> {
         self.args.camera.zoom(&mut frame.scene)?;
         let (picture, settings) = self.begin(frame, settings, &[])?;
         let mut stream = Stream::of_part(&picture.scene, &settings, first_id)?;
-        self.each(|block| stream.add(&block))?;
-        Ok((stream.part()?, framed))
+        let about = self.each(|block| stream.add(&block))?;
+        Ok((stream.part()?, about.skipped.warnings(), framed))
     }
 
     /// The picture of a scene whose spheres are still to come, and the settings of its frame.
@@ -427,8 +427,16 @@ impl<'a> Source<'a> {
 
     /// Every block of the file.
     fn each(&self, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
-        let blocks = self.read(SphereBlocks::open(self.args.path(), &self.options)?, |block, _| each(block))?;
-        Ok(About::of(&blocks))
+        let mut left = 0;
+        let blocks = self.read(SphereBlocks::open(self.args.path(), &self.options)?, |block, _| {
+            left += block.len();
+            each(block)
+        })?;
+        let mut about = About::of(&blocks);
+        if left == 0 && blocks.count() > 0 && !self.arrangement.clip.is_empty() {
+            about.skipped.assumed.push(all_clipped(blocks.count()));
+        }
+        Ok(about)
     }
 
     /// All blocks, as they are arranged, with those of their spheres that are looked at.

@@ -308,6 +308,7 @@ impl Stage for Desk {
             let selection: Selection = expr.parse()?;
             let shown = book.plain.get(frame.unwrap_or(book.first))?;
             let (mask, notes) = shown.columns.select(&selection, &shown.scene.spheres)?;
+            let mask = &mask[..mask.len() - shown.beads];
             let (count, of) = (mask.iter().filter(|is| **is).count(), mask.len());
             let legend = self.frame_of(book, Some(expr), frame)?.legend.clone();
             Ok(json!({ "count": count, "of": of, "legend": summary::legend(legend.as_ref())?, "notes": notes }))

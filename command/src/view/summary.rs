@@ -17,10 +17,10 @@ use std::path::Path;
 /// The most texts of a column that are listed.
 const MOST_TEXTS: usize = 32;
 
-/// What every view of spheres shows: `look` is the name of the look of its pictures, with the samples. Without spheres the
+/// What every view of spheres, of which the last ones are beads of a cell, shows: `look` is the name of the look of its pictures, with the samples. Without spheres the
 /// box around them is a point.
 pub fn scene(
-    spheres: &Spheres,
+    (spheres, beads): (&Spheres, usize),
     columns: &Columns,
     edges: Option<[[f64; 3]; 3]>,
     background: [f32; 3],
@@ -32,7 +32,7 @@ pub fn scene(
         names.filter_map(|name| Some((name.to_owned(), column(columns.get(name).ok()?.1)))).collect();
     let [r, g, b] = background.map(srgb::level);
     json!({
-        "count": spheres.len(),
+        "count": spheres.len() - beads,
         "cell": edges,
         "extent": [low.to_array(), high.to_array()],
         "center": ((low + high) / 2.0).to_array(),
@@ -53,7 +53,7 @@ pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene, pose:
     let image = picture.scene.image;
     let look = (picture.look.name(), picture.look.settings(&Settings::default()).samples);
     let edges = frame.cell.as_ref().map(|cell| cell.edges);
-    let mut summary = scene(&frame.scene.spheres, &frame.columns, edges, image.background, look);
+    let mut summary = scene((&frame.scene.spheres, frame.beads), &frame.columns, edges, image.background, look);
     let mut warnings = Vec::new();
     frame.skipped.report(&mut 0, &mut warnings, 0);
     for (name, value) in [

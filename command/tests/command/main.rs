@@ -20,6 +20,7 @@ mod skip;
 #[path = "../common/test_dir.rs"]
 mod test_dir;
 
+mod asked;
 mod blocks;
 mod cameras;
 mod clash;
