@@ -18,6 +18,8 @@ machines: `sift`, `Sieve`, `Part`, `combine`. This machine and files: `adapters`
 Errors: `AccuracyError`, `AdapterError`, and ValueError, OSError, MemoryError, KeyboardInterrupt.
 """
 
+import os
+
 from ._halfline import AccuracyError, AdapterError, __version__
 from .atoms import from_ase, from_mdanalysis
 from .camera import Camera, read_cameras
@@ -58,3 +60,7 @@ __all__ = [
     "sift",
     "trace",
 ]
+
+# A layer of Mesa chooses the device of the desktop, and without one writes an error into every notebook.
+if not os.environ.keys() & {"XDG_RUNTIME_DIR", "DISPLAY", "MESA_VK_DEVICE_SELECT"}:
+    os.environ.setdefault("NODEVICE_SELECT", "1")
