@@ -4,6 +4,7 @@
 use super::camera_file;
 use super::framing;
 use super::legend;
+use super::messages::warn;
 use super::picture_scene::PictureScene;
 use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
@@ -13,11 +14,12 @@ use halfline::camera::{Aperture, Camera, CameraRecord, Look};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
+use halfline::quote;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
 use halfline_files::read::style::Coloring;
-use halfline_files::read::{HeldCamera, Hold, Keep, ReadOptions, SceneFrame, Sequence};
+use halfline_files::read::{FrameRange, HeldCamera, Hold, Keep, ReadOptions, SceneFrame, Sequence};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -102,6 +104,13 @@ impl<'a> SceneFrames<'a> {
             }
         };
         let Some(mut frame) = frame else {
+            let last = self.args.read.frames.as_ref().map_or(0, FrameRange::last);
+            if let Some(total) = self.sequence.total().filter(|total| (1..last).contains(total) && last < u64::MAX) {
+                warn([format!(
+                    "the file has {}, and --frames asks for others behind them",
+                    quote::count(total, "frame")
+                )]);
+            }
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
         self.prepare(&mut frame)?;

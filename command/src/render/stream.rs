@@ -47,6 +47,8 @@ pub(crate) struct Source<'a> {
 /// A scene that is copies of spheres in memory.
 struct Copied {
     instances: Instances,
+    /// The number of spheres of the file.
+    whole: u64,
     about: About,
     /// The spheres of the file, not their copies, that are looked at.
     marks: Vec<Mark>,
@@ -141,11 +143,15 @@ impl<'a> Source<'a> {
         let (mut picture, own) = self.begin(frame, settings, targets)?;
         let mut stream = Stream::new(&picture.scene, &own)?;
         let (visible, mut about) = match copied {
-            Some(Copied { instances, about, .. }) => {
+            Some(Copied { instances, whole, mut about, .. }) => {
                 if self.arrangement.clip.is_empty() {
                     targets.iter().try_for_each(|target| target.check_ids(instances.total()))?;
                 }
-                (Stream::of_instances(&picture.scene, &own, &instances, &self.options.watch)?, about)
+                let visible = Stream::of_instances(&picture.scene, &own, &instances, &self.options.watch)?;
+                if visible.ids.count == 0 && whole > 0 {
+                    about.skipped.assumed.push(all_clipped(whole));
+                }
+                (visible, about)
             }
             None => {
                 let about = self.each(|block| stream.add(&block))?;
@@ -397,6 +403,7 @@ impl<'a> Source<'a> {
             return Err(Error::settings("--stream: a scene with a camera of its own is in memory", mend));
         }
         scene.spheres.share();
+        let whole = instances.as_ref().map_or(scene.spheres.len() as u64, Instances::total);
         let instances = match instances.filter(|_| self.arrangement.copies == [1; 3]) {
             Some(instances) => instances.clipped(&self.arrangement.clip),
             None => self.arrangement.copies(&scene.spheres, cell.as_ref())?,
@@ -407,7 +414,7 @@ impl<'a> Source<'a> {
         }
         self.say_why();
         marks.iter_mut().try_for_each(|mark| self.clip(&mut mark.spheres))?;
-        Ok(Some(Copied { instances, about: About { skipped, legend, when, is_molecule }, marks }))
+        Ok(Some(Copied { instances, whole, about: About { skipped, legend, when, is_molecule }, marks }))
     }
 
     /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a
@@ -433,8 +440,8 @@ impl<'a> Source<'a> {
             each(block)
         })?;
         let mut about = About::of(&blocks);
-        if left == 0 && blocks.count() > 0 && !self.arrangement.clip.is_empty() {
-            about.skipped.assumed.push(all_clipped(blocks.count()));
+        if left == 0 && blocks.spheres() > 0 && !self.arrangement.clip.is_empty() {
+            about.skipped.assumed.push(all_clipped(blocks.spheres()));
         }
         Ok(about)
     }

@@ -53,6 +53,8 @@ fn planes_that_remove_all_say_so() {
         assert!(!kept.contains("removes all"), "{cell}: {kept}");
     }
     let seen = "--eye 0,0,9 --at 0,0,0 --size 16x12";
+    let copied = dir.render(&format!("cell.xyz --stream --copies 2,1,1 {seen} --clip 1,0,0,-9 -o a.png")).err;
+    assert!(copied.contains("removes all 2 spheres"), "{copied}");
     let streamed = dir.render(&format!("t.csv --radius 1 --stream {seen} --clip 1,0,0,-9 -o a.png")).err;
     let sifted = dir.good(&format!("sift t.csv --radius 1 --first-id 0 {seen} --clip 1,0,0,-9 -o a.npz")).err;
     assert!(
@@ -332,7 +334,7 @@ fn drawn_options_have_the_bytes_of_their_command() {
                 pair[0] == pair[1]
                     || clashes.iter().any(|two| two.iter().all(|one| pair.iter().any(|name| name == one)))
             };
-            if !drawn.iter().any(|known| clash(&known)) {
+            if !drawn.iter().any(clash) {
                 drawn.push(option);
             }
         }
@@ -379,6 +381,21 @@ fn a_word_that_is_nearly_right_is_named() {
         dir.refused_render(code, &format!("{words} -o a.png"), &[meant]);
     }
     assert!(!dir.run("render t.csv --palette viridis -o a.png").err.contains("silhouette"));
+}
+
+#[test]
+fn frames_that_the_file_does_not_have_are_said() {
+    let dir = dir();
+    for (frames, is_short) in
+        [("1-2", false), ("1-3", true), ("2,7", true), ("1-", false), ("1-2,5-", false), ("2", false)]
+    {
+        let err = dir.render(&format!("run.dump --frames {frames} --size 16x12 -o a%d.png")).err;
+        assert_eq!(
+            err.contains("warning: the file has 2 frames, and --frames asks for others"),
+            is_short,
+            "{frames}: {err}"
+        );
+    }
 }
 
 #[test]

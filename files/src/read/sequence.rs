@@ -47,6 +47,8 @@ pub struct Sequence {
     holds: bool,
     /// What the reader said about a frame that is not selected.
     said: Vec<String>,
+    /// The number of frames, once the end was reached.
+    total: Option<u64>,
 }
 
 enum SequenceState {
@@ -223,13 +225,30 @@ impl Sequence {
             }
         };
         let (path, options) = (path.to_path_buf(), options.clone());
-        Ok(Self { path, options, format, state, passed: 0, files, holds_radius: false, holds: false, said: Vec::new() })
+        Ok(Self {
+            path,
+            options,
+            format,
+            state,
+            passed: 0,
+            files,
+            holds_radius: false,
+            holds: false,
+            said: Vec::new(),
+            total: None,
+        })
     }
 
     /// The number of frames that were read or passed over.
     #[must_use]
     pub fn passed(&self) -> u64 {
         self.passed
+    }
+
+    /// The number of frames of the file, once its end was reached.
+    #[must_use]
+    pub fn total(&self) -> Option<u64> {
+        self.total
     }
 
     /// Its format.
@@ -258,7 +277,10 @@ impl Sequence {
         while self.passed < last && !selected.contains(self.passed + 1) {
             watch.check()?;
             let SequenceState::Many(frames) = &mut self.state else { break };
-            let Some(particles) = frames.next()? else { return Ok(None) };
+            let Some(particles) = frames.next()? else {
+                self.total = Some(self.passed);
+                return Ok(None);
+            };
             self.passed += 1;
             if particles.positions.is_empty() {
                 continue;
@@ -379,7 +401,10 @@ impl Sequence {
             self.passed = number;
             match &mut self.state {
                 SequenceState::One(frame) => {
-                    let Some(frame) = frame.take() else { return Ok(None) };
+                    let Some(frame) = frame.take() else {
+                        self.total = Some(number - 1);
+                        return Ok(None);
+                    };
                     if wanted {
                         let masks = select::marks_of(&self.options.marks, 0, &frame.scene.spheres)?;
                         let marks = marks(&self.options, masks, &frame.scene.spheres);
@@ -387,7 +412,10 @@ impl Sequence {
                     }
                 }
                 SequenceState::Many(frames) if wanted => {
-                    let Some(mut particles) = frames.next()? else { return Ok(None) };
+                    let Some(mut particles) = frames.next()? else {
+                        self.total = Some(number - 1);
+                        return Ok(None);
+                    };
                     // A reader says what concerns the whole file in its first frame.
                     for said in std::mem::take(&mut self.said) {
                         if !particles.skipped.assumed.contains(&said) {
@@ -398,6 +426,7 @@ impl Sequence {
                 }
                 SequenceState::Many(frames) => {
                     if !frames.skip()? {
+                        self.total = Some(number - 1);
                         return Ok(None);
                     }
                 }

@@ -196,9 +196,9 @@ impl SphereBlocks {
         &self.skipped
     }
 
-    /// The number of spheres so far.
+    /// The number of spheres so far, before clip planes.
     #[must_use]
-    pub fn count(&self) -> u64 {
+    pub fn spheres(&self) -> u64 {
         self.left
     }
 
