@@ -63,11 +63,11 @@ impl Bar {
         Self { lines, notes, line, drawing }
     }
 
-    /// The following pictures have so many samples per pixel.
-    pub(super) fn expect(&self, samples: u32) {
+    /// The following pictures have so many samples per pixel, and rays that go on from the hits; see [`Tally::expect`].
+    pub(super) fn expect(&self, samples: u32, is_lit: bool) {
         match &self.lines {
-            Some(lines) => lines.lock().unwrap_or_else(PoisonError::into_inner).expect(samples),
-            None => self.notes.lock().unwrap_or_else(PoisonError::into_inner).tally.expect(samples),
+            Some(lines) => lines.lock().unwrap_or_else(PoisonError::into_inner).expect(samples, is_lit),
+            None => self.notes.lock().unwrap_or_else(PoisonError::into_inner).tally.expect(samples, is_lit),
         }
     }
 
@@ -229,7 +229,7 @@ mod tests {
         let endless = Progress { step: Step::Rays, done: 3_000_000, total: 0 };
         assert_eq!(words(endless, two, none, None), "trace 1.50 Mrays/s, 3.00 Mrays");
         let mut tally = Tally::default();
-        tally.expect(16);
+        tally.expect(16, false);
         [Step::Stage, Step::Trace, Step::Settle, Step::Trace]
             .into_iter()
             .for_each(|step| _ = tally.record(at(step, 9)));

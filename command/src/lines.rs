@@ -60,9 +60,9 @@ impl ProgressLines {
         Self { output, frames, tally: Tally::default(), printed_at: Instant::now() }
     }
 
-    /// The following pictures have so many samples per pixel.
-    pub(super) fn expect(&mut self, samples: u32) {
-        self.tally.expect(samples);
+    /// What the following pictures are; see [`Tally::expect`].
+    pub(super) fn expect(&mut self, samples: u32, is_lit: bool) {
+        self.tally.expect(samples, is_lit);
     }
 
     /// Prints a line unless one was printed just before. A closed output is not an error.

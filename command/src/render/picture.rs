@@ -158,7 +158,9 @@ impl PictureWriter<'_> {
     fn frames(&self, renderer: &mut Renderer, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Frame> {
         if let Some(bar) = self.messages.bar {
             let is_sampled = settings.aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha));
-            bar.expect(if is_sampled { settings.samples } else { 1 });
+            let light = &scene.lighting;
+            let is_lit = light.sky.is_some() || light.shadows && !light.lights.is_empty();
+            bar.expect(if is_sampled { settings.samples } else { 1 }, is_lit);
         }
         let mut frame = renderer.render(scene, settings)?;
         let mut times = frame.report.frame_ms.clone();
