@@ -10,7 +10,7 @@ use super::clash::{check_inputs, check_one_standard, check_text};
 use super::film::FilmWriter;
 use super::legend;
 use super::lines::ProgressArgs;
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, note};
 use super::picture_scene::PictureScene;
 use super::preview::Preview;
 use super::process::ExitCode;
@@ -292,8 +292,12 @@ impl Render {
         self.args.check_outputs()?;
         self.args.files.check_dpi(&targets)?;
         self.args.files.check_transparent(&targets);
-        if self.args.camera_list()?.is_some() {
-            check_text(targets.iter().map(Target::path), "cameras.json")?;
+        match self.args.camera_list()? {
+            Some(_) => check_text(targets.iter().map(Target::path), "cameras.json")?,
+            None if self.args.camera.list.file.is_none() => {}
+            None => note(format_args!(
+                "cameras.json is not written, because no picture is a file whose folder it could be in"
+            )),
         }
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "no output is requested";

@@ -62,7 +62,14 @@ OF_ALL = [
     ["--search=tiles"],
 ]
 OF_TABLE = [["--format=csv"], ["--skip-invalid"], ["--color-by=speed", "--log"]]
-OF_ATOMS = [["--cell"], ["--cell=0.1"], ["--outline"], ["--copies=2,1,1"], ["--wrap"], ["--radii=covalent"]]
+OF_ATOMS = [
+    ["--cell"],
+    ["--cell=0.1"],
+    ["--outline"],
+    ["--copies=2,1,1"],
+    ["--wrap"],
+    ["--radii=covalent"],
+]
 CLASHES = [
     {"--transparent", "--background"},
     {"--method", "--accuracy", "--tolerance"},

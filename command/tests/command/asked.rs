@@ -384,6 +384,15 @@ fn a_word_that_is_nearly_right_is_named() {
 }
 
 #[test]
+fn the_list_of_cameras_has_a_folder_or_is_said_to_have_none() {
+    let dir = dir();
+    dir.put("one.json", r#"[{"eye":[0,0,9],"at":[0,0,0],"up":[0,1,0],"vfov":40}]"#);
+    let of = |output: &str| dir.render(&format!("t.csv --cameras one.json --size 16x12 -o {output}")).err;
+    assert!(of("-").contains("cameras.json is not written") && !dir.path("cameras.json").exists());
+    assert!(!of("a.png").contains("cameras.json") && dir.path("cameras.json").exists());
+}
+
+#[test]
 fn frames_that_the_file_does_not_have_are_said() {
     let dir = dir();
     for (frames, is_short) in
