@@ -124,6 +124,15 @@ fn a_frame_needs_nothing_of_frames_that_are_not_asked_for() {
         dir.refused_render(2, &format!("run.dump --frames 1 {options} -o b.png"), &["q"]);
         dir.refused_render(2, &format!("run.dump --frames 1-2 {options} -o b%d.png"), &["q"]);
     }
+    // Nor need it be valid.
+    dir.put("bad.dump", dump().replacen("1 1 0 0 0 0 0 0", "1 1 0 nan? 0 0 0 0", 1));
+    dir.put("bad.xyz", "2\nbad\nC 0 0 zero\nC 1 0 0\n2\ngood\nC 0 0 0\nC 9 0 0\n");
+    for file in ["bad.dump", "bad.xyz"] {
+        let err = dir.render(&format!("{file} --frames 2 --size 16x12 -o a.png")).err;
+        assert!(err.contains("frame 1 is not what the others are held to"), "{err}");
+        dir.refused_render(3, &format!("{file} --frames 1 -o b.png"), &[&format!("{file}:")]);
+        dir.refused_render(3, &format!("{file} --frames 1-2 -o b%d.png"), &[&format!("{file}:")]);
+    }
     let page = Page::open(&dir, "run.dump --frames 2 --color-by q --backend cpu");
     let scene = page.good("/scene", &json!({}));
     let (still, words) = page.still(&json!({ "camera": scene["camera"], "size": [40, 30], "mode": "still" }));

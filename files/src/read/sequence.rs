@@ -49,6 +49,8 @@ pub struct Sequence {
     said: Vec<String>,
     /// The number of frames, once the end was reached.
     total: Option<u64>,
+    /// Whether the path can be opened again.
+    is_file: bool,
 }
 
 enum SequenceState {
@@ -100,6 +102,15 @@ pub struct Mark {
     pub spheres: Spheres,
     /// What its evaluation said, such as which values the file has instead.
     pub notes: Vec<String>,
+}
+
+/// The words for a frame that is not selected and cannot be what the others are held to.
+fn not_held(number: u64, error: &Error) -> String {
+    let problem = match error {
+        Error::Settings { problem, .. } => problem.clone(),
+        other => other.to_string(),
+    };
+    format!("frame {number} is not what the others are held to: {problem}")
 }
 
 /// The words for clip planes that leave none of so many spheres.
@@ -181,7 +192,9 @@ impl Sequence {
     /// # Errors
     /// Those of [`scene`](super::scene).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        Self::of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options)
+        let sequence =
+            Self::of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options)?;
+        Ok(Self { is_file: path.is_file(), ..sequence })
     }
 
     /// Opens the stream `reader`, compressed or not. Errors refer to it by `path`, whose extension may determine the
@@ -236,6 +249,7 @@ impl Sequence {
             holds: false,
             said: Vec::new(),
             total: None,
+            is_file: false,
         })
     }
 
@@ -277,7 +291,14 @@ impl Sequence {
         while self.passed < last && !selected.contains(self.passed + 1) {
             watch.check()?;
             let SequenceState::Many(frames) = &mut self.state else { break };
-            let Some(particles) = frames.next()? else {
+            let particles = match frames.next() {
+                Err(error @ Error::Scene { .. }) => {
+                    self.pass_invalid(error)?;
+                    continue;
+                }
+                next => next?,
+            };
+            let Some(particles) = particles else {
                 self.total = Some(self.passed);
                 return Ok(None);
             };
@@ -289,8 +310,8 @@ impl Sequence {
             let mut said = particles.skipped.assumed.clone();
             let frame = match self.dress(particles, number) {
                 // The frames that are selected need not lack what this one does.
-                Err(Error::Settings { problem, .. } | Error::Scene { problem, .. }) => {
-                    said.push(format!("frame {number} is not what the others are held to: {problem}"));
+                Err(error @ (Error::Settings { .. } | Error::Scene { .. })) => {
+                    said.push(not_held(number, &error));
                     self.said.extend(said);
                     continue;
                 }
@@ -302,6 +323,29 @@ impl Sequence {
             }
         }
         Ok(None)
+    }
+
+    /// Passes over the next frame, which has this error and is not selected, as if it had not been read: the file is opened again.
+    ///
+    /// # Errors
+    /// The same where the frame cannot be passed over, or the file is a stream.
+    fn pass_invalid(&mut self, error: Error) -> Result<()> {
+        let again = || -> Result<Option<Box<dyn ParticleFrames>>> {
+            let source = SceneSource::open(&self.path, self.options.known_format(), &self.options.watch)?;
+            let Ok(mut frames) = open(source, &self.options)? else { return Ok(None) };
+            for _ in 0..=self.passed {
+                if !frames.skip()? {
+                    return Ok(None);
+                }
+            }
+            Ok(Some(frames))
+        };
+        let again = if self.is_file { again().ok().flatten() } else { None };
+        let Some(frames) = again else { return Err(error) };
+        self.state = SequenceState::Many(frames);
+        self.passed += 1;
+        self.said.push(not_held(self.passed, &error));
+        Ok(())
     }
 
     /// The scene of a frame's particles; the first with spheres sets what the following ones are held to.
