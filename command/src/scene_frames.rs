@@ -60,7 +60,7 @@ impl<'a> SceneFrames<'a> {
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let mut common = HeldCamera::new(args.read.frames.is_some() && args.read.hold != Hold::None);
-        let (sequence, held) = sequence(args, Keep::Nothing, cancel)?;
+        let (sequence, held) = sequence(args, Keep::Nothing, None, cancel)?;
         if let Some((camera, middle)) = held {
             common.set_camera(camera);
             common.set_middle(middle);
@@ -160,12 +160,20 @@ impl<'a> SceneFrames<'a> {
     }
 }
 
-/// The file with the options for reading, and the camera and the middle of `--hold all`.
+/// The file with the options for reading, of its frames those from `from` on, and the camera and the middle of `--hold all`.
 ///
 /// # Errors
 /// Those of the options and of opening.
-pub(super) fn sequence(args: &SceneArgs, keep: Keep, cancel: &Cancel) -> Result<(Sequence, Option<(Camera, DVec3)>)> {
+pub(super) fn sequence(
+    args: &SceneArgs,
+    keep: Keep,
+    from: Option<u64>,
+    cancel: &Cancel,
+) -> Result<(Sequence, Option<(Camera, DVec3)>)> {
     let mut options = ReadOptions { keep, ..options(args, cancel)? };
+    if let Some(from) = from {
+        options.frames = format!("{from}-").parse()?;
+    }
     let holds_all = options.hold == Hold::All && args.read.frames.is_some();
     let held = if holds_all { hold_all(args, &mut options)? } else { None };
     Ok((Sequence::open(args.path(), &options)?, held))

@@ -69,14 +69,14 @@ impl Frames {
         Ok(self.held)
     }
 
-    /// The frame whose camera all have: the first one of the file, unless it lacks a column that frame `first`, with which the
-    /// page begins, may have.
+    /// The frame whose camera all have: the first one of the file, unless it is invalid or lacks a column. Then it is frame `first`,
+    /// with which the page begins.
     ///
     /// # Errors
     /// Those of reading.
     pub(super) fn framed(&mut self, first: u64) -> Result<&mut SceneFrame> {
         let number = match self.get(1) {
-            Err(Error::Settings { .. }) => first,
+            Err(Error::Settings { .. } | Error::Scene { .. }) => first,
             frame => frame.map(|_| 1)?,
         };
         self.get(number)
@@ -109,27 +109,21 @@ impl Frames {
         if self.total.is_some_and(|total| number > total) {
             return Err(self.beyond(number));
         }
-        let mut reading = match self.reading.take().filter(|_| self.passed < number) {
-            Some(reading) => reading,
-            None => {
-                self.passed = 0;
-                let (sequence, held) = sequence(&self.args, Keep::All, &Cancel::default())?;
-                self.held = held.map(|(camera, _)| camera);
-                self.format = Some(sequence.format());
-                sequence
-            }
-        };
+        let going_on = self.reading.take().filter(|_| self.passed < number);
+        let mut is_new = going_on.is_none();
+        let mut reading = going_on.map_or_else(|| self.open(number), Ok)?;
         loop {
             let next = match reading.next_scene() {
-                // It lacks the columns that the wanted one may have.
-                Err(Error::Settings { .. }) if reading.passed() < number => continue,
+                // A frame before the wanted one, which then is the first that is asked for.
+                Err(Error::Settings { .. } | Error::Scene { .. }) if !is_new && reading.passed() < number => {
+                    (reading, is_new) = (self.open(number)?, true);
+                    continue;
+                }
                 next => next?,
             };
             let Some(mut frame) = next else {
-                if self.passed == 0 {
-                    return Err(reading.nothing());
-                }
-                self.total = Some(self.passed);
+                let Some(total) = reading.total().filter(|total| *total > 0) else { return Err(reading.nothing()) };
+                self.total = Some(total);
                 return Err(self.beyond(number));
             };
             self.passed = frame.number;
@@ -142,6 +136,15 @@ impl Frames {
                 return Ok(self.kept.len() - 1);
             }
         }
+    }
+
+    /// Opens the file for its frames from this one on.
+    fn open(&mut self, number: u64) -> Result<Sequence> {
+        self.passed = 0;
+        let (sequence, held) = sequence(&self.args, Keep::All, Some(number), &Cancel::default())?;
+        self.held = held.map(|(camera, _)| camera);
+        self.format = Some(sequence.format());
+        Ok(sequence)
     }
 
     fn keep(&mut self, frame: SceneFrame) {

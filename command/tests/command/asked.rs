@@ -133,11 +133,23 @@ fn a_frame_needs_nothing_of_frames_that_are_not_asked_for() {
         dir.refused_render(3, &format!("{file} --frames 1 -o b.png"), &[&format!("{file}:")]);
         dir.refused_render(3, &format!("{file} --frames 1-2 -o b%d.png"), &[&format!("{file}:")]);
     }
-    let page = Page::open(&dir, "run.dump --frames 2 --color-by q --backend cpu");
-    let scene = page.good("/scene", &json!({}));
-    let (still, words) = page.still(&json!({ "camera": scene["camera"], "size": [40, 30], "mode": "still" }));
-    dir.good(&words);
-    assert!(still == dir.get("run-view.png"));
+    dir.put("hole.dump", dump() + &dump().replacen("1 1 0 0 0 0 0 0", "1 1 0 nan? 0 0 0 0", 1));
+    for (file, options, frame) in [
+        ("run.dump", "--color-by q", 2),
+        ("bad.dump", "--color-by q", 2),
+        ("bad.xyz", "", 2),
+        ("hole.dump", "", 4),
+        ("hole.dump", "--color-by q", 4),
+    ] {
+        let page = Page::open(&dir, &format!("{file} --frames 2 {options} --backend cpu"));
+        let camera = page.good("/scene", &json!({}))["camera"].clone();
+        for frame in [2, frame] {
+            let body = json!({ "camera": camera, "size": [40, 30], "mode": "still", "frame": frame });
+            let (still, words) = page.still(&body);
+            dir.good(&words);
+            assert!(still == dir.get(words.last().expect("a file")), "{file} {options} {frame}");
+        }
+    }
 }
 
 /// The radii of the frames that are read with these options.
