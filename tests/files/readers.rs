@@ -547,6 +547,13 @@ fn colours_and_radii_have_one_rule_in_all_formats() {
                 let colors = spheres.colors.as_ref().unwrap_or_else(|| panic!("{what}: no colours"));
                 let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-6;
                 assert!(colors.iter().flatten().zip(expected.iter().flatten()).all(near), "{what}: {colors:?}");
+                // Tables and arrays of a scene file are linear RGB.
+                if !name.ends_with("csv") && !name.ends_with("npy") {
+                    let scene = format!("{CAMERA}[[spheres]]\nfile = '{name}'\n");
+                    let folder = folder(&[("s.toml", scene.as_bytes()), (name, &content)]);
+                    let frame = halfline_files::read::scene(&folder.path().join("s.toml"), &ReadOptions::default());
+                    assert_eq!(frame.expect(&what).scene.spheres.colors.as_ref(), Some(colors), "{what}: in a scene");
+                }
                 if has_red {
                     let selection = format!("red {}", 200.0 * scale).parse().expect("a selection");
                     let (mask, _) = frame.columns.select(&selection, spheres).expect(&what);

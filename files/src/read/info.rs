@@ -146,7 +146,7 @@ fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Su
     };
     let Some(first) = frames.next()? else {
         let place = Place::file(path.display().to_string());
-        return Err(Error::scene(place, "the file has no frame", "use a file with particles"));
+        return Err(Error::scene(place, "the file has no atoms or particles", "use a file with coordinates"));
     };
     let counts = first.counted(&survey);
     let mut count = 1;

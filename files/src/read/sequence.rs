@@ -15,7 +15,7 @@ use super::select::{self, Note};
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::sphere_lights::SphereLights;
-use super::style::{Coloring, Whole, no_selections};
+use super::style::{Whole, no_selections};
 use super::{native, nff};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -355,12 +355,7 @@ impl Sequence {
         self.options.watch.check()?;
         periodic::apply(self.options.periodic, &mut particles)?;
         particles.add_lengths(&self.options.named_columns())?;
-        if self.options.style.coloring == Coloring::File {
-            // What is selected does not tell what the numbers of the file are.
-            let colors = particles.color_survey();
-            particles.lighten(&colors);
-            particles.skipped.assumed.extend(colors.said());
-        }
+        self.options.style.settle(&mut particles);
         let whole = self.options.style.whole(&particles);
         let hold = self.options.hold;
         if hold != Hold::None && !self.holds_radius && !particles.positions.is_empty() {

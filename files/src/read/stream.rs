@@ -304,7 +304,7 @@ impl SphereBlocks {
                 "the colours of one part are levels of 8 or of 16 bits or all 0, and those of another are not";
             return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
         }
-        part.lighten(colors);
+        part.lighten_part(colors);
         if let Some(said) = colors.said().filter(|said| !self.skipped.assumed.contains(said)) {
             self.skipped.assumed.push(said);
         }

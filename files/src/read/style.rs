@@ -175,6 +175,13 @@ impl Style {
         }
     }
 
+    /// Makes the colours of the file linear light, where the style takes them; before any selection.
+    pub(super) fn settle(&self, particles: &mut Particles) {
+        if self.coloring == Coloring::File {
+            particles.lighten();
+        }
+    }
+
     /// Turns particles into spheres. Assumptions are added to what was skipped. `whole` is of all particles of the frame.
     ///
     /// # Errors

@@ -122,8 +122,13 @@ impl NamedSpheres {
             return Err(Error::scene(self.place.clone(), problem, "use its spheres in this scene file"));
         };
         let Some(mut particles) = frames.next()? else {
-            return Err(Error::scene(Place::file(name), "the file has no frame", "use a file with particles"));
+            return Err(Error::scene(
+                Place::file(name),
+                "the file has no atoms or particles",
+                "use a file with coordinates",
+            ));
         };
+        options.style.settle(&mut particles);
         let whole = options.style.whole(&particles);
         let notes = apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));

@@ -1,7 +1,6 @@
 //! Colours of a file, from the numbers of their fields to linear light: one rule for all formats. Which levels the numbers are
 //! follows from their type and from all of the file, not from a part of it.
 
-use super::frame::Particles;
 use crate::npy::{NumberKind, Scalar};
 use crate::read::color::{light_of_level, top_level};
 use halfline::quote::setting::COLOR;
@@ -84,6 +83,17 @@ impl ColorSurvey {
         }
     }
 
+    /// Makes colours of the file linear light.
+    pub(super) fn lighten(&self, colors: &mut Vec<[f32; 3]>) {
+        match self.scale() {
+            ColorScale::Empty => colors.clear(),
+            ColorScale::Linear => {}
+            ColorScale::Levels(top) => {
+                colors.par_iter_mut().for_each(|color| *color = color.map(|level| light_of_level(level, top)));
+            }
+        }
+    }
+
     /// What is assumed of the colours; `None` where the file says it.
     pub(in crate::read) fn said(&self) -> Option<String> {
         let linear = self.kind == ColorType::Real;
@@ -110,40 +120,10 @@ impl ColorSurvey {
     }
 }
 
-impl Particles {
-    /// What their colours have in common, if these are all of the file.
-    pub(in crate::read) fn color_survey(&self) -> ColorSurvey {
-        let mut survey = ColorSurvey::default();
-        survey.see(self.color_type, &self.colors);
-        survey
-    }
-
-    /// Makes the colours linear light, once; `file` is what those of the file have in common.
-    pub(in crate::read) fn lighten(&mut self, file: &ColorSurvey) {
-        match file.scale() {
-            ColorScale::Empty => self.colors.clear(),
-            ColorScale::Linear => {}
-            ColorScale::Levels(top) => {
-                self.colors.par_iter_mut().for_each(|color| *color = color.map(|level| light_of_level(level, top)));
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-impl Particles {
-    /// The particles with colours in linear light, for the readers' tests.
-    pub(in crate::read) fn lit(mut self) -> Self {
-        let colors = self.color_survey();
-        self.lighten(&colors);
-        self.skipped.assumed.extend(colors.said());
-        self
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read::particles::frame::Particles;
     use halfline::frame::srgb::linear;
 
     fn lit(color_type: ColorType, colors: &[[f32; 3]]) -> (Vec<[f32; 3]>, usize) {

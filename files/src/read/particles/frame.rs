@@ -1,6 +1,6 @@
 //! The particles of a frame, as a file lists them, and the trait of their readers.
 
-use super::colors::ColorType;
+use super::colors::{ColorSurvey, ColorType};
 use super::frame_time::FrameTime;
 use super::infer;
 use super::infer::species::Species;
@@ -314,6 +314,20 @@ impl Particles {
         self.size.get(n).is_some_and(|rule| *rule != 0)
     }
 
+    /// Makes the colours of a whole file linear light, and adds what is assumed of them. Particles that are selected do not tell
+    /// what the numbers of the file are, so this comes before any selection.
+    pub(in crate::read) fn lighten(&mut self) {
+        let mut file = ColorSurvey::default();
+        file.see(self.color_type, &self.colors);
+        self.lighten_part(&file);
+        self.skipped.assumed.extend(file.said());
+    }
+
+    /// The same for a part of a file, whose colours have this in common.
+    pub(in crate::read) fn lighten_part(&mut self, file: &ColorSurvey) {
+        file.lighten(&mut self.colors);
+    }
+
     /// The index of particle `n` in the file.
     pub(in crate::read) fn index(&self, n: usize) -> u64 {
         self.before + self.places.get(n).map_or(n as u64, |place| u64::from(*place))
@@ -408,6 +422,15 @@ impl<F: FnOnce() -> Result<Particles> + Send> OneFrame<F> {
 impl<F: FnOnce() -> Result<Particles> + Send> ParticleFrames for OneFrame<F> {
     fn next(&mut self) -> Result<Option<Particles>> {
         self.0.take().map(|read| read()).transpose()
+    }
+}
+
+#[cfg(test)]
+impl Particles {
+    /// The particles with colours in linear light, for the readers' tests.
+    pub(in crate::read) fn lit(mut self) -> Self {
+        self.lighten();
+        self
     }
 }
 
