@@ -199,6 +199,18 @@ fn lenses_belong_to_the_image_of_the_list_or_to_the_picture() {
         let said = list.to_string();
         assert!(&ids("f", list, "40x30") == picture, "{said}");
     }
+    // The list that is written has the size of the pictures.
+    dir.put("own.json", json!([{"eye": [9, 1, 2], "at": [0, 0, 0], "up": [0, 1, 0]}]).to_string());
+    let angle = |size: &str, name: &str| {
+        dir.render(&format!("a.xyz --size {size} --cameras own.json --vfov 30 --aov id={name}%d.npy"));
+    };
+    angle("400x300", "s");
+    dir.put("written.json", dir.get("cameras.json"));
+    for size in ["40x30", "30x30", "60x30"] {
+        angle(size, "v");
+        dir.render(&format!("a.xyz --size {size} --cameras written.json --aov id=w%d.npy"));
+        assert!(dir.array("w1.npy") == dir.array("v1.npy"), "{size}");
+    }
     for (key, value, words) in [
         ("k1", json!(0.03), "distortion 0.03"),
         ("k4", json!(-1e-9), "distortion"),

@@ -8,6 +8,8 @@ use halfline::scene::camera::{Camera, Intrinsics, Lens};
 pub enum ListedLens {
     /// It does not depend on the size of the image.
     Known(Lens),
+    /// It is that of an image of so many columns and rows.
+    OfImage(Lens, [u32; 2]),
     /// Its lengths are in pixels of the image.
     InPixels(PixelLens),
 }
@@ -64,7 +66,13 @@ impl ListedLens {
     /// Those of [`lens_of`].
     pub fn for_image(&self, index: usize, width: u32, height: u32) -> Result<Lens> {
         match self {
-            Self::Known(lens) => Ok(*lens),
+            // The picture has the height of the view, and square pixels where those of the image are square.
+            Self::OfImage(Lens::Viewport { vw, vh, distance }, image) if *image != [width, height] => {
+                let [w, h] = image.map(f64::from);
+                let vw = vw * (h / w) * (f64::from(width) / f64::from(height));
+                Ok(Lens::Viewport { vw, vh: *vh, distance: *distance })
+            }
+            Self::Known(lens) | Self::OfImage(lens, _) => Ok(*lens),
             Self::InPixels(lens) => {
                 lens_of(&lens.intrinsics(width, height), width, height).map_err(|error| match error {
                     Error::Settings { problem, mend } => Error::settings(format!("camera {index}: {problem}"), mend),

@@ -24,7 +24,8 @@ impl ListedCamera {
     #[must_use]
     pub fn lens(&self, intrinsics: Option<Intrinsics>, vfov: Option<Lens>) -> Option<ListedLens> {
         if self.has_lens {
-            return Some(ListedLens::Known(self.camera.lens));
+            let lens = self.camera.lens;
+            return Some(self.size.map_or(ListedLens::Known(lens), |image| ListedLens::OfImage(lens, image)));
         }
         self.intrinsics.or(intrinsics.map(PixelLens::of)).map(ListedLens::InPixels).or(vfov.map(ListedLens::Known))
     }
