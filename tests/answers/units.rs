@@ -22,9 +22,12 @@ fn between(rng: &mut Rng, least: i32, most: i32) -> i32 {
 /// own, and one behind the eye or aside, of another size. Depths and distances span up to 2^`most`.
 fn scene(rng: &mut Rng, most: i32) -> Scene {
     // Depths within a quarter of each other have a reference depth.
-    let span = if rng.below(2) == 0 { 0 } else { between(rng, 0, most / 2) };
+    let span = if rng.below(3) == 0 { 0 } else { between(rng, 0, most) };
     // A pixel is 2^-4 of this as a slope, and lengths of it are out of range below 2^-80 of the unit.
-    let exponent = if rng.below(4) > 0 { between(rng, -94, -50) } else { between(rng, -100, 0) };
+    let exponent = if rng.below(4) > 0 { between(rng, -94, -20) } else { between(rng, -100, 0) };
+    // Many deep ones: some are hidden, in range in the unit of their part and not in that of all.
+    let is_deep = rng.below(2) == 0;
+    let (span, count) = if is_deep { (most, between(rng, 150, 250)) } else { (span, between(rng, 2, 100)) };
     let narrow = 2f64.powi(exponent);
     let world = 2f64.powi(between(rng, -90, 90));
     let is_parallel = rng.below(4) == 0;
@@ -33,7 +36,7 @@ fn scene(rng: &mut Rng, most: i32) -> Scene {
         false => Lens::Viewport { vw: narrow, vh: narrow, distance: 1.0 },
     };
     let depth = |rng: &mut Rng| world * 2f64.powf((0.1 + f64::from(span)) * rng.unit());
-    let mut depths: Vec<f64> = (0..between(rng, 2, 100)).map(|_| depth(rng)).collect();
+    let mut depths: Vec<f64> = (0..count).map(|_| depth(rng)).collect();
     depths.sort_unstable_by(f64::total_cmp);
     if rng.below(2) == 0 {
         depths.reverse();
@@ -42,7 +45,7 @@ fn scene(rng: &mut Rng, most: i32) -> Scene {
     let far = world * 2f64.powi(between(rng, -most / 2, most / 2));
     let ahead = if rng.below(2) == 0 { far } else { -far * 2f64.powi(between(rng, -most / 2, 0)) };
     let (aside, is_first) = ([far, far, ahead], rng.below(2) == 0);
-    if is_first {
+    if is_first && !is_deep {
         spheres.push(aside, 0.5 * far.min(world), None);
     }
     for depth in depths {
@@ -50,7 +53,7 @@ fn scene(rng: &mut Rng, most: i32) -> Scene {
         let [x, y, _] = rng.cube();
         spheres.push([0.6 * x * across, 0.6 * y * across, -depth], across * 2f64.powf(-8.0 * rng.unit()), None);
     }
-    if !is_first {
+    if !is_first && !is_deep {
         spheres.push(aside, 0.5 * far.min(world), None);
     }
     let camera = Camera { lens, ..Camera::CANONICAL };
@@ -113,7 +116,7 @@ fn streams_and_parts_have_the_bits_of_memory_in_any_unit() {
     let mut rng = Rng::new(0x5e);
     let [mut hits, mut compared, mut refused] = [0; 3];
     for case in 0..amount("units of streams", 150, 1500) {
-        let scene = scene(&mut rng, 100);
+        let scene = scene(&mut rng, 120);
         let whole = renderer.render(&scene, &settings()).expect("a frame");
         for (way, visible) in [("streamed", streamed(&scene)), ("in parts", in_parts(&scene, case % 2 == 0))] {
             let Ok(visible) = visible else {

@@ -13,7 +13,6 @@ mod page;
 #[path = "../../../tests/common/random_frames.rs"]
 mod random_frames;
 #[path = "../../../tests/common/rng.rs"]
-#[expect(dead_code, reason = "the other test programs use more of it")]
 mod rng;
 #[path = "../../../tests/common/skip.rs"]
 mod skip;
@@ -45,6 +44,7 @@ mod messages;
 mod one_look;
 mod options;
 mod parts;
+mod provenance;
 mod resume;
 mod select;
 mod shots;
