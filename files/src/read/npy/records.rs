@@ -63,12 +63,14 @@ impl Npy<Input> {
         }
         let meanings = meanings(&fields.iter().map(named).collect::<Vec<_>>());
         let packed = meanings.packed;
-        // The place and the type of the first number of a field, and how many columns it has.
-        let read = |k: usize| {
-            let scalar = scalar(&fields[k].dtype).filter(|_| !meanings.fields[k].is_empty())?;
-            Some((places[k], scalar, if packed == Some(k) { 0 } else { meanings.fields[k].len() }))
-        };
-        let read: Vec<(usize, Scalar, usize)> = (0..fields.len()).filter_map(read).collect();
+        // The place and the type of each number, or of a packed colour.
+        let mut read: Vec<(usize, Scalar, bool)> = Vec::new();
+        for (k, columns) in meanings.fields.iter().enumerate() {
+            let Some(scalar) = scalar(&fields[k].dtype) else { continue };
+            let is_packed = packed == Some(k);
+            let numbers = if is_packed { 1 } else { columns.len() };
+            read.extend((0..numbers).map(|n| (places[k] + n * scalar.size(), scalar, is_packed)));
+        }
         let mut layout = Layout::new(request);
         layout.add_fields(meanings).map_err(|problem| self.fail("dtype", problem))?;
         if (0..3).any(|axis| !layout.contains(Role::Position(axis))) {
@@ -83,12 +85,13 @@ impl Npy<Input> {
             }
             for record in block.chunks_exact(size) {
                 numbers.clear();
-                for (place, scalar, columns) in &read {
-                    if *columns == 0 {
-                        numbers.extend(scalar.levels(&record[*place..]));
+                for (place, scalar, is_packed) in &read {
+                    let bytes = &record[*place..];
+                    if *is_packed {
+                        numbers.extend(scalar.levels(bytes));
+                    } else {
+                        numbers.push(scalar.number(bytes));
                     }
-                    let each = |k: usize| scalar.number(&record[place + k * scalar.size()..]);
-                    numbers.extend((0..*columns).map(each));
                 }
                 layout.numbers(&numbers, &mut particles).map_err(|error| self.in_row(row, error))?;
                 row += 1;
