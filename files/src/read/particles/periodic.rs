@@ -120,7 +120,9 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
         );
         return Err(Error::settings(problem, format!("use a file with one of them, or remove {UNWRAP}")));
     }
-    let mut joined = Joined::along(frame, positions, &pairs(frame, positions, &atoms.bonds, |_, _| true));
+    let (mut bonds, reaches) = at_one_place(positions, &atoms.bonds);
+    bonds.extend(pairs(frame, positions, &reaches, |_, _| true));
+    let mut joined = Joined::along(frame, positions, &bonds);
     joined.link(frame, positions, &joined.links(&groups));
     let touch = |a, b| atoms.may_touch(a, b) && joined.are_apart(a, b);
     joined.link(frame, positions, &pairs(frame, positions, &atoms.contacts, touch));
@@ -141,6 +143,22 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
     }
     particles.skipped.assumed.extend(said);
     Ok(moved)
+}
+
+/// Pairs that join atoms at one place to the one of them with the longest reach, and the reaches without those of the others: what is
+/// near one of them is near that one, so all pairs would join no more.
+fn at_one_place(positions: &[[f64; 3]], reaches: &[f32]) -> (Vec<[u32; 2]>, Vec<f32>) {
+    let place = |n: u32| positions[n as usize].map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<u32> = (0..reaches.len() as u32).filter(|n| reaches[*n as usize] > 0.0).collect();
+    order.par_sort_unstable_by_key(|n| (place(*n), std::cmp::Reverse(reaches[*n as usize].to_bits()), *n));
+    let (mut joined, mut left) = (Vec::new(), reaches.to_vec());
+    for same in order.chunk_by(|a, b| place(*a) == place(*b)) {
+        for n in &same[1..] {
+            joined.push([same[0].min(*n), same[0].max(*n)]);
+            left[*n as usize] = 0.0;
+        }
+    }
+    (joined, left)
 }
 
 /// `1 molecule is`, `2 molecules are`.
@@ -249,6 +267,22 @@ mod tests {
         p.elements = vec![6; p.positions.len()];
         apply(Periodic::Wrap, &mut p).expect("a cell");
         p
+    }
+
+    /// All pairs of atoms at one place would be some 10^9.
+    #[test]
+    fn many_atoms_at_one_place_are_one() {
+        let count = 60_000;
+        let place = |n: usize| [if n % 2 == 0 { 0.3 } else { 19.6 }, 1.0, 1.0];
+        let mut p = particles(&(0..count).map(place).collect::<Vec<_>>(), &[]);
+        p.cell = Some(Cell { origin: [0.0; 3], edges: [[20.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 20.0]] });
+        // Hydrogen at the second place reaches carbon at the first, and is bonded by it alone.
+        p.elements = (0..count).map(|n| if n % 2 == 0 { 6 } else { 1 }).collect();
+        apply(Periodic::Unwrap, &mut p).expect("bonds");
+        for (n, found) in p.positions.iter().enumerate() {
+            let wanted = place(n)[0] - if n % 2 == 0 { 0.0 } else { 20.0 };
+            assert!((found[0] - wanted).abs() < 1e-12, "{n}: {found:?}");
+        }
     }
 
     /// Chains longer than the cell, nowhere near each other or their own images, which residues alone would leave in pieces.

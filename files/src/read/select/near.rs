@@ -1,15 +1,29 @@
-//! Particles near others, by a grid of cells whose side is the distance.
+//! Particles near others, by a tree of boxes around those.
 
 use halfline::error::Result;
 use halfline::memory::check;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
-/// The cell of a point, from 0 in each direction.
-type Cube = [i64; 3];
+/// Bytes per point in the tree.
+const POINT: u64 = 64;
 
-/// Bytes per point in a map of cells while it grows.
-const POINT: u64 = 96;
+/// Points that are not divided.
+const FEW: usize = 16;
+
+/// What the distance to a box may be off by, so that a point at the distance itself is found.
+const SPARE: f64 = 1.0 + 1e-12;
+
+/// Points in a box, which is the smallest around them.
+struct Boxed {
+    low: [f64; 3],
+    high: [f64; 3],
+    inside: Inside,
+}
+
+enum Inside {
+    Points(Vec<[f64; 3]>),
+    Halves(Box<[Boxed; 2]>),
+}
 
 /// Whether each of `points` is at most `reach` away from one of those that are `chosen`. Distances between centres, not
 /// periodic; a chosen point is near itself.
@@ -19,28 +33,55 @@ const POINT: u64 = 96;
 pub(super) fn near(points: &[[f64; 3]], chosen: &[bool], reach: f64) -> Result<Vec<bool>> {
     let count = chosen.par_iter().filter(|chosen| **chosen).count() as u64;
     check(POINT.saturating_mul(count), || format!("the distances to {count} selected particles"))?;
-    // The numbers of cells stay below 2^48, so that rounding moves each by less than 2^-5 of a side; points within
-    // `reach` are then at most 1/1.1 + 2 * 2^-5 < 1 side apart, in the same cell or in adjacent ones.
-    let largest = points.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
-    let side = (1.1 * reach).max(largest * 2_f64.powi(-48)).max(f64::MIN_POSITIVE);
-    let cell = |point: &[f64; 3]| point.map(|x| (x / side).floor() as i64);
-    let mut cells: HashMap<Cube, Vec<[f64; 3]>> = HashMap::new();
-    for point in points.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(point, _)| point) {
-        cells.entry(cell(point)).or_default().push(*point);
+    let mut others: Vec<[f64; 3]> =
+        points.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(point, _)| *point).collect();
+    let all = Boxed::around(&mut others);
+    let found = |(point, is_chosen): (&[f64; 3], &bool)| *is_chosen || all.has(point, reach);
+    Ok(points.par_iter().zip(chosen).map(found).collect())
+}
+
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).hypot(z)
+}
+
+impl Boxed {
+    fn around(points: &mut [[f64; 3]]) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for point in &*points {
+            for k in 0..3 {
+                (low[k], high[k]) = (low[k].min(point[k]), high[k].max(point[k]));
+            }
+        }
+        if points.len() <= FEW {
+            return Self { low, high, inside: Inside::Points(points.to_vec()) };
+        }
+        let side = |k: &usize| high[*k] - low[*k];
+        let longest = (0..3).max_by(|a, b| side(a).total_cmp(&side(b))).unwrap_or(0);
+        let middle = points.len() / 2;
+        points.select_nth_unstable_by(middle, |a, b| a[longest].total_cmp(&b[longest]));
+        let (lower, upper) = points.split_at_mut(middle);
+        let (lower, upper) = rayon::join(|| Self::around(lower), || Self::around(upper));
+        Self { low, high, inside: Inside::Halves(Box::new([lower, upper])) }
     }
-    let close = |a: &[f64; 3], b: &[f64; 3]| {
-        let away = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-        away[0].hypot(away[1]).hypot(away[2]) <= reach
-    };
-    let found = |point: &[f64; 3]| {
-        let [x, y, z] = cell(point);
-        let beside = |at: i64| [at.saturating_sub(1), at, at.saturating_add(1)];
-        let mut around = beside(x)
-            .into_iter()
-            .flat_map(|x| beside(y).into_iter().flat_map(move |y| beside(z).into_iter().map(move |z| [x, y, z])));
-        around.any(|place| cells.get(&place).is_some_and(|members| members.iter().any(|other| close(point, other))))
-    };
-    Ok(points.par_iter().map(found).collect())
+
+    /// A lower bound of the distance from a point.
+    fn away(&self, point: &[f64; 3]) -> f64 {
+        length([0, 1, 2].map(|k| (self.low[k] - point[k]).max(point[k] - self.high[k]).max(0.0)))
+    }
+
+    /// Whether one of the points is at most `reach` away.
+    fn has(&self, point: &[f64; 3], reach: f64) -> bool {
+        match &self.inside {
+            Inside::Points(others) => {
+                others.iter().any(|other| length([0, 1, 2].map(|k| point[k] - other[k])) <= reach)
+            }
+            Inside::Halves(halves) => {
+                let [a, b] = halves.each_ref().map(|half| half.away(point));
+                let order = if b < a { [1, 0] } else { [0, 1] };
+                order.into_iter().any(|k| [a, b][k] <= reach * SPARE && halves[k].has(point, reach))
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -48,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_grid_finds_what_all_pairs_give() {
+    fn the_tree_finds_what_all_pairs_give() {
         // A fixed sequence of points with coordinates in eighths, so that many distances are exact.
         let mut state = 7_u64;
         let mut next = || {
@@ -69,13 +110,18 @@ mod tests {
                 .collect();
             assert_eq!(near(&points, &chosen, reach).expect("room"), expected, "{reach}");
         }
-        // With a tiny distance the points, each twice, take a cell each: of 200,000 all pairs would take minutes.
+        // Of 200,000 points all pairs would take minutes.
         let many: Vec<[f64; 3]> = (0..200_000).map(|n| [f64::from(n / 2), 1e15, 0.0]).collect();
         let even: Vec<bool> = (0..200_000).map(|n| n % 4 == 0).collect();
         for reach in [0.0, 1e-300] {
             let found = near(&many, &even, reach).expect("room");
             assert!(found.iter().enumerate().all(|(n, flag)| *flag == (n / 2 % 2 == 0)));
         }
+        // So would those of many points at one place, which are all just too far away.
+        let one: Vec<[f64; 3]> = (0..200_000).map(|n| if n % 2 == 0 { [0.0; 3] } else { [2.0, 2.0, 1.0] }).collect();
+        let at_0: Vec<bool> = (0..200_000).map(|n| n % 2 == 0).collect();
+        assert_eq!(near(&one, &at_0, 2.999).expect("room"), at_0);
+        assert!(near(&one, &at_0, 3.0).expect("room").iter().all(|near| *near));
         let far = [[1e300, 0.0, 0.0], [-1e300, 0.0, 0.0], [1e300, 1.0, 0.0]];
         assert_eq!(near(&far, &[true, false, false], 2.0).expect("room"), [true, false, true]);
     }
