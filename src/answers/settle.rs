@@ -116,11 +116,14 @@ impl Settler<'_> {
         }
         let few = Scene { spheres, ..scene.bare() };
         let judge = self.view.judge(&few)?;
+        let is_long = lists.iter().any(|lists| (0..lists.ends.len()).any(|n| lists.of(n).len() > LONG));
+        let firsts = if is_long { firsts(&few.spheres) } else { None };
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let mut settled: Vec<Settled> = pixels.par_iter().map(|&pixel| Settled { pixel, truth: None }).collect();
         let arch = pulp::Arch::new();
         let decide = |(settled, lists): (&mut [Settled], &mut Lists)| {
             lists.ids.iter_mut().for_each(|id| *id = local(id));
+            firsts.iter().for_each(|firsts| lists.keep(firsts));
             arch.dispatch(Decisions { judge: &judge, view: self.twin.view, lists, settled });
             for truth in settled.iter_mut().filter_map(|settled| settled.truth.as_mut()) {
                 truth.id = ids[truth.id as usize];
@@ -152,6 +155,18 @@ impl Lists {
         &self.ids[n.checked_sub(1).map_or(0, |n| self.ends[n])..self.ends[n]]
     }
 
+    /// Keeps of equal spheres the first one.
+    fn keep(&mut self, firsts: &[u32]) {
+        let mut kept = Self::default();
+        for n in 0..self.ends.len() {
+            let mut own: Vec<u32> = self.of(n).iter().map(|id| firsts[*id as usize]).collect();
+            own.sort_unstable();
+            own.dedup();
+            kept.add(own.into_iter());
+        }
+        *self = kept;
+    }
+
     /// All candidates, each once.
     fn different(&self) -> Vec<u32> {
         let mut ids = self.ids.clone();
@@ -159,6 +174,27 @@ impl Lists {
         ids.dedup();
         ids
     }
+}
+
+/// Candidates of a pixel from which on it is worth while to look for equal spheres.
+const LONG: usize = 64;
+
+/// The first of the spheres that are equal to each, which is hit where they are; `None` where all differ.
+fn firsts(spheres: &Spheres) -> Option<Vec<u32>> {
+    // -0.0 + 0.0 is 0.0.
+    let key = |n: &u32| {
+        let ([x, y, z], r) = (spheres.centers[*n as usize], spheres.radii[*n as usize]);
+        [x, y, z, r].map(|x| (x + 0.0).to_bits())
+    };
+    let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
+    order.par_sort_unstable_by_key(|n| (key(n), *n));
+    let mut firsts: Vec<u32> = (0..spheres.len() as u32).collect();
+    let mut has_equal = false;
+    for equal in order.chunk_by(|a, b| key(a) == key(b)) {
+        has_equal |= equal.len() > 1;
+        equal.iter().for_each(|n| firsts[*n as usize] = equal[0]);
+    }
+    has_equal.then_some(firsts)
 }
 
 /// Pixels that one job decides.

@@ -180,3 +180,19 @@ fn reordered_spheres_have_reordered_ids() {
         }
     });
 }
+
+/// Each sphere 200 times. The first of equal spheres is the one that is hit, and pixels are settled among long lists.
+#[test]
+fn copies_of_spheres_at_their_places_change_no_answer() {
+    on_every_backend(|renderer, scene, frame| {
+        let mut copies = scene.clone();
+        for _ in 1..200 {
+            for (center, radius) in scene.spheres.centers.iter().zip(scene.spheres.radii.iter()) {
+                copies.spheres.push(*center, *radius, None);
+            }
+        }
+        let again = certified(renderer, &copies);
+        assert!(again.report.settled > 500, "{}", again.report.settled);
+        assert_same("copies", frame, &again, |pixel| pixel, |id| id);
+    });
+}
