@@ -1,7 +1,8 @@
 //! Text line by line, with the place of every byte. The line-based formats share it for byte order marks, CRLF and
-//! invalid UTF-8.
+//! bytes that are not UTF-8, and tables for records of several lines.
 
 use super::input::Input;
+use super::particles::table::fields::has_content;
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
@@ -15,6 +16,9 @@ const LONGEST: u64 = 1 << 20;
 /// The most lines in a row that are blank or comments, so that a file without content is not read for minutes.
 const IDLE: u64 = 1 << 20;
 
+/// The most bytes in a record of several lines.
+const LONGEST_RECORD: usize = 1 << 16;
+
 /// The approximate bytes in a block of lines, and in one of its parts. They are constants, so that results do not
 /// depend on the number of cores.
 const BLOCK: usize = 2 << 20;
@@ -26,23 +30,51 @@ pub(super) struct Lines<R> {
     path: PathBuf,
     text: String,
     number: u64,
-    any_bytes: bool,
+    /// Whether columns are bytes.
+    fixed: bool,
+    /// Whether a record continues on the next line, and what separates its fields.
+    records: Option<(Continues, u8)>,
+    /// The first byte of the line that was not UTF-8.
+    invalid: Option<usize>,
+    /// Bytes that were read too far.
+    ahead: Vec<u8>,
     /// Whether the current line is the next one too.
     again: bool,
     /// The lines before that are blank or comments.
     idle: u64,
 }
 
+/// Whether a record with this separator of fields continues on the next line; `None` where it is none.
+pub(super) type Continues = fn(&[u8], u8) -> Option<bool>;
+
 impl<R: BufRead> Lines<R> {
     pub(super) fn new(reader: R, path: &Path) -> Self {
         let (path, text) = (path.to_path_buf(), String::new());
-        Self { reader, path, text, number: 0, any_bytes: false, again: false, idle: 0 }
+        Self {
+            reader,
+            path,
+            text,
+            number: 0,
+            fixed: false,
+            records: None,
+            invalid: None,
+            ahead: Vec::new(),
+            again: false,
+            idle: 0,
+        }
     }
 
-    /// Accepts lines that are not UTF-8, with a question mark for each byte that is not ASCII, so that columns stay in
-    /// place. Formats older than UTF-8 contain names of people in other encodings, and otherwise ASCII.
-    pub(super) fn of_any_bytes(mut self) -> Self {
-        self.any_bytes = true;
+    /// Columns are bytes: a line that is not UTF-8 has a question mark for each byte that is not ASCII, so that columns stay in
+    /// place. Other lines then have the letter of ISO 8859-1 for each such byte, so that words that differ stay different.
+    /// Formats older than UTF-8 contain names of people in such encodings, and otherwise ASCII.
+    pub(super) fn of_columns(mut self) -> Self {
+        self.fixed = true;
+        self
+    }
+
+    /// A record is of all lines that `continues` says, unless they have more than 65,536 bytes.
+    pub(super) fn of_records(mut self, continues: Continues, separator: u8) -> Self {
+        self.records = Some((continues, separator));
         self
     }
 
@@ -58,11 +90,11 @@ impl<R: BufRead> Lines<R> {
         }
         let mut bytes = std::mem::take(&mut self.text).into_bytes();
         bytes.clear();
-        let mut line = (&mut self.reader).take(LONGEST);
-        if line.read_until(b'\n', &mut bytes).map_err(|e| Error::read(&self.path, e))? == 0 {
+        let lines = self.record(&mut bytes)?;
+        if lines == 0 {
             return Ok(false);
         }
-        self.number += 1;
+        self.number += lines;
         if bytes.len() as u64 == LONGEST && !bytes.ends_with(b"\n") {
             let problem = format!("the line is longer than {LONGEST} bytes");
             return Err(Error::scene(
@@ -71,16 +103,17 @@ impl<R: BufRead> Lines<R> {
                 format!("check the format of the file, or set it with {FORMAT}"),
             ));
         }
-        if self.any_bytes && std::str::from_utf8(&bytes).is_err() {
-            bytes.iter_mut().filter(|byte| !byte.is_ascii()).for_each(|byte| *byte = b'?');
-        }
-        self.text = String::from_utf8(bytes).map_err(|e| not_utf8(self.file(), self.number - 1, e))?;
+        self.invalid = None;
+        self.text = String::from_utf8(bytes).unwrap_or_else(|error| {
+            self.invalid = Some(error.utf8_error().valid_up_to());
+            self.letters(error.as_bytes())
+        });
         let kept = self.text.trim_end_matches(['\n', '\r']).len();
         self.text.truncate(kept);
         if self.number == 1 && self.text.starts_with('\u{feff}') {
             self.text.remove(0);
         }
-        self.rest(u64::from(is_idle(&self.text)))?;
+        self.rest(u64::from(!has_content(&self.text)))?;
         Ok(true)
     }
 
@@ -93,25 +126,86 @@ impl<R: BufRead> Lines<R> {
         if self.idle <= IDLE { Ok(()) } else { Err(too_idle(&self.place(0))) }
     }
 
+    /// The letters of bytes that are not UTF-8.
+    fn letters(&self, bytes: &[u8]) -> String {
+        if self.fixed {
+            return bytes.iter().map(|byte| if byte.is_ascii() { char::from(*byte) } else { '?' }).collect();
+        }
+        let mut text = String::new();
+        for chunk in bytes.utf8_chunks() {
+            text.push_str(chunk.valid());
+            text.extend(chunk.invalid().iter().map(|byte| char::from(*byte)));
+        }
+        text
+    }
+
+    /// Refuses the current line if it is not UTF-8 before a byte, where a comment may begin.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at the first byte that is not.
+    pub(super) fn check_utf8(&self, end: usize) -> Result<()> {
+        let Some(at) = self.invalid.filter(|at| *at < end) else { return Ok(()) };
+        let byte = self.text[at..].chars().next().map_or(0, u32::from);
+        Err(Error::scene(self.place(at), not_utf8_text(byte as u8), UTF8))
+    }
+
+    /// Appends the next line; returns its length.
+    fn line(&mut self, bytes: &mut Vec<u8>) -> Result<usize> {
+        if !self.ahead.is_empty() {
+            let end = self.ahead.iter().position(|byte| *byte == b'\n').map_or(self.ahead.len(), |at| at + 1);
+            bytes.extend(self.ahead.drain(..end));
+            return Ok(end);
+        }
+        let mut line = (&mut self.reader).take(LONGEST);
+        line.read_until(b'\n', bytes).map_err(|e| Error::read(&self.path, e))
+    }
+
+    /// Appends the next line, with those that it continues on; returns their number.
+    fn record(&mut self, bytes: &mut Vec<u8>) -> Result<u64> {
+        let begin = bytes.len();
+        let first = self.line(bytes)?;
+        let Some((continues, separator)) = self.records.filter(|_| bytes[begin..].contains(&b'"')) else {
+            return Ok(u64::from(first > 0));
+        };
+        let (mut lines, mut last) = (1, begin);
+        while bytes.len() - begin < LONGEST_RECORD {
+            // A line without a quote does not close a field.
+            let more = if bytes[last..].contains(&b'"') { continues(&bytes[begin..], separator) } else { Some(true) };
+            match more {
+                Some(false) => return Ok(lines),
+                Some(true) => last = bytes.len(),
+                None => break,
+            }
+            if self.line(bytes)? == 0 {
+                break;
+            }
+            lines += 1;
+        }
+        // No record begins here, so it is a line.
+        let rest = bytes.split_off(begin + first);
+        self.ahead.splice(..0, rest);
+        Ok(1)
+    }
+
     /// Reads `most` lines into `block`, fewer where the file ends or the block is full. The last of them becomes the
     /// current line; whether lines contain data is determined when the parts are read.
     pub(super) fn block(&mut self, most: u64, block: &mut Block) -> Result<()> {
         block.bytes.clear();
         block.parts.clear();
-        (block.path, block.any_bytes, block.lines) = (self.path.clone(), self.any_bytes, 0);
+        (block.path, block.fixed, block.records, block.lines) = (self.path.clone(), self.fixed, self.records, 0);
         let (mut part, mut last) = (0, 0);
         while block.lines < most && block.bytes.len() < blocks::at_most(BLOCK) {
             if block.bytes.len() >= part + blocks::at_most(PART) || block.lines == 0 {
                 part = block.bytes.len();
                 block.parts.push((part, self.number + block.lines));
             }
-            let mut line = (&mut self.reader).take(LONGEST);
-            let length = line.read_until(b'\n', &mut block.bytes).map_err(|e| Error::read(&self.path, e))?;
-            if length == 0 {
+            let begin = block.bytes.len();
+            let lines = self.record(&mut block.bytes)?;
+            if lines == 0 {
                 break;
             }
-            (last, block.lines) = (block.bytes.len() - length, block.lines + 1);
-            if length as u64 == LONGEST {
+            (last, block.lines) = (begin, block.lines + lines);
+            if (block.bytes.len() - begin) as u64 >= LONGEST {
                 break;
             }
         }
@@ -157,7 +251,9 @@ impl<R: BufRead> Lines<R> {
 
     /// Line and column of a byte of this line.
     pub(super) fn spot(&self, byte: usize) -> Spot {
-        Spot { line: self.number, column: column(&self.text, byte) }
+        // The number is that of the last line of a record.
+        let behind = self.text.get(byte..).map_or(0, |rest| rest.matches('\n').count() as u64);
+        Spot { line: self.number.saturating_sub(behind), column: column(&self.text, byte) }
     }
 
     /// The place of a byte of this line.
@@ -184,19 +280,18 @@ impl Lines<Input> {
         self.reader.found();
     }
 
-    /// Skips `count` lines of particles; returns the number skipped.
-    pub(super) fn pass_particles(&mut self, count: u64) -> Result<u64> {
-        let mut passed = 0;
-        while passed < count {
+    /// Skips `count` lines of particles; false where the file ends before, or within the last of them, which has so many words.
+    pub(super) fn pass_rows(&mut self, count: u64, words: usize) -> Result<bool> {
+        let mut left = count.saturating_sub(1);
+        while left > 0 {
             self.found();
-            let more = (count - passed).min(1 << 10);
-            let found = self.pass(more)?;
-            passed += found;
-            if found < more {
-                break;
+            let more = left.min(1 << 10);
+            if self.pass(more)? < more {
+                return Ok(false);
             }
+            left -= more;
         }
-        Ok(passed)
+        Ok(count == 0 || self.advance()? && Words::of(self).count() >= words)
     }
 }
 
@@ -208,7 +303,8 @@ pub(super) struct Block {
     parts: Vec<(usize, u64)>,
     lines: u64,
     path: PathBuf,
-    any_bytes: bool,
+    fixed: bool,
+    records: Option<(Continues, u8)>,
 }
 
 impl Block {
@@ -222,7 +318,8 @@ impl Block {
         let ends = self.parts.iter().skip(1).map(|(start, _)| *start).chain([self.bytes.len()]);
         let part = |((start, number), end): (&(usize, u64), usize)| Lines {
             number: *number,
-            any_bytes: self.any_bytes,
+            fixed: self.fixed,
+            records: self.records,
             ..Lines::new(&self.bytes[*start..end], &self.path)
         };
         self.parts.iter().zip(ends).map(part).collect()
@@ -256,9 +353,24 @@ impl<R: BufRead> Word<'_, R> {
     }
 
     fn wrong(&self, field: &str, what: &str) -> Error {
-        let problem = format!("{} {what}", quote(self.text));
-        Error::scene(self.lines.place(self.at).named(field), problem, "use a finite number such as 0.5")
+        let problem = match self.text {
+            "" => "the field is blank".to_owned(),
+            text => format!("{} {what}", quote(text)),
+        };
+        Error::scene(self.lines.place(self.at).named(field), problem, mend_number(self.text))
     }
+}
+
+/// What to do about a text that is not a finite number: how Fortran and other languages write one is told.
+pub(super) fn mend_number(text: &str) -> String {
+    let spelled = |spelling: String| Some(spelling).filter(|text| text.parse::<f64>().is_ok_and(f64::is_finite));
+    if let Some(number) = spelled(text.replace(['D', 'd'], "E")).filter(|_| text.parse::<f64>().is_err()) {
+        return format!("write the exponent with E, as in {number}");
+    }
+    if let Some(number) = spelled(text.replacen(',', ".", 1)).filter(|_| text.parse::<f64>().is_err()) {
+        return format!("write decimals with a point, as in {number}");
+    }
+    "use a finite number such as 0.5".to_owned()
 }
 
 /// The words of a line, separated by white space.
@@ -307,13 +419,10 @@ impl Spot {
     }
 }
 
-/// The characters before `byte`, plus one.
-fn column(line: &str, byte: usize) -> u64 {
-    line.get(..byte).unwrap_or(line).chars().count() as u64 + 1
-}
-
-fn is_idle(line: &str) -> bool {
-    line.trim_start().is_empty() || line.starts_with('#')
+/// The characters before `byte` in its line, plus one.
+fn column(record: &str, byte: usize) -> u64 {
+    let before = record.get(..byte).unwrap_or(record);
+    before.rsplit('\n').next().unwrap_or_default().chars().count() as u64 + 1
 }
 
 fn too_idle(place: &Place) -> Error {
@@ -325,7 +434,7 @@ fn too_idle(place: &Place) -> Error {
 pub(super) fn check_idle(text: &str, file: &Place) -> Result<()> {
     let mut idle = 0;
     for (line, number) in text.lines().zip(1..) {
-        idle = if is_idle(line) { idle + 1 } else { 0 };
+        idle = if has_content(line) { 0 } else { idle + 1 };
         if idle > IDLE {
             return Err(too_idle(&file.clone().at(number, 1)));
         }
@@ -341,5 +450,11 @@ pub(super) fn not_utf8(file: Place, lines: u64, error: std::string::FromUtf8Erro
     let mut place = file.at_byte(&before, before.len());
     place.line = place.line.map(|line| lines + line);
     let byte = bytes.get(valid).copied().unwrap_or_default();
-    Error::scene(place, format!("the byte 0x{byte:02x} is not UTF-8 text"), "save the file as UTF-8")
+    Error::scene(place, not_utf8_text(byte), UTF8)
 }
+
+fn not_utf8_text(byte: u8) -> String {
+    format!("the byte 0x{byte:02x} is not UTF-8 text")
+}
+
+const UTF8: &str = "save the file as UTF-8";

@@ -63,7 +63,11 @@ pub(super) fn without_files(reader: Input, path: &Path, watch: &Watch) -> Result
 
 fn document(reader: Input, path: &Path, watch: &Watch, is_whole: bool) -> Result<(Read, Vec<NamedSpheres>)> {
     let file = Place::file(path.display().to_string());
-    let text = String::from_utf8(bytes(reader, path)?).map_err(|e| not_utf8(file.clone(), 0, e))?;
+    // Comments may have any bytes; elsewhere the first that is not UTF-8 is the error.
+    let (text, invalid) = match String::from_utf8(bytes(reader, path)?) {
+        Ok(text) => (text, None),
+        Err(e) => (String::from_utf8_lossy(e.as_bytes()).into_owned(), Some(not_utf8(file.clone(), 0, e))),
+    };
     check_idle(&text, &file)?;
     let length = text.len();
     check(room::most_held(&text), || format!("{file}: {length} bytes of TOML"))?;
@@ -74,7 +78,11 @@ fn document(reader: Input, path: &Path, watch: &Watch, is_whole: bool) -> Result
         let text = TomlText { file, text };
         Document { text: &text, path: &path, watch: &within }.read(is_whole)
     };
-    if length <= QUICK { parse() } else { watch.wait_for(parse) }
+    let read = if length <= QUICK { parse() } else { watch.wait_for(parse) };
+    match invalid {
+        Some(invalid) if matches!(read, Err(Error::Scene { .. } | Error::Io { .. })) => Err(invalid),
+        _ => read,
+    }
 }
 
 /// All bytes of a scene file.

@@ -169,6 +169,7 @@ impl Reader {
             if !self.lines.advance()? {
                 return Ok(None);
             }
+            self.lines.check_utf8(self.lines.text().find('#').unwrap_or(usize::MAX))?;
         }
     }
 

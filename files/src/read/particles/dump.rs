@@ -220,7 +220,8 @@ impl ParticleFrames for Dump {
 
     fn skip(&mut self) -> Result<bool> {
         let Some(DumpHeader { count, .. }) = self.head()? else { return Ok(false) };
-        if self.lines.pass_particles(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
+        let columns = Words::of(&self.lines).count().saturating_sub(2);
+        if !self.lines.pass_rows(count, columns)? { Err(self.ends("atom")) } else { Ok(true) }
     }
 }
 

@@ -52,7 +52,7 @@ const NANOMETRE: f64 = 10.0;
 
 impl Gro {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        let lines = Lines::new(source.reader, &source.path).of_any_bytes();
+        let lines = Lines::new(source.reader, &source.path).of_columns();
         Self { lines, request, is_noted: false, when: FrameTime::default() }
     }
 
@@ -266,7 +266,7 @@ impl ParticleFrames for Gro {
             self.lines.found();
         }
         self.need("box")?;
-        Ok(true)
+        self.cell().map(|_| true)
     }
 }
 

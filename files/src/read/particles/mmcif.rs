@@ -59,7 +59,7 @@ enum State {
 impl Mmcif {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         Self {
-            tokens: Tokens::new(Lines::new(source.reader, &source.path).of_any_bytes()),
+            tokens: Tokens::new(Lines::new(source.reader, &source.path)),
             request,
             operators: Operators::default(),
             layout: AtomColumns::default(),

@@ -87,7 +87,7 @@ fn has(dialect: Format) -> &'static [AtomProperty] {
 impl Pdb {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         Self {
-            lines: Lines::new(source.reader, &source.path).of_any_bytes(),
+            lines: Lines::new(source.reader, &source.path).of_columns(),
             dialect: source.format,
             request,
             number: 0,

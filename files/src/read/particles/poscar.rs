@@ -38,7 +38,7 @@ struct PoscarHeader {
 /// # Errors
 /// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
 pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
-    let mut lines = Lines::new(source.reader, &source.path).of_any_bytes();
+    let mut lines = Lines::new(source.reader, &source.path);
     let header = header(&mut lines)?;
     let mut particles = Particles { has: vec![SPECIES.into()], ..Particles::default() };
     // A species that occurs again has the label of the first.

@@ -2,7 +2,7 @@
 //! two modes: tolerant for particle files, strict for `[[spheres]]`.
 //!
 //! The csv crate is not used: its record positions count the comments and blank lines before a record, and errors here
-//! have the exact column. A number that spans lines is an error anyway.
+//! have the exact column.
 
 pub(in crate::read) mod fields;
 mod header;
@@ -16,7 +16,7 @@ use super::rows::rows;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::source::SceneSource;
-use fields::{delimiter, fields, has_content, next};
+use fields::{continues, delimiter, fields, has_content, next};
 use halfline::error::{Error, Result};
 use halfline::quote::quote;
 use header::TableHeader;
@@ -32,6 +32,9 @@ pub(crate) struct Table<R> {
     /// What is assumed of the columns.
     assumed: Vec<String>,
 }
+
+/// The column of the names of rows, as R calls them.
+const ROW_NAMES: &str = "row.names";
 
 impl<R: BufRead> Table<R> {
     /// A comma-separated table whose header is the first line with content; `role` gives the meaning of its names.
@@ -49,12 +52,20 @@ impl<R: BufRead> Table<R> {
     }
 
     /// A table with any delimiter, other columns, and a header that may be a comment or missing.
-    fn tolerant(mut lines: Lines<R>, request: &Request) -> Result<Self> {
+    fn tolerant(lines: Lines<R>, request: &Request) -> Result<Self> {
+        // Texts may have line breaks; strict tables have none.
+        let mut lines = lines.of_records(continues, 0);
         let (mut header, ahead) = TableHeader::find(&mut lines, &request.columns_named)?;
         if ahead {
             // numpy.savetxt uses any separator between names.
             if header.comment && fields(&lines, 0, header.delimiter).count() < header.names.len() {
                 header.delimiter = delimiter(lines.text());
+            }
+            // R gives the names of rows no header.
+            let row: Vec<_> = fields(&lines, 0, header.delimiter).map(|word| word.text.parse::<f64>()).collect();
+            let is_named = row.first().is_some_and(Result::is_err) || lines.text().starts_with('"');
+            if is_named && !header.comment && row.len() == header.names.len() + 1 {
+                header.names.insert(0, (ROW_NAMES.to_owned(), Role::Text));
             }
             for (word, (_, role)) in fields(&lines, 0, header.delimiter).zip(&mut header.names) {
                 if *role == Role::Other && !word.text.is_empty() && word.text.parse::<f64>().is_err() {
@@ -69,6 +80,7 @@ impl<R: BufRead> Table<R> {
                 .add(name, *role)
                 .map_err(|problem| Error::scene(header.place.clone().named("header"), problem, mend))?;
         }
+        let lines = lines.of_records(continues, header.delimiter);
         Ok(Self { lines, layout, delimiter: header.delimiter, ahead, assumed: header.assumed })
     }
 
@@ -87,6 +99,7 @@ impl<R: BufRead> Table<R> {
         if !std::mem::take(&mut self.ahead) && !next(&mut self.lines)? {
             return Ok(false);
         }
+        self.lines.check_utf8(usize::MAX)?;
         row(&self.lines, self.delimiter, &self.layout, particles)?;
         Ok(true)
     }

@@ -16,6 +16,7 @@ use crate::read::source::SceneSource;
 use halfline::error::{Error, Result};
 use halfline::memory::check_ids;
 use halfline::quote::quote;
+use halfline::quote::setting::{COLUMNS, FORMAT};
 use halfline::scene::Cell;
 
 /// The reader.
@@ -41,7 +42,7 @@ impl Xyz {
             }
             let count = text.parse().map_err(|_| {
                 let problem = format!("{} is not a number of atoms", quote(text));
-                self.lines.fail(0, "count", problem, "begin each frame with its number of atoms")
+                self.lines.fail(0, "count", problem, mend_count(text))
             })?;
             return check_ids(count).map(|()| Some(count));
         }
@@ -119,7 +120,7 @@ impl Xyz {
         }
         let mut layout = Layout::new(&self.request);
         layout.add_fields(meanings).map_err(wrong)?;
-        if !layout.contains(Role::Position(2)) {
+        if !(0..3).all(|axis| layout.contains(Role::Position(axis))) {
             return Err(wrong("the property pos with three columns is missing".into()));
         }
         Ok((layout, cell, FrameTime::of(time, step)))
@@ -149,12 +150,28 @@ fn atoms(field: &NamedField<'_>, kind: &str, columns: &mut Vec<(String, Role)>) 
     let name = field.name.to_lowercase();
     let role = match (&name[..], kind, field.count) {
         ("species" | "element" | "symbol", "S", 1) => Role::Symbol,
-        ("z" | "numbers" | "atomic_numbers", "I", 1) => Role::Number,
+        // Beside `x` and `y` it is the coordinate.
+        ("z", "I" | "R", 1) if matches!(columns[..], [(_, Role::Position(_))]) => return,
+        ("z" | "numbers" | "atomic_numbers", "I" | "R", 1) => Role::Number,
         (_, "S" | "L", _) => Role::Text,
         _ => return,
     };
+    // The coordinate has the name `z`.
+    let name = if role == Role::Number && name == "z" { "atomic_number".to_owned() } else { name };
     let named = |k: usize| if field.count == 1 { name.clone() } else { component(&name, k) };
     *columns = (0..field.count).map(|k| (named(k), role)).collect();
+}
+
+/// What to do about a line that is no number of atoms: points without a count are a table.
+fn mend_count(line: &str) -> String {
+    let words = line.split(|c: char| c.is_whitespace() || ",;".contains(c)).filter(|word| !word.is_empty());
+    match words.map(|word| word.parse::<f64>().is_ok()).collect::<Vec<_>>()[..] {
+        [true, true, true, ..] => format!("points without a count are a table: use {FORMAT} csv {COLUMNS} x=1,y=2,z=3"),
+        [false, true, true, true, ..] => format!(
+            "begin each frame with its number of atoms and a comment, or use {FORMAT} csv {COLUMNS} element=1,x=2,y=3,z=4"
+        ),
+        _ => "begin each frame with its number of atoms".to_owned(),
+    }
 }
 
 /// The `key=value` pairs of a comment, with values optionally in quotes or brackets, each with the byte at which its
@@ -208,7 +225,8 @@ impl ParticleFrames for Xyz {
     fn skip(&mut self) -> Result<bool> {
         let Some(count) = self.count()? else { return Ok(false) };
         self.need("comment")?;
-        if self.lines.pass_particles(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
+        let columns = self.layout()?.0.len();
+        if !self.lines.pass_rows(count, columns)? { Err(self.ends("atom")) } else { Ok(true) }
     }
 }
 

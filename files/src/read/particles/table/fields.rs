@@ -7,7 +7,13 @@ use std::io::BufRead;
 /// Whether a line is neither blank nor a comment.
 pub(crate) fn has_content(line: &str) -> bool {
     let text = line.trim_start();
-    !text.is_empty() && !text.starts_with('#')
+    !text.is_empty() && comment(text) == 0
+}
+
+/// The length of the mark of a comment at the beginning of a text: `#`, or `//` as CloudCompare writes it.
+pub(in crate::read) fn comment(text: &str) -> usize {
+    let mark = if text.starts_with("//") { '/' } else { '#' };
+    text.len() - text.trim_start_matches(mark).len()
 }
 
 /// The delimiter of a line.
@@ -22,21 +28,12 @@ pub(crate) fn fields<R: BufRead>(
     delimiter: u8,
 ) -> impl Iterator<Item = Word<'_, R>> + Clone {
     let text = lines.text().as_bytes();
-    let blank = move |byte: &u8| byte.is_ascii_whitespace() && (*byte != delimiter || delimiter == b' ');
-    let ends = move |byte: &u8| if delimiter == b' ' { byte.is_ascii_whitespace() } else { *byte == delimiter };
     let mut start = Some(start);
     std::iter::from_fn(move || {
-        let raw = start?;
-        let at = raw + text[raw..].iter().take_while(|byte| blank(byte)).count();
+        let Field { at, quoted, end } = Field::of(text, start?, delimiter);
         if delimiter == b' ' && at == text.len() {
             return None;
         }
-        let quoted = quoted(&text[at..]).filter(|length| {
-            let after = text[at + length..].iter().find(|byte| !blank(byte) || ends(byte));
-            after.is_none_or(ends)
-        });
-        let from = at + quoted.unwrap_or(0);
-        let end = from + text[from..].iter().position(ends).unwrap_or(text.len() - from);
         start = (end < text.len()).then_some(end + 1);
         let (mut first, mut last) = match quoted {
             Some(length) => (at + 1, at + length - 1),
@@ -52,6 +49,48 @@ pub(crate) fn fields<R: BufRead>(
         word.at = at;
         Some(word)
     })
+}
+
+/// Whether a record continues on the next line, because it ends within a quoted field; `None` where text follows a quote that
+/// closes a field, so that quotes mean something else.
+pub(super) fn continues(record: &[u8], delimiter: u8) -> Option<bool> {
+    let text = String::from_utf8_lossy(record);
+    if !has_content(&text) {
+        return Some(false);
+    }
+    let delimiter = if delimiter == 0 { self::delimiter(&text) } else { delimiter };
+    let mut at = 0;
+    loop {
+        let field = Field::of(record, at, delimiter);
+        match (field.quoted, record.get(field.at)) {
+            (None, Some(b'"')) => return quoted(&record[field.at..]).is_none().then_some(true),
+            _ if field.end >= record.len() => return Some(false),
+            _ => at = field.end + 1,
+        }
+    }
+}
+
+/// A field of a record: its first byte without padding, the length of its text in quotes, if it is quoted, and its end.
+struct Field {
+    at: usize,
+    quoted: Option<usize>,
+    end: usize,
+}
+
+impl Field {
+    /// The field from a byte on.
+    fn of(text: &[u8], raw: usize, delimiter: u8) -> Self {
+        let blank = |byte: &u8| byte.is_ascii_whitespace() && (*byte != delimiter || delimiter == b' ');
+        let ends = |byte: &u8| if delimiter == b' ' { byte.is_ascii_whitespace() } else { *byte == delimiter };
+        let at = raw + text[raw..].iter().take_while(|byte| blank(byte)).count();
+        let quoted = quoted(&text[at..]).filter(|length| {
+            let after = text[at + length..].iter().find(|byte| !blank(byte) || ends(byte));
+            after.is_none_or(ends)
+        });
+        let from = at + quoted.unwrap_or(0);
+        let end = from + text[from..].iter().position(ends).unwrap_or(text.len() - from);
+        Self { at, quoted, end }
+    }
 }
 
 /// The length of the quoted text that begins here; a doubled quote is a quote.

@@ -1,6 +1,6 @@
 //! The header of a table: the names of its columns and their meaning, from the file or from the caller.
 
-use super::fields::{delimiter, fields, next};
+use super::fields::{comment, delimiter, fields, next};
 use super::names::{Axes, axes, split};
 use crate::read::lines::Lines;
 use crate::read::particles::column_names::ColumnNames;
@@ -34,13 +34,24 @@ impl TableHeader {
     /// # Errors
     /// [`Error::Scene`] for a table without named coordinates, and without a column that is given.
     pub(super) fn find<R: BufRead>(lines: &mut Lines<R>, given: &ColumnNames) -> Result<(Self, bool)> {
-        let mut above = None;
+        let (mut above, mut counted) = (None, None);
+        let with = |header: Self, said: Option<String>| Self {
+            assumed: said.into_iter().chain(header.assumed).collect(),
+            ..header
+        };
         while lines.advance()? {
             let text = lines.text().trim_start();
             if text.is_empty() {
                 continue;
             }
-            let comment = text.len() - text.trim_start_matches('#').len();
+            // Scanners write the number of points before them.
+            if counted.is_none() && text.trim_end().parse::<u64>().is_ok() {
+                let place = lines.place(0);
+                counted =
+                    Some(format!("{place}: {} alone in its line is taken for the number of rows", text.trim_end()));
+                continue;
+            }
+            let comment = comment(text);
             let start = lines.text().len() - text.len() + comment;
             let found = Self::of(lines, start, given);
             if comment > 0 {
@@ -49,21 +60,19 @@ impl TableHeader {
             }
             // A table by numbers has a header only if its first line has no numbers there.
             let bare = if given.are_numbers() { Self::bare(lines, given) } else { None };
-            return match (found?, bare, above) {
-                (_, Some(bare), Some(above)) if above.names.len() == bare.names.len() => Ok((above, true)),
-                (Ok(header), None, _) => {
-                    let ahead = next(lines)?;
-                    Ok((header, ahead))
-                }
-                (_, None, Some(above)) => Ok((above, true)),
-                (_, Some(bare), None) => Ok((bare, true)),
-                (_, Some(bare), Some(above)) => Ok((if given.is_empty() { above } else { bare }, true)),
-                (Err(error), None, None) => Err(error),
+            let (header, ahead) = match (found?, bare, above) {
+                (_, Some(bare), Some(above)) if above.names.len() == bare.names.len() => (above, true),
+                (Ok(header), None, _) => (header, next(lines)?),
+                (_, None, Some(above)) => (above, true),
+                (_, Some(bare), None) => (bare, true),
+                (_, Some(bare), Some(above)) => (if given.is_empty() { above } else { bare }, true),
+                (Err(error), None, None) => return Err(error),
             };
+            return Ok((with(header, counted), ahead));
         }
         let problem = "the columns x, y and z are missing";
         above
-            .map(|header| (header, false))
+            .map(|header| (with(header, counted), false))
             .ok_or_else(|| Error::scene(lines.file().named("header"), problem, name_them()))
     }
 
@@ -136,7 +145,7 @@ impl TableHeader {
                 let mend = "use the same unit for radii and positions, and the same name for it";
                 return Err(Error::scene(place.named("header"), problem, mend));
             }
-            let comment = start > 0 && lines.text()[..start].ends_with('#');
+            let comment = start > 0 && lines.text()[..start].ends_with(['#', '/']);
             let names = names.into_iter().zip(roles).collect();
             let header = Self { names, delimiter, comment, place: place.clone(), assumed };
             if header.is_placed() {
