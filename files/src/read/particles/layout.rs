@@ -13,6 +13,7 @@ use crate::read::lines::{Lines, Word};
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
+use halfline::quote::setting::{COLUMNS, SKIP_INVALID};
 use halfline::scene::check_color;
 use std::io::BufRead;
 
@@ -32,8 +33,8 @@ pub(crate) struct Layout {
     has: Vec<String>,
     /// Bytes of all names.
     named: usize,
-    /// Whether rows with invalid coordinates or radii are left out instead of being errors.
-    skip_invalid: bool,
+    /// Whether rows with invalid coordinates or radii are left out instead of being errors; `None` where they cannot be.
+    skip_invalid: Option<bool>,
     /// The numbers that colours are.
     color_type: ColorType,
     /// What to say of columns that are not taken.
@@ -74,7 +75,7 @@ impl Layout {
     /// No columns yet, for this request.
     pub(crate) fn new(request: &Request) -> Self {
         let (wanted, survey) = (request.columns.clone(), request.survey.clone());
-        Self { wanted, survey, skip_invalid: request.skip_invalid, ..Self::default() }
+        Self { wanted, survey, skip_invalid: Some(request.skip_invalid), ..Self::default() }
     }
 
     /// No columns yet, for a reader that keeps every row until the end of the file.
@@ -112,30 +113,40 @@ impl Layout {
         if self.named > MOST_NAMED {
             return Err(format!("the names of the columns have more than {MOST_NAMED} bytes"));
         }
-        if !matches!(role, Role::Other | Role::Text) && self.slots.iter().any(|slot| slot.role == role) {
-            return Err(format!("{} occurs twice", quote(name)));
-        }
-        // Two columns with the same meaning: the first is used.
+        let name = name.to_lowercase();
+        let twice = |name: &str| Err(format!("{} occurs twice", quote(name)));
+        // Two columns with the same meaning: the first is used, if they have other names.
+        let known = self.slots.iter().find(|slot| slot.role == role && !matches!(role, Role::Other | Role::Text));
         let role = match role {
+            Role::Number if known.is_some_and(|slot| slot.name != name) => Role::Other,
+            Role::Symbol if known.is_some_and(|slot| slot.name != name) => Role::Text,
+            _ if known.is_some() => return twice(&name),
             Role::Number if self.contains(Role::Symbol) => Role::Other,
             Role::Symbol if self.contains(Role::Number) => Role::Text,
             Role::Diameter if self.contains(Role::Radius) => Role::Other,
             Role::Radius if self.contains(Role::Diameter) => Role::Other,
             role => role,
         };
-        let name = name.to_lowercase();
         let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: false };
         self.has.push(slot.name.clone());
         if is_wanted(&self.wanted, &slot.name) {
-            if self.requested.contains(&slot.name) {
-                return Err(format!("{} occurs twice", quote(&slot.name)));
+            // A column of which another has the name cannot be asked for; among all of them it is numbered, as by pandas.
+            let is_every = self.wanted.iter().any(|name| name == EVERY);
+            let mut number = 0;
+            let first = slot.name.clone();
+            while self.requested.contains(&slot.name) {
+                if !is_every {
+                    return twice(&first);
+                }
+                number += 1;
+                slot.name = format!("{first}.{number}");
             }
             slot.requested = Some(self.requested.len());
             if matches!(role, Role::Symbol | Role::Text) {
                 slot.text = Some(self.texts.len());
                 self.texts.push(self.requested.len());
             }
-            slot.mixed = role == Role::Other && self.wanted.iter().any(|name| name == EVERY);
+            slot.mixed = role == Role::Other && is_every;
             self.requested.push(slot.name.clone());
         }
         self.slots.push(slot);
@@ -144,7 +155,20 @@ impl Layout {
 
     /// Whether rows with invalid coordinates or radii are left out.
     pub(crate) fn skips_invalid(&self) -> bool {
-        self.skip_invalid
+        self.skip_invalid == Some(true)
+    }
+
+    /// The error of a row that could be left out says so.
+    pub(crate) fn offer_to_skip(&self, column: usize, error: Error) -> Error {
+        match error {
+            Error::Scene { place, problem, mend, source }
+                if self.skip_invalid == Some(false) && self.slots[column].role.is_checked() =>
+            {
+                let mend = format!("{mend}, or add {SKIP_INVALID} to leave such rows out");
+                Error::Scene { place, problem, mend, source }
+            }
+            error => error,
+        }
     }
 
     /// Declares the last `count` columns as a vector of this name, whose length can be requested.
@@ -179,7 +203,15 @@ impl Layout {
 
     /// An empty list of particles with a list for every requested column; for a survey they are counted and dropped.
     pub(crate) fn begin(&self) -> Particles {
-        let skipped = Skipped { assumed: self.said.clone(), ..Skipped::default() };
+        let mut skipped = Skipped { assumed: self.said.clone(), ..Skipped::default() };
+        let is_sized = self.slots.iter().any(|slot| matches!(slot.role, Role::Radius | Role::Diameter));
+        let is_radius = |slot: &&Slot| slot.role == Role::Other && ["r", "rad"].contains(&slot.name.as_str());
+        if let Some(slot) = self.slots.iter().find(is_radius).filter(|_| !is_sized) {
+            let name = &slot.name;
+            skipped.assumed.push(format!(
+                "the column {name} is not read as a radius; call it radius, or in a table use {COLUMNS} radius={name}"
+            ));
+        }
         Particles { has: self.has.clone(), survey: self.survey.clone(), skipped, ..self.begin_part() }
     }
 
@@ -197,7 +229,7 @@ impl Layout {
         lines: &Lines<R>,
         particles: &mut Particles,
     ) -> Result<()> {
-        if self.skip_invalid
+        if self.skips_invalid()
             && let Some(error) = self.invalid(words.clone())
         {
             particles.left_out.add(error);
@@ -244,7 +276,7 @@ impl Layout {
                 let problem = format!("expected {} fields, found {count}", self.slots.len());
                 return Err(lines.ends(&slot.name, problem, "use one field per column"));
             };
-            slot.word(&word, &mut making, particles)?;
+            slot.word(&word, &mut making, particles).map_err(|error| self.offer_to_skip(count, error))?;
         }
         if let Some(color) = making.color {
             check_color(color, || lines.place(making.color_at).named("color"))?;

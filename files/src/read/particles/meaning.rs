@@ -59,13 +59,18 @@ pub(crate) fn is_known(name: &str) -> bool {
         || COLOR_SETS.iter().flatten().any(|known| *known == name)
 }
 
-/// The meanings of the fields of a row.
+/// The meanings of the fields of a row. A name in lower case comes before the same in capitals.
 pub(crate) fn meanings(fields: &[NamedField<'_>]) -> Meanings {
     let names: Vec<String> = fields.iter().map(|field| field.name.to_lowercase()).collect();
-    let find = |of: &[&str], fits: &dyn Fn(&NamedField<'_>) -> bool| {
-        of.iter().find_map(|name| (0..names.len()).find(|k| names[*k] == *name && fits(&fields[*k])))
-    };
     let is_number = |field: &NamedField<'_>| !matches!(field.kind, FieldKind::Other(_));
+    let is_second = |k: usize| {
+        let is_first = |other: &NamedField<'_>| other.name == names[k] && other.count == fields[k].count;
+        fields[k].name != names[k] && fields.iter().any(|other| is_first(other) && is_number(other))
+    };
+    let find = |of: &[&str], fits: &dyn Fn(&NamedField<'_>) -> bool| {
+        let is = |k: usize, name: &str| names[k] == name && fits(&fields[k]) && !is_second(k);
+        of.iter().find_map(|name| (0..names.len()).find(|k| is(*k, name)))
+    };
     let single = |of: &[&str]| find(of, &|field| field.count == 1 && is_number(field));
     let three = |set: &[&str; 3]| set.iter().all(|name| single(&[name]).is_some());
     let is_packed = |field: &NamedField<'_>| match field.kind {
@@ -98,6 +103,7 @@ pub(crate) fn meanings(fields: &[NamedField<'_>]) -> Meanings {
             _ if positions == Some(k) => parts(["x", "y", "z"], Role::Position),
             _ if vector == Some(k) => parts(["r", "g", "b"], Role::Color),
             _ if packed == Some(k) => parts(["red", "green", "blue"], Role::Color),
+            1 if role(name) != Role::Other && is_second(k) => vec![(field.name.to_owned(), Role::Other)],
             1 => vec![(field.name.to_owned(), role(name))],
             count => (0..count).map(|part| (component(name, part), Role::Other)).collect(),
         }
@@ -189,5 +195,11 @@ mod tests {
         assert_eq!((roles(&whole), meanings(&whole).said), (found, Vec::new()), "the first of several");
         assert_eq!(roles(&[binary("r", 1, real)]), [Role::Other]);
         assert_eq!(roles(&[binary("pos", 3, real)]), [0, 1, 2].map(Role::Position));
+        let axis = [0, 1, 2].map(Role::Position);
+        assert_eq!(roles(&["X", "Y", "Z"].map(|name| binary(name, 1, real))), axis);
+        let names = ["X", "x", "Radius", "y", "radius", "z", "rgb", "RGB"];
+        let found =
+            [Role::Other, axis[0], Role::Other, axis[1], Role::Radius, axis[2], color[0], color[1], color[2], Role::Other];
+        assert_eq!(roles(&names.map(|name| binary(name, 1, real))), found, "lower case comes first");
     }
 }

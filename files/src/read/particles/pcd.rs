@@ -137,10 +137,12 @@ impl Points<'_> {
         }
         let (at, mut block) = (file.at(), Vec::new());
         file.block(u64::from(packed), &mut block, "points")?;
-        let Some(bytes) = lzf::unpack(&block, size)? else {
-            return Err(file.fail(at, "points", format!("they do not decompress to {size} bytes"), DAMAGED));
+        let bytes = match lzf::unpack(&block, size)? {
+            Some(bytes) => bytes,
+            // Points that compression does not shorten are stored as they are, as by pypcd.
+            None if u64::from(packed) == size => block,
+            None => return Err(file.fail(at, "points", format!("they do not decompress to {size} bytes"), DAMAGED)),
         };
-        drop(block);
         check(64 * count, || format!("{count} points"))?;
         // Field by field, all points of each.
         let mut starts = Vec::new();

@@ -18,3 +18,10 @@ pub(crate) enum Role {
     /// A number that is read only if it is requested.
     Other,
 }
+
+impl Role {
+    /// Whether its numbers decide if a particle is valid.
+    pub(crate) fn is_checked(self) -> bool {
+        matches!(self, Self::Position(_) | Self::Radius | Self::Diameter)
+    }
+}

@@ -47,14 +47,13 @@ pub(super) fn text(
                         Role::Position(_) | Role::Color(_) => word.finite(name),
                         _ => word.number(name),
                     };
-                    let skips =
-                        layout.skips_invalid() && matches!(role, Role::Position(_) | Role::Radius | Role::Diameter);
+                    let skips = layout.skips_invalid() && role.is_checked();
                     let number = match number {
                         Err(error) if skips => {
                             invalid.get_or_insert(error);
                             f64::NAN
                         }
-                        number => number?,
+                        number => number.map_err(|error| layout.offer_to_skip(numbers.len(), error))?,
                     };
                     numbers.push(number);
                 }
