@@ -1,6 +1,7 @@
 //! Detects the format of a scene file by its beginning and its name.
 
 use super::format::Format;
+use super::particles::table::fields::comment;
 use super::particles::table::names::axes;
 use super::{foreign, nff};
 use halfline::quote::setting::{COLUMNS, FORMAT};
@@ -19,9 +20,11 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
         (format!("this is {}, which is not supported", foreign.what), foreign.mend.to_owned())
     };
     let named = Format::of_name(name);
-    // Tinker's files have the extension of XYZ and a similar beginning.
+    // Tinker's files have the extension of XYZ and a similar beginning, and PTX has the beginning of POSCAR.
+    let is_poscar = named == Some(Format::Poscar);
     match (of_content(start, named), foreign::of_content(start, &lines)) {
         (None | Some(Format::Xyz), Some(found)) => return Err(foreign(found)),
+        (Some(Format::Poscar), Some(found)) if !is_poscar => return Err(foreign(found)),
         (Some(format), _) => return Ok((format, named.and_then(|named| contradiction(format, named, &text)))),
         (None, None) => {}
     }
@@ -33,10 +36,15 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
     }
     native(start).map(|format| (format, None)).ok_or_else(|| {
         let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
-        let row = said(&lines).next().unwrap_or_default();
-        let table = row.split([',', ';', '\t', ' ']).filter(|word| word.trim().parse::<f64>().is_ok()).count() >= 3;
-        let table =
-            if table { format!("name the columns of a table with {COLUMNS} x=1,y=2,z=3, or ") } else { String::new() };
+        // The number of points may be before them.
+        let is_row =
+            |row: &str| row.split([',', ';', '\t', ' ']).filter(|word| word.trim().parse::<f64>().is_ok()).count() >= 3;
+        let table = said(&lines).filter(|line| !line.starts_with("//")).take(2).any(is_row);
+        let table = if table {
+            format!("name the columns of a table with {FORMAT} csv {COLUMNS} x=1,y=2,z=3, or ")
+        } else {
+            String::new()
+        };
         let mend = format!("{table}set it with {FORMAT}: {}", names.join(", "));
         ("the format cannot be detected from content or name".to_owned(), mend)
     })
@@ -67,7 +75,7 @@ fn of_content(start: &[u8], named: Option<Format>) -> Option<Format> {
     if start.starts_with(b"\x93NUMPY") {
         return Some(Format::Npy);
     }
-    if start.starts_with(b"PK\x03\x04") {
+    if start.starts_with(b"PK\x03\x04") && !foreign::is_zip(start, &[]) {
         return Some(Format::Npz);
     }
     if let Some((format, _)) = BINARY.iter().find(|(_, sign)| sign(start)) {
@@ -140,7 +148,9 @@ fn numbers(words: &str) -> usize {
 fn is_mmcif(lines: &[&str]) -> bool {
     said(lines).next().is_some_and(|line| {
         let word = line.split_whitespace().next().unwrap_or_default();
-        word.len() > 5 && word.to_ascii_lowercase().starts_with("data_") && !word.contains('=')
+        // Libraries of monomers begin with what is global.
+        word.eq_ignore_ascii_case("global_")
+            || word.len() > 5 && word.to_ascii_lowercase().starts_with("data_") && !word.contains('=')
             || line.eq_ignore_ascii_case("loop_")
             || word.starts_with("_atom_site.")
     })
@@ -156,9 +166,14 @@ fn is_pdb(lines: &[&str]) -> bool {
     // In free form a blank is enough behind the name of the record.
     let is_atom = |line: &str| ["ATOM", "HETATM"].contains(&line.split_whitespace().next().unwrap_or_default());
     let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end()) || is_atom(line);
-    let Some(first) = lines.iter().find(|line| !line.trim().is_empty()) else { return false };
-    // In GROMOS the word is alone on its line, too, but no atoms of PDB follow.
-    record(first) && (first.trim_end() != "TITLE" || atoms(lines).next().is_some())
+    let mut said = lines.iter().filter(|line| !line.trim().is_empty());
+    match said.next() {
+        // In GROMOS the word is alone on its line too, and its block ends before atoms; some writers of PDB have no title.
+        Some(line) if line.trim_end() == "TITLE" => {
+            said.find(|line| line.trim_end() == "END" || record(line)).is_some_and(|line| record(line))
+        }
+        line => line.is_some_and(|line| record(line)),
+    }
 }
 
 /// The atoms of a file of PDB records.
@@ -237,8 +252,15 @@ fn is_gro(lines: &[&str]) -> bool {
         && atom.get(20..).is_some_and(|rest| numbers(rest) >= 3 && rest.contains('.'))
 }
 
-/// A count, a comment, and lines of a word or a number and three numbers.
+/// A count, a comment, and lines of a word or a number and three numbers. Points behind their number, as scanners write them,
+/// have no comment.
 fn is_xyz(lines: &[&str]) -> bool {
+    let row = |n: usize| lines.get(n).map_or("", |line| line.trim());
+    let [first, second] = [row(1), row(2)].map(|row| (numbers(row), row.split_whitespace().count()));
+    let is_whole = |row: &str| row.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
+    if first == second && first.0 >= 3 && first.0 == first.1 && !(is_whole(row(1)) && is_whole(row(2))) {
+        return false;
+    }
     let Some(count) = lines.first().and_then(|line| line.trim().parse::<u64>().ok()) else { return false };
     match lines.get(2) {
         None => count == 0,
@@ -252,8 +274,8 @@ fn is_poscar(lines: &[&str]) -> bool {
     let vector = |line: &&str| numbers(line) == 3;
     let counts = |line: &str| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
     let species = first.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
-    // Seven rows of numbers are a table.
-    let table = lines[..7].iter().all(|line| numbers(line) >= 3 && numbers(line) == line.split_whitespace().count());
+    // The sixth or the seventh line has a word, unless all are rows of a table, perhaps under its header.
+    let table = lines[1..7].iter().all(|line| numbers(line) >= 3 && numbers(line) == line.split_whitespace().count());
     !table
         && [1, 3].contains(&numbers(scale))
         && [a, b, c].into_iter().all(vector)
@@ -285,9 +307,9 @@ fn is_data(lines: &[&str]) -> bool {
 /// A header that names the coordinates; it may be a comment or follow comments.
 fn is_csv(lines: &[&str]) -> bool {
     let mut before = true;
-    let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || line.trim().starts_with('#'));
+    let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || comment(line.trim()) > 0);
     lines.iter().take_while(first).any(|line| {
-        let header = line.trim().trim_start_matches('#').trim();
+        let header = line.trim()[comment(line.trim())..].trim();
         let names = |delimiters: &[char]| -> Vec<String> {
             header.split(delimiters).map(|name| name.trim().trim_matches('"').to_owned()).collect()
         };
@@ -298,12 +320,7 @@ fn is_csv(lines: &[&str]) -> bool {
 
 /// Text without another format's signature and without a known name is taken as a scene file, unless it cannot be TOML.
 fn native(start: &[u8]) -> Option<Format> {
-    let text = match std::str::from_utf8(start) {
-        Ok(text) => text,
-        // The inspected bytes may end within a character.
-        Err(error) if error.error_len().is_none() => std::str::from_utf8(&start[..error.valid_up_to()]).ok()?,
-        Err(_) => return None,
-    };
+    let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().collect();
     // `[table]`, or a key, perhaps of several words with dots between them, and its value.
     let key = |text: &str| {
@@ -475,6 +492,7 @@ mod tests {
         assert_eq!(native(text.as_bytes()), Some(Format::Native));
         let within = format!("{text}# \u{e9}");
         assert_eq!(native(&within.as_bytes()[..within.len() - 1]), Some(Format::Native));
-        assert_eq!(native(b"[camera]\n\xff\n"), None);
+        assert_eq!(native(b"# \xe9\n[camera]\n"), Some(Format::Native));
+        assert_eq!(native(b"\xff\xd8 = \n"), None);
     }
 }

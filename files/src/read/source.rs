@@ -59,10 +59,14 @@ impl SceneSource {
                 return Err(Error::scene(Place::file(path.display().to_string()), problem, mend));
             }
         };
-        // The reader of scenes says more: what a scene needs.
-        if start.is_empty() && !matches!(format, Format::Native | Format::Nff) {
+        let is_empty = (start.len() as u64) < LOOK && start.iter().all(u8::is_ascii_whitespace);
+        // A scene lacks its camera first of all.
+        let is_scene = matches!(format, Format::Native | Format::Nff);
+        if is_empty && (is_scene || start.is_empty()) {
             let place = Place::file(path.display().to_string());
-            return Err(Error::scene(place, "the file is empty", "use a file with particles"));
+            let place = if format == Format::Native { place.at(1, 1) } else { place };
+            let place = if is_scene { place.named("camera") } else { place };
+            return Err(Error::scene(place, "the file is empty", "use a file with particles or a scene"));
         }
         Ok(Self { reader, path: path.to_path_buf(), format, said })
     }
