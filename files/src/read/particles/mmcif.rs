@@ -1,6 +1,7 @@
 //! Macromolecular CIF: the loop of `_atom_site` with its columns in any order, model after model (PDBx/mmCIF
 //! dictionary, mmcif.wwpdb.org). Small-molecule CIF, with positions as fractions of the cell, is read too, and its
-//! symmetry fills the cell.
+//! symmetry fills the cell. Of a file without such atoms, the first chemical component with positions is read, as the
+//! dictionaries of the PDB and of CCP4 write them (`_chem_comp_atom`).
 
 mod operators;
 mod row;
@@ -42,6 +43,11 @@ pub(in crate::read) struct Mmcif {
     told: bool,
     /// Whether another data block follows the one with the atoms.
     blocks: bool,
+    /// The columns and the atoms of the first component.
+    component: Option<(AtomColumns, Vec<AtomRow>)>,
+    ledger: Ledger,
+    /// Its rows, where the file has no other atoms.
+    rows: Option<std::vec::IntoIter<AtomRow>>,
 }
 
 /// The reader's state.
@@ -71,6 +77,9 @@ impl Mmcif {
             passed: Passed::default(),
             told: false,
             blocks: false,
+            component: None,
+            ledger: Ledger::default(),
+            rows: None,
         }
     }
 
@@ -79,6 +88,10 @@ impl Mmcif {
         loop {
             match self.tokens.next()? {
                 Token::End => {
+                    if let Some((layout, rows)) = self.component.take() {
+                        (self.layout, self.rows) = (layout, Some(rows.into_iter()));
+                        return self.row().map(drop);
+                    }
                     let problem = "the file has no atoms (no values of _atom_site with Cartn_x, Cartn_y, Cartn_z)";
                     return Err(Error::scene(self.tokens.file(), problem, "use a file with coordinates"));
                 }
@@ -97,7 +110,8 @@ impl Mmcif {
         while self.state == State::Behind {
             match self.tokens.next()? {
                 token @ (Token::End | Token::Block) => {
-                    (self.state, self.blocks) = (State::End, token == Token::Block);
+                    let more = token == Token::Block || self.rows.is_some() && self.blocks;
+                    (self.state, self.blocks) = (State::End, more);
                 }
                 token => {
                     self.item(token)?;
@@ -113,7 +127,7 @@ impl Mmcif {
             Token::Loop => self.a_loop(),
             Token::Tag => {
                 let tag = self.tag();
-                if self.state == State::Before && AtomColumns::is_atom(&tag) {
+                if self.state == State::Before && (AtomColumns::is_atom(&tag) || AtomColumns::is_component(&tag)) {
                     return self.single(&tag);
                 }
                 let item = OperatorItem::of(&tag);
@@ -155,9 +169,18 @@ impl Mmcif {
             }
         };
         self.tokens.give_back(after);
-        if self.state == State::Before && tags.first().is_some_and(|tag| AtomColumns::is_atom(tag)) {
+        let is_component = tags.first().is_some_and(|tag| AtomColumns::is_component(tag));
+        if self.state == State::Before && (is_component || tags.first().is_some_and(|tag| AtomColumns::is_atom(tag))) {
             let layout = AtomColumns::of(&tags, &self.request);
             // Loops of dictionaries, or of other data about atoms, are ignored.
+            if layout.is_placed() && is_component {
+                let mut rows = Vec::new();
+                while self.row.read(&mut self.tokens, &layout, &mut self.names)? {
+                    self.ledger.add(2 * size_of::<AtomRow>())?;
+                    rows.push(self.row.clone());
+                }
+                return self.keep(layout, rows).map(|()| false);
+            }
             if layout.is_placed() {
                 self.layout = layout;
                 return self.row();
@@ -177,6 +200,9 @@ impl Mmcif {
                 if let (Some(first), 0) = (first, k) {
                     self.operators.begin(first, false, self.tokens.spot())?;
                 }
+                if first.is_some() && k + 1 < items.len() {
+                    self.tokens.check_quote()?;
+                }
                 if let Some(item) = item {
                     self.operators.take(*item, &self.tokens)?;
                 }
@@ -187,9 +213,27 @@ impl Mmcif {
         }
     }
 
+    /// Keeps the atoms of the first component, for a file without other atoms. Its idealised positions are taken where the first
+    /// atom has no other.
+    fn keep(&mut self, mut layout: AtomColumns, rows: Vec<AtomRow>) -> Result<()> {
+        if self.component.is_some() {
+            self.blocks = true;
+        } else if let Some(first) = rows.first() {
+            self.tokens.found();
+            if !first.is_placed(&layout, || self.tokens.file())? {
+                layout.idealise();
+            }
+            self.component = Some((layout, rows));
+        }
+        Ok(())
+    }
+
     /// Reads the next row of atoms; false where there is none.
     fn row(&mut self) -> Result<bool> {
-        let found = self.row.read(&mut self.tokens, &self.layout, &mut self.names)?;
+        let found = match &mut self.rows {
+            Some(rows) => rows.next().map(|row| self.row = row).is_some(),
+            None => self.row.read(&mut self.tokens, &self.layout, &mut self.names)?,
+        };
         self.tokens.found();
         self.state = if found { State::AtomRow } else { State::Behind };
         Ok(true)
@@ -197,6 +241,8 @@ impl Mmcif {
 
     /// Parses the only atom of a file that writes it as single values.
     fn single(&mut self, tag: &str) -> Result<bool> {
+        let is_component = AtomColumns::is_component(tag);
+        let is_same = |tag: &str| if is_component { AtomColumns::is_component(tag) } else { AtomColumns::is_atom(tag) };
         let mut tags = vec![tag.to_owned()];
         let (mut values, mut ledger) = (Vec::new(), Ledger::default());
         loop {
@@ -213,7 +259,7 @@ impl Mmcif {
             }
             let token = self.tokens.next()?;
             let tag = self.tag();
-            if token != Token::Tag || !AtomColumns::is_atom(&tag) || tags.len() >= MOST_COLUMNS {
+            if token != Token::Tag || !is_same(&tag) || tags.len() >= MOST_COLUMNS {
                 self.tokens.give_back(token);
                 break;
             }
@@ -225,6 +271,10 @@ impl Mmcif {
         }
         let file = self.tokens.file();
         self.row.single(&layout, &values, &mut self.names, &file)?;
+        if is_component {
+            let rows = vec![self.row.clone()];
+            return self.keep(layout, rows).map(|()| false);
+        }
         (self.layout, self.state) = (layout.of_one(), State::AtomRow);
         Ok(true)
     }
@@ -245,7 +295,11 @@ impl Mmcif {
                 self.models.push_back((number, model));
             }
             if let Some((_, Some(model))) = self.models.get_mut(at) {
-                self.row.give(model, &self.operators.symmetry)?;
+                if self.row.is_placed(&self.layout, || self.tokens.file())? {
+                    self.row.give(model, &self.layout, &self.operators.symmetry)?;
+                } else {
+                    model.unplaced(self.request.strict, || self.tokens.place())?;
+                }
             }
             if self.layout.is_of_one() {
                 self.state = State::Behind;
@@ -299,6 +353,7 @@ impl ParticleFrames for Mmcif {
             };
             let more = !self.models.is_empty();
             let file = self.tokens.file();
+            model.check_placed(&file)?;
             let assembly = match &self.request.assembly {
                 Some(id) => Some(self.operators.assembly(id, &file)?),
                 None => None,
@@ -316,6 +371,12 @@ impl ParticleFrames for Mmcif {
             particles.cell = self.operators.cell().filter(|_| assembly.is_none());
             self.names.label(&mut particles);
             let said = &mut particles.skipped.assumed;
+            said.extend(self.operators.assumed_angles().filter(|_| particles.cell.is_some()));
+            said.extend(self.tokens.said_of_quotes());
+            if self.layout.is_of_component() {
+                let which = if self.layout.is_ideal() { "idealised positions" } else { "positions" };
+                said.push(format!("the file is of a chemical component, whose {which} are shown"));
+            }
             if self.blocks {
                 said.push("the file has several data blocks and the first with atoms is shown".into());
             }

@@ -12,7 +12,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::memory::{Ledger, reserve};
 use halfline::progress::Watch;
 use halfline::quote::setting::{ALTLOC, AS_LISTED, ASSEMBLY, FRAMES, MODEL};
-use halfline::quote::{quote, unquoted};
+use halfline::quote::{count, quote, unquoted};
 use halfline::scene::{Cell, keep};
 use std::collections::HashMap;
 
@@ -84,6 +84,9 @@ impl Passed {
 /// Bytes per site with several locations, besides its key, in a map while it grows.
 const SITE: usize = 160;
 
+/// What atoms without a position are called.
+const UNPLACED: &str = "site without coordinates";
+
 /// A model while it is read.
 pub(super) struct Model {
     particles: Particles,
@@ -146,6 +149,28 @@ impl Model {
     /// Keeps all atoms until the end, of which copies are made.
     pub(super) fn whole(self) -> Self {
         Self { survey: None, ..self }
+    }
+
+    /// Counts an atom without a position.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] where it is `strict`.
+    pub(super) fn unplaced(&mut self, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
+        self.particles.skipped.meet(UNPLACED, strict, place)
+    }
+
+    /// Refuses a model of atoms without a position alone.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for such a model.
+    pub(super) fn check_placed(&self, file: &Place) -> Result<()> {
+        match self.particles.skipped.kinds.iter().find(|(kind, _)| *kind == UNPLACED) {
+            Some((_, unplaced)) if self.met == 0 => {
+                let problem = format!("{} without coordinates, and none with them", count(*unplaced, "atom"));
+                Err(Error::scene(file.clone(), problem, "use a file with coordinates"))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Whether an atom at an alternate location (empty if it has only one) is read. `site` writes what its alternatives

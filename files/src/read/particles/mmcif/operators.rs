@@ -8,7 +8,7 @@ use crate::read::particles::assembly::{Assembly, AssemblyPart, MOST_OPERATORS, u
 use crate::read::particles::molecule::cell;
 use halfline::error::{Error, Place, Result};
 use halfline::memory::Ledger;
-use halfline::quote::quote;
+use halfline::quote::{list, quote};
 use halfline::scene::Cell;
 use halfline::scene::instances::Operator;
 use std::collections::HashMap;
@@ -83,6 +83,8 @@ pub(super) struct Operators {
     generators: Vec<Generator>,
     list: Vec<ListedOperator>,
     cell: [f64; 6],
+    /// Whether each angle is given.
+    angles: [bool; 3],
     pub(super) symmetry: Symmetry,
     /// Bytes of both lists.
     ledger: Ledger,
@@ -93,7 +95,9 @@ impl Default for Operators {
         Self {
             generators: Vec::new(),
             list: Vec::new(),
-            cell: [f64::NAN; 6],
+            // The dictionaries give the angles this default.
+            cell: [f64::NAN, f64::NAN, f64::NAN, 90.0, 90.0, 90.0],
+            angles: [false; 3],
             symmetry: Symmetry::default(),
             ledger: Ledger::default(),
         }
@@ -135,7 +139,13 @@ impl Operators {
         }
         match (item, self.generators.last_mut(), self.list.last_mut()) {
             (OperatorItem::Symmetry(item), ..) => self.symmetry.take(item, tokens)?,
-            (OperatorItem::Cell(k), ..) => self.cell[k] = number(tokens.value()).unwrap_or(f64::NAN),
+            (OperatorItem::Cell(3..), ..) if tokens.value().is_empty() => {}
+            (OperatorItem::Cell(k), ..) => {
+                self.cell[k] = number(tokens.value()).unwrap_or(f64::NAN);
+                if let Some(angle) = k.checked_sub(3) {
+                    self.angles[angle] = true;
+                }
+            }
             (OperatorItem::Assembly, Some(generator), _) => generator.assembly = tokens.string()?,
             (OperatorItem::Chains, Some(generator), _) => generator.chains = tokens.string()?,
             (OperatorItem::Expression, Some(generator), _) => {
@@ -154,6 +164,16 @@ impl Operators {
     pub(super) fn cell(&self) -> Option<Cell> {
         let [a, b, c, alpha, beta, gamma] = self.cell;
         cell([a, b, c], [alpha, beta, gamma])
+    }
+
+    /// The message about a cell without some of its angles.
+    pub(super) fn assumed_angles(&self) -> Option<String> {
+        let names =
+            ["alpha", "beta", "gamma"].iter().zip(self.angles).filter(|(_, given)| !given).map(|(name, _)| name);
+        let names = list(names);
+        let said =
+            format!("the file does not give {names} of the cell, so 90 degrees are taken, as the dictionary says");
+        (self.angles != [true; 3] && self.cell().is_some()).then_some(said)
     }
 
     /// The names of the assemblies, and the most operators that each can have, where it is known.

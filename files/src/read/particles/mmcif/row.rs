@@ -2,7 +2,7 @@
 
 use super::symmetry::Symmetry;
 use super::tokens::{Token, Tokens, number};
-use crate::read::lines::Spot;
+use crate::read::lines::{Spot, mend_number};
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
 use crate::read::particles::layout::is_wanted;
@@ -24,6 +24,8 @@ enum Use {
     Location,
     Model,
     Position(usize),
+    /// A coordinate of a component's idealised geometry.
+    Ideal(usize),
     /// A number that colours and selections use.
     Number(AtomProperty),
     /// A name that they use.
@@ -43,12 +45,20 @@ pub(super) struct AtomColumns {
     has: Vec<AtomProperty>,
     fractional: bool,
     one: bool,
+    /// Whether they are of the atoms of a chemical component, and whether its idealised positions are taken.
+    component: bool,
+    ideal: bool,
 }
 
 impl AtomColumns {
     /// Whether a tag in lower case belongs to atoms; small-molecule files write `_atom_site_label`.
     pub(super) fn is_atom(tag: &str) -> bool {
-        item(tag).is_some()
+        tag.strip_prefix("_atom_site").is_some_and(|rest| rest.starts_with(['.', '_']))
+    }
+
+    /// Whether a tag in lower case belongs to the atoms of a chemical component.
+    pub(super) fn is_component(tag: &str) -> bool {
+        tag.starts_with(COMPONENT)
     }
 
     /// The layout of these tags, in lower case.
@@ -56,7 +66,8 @@ impl AtomColumns {
         let items: Vec<&str> = tags.iter().map(|tag| item(tag).unwrap_or_default()).collect();
         // The first of these names that occurs.
         let column = |names: &[&str]| names.iter().find_map(|name| items.iter().position(|item| item == name));
-        let mut layout = Self { uses: vec![Vec::new(); items.len()], ..Self::default() };
+        let component = tags.first().is_some_and(|tag| Self::is_component(tag));
+        let mut layout = Self { uses: vec![Vec::new(); items.len()], component, ..Self::default() };
         let highest = request.altloc == Altloc::Highest;
         let columns: [(AtomProperty, &[&str]); 14] = [
             (AtomProperty::Bfactor, &["b_iso_or_equiv"]),
@@ -89,13 +100,17 @@ impl AtomColumns {
             }
         }
         let cartesian = ["cartn_x", "cartn_y", "cartn_z"];
-        layout.fractional = !cartesian.iter().all(|name| items.contains(name));
+        layout.fractional = !component && !cartesian.iter().all(|name| items.contains(name));
         let places = if layout.fractional { ["fract_x", "fract_y", "fract_z"] } else { cartesian };
-        for (k, name) in places.iter().enumerate() {
-            if let Some(at) = column(&[name]) {
-                layout.uses[at].push(Use::Position(k));
+        let ideal = ["ideal_x", "ideal_y", "ideal_z"];
+        for (k, (name, ideal)) in places.iter().zip(ideal).enumerate() {
+            for (at, what) in [(column(&[name]), Use::Position(k)), (column(&[ideal]), Use::Ideal(k))] {
+                if let Some(at) = at {
+                    layout.uses[at].push(what);
+                }
             }
         }
+        layout.ideal = !layout.has_all(Use::Position) && layout.has_all(Use::Ideal);
         let symbol = column(&["type_symbol"]);
         let texts = [
             (symbol, Use::Symbol),
@@ -122,7 +137,26 @@ impl AtomColumns {
 
     /// Whether all three coordinates are present.
     pub(super) fn is_placed(&self) -> bool {
-        (0..3).all(|k| self.uses.iter().flatten().any(|kind| *kind == Use::Position(k)))
+        self.ideal || self.has_all(Use::Position)
+    }
+
+    /// Whether all three of these coordinates are present.
+    fn has_all(&self, of: fn(usize) -> Use) -> bool {
+        (0..3).all(|k| self.uses.iter().flatten().any(|kind| *kind == of(k)))
+    }
+
+    /// Takes the idealised positions, if there are any.
+    pub(super) fn idealise(&mut self) {
+        self.ideal = self.has_all(Use::Ideal);
+    }
+
+    /// Whether the idealised positions of a component are taken.
+    pub(super) fn is_ideal(&self) -> bool {
+        self.ideal
+    }
+
+    pub(super) fn is_of_component(&self) -> bool {
+        self.component
     }
 
     pub(super) fn is_fractional(&self) -> bool {
@@ -144,7 +178,29 @@ impl AtomColumns {
     }
 }
 
+/// The category of the atoms of a chemical component.
+const COMPONENT: &str = "_chem_comp_atom.";
+
+/// Its items, in the dictionaries of the PDB and of monomers of CCP4, that have another name than those of `_atom_site`.
+const COMPONENT_ITEMS: [(&str, &str); 11] = [
+    ("atom_id", "label_atom_id"),
+    ("comp_id", "label_comp_id"),
+    ("model_cartn_x", "cartn_x"),
+    ("model_cartn_y", "cartn_y"),
+    ("model_cartn_z", "cartn_z"),
+    ("x", "cartn_x"),
+    ("y", "cartn_y"),
+    ("z", "cartn_z"),
+    ("pdbx_model_cartn_x_ideal", "ideal_x"),
+    ("pdbx_model_cartn_y_ideal", "ideal_y"),
+    ("pdbx_model_cartn_z_ideal", "ideal_z"),
+];
+
+/// The name of an item of atoms, without its category.
 fn item(tag: &str) -> Option<&str> {
+    if let Some(name) = tag.strip_prefix(COMPONENT) {
+        return COMPONENT_ITEMS.iter().find(|(own, _)| *own == name).map_or(Some(name), |(_, name)| Some(name));
+    }
     tag.strip_prefix("_atom_site").and_then(|rest| rest.strip_prefix(['.', '_']))
 }
 
@@ -160,7 +216,11 @@ pub(super) struct AtomRow {
     number: Vec<u8>,
     location: Vec<u8>,
     site: Vec<u8>,
+    /// NaN for a coordinate that is missing.
     position: [f64; 3],
+    ideal: [f64; 3],
+    /// The first coordinate that is missing, and where it is.
+    missing: Option<(usize, Spot)>,
     /// By [`AtomProperty`].
     numbers: [f64; AtomProperty::ALL.len()],
     asym: u32,
@@ -187,8 +247,11 @@ impl AtomRow {
                     return Err(Error::scene(tokens.place().named("_atom_site"), problem, "use one value per column"));
                 }
             }
+            if k + 1 < layout.uses.len() {
+                tokens.check_quote()?;
+            }
             for kind in uses {
-                self.take(*kind, tokens.value(), names, || tokens.place())?;
+                self.take(*kind, tokens.value(), names, || tokens.spot(), &|| tokens.file())?;
             }
         }
         Ok(true)
@@ -206,7 +269,7 @@ impl AtomRow {
         self.small = layout.fractional;
         for (uses, (value, spot)) in layout.uses.iter().zip(values) {
             for kind in uses {
-                self.take(*kind, value, names, || spot.of(file.clone()))?;
+                self.take(*kind, value, names, || *spot, &|| file.clone())?;
             }
         }
         Ok(())
@@ -217,9 +280,18 @@ impl AtomRow {
         names.into_iter().chain([&mut self.location, &mut self.site]).for_each(Vec::clear);
         (self.model, self.asym, self.dummy) = (1, 0, false);
         self.numbers = [f64::NAN; AtomProperty::ALL.len()];
+        (self.position, self.ideal, self.missing) = ([f64::NAN; 3], [f64::NAN; 3], None);
     }
 
-    fn take(&mut self, kind: Use, value: &[u8], names: &mut NameTable, place: impl Fn() -> Place) -> Result<()> {
+    fn take(
+        &mut self,
+        kind: Use,
+        value: &[u8],
+        names: &mut NameTable,
+        spot: impl Fn() -> Spot,
+        file: &dyn Fn() -> Place,
+    ) -> Result<()> {
+        let place = || spot().of(file());
         match kind {
             Use::Symbol => self.symbol.extend(value),
             Use::Name => self.name.extend(value),
@@ -242,11 +314,16 @@ impl AtomRow {
                     None => return Err(bad_model(value, place())),
                 };
             }
-            Use::Position(k) => {
-                self.position[k] = match number(value) {
-                    Some(x) => x,
+            Use::Position(k) | Use::Ideal(k) => {
+                let of = if kind == Use::Position(k) { &mut self.position } else { &mut self.ideal };
+                match number(value) {
+                    Some(x) => of[k] = x,
+                    None if value.is_empty() => {}
                     None => return Err(bad_place(k, value, place())),
-                };
+                }
+                if of[k].is_nan() {
+                    self.missing.get_or_insert_with(|| (k, spot()));
+                }
             }
             Use::Number(kind) => self.numbers[kind as usize] = number(value).unwrap_or(f64::NAN),
             Use::Text(kind) => self.numbers[kind as usize] = names.number(kind, value)?,
@@ -259,9 +336,25 @@ impl AtomRow {
         Ok(())
     }
 
+    /// Whether the atom has a position.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an atom of which some coordinates are missing.
+    pub(super) fn is_placed(&self, layout: &AtomColumns, file: impl FnOnce() -> Place) -> Result<bool> {
+        let position = if layout.ideal { self.ideal } else { self.position };
+        match position.map(f64::is_nan) {
+            [false, false, false] => Ok(true),
+            [true, true, true] => Ok(false),
+            _ => {
+                let (axis, at) = self.missing.unwrap_or_default();
+                Err(bad_place(axis, b"", at.of(file())))
+            }
+        }
+    }
+
     /// Adds the atom to a model, with fractional positions as they are. Without a symbol, the element is inferred from
     /// the label of a small molecule's atom.
-    pub(super) fn give(&self, model: &mut Model, symmetry: &Symmetry) -> Result<()> {
+    pub(super) fn give(&self, model: &mut Model, layout: &AtomColumns, symmetry: &Symmetry) -> Result<()> {
         let occupancy = self.numbers[AtomProperty::Occupancy as usize];
         // Without an occupancy, an atom is present.
         let occupancy = if occupancy.is_nan() { 1.0 } else { occupancy };
@@ -274,7 +367,8 @@ impl AtomRow {
         } else if self.symbol.is_empty() && self.small {
             atom.symbol = symmetry.symbol(&self.name);
         }
-        model.push(&atom, self.position, self.asym, |kind| {
+        let position = if layout.ideal { self.ideal } else { self.position };
+        model.push(&atom, position, self.asym, |kind| {
             Ok(match kind {
                 AtomProperty::Occupancy => occupancy,
                 AtomProperty::Model => self.model as f64,
@@ -290,7 +384,7 @@ fn bad_place(axis: usize, value: &[u8], place: Place) -> Error {
         [] => "the atom has no position".to_owned(),
         word => format!("expected a finite number, found {}", quote(word)),
     };
-    Error::scene(place.named(["x", "y", "z"][axis]), problem, "use a finite number such as -12.345")
+    Error::scene(place.named(["x", "y", "z"][axis]), problem, mend_number(&String::from_utf8_lossy(value)))
 }
 
 fn bad_model(value: &[u8], place: Place) -> Error {

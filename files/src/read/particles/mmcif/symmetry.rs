@@ -23,6 +23,9 @@ const SAME: f64 = 0.37;
 /// The most operators of a space group in its conventional cell (International Tables A, F m -3 m).
 const MOST: usize = 192;
 
+/// What to do about a space group without operators.
+const MEND: &str = "add _space_group_symop_operation_xyz, or fill the cell with `ase convert in.cif out.extxyz`";
+
 /// Atoms between two checks for cancellation.
 const PART: usize = 1 << 10;
 
@@ -228,7 +231,7 @@ impl Symmetry {
             ("", Some(number)) => format!("the file has space group {number} but lists no operators"),
             (name, _) => format!("the file has space group {} but lists no operators", unquoted(name)),
         };
-        Some(format!("{group}, so the atoms are shown as listed"))
+        Some(format!("{group}, so the atoms are shown as listed; {MEND}"))
     }
 }
 

@@ -32,6 +32,9 @@ pub(super) struct Tokens {
     /// The word in its line, without quotes.
     span: Range<usize>,
     quoted: bool,
+    /// Whether its quote is not closed.
+    unclosed: bool,
+    first_unclosed: Option<Spot>,
     /// A multi-line text, if the word is one, and where it begins.
     text: Option<Spot>,
     buffer: Vec<u8>,
@@ -43,7 +46,18 @@ pub(super) struct Tokens {
 
 impl Tokens {
     pub(super) fn new(lines: Lines<Input>) -> Self {
-        Self { lines, at: 0, span: 0..0, quoted: false, text: None, buffer: Vec::new(), cut: false, kept: None }
+        Self {
+            lines,
+            at: 0,
+            span: 0..0,
+            quoted: false,
+            unclosed: false,
+            first_unclosed: None,
+            text: None,
+            buffer: Vec::new(),
+            cut: false,
+            kept: None,
+        }
     }
 
     /// Moves to the next word.
@@ -51,7 +65,7 @@ impl Tokens {
         if let Some(token) = self.kept.take() {
             return Ok(token);
         }
-        (self.quoted, self.text) = (false, None);
+        (self.quoted, self.unclosed, self.text) = (false, false, None);
         loop {
             let line = self.lines.text().as_bytes();
             let rest = line.get(self.at..).unwrap_or_default();
@@ -71,14 +85,12 @@ impl Tokens {
                     // A quote within a word is part of it.
                     let ends =
                         |k: &usize| inside[*k] == *quote && inside.get(k + 1).is_none_or(u8::is_ascii_whitespace);
-                    let Some(end) = (0..inside.len()).find(ends) else {
-                        let place = self.lines.place(start);
-                        return Err(Error::scene(
-                            place,
-                            "a quote is not closed in its line",
-                            "add the closing quote before a blank",
-                        ));
-                    };
+                    let end = (0..inside.len()).find(ends);
+                    if end.is_none() {
+                        self.unclosed = true;
+                        self.first_unclosed.get_or_insert_with(|| self.lines.spot(start));
+                    }
+                    let end = end.unwrap_or(inside.len());
                     (self.span, self.at, self.quoted) = (start + 1..start + 1 + end, start + end + 2, true);
                     return Ok(Token::Value);
                 }
@@ -147,6 +159,25 @@ impl Tokens {
             return Err(Error::scene(self.place(), problem, "use a shorter one"));
         }
         Ok(String::from_utf8_lossy(self.value()).trim().to_owned())
+    }
+
+    /// The error for a value whose quote is not closed: RASPA and others write it, and it then ends with its line. In a row it
+    /// would take the values behind it.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for such a value that others follow in its row.
+    pub(super) fn check_quote(&self) -> Result<()> {
+        if !self.unclosed {
+            return Ok(());
+        }
+        let place = self.lines.place(self.span.start.saturating_sub(1));
+        Err(Error::scene(place, "a quote is not closed in its line", "add the closing quote before a blank"))
+    }
+
+    /// The message about values whose quote is not closed.
+    pub(super) fn said_of_quotes(&mut self) -> Option<String> {
+        let place = self.first_unclosed.take()?.of(self.file());
+        Some(format!("{place}: a quote is not closed, so its value ends with the line"))
     }
 
     /// Reports that the current line contains an atom.
@@ -238,8 +269,11 @@ mod tests {
 
     #[test]
     fn an_unterminated_value_is_refused() {
-        let error = words("data_x\n_a  'open\n").expect_err("a quote").to_string();
-        assert!(error.contains("text:2:5"), "{error}");
+        let found = words("data_x\n_a  'open to its end\n_b 1\n").expect("a quote that ends with its line");
+        assert_eq!(
+            found[2..],
+            [(Token::Value, "open to its end".into()), (Token::Tag, "_b".into()), (Token::Value, "1".into())]
+        );
         let error = words("data_x\n_a\n;open\nstill\n").expect_err("a text").to_string();
         assert!(error.contains("text:3:1"), "{error}");
         assert_eq!(
