@@ -1,6 +1,7 @@
 //! LAS: points of laser scans in records of ten formats (ASPRS, LAS Specification 1.4 R15), also compressed (LAZ).
 //! Coordinates are whole numbers times a scale plus an offset, in f64.
 
+mod extra;
 mod format;
 mod laz;
 
@@ -11,6 +12,7 @@ use super::layout::Layout;
 use super::request::Request;
 use super::role::Role;
 use crate::read::source::SceneSource;
+use extra::ExtraField;
 use format::{DAMAGED, FORMATS, PointFormat, u16_at, u32_at};
 use halfline::error::Result;
 use halfline::memory::check_ids;
@@ -26,6 +28,8 @@ struct LasHeader {
     offset: [f64; 3],
     /// How the points are compressed, if they are.
     scheme: Option<LazScheme>,
+    /// The fields behind those of the format.
+    extra: Vec<ExtraField>,
 }
 
 /// Columns of all formats, after the coordinates.
@@ -35,6 +39,9 @@ const COMMON: [&str; 7] =
 /// Bytes of the header of versions before 1.3, and of 1.4.
 const HEADER: u64 = 227;
 const HEADER_14: u64 = 375;
+
+/// Bytes of the head of a record behind the header.
+const RECORD_HEAD: u64 = 54;
 
 /// Points per block.
 const BLOCK: u64 = 4096;
@@ -54,11 +61,11 @@ fn f64_at(bytes: &[u8], at: usize) -> f64 {
 pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
     let mut file = BinaryFile::new(source);
     let mut header = LasHeader::read(&mut file)?;
-    let layout = columns(header.format, &file, request)?;
+    let layout = columns(&header, &file, request)?;
     let mut particles = layout.begin();
     let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
     if let Some(scheme) = header.scheme.take() {
-        let mut laz = Laz::new(file, scheme, header.format, header.record)?;
+        let mut laz = Laz::new(file, scheme, header.format, header.record, !header.extra.is_empty())?;
         for point in 0..header.points {
             numbers.clear();
             header.numbers(laz.next()?, &mut numbers);
@@ -84,7 +91,8 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
 }
 
 /// The columns, in the order of [`LasHeader::numbers`].
-fn columns(format: PointFormat, file: &BinaryFile, request: &Request) -> Result<Layout> {
+fn columns(header: &LasHeader, file: &BinaryFile, request: &Request) -> Result<Layout> {
+    let format = header.format;
     let mut layout = Layout::new(request);
     layout.note(ColorType::Whole, Vec::new());
     let mut add = |name: &str, role| {
@@ -107,6 +115,9 @@ fn columns(format: PointFormat, file: &BinaryFile, request: &Request) -> Result<
     }
     if format.infrared.is_some() {
         add("nir", Role::Other)?;
+    }
+    for field in &header.extra {
+        add(&field.name, Role::Other)?;
     }
     Ok(layout)
 }
@@ -151,14 +162,46 @@ impl LasHeader {
             let problem = format!("the points begin at byte {start}, the header has {size} bytes");
             return Err(file.fail(96, "offset to point data", problem, DAMAGED));
         }
-        let scheme = if is_compressed && points > 0 {
-            file.pass(size.saturating_sub(here), "header")?;
-            Some(LazScheme::find(file, u32_at(&bytes, 100), start, format, record)?)
-        } else {
-            None
-        };
+        file.pass(size.saturating_sub(here), "header")?;
+        let mut extra = Vec::new();
+        let mut laszip = None;
+        let mut number = 0;
+        while number < u32_at(&bytes, 100) && file.at() + RECORD_HEAD <= start {
+            number += 1;
+            let at = file.at();
+            let head = file.bytes::<{ RECORD_HEAD as usize }>("variable length record")?;
+            let length = u64::from(u16_at(&head, 20));
+            if file.at() + length > start {
+                // Without compression nothing depends on the records.
+                if !is_compressed {
+                    break;
+                }
+                return Err(file.fail(at, "variable length record", "it does not end before the points", DAMAGED));
+            }
+            let at = file.at();
+            let mut content = Vec::new();
+            match (&head[2..18], u16_at(&head, 18)) {
+                (user, extra::RECORD) if user.starts_with(extra::USER) => {
+                    file.block(length, &mut content, "extra bytes")?;
+                    extra = extra::fields(&content, format.size, record);
+                }
+                (user, laz::RECORD) if is_compressed && user.starts_with(laz::USER) => {
+                    file.block(length, &mut content, "record of LASzip")?;
+                    laszip =
+                        Some(LazScheme::of(&content, format, record).map_err(|(byte, problem, mend)| {
+                            file.fail(at + byte, "record of LASzip", problem, mend)
+                        })?);
+                }
+                _ => file.pass(length, "variable length record")?,
+            }
+        }
+        if is_compressed && points > 0 && laszip.is_none() {
+            let problem = "the points are compressed, but the record of LASzip is missing";
+            return Err(file.fail(104, "point format", problem, DAMAGED));
+        }
+        let scheme = laszip.filter(|_| points > 0);
         file.pass(start.saturating_sub(file.at()), "variable length records")?;
-        Ok(Self { format, record, points, scale, offset, scheme })
+        Ok(Self { format, record, points, scale, offset, scheme, extra })
     }
 
     /// The numbers of a record; colours are those of the file.
@@ -187,6 +230,7 @@ impl LasHeader {
             numbers.extend([0, 2, 4].map(|channel| f64::from(u16_at(record, at + channel))));
         }
         numbers.extend(self.format.infrared.map(|at| f64::from(u16_at(record, at))));
+        numbers.extend(self.extra.iter().map(|field| field.number(record)));
     }
 }
 

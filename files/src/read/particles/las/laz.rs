@@ -38,11 +38,8 @@ enum Coding {
 }
 
 /// The user and the number of that record.
-const USER: &[u8] = b"laszip encoded\0";
-const RECORD: u16 = 22204;
-
-/// Bytes of the head of a record behind the header.
-const HEAD: usize = 54;
+pub(super) const USER: &[u8] = b"laszip encoded\0";
+pub(super) const RECORD: u16 = 22204;
 
 const OTHER: &str = "decompress the file, for example with `laszip -i in.laz -o out.las` or `pdal translate`";
 
@@ -52,6 +49,8 @@ pub(super) struct Laz {
     scheme: LazScheme,
     format: PointFormat,
     record: usize,
+    /// Whether the bytes behind the fields of the format are needed.
+    extra: bool,
     /// Points until the next chunk.
     left: u64,
     state: Option<State>,
@@ -64,38 +63,8 @@ enum State {
 }
 
 impl LazScheme {
-    /// Reads the records behind the header up to the points, at byte `start`.
-    ///
-    /// # Errors
-    /// [`Error::Scene`] for a file without the record, and for a compression that is not read.
-    pub(super) fn find(
-        file: &mut BinaryFile,
-        count: u32,
-        start: u64,
-        format: PointFormat,
-        size: usize,
-    ) -> Result<Self> {
-        let mut record = Vec::new();
-        for _ in 0..count {
-            let at = file.at();
-            let head = file.bytes::<HEAD>("variable length record")?;
-            let length = u64::from(u16_at(&head, 20));
-            if file.at() + length > start {
-                return Err(file.fail(at, "variable length record", "it does not end before the points", DAMAGED));
-            }
-            if head[2..].starts_with(USER) && u16_at(&head, 18) == RECORD {
-                let at = file.at();
-                file.block(length, &mut record, "record of LASzip")?;
-                return Self::of(&record, format, size)
-                    .map_err(|(byte, problem, mend)| file.fail(at + byte, "record of LASzip", problem, mend));
-            }
-            file.pass(length, "variable length record")?;
-        }
-        Err(file.fail(104, "point format", "the points are compressed, but the record of LASzip is missing", DAMAGED))
-    }
-
     /// The scheme of a record; in an error the byte, the problem and the mend.
-    fn of(record: &[u8], format: PointFormat, size: usize) -> Result<Self, (u64, String, &'static str)> {
+    pub(super) fn of(record: &[u8], format: PointFormat, size: usize) -> Result<Self, (u64, String, &'static str)> {
         if record.len() < 34 || record.len() < 34 + 6 * usize::from(u16_at(record, 32)) {
             return Err((0, format!("it has only {} bytes", record.len()), DAMAGED));
         }
@@ -147,15 +116,23 @@ impl LazScheme {
 }
 
 impl Laz {
-    /// The points from the next byte of a file on, in records of so many bytes.
+    /// The points from the next byte of a file on, in records of so many bytes; those behind the fields of the format are read
+    /// if they are `extra` fields.
     ///
     /// # Errors
     /// Those of reading.
-    pub(super) fn new(mut file: BinaryFile, scheme: LazScheme, format: PointFormat, record: usize) -> Result<Self> {
+    pub(super) fn new(
+        mut file: BinaryFile,
+        scheme: LazScheme,
+        format: PointFormat,
+        record: usize,
+        extra: bool,
+    ) -> Result<Self> {
         if scheme.has_table {
             file.pass(8, "place of the table of chunks")?;
         }
-        Ok(Self { points: Decoder::new(file), scheme, format, record, left: 0, state: None, first: Vec::new() })
+        let points = Decoder::new(file);
+        Ok(Self { points, scheme, format, record, extra, left: 0, state: None, first: Vec::new() })
     }
 
     /// The record of the next point.
@@ -217,12 +194,13 @@ impl Laz {
         let count = known + waves + self.record - self.format.size;
         let mut sizes = Vec::new();
         file.block(4 * count as u64, &mut sizes, "sizes of layers")?;
-        let mut layers = Vec::with_capacity(LAYERS + 2);
+        let mut layers = Vec::new();
         for (index, size) in sizes.chunks_exact(4).map(|size| u64::from(u32_at(size, 0))).enumerate() {
             // The first layer has what every point has; without bytes it ends within the second.
-            if index >= known || (size == 0 && index > 0) {
+            let is_needed = index < known || self.extra && index >= known + waves;
+            if !is_needed || (size == 0 && index > 0) {
                 file.pass(size, "layer")?;
-                if index < known {
+                if is_needed {
                     layers.push(None);
                 }
                 continue;

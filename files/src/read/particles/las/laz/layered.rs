@@ -1,5 +1,5 @@
 //! Points of formats 6 to 10 in LAZ: every chunk has a coded sequence (layer) for each field, empty where the field is the
-//! same in the whole chunk. Waveforms and bytes that the format does not have are skipped.
+//! same in the whole chunk, and for each byte behind the fields of the format. Waveforms are skipped.
 
 use super::arithmetic::{Decoder, Models, Symbols};
 use super::color::{Colors, Infrared};
@@ -30,6 +30,8 @@ pub(super) struct Layered {
     current: usize,
     color: Option<Shared<Colors, 6>>,
     infrared: Option<Shared<Infrared, 2>>,
+    /// The bytes behind the fields of the format: of each the last one and the models, by channel.
+    extra: Vec<Shared<Bytes, 1>>,
     /// Whether channels share their last colours as in version 3 of the compression.
     mixes: bool,
     point: Vec<u8>,
@@ -58,6 +60,15 @@ struct Channel {
     angle: Integers,
     source: Integers,
     times: Times,
+}
+
+/// The models of a byte.
+struct Bytes(Models);
+
+impl Default for Bytes {
+    fn default() -> Self {
+        Self(Models::new(1, 256))
+    }
 }
 
 /// A field whose last value and models belong to a channel.
@@ -116,7 +127,10 @@ impl Layered {
         let current = usize::from(first[15] >> 4 & 3);
         let mut channels = [const { None }; 4];
         channels[current] = first.first_chunk().map(|first| Box::new(Channel::new(*first)));
+        let fields = LAYERS + usize::from(format.color.is_some()) + usize::from(format.infrared.is_some());
+        let extra = (format.size..first.len()).take(layers.len() - fields).map(|at| Shared::new(at, first, current));
         Self {
+            extra: extra.collect(),
             layers,
             channels,
             current,
@@ -159,6 +173,15 @@ impl Layered {
                 *last = models.next(layer, *last)?;
             }
             point[at..at + 2].copy_from_slice(last);
+        }
+        let fields = layers.len() - self.extra.len();
+        for (byte, layer) in self.extra.iter_mut().zip(&mut layers[fields..]) {
+            let at = byte.at;
+            let (models, last) = byte.of(channel, self.mixes);
+            if let Some(layer) = layer {
+                *last = [last[0].wrapping_add(layer.symbol(models.0.at(0))? as u8)];
+            }
+            point[at] = last[0];
         }
         Ok(&self.point)
     }
