@@ -25,7 +25,7 @@ pub(in crate::read) struct Gsd {
     frame: u64,
 }
 
-/// A column: its name, the chunk, the component, and the default of the schema.
+/// A column (`typeid` has numbers, `type` the names that they stand for): its name, the chunk, the component, and the default of the schema.
 const COLUMNS: [(&str, &str, u32, f64); 8] = [
     ("typeid", TYPE, 0, 0.0),
     ("type", TYPE, 0, 0.0),
@@ -190,7 +190,7 @@ impl ParticleFrames for Gsd {
         };
         for kind in wanted {
             let column = reading.column(kind)?;
-            if COLUMNS[kind].1 == TYPE {
+            if column.name == "type" {
                 particles.labels.insert(column.name.clone(), reading.types(&column.values));
             }
             particles.columns.push(column);

@@ -48,6 +48,13 @@ fn frames_have_what_they_lack_from_the_first_or_from_the_schema() {
 }
 
 #[test]
+fn types_have_numbers_and_names() {
+    let frame = read(FRAMES, &["typeid", "type"]).expect("frames").remove(0);
+    assert_eq!((&frame.columns[0].name[..], &frame.columns[0].values[..]), ("typeid", &[0.0, 1.0, 0.0, 1.0][..]));
+    assert!(frame.labels.contains_key("type") && !frame.labels.contains_key("typeid"));
+}
+
+#[test]
 fn errors_are_reported() {
     let with = |at: usize, byte: u8| {
         let mut bytes = FRAMES.to_vec();
