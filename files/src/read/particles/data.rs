@@ -212,18 +212,15 @@ impl LammpsData<'_> {
         }
         let (line, heading) = (self.lines.place(0), "Atoms");
         self.need(heading, 0, count)?;
-        let (style, told) = match named.split_whitespace().next().unwrap_or_default() {
-            "" => (self.guess(head)?, false),
-            name => (name.to_owned(), true),
-        };
+        // Styles of accelerators have a suffix; other words are a comment.
+        let word = named.split_whitespace().next().unwrap_or_default();
+        let word = word.split_once('/').filter(|(_, suffix)| *suffix == "kk").map_or(word, |(style, _)| style);
+        let is_style = word == "hybrid" || STYLES.iter().any(|(name, _)| *name == word);
+        let (style, told) = if is_style { (word.to_owned(), true) } else { (self.guess(head, &named)?, false) };
         // The sub-styles of a hybrid describe what follows the coordinates.
         let columns = if style == "hybrid" { Some("id type x y z") } else { None };
         let columns = columns.or_else(|| STYLES.iter().find(|(name, _)| *name == style).map(|(_, columns)| *columns));
-        let Some(columns) = columns else {
-            let names: Vec<_> = STYLES.iter().map(|(name, _)| *name).collect();
-            let mend = format!("use one of {}", names.join(", "));
-            return Err(Error::scene(line.named(heading), format!("{} is not an atom style", quote(&style)), mend));
-        };
+        let columns = columns.unwrap_or_default();
         // What follows the coordinates of these has any number of columns.
         if told && !["hybrid", "tdpd"].contains(&style.as_str()) {
             let (own, found) = (columns.split(' ').count(), self.row().count());
@@ -242,8 +239,10 @@ impl LammpsData<'_> {
         }
         let mut particles = layout.begin();
         if !told {
+            let comment =
+                if named.is_empty() { String::new() } else { format!("{} is no atom style, so ", quote(&named)) };
             particles.skipped.assumed.push(format!(
-                "the atoms are read in the style {style} ({columns}), which has their number of columns; write `Atoms # {style}` to set the style"
+                "{comment}the atoms are read in the style {style} ({columns}), which has their number of columns; write `Atoms # {style}` to set the style"
             ));
         }
         let type_at = columns.split(' ').position(|name| name == "type").unwrap_or(1);
@@ -295,7 +294,7 @@ impl LammpsData<'_> {
     }
 
     /// Guesses the style from the atom of the current line.
-    fn guess(&self, head: &DataHeader) -> Result<String> {
+    fn guess(&self, head: &DataHeader, named: &str) -> Result<String> {
         let whole: Vec<bool> = self.row().take(16).map(|word| word.text.parse::<i64>().is_ok()).collect();
         // Three whole numbers after the coordinates are image flags of the cell.
         let flags = if whole.len() >= 8 && whole.ends_with(&[true; 3]) { 3 } else { 0 };
@@ -305,8 +304,11 @@ impl LammpsData<'_> {
             [true, true, false, _, _, _] => "charge",
             [true, true, true, _, _, _, _] if !head.shaped => "full",
             _ => {
-                let problem = format!("the style of atoms with {} columns is not known", whole.len());
-                let mend = "add the style to the section's heading, such as Atoms # sphere";
+                let comment =
+                    if named.is_empty() { String::new() } else { format!(", and {} is no atom style", quote(named)) };
+                let problem = format!("the style of atoms with {} columns is not known{comment}", whole.len());
+                let names: Vec<_> = STYLES.iter().map(|(name, _)| *name).collect();
+                let mend = format!("write one of these behind `Atoms #`: {}", names.join(", "));
                 return Err(self.lines.fail(0, "Atoms", problem, mend));
             }
         };

@@ -74,6 +74,18 @@ fn labels_and_reduced_masses() {
     assert!(read(&lj, &[]).expect("a file").elements.is_empty());
 }
 
+/// LAMMPS takes the style from its input, so that people write what they like there.
+#[test]
+fn a_comment_that_is_no_style_is_a_comment() {
+    for comment in ["fancy", "made by a script", "by moltemplate full", "Full", "id type x y z", "atomic/kk", "1"] {
+        let text = format!("{HEAD}\nAtoms # {comment}\n\n1 1 1 2 3\n2 1 4 5 6\n");
+        let found = read(&text, &[]).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{comment}");
+        let is_told = found.skipped.assumed.iter().any(|said| said.contains(&format!("`{comment}` is no atom style")));
+        assert_eq!(is_told, comment != "atomic/kk", "{:?}", found.skipped);
+    }
+}
+
 #[test]
 fn errors_are_reported_with_line_and_column() {
     let file = |sections: &str| format!("{HEAD}\n{sections}");
@@ -90,8 +102,11 @@ fn errors_are_reported_with_line_and_column() {
         ("t\n\n9999999999 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), "more than 32-bit ids"),
         (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 b 3\n"), ":12:7: y: `b`"),
         (file("Atoms # molecular\n\n1 1 1 0.5 1 2 3\n"), ":11:1: Atoms: the style molecular has 6 columns, or 9"),
-        (file("Atoms # fancy\n\n1 1 1 2 3\n"), ":9:1: Atoms: `fancy` is not an atom style"),
-        (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "is not known"),
+        (
+            file("Atoms # fancy\n\n1 1 0.5 2.5 1 2 3\n"),
+            ":11:1: Atoms: the style of atoms with 7 columns is not known, and `fancy`",
+        ),
+        (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "is not known; write one of these behind"),
         (file("Atoms # sphere\n\n1 1 0 0.1 1 2 3\n"), ":11:5: diameter: `0` is not positive"),
         (file("Velocities\n\n"), "comes before Atoms"),
         (file("Masses\n\n1\n"), ":11:1: Masses"),
