@@ -148,13 +148,32 @@ fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Su
         let place = Place::file(path.display().to_string());
         return Err(Error::scene(place, "the file has no atoms or particles", "use a file with coordinates"));
     };
-    let counts = first.counted(&survey);
+    let mut counts = first.counted(&survey);
     let mut count = 1;
-    while frames.skip()? {
+    loop {
         options.watch.check()?;
-        count += 1;
+        match frames.skip() {
+            Ok(true) => count += 1,
+            Ok(false) => break,
+            // The frames before it can be rendered.
+            Err(error) if is_of_content(&error) => {
+                counts.warnings.push(format!("frame {} cannot be read, nor can what follows it: {error}", count + 1));
+                break;
+            }
+            Err(error) => return Err(error),
+        }
     }
     Ok(FileInfo { format, frames: count, ..FileInfo::of(counts) })
+}
+
+/// Whether an error is of the file's content: also of a compressed one that is cut.
+fn is_of_content(error: &Error) -> bool {
+    use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
+    match error {
+        Error::Scene { .. } => true,
+        Error::Io { source, .. } => matches!(source.kind(), InvalidData | InvalidInput | UnexpectedEof),
+        _ => false,
+    }
 }
 
 impl FileInfo {

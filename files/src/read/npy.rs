@@ -6,6 +6,7 @@ pub(super) mod records;
 mod rows;
 
 use super::input::{Counts, Input, fill};
+use super::particles::names::Names;
 use super::particles::survey::Survey;
 use crate::blocks;
 use crate::npy::{DType, Fault, Header, Scalar};
@@ -45,6 +46,29 @@ pub(super) fn is_colored(path: &Path, watch: &Watch) -> Result<bool> {
     let mut npy = Npy::new(Input::open(path, watch)?, path, MEND);
     let header = npy.header()?;
     npy.matrix(&header, &[4, 7]).map(|matrix| matrix.width == 7)
+}
+
+/// The bytes of a text of this type of NumPy, and of its letters; `None` for other types, and for texts without letters.
+pub(super) fn text_size(kind: &str) -> Option<(usize, usize)> {
+    let letter = match kind.as_bytes() {
+        [b'<' | b'>' | b'=', b'U', ..] => 4,
+        [b'|', b'S' | b'a', ..] => 1,
+        _ => return None,
+    };
+    let size = DType::Plain(kind.to_owned()).bytes()?;
+    (1..=LONGEST_TEXT).contains(&size).then_some((size, letter))
+}
+
+/// The most bytes of a text.
+const LONGEST_TEXT: usize = 1 << 16;
+
+/// A letter in UTF-32, or a byte.
+fn letter_of(bytes: &[u8], big: bool) -> char {
+    match bytes.first_chunk::<4>() {
+        Some(bytes) if big => char::from_u32(u32::from_be_bytes(*bytes)).unwrap_or(char::REPLACEMENT_CHARACTER),
+        Some(bytes) => char::from_u32(u32::from_le_bytes(*bytes)).unwrap_or(char::REPLACEMENT_CHARACTER),
+        None => char::from(bytes[0]),
+    }
 }
 
 /// An array file while it is read.
@@ -134,6 +158,29 @@ impl<R: BufRead> Npy<R> {
         check(8 * numbers.len() as u64, || "the array in the order of its rows".into())?;
         let rows = numbers.len() / width;
         Ok((0..numbers.len()).map(|at| numbers[at % width * rows + at / width]).collect())
+    }
+
+    /// The texts of an array of one dimension, numbered in the order of their first occurrence.
+    pub(super) fn texts(&mut self, header: &Header) -> Result<(Vec<f64>, Names)> {
+        let kind = if let DType::Plain(kind) = &header.dtype { kind.as_str() } else { "" };
+        let (Some((size, letter)), [rows]) = (text_size(kind), &header.shape[..]) else {
+            return Err(self.fail("dtype", format!("found {}, expected texts in (n,)", header.dtype)));
+        };
+        let (mut values, mut names, mut block, mut left) = (Vec::new(), Names::default(), Vec::new(), *rows);
+        while left > 0 {
+            let read = self.block(left, size, &mut block);
+            match read.map_err(|error| self.cut(error, rows - left, *rows))? {
+                0 => return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), rows - left, *rows)),
+                found => left -= found,
+            }
+            reserve(&mut values, block.len() / size)?;
+            for text in block.chunks_exact(size) {
+                let text: String =
+                    text.chunks_exact(letter).map(|bytes| letter_of(bytes, kind.starts_with('>'))).collect();
+                values.push(names.number(text.trim_end_matches('\0').as_bytes())?.into());
+            }
+        }
+        Ok((values, names))
     }
 
     /// The numbers of an array in the order of the file; `complete` has the rows that are complete with so many numbers.

@@ -26,7 +26,7 @@ impl Names {
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
-    pub(super) fn number(&mut self, name: &[u8]) -> Result<u32> {
+    pub(in crate::read) fn number(&mut self, name: &[u8]) -> Result<u32> {
         // Atoms of a chain follow each other.
         if self.list.get(self.last as usize).is_none_or(|last| last != name) {
             self.last = match self.numbers.get(name) {

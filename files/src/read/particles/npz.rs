@@ -4,12 +4,12 @@
 mod archive;
 
 use super::frame::{Column, ParticleFrames, Particles};
-use super::layout::is_wanted;
+use super::layout::{EVERY, is_wanted};
 use super::meaning::{FieldKind, Meanings, NamedField, is_known, meanings};
 use super::request::Request;
 use super::role::Role;
 use crate::npy::{DType, Header, Scalar, bits, levels};
-use crate::read::npy::Npy;
+use crate::read::npy::{Npy, text_size};
 use crate::read::skipped::Skipped;
 use crate::read::source::SceneSource;
 use archive::{Archive, MEND};
@@ -17,6 +17,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::memory::check;
 use halfline::quote::{list, quote};
 use halfline::scene::check_color;
+use std::collections::BTreeMap;
 use std::io::BufRead;
 use std::sync::Arc;
 
@@ -32,6 +33,10 @@ struct Arrays {
     /// Those that are called like positions, colours or radii.
     known: Vec<KnownArray>,
     columns: Vec<Column>,
+    /// The texts of columns of texts.
+    labels: BTreeMap<String, Vec<String>>,
+    /// What is to be said of arrays that are not read.
+    said: Vec<String>,
     /// Names and lengths of one-dimensional numeric arrays.
     one: Vec<(String, u64)>,
 }
@@ -80,7 +85,11 @@ impl Arrays {
         {
             self.one.push((name.clone(), shape[0]));
         }
-        let (is_wanted, is_known) = (is_wanted(wanted, &name), is_known(&name));
+        let (is_every, is_wanted, is_known) =
+            (wanted.iter().any(|name| name == EVERY), is_wanted(wanted, &name), is_known(&name));
+        let is_text = is_wanted
+            && shape.len() == 1
+            && matches!(&header.dtype, DType::Plain(kind) if text_size(kind).is_some());
         let width = match shape[..] {
             [_] => 1,
             [_, width @ 1..=4] if is_known => width as usize,
@@ -89,10 +98,22 @@ impl Arrays {
         };
         if is_known && (width == 0 || header.dtype.scalar().is_none()) && self.known.len() < MOST {
             let found = format!("{} of shape {shape:?}", header.dtype);
-            self.known.push(KnownArray { name, width: 1, numbers: Err(found) });
-            return Ok(());
+            self.known.push(KnownArray { name: name.clone(), width: 1, numbers: Err(found) });
+            if !is_text {
+                return Ok(());
+            }
         }
         if width == 0 || !(is_wanted || is_known) {
+            return Ok(());
+        }
+        if is_text {
+            let (values, names) = npy.texts(header)?;
+            self.labels.insert(name.clone(), names.labels());
+            self.columns.push(Column { name, values });
+            return Ok(());
+        }
+        if header.dtype.scalar().is_none() && is_every {
+            self.said.push(format!("the array {} has the type {} and is no column", quote(&name), header.dtype));
             return Ok(());
         }
         let numbers = npy.numbers(header)?;
@@ -172,11 +193,13 @@ impl Arrays {
         for (row, color) in colors.iter().enumerate() {
             check_color(*color, || file.clone().named(format!("colors row {row}")))?;
         }
-        let columns = self.columns.into_iter().filter(|column| column.values.len() == n).collect();
+        let columns: Vec<Column> = self.columns.into_iter().filter(|column| column.values.len() == n).collect();
         let has = self.one.into_iter().filter(|(_, rows)| *rows == n as u64).map(|(name, _)| name).collect();
         let Meanings { color_type, said, .. } = meanings;
-        let skipped = Skipped { assumed: said, ..Skipped::default() };
-        Ok(Particles { positions, radii, colors, color_type, columns, has, skipped, ..Particles::default() })
+        let mut labels = self.labels;
+        labels.retain(|name, _| columns.iter().any(|column| column.name == *name));
+        let skipped = Skipped { assumed: [said, self.said].concat(), ..Skipped::default() };
+        Ok(Particles { positions, radii, colors, color_type, columns, labels, has, skipped, ..Particles::default() })
     }
 }
 
@@ -269,6 +292,48 @@ mod tests {
         let axes = ["x", "y", "z"].map(|axis| (axis, npy("(1,)", &[f64::from(axis.as_bytes()[0])])));
         let found = read(&archive(How::Stored, &axes), &["y"]).expect("arrays");
         assert_eq!((found.positions[0], found.columns[0].values[0]), ([120.0, 121.0, 122.0], 121.0));
+    }
+
+    /// An array of texts as numpy writes it.
+    fn texts(kind: &str, texts: &[&str]) -> Vec<u8> {
+        let width = texts.iter().map(|text| text.chars().count()).max().unwrap_or(0);
+        let header = format!("{{'descr': '{kind}{width}', 'fortran_order': False, 'shape': ({},), }}\n", texts.len());
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        for text in texts {
+            for letter in text.chars().chain(std::iter::repeat('\0')).take(width) {
+                match kind {
+                    "<U" => bytes.extend(u32::from(letter).to_le_bytes()),
+                    ">U" => bytes.extend(u32::from(letter).to_be_bytes()),
+                    _ => bytes.push(letter as u8),
+                }
+            }
+        }
+        bytes
+    }
+
+    #[test]
+    fn texts_are_columns_and_other_types_are_told() {
+        for kind in ["<U", ">U", "|S"] {
+            let mut members = members();
+            members.push(("name.npy", texts(kind, &["CA", "N\u{e9}\u{e9}"])));
+            members.push(("when.npy", npy("(2,)", &[1.0, 2.0]).iter().copied().collect::<Vec<u8>>()));
+            let complex = npy("(2,)", &[1.0; 4]);
+            let at = complex.windows(3).position(|bytes| bytes == b"<f8").expect("a type");
+            let complex = [&complex[..at], b"<c16", &complex[at + 3..]].concat();
+            let mut complex = complex;
+            complex[8] += 1;
+            members.push(("wave.npy", complex));
+            let bytes = archive(How::Deflated, &members);
+            let found = read(&bytes, &["*"]).unwrap_or_else(|error| panic!("{error}"));
+            let column = found.columns.iter().find(|column| column.name == "name").expect("a column");
+            assert_eq!((&column.values[..], found.labels["name"][0].as_str()), (&[0.0, 1.0][..], "CA"), "{kind}");
+            assert!(found.labels["name"][1] == "N\u{e9}\u{e9}" || kind == "|S", "{:?}", found.labels);
+            assert!(found.skipped.assumed[0].contains("`wave` has the type `<c16`"), "{:?}", found.skipped);
+            assert!(read(&bytes, &["wave"]).is_err(), "asked for by its name");
+            assert_eq!(read(&bytes, &[]).expect("nothing is asked for").positions.len(), 2);
+        }
     }
 
     #[test]
