@@ -2,7 +2,7 @@
 
 use super::camera_list::CameraListArgs;
 use super::lens_args::LensArgs;
-use super::values::{numbers, positive, vector};
+use super::values::{at_least_one, numbers, positive, vector};
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
@@ -48,7 +48,7 @@ pub(super) struct CameraArgs {
     #[command(flatten)]
     pub(super) list: CameraListArgs,
     /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub(super) spin: Option<NonZeroU32>,
 }
 

@@ -10,6 +10,7 @@ use super::process::{ExitCode, arguments};
 use super::scene_args::{scene_size, tolerance};
 use super::signals::{go_on, watch};
 use super::standard::print;
+use super::values::at_least_one;
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::settings::{Backend, Search, Tolerance};
@@ -44,7 +45,7 @@ pub(crate) struct Measure {
     #[arg(long)]
     json: bool,
     /// Frames after the first; slow methods render fewer [default: 5, in suites 1].
-    #[arg(long, value_name = "N", conflicts_with = "from")]
+    #[arg(long, value_name = "N", conflicts_with = "from", value_parser = at_least_one)]
     repeat: Option<NonZeroU32>,
     /// Image size in pixels, of a scene or of the ladder suite.
     #[arg(long, value_name = "WxH", value_parser = scene_size, conflicts_with = "from")]

@@ -19,6 +19,7 @@ use super::scene_frames::SceneFrames;
 use super::signals::{go_on, watch};
 use super::standard::print_json;
 use super::threads;
+use super::values::at_least_one;
 use super::visible;
 use clap::Args;
 use halfline::error::{Error, Result};
@@ -55,7 +56,7 @@ pub(crate) struct Render {
         default_missing_value = "auto")]
     preview: Option<Preview>,
     /// Renders N times in one process, for time measurements.
-    #[arg(long, help_heading = REPORTING, value_name = "N", default_value = "1")]
+    #[arg(long, help_heading = REPORTING, value_name = "N", default_value = "1", value_parser = at_least_one)]
     repeat: NonZeroU32,
     #[command(flatten)]
     quiet: QuietArgs,

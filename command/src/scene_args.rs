@@ -10,7 +10,7 @@ use super::names::number_in;
 use super::picture_scene::PictureScene;
 use super::process::is_typed;
 use super::read_args::{ColorArgs, ReadArgs};
-use super::values::wholes;
+use super::values::{at_least_one, wholes};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::tone::{Tone, Toning};
@@ -68,7 +68,7 @@ pub(super) struct ImageArgs {
     pub(super) size: Option<(u32, u32)>,
     /// Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number. Other buffers use the
     /// pixel's centre [default: the scene file's, else 1, and 4 in the look soft].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
     samples: Option<NonZeroU32>,
     /// Seed of the sample positions.
     #[arg(long, value_name = "S", default_value = "0")]

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use halfline_files::read::style;
+use std::num::NonZeroU32;
 use std::ops::RangeInclusive;
 
 /// Finite numbers separated by commas, exactly `N` of them.
@@ -31,6 +32,11 @@ pub(super) fn positive(what: &'static str) -> impl Fn(&str) -> Result<f64, Strin
 /// A finite length above 0.
 pub(super) fn length(text: &str) -> Result<f64, String> {
     positive("length, in the scene's unit")(text)
+}
+
+/// A number of samples, pictures or repetitions.
+pub(super) fn at_least_one(text: &str) -> Result<NonZeroU32, String> {
+    text.parse().map_err(|_| format!("expected a whole number between 1 and {}", u32::MAX))
 }
 
 /// A whole number in a range.
