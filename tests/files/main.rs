@@ -21,5 +21,6 @@ mod formats;
 mod frames;
 mod lit;
 mod molecules;
+mod people;
 mod readers;
 mod scenes;
