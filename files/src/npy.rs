@@ -97,8 +97,15 @@ impl Header {
         let mut text = vec![0; length];
         exact(&mut text)?;
         let known = (1..=3).contains(&version);
-        let header = str::from_utf8(&text).ok().filter(|_| known).and_then(Self::parse);
-        header.ok_or_else(|| Fault::Malformed(String::from_utf8_lossy(&text).trim_end().chars().take(120).collect()))
+        // Before version 3.0 a header is in ISO 8859-1; some writers have UTF-8 there too.
+        let letters = |bytes: &[u8]| bytes.iter().map(|byte| char::from(*byte)).collect();
+        let text = match String::from_utf8(text) {
+            Ok(text) => text,
+            Err(error) if version < 3 => letters(error.as_bytes()),
+            Err(error) => String::from_utf8_lossy(error.as_bytes()).into_owned(),
+        };
+        let header = Some(&text).filter(|_| known).and_then(|text| Self::parse(text));
+        header.ok_or_else(|| Fault::Malformed(text.trim_end().chars().take(120).collect()))
     }
 
     fn parse(text: &str) -> Option<Self> {

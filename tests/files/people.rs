@@ -133,6 +133,16 @@ fn text_that_nobody_uses_may_hold_any_bytes() {
     }
     let table = b"# d\xe9but\nx,y,z,radius\n1,2,3,1\n";
     assert_eq!(read_spheres("a.csv", table).expect("spheres").spheres.centers, [[1.0, 2.0, 3.0]]);
+    // NumPy writes headers in ISO 8859-1 before version 3.0.
+    let header = b"{'descr': [('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('d\xe9', '<f4')], 'fortran_order': False, 'shape': (1,), }\n";
+    let npy = [b"\x93NUMPY\x01\0", &(header.len() as u16).to_le_bytes()[..], header, &points, &points[..4]].concat();
+    assert_eq!(alike("a.npy", &npy).scene.spheres.centers, [[1.0, 2.0, 3.0]]);
+    // Behind a byte order mark too.
+    for (name, content) in [("a.nff", &b"\xef\xbb\xbf\xbf"[..]), ("a.nff", b"\xef\xbb\xbfs \xe9\n")] {
+        assert!(refusal(name, content, &ReadOptions::default()).contains("is not UTF-8 text"), "{content:?}");
+    }
+    let marked = b"\xef\xbb\xbf# d\xe9but\nx,y,z,radius\n1,2,3,1\n";
+    assert_eq!(read_spheres("a.csv", marked).expect("spheres").spheres.len(), 1);
     // Words that differ stay different, and a number is none.
     let names = b"x,y,z,name\n1,2,3,\xe9\n4,5,6,\xe8\n";
     let of = |text: &str| read_frame("a.csv", names, &selecting(text)).expect("rows").scene.spheres.centers.to_vec();
@@ -587,6 +597,9 @@ fn what_is_not_read_is_named_with_a_way_to_it() {
         for name in ["a.xyz", "a.pdb", "a.csv", "a.npz", "a.toml", "a"] {
             let told = refusal(name, &content, &ReadOptions::default());
             assert!(told.contains(what) && told.contains(mend) && told.contains(name), "{name}: {told}");
+            let columns_named = "x=1,y=2,z=3".parse().expect("columns");
+            let told = refusal(name, &content, &ReadOptions { columns_named, ..ReadOptions::default() });
+            assert!(told.contains(what), "{name}: {told}");
         }
     }
     for name in ["a.xyz", "a.toml", "a", "a.nff", "a.csv"] {

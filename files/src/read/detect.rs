@@ -70,6 +70,12 @@ fn contradiction(format: Format, named: Format, text: &str) -> Option<String> {
     })
 }
 
+/// Whether a file with this beginning has a format that is recognised but not supported.
+pub(super) fn is_foreign(start: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(start);
+    foreign::of_content(start, &text.lines().take(64).collect::<Vec<_>>()).is_some()
+}
+
 /// Detects the format by the beginning of a file, which may be that of the format `named`.
 fn of_content(start: &[u8], named: Option<Format>) -> Option<Format> {
     if start.starts_with(b"\x93NUMPY") {

@@ -111,7 +111,8 @@ impl<R: BufRead> Lines<R> {
         let kept = self.text.trim_end_matches(['\n', '\r']).len();
         self.text.truncate(kept);
         if self.number == 1 && self.text.starts_with('\u{feff}') {
-            self.text.remove(0);
+            let mark = self.text.remove(0).len_utf8();
+            self.invalid = self.invalid.map(|at| at - mark);
         }
         self.rest(u64::from(!has_content(&self.text)))?;
         Ok(true)

@@ -1,6 +1,6 @@
 //! The source of a scene: a file or standard input, compressed or not, whose format is detected from its content.
 
-use super::detect::recognise;
+use super::detect::{is_foreign, recognise};
 use super::format::Format;
 use super::input::Input;
 use halfline::error::{Error, Place, Result};
@@ -53,9 +53,10 @@ impl SceneSource {
         }
         let start = reader.look(LOOK).map_err(|e| Error::read(path, e))?;
         let (format, said) = match (known, recognise(&start, &name)) {
-            (KnownFormat::Given(format), _) | (KnownFormat::IfNone(format), Err(_)) => (format, None),
+            (KnownFormat::Given(format), _) => (format, None),
             (_, Ok(recognised)) => recognised,
-            (KnownFormat::Nothing, Err((problem, mend))) => {
+            (KnownFormat::IfNone(format), Err(_)) if !is_foreign(&start) => (format, None),
+            (_, Err((problem, mend))) => {
                 return Err(Error::scene(Place::file(path.display().to_string()), problem, mend));
             }
         };
