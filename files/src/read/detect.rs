@@ -40,11 +40,8 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
         let is_row =
             |row: &str| row.split([',', ';', '\t', ' ']).filter(|word| word.trim().parse::<f64>().is_ok()).count() >= 3;
         let table = said(&lines).filter(|line| !line.starts_with("//")).take(2).any(is_row);
-        let table = if table {
-            format!("name the columns of a table with {FORMAT} csv {COLUMNS} x=1,y=2,z=3, or ")
-        } else {
-            String::new()
-        };
+        let table =
+            if table { format!("name the columns of a table with {COLUMNS} x=1,y=2,z=3, or ") } else { String::new() };
         let mend = format!("{table}set it with {FORMAT}: {}", names.join(", "));
         ("the format cannot be detected from content or name".to_owned(), mend)
     })

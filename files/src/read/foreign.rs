@@ -51,7 +51,7 @@ const ALL: &[Foreign] = &[
     },
     Foreign {
         what: "compressed with LZMA",
-        mend: "decompress it with `xz --format=lzma -d`",
+        mend: "decompress it with `unlzma`",
         endings: &["lzma"],
         sign: |bytes, _| bytes.starts_with(b"\x5d\0\0"),
     },

@@ -233,9 +233,11 @@ impl LammpsData<'_> {
         }
         let columns = &self.with_flags(columns, &style);
         let mut layout = Layout::whole(self.request);
-        for name in columns.split(' ') {
+        for (n, name) in columns.split(' ').enumerate() {
             let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
-            layout.add(name, role(name)).map_err(twice)?;
+            // Types may have labels.
+            let is_label = name == "type" && self.row().nth(n).is_some_and(|word| word.text.parse::<f64>().is_err());
+            layout.add(name, if is_label { Role::Text } else { role(name) }).map_err(twice)?;
         }
         let mut particles = layout.begin();
         if !told {
@@ -258,6 +260,7 @@ impl LammpsData<'_> {
             self.lines.found();
         }
         self.check_end(heading, count)?;
+        particles.settle_texts();
         Ok(particles)
     }
 

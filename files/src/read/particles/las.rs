@@ -8,7 +8,7 @@ mod laz;
 use super::bytes::BinaryFile;
 use super::colors::ColorType;
 use super::frame::Particles;
-use super::layout::Layout;
+use super::layout::{Layout, is_wanted};
 use super::request::Request;
 use super::role::Role;
 use crate::read::source::SceneSource;
@@ -61,11 +61,13 @@ fn f64_at(bytes: &[u8], at: usize) -> f64 {
 pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
     let mut file = BinaryFile::new(source);
     let mut header = LasHeader::read(&mut file)?;
+    header.extra.iter_mut().for_each(|field| field.is_wanted = is_wanted(&request.columns, &field.name));
     let layout = columns(&header, &file, request)?;
     let mut particles = layout.begin();
     let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
     if let Some(scheme) = header.scheme.take() {
-        let mut laz = Laz::new(file, scheme, header.format, header.record, !header.extra.is_empty())?;
+        let mut laz =
+            Laz::new(file, scheme, header.format, header.record, header.extra.iter().any(|field| field.is_wanted))?;
         for point in 0..header.points {
             numbers.clear();
             header.numbers(laz.next()?, &mut numbers);
@@ -230,7 +232,7 @@ impl LasHeader {
             numbers.extend([0, 2, 4].map(|channel| f64::from(u16_at(record, at + channel))));
         }
         numbers.extend(self.format.infrared.map(|at| f64::from(u16_at(record, at))));
-        numbers.extend(self.extra.iter().map(|field| field.number(record)));
+        numbers.extend(self.extra.iter().map(|field| if field.is_wanted { field.number(record) } else { f64::NAN }));
     }
 }
 

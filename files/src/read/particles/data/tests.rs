@@ -68,6 +68,11 @@ fn styles_are_named_or_follow_from_the_columns() {
 fn labels_and_reduced_masses() {
     let labelled = format!("{HEAD}\nMasses\n\nFe 55.845\nC 12.011\n\nAtoms # atomic\n\n1 C 1 2 3\n2 Fe 1 2 3\n");
     assert_eq!(read(&labelled, &[]).expect("a file").elements, [6, 26]);
+    let found = read(&labelled, &["type"]).expect("a column");
+    assert_eq!(
+        (&found.columns[0].values[..], &found.labels["type"][..]),
+        (&[0.0, 1.0][..], &["C".into(), "Fe".into()][..])
+    );
     let reduced = format!("{HEAD}\nMasses\n\n1 1\n2 2\n\nAtoms # atomic\n\n1 1 1 2 3\n2 2 1 2 3\n");
     assert!(read(&reduced, &[]).expect("a file").elements.is_empty());
     let lj = reduced.replace("2 2\n\nAtoms", "2 12.011\n\nAtoms").replace("by hand", "LAMMPS, units = lj");
