@@ -365,6 +365,13 @@ fn tables_that_look_like_a_crystal_are_tables() {
     assert_eq!(alike("a.txt", r.as_bytes()).scene.spheres.centers, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
     let selected = read_frame("a.txt", r.as_bytes(), &selecting("kind 'a b'")).expect("a row").scene;
     assert_eq!(selected.spheres.centers, [[1.0, 2.0, 3.0]]);
+    for named in ["\"x\",\"y\",\"z\"\n\"a\",1,2,3\n", "x y z\na 1 2 3\n", "\"id\" \"x\" \"y\" \"z\"\n\"1\" 7 1 2 3\n"] {
+        assert_eq!(alike("a.csv", named.as_bytes()).scene.spheres.centers, [[1.0, 2.0, 3.0]], "{named}");
+    }
+    // A number too many is not the name of a row.
+    for wrong in ["name,x,y,z\na,1,2,3,4\n", "\"name\",\"x\",\"y\",\"z\"\n\"a\",1,2,3,4\n", "x,y,z\n1,2,3,4\n"] {
+        assert!(refusal("a.csv", wrong.as_bytes(), &ReadOptions::default()).contains("more than"), "{wrong}");
+    }
     let ptx = "3\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n";
     for name in ["a.ptx", "a", "a.txt", "a.xyz"] {
         assert!(refusal(name, ptx.as_bytes(), &ReadOptions::default()).contains("PTX"), "{name}");
@@ -451,9 +458,12 @@ fn tables_of_scanners_are_read() {
     }
 }
 
+/// The name, the type, the bytes, and the scale and the offset of an extra field.
+type ExtraField<'a> = (&'a str, u8, &'a [u8], Option<[f64; 2]>);
+
 /// A LAS file of version 1.4 and format 6 with extra bytes: types, numbers, scales and offsets as written by hand from the
 /// specification.
-fn las(fields: &[(&str, u8, &[u8], Option<[f64; 2]>)]) -> Vec<u8> {
+fn las(fields: &[ExtraField<'_>]) -> Vec<u8> {
     let extra: usize = fields.iter().map(|(_, _, bytes, _)| bytes.len()).sum();
     let (head, size) = (375 + 54 + 192 * fields.len(), 30 + extra);
     let mut bytes = vec![0; head + size];

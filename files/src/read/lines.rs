@@ -292,7 +292,14 @@ impl Lines<Input> {
             }
             left -= more;
         }
-        Ok(count == 0 || self.advance()? && Words::of(self).count() >= words)
+        Ok(count == 0 || self.advance()? && (Words::of(self).count() >= words || !self.is_last()?))
+    }
+
+    /// Whether the file ends with the current line; otherwise the next one is the current line.
+    pub(super) fn is_last(&mut self) -> Result<bool> {
+        let more = self.advance()?;
+        self.again = more;
+        Ok(!more)
     }
 }
 

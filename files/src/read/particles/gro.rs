@@ -266,7 +266,8 @@ impl ParticleFrames for Gro {
             self.lines.found();
         }
         self.need("box")?;
-        self.cell().map(|_| true)
+        let cell = self.cell();
+        if self.lines.is_last()? { cell.map(|_| true) } else { Ok(true) }
     }
 }
 

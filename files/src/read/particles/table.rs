@@ -61,9 +61,12 @@ impl<R: BufRead> Table<R> {
             if header.comment && fields(&lines, 0, header.delimiter).count() < header.names.len() {
                 header.delimiter = delimiter(lines.text());
             }
-            // R gives the names of rows no header.
+            // R gives the names of rows no header. They are texts where coordinates would be, or numbers in quotes.
             let row: Vec<_> = fields(&lines, 0, header.delimiter).map(|word| word.text.parse::<f64>()).collect();
-            let is_named = row.first().is_some_and(Result::is_err) || lines.text().starts_with('"');
+            let (is_number, is_quoted) =
+                (matches!(row.first(), Some(Ok(_))), lines.text().trim_start().starts_with('"'));
+            let is_placed = header.names.first().is_some_and(|(_, role)| role.is_checked());
+            let is_named = if is_number { is_quoted } else { is_placed };
             if is_named && !header.comment && row.len() == header.names.len() + 1 {
                 header.names.insert(0, (ROW_NAMES.to_owned(), Role::Text));
             }

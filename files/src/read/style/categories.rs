@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
 /// Columns whose whole numbers are identifiers: of types, molecules, copies.
-const NUMBERED: [&str; 6] = ["type", "mol", "molecule", "model", "copy", "cluster"];
+const NUMBERED: [&str; 7] = ["type", "typeid", "mol", "molecule", "model", "copy", "cluster"];
 
 /// The colour of particles without a number.
 const MISSING: [u8; 3] = [0x80; 3];
