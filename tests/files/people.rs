@@ -454,6 +454,13 @@ fn tables_of_scanners_are_read() {
                 read_alike(name, text.as_bytes(), &named("x=1,y=2,z=3")).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(frame.scene.spheres.centers[1], [4.0, 5.0, 6.0], "{text}");
             assert_eq!(frame.scene.spheres.len(), 2, "{text}");
+            assert!(!frame.skipped.assumed.iter().any(|said| said.contains("alone")), "{:?}", frame.skipped);
+            let cut = text.replacen("2\n", "3\n", 1);
+            let frame =
+                read_alike(name, cut.as_bytes(), &named("x=1,y=2,z=3")).unwrap_or_else(|error| panic!("{error}"));
+            let told =
+                frame.skipped.assumed.iter().any(|said| said.contains("a") && said.contains(":1:1: 3 stands alone"));
+            assert_eq!(told, text.starts_with("2\n"), "{:?}", frame.skipped);
         }
     }
 }
@@ -626,6 +633,7 @@ fn numbers_that_are_none_are_told_how_to_be_written() {
     for (name, text, place, mend) in [
         ("a.csv", "x,y,z\n1,1.5D+03,3\n", ":2:3: y: `1.5D+03` is not a number", "with E, as in 1.5E+03"),
         ("a.xyz", "1\n\nO 1 2 -3d-1\n", ":3:7: z", "with E, as in -3E-1"),
+        ("a.nff", "s 1.0D0 2 3 1\n", ":1:3: sphere 0: `1.0D0`", "with E, as in 1.0E0"),
         ("a.csv", "x;y;z\n1,5;2;3\n", ":2:1: x", "with a point, as in 1.5"),
         ("a.csv", "x,y,z,radius\n1,2,3,0\n", ":2:7: radius: `0` is not positive", skip),
         ("a.csv", "x,y,z,radius\n1,2,3,\n", ":2:7: radius: the field is blank", skip),

@@ -365,12 +365,16 @@ impl<R: BufRead> Word<'_, R> {
             "" => "the field is blank".to_owned(),
             text => format!("{} {what}", quote(text)),
         };
-        Error::scene(self.lines.place(self.at).named(field), problem, mend_number(self.text))
+        Error::scene(
+            self.lines.place(self.at).named(field),
+            problem,
+            mend_number(self.text, "use a finite number such as 0.5"),
+        )
     }
 }
 
 /// What to do about a text that is not a finite number: how Fortran and other languages write one is told.
-pub(super) fn mend_number(text: &str) -> String {
+pub(super) fn mend_number(text: &str, otherwise: &str) -> String {
     let spelled = |spelling: String| Some(spelling).filter(|text| text.parse::<f64>().is_ok_and(f64::is_finite));
     if let Some(number) = spelled(text.replace(['D', 'd'], "E")).filter(|_| text.parse::<f64>().is_err()) {
         return format!("write the exponent with E, as in {number}");
@@ -378,7 +382,7 @@ pub(super) fn mend_number(text: &str) -> String {
     if let Some(number) = spelled(text.replacen(',', ".", 1)).filter(|_| text.parse::<f64>().is_err()) {
         return format!("write decimals with a point, as in {number}");
     }
-    "use a finite number such as 0.5".to_owned()
+    otherwise.to_owned()
 }
 
 /// The words of a line, separated by white space.

@@ -14,7 +14,7 @@
 //! Every statement begins on a new line; its numbers may continue on the following lines.
 
 use super::input::Input;
-use super::lines::{Lines, Spot};
+use super::lines::{Lines, Spot, mend_number};
 use super::skipped::Skipped;
 use glam::DVec3;
 use halfline::error::{Error, Place, Result, relocate};
@@ -209,7 +209,11 @@ impl Reader {
                     return Err(self.short(at, "the statement ends", numbers.count, least));
                 }
                 let place = self.spot(word).of(self.lines.file()).named(at.to_string());
-                return Err(Error::scene(place, format!("{} is not a number", quote(text)), wanted(least)));
+                return Err(Error::scene(
+                    place,
+                    format!("{} is not a number", quote(text)),
+                    mend_number(text, &wanted(least)),
+                ));
             };
             if !value.is_finite() {
                 let place = self.spot(word).of(self.lines.file()).named(at.to_string());

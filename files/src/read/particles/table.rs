@@ -17,10 +17,12 @@ use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::source::SceneSource;
 use fields::{continues, delimiter, fields, has_content, next};
-use halfline::error::{Error, Result};
+use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
 use header::TableHeader;
 use std::io::BufRead;
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 
 /// Rows under a header.
 pub(crate) struct Table<R> {
@@ -31,6 +33,8 @@ pub(crate) struct Table<R> {
     ahead: bool,
     /// What is assumed of the columns.
     assumed: Vec<String>,
+    /// The number of rows that the file gives, and where.
+    counted: Option<(Place, u64)>,
 }
 
 /// The column of the names of rows, as R calls them.
@@ -48,7 +52,7 @@ impl<R: BufRead> Table<R> {
             let role = role(word.text).ok_or_else(|| fail(format!("unknown column {}", quote(word.text))))?;
             layout.add(word.text, role).map_err(fail)?;
         }
-        Ok(Self { lines, layout, delimiter: b',', ahead: false, assumed: Vec::new() })
+        Ok(Self { lines, layout, delimiter: b',', ahead: false, assumed: Vec::new(), counted: None })
     }
 
     /// A table with any delimiter, other columns, and a header that may be a comment or missing.
@@ -84,7 +88,7 @@ impl<R: BufRead> Table<R> {
                 .map_err(|problem| Error::scene(header.place.clone().named("header"), problem, mend))?;
         }
         let lines = lines.of_records(continues, header.delimiter);
-        Ok(Self { lines, layout, delimiter: header.delimiter, ahead, assumed: header.assumed })
+        Ok(Self { lines, layout, delimiter: header.delimiter, ahead, assumed: header.assumed, counted: header.counted })
     }
 
     /// The lines; the current one is the row just read.
@@ -128,10 +132,21 @@ impl Table<Input> {
         if self.ahead {
             row(&self.lines, delimiter, &layout, &mut particles)?;
         }
+        let (counts, count) = (self.counted.is_some(), AtomicU64::new(self.ahead.into()));
         rows(&mut self.lines, u64::MAX, &layout, &mut particles, |line, found| match has_content(line.text()) {
-            true => row(line, delimiter, &layout, found),
+            true => {
+                if counts {
+                    count.fetch_add(1, Relaxed);
+                }
+                row(line, delimiter, &layout, found)
+            }
             false => Ok(()),
         })?;
+        let count = count.into_inner();
+        if let Some((place, rows)) = self.counted.filter(|(_, rows)| *rows != count) {
+            let said = format!("{place}: {rows} stands alone in its line, but the table has {count} rows");
+            particles.skipped.assumed.push(said);
+        }
         particles.settle_texts();
         Ok(particles)
     }

@@ -384,7 +384,11 @@ fn bad_place(axis: usize, value: &[u8], place: Place) -> Error {
         [] => "the atom has no position".to_owned(),
         word => format!("expected a finite number, found {}", quote(word)),
     };
-    Error::scene(place.named(["x", "y", "z"][axis]), problem, mend_number(&String::from_utf8_lossy(value)))
+    Error::scene(
+        place.named(["x", "y", "z"][axis]),
+        problem,
+        mend_number(&String::from_utf8_lossy(value), "use a finite number such as -12.345"),
+    )
 }
 
 fn bad_model(value: &[u8], place: Place) -> Error {

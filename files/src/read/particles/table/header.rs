@@ -20,6 +20,8 @@ pub(super) struct TableHeader {
     pub(super) place: Place,
     /// What is assumed where the table has no header, and of columns that are not taken.
     pub(super) assumed: Vec<String>,
+    /// A number alone in its line above, and where it is: the number of rows, as scanners write it.
+    pub(super) counted: Option<(Place, u64)>,
 }
 
 /// What to do about a table whose coordinates are not named.
@@ -35,20 +37,13 @@ impl TableHeader {
     /// [`Error::Scene`] for a table without named coordinates, and without a column that is given.
     pub(super) fn find<R: BufRead>(lines: &mut Lines<R>, given: &ColumnNames) -> Result<(Self, bool)> {
         let (mut above, mut counted) = (None, None);
-        let with = |header: Self, said: Option<String>| Self {
-            assumed: said.into_iter().chain(header.assumed).collect(),
-            ..header
-        };
         while lines.advance()? {
             let text = lines.text().trim_start();
             if text.is_empty() {
                 continue;
             }
-            // Scanners write the number of points before them.
-            if counted.is_none() && text.trim_end().parse::<u64>().is_ok() {
-                let place = lines.place(0);
-                counted =
-                    Some(format!("{place}: {} alone in its line is taken for the number of rows", text.trim_end()));
+            if let (None, Ok(rows)) = (&counted, text.trim_end().parse()) {
+                counted = Some((lines.place(0), rows));
                 continue;
             }
             let comment = comment(text);
@@ -68,11 +63,11 @@ impl TableHeader {
                 (_, Some(bare), Some(above)) => (if given.is_empty() { above } else { bare }, true),
                 (Err(error), None, None) => return Err(error),
             };
-            return Ok((with(header, counted), ahead));
+            return Ok((Self { counted, ..header }, ahead));
         }
         let problem = "the columns x, y and z are missing";
         above
-            .map(|header| (with(header, counted), false))
+            .map(|header| (Self { counted, ..header }, false))
             .ok_or_else(|| Error::scene(lines.file().named("header"), problem, name_them()))
     }
 
@@ -85,7 +80,7 @@ impl TableHeader {
             let name =
                 |(n, role): (usize, &Option<Role>)| (ColumnNames::name_of(*role, n), role.unwrap_or(Role::Other));
             let names = roles.iter().enumerate().map(name).collect();
-            Self { names, delimiter, comment: false, place: place.clone(), assumed }
+            Self { names, delimiter, comment: false, place: place.clone(), assumed, counted: None }
         };
         if given.is_empty() {
             let roles = [Role::Position(0), Role::Position(1), Role::Position(2), Role::Radius].map(Some);
@@ -147,7 +142,7 @@ impl TableHeader {
             }
             let comment = start > 0 && lines.text()[..start].ends_with(['#', '/']);
             let names = names.into_iter().zip(roles).collect();
-            let header = Self { names, delimiter, comment, place: place.clone(), assumed };
+            let header = Self { names, delimiter, comment, place: place.clone(), assumed, counted: None };
             if header.is_placed() {
                 return Ok(Ok(header));
             }
