@@ -517,9 +517,14 @@ fn extra_bytes_of_las_are_columns() {
         ("pair", 13, &[1, 0, 2, 0], None),
     ]);
     assert_eq!(alike("a.las", &content).scene.spheres.centers, [[1.0, 2.0, 3.0]]);
-    for selection in
-        ["amplitude == 1234", "deviation == -140", "id == -1", "distance == 0.1", "pair_0 == 1 and pair_1 == 2"]
-    {
+    for selection in [
+        "amplitude == 1234",
+        "deviation == -140",
+        "id == -1",
+        "distance == 0.1",
+        "pair_0 == 1 and pair_1 == 2",
+        "intensity == 0",
+    ] {
         assert_eq!(read_frame("a.las", &content, &selecting(selection)).expect(selection).scene.spheres.len(), 1);
     }
     let folder = folder(&[("a.las", &content)]);

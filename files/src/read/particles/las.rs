@@ -8,7 +8,7 @@ mod laz;
 use super::bytes::BinaryFile;
 use super::colors::ColorType;
 use super::frame::Particles;
-use super::layout::{Layout, is_wanted};
+use super::layout::{EVERY, Layout, is_wanted};
 use super::request::Request;
 use super::role::Role;
 use crate::read::source::SceneSource;
@@ -36,6 +36,9 @@ struct LasHeader {
 const COMMON: [&str; 7] =
     ["intensity", "return_number", "number_of_returns", "classification", "scan_angle", "user_data", "point_source"];
 
+/// Columns of some formats, and the coordinates.
+const OTHERS: [&str; 8] = ["x", "y", "z", "gps_time", "red", "green", "blue", "nir"];
+
 /// Bytes of the header of versions before 1.3, and of 1.4.
 const HEADER: u64 = 227;
 const HEADER_14: u64 = 375;
@@ -61,13 +64,20 @@ fn f64_at(bytes: &[u8], at: usize) -> f64 {
 pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
     let mut file = BinaryFile::new(source);
     let mut header = LasHeader::read(&mut file)?;
-    header.extra.iter_mut().for_each(|field| field.is_wanted = is_wanted(&request.columns, &field.name));
+    // Every field costs time for every point. A field of the format comes before one of its name.
+    let is_every = request.columns.iter().any(|name| name == EVERY);
+    let is_own = |name: &str| COMMON.iter().chain(&OTHERS).any(|own| own.eq_ignore_ascii_case(name));
+    let (wanted, others): (Vec<_>, Vec<_>) = header
+        .extra
+        .drain(..)
+        .partition(|field| is_wanted(&request.columns, &field.name) && (is_every || !is_own(&field.name)));
+    header.extra = wanted;
     let layout = columns(&header, &file, request)?;
     let mut particles = layout.begin();
+    particles.has.extend(others.iter().map(|field| field.name.to_lowercase()));
     let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
     if let Some(scheme) = header.scheme.take() {
-        let mut laz =
-            Laz::new(file, scheme, header.format, header.record, header.extra.iter().any(|field| field.is_wanted))?;
+        let mut laz = Laz::new(file, scheme, header.format, header.record, !header.extra.is_empty())?;
         for point in 0..header.points {
             numbers.clear();
             header.numbers(laz.next()?, &mut numbers);
@@ -232,7 +242,7 @@ impl LasHeader {
             numbers.extend([0, 2, 4].map(|channel| f64::from(u16_at(record, at + channel))));
         }
         numbers.extend(self.format.infrared.map(|at| f64::from(u16_at(record, at))));
-        numbers.extend(self.extra.iter().map(|field| if field.is_wanted { field.number(record) } else { f64::NAN }));
+        numbers.extend(self.extra.iter().map(|field| field.number(record)));
     }
 }
 

@@ -9,8 +9,6 @@ pub(super) const RECORD: u16 = 4;
 /// A number of an extra field.
 pub(super) struct ExtraField {
     pub(super) name: String,
-    /// Whether a column of it is requested.
-    pub(super) is_wanted: bool,
     /// Its first byte in a point.
     at: usize,
     scalar: Scalar,
@@ -62,7 +60,7 @@ pub(super) fn fields(descriptions: &[u8], format: usize, record: usize) -> Vec<E
             let scale = number(112, part).filter(|_| options & SCALED > 0).unwrap_or(1.0);
             let offset = number(136, part).filter(|_| options & MOVED > 0).unwrap_or(0.0);
             if !name.is_empty() {
-                fields.push(ExtraField { name, is_wanted: false, at, scalar, scale, offset });
+                fields.push(ExtraField { name, at, scalar, scale, offset });
             }
             at += scalar.size();
         }
