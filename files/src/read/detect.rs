@@ -40,8 +40,12 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
         let is_row =
             |row: &str| row.split([',', ';', '\t', ' ']).filter(|word| word.trim().parse::<f64>().is_ok()).count() >= 3;
         let table = said(&lines).filter(|line| !line.starts_with("//")).take(2).any(is_row);
-        let table =
-            if table { format!("name the columns of a table with {COLUMNS} x=1,y=2,z=3, or ") } else { String::new() };
+        let columns = format!("{COLUMNS} x=1,y=2,z=3");
+        let table = if table {
+            format!("name the columns of a table with {columns} (or {FORMAT} csv {columns}), or ")
+        } else {
+            String::new()
+        };
         let mend = format!("{table}set it with {FORMAT}: {}", names.join(", "));
         ("the format cannot be detected from content or name".to_owned(), mend)
     })
@@ -258,13 +262,15 @@ fn is_gro(lines: &[&str]) -> bool {
 /// A count, a comment, and lines of a word or a number and three numbers. Points behind their number, as scanners write them,
 /// have no comment.
 fn is_xyz(lines: &[&str]) -> bool {
-    let row = |n: usize| lines.get(n).map_or("", |line| line.trim());
-    let [first, second] = [row(1), row(2)].map(|row| (numbers(row), row.split_whitespace().count()));
+    let Some(count) = lines.first().and_then(|line| line.trim().parse::<u64>().ok()) else { return false };
+    let width = |line: &str| Some(numbers(line)).filter(|n| *n >= 3 && *n == line.split_whitespace().count());
     let is_whole = |row: &str| row.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
-    if first == second && first.0 >= 3 && first.0 == first.1 && !(is_whole(row(1)) && is_whole(row(2))) {
+    // Rows of both, of which one begins with a coordinate.
+    let mut rows = lines.iter().skip(2).take(usize::try_from(count).unwrap_or(usize::MAX).saturating_sub(1));
+    let comment = lines.get(1).and_then(|line| width(line));
+    if comment.is_some() && rows.any(|row| width(row) == comment && !is_whole(row)) {
         return false;
     }
-    let Some(count) = lines.first().and_then(|line| line.trim().parse::<u64>().ok()) else { return false };
     match lines.get(2) {
         None => count == 0,
         Some(atom) => atom.split_whitespace().count() >= 4 || lines[1].contains("Properties="),

@@ -86,13 +86,13 @@ const ALL: &[Foreign] = &[
         sign: |bytes, _| bytes.get(257..262) == Some(b"ustar"),
     },
     Foreign {
-        what: "a pointer of Git LFS, not the file that it stands for",
+        what: "a pointer of Git LFS in place of its file",
         mend: "fetch the file with `git lfs pull`",
         endings: &[],
         sign: |bytes, _| bytes.starts_with(b"version https://git-lfs"),
     },
     Foreign {
-        what: "a pointer of git-annex, not the file that it stands for",
+        what: "a pointer of git-annex in place of its file",
         mend: "fetch the file with `git annex get`",
         endings: &[],
         sign: |_, lines| lines.first().is_some_and(|line| line.contains("/annex/objects/")),
