@@ -2,7 +2,7 @@
 //! read it, and what is not read is named with a way to it.
 
 use crate::rng::Rng;
-use crate::scenes::{folder, read_frame, read_spheres};
+use crate::scenes::{CAMERA, folder, read_frame, read_spheres};
 use halfline::error::Error;
 use halfline_files::read::{self, Format, Keep, ReadOptions, SceneFrame};
 use std::fmt::Write as _;
@@ -133,6 +133,11 @@ fn text_that_nobody_uses_may_hold_any_bytes() {
     }
     let table = b"# d\xe9but\nx,y,z,radius\n1,2,3,1\n";
     assert_eq!(read_spheres("a.csv", table).expect("spheres").spheres.centers, [[1.0, 2.0, 3.0]]);
+    // In a scene a text that is used is none.
+    let scene = [CAMERA.as_bytes(), b"# d\xe9but\n[[spheres]]\nfile = 'a.csv'\nselect = \"name ", b"\xe9\"\n"].concat();
+    let folder = folder(&[("a.csv", b"x,y,z,name\n1,2,3,b\n"), ("scene.toml", &scene)]);
+    let told = read::scene(&folder.path().join("scene.toml"), &ReadOptions::default()).map(drop).expect_err("a text");
+    assert!(told.to_string().contains("is not UTF-8 text"), "{told}");
     // NumPy writes headers in ISO 8859-1 before version 3.0.
     let header = b"{'descr': [('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('d\xe9', '<f4')], 'fortran_order': False, 'shape': (1,), }\n";
     let npy = [b"\x93NUMPY\x01\0", &(header.len() as u16).to_le_bytes()[..], header, &points, &points[..4]].concat();

@@ -69,6 +69,8 @@ fn document(reader: Input, path: &Path, watch: &Watch, is_whole: bool) -> Result
         Err(e) => (String::from_utf8_lossy(e.as_bytes()).into_owned(), Some(not_utf8(file.clone(), 0, e))),
     };
     check_idle(&text, &file)?;
+    let is_said = |line: &str| line.split('#').next().is_some_and(|said| said.contains(char::REPLACEMENT_CHARACTER));
+    let is_used = invalid.is_some() && text.lines().any(is_said);
     let length = text.len();
     check(room::most_held(&text), || format!("{file}: {length} bytes of TOML"))?;
     let (path, within) = (path.to_path_buf(), watch.clone());
@@ -80,7 +82,7 @@ fn document(reader: Input, path: &Path, watch: &Watch, is_whole: bool) -> Result
     };
     let read = if length <= QUICK { parse() } else { watch.wait_for(parse) };
     match invalid {
-        Some(invalid) if matches!(read, Err(Error::Scene { .. } | Error::Io { .. })) => Err(invalid),
+        Some(invalid) if is_used || matches!(read, Err(Error::Scene { .. } | Error::Io { .. })) => Err(invalid),
         _ => read,
     }
 }
