@@ -288,6 +288,8 @@ fn a_chemical_component_is_read() {
         let frame = alike("a.cif", text.as_bytes());
         assert_eq!(frame.scene.spheres.centers[..], centers[..], "{text}");
         assert_eq!(frame.scene.spheres.radii[0], radius, "{text}");
+        let is_told = frame.skipped.assumed.iter().any(|said| said.contains("several data blocks"));
+        assert_eq!(is_told, text.contains("data_B"), "{text}");
     }
     let text = format!("data_HOH\n{both}HOH O O 0 1 2 3 9 9 9\nHOH H1 H 0 4 5 6 9 9 9\n");
     let hydrogen = read_frame("a.cif", text.as_bytes(), &selecting("name H1 and resname HOH")).expect("an atom");
@@ -682,12 +684,14 @@ fn numbers_that_are_none_are_told_how_to_be_written() {
     assert!(!spheres.contains(skip), "{spheres}");
     for (name, text) in [
         ("a.csv", "x,y,z,r\n1,2,3,4\n"),
-        ("a.csv", "x,y,z,Radii\n1,2,3,4\n"),
+        ("a.csv", "x,y,z,Rad\n1,2,3,4\n"),
         ("a.pcd", "FIELDS x y z r\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 1\nPOINTS 1\nDATA ascii\n1 2 3 4\n"),
     ] {
         let frame = alike(name, text.as_bytes());
         assert!(frame.skipped.assumed.iter().any(|said| said.contains("radius=r")), "{:?}", frame.skipped);
     }
+    let frame = alike("a.csv", b"x,y,z,Radii,r\n1,2,3,4,5\n");
+    assert_eq!((frame.scene.spheres.radii[0], &frame.skipped.assumed[..]), (4.0, &[][..]));
     let frame = alike("a.csv", b"x,y,z,r,g,b\n1,2,3,1,0,0\n");
     assert!(!frame.skipped.assumed.iter().any(|said| said.contains("radius=r")), "{:?}", frame.skipped);
 }

@@ -486,7 +486,10 @@ mod tests {
                 assert_eq!(recognise(text.as_bytes(), Path::new(name)), Ok((format, None)), "{text}");
             }
         }
+        let scan = "1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+        assert!(recognise(scan.as_bytes(), Path::new("a")).is_err_and(|(problem, _)| problem.contains("PTX")));
         for (text, name, format) in [
+            ("{ salt\n1.0\n4 0 0\n0 4 0\n0 0 4\nNa Cl\n1 1\nDirect\n", "POSCAR", Format::Poscar),
             ("# the units of x y z are metres\n[camera]\neye = [0, 0, 1]\n", "s.toml", Format::Native),
             ("# x y z\nv\nfrom 0 0 1\n", "s.nff", Format::Nff),
             ("data_id,x,y,z\n1,0,0,0\n", "a.csv", Format::Csv),

@@ -198,8 +198,8 @@ mod tests {
         let axis = [0, 1, 2].map(Role::Position);
         assert_eq!(roles(&["X", "Y", "Z"].map(|name| binary(name, 1, real))), axis);
         let names = ["X", "x", "Radius", "y", "radius", "z", "rgb", "RGB"];
-        let found =
-            [Role::Other, axis[0], Role::Other, axis[1], Role::Radius, axis[2], color[0], color[1], color[2], Role::Other];
+        let [x, y, z] = axis;
+        let found = [&[Role::Other, x, Role::Other, y, Role::Radius, z][..], &color, &[Role::Other]].concat();
         assert_eq!(roles(&names.map(|name| binary(name, 1, real))), found, "lower case comes first");
     }
 }

@@ -87,9 +87,8 @@ impl Arrays {
         }
         let (is_every, is_wanted, is_known) =
             (wanted.iter().any(|name| name == EVERY), is_wanted(wanted, &name), is_known(&name));
-        let is_text = is_wanted
-            && shape.len() == 1
-            && matches!(&header.dtype, DType::Plain(kind) if text_size(kind).is_some());
+        let is_text =
+            is_wanted && shape.len() == 1 && matches!(&header.dtype, DType::Plain(kind) if text_size(kind).is_some());
         let width = match shape[..] {
             [_] => 1,
             [_, width @ 1..=4] if is_known => width as usize,
@@ -332,6 +331,13 @@ mod tests {
             assert!(read(&bytes, &["wave"]).is_err(), "asked for by its name");
             assert_eq!(read(&bytes, &[]).expect("nothing is asked for").positions.len(), 2);
         }
+        // A text that is called like a radius is a column, and it is told that it is no radius.
+        let mut members = members();
+        members.retain(|(name, _)| *name != "radii.npy");
+        members.push(("radius.npy", texts("<U", &["a", "b"])));
+        let found = read(&archive(How::Stored, &members), &["radius"]).expect("a column");
+        assert_eq!((found.radii.len(), &found.labels["radius"][..]), (0, &["a".into(), "b".into()][..]));
+        assert!(found.skipped.assumed[0].starts_with("radii are not taken from `radius`"), "{:?}", found.skipped);
     }
 
     #[test]

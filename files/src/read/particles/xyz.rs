@@ -263,6 +263,21 @@ mod tests {
     }
 
     #[test]
+    fn z_is_a_coordinate_beside_x_and_y_and_else_an_atomic_number() {
+        for kind in ["I", "R"] {
+            let frame =
+                read(&format!("1\nProperties=x:R:1:y:R:1:z:{kind}:1\n1 2 3\n"), &[]).expect("a frame").remove(0);
+            assert_eq!((frame.positions[0], frame.elements.len()), ([1.0, 2.0, 3.0], 0));
+            let frame =
+                read(&format!("1\nProperties=Z:{kind}:1:pos:R:3\n26 1 2 3\n"), &["z"]).expect("a frame").remove(0);
+            assert_eq!((frame.positions[0], &frame.elements[..]), ([1.0, 2.0, 3.0], &[26][..]));
+            assert_eq!((&frame.columns[0].values[..], frame.has[0].as_str()), (&[3.0][..], "atomic_number"));
+            let error = read(&format!("1\nProperties=z:{kind}:1\n3\n"), &[]).map(drop).expect_err("no x and y");
+            assert!(error.to_string().contains("pos with three columns is missing"), "{error}");
+        }
+    }
+
+    #[test]
     fn a_cell_is_read_however_its_numbers_are_separated() {
         for lattice in [
             "\"1 2 3 4 5 6 7 8 9\"",
