@@ -366,7 +366,9 @@ impl ProjectionBounds {
     #[inline(always)]
     fn is_in_range(&self, depth: f64) -> bool {
         let length = self.length(depth);
-        (length >= LENGTHS[0]) & (length < LENGTHS[1]) & (depth < DEEPEST)
+        #[expect(clippy::manual_range_contains, reason = "all are evaluated, so that there is no branch")]
+        let is_in_range = (length >= LENGTHS[0]) & (length < LENGTHS[1]) & (depth < DEEPEST);
+        is_in_range
     }
 
     /// The same of a depth in the world and the unit 2^`unit`. True for parallel rays, of which a frame that is not bounded is exact.

@@ -273,14 +273,14 @@ mod tests {
     #[test]
     fn many_atoms_at_one_place_are_one() {
         let count = 60_000;
-        let place = |n: usize| [if n % 2 == 0 { 0.3 } else { 19.6 }, 1.0, 1.0];
+        let place = |n: usize| [[0.3, 19.6][n % 2], 1.0, 1.0];
         let mut p = particles(&(0..count).map(place).collect::<Vec<_>>(), &[]);
         p.cell = Some(Cell { origin: [0.0; 3], edges: [[20.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 20.0]] });
         // Hydrogen at the second place reaches carbon at the first, and is bonded by it alone.
-        p.elements = (0..count).map(|n| if n % 2 == 0 { 6 } else { 1 }).collect();
+        p.elements = (0..count).map(|n| [6, 1][n % 2]).collect();
         apply(Periodic::Unwrap, &mut p).expect("bonds");
         for (n, found) in p.positions.iter().enumerate() {
-            let wanted = place(n)[0] - if n % 2 == 0 { 0.0 } else { 20.0 };
+            let wanted = place(n)[0] - [0.0, 20.0][n % 2];
             assert!((found[0] - wanted).abs() < 1e-12, "{n}: {found:?}");
         }
     }
