@@ -124,10 +124,15 @@ impl Prediction {
 const VISIBLE: f64 = 0.02;
 
 impl Prediction {
+    /// Whether outlines may be off by so much that it is visible.
+    pub(crate) fn is_visible(&self) -> bool {
+        self.outline > VISIBLE
+    }
+
     /// A warning with the numbers and a remedy, where the error is visible.
     #[must_use]
     pub fn warning(&self, method: Method) -> Option<String> {
-        (self.outline > VISIBLE).then(|| {
+        self.is_visible().then(|| {
             let [outline, distance, radii] = [self.outline, self.distance, self.radii].map(|x| number(x, 2));
             let sphere = self.sphere;
             format!(

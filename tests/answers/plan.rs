@@ -65,6 +65,12 @@ fn without_a_tolerance_the_buffers_decide() {
         assert_eq!(plan.method, method);
         assert!(plan.reason.contains(word), "{}", plan.reason);
     }
+    // A horizon from 3 m above the ground: the method would be off by what can be seen.
+    let mut near = scene.clone();
+    near.spheres = Default::default();
+    near.spheres.push([13.0, -6.4e6, 3.0], 6.4e6 - 1.0, None);
+    let plan = planned(&near, &settings(Backend::Cpu, None, &[Aov::Color]));
+    assert!(plan.accuracy == "certified" && plan.reason.contains("can be seen"), "{}", plan.reason);
     for aov in [Aov::Certainty, Aov::Bound, Aov::Normal] {
         let plan = planned(&scene, &settings(Backend::Cpu, Some(1.0), &[aov]));
         assert!(plan.accuracy == "certified" && plan.reason.contains(aov.name()), "{plan:?}");

@@ -1,7 +1,7 @@
 //! Detects the format of a scene file by its beginning and its name.
 
 use super::format::Format;
-use super::particles::table::fields::comment;
+use super::lines::comment;
 use super::particles::table::names::axes;
 use super::{foreign, nff};
 use halfline::quote::setting::{COLUMNS, FORMAT};

@@ -2,7 +2,6 @@
 //! bytes that are not UTF-8, and tables for records of several lines.
 
 use super::input::Input;
-use super::particles::table::fields::has_content;
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
@@ -42,6 +41,18 @@ pub(super) struct Lines<R> {
     again: bool,
     /// The lines before that are blank or comments.
     idle: u64,
+}
+
+/// Whether a line is neither blank nor a comment.
+pub(super) fn has_content(line: &str) -> bool {
+    let text = line.trim_start();
+    !text.is_empty() && comment(text) == 0
+}
+
+/// The length of the mark of a comment at the beginning of a text: `#`, or `//` as CloudCompare writes it.
+pub(super) fn comment(text: &str) -> usize {
+    let mark = if text.starts_with("//") { '/' } else { '#' };
+    text.len() - text.trim_start_matches(mark).len()
 }
 
 /// Whether a record with this separator of fields continues on the next line; `None` where it is none.

@@ -71,7 +71,18 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
             choice(Accuracy::Certified, None, reason)
         }
         (Accuracy::Auto, None, None) => {
-            choice(Accuracy::Fast, None, "no buffer that holds answers and no tolerance is requested".into())
+            let predicted = Prediction::of(scene, Method::Stable)?;
+            match predicted.filter(Prediction::is_visible) {
+                Some(Prediction { outline, .. }) => {
+                    let outline = number(outline, 2);
+                    let reason = format!("certified: method stable could be off by {outline} radii, which can be seen");
+                    choice(Accuracy::Certified, None, reason)
+                }
+                None => {
+                    let reason = "no buffer that holds answers and no tolerance is requested".into();
+                    Choice { predicted, ..choice(Accuracy::Fast, None, reason) }
+                }
+            }
         }
         (stated, method, _) => choice(stated, method, format!("accuracy {} is requested", stated.name())),
     })

@@ -3,8 +3,8 @@
 
 use super::lens::PixelLens;
 use super::listed::ListedCamera;
-use crate::read::lines::Lines;
-use crate::read::particles::table::fields::{delimiter, fields, has_content};
+use crate::read::lines::{Lines, has_content};
+use crate::read::particles::table::fields::{delimiter, fields};
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
 use halfline::scene::camera::{Intrinsics, Lens, Look};

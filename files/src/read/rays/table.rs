@@ -4,8 +4,8 @@
 
 use super::block::{COLUMNS, REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
 use crate::read::input::Input;
-use crate::read::lines::{Block, Lines};
-use crate::read::particles::table::fields::{delimiter, fields, has_content};
+use crate::read::lines::{Block, Lines, has_content};
+use crate::read::particles::table::fields::{delimiter, fields};
 use halfline::error::{Error, Result};
 use halfline::quote::quote;
 use rayon::prelude::*;

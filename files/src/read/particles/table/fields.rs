@@ -1,20 +1,8 @@
 //! The fields of a line of a table.
 
-use crate::read::lines::{Lines, Word};
+use crate::read::lines::{Lines, Word, has_content};
 use halfline::error::Result;
 use std::io::BufRead;
-
-/// Whether a line is neither blank nor a comment.
-pub(crate) fn has_content(line: &str) -> bool {
-    let text = line.trim_start();
-    !text.is_empty() && comment(text) == 0
-}
-
-/// The length of the mark of a comment at the beginning of a text: `#`, or `//` as CloudCompare writes it.
-pub(in crate::read) fn comment(text: &str) -> usize {
-    let mark = if text.starts_with("//") { '/' } else { '#' };
-    text.len() - text.trim_start_matches(mark).len()
-}
 
 /// The delimiter of a line.
 pub(crate) fn delimiter(line: &str) -> u8 {

@@ -1,8 +1,8 @@
 //! The header of a table: the names of its columns and their meaning, from the file or from the caller.
 
-use super::fields::{comment, delimiter, fields, next};
+use super::fields::{delimiter, fields, next};
 use super::names::{Axes, axes, split};
-use crate::read::lines::Lines;
+use crate::read::lines::{Lines, comment};
 use crate::read::particles::column_names::ColumnNames;
 use crate::read::particles::meaning::{FieldKind, Meanings, NamedField, meanings};
 use crate::read::particles::role::Role;
