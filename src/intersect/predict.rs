@@ -124,15 +124,15 @@ impl Prediction {
 const VISIBLE: f64 = 0.02;
 
 impl Prediction {
-    /// Whether outlines may be off by so much that it is visible.
+    /// Whether outlines or distances may be off by so much that a picture shows it.
     pub(crate) fn is_visible(&self) -> bool {
-        self.outline > VISIBLE
+        self.worst() > VISIBLE
     }
 
     /// A warning with the numbers and a remedy, where the error is visible.
     #[must_use]
     pub fn warning(&self, method: Method) -> Option<String> {
-        self.is_visible().then(|| {
+        (self.outline > VISIBLE).then(|| {
             let [outline, distance, radii] = [self.outline, self.distance, self.radii].map(|x| number(x, 2));
             let sphere = self.sphere;
             format!(

@@ -73,9 +73,11 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
         (Accuracy::Auto, None, None) => {
             let predicted = Prediction::of(scene, Method::Stable)?;
             match predicted.filter(Prediction::is_visible) {
-                Some(Prediction { outline, .. }) => {
-                    let outline = number(outline, 2);
-                    let reason = format!("certified: method stable could be off by {outline} radii, which can be seen");
+                Some(Prediction { outline, distance, .. }) => {
+                    let [outline, distance] = [outline, distance].map(|x| number(x, 2));
+                    let reason = format!(
+                        "certified: method stable could be off by {outline} radii and {distance} of a distance, which can be seen"
+                    );
                     choice(Accuracy::Certified, None, reason)
                 }
                 None => {
