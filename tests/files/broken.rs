@@ -4,11 +4,9 @@ use crate::damage::damage;
 use crate::numpy::{little, npy, npy_of};
 use crate::rng::Rng;
 use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, read, read_spheres};
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use halfline::error::Error;
 use halfline_files::read::{Format, ReadOptions, Sequence};
-use std::io::{Cursor, Write};
+use std::io::{Cursor, Read};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -300,12 +298,27 @@ fn a_damaged_file_of_spheres_is_read_or_refused() {
     }
 }
 
-/// A stream without content ends soon, whatever format it is said to have.
+/// A line that repeats after a beginning; an error where it is read further than any reader needs to know that there is nothing.
+struct Idle {
+    bytes: Cursor<Vec<u8>>,
+    line: &'static str,
+    left: u32,
+}
+
+impl Read for Idle {
+    fn read(&mut self, to: &mut [u8]) -> std::io::Result<usize> {
+        if self.bytes.position() == self.bytes.get_ref().len() as u64 {
+            self.left = self.left.checked_sub(1).ok_or_else(|| std::io::Error::other("it is read on and on"))?;
+            self.bytes = Cursor::new(self.line.repeat(1 << 16).into_bytes());
+        }
+        self.bytes.read(to)
+    }
+}
+
+/// A stream without content ends, whatever format it is said to have: after 2^20 lines, and what a reader has ahead.
 #[test]
 fn lines_without_content_are_not_read_for_long() {
-    let formats =
-        [Format::Csv, Format::Xyz, Format::Pdb, Format::Mmcif, Format::Gro, Format::Nff, Format::Dump, Format::Native];
-    let began = Instant::now();
+    let formats = [Format::Csv, Format::Xyz, Format::Pdb, Format::Mmcif, Format::Gro, Format::Nff, Format::Dump];
     for (format, head) in formats.into_iter().map(|format| (format, "")).chain([
         (Format::Csv, "x,y,z\n0,0,0\n"),
         (Format::Pdb, "REMARK\n"),
@@ -316,18 +329,15 @@ fn lines_without_content_are_not_read_for_long() {
         (Format::Pcd, "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 9\nDATA ascii\n"),
         (Format::Ply, "ply\nformat ascii 1.0\nelement face 99999999\nelement vertex 1\nproperty float x\nend_header\n"),
     ]) {
-        for (line, is_packed) in [("\n", true), ("# \n", false)].into_iter().take(if head.is_empty() { 2 } else { 1 }) {
-            let text = (head.to_owned() + &line.repeat((1 << 20) + 99)).into_bytes();
-            let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
-            packed.write_all(&text).expect("in memory");
-            let bytes = if is_packed { packed.finish().expect("in memory") } else { text };
+        let has_comments = head.is_empty() && matches!(format, Format::Csv | Format::Nff);
+        for line in ["\n", "# \n"].into_iter().take(if has_comments { 2 } else { 1 }) {
+            let idle = Idle { bytes: Cursor::new(head.into()), line, left: 3 * 16 };
             let options = ReadOptions { format: Some(format), ..ReadOptions::default() };
-            let read = Sequence::from_reader(Cursor::new(bytes), Path::new("a"), &options);
+            let read = Sequence::from_reader(idle, Path::new("a"), &options);
             let error = read.and_then(|mut read| read.next_scene()).map(drop).expect_err(head);
             assert!(matches!(error, Error::Limits { .. } | Error::Scene { .. }), "{format:?} {head}: {error}");
         }
     }
-    assert!(began.elapsed() < Duration::from_secs(120), "{:?}", began.elapsed());
 }
 
 /// The lines that are counted are those in a row.
