@@ -201,13 +201,16 @@ fn given_rays_hit_their_targets() {
                     let what = format!("{name}, {}, ray {n}: {reach} of {length}", method.name());
                     // The squares of 1e6 that the lecture's forms subtract are off by up to 8 roundings of 2^-23, more than 1e3 squared.
                     let forms = [Method::Textbook, Method::Unit, Method::Geometric];
-                    if !strict && hits.id[n] < 0 && forms.contains(&method) {
+                    // Then a sphere is lost, or its surface is where its centre is.
+                    let loses = !strict && forms.contains(&method);
+                    if loses && hits.id[n] < 0 {
                         continue;
                     }
-                    assert!(hits.id[n] >= 0 && reach <= length, "{what}");
+                    let most = if loses { length * (1.0 + 2e-3) } else { length };
+                    assert!(hits.id[n] >= 0 && reach <= most, "{what}");
                     let normal = hits.normal.as_ref().expect("a requested buffer")[n];
                     let normal = DVec3::from_array(normal.map(f64::from));
-                    assert!(normal.dot(d) < 0.0, "{what}: normal {normal}");
+                    assert!(loses || normal.dot(d) < 0.0, "{what}: normal {normal}");
                     if hits.id[n] == k as i32 && length > spheres.radii[k] {
                         // 2e-3: the lecture's methods lose half of f32's digits at 1e3 radii.
                         let bound = match method {
