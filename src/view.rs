@@ -18,6 +18,7 @@ mod records;
 
 pub use clearance::Clearance;
 pub(crate) use moved::FromEye;
+pub use raster::strata_of;
 pub use records::{Sphere, SphereRecord, SphereResiduals, ViewRecord};
 
 use crate::double_double as dd;

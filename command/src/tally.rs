@@ -2,6 +2,7 @@
 //! once for each of them.
 
 use halfline::progress::{Progress, Step};
+use halfline::view::strata_of;
 
 /// The picture and the sample that the latest progress is of.
 #[derive(Debug, Clone, Copy, Default)]
@@ -22,7 +23,7 @@ impl Tally {
     /// go on from the hits, which takes most of the time.
     pub(super) fn expect(&mut self, samples: u32, is_lit: bool) {
         self.is_lit = is_lit;
-        self.samples = (samples.max(1) - 1).isqrt().saturating_add(u32::from(samples > 1)).max(1).saturating_pow(2);
+        self.samples = strata_of(samples).saturating_pow(2);
     }
 
     /// Takes progress; whether a picture begins with it.

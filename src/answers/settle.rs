@@ -157,12 +157,14 @@ impl Lists {
 
     /// Keeps of equal spheres the first one.
     fn keep(&mut self, firsts: &[u32]) {
-        let mut kept = Self::default();
+        let (mut kept, mut own) = (Self::default(), Vec::new());
         for n in 0..self.ends.len() {
-            let mut own: Vec<u32> = self.of(n).iter().map(|id| firsts[*id as usize]).collect();
+            own.clear();
+            own.extend(self.of(n).iter().map(|id| firsts[*id as usize]));
             own.sort_unstable();
             own.dedup();
-            kept.add(own.into_iter());
+            kept.ids.extend(&own);
+            kept.ends.push(kept.ids.len());
         }
         *self = kept;
     }

@@ -193,6 +193,8 @@ pub(super) struct ProjectionBounds {
     wider: f64,
     /// The error of a candidate's depth in f32.
     pub(super) low: LowTerms,
+    /// Depths in the frame's unit, from the first to below the second, at which f32 holds the length of rho's unit.
+    depths: [f64; 2],
     /// Exponent of the frame's unit.
     frame: i32,
 }
@@ -257,6 +259,12 @@ impl ProjectionBounds {
             // |c - e|_1 is at most sqrt(3) |c - e|; the last is the rounding of the depth itself.
             coordinates: bound((1.7321 * ROTATED + U64) * (1.0 + 2f64.powi(-20))),
         };
+        let depths = match parallel {
+            false => [LENGTHS[0] / unit, (LENGTHS[1] / unit).min(DEEPEST)],
+            // One length at every depth.
+            true if (LENGTHS[0]..LENGTHS[1]).contains(&unit) => [f64::NEG_INFINITY, DEEPEST],
+            true => [f64::INFINITY; 2],
+        };
         let few = errors[0].sqrt();
         let wider = (2.0 * (errors[0] + few * (errors[1] + few * errors[2]))).sqrt() + errors[1];
         Ok(Self {
@@ -289,6 +297,7 @@ impl ProjectionBounds {
             errors,
             wider,
             low,
+            depths,
             frame: view.unit,
         })
     }
@@ -365,16 +374,12 @@ impl ProjectionBounds {
     /// frame's unit.
     #[inline(always)]
     fn is_in_range(&self, depth: f64) -> bool {
-        let length = self.length(depth);
-        #[expect(clippy::manual_range_contains, reason = "all are evaluated, so that there is no branch")]
-        let is_in_range = (length >= LENGTHS[0]) & (length < LENGTHS[1]) & (depth < DEEPEST);
-        is_in_range
+        (depth >= self.depths[0]) & (depth < self.depths[1])
     }
 
     /// The same of a depth in the world and the unit 2^`unit`. True for parallel rays, of which a frame that is not bounded is exact.
     pub(super) fn is_in_range_of(&self, depth: f64, unit: i32) -> bool {
-        let length = dd::ldexp(self.length(dd::ldexp(depth, -self.frame)), self.frame - unit);
-        self.parallel || (LENGTHS[0]..LENGTHS[1]).contains(&length) && dd::ldexp(depth, -unit) < DEEPEST
+        self.parallel || self.is_in_range(dd::ldexp(depth, -unit))
     }
 
     /// Whether spheres whose sizes have exponents from -`span` to `span` in the frame's unit are the same to the bounds in every unit

@@ -28,6 +28,12 @@ pub(crate) struct Raster {
 /// The most rows of samples in a pixel: light keeps directions for each of their squares.
 const STRATA: u32 = 1 << 10;
 
+/// Columns and rows of the samples of a pixel: `samples` of them, at least 1, rounded up to a square number.
+#[must_use]
+pub fn strata_of(samples: u32) -> u32 {
+    samples.saturating_sub(1).isqrt() + 1
+}
+
 impl Raster {
     /// Pixel centres.
     pub(crate) fn centres(window: Window) -> Self {
@@ -42,7 +48,7 @@ impl Raster {
         if samples < 2 {
             return Ok(None);
         }
-        let strata = u64::from(samples - 1).isqrt() as u32 + 1;
+        let strata = strata_of(samples);
         let most = MAX_SIDE as u32 / image.width.max(image.height).max(1);
         if strata > STRATA {
             let problem = format!("{samples} samples per pixel are too many");

@@ -114,7 +114,7 @@ impl Frames {
         let mut reading = going_on.map_or_else(|| self.open(number), Ok)?;
         loop {
             let next = match reading.next_scene() {
-                // A frame before the wanted one, which then is the first that is asked for.
+                // An invalid frame before the wanted one: the file is opened again, and reading begins at the wanted one.
                 Err(Error::Settings { .. } | Error::Scene { .. }) if !is_new && reading.passed() < number => {
                     (reading, is_new) = (self.open(number)?, true);
                     continue;

@@ -1,4 +1,4 @@
-//! What is asked for is written, or a message says why it is not; and what is shown does not depend on what is hidden.
+//! Outputs are written, or a message says why not. Spheres that are hidden do not change those that are shown.
 
 use crate::amount::amount;
 use crate::page::{Page, check_stills};

@@ -74,7 +74,7 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
     }
 }
 
-/// Of few spheres `auto` may take a method, where a tolerance is asked for.
+/// With few spheres and a tolerance, `auto` may choose an uncertified method.
 #[test]
 fn the_tolerance_is_that_of_the_parts() {
     let dir = dir();

@@ -15,7 +15,7 @@ use super::select::{self, Note};
 use super::skipped::Skipped;
 use super::source::SceneSource;
 use super::sphere_lights::SphereLights;
-use super::style::{Whole, no_selections};
+use super::style::no_selections;
 use super::{native, nff};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -356,20 +356,20 @@ impl Sequence {
         periodic::apply(self.options.periodic, &mut particles)?;
         particles.add_lengths(&self.options.named_columns())?;
         self.options.style.settle(&mut particles);
-        let whole = self.options.style.whole(&particles);
+        let spaced = self.options.style.spaced(&particles);
         let hold = self.options.hold;
         if hold != Hold::None && !self.holds_radius && !particles.positions.is_empty() {
             self.holds_radius = true;
-            self.options.style.default_radius = whole.radius;
+            self.options.style.default_radius = spaced;
         }
         let notes = select::apply(&self.options.selections(), &mut particles)?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         if !particles.placed.is_empty() {
-            return self.dress_placed(particles, whole, number, &file);
+            return self.dress_placed(particles, spaced, number, &file);
         }
         let columns = self.columns(&mut particles)?;
         let masks = std::mem::take(&mut particles.marks);
-        let (spheres, mut skipped, legend) = self.options.style.dress(particles, whole, &file)?;
+        let (spheres, mut skipped, legend) = self.options.style.dress(particles, spaced, &file)?;
         if hold != Hold::None && !self.holds && !spheres.is_empty() {
             self.holds = true;
             let (frames, flat) = (&self.options.frames, legend.as_ref().filter(|legend| legend.is_flat()));
@@ -413,9 +413,9 @@ impl Sequence {
     }
 
     /// The same for particles with copies, which are one frame.
-    fn dress_placed(&self, particles: Particles, whole: Whole, number: u64, file: &Place) -> Result<SceneFrame> {
+    fn dress_placed(&self, particles: Particles, spaced: Option<f64>, number: u64, file: &Place) -> Result<SceneFrame> {
         let (when, is_molecule) = (particles.when, particles.are_molecule(self.format));
-        let (instances, skipped, legend) = self.options.style.dress_placed(particles, whole, file)?;
+        let (instances, skipped, legend) = self.options.style.dress_placed(particles, spaced, file)?;
         let mut scene = Scene {
             camera: Camera::CANONICAL,
             image: ImagePlane::default(),

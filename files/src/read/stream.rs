@@ -12,7 +12,7 @@ use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, Style, Whole, joined_elements, no_selections};
+use super::style::{Coloring, Style, joined_elements, no_selections};
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -255,8 +255,7 @@ impl SphereBlocks {
         self.count += size as u64;
         let style = &self.options.style;
         // As in memory, where one atom with an element is enough for all to have the radius of theirs.
-        let whole = style.whole(&part);
-        let whole = Whole { radius: whole.radius.filter(|_| !self.has_elements) };
+        let spaced = style.spaced(&part).filter(|_| !self.has_elements);
         self.notes.join(select::apply(&self.options.selections(), &mut part)?);
         let left = part.positions.len();
         self.left += left as u64;
@@ -264,14 +263,14 @@ impl SphereBlocks {
             return Ok(Spheres::default());
         }
         let lacks_radius = || (0..left).any(|n| !part.is_sized(n));
-        if style.default_radius.is_none() && whole.radius.is_some() && lacks_radius() {
+        if style.default_radius.is_none() && spaced.is_some() && lacks_radius() {
             let problem = "the file has no radii, and half the mean spacing needs all particles";
             return Err(Error::settings(problem, format!("add {RADIUS}, or remove {STREAM}")));
         }
         let masks = std::mem::take(&mut part.marks);
         let painted = self.options.style.painted(&part);
         self.painted.iter_mut().zip(painted).for_each(|(all, more)| *all += more);
-        let (mut spheres, skipped, legend) = self.options.style.dress_part(part, whole, &self.file)?;
+        let (mut spheres, skipped, legend) = self.options.style.dress_part(part, spaced, &self.file)?;
         if self.surveys {
             spheres.colors = None;
             self.see(legend.as_ref())?;

@@ -120,13 +120,6 @@ pub enum Coloring {
 /// Linear RGB of each particle.
 type Colors = Vec<[f32; 3]>;
 
-/// What a style takes from all particles of a frame, so that the spheres that are drawn do not depend on which others are.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Whole {
-    /// The radius before it is scaled, where the file has neither radii nor elements.
-    pub(super) radius: Option<f64>,
-}
-
 /// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
 const UNKNOWN_RADIUS: f64 = 1.6;
 
@@ -182,18 +175,19 @@ impl Style {
         }
     }
 
-    /// Turns particles into spheres. Assumptions are added to what was skipped. `whole` is of all particles of the frame.
+    /// Turns particles into spheres. Assumptions are added to what was skipped. `spaced` is [`Self::spaced`] of all
+    /// particles of the frame.
     ///
     /// # Errors
     /// [`Error::Scene`] for an invalid sphere, [`Error::Settings`] for a missing column, [`Error::Limits`].
     pub(super) fn dress(
         &self,
         particles: Particles,
-        whole: Whole,
+        spaced: Option<f64>,
         file: &Place,
     ) -> Result<(Spheres, Skipped, Option<Legend>)> {
         let painted = self.painted(&particles);
-        let (spheres, skipped, legend) = self.dress_part(particles, whole, file)?;
+        let (spheres, skipped, legend) = self.dress_part(particles, spaced, file)?;
         Ok((spheres, skipped, self.with_overrides(legend, &painted)))
     }
 
@@ -204,13 +198,13 @@ impl Style {
     pub(super) fn dress_part(
         &self,
         mut particles: Particles,
-        whole: Whole,
+        spaced: Option<f64>,
         file: &Place,
     ) -> Result<(Spheres, Skipped, Option<Legend>)> {
         check_spheres(particles.positions.len() as u64, true)?;
         let mut skipped = std::mem::take(&mut particles.skipped);
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
-        let mut radii = self.radii_of(&particles, whole, &mut skipped);
+        let mut radii = self.radii_of(&particles, spaced, &mut skipped);
         self.apply_rules(&particles, &mut colors, &mut radii);
         let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (std::mem::take(&mut particles.positions).into(), colors.map(Into::into));
@@ -229,12 +223,12 @@ impl Style {
         self.radius.is_none() && self.radius_scale == 1.0 && !particles.radii.is_empty() && particles.size.is_empty()
     }
 
-    /// What it takes from all particles of a frame, before some are selected.
-    pub(super) fn whole(&self, particles: &Particles) -> Whole {
+    /// The radius before it is scaled, where the file has neither radii nor elements. It is of all particles of a frame, before some are
+    /// selected, so that the spheres that are drawn do not depend on which others are.
+    pub(super) fn spaced(&self, particles: &Particles) -> Option<f64> {
         let has_elements = particles.elements.iter().any(|number| *number != 0);
         let is_spaced = self.radius.is_none() && particles.radii.is_empty() && !has_elements;
-        let radius = || self.default_radius.unwrap_or_else(|| spacing(&particles.positions) / 2.0);
-        Whole { radius: is_spaced.then(radius) }
+        is_spaced.then(|| self.default_radius.unwrap_or_else(|| spacing(&particles.positions) / 2.0))
     }
 
     /// Takes the names and, if `ranges`, the range of colours of this frame for the following ones.
@@ -290,7 +284,7 @@ impl Style {
     }
 
     /// The radii without those of rules. Nothing is said about particles that a rule gives their radius.
-    fn radii_of(&self, particles: &Particles, whole: Whole, skipped: &mut Skipped) -> Vec<f64> {
+    fn radii_of(&self, particles: &Particles, spaced: Option<f64>, skipped: &mut Skipped) -> Vec<f64> {
         let (n, scale) = (particles.positions.len(), self.radius_scale);
         if let Some(radius) = self.radius {
             return vec![radius * scale; n];
@@ -311,7 +305,7 @@ impl Style {
             };
             return particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect();
         }
-        if let Some(radius) = whole.radius {
+        if let Some(radius) = spaced {
             let missing = count(&|_| true);
             if missing > 0 {
                 let particles = if missing == 1 { "particle has" } else { "particles have" };
@@ -406,7 +400,7 @@ mod tests {
         let mut p = particles(5);
         let radii = |style: &Style, p: &Particles| {
             let mut skipped = Skipped::default();
-            (style.radii_of(p, style.whole(p), &mut skipped), skipped.assumed.len())
+            (style.radii_of(p, style.spaced(p), &mut skipped), skipped.assumed.len())
         };
         let style = Style::default();
         let (spaced, warned) = radii(&style, &p);

@@ -129,10 +129,10 @@ impl NamedSpheres {
             ));
         };
         options.style.settle(&mut particles);
-        let whole = options.style.whole(&particles);
+        let spaced = options.style.spaced(&particles);
         let notes = apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
-        let (part, skipped, _) = options.style.dress(particles, whole, &Place::file(name))?;
+        let (part, skipped, _) = options.style.dress(particles, spaced, &Place::file(name))?;
         append(spheres, &part)?;
         Ok(skipped.warnings())
     }

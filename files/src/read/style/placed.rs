@@ -1,6 +1,6 @@
 //! The style of particles whose copies are operators: radii and colours per particle, and colours by copy per operator.
 
-use super::{Coloring, Style, Whole};
+use super::{Coloring, Style};
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Place, Result};
@@ -18,11 +18,11 @@ impl Style {
     pub(in crate::read) fn dress_placed(
         &self,
         mut particles: Particles,
-        whole: Whole,
+        spaced: Option<f64>,
         file: &Place,
     ) -> Result<(Instances, Skipped, Option<Legend>)> {
         let placed = std::mem::take(&mut particles.placed);
-        self.check_placed(&particles, whole)?;
+        self.check_placed(&particles, spaced)?;
         let by_copy = self.columns().iter().any(|name| name.eq_ignore_ascii_case("copy"));
         let (mut tints, mut legend) = (None, None);
         let style = match &self.coloring {
@@ -38,7 +38,7 @@ impl Style {
             }
             _ => self.clone(),
         };
-        let (spheres, skipped, other) = style.dress(particles, whole, file)?;
+        let (spheres, skipped, other) = style.dress(particles, spaced, file)?;
         let (mut sets, mut first, mut copy) = (Vec::new(), 0, 0);
         for part in placed {
             let (range, copies) = (first..first + part.count, copy..copy + part.operators.len());
@@ -50,12 +50,12 @@ impl Style {
     }
 
     /// Refuses what depends on the places of copies.
-    fn check_placed(&self, particles: &Particles, whole: Whole) -> Result<()> {
+    fn check_placed(&self, particles: &Particles, spaced: Option<f64>) -> Result<()> {
         let is = |names: &[&str]| {
             self.columns().iter().any(|column| names.iter().any(|name| column.eq_ignore_ascii_case(name)))
         };
         let has = |name: &str| particles.has.iter().any(|known| known.eq_ignore_ascii_case(name));
-        let (problem, mend) = if self.default_radius.is_none() && whole.radius.is_some() {
+        let (problem, mend) = if self.default_radius.is_none() && spaced.is_some() {
             (
                 "the file has no radii, and half the mean spacing needs all copies",
                 format!("add {RADIUS}, or remove {STREAM}"),
