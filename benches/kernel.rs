@@ -9,7 +9,7 @@
 mod stages;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use halfline::{Accuracy, Aov, Backend, Method, Search, Settings};
+use halfline::{Accuracy, Aov, Backend, Method, Settings};
 use stages::SIDE;
 
 const SPHERES: usize = 512;
@@ -17,18 +17,17 @@ const SPHERES: usize = 512;
 fn kernels(criterion: &mut Criterion) {
     let scene = stages::scene(SPHERES);
     let ids = Settings { aovs: vec![Aov::Id], ..Settings::default() };
-    let stable = Settings { method: Some(Method::Stable), search: Search::All, ..ids.clone() };
-    let all = Settings { accuracy: Accuracy::Certified, search: Search::All, ..ids.clone() };
-    let tiles = Settings { accuracy: Accuracy::Certified, search: Search::Tiles, ..ids };
+    let stable = Settings { method: Some(Method::Stable), ..ids.clone() };
+    let certified = Settings { accuracy: Accuracy::Certified, ..ids };
     let mut group = stages::group(criterion, "kernel");
     for backend in [Backend::Gpu, Backend::Cpu] {
-        for (name, settings) in [("stable, all", &stable), ("certified, all", &all), ("certified, tiles", &tiles)] {
+        for (name, settings) in [("stable", &stable), ("certified", &certified)] {
             let settings = Settings { backend, ..settings.clone() };
             let Some(mut renderer) = stages::renderer(&settings) else { continue };
             let pixels = u64::from(SIDE) * u64::from(SIDE);
-            // With tiles the number of tests is not known, because a list is left after its hit: only pixels are
+            // Of a certified frame the number of tests is not known, because a list is left after its hit: only pixels are
             // counted.
-            let asked = if settings.search == Search::All { SPHERES as u64 } else { 1 };
+            let asked = if settings.method.is_some() { SPHERES as u64 } else { 1 };
             group.throughput(Throughput::Elements(pixels * asked));
             stages::bench(&mut group, name, &mut renderer, (&scene, &settings), |report| {
                 report.kernel_ms.last().copied().unwrap_or_else(|| report.stages_ms["trace"])

@@ -9,7 +9,7 @@ mod cloud;
 
 use cloud::cloud;
 use halfline::wgpu::{self, util::DeviceExt};
-use halfline::{Aov, Backend, Method, Renderer, Search, Settings};
+use halfline::{Aov, Backend, Method, Renderer, Settings};
 use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
 use std::time::Instant;
@@ -158,13 +158,7 @@ fn main() -> Result {
     );
     println!("|---|---|---|---|---|---|");
     for backend in [Backend::Gpu, Backend::Cpu] {
-        let settings = Settings {
-            backend,
-            method: Some(Method::Stable),
-            search: Search::All,
-            aovs: vec![Aov::Id],
-            ..Settings::default()
-        };
+        let settings = Settings { backend, method: Some(Method::Stable), aovs: vec![Aov::Id], ..Settings::default() };
         let mut renderer = Renderer::new(&settings)?;
         let mut peak = processor;
         if backend == Backend::Gpu {

@@ -19,11 +19,6 @@ struct Hit {
     id: u32,
 }
 
-// Whether a replaces b if spheres come in any order: a is closer, or as close and of the lower id.
-fn is_before(a: Hit, b: Hit) -> bool {
-    return less(a.t, from_f32(MISS)) && (less(a.t, b.t) || (!less(b.t, a.t) && a.id < b.id));
-}
-
 fn rounded(a: Number3) -> vec3<f32> {
     return vec3<f32>(to_hi(a.x), to_hi(a.y), to_hi(a.z));
 }

@@ -30,6 +30,5 @@ struct View {
 }
 
 const GROUP: u32 = 64u; // invocations in a workgroup: a tile of 8 x 8 pixels, or 64 given rays
-const CHUNK: u32 = 8u;  // records that are tested together; candidate lists consist of whole chunks
 
 @group(0) @binding(BIND_VIEW) var<uniform> view: View;

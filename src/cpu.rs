@@ -7,7 +7,6 @@ pub(crate) mod given_certified;
 mod given_rays;
 pub(crate) mod hidden;
 pub(crate) mod light;
-mod tiles;
 
 use crate::answers::raw::Raw;
 use crate::frame::report::CPU_DRIVER;
@@ -22,9 +21,8 @@ use crate::view::{Sphere, View, ViewRecord};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
-pub(crate) use certified::{certified, finish};
+pub(crate) use certified::certified;
 pub(crate) use given_rays::given_rays;
-pub(crate) use tiles::by_tiles;
 
 /// What the reference path is called where an adapter's name is expected.
 pub(crate) const NAME: &str = "cpu";
@@ -34,7 +32,7 @@ pub(crate) fn driver() -> String {
     format!("{CPU_DRIVER}, {} threads", rayon::current_num_threads())
 }
 
-/// Fills `raw` by `kernel`'s method. `go_on` is called before every row; after `false` the
+/// Fills `raw` by `kernel`'s method, all spheres for every ray. `go_on` is called before every row; after `false` the
 /// remaining rows are left unchanged.
 pub(crate) fn render(
     kernel: &Kernel,
@@ -43,7 +41,7 @@ pub(crate) fn render(
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    kernel.method.dispatch(Frame { kernel, view, colors, raw, go_on });
+    kernel.arithmetic().dispatch(Frame { kernel, view, colors, raw, go_on });
 }
 
 /// What becomes of a hit: three numbers per pixel.
@@ -62,7 +60,7 @@ impl Visit for Frame<'_> {
 
     fn visit<V: Intersect>(self) {
         let Self { kernel, view, colors, raw, go_on } = self;
-        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.method.is_wide());
+        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.is_wide());
         let surface = Surface { view: &view.record, spheres: &spheres, colors };
         let (record, width) = (&view.record, view.record.columns as usize);
         // Normals of the lecture's forms are computed from t, even if t is not requested.
@@ -99,7 +97,7 @@ impl Visit for Frame<'_> {
                 _ => surface.shade::<V>(shade, ray, hit),
             });
         }
-        if !kernel.method.is_wide() {
+        if !kernel.is_wide() {
             raw.t_low.clear();
         }
     }
@@ -156,7 +154,7 @@ mod tests {
 
         fn visit<V: Intersect>(self) -> usize {
             let Self(view, method) = self;
-            let kernel = Kernel { t: true, ..Kernel::bare(method) };
+            let kernel = Kernel { t: true, ..Kernel::of_method(method) };
             let mut raw = Raw::new(&kernel, view.record.pixels(), &Pool::default()).expect("room");
             render(&kernel, view, None, &mut raw, &|| true);
             let spheres: Vec<Sphere<V::Number>> = view.spheres_in(method.is_wide());
@@ -179,7 +177,7 @@ mod tests {
         for width in [3, 8, 21] {
             let window = Window { x0: 30, y0: 12, x1: 30 + width, y1: 21 };
             let raster = crate::view::raster::Raster::centres(window);
-            let view = View::for_rays(&scene, raster, Kernel::bare(Method::Native64).records()).expect("a view");
+            let view = View::for_rays(&scene, raster, Kernel::of_method(Method::Native64).records()).expect("a view");
             for method in Method::ALL {
                 let hits = method.dispatch(Compare(&view, *method));
                 assert!(hits > width as usize, "{}: {hits} hits", method.name());

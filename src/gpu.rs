@@ -17,6 +17,6 @@ pub(crate) mod texture;
 pub(crate) mod traffic;
 pub(crate) mod transfers;
 mod validate;
-mod winners;
+pub(crate) mod work;
 
 pub(crate) use dispatch::Gpu;

@@ -15,55 +15,68 @@ pub(crate) enum RaySource {
     Spread,
 }
 
-/// How the invocations of a subgroup share loaded spheres.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Sharing {
-    /// Every invocation loads for itself; the hardware combines loads of the same address.
-    None,
-    /// Broadcast within subgroups of 4.
-    Subgroup4,
-    /// Broadcast within subgroups of 8.
-    Subgroup8,
-    /// Shuffle within subgroups of any size.
-    Shuffle,
-}
-
-impl Sharing {
-    #[cfg(test)]
-    pub(crate) const ALL: [Self; 4] = [Self::None, Self::Subgroup4, Self::Subgroup8, Self::Shuffle];
-}
-
 /// How a certified kernel reads the spheres that are not entirely in front of the eye plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Generals {
     /// There are none.
     None,
-    /// So many, from a uniform buffer at constant places: every ray tests all of them.
-    Few(u32),
+    /// From a uniform buffer: every ray tests all of them.
+    Few,
     /// From the lists of the tiles.
     Lists,
 }
 
-/// The most general spheres that every ray tests without lists.
-const FEW: usize = 4;
-
 impl Generals {
+    /// The most general spheres that every ray tests without lists.
+    pub(crate) const FEW: usize = 4;
+
     /// For so many.
     pub(crate) fn of(count: usize) -> Self {
         match count {
             0 => Self::None,
-            1..=FEW => Self::Few(count as u32),
+            1..=Self::FEW => Self::Few,
             _ => Self::Lists,
         }
     }
 }
 
+/// What a pixel takes whose answer f32 does not prove.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Unproved {
+    /// Nothing yet: the judge decides.
+    Unsure,
+    /// Its nearest candidate.
+    Nearest,
+}
+
+/// How a kernel answers its rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Task {
+    /// By one form of the quadratic, among all spheres.
+    Method { method: Method, rays: RaySource },
+    /// Viewing rays with a certificate, from the spheres that a device holds; on the CPU path in strips.
+    Certified {
+        /// Known only after the spheres are placed.
+        generals: Generals,
+        unproved: Unproved,
+        /// Writes the width of the depth interval.
+        depth_interval: bool,
+        /// Leaves the starts of rays from the hits on the device.
+        starts: bool,
+    },
+    /// Given rays with a certificate. Only ids are written: places in the order of the tree.
+    Given {
+        /// Whether anything is hit, instead of what is hit first.
+        any: bool,
+        /// Traverses a tree instead of testing every sphere.
+        tree: bool,
+    },
+}
+
 /// The parameters that a kernel is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Kernel {
-    pub(crate) method: Method,
-    pub(crate) rays: RaySource,
-    pub(crate) sharing: Sharing,
+    pub(crate) task: Task,
     /// Writes colours with this shading.
     pub(crate) shade: Option<Shade>,
     /// The spheres have individual colours.
@@ -72,90 +85,96 @@ pub(crate) struct Kernel {
     pub(crate) t: bool,
     /// Writes normals.
     pub(crate) normal: bool,
-    /// Certifies its answers; `method` is unused. Given rays are then [`RaySource::Spread`], and only ids are written:
-    /// places in the order of the tree.
-    pub(crate) certify: bool,
-    /// Spheres that are not entirely in front of the eye plane. Known only after binning.
-    pub(crate) generals: Generals,
-    /// Searches candidate lists and writes what it found, instead of the certified answers: the slot of the winner as id,
-    /// and the two smallest lower bounds. The host does the rest (`cpu::finish`). Any other certified kernel of viewing rays
-    /// finds the winners that spheres left in the pixels (gpu/resident.rs).
-    pub(crate) winners: bool,
-    /// `method` tests the candidates of the ray's tile instead of every sphere. Always the case for certified viewing rays.
-    pub(crate) tiles: bool,
-    /// Writes the width of the depth interval.
-    pub(crate) depth_interval: bool,
-    /// Certified given rays traverse a tree instead of testing every sphere.
-    pub(crate) tree: bool,
-    /// Certified given rays: whether anything is hit, instead of what is hit first.
-    pub(crate) any: bool,
     /// Viewing rays pass through samples of the pixels, or belong to an off-centre lens: their places are computed
     /// (main/sample.wgsl); otherwise they pass through the pixels' centres.
     pub(crate) samples: bool,
-    /// A resident kernel leaves the starts of rays from the hits on the device.
-    pub(crate) starts: bool,
 }
 
 impl Kernel {
-    /// A kernel for viewing rays that tests every sphere and writes ids only.
-    pub(crate) fn bare(method: Method) -> Self {
-        Self {
-            method,
-            rays: RaySource::Camera,
-            sharing: Sharing::None,
-            shade: None,
-            colors: false,
-            t: false,
-            normal: false,
-            certify: false,
-            generals: Generals::None,
-            winners: false,
-            tiles: false,
-            depth_interval: false,
-            tree: false,
-            any: false,
-            samples: false,
-            starts: false,
+    /// A kernel that writes ids only.
+    pub(crate) fn bare(task: Task) -> Self {
+        Self { task, shade: None, colors: false, t: false, normal: false, samples: false }
+    }
+
+    /// A kernel that tests every sphere by `method` for every viewing ray, and writes ids only.
+    pub(crate) fn of_method(method: Method) -> Self {
+        Self::bare(Task::Method { method, rays: RaySource::Camera })
+    }
+
+    /// A certified kernel of viewing rays that writes ids only.
+    pub(crate) fn certified() -> Self {
+        let (generals, unproved) = (Generals::None, Unproved::Unsure);
+        Self::bare(Task::Certified { generals, unproved, depth_interval: false, starts: false })
+    }
+
+    /// The same certified kernel, which also writes the width of the depth interval.
+    pub(crate) fn with_depth_interval(self) -> Self {
+        match self.task {
+            Task::Certified { generals, unproved, starts, .. } => {
+                Self { task: Task::Certified { generals, unproved, depth_interval: true, starts }, ..self }
+            }
+            _ => self,
         }
     }
 
-    /// Whether the kernel uses subgroup operations. The subgroup size has to divide the chunk of a list; else it does
-    /// not share.
-    pub(crate) fn shares(&self) -> bool {
-        match self.sharing {
-            Sharing::None => false,
-            Sharing::Shuffle => !self.certify && !self.tiles,
-            Sharing::Subgroup4 | Sharing::Subgroup8 => true,
+    /// The same certified kernel for so many general spheres.
+    pub(crate) fn with_generals(self, count: usize) -> Self {
+        match self.task {
+            Task::Certified { unproved, depth_interval, starts, .. } => {
+                let generals = Generals::of(count);
+                Self { task: Task::Certified { generals, unproved, depth_interval, starts }, ..self }
+            }
+            _ => self,
         }
     }
 
-    /// The kernel that only searches what this certified kernel certifies.
-    pub(crate) fn winners(self) -> Self {
-        Self {
-            winners: true,
-            shade: None,
-            colors: false,
-            t: false,
-            normal: false,
-            depth_interval: false,
-            starts: false,
-            ..self
+    /// The same kernel that writes ids only.
+    pub(crate) fn ids_only(self) -> Self {
+        let task = match self.task {
+            Task::Certified { generals, unproved, starts, .. } => {
+                Task::Certified { generals, unproved, depth_interval: false, starts }
+            }
+            task => task,
+        };
+        Self { samples: self.samples, ..Self::bare(task) }
+    }
+
+    /// The form of the quadratic, unless its answers are certified.
+    pub(crate) fn method(&self) -> Option<Method> {
+        match self.task {
+            Task::Method { method, .. } => Some(method),
+            _ => None,
         }
     }
 
-    /// Whether it certifies what the spheres of a device left in the pixels.
-    pub(crate) fn is_resident(&self) -> bool {
-        self.certify && self.rays == RaySource::Camera && !self.winners
+    /// The number type of its rays and spheres: f32, unless a method has another.
+    pub(crate) fn arithmetic(&self) -> Method {
+        self.method().unwrap_or(Method::Stable)
+    }
+
+    /// Whether it certifies viewing rays.
+    pub(crate) fn is_certified(&self) -> bool {
+        matches!(self.task, Task::Certified { .. })
+    }
+
+    /// Whether its rays are those of pixels.
+    pub(crate) fn has_pixels(&self) -> bool {
+        self.is_certified() || matches!(self.task, Task::Method { rays: RaySource::Camera, .. })
+    }
+
+    /// Whether it leaves the starts of rays from the hits on the device.
+    pub(crate) fn leaves_starts(&self) -> bool {
+        matches!(self.task, Task::Certified { starts: true, .. })
+    }
+
+    /// Whether it writes the width of the depth interval.
+    pub(crate) fn has_depth_interval(&self) -> bool {
+        matches!(self.task, Task::Certified { depth_interval: true, .. })
     }
 
     /// Whether it writes the depths of centres, to which its own are relative.
     pub(crate) fn has_depths(&self) -> bool {
-        self.is_resident() && (self.t || self.depth_interval)
-    }
-
-    /// The rows of a tile that an invocation renders: as many as shaders/certify/search_column.wgsl has.
-    pub(crate) fn rows(&self) -> u32 {
-        if self.winners { 4 } else { 1 }
+        self.is_certified() && (self.t || self.has_depth_interval())
     }
 
     /// Whether normals are computed, as an output or for shading.
@@ -165,20 +184,20 @@ impl Kernel {
 
     /// Whether the kernel computes in more than f32: it reads the low parts of all inputs and writes t in two parts.
     pub(crate) fn is_wide(&self) -> bool {
-        !self.certify && self.method.is_wide()
+        self.method().is_some_and(Method::is_wide)
     }
 
     /// Whether the kernel reads the rounding residuals of the spheres.
     pub(crate) fn reads_residuals(&self) -> bool {
-        !self.certify && (self.rays == RaySource::Spread || self.is_wide())
+        self.is_wide() || matches!(self.task, Task::Method { rays: RaySource::Spread, .. })
     }
 
-    /// The sphere records that the kernel reads, besides those of candidate lists.
+    /// The sphere records that the kernel reads.
     pub(crate) fn records(&self) -> Records {
-        match self.certify || self.tiles {
-            true => Records::None,
-            false if self.is_wide() => Records::WithResiduals,
-            false => Records::Rounded,
+        match self.task {
+            Task::Method { .. } if self.is_wide() => Records::WithResiduals,
+            Task::Method { .. } => Records::Rounded,
+            _ => Records::None,
         }
     }
 }
@@ -213,14 +232,12 @@ pub(crate) struct KernelOutput {
 }
 
 /// All output buffers. `gpu/compose.rs` declares, computes and stores only those that a kernel writes.
-pub(crate) const OUTPUTS: [KernelOutput; 9] = [
+pub(crate) const OUTPUTS: [KernelOutput; 7] = [
     output!("frame_id", "u32", 1, "written_id(hit)", |_| true),
     output!("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
     output!("frame_t_low", "f32", 1, "to_lo(hit.t)", |kernel| kernel.t && kernel.is_wide()),
-    output!("frame_depth_interval", "f32", 1, "answer.depth_interval", |kernel| kernel.depth_interval),
+    output!("frame_depth_interval", "f32", 1, "answer.depth_interval", Kernel::has_depth_interval),
     output!("frame_depth", "u32", 2, "center_depth()", Kernel::has_depths),
-    output!("frame_low", "f32", 1, "two.low", |kernel| kernel.winners),
-    output!("frame_second", "f32", 1, "two.second", |kernel| kernel.winners),
     output!("frame_normal", "f32", 3, "world_normal(ray, hit)", |kernel| kernel.normal),
     output!("frame_color", "f32", 3, "hit_color(ray, hit)", |kernel| kernel.shade.is_some()),
 ];

@@ -12,14 +12,13 @@ use crate::quote::setting::SUN;
 use crate::scene::camera::Aperture;
 use crate::scene::{Scene, Sky};
 use crate::shade::Shade;
-use crate::tile::WHOLE;
 use crate::window::Window;
 use serde::Serialize;
 
 /// Where to render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// A GPU if there is one, else the faster of a software adapter and the CPU path.
+    /// A GPU if there is one, else the CPU path.
     #[default]
     Auto,
     /// An adapter; an error if there is none.
@@ -52,16 +51,13 @@ named! { Accuracy, "accuracy", Auto "auto" Fast "fast" Certified "certified" Exa
 pub struct Settings {
     /// Where to render.
     pub backend: Backend,
-    /// Whether other processes render other parts of the same frame. With [`Backend::Auto`] no measurement decides then
-    /// between a software adapter and the CPU path: it is the latter, for all parts.
-    pub part: bool,
     /// Which adapter, by index or part of its name; `None` takes WGPU_ADAPTER_NAME or the first.
     pub adapter: Option<String>,
     /// A single intersection method, uncertified; `None` leaves the choice to the plan.
     pub method: Option<Method>,
     /// The accuracy of the answers.
     pub accuracy: Accuracy,
-    /// How the candidates of a ray are found.
+    /// How given rays find the spheres that they may hit.
     pub search: Search,
     /// How a hit is shaded.
     pub shade: Shade,
@@ -196,29 +192,16 @@ impl Default for Tolerance {
     }
 }
 
-/// How the candidates of a ray are found.
+/// How given rays find the spheres that they may hit. Viewing rays have one way for each engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Search {
-    /// Chosen by the plan.
+    /// A tree for certified and exact answers; a method tests all spheres.
     #[default]
     Auto,
     /// Every ray tests all spheres.
     All,
-    /// The spheres are binned into tiles of 8 x 8 pixels that they may cover, nearest first. A ray tests those of its
-    /// tile until the rest lies behind its hit.
-    Tiles,
-    /// Spheres that a device holds leave the nearest depths in the pixels that they cover, in any order. For certified frames
-    /// on an adapter; the answers are the same.
-    Splat,
-    /// A tree of boxes over the spheres, for given rays; the answers are the same.
+    /// A tree of boxes over the spheres; the answers are the same.
     Tree,
 }
 
-named! { Search, "search", Auto "auto" All "all" Tiles "tiles" Splat "splat" Tree "tree" }
-
-impl Search {
-    /// The level of the candidate lists: tiles, or one list for the whole image.
-    pub(crate) fn level(self) -> u32 {
-        if self == Self::All { WHOLE } else { 0 }
-    }
-}
+named! { Search, "search", Auto "auto" All "all" Tree "tree" }

@@ -240,17 +240,6 @@ impl View {
         self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
     }
 
-    /// The record of the sphere `id`.
-    pub(crate) fn sphere(&self, id: u32, center: [f64; 3], radius: f64) -> SphereRecord {
-        SphereRecord { id, ..Moved::new(&self.basis, center, radius).record(self.unit) }
-    }
-
-    /// Its rounding errors.
-    pub(crate) fn residuals_of(&self, center: [f64; 3], radius: f64) -> SphereResiduals {
-        let moved = Moved::new(&self.basis, center, radius);
-        moved.residuals(&moved.record(self.unit))
-    }
-
     fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
         let records = self.moved(centers, radii).enumerate();
         self.spheres = records.map(|(id, record)| SphereRecord { id: id as u32, ..record }).collect();

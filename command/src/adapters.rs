@@ -25,7 +25,7 @@ pub(crate) struct Adapters {
     /// Prints one JSON object.
     #[arg(long)]
     json: bool,
-    /// Measures the arithmetic, and the speed of software adapters, again and ignores stored results.
+    /// Measures the arithmetic again and ignores stored results.
     #[arg(long)]
     retest: bool,
 }

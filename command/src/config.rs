@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_flag_overrides_the_file() {
-        let config = Config::parse("backend = \"cpu\"\nsearch = \"all\"\nradius_scale = 2\n", "c.toml").expect("good");
+        let config = Config::parse("backend = \"cpu\"\nseed = 7\nradius_scale = 2\n", "c.toml").expect("good");
         let of = |arguments: &[&str], id: &str| {
             let matches =
                 config.apply(Arguments::command()).expect("words").try_get_matches_from(arguments).expect("good");
@@ -218,7 +218,7 @@ mod tests {
         let bare = ["halfline", "render", "a.toml", "-o", "a.png"];
         assert_eq!((of(&bare, "backend"), of(&bare, "radius_scale")), ("cpu".into(), "2".into()));
         let flag = [&bare[..], &["--backend", "gpu"]].concat();
-        assert_eq!((of(&flag, "backend"), of(&flag, "search")), ("gpu".into(), "all".into()));
+        assert_eq!((of(&flag, "backend"), of(&flag, "seed")), ("gpu".into(), "7".into()));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::standard::print;
 use super::values::at_least_one;
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
-use halfline::settings::{Backend, Search, Tolerance};
+use halfline::settings::{Backend, Tolerance};
 use halfline_files::read::{self, ReadOptions};
 use halfline_files::write::file::check_writable;
 use halfline_measure::record::Record;
@@ -59,10 +59,6 @@ pub(crate) struct Measure {
     /// Promised relative error of certified distances; at least 2^-50.
     #[arg(long, value_name = "X", default_value = "1e-5", value_parser = tolerance, allow_negative_numbers = true, conflicts_with = "from")]
     tolerance: Tolerance,
-    /// The candidate search: auto, all, tiles. With auto, uncertified methods test all spheres, so that their errors
-    /// are their own.
-    #[arg(long, value_name = "S", default_value = "auto", conflicts_with = "from")]
-    search: Search,
     /// Methods that would take longer than this for one frame on the CPU path are skipped, seconds.
     #[arg(long, value_name = "S", default_value = "30", value_parser = seconds, conflicts_with = "from")]
     patience: f64,
@@ -123,7 +119,6 @@ impl Measure {
             },
             rounds: self.repeat.map(NonZeroU32::get),
             tolerance: self.tolerance,
-            search: self.search,
             patience: self.patience,
             command: command(),
         };

@@ -16,7 +16,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
 use halfline::scene::Scene;
-use halfline::settings::{Accuracy, Backend, FileLook, Search, Settings, Tolerance};
+use halfline::settings::{Accuracy, Backend, FileLook, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use halfline_files::parts;
@@ -104,9 +104,6 @@ pub(super) struct AccuracyArgs {
     /// (1e-5 if not given); with accuracy auto, the cheapest method that does is used.
     #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<Tolerance>,
-    /// Candidate search: auto, all, tiles, splat (an adapter holds the spheres).
-    #[arg(long, value_name = "S", default_value = "auto")]
-    search: Search,
 }
 
 /// How and where answers are computed.
@@ -243,13 +240,11 @@ impl SceneArgs {
     /// The settings for these files, without those that depend on the scene.
     pub(super) fn settings(&self, targets: &[Target]) -> Settings {
         Settings {
-            search: self.accuracy.search,
             tolerance: self.accuracy.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
             seed: self.image.seed,
             tone: self.image.tone,
             exposure: self.image.exposure,
-            part: self.image.is_part(),
             ..self.accuracy.compute.settings()
         }
     }

@@ -43,7 +43,7 @@ Examples:
   halfline render --visible a.npz b.npz -o picture.png --aov id=id.npy";
 
 /// Options of `halfline render` that a part does not depend on.
-pub(super) const REFUSED: [&str; 47] = [
+pub(super) const REFUSED: [&str; 46] = [
     "visible",
     "aov",
     "fps",
@@ -64,7 +64,6 @@ pub(super) const REFUSED: [&str; 47] = [
     "method",
     "backend",
     "adapter",
-    "search",
     "look",
     "sun",
     "shadows",

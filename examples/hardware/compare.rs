@@ -4,7 +4,7 @@ use super::Result;
 use super::cloud::{Random, cloud};
 use super::scenes::{Times, certified, looked, median, told};
 use halfline::frame::{Data, Frame};
-use halfline::{Aov, Backend, Method, Rays, Renderer, Search, Settings};
+use halfline::{Aov, Backend, Method, Rays, Renderer, Settings};
 use serde_json::{Map, Value, json};
 use std::time::Instant;
 
@@ -84,7 +84,7 @@ pub(crate) fn rays(count: usize, many: usize) -> Result {
     let given = Rays { origins: &origins, directions: &directions, limits: &[] };
     let (mut backends, mut found) = (Map::new(), Vec::new());
     for backend in [Backend::Gpu, Backend::Cpu] {
-        let settings = Settings { search: Search::Auto, ..certified(backend, &[]) };
+        let settings = certified(backend, &[]);
         let mut renderer = Renderer::new(&settings)?;
         let mut tracer = renderer.tracer(&scene.spheres, &settings)?;
         let (mut times, mut ids) = (Vec::new(), Vec::new());
@@ -106,38 +106,31 @@ pub(crate) fn rays(count: usize, many: usize) -> Result {
     Ok(json!({ "spheres": count, "rays": many, "backends": backends, "good": found[0] == found[1] }))
 }
 
-/// Frames by every method that the adapter runs, of lists and of all spheres where these are few. Uncertified ids may differ.
+/// Frames by every method that the adapter runs. Uncertified ids may differ.
 pub(crate) fn methods(count: usize, side: u32) -> Result {
     let mut scene = cloud(count);
     (scene.image.width, scene.image.height) = (side, side);
     scene.spheres.share();
-    let of = |backend, search, method| Settings {
-        backend,
-        search,
-        method,
-        aovs: vec![Aov::Id, Aov::Distance],
-        ..Settings::default()
-    };
-    let [device, host] = [Backend::Gpu, Backend::Cpu].map(|backend| Renderer::new(&of(backend, Search::Auto, None)));
+    let of = |backend, method| Settings { backend, method, aovs: vec![Aov::Id, Aov::Distance], ..Settings::default() };
+    let [device, host] = [Backend::Gpu, Backend::Cpu].map(|backend| Renderer::new(&of(backend, None)));
     let (mut device, mut host) = (device?, host?);
-    let searches = if count > 10_000 { vec![Search::Tiles] } else { vec![Search::All, Search::Tiles] };
     let mut all: Vec<Value> = Vec::new();
-    for (search, &method) in searches.into_iter().flat_map(|search| Method::ALL.iter().map(move |m| (search, m))) {
-        let (name, by) = (method.name(), search.name());
+    for &method in Method::ALL {
+        let name = method.name();
         if let Err(error) = device.check_method(method) {
-            all.push(json!({ "method": name, "search": by, "refused": error.to_string() }));
+            all.push(json!({ "method": name, "refused": error.to_string() }));
             continue;
         }
-        let settings = of(Backend::Gpu, search, Some(method));
+        let settings = of(Backend::Gpu, Some(method));
         let (mut on, mut times) = (device.render(&scene, &settings)?, Times::default());
         for _ in 0..3 {
             on = device.render(&scene, &settings)?;
             times.add(&on);
         }
-        let off = host.render(&scene, &of(Backend::Cpu, search, Some(method)))?;
+        let off = host.render(&scene, &of(Backend::Cpu, Some(method)))?;
         let differ = on.ids().iter().zip(off.ids()).filter(|(a, b)| a != b).count();
         let (times, cpu_ms) = (times.medians(), off.report.frame_ms[0]);
-        all.push(json!({ "method": name, "search": by, "times": times, "cpu_ms": cpu_ms, "ids_differ": differ }));
+        all.push(json!({ "method": name, "times": times, "cpu_ms": cpu_ms, "ids_differ": differ }));
     }
     Ok(json!({ "spheres": count, "side": side, "methods": all }))
 }

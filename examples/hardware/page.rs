@@ -90,7 +90,6 @@ pub(crate) fn page(all: &[Value]) -> String {
         ("spheres", "/of/spheres"),
         ("side", "/of/side"),
         ("method", "/m/method"),
-        ("search", "/m/search"),
         ("frame", "/m/times/frame_ms"),
         ("kernel", "/m/times/kernel_ms"),
         ("CPU path", "/m/cpu_ms"),

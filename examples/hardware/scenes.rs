@@ -4,14 +4,12 @@ use super::Result;
 use super::cloud::cloud;
 use halfline::frame::Frame;
 use halfline::settings::{AddedLight, Look};
-use halfline::{Accuracy, Aov, Backend, Scene, Search, Settings, Sky};
+use halfline::{Accuracy, Aov, Backend, Scene, Settings, Sky};
 use serde_json::{Value, json};
 
-/// Certified frames. On a device they are those of hardware: a software adapter, where the kit is tried out, holds the
-/// spheres too.
+/// Certified frames.
 pub(crate) fn certified(backend: Backend, aovs: &[Aov]) -> Settings {
-    let search = if backend == Backend::Gpu { Search::Splat } else { Search::Auto };
-    Settings { backend, search, accuracy: Accuracy::Certified, aovs: aovs.to_vec(), ..Settings::default() }
+    Settings { backend, accuracy: Accuracy::Certified, aovs: aovs.to_vec(), ..Settings::default() }
 }
 
 /// A cloud that no one changes, in one of the looks of the kit, and the settings of its frames: `plain` has colours of a headlight,

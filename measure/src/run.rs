@@ -15,7 +15,7 @@ use halfline::progress::Watch;
 use halfline::quote::setting::{ADAPTER, BACKEND, METHODS, PATIENCE, SIZE};
 use halfline::render::Renderer;
 use halfline::scene::Scene;
-use halfline::settings::{Backend, Search, Settings, Tolerance};
+use halfline::settings::{Backend, Settings, Tolerance};
 
 pub use super::subject::Subject;
 
@@ -50,8 +50,6 @@ pub struct Options {
     pub rounds: Option<u32>,
     /// Promised relative error of certified distances.
     pub tolerance: Tolerance,
-    /// The candidate search; if it is open, uncertified methods test all spheres.
-    pub search: Search,
     /// A method that would take longer than this for one frame on the reference path is skipped there, seconds.
     pub patience: f64,
     /// The command line, for the record.
@@ -66,7 +64,6 @@ impl Default for Options {
             variants: Variant::all(),
             rounds: None,
             tolerance: Tolerance::default(),
-            search: Search::Auto,
             patience: 30.0,
             command: String::new(),
         }
@@ -284,7 +281,7 @@ impl Turns<'_> {
     }
 
     fn settings(&self, backend: Backend, variant: Variant, aovs: &[Aov]) -> Settings {
-        variant.settings(backend, self.options.tolerance, self.options.search, aovs)
+        variant.settings(backend, self.options.tolerance, aovs)
     }
 
     fn render(&self, station: &mut Station, variant: Variant, aovs: &[Aov]) -> Result<Frame> {
@@ -344,7 +341,7 @@ impl Turns<'_> {
     fn expect_patience(&self, station: &mut Station, variant: Variant) -> Result<()> {
         let Scene { image, spheres, .. } = self.scene;
         let tests = f64::from(image.width) * f64::from(image.height) * spheres.len() as f64;
-        let alone = matches!(variant, Variant::Alone(_)) && self.options.search != Search::Tiles;
+        let alone = matches!(variant, Variant::Alone(_));
         if station.backend != Backend::Cpu || !alone || tests < LARGE {
             return Ok(());
         }

@@ -3,7 +3,7 @@
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
+use halfline::settings::{Accuracy, Backend, Settings, Tolerance};
 use std::str::FromStr;
 
 /// A method of a measurement.
@@ -34,17 +34,15 @@ impl Variant {
         }
     }
 
-    /// The settings that render the buffers `aovs` this way. An uncertified method tests all spheres unless `search`
-    /// says otherwise, so that its errors are its own.
-    pub(crate) fn settings(self, backend: Backend, tolerance: Tolerance, search: Search, aovs: &[Aov]) -> Settings {
+    /// The settings that render the buffers `aovs` this way.
+    pub(crate) fn settings(self, backend: Backend, tolerance: Tolerance, aovs: &[Aov]) -> Settings {
         let (method, accuracy) = match self {
             Self::Alone(method) => (Some(method), Accuracy::Fast),
             Self::Certified => (None, Accuracy::Certified),
             Self::Exact => (None, Accuracy::Exact),
         };
-        let search = if search == Search::Auto && method.is_some() { Search::All } else { search };
         let tolerance = Some(tolerance);
-        Settings { backend, method, accuracy, search, tolerance, aovs: aovs.to_vec(), ..Settings::default() }
+        Settings { backend, method, accuracy, tolerance, aovs: aovs.to_vec(), ..Settings::default() }
     }
 }
 

@@ -55,8 +55,6 @@ class Options(TypedDict, total=False):
     """One intersection method, uncertified: textbook, unit, geometric, stable, f64,
     double-float.
     """
-    search: Literal["auto", "all", "tiles", "splat"]
-    """How candidates are found; the answers do not depend on it."""
     tolerance: float | None
     """The allowed relative error of distances; 1e-5 where it is not given."""
     samples: int | None
@@ -195,7 +193,7 @@ def checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
     accurate = accuracy_of(
         given.get("accuracy", "auto"),
         given.get("method"),
-        given.get("search", "auto"),
+        "auto",
         given.get("tolerance"),
     )
     return picture, accurate

@@ -76,8 +76,7 @@ class Renderer:
     the renderer stays usable.
 
     Args:
-        backend: ``"gpu"``, ``"cpu"``, or ``"auto"``: a GPU if there is one, else the faster
-            of a software adapter and the CPU path, by a short measurement that is remembered.
+        backend: ``"gpu"``, ``"cpu"``, or ``"auto"``: a GPU if there is one, else the CPU path.
         adapter: The adapter, by index or part of its name; see `adapters`.
 
     Raises:

@@ -59,7 +59,6 @@ OF_ALL = [
     ["--accuracy=exact"],
     ["--tolerance=1e-4"],
     ["--method=f64"],
-    ["--search=tiles"],
 ]
 OF_TABLE = [["--format=csv"], ["--skip-invalid"], ["--color-by=speed", "--log"]]
 OF_ATOMS = [

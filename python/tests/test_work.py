@@ -290,7 +290,6 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         "aovs",
         "accuracy",
         "method",
-        "search",
         "tolerance",
         "samples",
         "seed",

@@ -1,37 +1,20 @@
 // The general spheres of a tile, from its list.
 
+// The general spheres, four vectors each.
+@group(0) @binding(BIND_GENERALS_STORAGE) var<storage, read> generals_storage: array<vec4<i32>>;
+// For every tile where its list begins and where it ends; then the lists, of places in `generals_storage`.
+@group(0) @binding(BIND_LISTS) var<storage, read> lists: array<u32>;
+
 fn general_at(n: u32) -> General {
-    return general_of(others[4u * n], others[4u * n + 1u], others[4u * n + 2u], others[4u * n + 3u]);
+    let at = 4u * n;
+    return general_of(generals_storage[at], generals_storage[at + 1u], generals_storage[at + 2u], generals_storage[at + 3u]);
 }
 
-// others[n], for a subgroup.
-fn shared_other(n: u32) -> vec4<i32> {
-    var other = vec4<i32>(0, 0, 0, 0);
-    if (leads()) {
-        other = others[n];
-    }
-    return bitcast<vec4<i32>>(of_leader(bitcast<vec4<u32>>(other)));
-}
-
-fn shared_general(n: u32) -> General {
-    return general_of(shared_other(4u * n), shared_other(4u * n + 1u), shared_other(4u * n + 2u), shared_other(4u * n + 3u));
-}
-
-// Tests the general spheres of a tile.
-fn nearest_two_generals(s: Searcher, start: Best, tile: vec3<u32>) -> Best {
+fn nearest_two_generals(s: Slopes, start: NearestTwo, tile: vec3<u32>) -> NearestTwo {
     var k = start;
-    let range = tile_generals(tile);
-    for (var n = range.x; n < range.y; n++) {
-        let slot = shared_entry(n);
-        k = test_general(s, k, shared_general(slot), slot);
+    let own = 2u * (tile.y * tile_columns() + tile.x);
+    for (var n = lists[own]; n < lists[own + 1u]; n++) {
+        k = test_general(s, k, lists[n]);
     }
     return k;
-}
-
-// The winner's answer if it is a general sphere, otherwise `other`.
-fn certify_general(s: Slopes, k: NearestTwo, other: Answer) -> Answer {
-    if ((k.slot & GENERAL) != 0u && k.slot != NONE) {
-        return general_answer(s, general_at(k.slot & ~GENERAL));
-    }
-    return other;
 }

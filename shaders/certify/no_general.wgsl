@@ -1,5 +1,5 @@
 // For frames without general spheres. Software adapters execute branches that no lane enters, so the code is left out.
-fn nearest_two_generals(s: Searcher, start: Best, tile: vec3<u32>) -> Best {
+fn nearest_two_generals(s: Slopes, start: NearestTwo, tile: vec3<u32>) -> NearestTwo {
     return start;
 }
 

@@ -40,8 +40,6 @@ struct ProjectedDetail {
 // struct member by member.
 @group(0) @binding(BIND_PROJECTION) var<uniform> projection: Projection;
 @group(0) @binding(BIND_PROJECTED) var<storage, read> projected: array<vec4<i32>>;
-// The general spheres, four vectors each, followed by the details of the projected spheres, one vector each.
-@group(0) @binding(BIND_OTHERS) var<storage, read> others: array<vec4<i32>>;
 
 fn projected_of(v: vec4<i32>) -> Projected {
     return Projected(v.x, v.y, bitcast<f32>(v.z), bitcast<f32>(v.w));
@@ -60,11 +58,8 @@ struct Slopes {
     // Constants of every test: loaded once, because software adapters read a uniform lane by lane inside a loop.
     fixed: vec2<f32>,
     error: vec3<f32>,
-    depth: f32,
     unit: f32,
     size: f32,
-    cull_margin: f32,
-    chunk_min_depths: u32, // their first index in lists
 }
 
 // A winner's answer. The depth is the centre's depth (0 for a general sphere) plus offset, between low and high.
@@ -90,7 +85,6 @@ fn slopes(i: u32, j: u32) -> Slopes {
     let error = vec3<f32>(projection.error0, projection.error1, projection.error2);
     let shift = projection.shift;
     return Slopes(
-        x, y, a, 1.0 / a, row, column, row << shift, column << shift, fixed, error, projection.depth, projection.unit,
-        projection.size, projection.cull_margin, chunk_numbers(),
+        x, y, a, 1.0 / a, row, column, row << shift, column << shift, fixed, error, projection.unit, projection.size,
     );
 }

@@ -3,20 +3,16 @@
 // For every pixel of the band the least depth, then the slots, then the second least depths, all inverted, so that 0 is none.
 @group(0) @binding(BIND_MINIMA) var<storage, read_write> minima: array<u32>;
 
-// One ray in an invocation.
-alias Searcher = Slopes;
-alias Best = NearestTwo;
-
 var<private> answer: Answer;
 var<private> proved: bool;
 var<private> winner: u32; // its slot
 
 fn winner_record(slot: u32) -> Projected {
-    return projected_of(uncut(projected[slot - part.first]));
+    return projected_of(uncut(projected[slot - block_pass.first]));
 }
 
 fn projected_detail(slot: u32) -> ProjectedDetail {
-    let v = projected[part.count + slot - part.first];
+    let v = projected[block_pass.count + slot - block_pass.first];
     return ProjectedDetail(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
 }
 
@@ -24,8 +20,8 @@ fn projected_detail(slot: u32) -> ProjectedDetail {
 fn center_depth() -> vec2<u32> {
     var bits = vec2<u32>(0u, 0u);
     if ((winner & GENERAL) == 0u) {
-        let n = winner - part.first;
-        let two = bitcast<vec4<u32>>(projected[2u * part.count + n / 2u]);
+        let n = winner - block_pass.first;
+        let two = bitcast<vec4<u32>>(projected[2u * block_pass.count + n / 2u]);
         bits = select(two.xy, two.zw, n % 2u == 1u);
     }
     return bits;
@@ -40,7 +36,9 @@ fn written_id(hit: Hit) -> u32 {
     return select(UNSURE, hit.id, proved);
 }
 
-fn render(tile: vec3<u32>, index: u32) {
+// A workgroup is a tile of 8 x 8 pixels.
+@compute @workgroup_size(GROUP)
+fn main(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let at = pixel_at(tile, index);
     if (!in_crop(at)) {
         return;
@@ -52,14 +50,14 @@ fn render(tile: vec3<u32>, index: u32) {
     let found = NearestTwo(depth_of(minima[pixel]), depth_of(minima[2u * pixels + pixel]), ~minima[pixels + pixel]);
     let k = nearest_two_generals(s, found, tile);
     // The block of the winner has its record; the first one has those of no block.
-    let own = select(k.slot - part.first < part.count, part.first == 0u, (k.slot & GENERAL) != 0u);
+    let own = select(k.slot - block_pass.first < block_pass.count, block_pass.first == 0u, (k.slot & GENERAL) != 0u);
     if (!own) {
         return;
     }
     winner = k.slot;
     answer = certify_winner(s, k);
     // A depth without its sphere would be a miss that nothing proves.
-    proved = (k.slot == NONE && k.low == BEYOND) || (k.slot != NONE && certain(answer, k));
+    proved = (k.slot == NONE && k.low == BEYOND) || (k.slot != NONE && taken(answer, k));
     if (!proved) {
         // No nearer hit lies behind this depth: the third pass of shaders/splat compares with it.
         minima[2u * pixels + pixel] = select(0u, inverted(answer.high + VANISH), answer.hits && k.slot != NONE);

@@ -14,16 +14,16 @@ struct GivenRay {
 var<private> given: GivenRay;
 
 // Here view.width is the number of rays of this dispatch, and view.first_row the number of rays before it.
-fn render(group: vec3<u32>, index: u32) {
+@compute @workgroup_size(GROUP)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let n = group.x * GROUP + index;
-    given = rays[view.first_row + min(n, view.width - 1u)];
+    if (n >= view.width) {
+        return;
+    }
+    given = rays[view.first_row + n];
     let d = given.direction;
     let ray = Ray(Number3(
         from_hi_lo(d.x, d.w), from_hi_lo(d.y, given.origin.w), from_hi_lo(d.z, given.origin_low.w),
     ));
-    let hit = nearest(ray, group);
-    if (n >= view.width) {
-        return;
-    }
-    write_outputs(n, ray, hit);
+    write_outputs(n, ray, nearest(ray));
 }

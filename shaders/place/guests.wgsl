@@ -5,9 +5,9 @@
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let n = place_in_block(group, index);
-    if (n < part.count) {
+    if (n < block_pass.count) {
         let f = projected[n];
-        if (cut(part.first + n, rectangle(f.x, f.y, bitcast<f32>(f.z)))) {
+        if (cut(block_pass.first + n, rectangle(f.x, f.y, bitcast<f32>(f.z)))) {
             projected[n].z = bitcast<i32>(-bitcast<f32>(f.z));
         }
     }

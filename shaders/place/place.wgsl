@@ -32,10 +32,10 @@ fn for_host(slot: u32) {
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let n = place_in_block(group, index);
-    if (n >= part.count) {
+    if (n >= block_pass.count) {
         return;
     }
-    let slot = part.first + n;
+    let slot = block_pass.first + n;
     projected[n] = vec4<i32>(NOWHERE, NOWHERE, 0, 0);
     let a = resident[2u * n];
     let b = resident[2u * n + 1u];
@@ -122,7 +122,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let bound = center - low_error(rho, c.z, abs(center), abs(c.x) + abs(c.y) + abs(c.z));
     projected[n] = vec4<i32>(fixed[0], fixed[1], bitcast<i32>(rho), bitcast<i32>(bound));
     let bits = bitcast<vec2<i32>>(bits_of_float(z));
-    let pair = 2u * part.count + n / 2u;
+    let pair = 2u * block_pass.count + n / 2u;
     if (n % 2u == 0u) {
         projected[pair].x = bits.x;
         projected[pair].y = bits.y;
@@ -130,7 +130,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         projected[pair].z = bits.x;
         projected[pair].w = bits.y;
     }
-    projected[part.count + n] = vec4<i32>(bitcast<i32>(offset[0]), bitcast<i32>(offset[1]), bitcast<i32>(center), i32(slot));
+    projected[block_pass.count + n] = vec4<i32>(bitcast<i32>(offset[0]), bitcast<i32>(offset[1]), bitcast<i32>(center), i32(slot));
     if (cut(slot, rectangle(fixed[0], fixed[1], rho))) {
         projected[n].z = bitcast<i32>(-rho);
     }

@@ -49,7 +49,7 @@ struct BlockPass {
     unused_c: u32,
 }
 
-@group(0) @binding(BIND_PART) var<uniform> part: BlockPass;
+@group(0) @binding(BIND_BLOCK_PASS) var<uniform> block_pass: BlockPass;
 
 // What the blocks of a frame have in common: SUMMARY_DEPTHS, the least and the largest depth of spheres that some ray meets, as
 // bits of f32; SUMMARY_PERHAPS, those of spheres of which f32 does not tell; then the numbers of spheres for the host, of pieces of
@@ -59,7 +59,7 @@ struct BlockPass {
 
 // The number of an invocation in the block.
 fn place_in_block(group: vec3<u32>, index: u32) -> u32 {
-    return (group.y * part.groups + group.x) * GROUP + index;
+    return (group.y * block_pass.groups + group.x) * GROUP + index;
 }
 
 // The rectangle of a sphere is computed in f32, whose last bits may differ from kernel to kernel, so one kernel alone decides whether a sphere is

@@ -20,8 +20,10 @@ fn no_hit() -> Hit {
     return Hit(from_f32(MISS), NONE);
 }
 
-// For spheres in the order of their ids: the comparison is strict, so of equal t the lower id wins.
-fn closer_hit(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
+// The nearer of a hit and that of the sphere with this id. Spheres come in the order of their ids, and the comparison is strict: of
+// equal t the lower id wins.
+fn closer_hit(hit: Hit, ray: Ray, id: u32) -> Hit {
+    let s = sphere_of(record_at(id));
     let t = intersect(ray, s);
     if (less(t, from_f32(MISS))) {
         let there = scaled(t, s.scale);
@@ -32,21 +34,9 @@ fn closer_hit(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
     return hit;
 }
 
-// For spheres in any order: of equal t the lower id wins.
-fn closer_hit_any_order(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
-    let t = intersect(ray, s);
-    if (less(t, from_f32(MISS))) {
-        let there = Hit(scaled(t, s.scale), id);
-        if (is_before(there, hit)) {
-            return there;
-        }
-    }
-    return hit;
-}
-
 // Unit normal at a hit, in the canonical camera, facing the ray's origin.
 fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
-    return normal_at(ray, sphere_of(record_of(hit)), hit.t);
+    return normal_at(ray, sphere_of(record_at(hit.id)), hit.t);
 }
 
 fn written_id(hit: Hit) -> u32 {

@@ -1,4 +1,4 @@
-// A sphere's record as loaded and shared by a subgroup, without residuals.
+// A sphere's record, without residuals.
 alias Record = SphereRecord;
 
 fn record_at(n: u32) -> Record {

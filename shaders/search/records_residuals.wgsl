@@ -1,4 +1,4 @@
-// A sphere's record as loaded and shared by a subgroup, with its residuals: for arithmetic of more bits than f32 and for
+// A sphere's record, with its residuals: for arithmetic of more bits than f32 and for
 // rays from many points.
 struct Record {
     center_radius: vec4<f32>,

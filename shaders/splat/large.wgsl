@@ -4,13 +4,13 @@
 
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
-    let n = group.y * part.groups + group.x;
-    if (n >= part.pieces) {
+    let n = group.y * block_pass.groups + group.x;
+    if (n >= block_pass.pieces) {
         return;
     }
     let piece = pieces[n];
-    let place = piece.x - part.first;
-    if (place >= part.count) {
+    let place = piece.x - block_pass.first;
+    if (place >= block_pass.count) {
         return;
     }
     let f = projected_of(uncut(projected[place]));

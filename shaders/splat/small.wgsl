@@ -2,7 +2,7 @@
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let n = place_in_block(group, index);
-    if (n >= part.count) {
+    if (n >= block_pass.count) {
         return;
     }
     let record = projected[n];
@@ -11,7 +11,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let f = projected_of(record);
     let r = in_band(rectangle(f.x, f.y, f.rho));
-    let slot = part.first + n;
+    let slot = block_pass.first + n;
     let c = frame_constants();
     for (var row = r.y; row <= r.w; row++) {
         for (var column = r.x; column <= r.z; column++) {

@@ -11,10 +11,6 @@ const LEAST: u32 = 0u;
 const SLOTS: u32 = 1u;
 const PAIRS_OF_UNSURE: u32 = 2u;
 
-fn chunk_numbers() -> u32 {
-    return 0u;
-}
-
 // What all tests of an invocation have in common, loaded once: software adapters read a uniform lane by lane inside a loop.
 struct Frame {
     slope: vec2<f32>,
@@ -35,7 +31,7 @@ fn frame_constants() -> Frame {
         vec2<f32>(projection.slope_x, projection.slope_y), vec2<f32>(projection.fixed_x, projection.fixed_y),
         vec2<i32>(i32(view.width) - 1, i32(view.height) - 1), vec3<f32>(projection.error0, projection.error1, projection.error2),
         projection.unit, projection.size, projection.shift, vec2<u32>(view.first_column, view.first_row), view.columns,
-        view.columns * view.rows, part.mode,
+        view.columns * view.rows, block_pass.mode,
     );
 }
 
@@ -46,7 +42,7 @@ fn slopes_of(c: Frame, to: vec2<u32>) -> Slopes {
     let y = f32(c.middle.y - 2 * at.y) * c.slope.y;
     let a = 1.0 + x * x + y * y;
     return Slopes(
-        x, y, a, 1.0 / a, at.y, at.x, at.y << c.shift, at.x << c.shift, c.fixed, c.error, 0.0, c.unit, c.size, 0.0, 0u,
+        x, y, a, 1.0 / a, at.y, at.x, at.y << c.shift, at.x << c.shift, c.fixed, c.error, c.unit, c.size,
     );
 }
 

@@ -19,8 +19,10 @@ pub(crate) struct Answers<'a> {
     pub(crate) pool: &'a Pool,
     pub(crate) view: &'a View,
     pub(crate) raw: Raw,
-    /// Whether the kernel certifies.
+    /// Whether the kernel's depths are relative to those of the spheres' centres.
     pub(crate) certify: bool,
+    /// Whether answers are proved or settled; otherwise none is.
+    pub(crate) promised: bool,
     /// In pixel order.
     pub(crate) settled: &'a [Settled],
     /// Colour and coverage, with several samples per pixel.
@@ -79,8 +81,8 @@ impl Answers<'_> {
                 Aov::Occlusion => Data::F32(std::mem::take(&mut self.lit.occlusion)),
                 Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
                 Aov::Certainty => {
-                    let mut certainty = vec![if self.certify { 0 } else { NOT_CERTIFIED }; w * h];
-                    if self.certify {
+                    let mut certainty = vec![if self.promised { 0 } else { NOT_CERTIFIED }; w * h];
+                    if self.promised {
                         self.settled.iter().for_each(|s| certainty[s.pixel as usize] = SETTLED);
                         self.lit.unsure.iter().for_each(|(pixel, known)| certainty[*pixel as usize] = *known);
                     }

@@ -1,15 +1,11 @@
 //! The buffers that a kernel writes.
 
 use super::settle::Settled;
-use crate::certify::GENERAL;
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
-use crate::number::Number;
-use crate::shade::{Shade, Surface, to_world};
-use crate::view::ray::{NONE, Ray};
+use crate::view::ray::NONE;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// The output buffers of a kernel in row order; buffers that were not requested are empty.
 #[derive(Debug, Default, PartialEq)]
@@ -29,9 +25,6 @@ pub(crate) struct Raw {
     /// The depth of the sphere's centre in the frame's unit, to which a certified kernel's t is relative; 0 for a general
     /// sphere.
     pub(crate) depth: Vec<f64>,
-    /// The two smallest lower bounds of depth, if the kernel only searches; `id` holds the slots of the smallest.
-    pub(crate) low: Vec<f32>,
-    pub(crate) second: Vec<f32>,
 }
 
 /// Bytes that one job copies.
@@ -49,10 +42,8 @@ impl Raw {
             t_low: pool.values(if kernel.t && kernel.is_wide() { pixels } else { 0 })?,
             normal: pool.values(if kernel.normal { 3 * pixels } else { 0 })?,
             color: pool.values(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
-            depth_interval: pool.values(if kernel.depth_interval { pixels } else { 0 })?,
+            depth_interval: pool.values(if kernel.has_depth_interval() { pixels } else { 0 })?,
             depth: pool.values(if kernel.has_depths() { pixels } else { 0 })?,
-            low: pool.values(if kernel.winners { pixels } else { 0 })?,
-            second: pool.values(if kernel.winners { pixels } else { 0 })?,
         })
     }
 
@@ -62,8 +53,6 @@ impl Raw {
             "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
             "frame_depth_interval" => (bytemuck::cast_slice_mut(&mut self.depth_interval), 1),
             "frame_depth" => (bytemuck::cast_slice_mut(&mut self.depth), 2),
-            "frame_low" => (bytemuck::cast_slice_mut(&mut self.low), 1),
-            "frame_second" => (bytemuck::cast_slice_mut(&mut self.second), 1),
             "frame_t_low" => (bytemuck::cast_slice_mut(&mut self.t_low), 1),
             "frame_normal" => (bytemuck::cast_slice_mut(&mut self.normal), 3),
             "frame_color" => (bytemuck::cast_slice_mut(&mut self.color), 3),
@@ -74,18 +63,10 @@ impl Raw {
         to.zip(bytes.par_chunks(COPIED)).for_each(|(to, bytes)| to.copy_from_slice(bytes));
     }
 
-    /// Adds `first` to the slots of list entries in these pixels: where a band's lists begin among those of the frame.
-    pub(crate) fn move_slots(&mut self, pixels: Range<usize>, first: u32) {
-        for slot in self.id[pixels].iter_mut().filter(|slot| **slot & GENERAL == 0) {
-            *slot += first;
-        }
-    }
-
     /// Splits the buffers after the first `first` pixels, and then every `pixels`. Buffers that were not requested stay
     /// empty.
     pub(crate) fn cut(&mut self, first: usize, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
         let mut ts = pieces(&mut self.t, first, pixels);
-        let mut lows = pieces(&mut self.t_low, first, pixels);
         let mut normals = pieces(&mut self.normal, 3 * first, 3 * pixels);
         let mut colors = pieces(&mut self.color, 3 * first, 3 * pixels);
         let mut widths = pieces(&mut self.depth_interval, first, pixels);
@@ -93,7 +74,6 @@ impl Raw {
         pieces(&mut self.id, first, pixels).map(move |id| Piece {
             id,
             t: ts.next().unwrap_or_default(),
-            t_low: lows.next().unwrap_or_default(),
             normal: normals.next().unwrap_or_default(),
             color: colors.next().unwrap_or_default(),
             depth_interval: widths.next().unwrap_or_default(),
@@ -116,7 +96,7 @@ impl Raw {
     pub(crate) fn put_back(self, pool: &Pool) {
         pool.put_back(self.id);
         pool.put_back(self.depth);
-        [self.t, self.t_low, self.normal, self.color, self.depth_interval, self.low, self.second]
+        [self.t, self.t_low, self.normal, self.color, self.depth_interval]
             .into_iter()
             .for_each(|unused| pool.put_back(unused));
     }
@@ -139,31 +119,8 @@ fn pieces<T>(buffer: &mut [T], first: usize, count: usize) -> impl Iterator<Item
 pub(crate) struct Piece<'a> {
     pub(crate) id: &'a mut [u32],
     pub(crate) t: &'a mut [f32],
-    pub(crate) t_low: &'a mut [f32],
     pub(crate) normal: &'a mut [f32],
     pub(crate) color: &'a mut [f32],
     pub(crate) depth_interval: &'a mut [f32],
     pub(crate) depth: &'a mut [f64],
-}
-
-impl Piece<'_> {
-    /// The normal and colour of the pixel with this index in the piece, where requested: the twin of shade/world.wgsl
-    /// and shade/color.wgsl. `normal` is the canonical camera's normal at the hit.
-    pub(crate) fn shade<R: Number>(
-        &mut self,
-        pixel: usize,
-        shade: Option<Shade>,
-        surface: &Surface<'_, R>,
-        ray: impl FnOnce() -> Ray<R>,
-        hit: Option<([f32; 3], u32)>,
-    ) {
-        if let Some(out) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
-            out.copy_from_slice(&hit.map_or([0.0; 3], |(normal, _)| to_world(surface.view, normal)));
-        }
-        if let (Some(shade), Some(out)) = (shade, self.color.get_mut(3 * pixel..3 * pixel + 3)) {
-            let [red, green, blue, _] = surface.view.background;
-            let rgb = hit.map(|(normal, id)| surface.shade_normal(shade, &ray(), normal, id));
-            out.copy_from_slice(&rgb.unwrap_or([red, green, blue]));
-        }
-    }
 }

@@ -107,11 +107,6 @@ impl Placer {
         self.projection.is_same_in_units(span)
     }
 
-    /// The tolerance of the frame.
-    pub(crate) fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
     /// What the kernel takes from the frame but for the spheres.
     pub(crate) fn lens(&self) -> ProjectionRecord {
         self.projection_record(0.0, 0)

@@ -108,12 +108,6 @@ impl Lists {
         lists
     }
 
-    /// Entries of the longest list.
-    pub(crate) fn longest(&self) -> u32 {
-        let starts = std::iter::once(&0).chain(&self.ends);
-        starts.zip(&self.ends).map(|(start, end)| end - start).max().unwrap_or(0)
-    }
-
     /// The lists of some tiles of the window, in the order of their cells: pairs of a tile (column and row) and its spheres.
     /// All other tiles have none.
     pub(crate) fn of_tiles(tiles: [[u32; 2]; 2], some: &[([u32; 2], Vec<Placed>)]) -> Self {
@@ -146,11 +140,6 @@ impl Lists {
         let cell = self.grid.cell(column / TILE, row / TILE);
         let first = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
         [first, self.ends[cell]]
-    }
-
-    /// The same for every tile of the window, row by row, that `count` rows of pixels from `first` on overlap.
-    pub(crate) fn rows(&self, first: u32, count: u32) -> impl Iterator<Item = [u32; 2]> {
-        self.grid.corners(first, count).map(|[row, column]| self.range(row, column))
     }
 
     /// Level: squares of 2^level tiles share a list.

@@ -15,10 +15,10 @@ use crate::view::View;
 use pixels::{Band, Pixels, StripFrame};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
-use strip::{NearestTwos, Strip};
+use strip::Strip;
 use triples::{Portable, Triples};
 
-/// Fills `raw` with certified answers; pixels without a proof get [`UNSURE`] as id. `go_on` is called before every row.
+/// Fills `raw` with certified answers; a pixel without a proof gets [`UNSURE`] as id, or its nearest candidate, as the kernel says. `go_on` is called before every row.
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
@@ -27,19 +27,7 @@ pub(crate) fn certified(
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    each_strip(&StripFrame::new(kernel, view, binned, colors, None), raw, go_on);
-}
-
-/// The same where a device has searched: `found` holds the winners and the two smallest bounds of depth.
-pub(crate) fn finish(
-    kernel: &Kernel,
-    view: &View,
-    binned: &BinnedScene,
-    colors: Option<&[[f32; 3]]>,
-    found: &Raw,
-    raw: &mut Raw,
-) {
-    each_strip(&StripFrame::new(kernel, view, binned, colors, Some(found)), raw, &|| true);
+    each_strip(&StripFrame::new(kernel, view, binned, colors), raw, go_on);
 }
 
 /// Strips are as wide as the processor's vectors.
@@ -94,10 +82,7 @@ impl<const N: usize, T: Triples> NullaryFnOnce for Strips<'_, '_, N, T> {
         for tile in left..=right {
             let place = [i, tile * TILE];
             let strip = Strip::<N>::new(&frame.certify, place);
-            let two = match frame.found {
-                Some(found) => NearestTwos::found(found, frame.certify.view, place),
-                None => strip.nearest_two(&frame.certify, place),
-            };
+            let two = strip.nearest_two(&frame.certify, place);
             Pixels::new(frame, &strip, &two).write(&mut band, place, &triples);
         }
     }
@@ -129,7 +114,7 @@ mod tests {
     }
 
     fn same_as_single<const N: usize>(scene: &Scene, raster: Raster) {
-        let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
+        let kernel = Kernel::certified();
         let mut view = View::for_rays(scene, raster, kernel.records()).expect("a view");
         view.record.sample = raster.count() / 2;
         for level in [0, crate::tile::WHOLE] {
@@ -166,12 +151,10 @@ mod tests {
     fn strips_of_every_width_write_the_same_bits() {
         let scene = crate::testing::weekend([136, 77]);
         let kernel = Kernel {
-            certify: true,
             t: true,
             normal: true,
-            depth_interval: true,
             shade: Some(crate::Shade::Headlight),
-            ..Kernel::bare(crate::Method::Stable)
+            ..Kernel::certified().with_depth_interval()
         };
         let windows = [
             Window::full(136, 77),
@@ -184,7 +167,7 @@ mod tests {
             let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &pool)
                 .expect("a stage")
                 .expect("a projection");
-            let frame = StripFrame::new(&kernel, &view, &binned, None, None);
+            let frame = StripFrame::new(&kernel, &view, &binned, None);
             let raw = |render: &dyn Fn(&mut Raw)| {
                 let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
                 render(&mut raw);

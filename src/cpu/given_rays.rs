@@ -2,7 +2,7 @@
 
 use crate::answers::raw::Raw;
 use crate::intersect::{Intersect, Visit};
-use crate::kernel::{Kernel, RaySource};
+use crate::kernel::{Kernel, RaySource, Task};
 use crate::number::Number;
 use crate::search::nearest::nearest_of;
 use crate::shade::Surface;
@@ -25,7 +25,7 @@ fn moved<R: Number>(s: &SphereRecord, residuals: &SphereResiduals, ray: &RayReco
 
 /// Fills `raw` by the method of `kernel`, for rays given in `view`.
 pub(crate) fn given_rays(kernel: &Kernel, view: &View, rays: &[RayRecord], raw: &mut Raw) {
-    kernel.method.dispatch(Traced { kernel, view, rays, raw });
+    kernel.arithmetic().dispatch(Traced { kernel, view, rays, raw });
 }
 
 struct Traced<'a> {
@@ -40,9 +40,9 @@ impl Visit for Traced<'_> {
 
     fn visit<V: Intersect>(self) {
         let Self { kernel, view, rays, raw } = self;
-        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.method.is_wide());
-        let sphere_of = |ray: &RayRecord, id: usize| match kernel.rays {
-            RaySource::Spread => moved(&view.spheres[id], &view.residuals[id], ray),
+        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.is_wide());
+        let sphere_of = |ray: &RayRecord, id: usize| match kernel.task {
+            Task::Method { rays: RaySource::Spread, .. } => moved(&view.spheres[id], &view.residuals[id], ray),
             _ => spheres[id],
         };
         raw.t_low.resize(raw.id.len(), 0.0);
@@ -62,7 +62,7 @@ impl Visit for Traced<'_> {
                 }
             });
         }
-        if !kernel.method.is_wide() {
+        if !kernel.is_wide() {
             raw.t_low.clear();
         }
     }

@@ -1,5 +1,4 @@
-//! Composes WGSL from whole files and from parts generated from tables: binding numbers, outputs and subgroup
-//! broadcasts. A line map translates the line of an error to a file and line. naga reports a missing or doubled part as
+//! Composes WGSL from whole files and from parts generated from tables: binding numbers, sizes and outputs. A line map translates the line of an error to a file and line. naga reports a missing or doubled part as
 //! an error.
 
 use crate::gpu::layout::buffers;
@@ -8,10 +7,9 @@ use crate::gpu::sizes::{
     SUMMARY_PAIRS, SUMMARY_PIECES,
 };
 use crate::intersect::Method;
-use crate::kernel::{Generals, Kernel, KernelOutput, RaySource, Sharing};
+use crate::kernel::{Generals, Kernel, KernelOutput, RaySource, Task, Unproved};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
-use crate::tile::CHUNK;
 use std::borrow::Cow;
 
 /// A part of a shader.
@@ -32,21 +30,20 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 78] = files![
+const FILES: [(&str, &str); 71] = files![
     "view.wgsl" "math.wgsl" "hash.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
     "search/closer_hit.wgsl" "search/records.wgsl" "search/records_residuals.wgsl" "search/fixed_origin.wgsl"
-    "search/moved_origin.wgsl" "search/all.wgsl" "search/found.wgsl" "search/tile.wgsl" "search/tile_lists.wgsl" "search/tree.wgsl"
-    "share/no_subgroup.wgsl" "share/subgroup.wgsl" "share/chunk.wgsl"
+    "search/moved_origin.wgsl" "search/all.wgsl" "search/tree.wgsl"
     "place/float64.wgsl" "place/placing.wgsl" "place/low.wgsl" "place/rectangle.wgsl" "place/place.wgsl" "place/cut.wgsl" "place/guests.wgsl"
     "splat/order.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
-    "certify/general_ray.wgsl" "certify/general_column.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
-    "certify/nearest_two.wgsl" "certify/search.wgsl" "certify/search_column.wgsl" "certify/certify_winner.wgsl"
+    "certify/nearest_general.wgsl" "certify/general_few.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
+    "certify/nearest_two.wgsl" "certify/certify_winner.wgsl" "certify/take_proved.wgsl" "certify/take_nearest.wgsl"
     "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
     "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
-    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/winners.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
+    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
     "main/sample.wgsl" "main/start.wgsl" "main/no_start.wgsl" "main/sky.wgsl"
     "shade/world.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
     "shade/headlight.wgsl"
@@ -124,6 +121,25 @@ fn shown(name: &str) -> String {
     if name.starts_with(EMITTED) { name.to_owned() } else { format!("shaders/{name}") }
 }
 
+/// The shaders of a frame, in the order in which they run: before a certified kernel the steps of a resident frame. Those of large
+/// spheres run only where there are some.
+pub(crate) fn shaders(kernel: &Kernel) -> Vec<(&'static str, Source)> {
+    let samples = kernel.samples;
+    let steps = [
+        ("place the spheres", Step::Place),
+        ("cut large spheres that the host placed", Step::Guests),
+        ("spheres of few pixels", Step::Small { samples }),
+        ("pieces of large spheres", Step::Large { samples }),
+    ];
+    let mut all = Vec::new();
+    if kernel.is_certified() {
+        all.extend(steps.map(|(name, step)| (name, compose_step(step))));
+    }
+    let name = if kernel.is_certified() { "certify the pixels" } else { "test every sphere" };
+    all.push((name, compose(kernel)));
+    all
+}
+
 /// The shader of a kernel.
 pub(crate) fn compose(kernel: &Kernel) -> Source {
     Source::new(parts(kernel))
@@ -132,95 +148,72 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
 /// The parts of a kernel, in order.
 pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
     let mut parts = vec![binding_numbers()];
-    let number = match kernel.method {
-        Method::Native64 if !kernel.certify => "number/f64.wgsl",
-        Method::DoubleFloat if !kernel.certify => "number/double_float.wgsl",
+    let number = match kernel.method() {
+        Some(Method::Native64) => "number/f64.wgsl",
+        Some(Method::DoubleFloat) => "number/double_float.wgsl",
         _ => "number/f32.wgsl",
     };
     parts.extend(files(["view.wgsl", "math.wgsl", number, "ray.wgsl"]));
-    match kernel.rays {
-        RaySource::Camera => {
-            parts.extend(files(["main/window.wgsl"]));
-            parts.extend(position(kernel.samples));
-        }
-        _ if kernel.certify => parts.extend(files(["main/given_certified.wgsl"])),
-        RaySource::SharedOrigin | RaySource::Spread => parts.extend(files(["main/given_rays.wgsl"])),
+    if kernel.has_pixels() {
+        parts.extend(files(["main/window.wgsl"]));
+        parts.extend(position(kernel.samples));
     }
-    let camera = kernel.rays == RaySource::Camera;
-    if camera && (kernel.certify || kernel.tiles) {
-        parts.extend(files(["search/tile_lists.wgsl"]));
+    match kernel.task {
+        Task::Method { method, rays } => search(method, rays, &mut parts),
+        Task::Certified { generals, unproved, starts, .. } => certify(generals, unproved, starts, &mut parts),
+        Task::Given { any, tree } => certify_given(any, tree, &mut parts),
     }
-    if kernel.certify && !camera {
-        certify_given(kernel, &mut parts);
-    } else {
-        if kernel.certify {
-            certify(kernel, &mut parts)
-        } else {
-            search(kernel, &mut parts)
-        }
-        share(kernel, &mut parts);
+    if !matches!(kernel.task, Task::Given { .. }) {
         shade(kernel, &mut parts);
     }
     parts.push(outputs(kernel));
     parts
 }
 
-/// The search for the closest hit by one form of the quadratic: among all spheres or a tile's list.
-fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
-    let form = match kernel.method {
+/// The search for the closest hit among all spheres by one form of the quadratic.
+fn search(method: Method, rays: RaySource, parts: &mut Vec<Part>) {
+    let form = match method {
         Method::Textbook => "form/textbook.wgsl",
         Method::Unit => "form/unit.wgsl",
         Method::Geometric => "form/geometric.wgsl",
         Method::Stable => "form/stable.wgsl",
         Method::Native64 | Method::DoubleFloat => "form/perpendicular.wgsl",
     };
-    if matches!(kernel.method, Method::Textbook | Method::Unit | Method::Geometric) {
+    if matches!(method, Method::Textbook | Method::Unit | Method::Geometric) {
         parts.extend(files(["form/roots.wgsl"]));
     }
-    let records = if kernel.reads_residuals() { "search/records_residuals.wgsl" } else { "search/records.wgsl" };
-    let origin = if kernel.rays == RaySource::Spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
-    parts.extend(files([form, "search/closer_hit.wgsl", records, origin]));
-    match kernel.tiles {
-        true => parts.extend(files(["search/found.wgsl", "search/tile.wgsl"])),
-        false => parts.extend(files(["search/all.wgsl"])),
-    }
-    if kernel.rays == RaySource::Camera {
-        parts.extend(files(["main/viewing_rays.wgsl"]));
-    }
+    let spread = rays == RaySource::Spread;
+    let records = if spread || method.is_wide() { "search/records_residuals.wgsl" } else { "search/records.wgsl" };
+    let origin = if spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
+    let main = if rays == RaySource::Camera { "main/viewing_rays.wgsl" } else { "main/given_rays.wgsl" };
+    parts.extend(files([form, "search/closer_hit.wgsl", records, origin, "search/all.wgsl", main]));
 }
 
-/// The search for the closest hit with its certificate.
-fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
+/// The certificate of what the spheres of a device left in the pixels.
+fn certify(generals: Generals, unproved: Unproved, starts: bool, parts: &mut Vec<Part>) {
     parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl", "certify/projected.wgsl"]));
-    let by = match kernel.winners {
-        true => "certify/general_column.wgsl",
-        false => "certify/general_ray.wgsl",
-    };
-    match kernel.generals {
+    let some = |of: &'static str| files(["certify/general.wgsl", "certify/nearest_general.wgsl", of]);
+    match generals {
         Generals::None => parts.extend(files(["certify/no_general.wgsl"])),
-        Generals::Few(count) => {
-            parts.extend(files(["certify/general.wgsl", by]));
-            parts.push(few_generals(count));
-        }
-        Generals::Lists => parts.extend(files(["certify/general.wgsl", by, "certify/general_lists.wgsl"])),
+        Generals::Few => parts.extend(some("certify/general_few.wgsl")),
+        Generals::Lists => parts.extend(some("certify/general_lists.wgsl")),
     }
-    parts.extend(files(["certify/nearest_two.wgsl"]));
-    match kernel.winners {
-        true => parts.extend(files(["certify/search.wgsl", "certify/search_column.wgsl", "main/winners.wgsl"])),
-        false => {
-            parts.push(sizes());
-            parts.extend(files(["place/placing.wgsl", "splat/order.wgsl"]));
-            let start = if kernel.starts { "main/start.wgsl" } else { "main/no_start.wgsl" };
-            parts.extend(files(["certify/certify_winner.wgsl", start, "main/certified.wgsl"]));
-        }
-    }
+    parts.push(sizes());
+    let start = if starts { "main/start.wgsl" } else { "main/no_start.wgsl" };
+    let take = match unproved {
+        Unproved::Unsure => "certify/take_proved.wgsl",
+        Unproved::Nearest => "certify/take_nearest.wgsl",
+    };
+    parts.extend(files(["place/placing.wgsl", "splat/order.wgsl", "certify/nearest_two.wgsl"]));
+    parts.extend(files(["certify/certify_winner.wgsl", take, start, "main/certified.wgsl"]));
 }
 
 /// The search for what a given ray hits, with its certificate.
-fn certify_given(kernel: &Kernel, parts: &mut Vec<Part>) {
-    let query = if kernel.any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
-    parts.extend(files(["certify/constants.wgsl", "certify/given_constants.wgsl", "certify/given.wgsl", query]));
-    match kernel.tree {
+fn certify_given(any: bool, tree: bool, parts: &mut Vec<Part>) {
+    let query = if any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
+    parts.extend(files(["main/given_certified.wgsl", "certify/constants.wgsl", "certify/given_constants.wgsl"]));
+    parts.extend(files(["certify/given.wgsl", query]));
+    match tree {
         true => {
             parts.push(emitted(
                 "emitted: steps",
@@ -230,36 +223,6 @@ fn certify_given(kernel: &Kernel, parts: &mut Vec<Part>) {
         }
         false => parts.extend(files(["certify/given_all.wgsl"])),
     }
-}
-
-/// The entry point, and how a chunk of records is loaded and tested.
-fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
-    let rows = format!("const ROWS: u32 = {}u; // of a tile that an invocation renders\n", kernel.rows());
-    parts.push(emitted("emitted: rows", rows));
-    if !kernel.shares() {
-        parts.extend(files(["share/no_subgroup.wgsl"]));
-        return if !kernel.is_resident() {
-            parts.extend(files(["share/chunk.wgsl"]))
-        };
-    }
-    parts.extend(files(["share/subgroup.wgsl"]));
-    // The members of Record in nearest_two.wgsl, records_residuals.wgsl and records.wgsl.
-    let members: &[&str] = match kernel.certify {
-        true => &["bits"],
-        false if kernel.reads_residuals() => {
-            &["center_radius", "power", "scale", "id", "center_radius_residual", "power_residual"]
-        }
-        false => &["center_radius", "power", "scale", "id"],
-    };
-    parts.push(match kernel.sharing {
-        // Broadcasts are faster than the loop, but compile eight times as much text. For arithmetic beyond f32 that
-        // does not pay off (docs/performance-log.md).
-        Sharing::Subgroup4 if !kernel.is_wide() => broadcast(4, members),
-        Sharing::Subgroup8 if !kernel.is_wide() => broadcast(8, members),
-        Sharing::Subgroup4 => shuffle("4u", "4u", members),
-        Sharing::Subgroup8 => shuffle("8u", "8u", members),
-        _ => shuffle("lanes", "min(lanes, CHUNK)", members),
-    });
 }
 
 /// A step of a certified frame whose spheres a device holds.
@@ -329,6 +292,7 @@ pub(crate) fn compose_step(step: Step) -> Source {
 
 /// The sizes that the host and the steps share.
 fn sizes() -> Part {
+    let few = Generals::FEW;
     let text = format!(
         "const HOST_SPHERES: u32 = {HOST_SPHERES}u;
 const PIECES: u32 = {PIECES}u;
@@ -344,6 +308,7 @@ const COARSEST: u32 = {COARSEST}u; // pieces are up to 2^COARSEST times as wide
 const SUMMARY_LIST: u32 = {SUMMARY_LIST}u;
 const PIECE: u32 = {PIECE}u; // pixels along a side of a piece of a large sphere
 const SMALL: i32 = {SMALL}; // pixels of a sphere that one invocation goes through
+const FEW_GENERALS: u32 = {few}u;
 "
     );
     emitted("emitted: sizes", text)
@@ -351,7 +316,7 @@ const SMALL: i32 = {SMALL}; // pixels of a sphere that one invocation goes throu
 
 /// World normals and colours, if computed.
 fn shade(kernel: &Kernel, parts: &mut Vec<Part>) {
-    if kernel.has_normals() || kernel.starts {
+    if kernel.has_normals() || kernel.leaves_starts() {
         parts.extend(files(["shade/world.wgsl"]));
     }
     let Some(shade) = kernel.shade else { return };
@@ -393,92 +358,11 @@ fn outputs(kernel: &Kernel) -> Part {
     emitted("emitted: outputs", text)
 }
 
-/// The general spheres as constants of the frame, four vectors each. Indices that are constants outside of loops are
-/// scalar loads on software adapters; any other index is loaded lane by lane.
-fn few_generals(count: u32) -> Part {
-    let record = |n: u32| (0..4).map(|k| format!("near[{}u]", 4 * n + k)).collect::<Vec<_>>();
-    let (mut tests, mut others) = (String::new(), String::new());
-    for n in 0..count {
-        let general = format!("general_of({})", record(n).join(", "));
-        tests += &format!("    k = test_general(s, k, {general}, {n}u);\n");
-        if n > 0 {
-            let parts = ["a", "b", "c", "d"].into_iter().zip(record(n));
-            let parts: String = parts.map(|(part, from)| format!(" {part} = {from};")).collect();
-            others += &format!("        if (k.slot == (GENERAL | {n}u)) {{{parts} }}\n");
-        }
-    }
-    let text = format!(
-        "@group(0) @binding(BIND_NEAR) var<uniform> near: array<vec4<i32>, {}>;
-
-fn nearest_two_generals(s: Searcher, start: Best, tile: vec3<u32>) -> Best {{
-    var k = start;
-{tests}    return k;
-}}
-
-fn certify_general(s: Slopes, k: NearestTwo, other: Answer) -> Answer {{
-    if ((k.slot & GENERAL) != 0u && k.slot != NONE) {{
-        var a = near[0];
-        var b = near[1];
-        var c = near[2];
-        var d = near[3];
-{others}        return general_answer(s, general_of(a, b, c, d));
-    }}
-    return other;
-}}
-",
-        4 * count
-    );
-    emitted("emitted: few general spheres", text)
-}
-
 /// `sphere_color` for a scene without colours, for which no colours are uploaded.
 fn default_color() -> Part {
     let [red, green, blue] = DEFAULT_COLOR;
     let color = format!("vec3<f32>({red:?}, {green:?}, {blue:?})");
     emitted("emitted: default colour", format!("fn sphere_color(id: u32) -> vec3<f32> {{\n    return {color};\n}}\n"))
-}
-
-/// `test_chunk` for subgroups of `lanes` invocations: each loads one record and broadcasts it. subgroupBroadcast takes
-/// only constant lanes, so the loop is unrolled.
-fn broadcast(lanes: usize, members: &[&str]) -> Part {
-    let mut tests = String::new();
-    for n in 0..CHUNK {
-        let (part, lane) = (n - n % lanes, n % lanes);
-        if lane == 0 {
-            tests += &format!("    let mine{part} = load(first + {part}u + lane);\n");
-        }
-        let of_lane = |member: &&str| format!("subgroupBroadcast(mine{part}.{member}, {lane}u)");
-        let record = members.iter().map(of_lane).collect::<Vec<_>>().join(", ");
-        tests += &format!("    best = test(ray, best, Record({record}), first + {n}u);\n");
-    }
-    emitted("emitted: broadcasts", test_chunk(&tests))
-}
-
-/// `test_chunk` by shuffles, for subgroups of `lanes` invocations, which share `records` of them at once. Constant numbers
-/// are a fifth faster in f64 on lavapipe (docs/performance-log.md).
-fn shuffle(lanes: &str, records: &str, members: &[&str]) -> Part {
-    let of_lane = |member: &&str| format!("subgroupShuffle(mine.{member}, k)");
-    let record = members.iter().map(of_lane).collect::<Vec<_>>().join(", ");
-    let tests = format!(
-        "    for (var part = 0u; part < CHUNK; part += {lanes}) {{
-        let mine = load(first + part + lane);
-        for (var k = 0u; k < {records}; k++) {{
-            best = test(ray, best, Record({record}), first + part + k);
-        }}
-    }}
-"
-    );
-    emitted("emitted: shuffles", test_chunk(&tests))
-}
-
-fn test_chunk(tests: &str) -> String {
-    format!(
-        "fn test_chunk(ray: Searcher, start: Best, first: u32, count: u32) -> Best {{
-    var best = start;
-{tests}    return best;
-}}
-"
-    )
 }
 
 fn emitted(name: &'static str, text: String) -> Part {

@@ -1,7 +1,6 @@
 //! Adapters: listing, selecting and opening them.
 
 use crate::error::{Error, Result};
-use crate::kernel::{Generals, Kernel, RaySource, Sharing};
 use crate::quote::setting::{ADAPTER, BACKEND};
 use serde::Serialize;
 use std::sync::{Arc, Mutex};
@@ -33,29 +32,6 @@ impl AdapterSummary {
     /// Whether the host's processor computes the shaders.
     pub(crate) fn is_software(&self) -> bool {
         self.kind == "software"
-    }
-
-    /// How invocations on this adapter share loaded spheres. Software adapters load a shared address once per lane, so
-    /// one load per subgroup is faster there. A broadcast from a constant lane is cheaper than a shuffle but requires a
-    /// known subgroup size.
-    pub(crate) fn sharing(&self) -> Sharing {
-        match self.subgroup {
-            _ if !self.is_software() => Sharing::None,
-            None => Sharing::None,
-            Some([4, 4]) => Sharing::Subgroup4,
-            Some([8, 8]) => Sharing::Subgroup8,
-            Some(_) => Sharing::Shuffle,
-        }
-    }
-
-    /// A kernel as this adapter runs it by candidate lists, for a scene with so many general spheres.
-    pub(crate) fn adapted(&self, kernel: Kernel, generals: usize) -> Kernel {
-        let kernel = Kernel { sharing: self.sharing(), ..kernel };
-        if !kernel.certify || kernel.rays != RaySource::Camera {
-            return kernel;
-        }
-        let kernel = Kernel { generals: Generals::of(generals), ..kernel };
-        kernel.winners()
     }
 
     /// The description of a device that the caller opened.
@@ -216,7 +192,7 @@ fn shares_memory(summary: &AdapterSummary) -> bool {
 /// Opens a device with all limits of the adapter and the features that kernels can use, and creates a clock if there is
 /// one.
 pub(crate) fn open(found: &FoundAdapter) -> Result<Open> {
-    let wanted = wgpu::Features::SUBGROUP | wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
+    let wanted = wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
     let wanted = wanted | if shares_memory(&found.summary) { DIRECT } else { wgpu::Features::empty() };
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("halfline"),

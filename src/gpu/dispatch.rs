@@ -5,14 +5,15 @@ use crate::gpu::clock::Clock;
 use crate::gpu::compose::{Source, compose};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
-use crate::gpu::layout::{Binding, bindings, is_texture};
+use crate::gpu::layout::{Binding, Kind, bindings, kind};
 use crate::gpu::resident::held::Resident;
 use crate::gpu::selftest::verdict::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::traffic::Traffic;
-use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
+use crate::gpu::transfers::{Band, Bands, BindingLimits, uploads};
 use crate::gpu::validate::{compile, validate};
-use crate::kernel::{Kernel, KernelOutput, RaySource};
+use crate::intersect::Method;
+use crate::kernel::{Kernel, KernelOutput};
 use crate::quote::setting::{ADAPTER, BACKEND, SIZE};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
@@ -28,7 +29,7 @@ pub(crate) struct Gpu {
     pub(crate) limits: wgpu::Limits,
     pub(super) pipelines: HashMap<Kernel, Pipeline>,
     pub(super) buffers: HashMap<&'static str, wgpu::Buffer>,
-    /// What lies in small buffers that were refilled.
+    /// The last contents of small buffers, to skip equal uploads.
     filled: HashMap<&'static str, Vec<u8>>,
     pub(super) textures: HashMap<&'static str, (wgpu::Texture, wgpu::TextureView)>,
     pub(super) clock: Option<Clock>,
@@ -132,7 +133,7 @@ impl Gpu {
     ) -> Result<()> {
         let Output { raw, timings } = output;
         self.resident.share_buffers();
-        let record = input.record();
+        let record = input.view.record;
         self.check_limits(kernel, input)?;
         timings.time("pipeline", || self.pipeline(kernel))?;
         timings.time("upload", || self.upload(kernel, input))?;
@@ -140,12 +141,6 @@ impl Gpu {
         while let Some(band) = bands.next(&self.pipelines[kernel].budget) {
             if !go_on(band.before(kernel, &record)) {
                 return Err(Error::Interrupted);
-            }
-            let mut first_entry = 0;
-            if let Some(candidates) = &input.candidates {
-                let entries = Entries::of(candidates, &band);
-                first_entry = entries.first();
-                timings.time("upload", || entries.upload(candidates, |name, parts| self.fill_parts(name, parts)))?;
             }
             let (tests, start) = (bands.tests(&band), Instant::now());
             timings.time("trace", || self.dispatch(kernel, &record, &band))?;
@@ -155,7 +150,7 @@ impl Gpu {
             if let Some(pipeline) = self.pipelines.get_mut(kernel) {
                 pipeline.budget.took(tests, seconds);
             }
-            timings.time("readback", || self.read_back(kernel, &record, &band, first_entry, raw))?;
+            timings.time("readback", || self.read_back(kernel, &record, &band, raw))?;
         }
         Ok(())
     }
@@ -163,7 +158,7 @@ impl Gpu {
     /// Checks the adapter's limits before any work.
     fn check_limits(&self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
         let (record, reach) = (&input.view.record, BindingLimits::from(&self.limits));
-        let (largest, fit) = (reach.binding, reach.spheres(kernel, input));
+        let (largest, fit) = (reach.binding, reach.spheres(kernel));
         if u64::from(record.spheres) > fit {
             return Err(Error::Limits {
                 problem: format!(
@@ -175,7 +170,7 @@ impl Gpu {
         }
         let widest = (self.limits.max_compute_workgroups_per_dimension * TILE)
             .min((largest / (3 * 4 * u64::from(TILE))).min(u64::from(u32::MAX)) as u32);
-        if kernel.rays == RaySource::Camera && record.columns > widest {
+        if kernel.has_pixels() && record.columns > widest {
             return Err(Error::Limits {
                 problem: format!(
                     "{} columns exceed what {} can write in one dispatch",
@@ -192,7 +187,8 @@ impl Gpu {
             return Ok(());
         }
         let capabilities = crate::gpu::layout::capabilities(kernel);
-        let (compute, bindings) = self.built(&compose(kernel), capabilities, kernel.method.name())?;
+        let (compute, bindings) =
+            self.built(&compose(kernel), capabilities, kernel.method().map_or("certified", Method::name))?;
         self.pipelines.insert(*kernel, Pipeline { compute, bindings, budget: self.budget });
         Ok(())
     }
@@ -211,20 +207,20 @@ impl Gpu {
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| match is_texture(name) {
-            true => self.fill_texture(name, bytes),
-            false => self.fill(name, bytes),
+        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| match kind(name) {
+            Kind::Texture => self.fill_texture(name, bytes),
+            Kind::Uniform | Kind::Storage => self.fill(name, bytes),
         })
     }
 
     fn dispatch(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
-        let (record, pixels, groups) = match kernel.rays {
-            RaySource::Camera => {
+        let (record, pixels, groups) = match kernel.has_pixels() {
+            true => {
                 let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
                 let [columns, rows] = record.tiles().map(|[first, last]| last - first + 1);
                 (record, record.pixels() as u64, (columns, rows))
             }
-            _ => {
+            false => {
                 let record = ViewRecord { first_row: band.first, rows: 1, width: band.count, ..*record };
                 (record, u64::from(band.count), (band.count.div_ceil(GROUP), 1))
             }
@@ -313,8 +309,10 @@ impl Gpu {
     /// Writes the parts one after the other; each is a multiple of four bytes.
     pub(super) fn fill_parts(&mut self, name: &'static str, parts: &[&[u8]]) -> Result<()> {
         self.filled.remove(name);
-        let uniform = ["view", "projection", "near", "placing", "part", "sky"].contains(&name);
-        let usage = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+        let usage = match kind(name) {
+            Kind::Uniform => wgpu::BufferUsages::UNIFORM,
+            Kind::Storage | Kind::Texture => wgpu::BufferUsages::STORAGE,
+        };
         // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never
         // read.
         let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(SMALLEST);
@@ -339,90 +337,3 @@ impl Gpu {
 
 /// Size of the smallest buffer in bytes: enough for one record of any kind.
 const SMALLEST: u64 = 64;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::answers::raw::Raw;
-    use crate::certify::binned::BinnedScene;
-    use crate::frame::report::Timings;
-    use crate::gpu::device;
-    use crate::gpu::input::KernelRays;
-    use crate::intersect::Method;
-    use crate::kernel::{Generals, Sharing};
-    use crate::memory::Pool;
-    use crate::search::tile_candidates::{CandidateList, TileCandidates};
-    use crate::shade::Shade;
-    use crate::view::View;
-
-    /// All ways of sharing loaded spheres give the same bits.
-    #[test]
-    fn every_way_of_sharing_gives_the_same_frame() {
-        let Some(found) = crate::testing::adapter_or_skip() else { return };
-        let lanes = found.summary.subgroup.map_or(0, |[least, _]| least);
-        let mut gpu = Gpu::new(device::open(&found).expect("a device"), found.summary);
-        let scene = crate::testing::weekend([131, 74]);
-        // Includes the low parts for the kernels that read them.
-        let mut view = View::new(&scene).expect("a view");
-        view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
-        let binned = BinnedScene::new((&scene, None), &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
-            .expect("a stage")
-            .expect("a lens");
-        let pool = Pool::default();
-        let mut answers = Vec::new();
-        for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
-            if lanes < least {
-                println!("not tested: {sharing:?} needs subgroups of {least}, this adapter has {lanes}");
-                continue;
-            }
-            let kernel = Kernel {
-                sharing,
-                shade: Some(Shade::Headlight),
-                colors: true,
-                t: true,
-                normal: true,
-                ..Kernel::bare(Method::Stable)
-            };
-            let certified = Kernel { certify: true, generals: Generals::Lists, ..kernel }.winners();
-            let tiles = |kernel| Kernel { tiles: true, ..kernel };
-            let mut raws = Vec::new();
-            // SwiftShader takes ten seconds to compile a second normal in wider arithmetic.
-            let wide = |method| Kernel { method, shade: Some(Shade::Flat), ..kernel };
-            let f64 = gpu.summary.f64.then(|| wide(Method::Native64));
-            let all = [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64);
-            for kernel in all.chain([tiles(kernel), tiles(wide(Method::DoubleFloat))]) {
-                let mut raw = Raw::new(&kernel, 131 * 74, &Pool::default()).expect("room");
-                let tile_candidates = || {
-                    CandidateList::Uncertified(TileCandidates::new(
-                        &view,
-                        &scene.spheres,
-                        &binned,
-                        kernel.is_wide(),
-                        &pool,
-                    ))
-                };
-                let candidates = match kernel.certify {
-                    true => Some(CandidateList::Certified(&binned)),
-                    false => kernel.tiles.then(tile_candidates),
-                };
-                let input = Input {
-                    view: &view,
-                    colors: scene.spheres.colors.as_deref(),
-                    rays: KernelRays::Viewing,
-                    candidates,
-                };
-                let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
-                gpu.run(&kernel, &input, &mut output, &|_| true).expect("a frame");
-                raws.push(raw);
-            }
-            answers.push((sharing, raws));
-        }
-        assert!(
-            answers[0].1.iter().all(|raw| raw.id.iter().filter(|id| **id != crate::view::ray::NONE).count() > 1000),
-            "the scene shows something"
-        );
-        for (sharing, raws) in &answers[1..] {
-            assert!(raws == &answers[0].1, "{sharing:?} differs");
-        }
-    }
-}

@@ -2,11 +2,10 @@
 
 use crate::answers::raw::Raw;
 use crate::frame::report::Timings;
-use crate::search::tile_candidates::CandidateList;
 use crate::search::tree::device::{NodeRecord, PlacedSphereRecord};
 use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
+use crate::view::View;
 use crate::view::ray::RayRecord;
-use crate::view::{View, ViewRecord};
 
 /// Invocations per workgroup, rays per group: a test checks that they are equal.
 pub(crate) const GROUP: u32 = 64;
@@ -17,8 +16,6 @@ pub(crate) struct Input<'a> {
     /// Linear RGB per sphere.
     pub(crate) colors: Option<&'a [[f32; 3]]>,
     pub(crate) rays: KernelRays<'a>,
-    /// The candidates per tile, which replace the view's spheres.
-    pub(crate) candidates: Option<CandidateList<'a>>,
 }
 
 /// The rays of a dispatch.
@@ -46,19 +43,6 @@ impl KernelRays<'_> {
             Self::Viewing => 0,
             Self::Given(rays) => rays.len(),
             Self::Certified { rays, .. } => rays.len(),
-        }
-    }
-}
-
-impl Input<'_> {
-    /// The view record, with the number of spheres that every ray tests.
-    pub(super) fn record(&self) -> ViewRecord {
-        let record = self.view.record;
-        match &self.candidates {
-            Some(CandidateList::Uncertified(tile_candidates)) => {
-                ViewRecord { spheres: tile_candidates.generals() as u32, ..record }
-            }
-            _ => record,
         }
     }
 }

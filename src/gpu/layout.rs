@@ -13,46 +13,55 @@ pub(crate) struct Binding {
     pub(crate) binding: u32,
 }
 
-/// Whether an input is a texture, see texture.rs.
-pub(super) fn is_texture(name: &str) -> bool {
-    ["nodes", "placed"].contains(&name)
+/// What a shader binds an input as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Uniform,
+    Storage,
+    /// See texture.rs.
+    Texture,
 }
 
-/// The inputs of kernels, buffers unless [`is_texture`], by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 28] = [
-    "view",
-    "spheres",
-    "residuals",
-    "colors",
-    "rays",
-    "nodes",
-    "boxes",
-    "placed",
-    "certified_rays",
-    "projection",
-    "projected",
-    "others",
-    "near",
-    "lists",
-    "placing",
-    "part",
-    "resident",
-    "summary",
-    "pieces",
-    "minima",
-    "pairs",
-    "starts",
-    "sky",
-    "places",
-    "directions",
-    "open",
-    "cases",
-    "answers",
+/// The inputs of kernels by their WGSL names; the last two belong to the self-test.
+const INPUTS: [(&str, Kind); 28] = [
+    ("view", Kind::Uniform),
+    ("spheres", Kind::Storage),
+    ("residuals", Kind::Storage),
+    ("colors", Kind::Storage),
+    ("rays", Kind::Storage),
+    ("nodes", Kind::Texture),
+    ("boxes", Kind::Storage),
+    ("placed", Kind::Texture),
+    ("certified_rays", Kind::Storage),
+    ("projection", Kind::Uniform),
+    ("projected", Kind::Storage),
+    ("generals_storage", Kind::Storage),
+    ("generals_uniform", Kind::Uniform),
+    ("lists", Kind::Storage),
+    ("placing", Kind::Uniform),
+    ("block_pass", Kind::Uniform),
+    ("resident", Kind::Storage),
+    ("summary", Kind::Storage),
+    ("pieces", Kind::Storage),
+    ("minima", Kind::Storage),
+    ("pairs", Kind::Storage),
+    ("starts", Kind::Storage),
+    ("sky", Kind::Uniform),
+    ("places", Kind::Storage),
+    ("directions", Kind::Storage),
+    ("open", Kind::Storage),
+    ("cases", Kind::Storage),
+    ("answers", Kind::Storage),
 ];
+
+/// What the shaders bind this input as.
+pub(super) fn kind(input: &str) -> Kind {
+    INPUTS.iter().find(|(name, _)| *name == input).map_or(Kind::Storage, |(_, kind)| *kind)
+}
 
 /// Every buffer that a shader binds, by its WGSL name. The binding number is the index in this list.
 pub(crate) fn buffers() -> impl Iterator<Item = &'static str> {
-    INPUTS.into_iter().chain(OUTPUTS.iter().map(|output| output.name))
+    INPUTS.into_iter().map(|(name, _)| name).chain(OUTPUTS.iter().map(|output| output.name))
 }
 
 /// The bindings that the entry point uses.
@@ -68,9 +77,7 @@ pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) ->
 
 /// The capabilities that `kernel` requires; it is validated with no others.
 pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
-    let wide = kernel.is_wide() && kernel.method == Method::Native64;
-    let wide = if wide { Capabilities::FLOAT64 } else { Capabilities::empty() };
-    wide | if kernel.shares() { Capabilities::SUBGROUP } else { Capabilities::empty() }
+    if kernel.method() == Some(Method::Native64) { Capabilities::FLOAT64 } else { Capabilities::empty() }
 }
 
 #[cfg(test)]
@@ -85,12 +92,12 @@ mod tests {
     use crate::gpu::resident::steps::BlockPass;
     use crate::gpu::validate::validate;
     use crate::intersect::Method;
-    use crate::kernel::{Generals, RaySource, Sharing};
+    use crate::kernel::{Generals, RaySource, Task, Unproved};
     use crate::search::tree::device::{DEVICE_LEVELS, NodeRecord, PlacedSphereRecord, first};
     use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
     use crate::search::tree::lanes::{LANE, NEVER};
     use crate::shade::Shade;
-    use crate::tile::{CHUNK, TILE};
+    use crate::tile::TILE;
     use crate::view::ray::{NONE, RayRecord};
     use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
     use rayon::prelude::*;
@@ -101,55 +108,30 @@ mod tests {
     /// Every kernel that a plan can select.
     fn kernels() -> Vec<Kernel> {
         let both = [false, true];
-        let shades = [None, Some(Shade::Flat), Some(Shade::Normal), Some(Shade::Headlight)];
-        let camera = Sharing::ALL.map(|sharing| (RaySource::Camera, sharing));
-        let given = [RaySource::SharedOrigin, RaySource::Spread].map(|rays| (rays, Sharing::None));
+        let rays = [RaySource::Camera, RaySource::SharedOrigin, RaySource::Spread];
+        let methods = Method::ALL.iter().flat_map(|&method| rays.map(|rays| Task::Method { method, rays }));
+        let certified = [0, 1, 5].into_iter().map(Generals::of).flat_map(|generals| {
+            let unproved = [Unproved::Unsure, Unproved::Nearest];
+            unproved.into_iter().flat_map(move |unproved| {
+                let task = move |depth_interval, starts| Task::Certified { generals, unproved, depth_interval, starts };
+                both.into_iter().flat_map(move |interval| both.map(|starts| task(interval, starts)))
+            })
+        });
         let mut kernels = Vec::new();
-        let none = Generals::None;
-        let plain =
-            both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles, none)));
-        let certified = [0, 1, 4, 5].map(|count| (Method::Stable, true, false, Generals::of(count)));
-        for (method, certify, tiles, generals) in plain.chain(certified) {
-            for (rays, sharing) in camera.into_iter().chain(given) {
-                for shade in shades {
+        for task in methods.chain(certified) {
+            for shade in [None, Some(Shade::Flat), Some(Shade::Normal), Some(Shade::Headlight)] {
+                let colors = both.into_iter().filter(|c| !c || shade.is_some_and(Shade::needs_colors));
+                for colors in colors {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
-                        let colors = both.into_iter().filter(|c| !c || shade.is_some_and(Shade::needs_colors));
-                        let all = |colors| Kernel {
-                            method,
-                            rays,
-                            sharing,
-                            shade,
-                            colors,
-                            t,
-                            normal,
-                            certify,
-                            generals,
-                            winners: false,
-                            tiles,
-                            depth_interval: t && certify,
-                            tree: false,
-                            any: false,
-                            samples: false,
-                            starts: false,
-                        };
-                        kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == RaySource::Camera));
+                        kernels.push(Kernel { shade, colors, t, normal, ..Kernel::bare(task) });
                     }
                 }
             }
         }
-        let spread = Kernel { certify: true, rays: RaySource::Spread, ..Kernel::bare(Method::Stable) };
-        kernels.extend(both.into_iter().flat_map(|tree| both.map(|any| Kernel { tree, any, ..spread })));
-        let all = kernels.iter().filter(|k| k.certify && k.rays == RaySource::Camera && !k.t && !k.normal);
-        let winners: Vec<_> = all.filter(|k| k.shade.is_none()).map(|k| k.winners()).collect();
-        kernels.extend(winners);
-        // A resident kernel shares nothing.
-        kernels.retain(|k| !k.is_resident() || k.sharing == Sharing::None);
-        let starts: Vec<_> =
-            kernels.iter().filter(|k| k.is_resident()).map(|k| Kernel { starts: true, ..*k }).collect();
-        kernels.extend(starts);
-        let samples = |k: &&Kernel| k.rays == RaySource::Camera && !k.t && !k.normal;
+        let samples = |k: &&Kernel| k.has_pixels() && !k.t && !k.normal && !k.has_depth_interval();
         let sampled: Vec<_> = kernels.iter().filter(samples).map(|k| Kernel { samples: true, ..*k }).collect();
         kernels.extend(sampled);
+        kernels.extend(both.into_iter().flat_map(|tree| both.map(|any| Kernel::bare(Task::Given { any, tree }))));
         kernels
     }
 
@@ -188,45 +170,49 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let modules = modules();
         let looks = 1 + 2 + 1 + 2;
-        // Without a list of general spheres, with one, with four in a uniform, and with lists, each with and without starts of
-        // rays from the hits; a search by every sharing.
-        let (certified, winners) = (4 * 2, 4 * 4);
-        let sampled = (Method::ALL.len() * 8 + certified) * looks + winners;
-        let all = (Method::ALL.len() * (8 + 2) + certified) * 4 * looks + winners + sampled + 4;
-        assert_eq!(modules.len(), all, "the list is complete");
+        // Without general spheres, with few and with lists, and what is not proved settled or not.
+        let certified = 3 * 2;
+        let centers = (Method::ALL.len() * 3 + certified * 4) * 4 * looks;
+        let sampled = (Method::ALL.len() + certified * 2) * looks;
+        assert_eq!(modules.len(), centers + sampled + 4, "the list is complete");
     }
 
     #[test]
     fn a_kernel_binds_what_it_needs_and_nothing_else() {
         for (kernel, module, info) in modules() {
             let bound: BTreeSet<_> = bindings(module, info).into_iter().map(|b| b.name).collect();
-            let given = kernel.rays != RaySource::Camera;
-            let (certify, tiles) = (kernel.certify, kernel.tiles);
+            let (method, certified) = (kernel.method().is_some(), kernel.is_certified());
+            let generals = match kernel.task {
+                Task::Certified { generals, .. } => generals,
+                _ => Generals::None,
+            };
+            let (given, tree) = match kernel.task {
+                Task::Given { tree, .. } => (true, tree),
+                _ => (false, false),
+            };
             let wanted: BTreeSet<_> = [
                 (true, "view"),
-                (!certify, "spheres"),
+                (method, "spheres"),
                 (true, "frame_id"),
-                (certify && !given, "projection"),
-                (certify && !given, "projected"),
-                (kernel.generals == Generals::Lists, "others"),
-                (kernel.is_resident(), "part"),
-                (kernel.is_resident(), "minima"),
-                (kernel.starts, "starts"),
+                (certified, "projection"),
+                (certified, "projected"),
+                (certified, "block_pass"),
+                (certified, "minima"),
+                (generals == Generals::Few, "generals_uniform"),
+                (generals == Generals::Lists, "generals_storage"),
+                (generals == Generals::Lists, "lists"),
+                (kernel.leaves_starts(), "starts"),
                 (kernel.has_depths(), "frame_depth"),
-                (matches!(kernel.generals, Generals::Few(_)), "near"),
-                (kernel.winners, "frame_low"),
-                (kernel.winners, "frame_second"),
-                (kernel.winners || tiles || kernel.generals == Generals::Lists, "lists"),
-                (kernel.depth_interval, "frame_depth_interval"),
+                (kernel.has_depth_interval(), "frame_depth_interval"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
-                (given && !certify, "rays"),
-                (given && certify, "certified_rays"),
-                (given && certify, "placed"),
-                (kernel.tree, "nodes"),
-                (kernel.tree, "boxes"),
+                (method && !kernel.has_pixels(), "rays"),
+                (given, "certified_rays"),
+                (given, "placed"),
+                (tree, "nodes"),
+                (tree, "boxes"),
                 (kernel.reads_residuals(), "residuals"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
@@ -238,32 +224,23 @@ mod tests {
     }
 
     #[test]
-    fn subgroups_are_requested_exactly_where_they_are_used() {
-        let sharing = kernels().into_iter().filter(Kernel::shares);
-        for kernel in sharing {
-            validate(&compose(&kernel), Capabilities::empty()).expect_err("subgroups without the capability");
-        }
-    }
-
-    #[test]
     fn f64_is_requested_exactly_where_it_is_used() {
         for (kernel, ..) in modules() {
             // All others are valid without it: `modules` validates them with no more than they request.
-            let wide = kernel.method == Method::Native64;
+            let wide = kernel.method() == Some(Method::Native64);
             assert_eq!(capabilities(kernel).contains(Capabilities::FLOAT64), wide, "{kernel:?}");
             if wide {
-                validate(&compose(kernel), Capabilities::SUBGROUP).expect_err("f64 without the capability");
+                validate(&compose(kernel), Capabilities::empty()).expect_err("f64 without the capability");
             }
         }
     }
 
     #[test]
     fn structs_have_one_layout_on_both_sides() {
-        let any = Kernel { rays: RaySource::Spread, t: true, normal: true, ..Kernel::bare(Method::Stable) };
-        let (certified, _) =
-            module(&Kernel { rays: RaySource::Camera, certify: true, generals: Generals::Lists, ..any });
-        let (given, _) = module(&Kernel { certify: true, tree: true, t: false, normal: false, ..any });
-        let (module, _) = module(&any);
+        let spread = Task::Method { method: Method::Stable, rays: RaySource::Spread };
+        let (certified, _) = module(&Kernel { t: true, normal: true, ..Kernel::certified().with_generals(5) });
+        let (given, _) = module(&Kernel::bare(Task::Given { any: false, tree: true }));
+        let (module, _) = module(&Kernel { t: true, normal: true, ..Kernel::bare(spread) });
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
                 let host: Vec<(&str, usize)> = vec![$((stringify!($field), offset_of!($host, $field))),*];
@@ -280,7 +257,6 @@ mod tests {
         same!(certified "Projected", ProjectedRecord, x y rho low);
         same!(certified "ProjectedDetail", ProjectedDetailRecord, subpixel_offset center id);
         same!(certified "General", GeneralRecord, center_radius power scale form id column row start by_column by_row blur);
-        assert_eq!(constant(&module, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&certified, "GENERAL"), f64::from(crate::certify::GENERAL));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::view::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
@@ -317,8 +293,8 @@ mod tests {
     #[test]
     fn the_constants_of_the_proof_are_those_of_the_twin() {
         use crate::certify::constants::{ALL, given};
-        let kernel = Kernel { certify: true, generals: Generals::Lists, ..Kernel::bare(Method::Stable) };
-        let of_given = Kernel { rays: RaySource::Spread, ..kernel };
+        let kernel = Kernel::certified().with_generals(5);
+        let of_given = Kernel::bare(Task::Given { any: false, tree: true });
         for (file, kernel, all) in
             [("certify/constants.wgsl", kernel, ALL), ("certify/given_constants.wgsl", of_given, given::ALL)]
         {
@@ -372,8 +348,8 @@ mod tests {
     fn workgroups_are_tiles() {
         for (kernel, module, _) in modules() {
             assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
-            assert_eq!(module.entry_points[0].workgroup_size, [GROUP / kernel.rows(), 1, 1], "{kernel:?}");
-            if kernel.rays == RaySource::Camera {
+            assert_eq!(module.entry_points[0].workgroup_size, [GROUP, 1, 1], "{kernel:?}");
+            if kernel.has_pixels() {
                 assert_eq!(constant(module, "TILE"), f64::from(TILE), "{kernel:?}");
             }
         }
@@ -383,12 +359,12 @@ mod tests {
     #[test]
     fn an_error_names_the_file_and_the_line() {
         let mut source = compose(&kernels()[0]);
-        let at = source.text.find("fn render").expect("every kernel has it");
+        let at = source.text.find("fn main").expect("every kernel has it");
         let line = source.text[..at].lines().count() + 1;
-        assert_eq!(source.place(line), "shaders/main/viewing_rays.wgsl:2");
+        assert_eq!(source.place(line), "shaders/main/viewing_rays.wgsl:3");
         source.text.replace_range(at..at + 2, "fm");
         let error = validate(&source, Capabilities::empty()).expect_err("broken on purpose").to_string();
-        assert!(error.contains("shaders/main/viewing_rays.wgsl:2:1"), "{error}");
+        assert!(error.contains("shaders/main/viewing_rays.wgsl:3:1"), "{error}");
     }
 
     /// The name and offset of each member, and the size, of a WGSL struct.

@@ -12,15 +12,14 @@ use super::Gpu;
 use super::compose::Step;
 use super::input::{Input, KernelRays, Output};
 use super::sizes::{HOST_SPHERES, PAIRS, PIECES};
-use super::transfers::{Band, Entries};
+use super::transfers::{Band, GeneralListsOfBand, few_generals, uploads};
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{ByHost, Placer};
 use crate::certify::tiles::Placed;
 use crate::error::{Error, Result};
-use crate::kernel::{Generals, Kernel, KernelOutput, Sharing};
+use crate::kernel::{Generals, Kernel, KernelOutput, Task};
 use crate::memory::Pool;
 use crate::scene::{Scene, Spheres};
-use crate::search::tile_candidates::CandidateList;
 use crate::tile::TILE;
 use crate::view::{View, ViewRecord};
 use held::{Held, PlacedFor, Reach, Starts};
@@ -39,6 +38,16 @@ pub(crate) enum Rendered {
     Frame(Box<BinnedScene>),
     Left(String),
 }
+
+/// What the host binned of the spheres once a device has placed them, or why the device cannot.
+enum Placing {
+    Done(Box<BinnedScene>),
+    Refused(String),
+}
+
+/// Bytes of a pixel in the largest binding of a frame: three minima, or two vectors of a ray's start.
+const MINIMA: u64 = 12;
+const START: u64 = 32;
 
 /// Whether a device numbers so many spheres.
 fn can_hold(spheres: &Spheres) -> bool {
@@ -106,65 +115,30 @@ impl Gpu {
         let ResidentFrame { scene, view, placer, .. } = frame;
         self.forget_hits();
         let mut binned = match output.timings.time("place", || self.place(frame))? {
-            Ok(binned) => binned,
-            Err(reason) => return Ok(Rendered::Left(reason)),
+            Placing::Done(binned) => binned,
+            Placing::Refused(reason) => return Ok(Rendered::Left(reason)),
         };
-        let generals = Generals::of(binned.generals.len());
-        let lists = if generals == Generals::Lists { 2 } else { 0 };
-        // Besides the outputs: records, minima, general spheres with their lists, colours.
-        let bound = KernelOutput::of(kernel).count() + 2 + lists + usize::from(kernel.colors);
-        let most = self.limits.max_storage_buffers_per_shader_stage;
-        // The starts of rays from the hits, where there is room for one more.
-        let asked_for_starts = kernel.starts;
-        let starts = asked_for_starts && bound < most as usize;
-        let kernel = Kernel { sharing: Sharing::None, generals, starts, ..*kernel };
-        if bound > most as usize {
-            return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
-        }
-        let samples = kernel.samples;
-        let large = self.resident.held.as_ref().is_some_and(|held| held.pieces > 0);
-        output.timings.time("pipeline", || {
-            self.step(Step::Small { samples })?;
-            if large {
-                self.step(Step::Large { samples })?;
-            }
-            self.pipeline(&kernel)
-        })?;
-        let candidates = Some(CandidateList::Certified(&binned));
-        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing, candidates };
-        output.timings.time("upload", || self.upload_resident(&kernel, &input))?;
+        let asked_for_starts = kernel.leaves_starts();
+        let Some(kernel) = self.that_binds(kernel, &binned) else {
+            let most = self.limits.max_storage_buffers_per_shader_stage;
+            return Ok(Rendered::Left(format!(
+                "the kernel binds more storage buffers than {most}, the adapter's most"
+            )));
+        };
+        output.timings.time("pipeline", || self.pipelines_of_frame(&kernel))?;
+        output.timings.time("upload", || self.upload_resident(&kernel, scene, view, &binned))?;
         let record = view.record;
-        let mut pairs = Vec::new();
         let rows = self.rows_of_band(&kernel, &record);
-        let mut first = record.first_row;
-        let end = record.first_row + record.rows;
-        while first < end {
-            let band = Band { first, count: (end - first).min(rows - first % TILE) };
-            if !go_on(band.before(&kernel, &record)) {
-                return Err(Error::Interrupted);
-            }
-            if generals == Generals::Lists && !(band.count == record.rows && self.has_lists()) {
-                let entries = Entries::of(&CandidateList::Certified(&binned), &band);
-                entries.upload(&CandidateList::Certified(&binned), |name, parts| match name {
-                    "projected" => Ok(()),
-                    _ => self.fill_parts(name, parts),
-                })?;
-            }
-            self.know_lists(generals == Generals::Lists && band.count == record.rows);
-            output.timings.time("trace", || self.trace_band(&kernel, &record, &band))?;
-            output.timings.time("readback", || self.read_back(&kernel, &record, &band, 0, output.raw))?;
-            let Some(found) = self.take_pairs()? else {
-                return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
-            };
-            let before = band.before(&kernel, &record) as u32;
-            pairs.extend(found.into_iter().map(|[pixel, slot]| [pixel + before, slot]));
-            first += band.count;
-        }
+        let Some(mut pairs) = self.trace_bands(&kernel, &record, rows, &binned, output, go_on)? else {
+            return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
+        };
         if asked_for_starts {
-            self.resident.starts = Some(match rows >= record.rows + record.first_row % TILE {
-                _ if !starts => Err("the adapter binds too few buffers to keep the hits"),
-                true => Ok(Starts { record, unit: view.unit }),
-                false => Err("the adapter holds the hits of a part of the image only"),
+            self.resident.starts = Some(if !kernel.leaves_starts() {
+                Err("the adapter binds too few buffers to keep the hits")
+            } else if rows < record.rows + record.first_row % TILE {
+                Err("the adapter holds the hits of a part of the image only")
+            } else {
+                Ok(Starts { record, unit: view.unit })
             });
         }
         if !pairs.is_empty() {
@@ -172,48 +146,106 @@ impl Gpu {
             pairs.iter_mut().for_each(|[_, slot]| *slot = held.map_or(*slot, |held| held.id(*slot)));
             output.timings.time("settle", || placer.list(scene, view, &mut binned, pairs));
         }
-        Ok(Rendered::Frame(Box::new(binned)))
+        Ok(Rendered::Frame(binned))
     }
 
-    /// Whether the lists of general spheres of the whole frame were sent after the spheres were placed.
-    fn has_lists(&self) -> bool {
-        self.resident.held.as_ref().is_some_and(|held| held.has_lists)
+    /// The kernel for a frame with these general spheres, with starts of rays from the hits where the adapter binds one buffer
+    /// more; the number of buffers that the kernel needs where it binds too few.
+    fn that_binds(&self, kernel: &Kernel, binned: &BinnedScene) -> std::result::Result<Kernel, usize> {
+        let Task::Certified { unproved, depth_interval, starts, .. } = kernel.task else { return Ok(*kernel) };
+        let generals = Generals::of(binned.generals.len());
+        let lists = if generals == Generals::Lists { 2 } else { 0 };
+        // Besides the outputs: records, minima, general spheres with their lists, colours.
+        let bound = KernelOutput::of(kernel).count() + 2 + lists + usize::from(kernel.colors);
+        let most = self.limits.max_storage_buffers_per_shader_stage as usize;
+        let starts = starts && bound < most;
+        let task = Task::Certified { generals, unproved, depth_interval, starts };
+        if bound <= most { Ok(Kernel { task, ..*kernel }) } else { Err(bound) }
     }
 
-    fn know_lists(&mut self, known: bool) {
-        if let Some(held) = &mut self.resident.held {
-            held.has_lists = known;
+    fn pipelines_of_frame(&mut self, kernel: &Kernel) -> Result<()> {
+        let samples = kernel.samples;
+        self.step(Step::Small { samples })?;
+        if self.resident.held.as_ref().is_some_and(|held| held.pieces > 0) {
+            self.step(Step::Large { samples })?;
         }
+        self.pipeline(kernel)
     }
 
-    /// Places the spheres; what was placed for the same view is kept. The inner error is why the host has to do it.
-    fn place(&mut self, frame: ResidentFrame<'_>) -> Result<std::result::Result<BinnedScene, String>> {
-        let Some(mut held) = self.resident.held.take() else { return Ok(Err("the device holds no spheres".into())) };
-        let placed = self.place_held(&mut held, frame);
-        self.resident.held = Some(held);
-        placed
-    }
-
-    fn place_held(
+    /// Traces the frame in bands of so many rows: the spheres at pixels that are not proved, as pixel and slot; `None` where
+    /// there are too many.
+    fn trace_bands(
         &mut self,
-        held: &mut Held,
-        frame: ResidentFrame<'_>,
-    ) -> Result<std::result::Result<BinnedScene, String>> {
+        kernel: &Kernel,
+        record: &ViewRecord,
+        rows: u32,
+        binned: &BinnedScene,
+        output: &mut Output<'_>,
+        go_on: &dyn Fn(u64) -> bool,
+    ) -> Result<Option<Vec<[u32; 2]>>> {
+        let mut pairs = Vec::new();
+        let mut first = record.first_row;
+        let end = record.first_row + record.rows;
+        while first < end {
+            let band = Band { first, count: (end - first).min(rows - first % TILE) };
+            let before = band.before(kernel, record);
+            if !go_on(before) {
+                return Err(Error::Interrupted);
+            }
+            self.upload_general_lists(record, &band, binned)?;
+            output.timings.time("trace", || self.trace_band(kernel, record, &band))?;
+            output.timings.time("readback", || self.read_back(kernel, record, &band, output.raw))?;
+            let Some(found) = self.take_pairs()? else { return Ok(None) };
+            pairs.extend(found.into_iter().map(|[pixel, slot]| [pixel + before as u32, slot]));
+            first += band.count;
+        }
+        Ok(Some(pairs))
+    }
+
+    /// Sends the lists of general spheres of a band, unless those of the whole frame were sent after the spheres were placed.
+    fn upload_general_lists(&mut self, record: &ViewRecord, band: &Band, binned: &BinnedScene) -> Result<()> {
+        let has_lists = Generals::of(binned.generals.len()) == Generals::Lists;
+        let is_whole = has_lists && band.count == record.rows;
+        let known = self.resident.held.as_ref().is_some_and(|held| held.has_lists);
+        if has_lists && !(is_whole && known) {
+            let lists = GeneralListsOfBand::new(binned, band);
+            self.fill("generals_storage", bytemuck::cast_slice(&binned.generals))?;
+            self.fill_parts("lists", &lists.parts(binned))?;
+        }
+        if let Some(held) = &mut self.resident.held {
+            held.has_lists = is_whole;
+        }
+        Ok(())
+    }
+
+    /// Runs `work` with the spheres that the device holds; `None` where it holds none.
+    fn with_held<T>(&mut self, work: impl FnOnce(&mut Self, &mut Held) -> Result<T>) -> Result<Option<T>> {
+        let Some(mut held) = self.resident.held.take() else { return Ok(None) };
+        let done = work(self, &mut held);
+        self.resident.held = Some(held);
+        done.map(Some)
+    }
+
+    /// Places the spheres; what was placed for the same view is kept.
+    fn place(&mut self, frame: ResidentFrame<'_>) -> Result<Placing> {
+        let placing = self.with_held(|gpu, held| gpu.place_held(held, frame))?;
+        Ok(placing.unwrap_or_else(|| Placing::Refused("the device holds no spheres".into())))
+    }
+
+    fn place_held(&mut self, held: &mut Held, frame: ResidentFrame<'_>) -> Result<Placing> {
         let ResidentFrame { scene, view, placer, pool } = frame;
         let record = placer.record(0.0);
         let key = PlacedFor { camera: scene.camera, placing: record, lens: placer.lens(), tiles: view.record.tiles() };
         if let Some((_, binned)) = held.placed.as_ref().filter(|(known, _)| *known == key) {
-            return Ok(Ok(binned.clone()));
+            return Ok(Placing::Done(Box::new(binned.clone())));
         }
         (held.placed, held.has_lists) = (None, false);
         self.refill("placing", bytemuck::bytes_of(&record))?;
         self.refill("view", bytemuck::bytes_of(&view.record))?;
         let mut counts = self.place_blocks(held)?;
         if counts.host > HOST_SPHERES {
-            return Ok(Err(format!(
-                "{} spheres lie around the eye or too near, more than {HOST_SPHERES}",
-                counts.host
-            )));
+            let reason = format!("{} spheres lie around the eye or too near, more than {HOST_SPHERES}", counts.host);
+            return Ok(Placing::Refused(reason));
         }
         let ByHost { binned, guests, reference } = placer.by_host(scene, view, &counts.summary, pool);
         if reference > 0.0 {
@@ -226,11 +258,11 @@ impl Gpu {
             counts.pieces = self.cut_guests(block)?;
         }
         if counts.pieces > u64::from(PIECES) {
-            return Ok(Err(format!("more than {PIECES} pieces of large spheres")));
+            return Ok(Placing::Refused(format!("more than {PIECES} pieces of large spheres")));
         }
         held.pieces = counts.pieces as u32;
         held.placed = Some((key, binned.clone()));
-        Ok(Ok(binned))
+        Ok(Placing::Done(Box::new(binned)))
     }
 
     /// The records of all spheres as placed last; `None` for those that have none.
@@ -238,25 +270,24 @@ impl Gpu {
     /// # Errors
     /// Those of the device.
     pub(crate) fn records(&mut self) -> Result<Vec<Option<Placed>>> {
-        let Some(held) = self.resident.held.take() else { return Ok(Vec::new()) };
-        let mut all = Vec::new();
-        for block in held.blocks.iter().filter(|block| block.spheres.is_some()) {
-            all.extend(self.records_of(block)?);
-        }
-        self.resident.held = Some(held);
-        Ok(all)
+        let all = self.with_held(|gpu, held| {
+            let blocks = held.blocks.iter().filter(|block| block.spheres.is_some());
+            blocks.map(|block| gpu.records_of(block)).collect::<Result<Vec<_>>>()
+        })?;
+        Ok(all.into_iter().flatten().flatten().collect())
     }
 
     /// The inputs of the kernel besides what each band has.
-    fn upload_resident(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
+    fn upload_resident(&mut self, kernel: &Kernel, scene: &Scene, view: &View, binned: &BinnedScene) -> Result<()> {
+        self.refill("projection", bytemuck::bytes_of(&binned.projection))?;
+        if let Task::Certified { generals: Generals::Few, .. } = kernel.task {
+            self.refill("generals_uniform", bytemuck::cast_slice(&few_generals(binned)))?;
+        }
+        // Colours are sent once, with the spheres.
         let known = self.resident.held.as_ref().is_some_and(|held| held.has_colors);
-        for (name, bytes) in super::transfers::uploads(kernel, input) {
-            match name {
-                // Colours are sent once, with the spheres.
-                "colors" if known => {}
-                "colors" => self.fill(name, bytes)?,
-                _ => self.refill(name, bytes)?,
-            }
+        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing };
+        for (name, bytes) in uploads(kernel, &input).into_iter().filter(|_| !known) {
+            self.fill(name, bytes)?;
         }
         if let Some(held) = self.resident.held.as_mut().filter(|_| kernel.colors) {
             held.has_colors = true;
@@ -267,7 +298,8 @@ impl Gpu {
     /// Rows of pixels whose minima and outputs fit a binding, a multiple of a tile's.
     fn rows_of_band(&self, kernel: &Kernel, record: &ViewRecord) -> u32 {
         let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
-        let rows = largest / (if kernel.starts { 32 } else { 12 } * u64::from(record.columns));
+        let bytes = if kernel.leaves_starts() { START } else { MINIMA };
+        let rows = largest / (bytes * u64::from(record.columns));
         ((rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE).max(TILE)
     }
 
@@ -276,14 +308,11 @@ impl Gpu {
         let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
         let pixels = record.pixels() as u64;
         self.refill("view", bytemuck::bytes_of(&record))?;
-        self.reserve("minima", 12 * pixels, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
+        self.reserve("minima", MINIMA * pixels, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
         self.reserve_outputs(kernel, pixels);
-        if kernel.starts {
-            self.reserve("starts", 32 * pixels, wgpu::BufferUsages::STORAGE);
+        if kernel.leaves_starts() {
+            self.reserve("starts", START * pixels, wgpu::BufferUsages::STORAGE);
         }
-        let Some(held) = self.resident.held.take() else { return Ok(()) };
-        let done = self.submit_steps(kernel, &held, pixels, record.tiles());
-        self.resident.held = Some(held);
-        done
+        self.with_held(|gpu, held| gpu.submit_steps(kernel, held, pixels, record.tiles())).map(drop)
     }
 }

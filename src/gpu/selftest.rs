@@ -5,13 +5,11 @@
 mod cache;
 mod cases;
 mod judge;
-mod pace;
 #[cfg(test)]
 mod tests;
 mod twin;
 pub(super) mod verdict;
 
-pub(crate) use pace::Pace;
 pub use verdict::{Check, Rounding, Usable, Verdict};
 
 use crate::error::{Error, Result};
@@ -75,7 +73,7 @@ impl Gpu {
     pub(crate) fn verdict(&mut self) -> Result<&Verdict> {
         if self.verdict.is_none() {
             let key = self.key();
-            match cache::read(cache::folder(), cache::VERDICT, &self.summary, &key) {
+            match cache::read(cache::folder(), &self.summary, &key) {
                 Some(verdict) => self.verdict = Some(verdict),
                 None => return self.retest(),
             }
@@ -107,7 +105,7 @@ impl Gpu {
     /// Measures again, ignoring the cache, and stores the verdict.
     pub(crate) fn retest(&mut self) -> Result<&Verdict> {
         let verdict = self.measure()?;
-        cache::write(cache::folder(), cache::VERDICT, &self.summary, &self.key(), &verdict);
+        cache::write(cache::folder(), &self.summary, &self.key(), &verdict);
         Ok(self.verdict.insert(verdict))
     }
 
@@ -247,7 +245,7 @@ fn conclude(checks: Vec<Check>, has_f64: bool) -> Verdict {
 }
 
 /// Measures every adapter, or reads the verdict from the user's cache unless `again`, in the order of
-/// [`adapters`](crate::adapters); if `again`, also the times that decide between software and the CPU path. An adapter that cannot be opened, or loses the device, has an error of its own.
+/// [`adapters`](crate::adapters). An adapter that cannot be opened, or loses the device, has an error of its own.
 ///
 /// # Errors
 /// [`Error::Adapter`] if WGPU_BACKEND names an unknown backend.
@@ -257,9 +255,6 @@ pub fn verdicts(again: bool) -> Result<Vec<Result<Verdict>>> {
         let mut gpu = Gpu::new(device::open(&found)?, found.summary);
         if !again {
             return gpu.verdict().cloned();
-        }
-        if gpu.summary.is_software() {
-            Pace::measured(&mut gpu)?;
         }
         gpu.retest().cloned()
     };

@@ -5,7 +5,7 @@ use crate::answers::raw::Raw;
 use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
 use crate::gpu::transfers::Band;
-use crate::kernel::{Kernel, KernelOutput, RaySource};
+use crate::kernel::{Kernel, KernelOutput};
 use crate::view::ViewRecord;
 use std::time::Instant;
 
@@ -93,16 +93,9 @@ impl Gpu {
         }
     }
 
-    /// Takes the outputs that [`Gpu::ask`] mapped. `first_entry` is where the band's lists begin among those of the frame.
-    pub(super) fn read_back(
-        &mut self,
-        kernel: &Kernel,
-        record: &ViewRecord,
-        band: &Band,
-        first_entry: u32,
-        raw: &mut Raw,
-    ) -> Result<()> {
-        let row = if kernel.rays == RaySource::Camera { record.columns as usize } else { 1 };
+    /// Takes the outputs that [`Gpu::ask`] mapped.
+    pub(super) fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
+        let row = if kernel.has_pixels() { record.columns as usize } else { 1 };
         let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
         for output in KernelOutput::of(kernel) {
             let bytes = pixels as u64 * output.bytes();
@@ -110,9 +103,6 @@ impl Gpu {
             raw.store(output.name, first, pixels, &mapped(buffer, bytes)?);
             buffer.unmap();
             self.traffic.down += bytes;
-        }
-        if kernel.winners && first_entry > 0 {
-            raw.move_slots(first..first + pixels, first_entry);
         }
         Ok(())
     }

@@ -2,16 +2,13 @@
 
 use super::submission_budget::SubmissionBudget;
 use crate::answers::raw::Raw;
-use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
 use crate::error::Error;
 use crate::frame::report::Timings;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
-use crate::kernel::{Generals, Kernel};
+use crate::kernel::Kernel;
 use crate::memory::Pool;
-use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::shade::Shade;
 use crate::testing::adapter_or_skip;
 use crate::view::View;
@@ -31,16 +28,8 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
     let mut view = View::new(&scene).expect("a view");
     view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
     let pool = Pool::default();
-    let binned = BinnedScene::new((&scene, None), &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
     let mut raw = Raw::new(kernel, (SIZE[0] * SIZE[1]) as usize, &pool).expect("room");
-    let tile_candidates = |binned| {
-        CandidateList::Uncertified(TileCandidates::new(&view, &scene.spheres, binned, kernel.is_wide(), &pool))
-    };
-    let candidates = match kernel.certify {
-        true => binned.as_ref().map(CandidateList::Certified),
-        false => binned.as_ref().filter(|_| kernel.tiles).map(tile_candidates),
-    };
-    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing, candidates };
+    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing };
     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
     let told = Cell::new(Vec::new());
     let next = |done| {
@@ -68,16 +57,14 @@ fn two() -> Option<[Gpu; 2]> {
     Some([open(), open()])
 }
 
-/// A kernel of an uncertified method and a certified kernel.
-fn kernels(gpu: &Gpu) -> [Kernel; 2] {
-    let plain = Kernel {
-        sharing: gpu.summary.sharing(),
+/// Kernels of methods in f32 and in wider arithmetic.
+fn kernels() -> [Kernel; 2] {
+    [Method::Stable, Method::DoubleFloat].map(|method| Kernel {
         shade: Some(Shade::Flat),
         colors: true,
         t: true,
-        ..Kernel::bare(Method::Stable)
-    };
-    [plain, Kernel { certify: true, generals: Generals::Lists, ..plain }.winners()]
+        ..Kernel::of_method(method)
+    })
 }
 
 /// A frame in bands has the same bits, also after a cancelled frame.
@@ -85,9 +72,7 @@ fn kernels(gpu: &Gpu) -> [Kernel; 2] {
 fn a_frame_of_several_bands_has_the_same_bits() {
     let Some([mut whole, mut cut]) = two() else { return };
     cut.budget = SubmissionBudget::minimal();
-    let [plain, certified] = kernels(&whole);
-    let wide = Kernel { method: Method::DoubleFloat, ..plain };
-    for kernel in [plain, certified, wide, Kernel { tiles: true, ..plain }, Kernel { tiles: true, ..wide }] {
+    for kernel in kernels() {
         let (one, bands) = frame(&mut whole, &kernel, usize::MAX);
         assert_eq!(bands, 1, "{kernel:?} is light");
         for ended in [3, usize::MAX] {
@@ -111,8 +96,7 @@ fn a_lost_device_is_reported() {
     for last in 0..4 {
         let Some([mut gpu, _]) = two() else { return };
         gpu.budget = SubmissionBudget::minimal();
-        let [plain, certified] = kernels(&gpu);
-        for kernel in [plain, certified] {
+        for kernel in kernels() {
             frame(&mut gpu, &kernel, usize::MAX).0.expect("a frame");
             let device = gpu.open.device.clone();
             if last == 0 {
@@ -160,25 +144,15 @@ fn an_adapter_that_does_not_open_is_skipped() {
     assert!(device::open_first(&all, open, &mut passed_over).is_some() && passed_over.len() == 1, "{passed_over:?}");
 }
 
-/// Lists that exceed a binding are split; a scene that cannot be split is refused with the number of spheres that fits.
+/// A scene that exceeds a binding is refused with the number of spheres that fits.
 #[test]
-fn lists_beyond_a_binding_are_split_or_refused_with_the_number_that_fits() {
-    let Some([mut whole, mut small]) = two() else { return };
-    let [plain, certified] = kernels(&whole);
-    for kernel in [certified, Kernel { tiles: true, ..plain }] {
-        let (one, bands) = frame(&mut whole, &kernel, usize::MAX);
-        assert_eq!(bands, 1);
-        small.limits.max_storage_buffer_binding_size = if kernel.certify { 12 << 10 } else { 24 << 10 };
-        let (many, bands) = frame(&mut small, &kernel, usize::MAX);
-        assert!(bands > 1 && many.expect("a frame") == one.expect("a frame"), "{bands} bands");
-    }
-    for (kernel, binding, fit) in [(plain, 8 << 10, 256), (plain, 4 << 10, 128), (certified, 4 << 10, 341)] {
+fn a_scene_beyond_a_binding_is_refused_with_the_number_that_fits() {
+    let Some([mut small, _]) = two() else { return };
+    let [plain, _] = kernels();
+    for (binding, fit) in [(8 << 10, 256), (4 << 10, 128)] {
         small.limits.max_storage_buffer_binding_size = binding;
-        match frame(&mut small, &kernel, usize::MAX).0 {
-            Err(Error::Limits { mend, .. }) => {
-                let number: u64 = mend.split(' ').find_map(|word| word.parse().ok()).expect("a number");
-                assert!((1..=fit).contains(&number) && (kernel.certify || number == fit), "{mend}");
-            }
+        match frame(&mut small, &plain, usize::MAX).0 {
+            Err(Error::Limits { mend, .. }) => assert!(mend.contains(&format!("at most {fit} spheres")), "{mend}"),
             other => panic!("{binding} bytes a binding: {:?}", other.map(|_| "a frame")),
         }
     }

@@ -31,9 +31,6 @@ const NEAR_TILE: u64 = 12;
 /// Bytes per entry of these lists: in the list of its cell and in that of all, each with capacity for twice as many at most.
 const NEAR_ENTRY: u64 = 2 * 2 * size_of::<u32>() as u64;
 
-/// Bytes per pixel of what a kernel that only searches writes: a slot and two bounds.
-const WINNER: u64 = 12;
-
 /// Frames keep ids as i32.
 const MOST: u64 = i32::MAX as u64;
 
@@ -61,9 +58,7 @@ impl Need {
         let records = record + if wide { size_of::<SphereResiduals>() as u64 } else { 0 };
         let sphere = match plan.accuracy {
             Accuracy::Exact => exact::BYTES_PER_SPHERE,
-            Accuracy::Certified => STAGED,
-            // The lists, and the method's own records, which are made for the upload band by band.
-            _ if plan.kernel.tiles => STAGED + records,
+            _ if plan.kernel.is_certified() => STAGED,
             // Two copies while it is uploaded.
             _ if gpu => 2 * records,
             // The twin has copies in its own number type.
@@ -82,13 +77,8 @@ impl Need {
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.
         let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
-        // The kernel's buffers also exist on the device, which may share the host's memory. A software device writes slots
-        // and bounds instead, which the host reads.
-        let device = match plan.accuracy {
-            _ if !gpu => 0,
-            Accuracy::Fast => kernel,
-            _ => kernel.max(2 * WINNER),
-        };
+        // The kernel's buffers also exist on the device, which may share the host's memory.
+        let device = if gpu { kernel } else { 0 };
         let each = bytes_per_pixel(&plan.kernel, &settings.aovs, scene.lighting.lights.len() as u64, gpu)
             + sampled
             + exact
@@ -172,12 +162,12 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], lights: u64, gpu: bool) -> u64
     });
     let vectors = u64::from(kernel.normal) + u64::from(kernel.shade.is_some());
     // A method on the CPU path stores both parts of t, requested or not.
-    let t = match gpu || kernel.certify {
+    let t = match gpu || kernel.is_certified() {
         true => u64::from(kernel.t) * if kernel.is_wide() { 2 } else { 1 },
         false => 2,
     };
     let depth = 8 * u64::from(kernel.has_depths());
-    4 + 4 * (t + u64::from(kernel.depth_interval)) + depth + 12 * vectors + made.sum::<u64>()
+    4 + 4 * (t + u64::from(kernel.has_depth_interval())) + depth + 12 * vectors + made.sum::<u64>()
 }
 
 #[cfg(test)]
@@ -214,7 +204,7 @@ mod tests {
             let setup =
                 FrameSetup::new(plan, (&scene, None), &settings, raster, &Pool::default(), &mut Timings::default());
             let setup = setup.expect("a setup");
-            let binned = setup.binned.as_ref().expect("bins");
+            let binned = setup.binned().expect("bins");
             assert!(!binned.generals.is_empty(), "{count} of radius {radius}");
             let need = bare.with_generals(Some(binned), &setup.view);
             // What is still allocated once the lists are made.

@@ -7,23 +7,25 @@ mod work;
 use super::budget::Need;
 use super::frame::FrameRays;
 use super::place::Executor;
+use super::plan::engine::Engine;
 use super::plan::{Plan, lights};
 use super::renderer::Renderer;
-use super::setup::FrameSetup;
+use super::setup::{FrameSetup, Stage};
+use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::frame::report::Timings;
-use crate::gpu::compose::compose;
+use crate::gpu::compose::shaders;
 use crate::intersect::Method;
-use crate::kernel::{Kernel, Sharing};
+use crate::kernel::Kernel;
 use crate::memory::{self, Pool};
 use crate::quote::setting::{ACCURACY, BOUNCES, OCCLUSION, SHADOWS};
 use crate::scene::camera::CameraRecord;
 use crate::scene::{Light, Scene, Sky};
-use crate::settings::{Accuracy, Backend, Search, Settings};
+use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
 use crate::view::raster::Raster;
-use work::Work;
+use work::WorkOfPasses;
 
 pub use explanation::{
     BinnedCounts, DeviceBuffer, Explanation, LeftOut, MaterialCounts, PixelRays, Room, ShaderFile, Shown,
@@ -58,23 +60,21 @@ impl Renderer {
         Ok(explanation)
     }
 
-    /// The WGSL that would be compiled here for `scene`, with the name of its file above each part. On the CPU path it
-    /// is the kernel of an adapter that does not share loads. Where an adapter places the spheres (search splat) it is the
-    /// kernel that certifies.
+    /// The WGSL that would be compiled for `scene` on an adapter: every shader of a frame, one after the other, with its purpose
+    /// above it and the name of its file above each part.
     ///
     /// # Errors
     /// Those of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
-        let composed = |this: &mut Self, plan: Plan, rays: FrameRays| {
+        let composed = |_: &mut Self, plan: Plan, rays: FrameRays| {
             let raster = Raster::centres(rays.window);
-            let plan = this.as_set_up(plan, scene, settings, raster)?;
-            let setup =
-                FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut Timings::default())?;
-            if !setup.is_traced() {
+            let setup = bare_setup(plan, scene, settings, raster)?;
+            if let Stage::Judge = setup.stage {
                 let problem = "exact answers are computed on the CPU without a kernel";
                 return Err(Error::settings(problem, format!("use another {ACCURACY} or camera")));
             }
-            Ok(compose(&this.kernel_of(&setup)).with_banners())
+            let all = shaders(&kernel_of(&setup)).into_iter();
+            Ok(all.map(|(purpose, source)| format!("// {purpose}\n\n{}", source.with_banners())).collect())
         };
         self.planned(scene, settings, composed).map(|(text, _)| text)
     }
@@ -83,33 +83,29 @@ impl Renderer {
     fn explanation(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let FrameRays { window, samples } = rays;
         let plan = self.as_set_up(plan, scene, settings, Raster::centres(window))?;
+        let refused = self.refused.take();
         let gpu = match &self.place {
-            Executor::Gpu(gpu) => Some(&**gpu),
-            Executor::Cpu => None,
+            Executor::Gpu(gpu) if refused.is_none() => Some(&**gpu),
+            _ => None,
         };
         let need = Need::of(&plan, settings, scene, window, gpu.is_some());
         let free = memory::free(&self.pool);
-        let setup = FrameSetup::new(
-            plan,
-            (scene, None),
-            settings,
-            Raster::centres(window),
-            &Pool::default(),
-            &mut Timings::default(),
-        )?;
-        let FrameSetup { plan, view, binned, .. } = &setup;
-        let need = need.with_generals(binned.as_ref(), view);
-        let kernel = self.kernel_of(&setup);
+        let setup = bare_setup(plan, scene, settings, Raster::centres(window))?;
+        let (plan, view, binned) = (&setup.plan, &setup.view, setup.binned());
+        let need = need.with_generals(binned, view);
+        let kernel = kernel_of(&setup);
         let predicted = setup.predicted(scene);
         let mut warnings = self.passed_over().to_vec();
-        warnings.extend(setup.warnings(scene, settings, predicted));
-        let on_device = gpu.filter(|_| setup.is_traced());
-        let mut work = on_device.map(|gpu| Work::of(&kernel, &setup, scene, gpu)).unwrap_or_default();
+        warnings.extend(setup.warnings(scene, predicted));
+        warnings.extend(refused);
+        let on_device = gpu.filter(|_| !matches!(setup.stage, Stage::Judge));
+        let mut work = WorkOfPasses::default();
+        if let Some(gpu) = on_device {
+            work.add(gpu.work(&kernel, view, scene, binned), 1);
+        }
         if let (Some(raster), Some(sampled), Some(gpu)) = (samples, plan.sampled, on_device) {
-            let plan = Plan { kernel: sampled, ..plan.clone() };
-            let passes =
-                FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut Timings::default())?;
-            work.add(Work::of(&self.kernel_of(&passes), &passes, scene, gpu), raster.count());
+            let passes = bare_setup(Plan { kernel: sampled, ..plan.clone() }, scene, settings, raster)?;
+            work.add(gpu.work(&kernel_of(&passes), &passes.view, scene, passes.binned()), raster.count());
         }
         Ok(Explanation {
             schema: "halfline-plan",
@@ -135,15 +131,15 @@ impl Renderer {
             exposure: settings.exposure,
             backend: if gpu.is_some() { "gpu" } else { "cpu" },
             backend_reason: self.backend_reason().to_owned(),
-            adapter: self.adapter().to_owned(),
+            adapter: if gpu.is_some() { self.adapter() } else { cpu::NAME }.to_owned(),
             accuracy: plan.accuracy.name(),
             method: plan.method,
-            precision: precision(plan, setup.is_traced()),
+            precision: precision(&setup),
             tolerance: settings.promise().relative(),
             predicted,
-            search: plan.search.name(),
-            search_reason: plan.search_reason.to_owned(),
-            staged: binned.as_ref().map(|binned| BinnedCounts::of(binned, scene)),
+            search: plan.engine.name(),
+            search_reason: plan.engine.reason().to_owned(),
+            staged: binned.map(|binned| BinnedCounts::of(binned, scene)),
             frame: frame(settings, scene.lighting.lights.len(), [window.width(), window.height()]),
             left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
             reason: plan.reason.clone(),
@@ -157,21 +153,35 @@ impl Renderer {
     }
 }
 
-fn precision(plan: &Plan, traced: bool) -> String {
-    let host = match plan.search {
-        Search::Splat => "spheres are placed with the bits of f64 by integers on the device",
+/// The setup as the host makes it, also of a frame that a device would place.
+fn bare_setup(plan: Plan, scene: &Scene, settings: &Settings, raster: Raster) -> Result<FrameSetup> {
+    FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut Timings::default())
+}
+
+/// The kernel of a setup by the host, for its general spheres.
+fn kernel_of(setup: &FrameSetup) -> Kernel {
+    setup.plan.kernel.with_generals(setup.binned().map_or(0, |binned| binned.generals.len()))
+}
+
+fn precision(setup: &FrameSetup) -> String {
+    let plan = &setup.plan;
+    let host = match plan.engine {
+        Engine::Resident => "spheres are placed with the bits of f64 by integers on the device",
         _ => "spheres are moved relative to the eye in f64 on the host",
     };
-    match (plan.accuracy, plan.kernel.method) {
-        (Accuracy::Exact, _) => "double-double and exact integers on the CPU, every pixel".into(),
-        _ if !traced => {
+    match (plan.engine, plan.accuracy, plan.kernel.method()) {
+        (Engine::Judge, Accuracy::Exact, _) => "double-double and exact integers on the CPU, every pixel".into(),
+        (Engine::Judge, ..) => {
             "double-double and exact integers on the CPU, every pixel: f32 cannot bound this field of view".into()
         }
-        (Accuracy::Certified, _) => {
+        (_, Accuracy::Certified, _) => {
             format!("f32 with an error bound; {host}; unsure pixels are settled in exact arithmetic")
         }
-        (_, Method::Native64) => format!("f64; {host} and passed as sums of two f32"),
-        (_, Method::DoubleFloat) => format!("sums of two f32 (48 bits), if the adapter passes the self-test; {host}"),
+        (_, _, None) => format!("f32 with an error bound; {host}; unsure pixels take their nearest candidate"),
+        (.., Some(Method::Native64)) => format!("f64; {host} and passed as sums of two f32"),
+        (.., Some(Method::DoubleFloat)) => {
+            format!("sums of two f32 (48 bits), if the adapter passes the self-test; {host}")
+        }
         _ => format!("f32; {host} and rounded once"),
     }
 }
@@ -305,14 +315,11 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
     }
     match plan.accuracy {
         Accuracy::Fast => leave("certificate", "the accuracy is fast"),
-        _ if !kernel.depth_interval => leave("width of the depth's interval", "no bound is requested"),
+        _ if !kernel.has_depth_interval() => leave("width of the depth's interval", "no bound is requested"),
         _ => {}
     }
     if !kernel.is_wide() {
         leave("low parts of the spheres", "only methods beyond f32 read them");
-    }
-    if device && kernel.sharing == Sharing::None {
-        leave("sharing of loads", "this adapter's hardware shares loads, or it has no suitable subgroups");
     }
     out
 }

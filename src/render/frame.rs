@@ -8,15 +8,15 @@ use super::missed::missed;
 use super::order::Ordered;
 use super::place::Executor;
 use super::plan::Plan;
-use super::plan::search::{Device, NOT_PLACED};
+use super::plan::engine::Engine;
 use super::renderer::Renderer;
-use super::setup::FrameSetup;
+use super::setup::{FrameSetup, ResidentSetup, Stage};
 use crate::answers::assemble::Answers;
 use crate::answers::lit::Lit;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
-use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
+use crate::certify::placing::Placer;
 use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
@@ -30,8 +30,8 @@ use crate::progress::Step;
 use crate::quote::setting::{ACCURACY, BACKEND};
 use crate::scene::Scene;
 use crate::scene::camera::CameraRecord;
-use crate::search::tile_candidates::CandidateList;
-use crate::settings::{Accuracy, Backend, Search, Settings};
+use crate::settings::{Accuracy, Backend, Settings};
+use crate::view::View;
 use crate::view::raster::Raster;
 use crate::window::Window;
 use crate::{cpu, memory};
@@ -47,9 +47,9 @@ pub(super) struct FrameRays {
     pub(super) samples: Option<Raster>,
 }
 
-/// The most spheres that a ray tests one after the other on a software adapter: llvmpipe ends all loops of a shader after 65,536
-/// iterations, in each of which a ray tests eight.
-const LONGEST: u32 = 500_000;
+/// Why a device leaves a frame to the CPU path before it is asked.
+const NOT_PLACED: &str = "the device cannot place these spheres for this camera";
+const NOTHING: &str = "it has no spheres";
 
 impl Renderer {
     /// Renders `scene`. The backend and adapter of `settings` take effect in [`Renderer::new`] only.
@@ -71,7 +71,9 @@ impl Renderer {
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
         let known = |this: &mut Self, plan: Plan, rays: FrameRays| {
             let plan = this.as_set_up(plan, scene, settings, Raster::centres(rays.window))?;
-            Ok(this.report(&plan, scene, settings, rays.samples))
+            let mut report = this.report(&plan, scene, settings, rays.samples);
+            report.warnings.extend(this.refused.take());
+            Ok(report)
         };
         self.planned(scene, settings, known).map(|(report, _)| report)
     }
@@ -84,7 +86,8 @@ impl Renderer {
         work: impl FnOnce(&mut Self, Plan, FrameRays) -> Result<T>,
     ) -> Result<(T, Option<String>)> {
         let by_host = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
-        let plan = by_host.clone().on(self.device(), settings)?;
+        let plan = if self.is_gpu() { by_host.clone().on_device() } else { by_host.clone() };
+        self.refused = None;
         let window = settings.window_of(scene)?;
         settings.check_lighting(scene)?;
         let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
@@ -92,7 +95,9 @@ impl Renderer {
         let samples = plan.sampled.map(|_| samples.unwrap_or(Raster::centres(window)));
         let rays = FrameRays { window, samples };
         Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
-        self.check_method(plan.kernel.method)?;
+        if let Some(method) = plan.kernel.method() {
+            self.check_method(method)?;
+        }
         let Some(blocker) = self.certification_blocker(plan.accuracy)? else {
             return work(self, plan, rays).map(|done| (done, None));
         };
@@ -103,19 +108,9 @@ impl Renderer {
             });
         }
         let adapter = std::mem::replace(&mut self.place, Executor::Cpu);
-        let plan = by_host.on(self.device(), settings)?;
-        let done = work(self, plan, rays);
+        let done = work(self, by_host, rays);
         self.place = adapter;
         done.map(|done| (done, Some(format!("{blocker}: the CPU path is used instead"))))
-    }
-
-    /// What computes frames.
-    pub(super) fn device(&self) -> Device {
-        match &self.place {
-            Executor::Cpu => Device::Cpu,
-            Executor::Gpu(gpu) if gpu.summary.is_software() => Device::Software,
-            Executor::Gpu(_) => Device::Hardware,
-        }
     }
 
     /// Why this adapter may not certify; `None` if it may.
@@ -150,13 +145,13 @@ impl Renderer {
         self.traffic();
         self.frames += 1;
         // Of a frame that was interrupted.
-        (self.left_to_host, self.light_on_device) = (None, LightOnDevice::default());
+        (self.refused, self.left_to_host, self.light_on_device) = (None, None, LightOnDevice::default());
         let mut setup = self.setup(plan, scene, settings, Raster::centres(window), &mut timings)?;
         staging.end()?;
         let pixels = setup.view.record.pixels();
         let tolerance = settings.promise().relative();
         let mut raw = Raw::new(&setup.plan.kernel, pixels, &pool)?;
-        let settled = self.answer(&mut setup, scene, &mut raw, &mut timings)?;
+        let settled = self.answer(&mut setup, scene, settings, &mut raw, &mut timings)?;
         let FrameSetup { plan, view, .. } = &setup;
         watch.check()?;
         raw.settle(&settled);
@@ -180,8 +175,9 @@ impl Renderer {
         if let Some(shade) = plan.kernel.shade {
             timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
         }
-        let certify = plan.kernel.certify;
-        let answers = Answers { pool: &pool, view, raw, certify, settled: &settled, sampled, lit };
+        let certify = plan.kernel.is_certified();
+        let promised = plan.accuracy != Accuracy::Fast;
+        let answers = Answers { pool: &pool, view, raw, certify, promised, settled: &settled, sampled, lit };
         let buffers = timings.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
             Accuracy::Fast => timings.time("predict", || setup.predicted(scene)),
@@ -195,10 +191,11 @@ impl Renderer {
         report.hits = frame.buffers.iter().map(hits).sum();
         report.settled = settled.len() as u64;
         let proved = (pixels - settled.len()) as f64 / pixels as f64;
-        report.certified = setup.certified().map_or(0.0, |_| proved);
-        report.bound = certify.then(|| bound(&frame.buffers, tolerance));
+        report.certified = if setup.is_certified() { proved } else { 0.0 };
+        report.bound = promised.then(|| bound(&frame.buffers, tolerance));
         report.predicted = predicted;
-        report.warnings.extend(setup.warnings(scene, settings, predicted));
+        report.warnings.extend(setup.warnings(scene, predicted));
+        report.warnings.extend(self.refused.take());
         report.warnings.extend(self.left_to_host.take());
         report.light_on_device = self.light_on_device.take().share();
         report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
@@ -208,28 +205,27 @@ impl Renderer {
         report.host_ms = report.frame_ms.iter().map(|whole| (whole - busy.as_secs_f64() * 1e3).max(0.0)).collect();
         (report.bytes_up, report.bytes_down) = (up, down);
         report.kernel_ms = kernel_ms.into_iter().collect();
-        if let Some(binned) = setup.binned {
-            binned.put_back(&pool);
-        }
+        setup.put_back(&pool);
         Ok(frame)
     }
 
     /// The report of a frame before it is computed: what the plan decides; counts and times are 0 or empty.
     fn report(&self, plan: &Plan, scene: &Scene, settings: &Settings, samples: Option<Raster>) -> Report {
+        let on_device = self.is_gpu() && self.refused.is_none();
         Report {
             schema: "halfline-render",
             version: 1,
             halfline: env!("CARGO_PKG_VERSION"),
             spheres: scene.spheres.len() as u64,
-            adapter: self.adapter().to_owned(),
-            driver: self.driver(),
-            backend: if self.is_gpu() { "gpu" } else { "cpu" },
+            adapter: if on_device { self.adapter() } else { cpu::NAME }.to_owned(),
+            driver: if on_device { self.driver() } else { cpu::driver() },
+            backend: if on_device { "gpu" } else { "cpu" },
             backend_reason: self.backend_reason().to_owned(),
             method: plan.method,
             accuracy: plan.accuracy.name(),
             reason: plan.reason.clone(),
             shade: plan.shade_name(),
-            search: plan.search.name(),
+            search: plan.engine.name(),
             samples: samples.map_or(1, |raster| raster.count()),
             camera: CameraRecord::new(&scene.camera, [scene.image.width, scene.image.height], settings.aperture).ok(),
             lights: scene.lighting.lights.len() as u64,
@@ -256,8 +252,8 @@ impl Renderer {
         let frame = self.frames;
         let hold = |gpu: &mut Gpu, timings: &mut Timings| timings.time("hold", || gpu.hold(scene, frame));
         let plan = match self.resident_setup(plan, scene, settings, raster, timings, hold)? {
-            Ok(setup) => return Ok(setup),
-            Err(plan) => plan,
+            ResidentSetup::Ready(setup) => return Ok(setup),
+            ResidentSetup::Refused(plan) => plan,
         };
         let pool = Arc::clone(&self.pool);
         let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
@@ -267,8 +263,8 @@ impl Renderer {
         FrameSetup::new(plan, (scene, groups), settings, raster, &pool, timings)
     }
 
-    /// The setup where the device holds the spheres, whose reach `reach` returns. Else the plan, which is by tiles if the device
-    /// cannot place them.
+    /// The setup where the device holds the spheres, whose reach `reach` returns. Where the device cannot place them, the plan for
+    /// the CPU path.
     fn resident_setup(
         &mut self,
         plan: Plan,
@@ -277,24 +273,39 @@ impl Renderer {
         raster: Raster,
         timings: &mut Timings,
         reach: impl FnOnce(&mut Gpu, &mut Timings) -> Result<Option<Reach>>,
-    ) -> Result<std::result::Result<FrameSetup, Plan>> {
-        let Executor::Gpu(gpu) = &mut self.place else { return Ok(Err(plan)) };
-        if plan.search != Search::Splat {
-            return Ok(Err(plan));
+    ) -> Result<ResidentSetup> {
+        let Executor::Gpu(gpu) = &mut self.place else { return Ok(ResidentSetup::Refused(plan)) };
+        if plan.engine != Engine::Resident {
+            return Ok(ResidentSetup::Refused(plan));
         }
         scene.check()?;
         let eye = scene.camera.basis()?.e;
         let reach = if gpu.verdict()?.places { reach(gpu, timings)? } else { None };
-        let Some(sizes) = reach.and_then(|reach| reach.sizes(eye)) else { return Ok(Err(plan.by_tiles(NOT_PLACED))) };
-        let setup = timings.time("view", || FrameSetup::resident(plan, scene, settings, raster, sizes))?;
-        Ok(setup.map_err(|plan| plan.by_tiles(NOT_PLACED)))
+        let setup = match reach.and_then(|reach| reach.sizes(eye)) {
+            Some(sizes) => timings.time("view", || FrameSetup::resident(plan, scene, settings, raster, sizes))?,
+            None => ResidentSetup::Refused(plan),
+        };
+        Ok(match setup {
+            ResidentSetup::Refused(plan) => {
+                self.refuse(if scene.spheres.is_empty() { NOTHING } else { NOT_PLACED });
+                ResidentSetup::Refused(Plan { engine: Engine::Strips, ..plan })
+            }
+            ready => ready,
+        })
+    }
+
+    /// Keeps the reason why the device left the current frame to the CPU path.
+    fn refuse(&mut self, reason: &str) {
+        self.refused.get_or_insert_with(|| format!("the CPU path rendered this frame: {reason}"));
     }
 
     /// The plan by which [`Renderer::setup`] sets a frame up, without holding the spheres.
     pub(super) fn as_set_up(&mut self, plan: Plan, scene: &Scene, settings: &Settings, raster: Raster) -> Result<Plan> {
         let reach = |gpu: &mut Gpu, _: &mut Timings| gpu.reach(&scene.spheres);
-        let setup = self.resident_setup(plan, scene, settings, raster, &mut Timings::default(), reach)?;
-        Ok(setup.map_or_else(|plan| plan, |setup| setup.plan))
+        Ok(match self.resident_setup(plan, scene, settings, raster, &mut Timings::default(), reach)? {
+            ResidentSetup::Ready(setup) => setup.plan,
+            ResidentSetup::Refused(plan) => plan,
+        })
     }
 
     /// Traces and settles: the kernel's answers in `raw`, and the settled pixels.
@@ -302,108 +313,113 @@ impl Renderer {
         &mut self,
         setup: &mut FrameSetup,
         scene: &Scene,
+        settings: &Settings,
         raw: &mut Raw,
         timings: &mut Timings,
     ) -> Result<Vec<Settled>> {
-        let watch = self.watch.clone();
         if let Executor::Gpu(gpu) = &mut self.place {
             gpu.forget_hits();
         }
-        let is_resident = self.trace_resident(setup, scene, raw, timings)?;
-        let setup = &*setup;
-        let (view, binned) = (&setup.view, setup.certified());
-        let settle = |pixels: usize| watch.begin(Step::Settle, pixels as u64);
-        let (settled, doing) = if setup.is_traced() {
-            if !is_resident {
-                self.trace_frame(setup, scene, raw, timings)?;
-            }
-            let Some(binned) = binned else { return Ok(Vec::new()) };
-            let unsure = timings.time("settle", || settle::unsure(&raw.id));
-            if unsure.is_empty() {
-                return Ok(Vec::new());
-            }
-            let doing = settle(unsure.len());
-            let go_on = || doing.next(1);
-            (timings.time("settle", || settle::settle(scene, view, binned, &unsure, &go_on)), doing)
-        } else {
-            let doing = settle(raw.id.len());
-            let go_on = || doing.next(u64::from(view.record.columns));
-            (timings.time("settle", || settle::exact(scene, view, &go_on)), doing)
+        let rendered = match &setup.stage {
+            Stage::Placed(placer) => Some(self.trace_resident(placer, setup, scene, raw, timings)?),
+            _ => None,
         };
+        match rendered {
+            Some(Rendered::Frame(binned)) => return self.settle(&setup.view, &binned, scene, raw, timings),
+            Some(Rendered::Left(reason)) => {
+                self.refuse(&reason);
+                setup.move_to_host(scene, settings, &self.pool, timings)?;
+            }
+            None => {}
+        }
+        let (view, watch) = (&setup.view, self.watch.clone());
+        match &setup.stage {
+            Stage::Method => self.trace_method(setup, scene, raw, timings).map(|()| Vec::new()),
+            Stage::Binned(binned) => {
+                self.trace_strips(setup, binned, scene, raw, timings)?;
+                self.settle(view, binned, scene, raw, timings)
+            }
+            Stage::Placed(_) | Stage::Judge => {
+                let doing = watch.begin(Step::Settle, raw.id.len() as u64);
+                let go_on = || doing.next(u64::from(view.record.columns));
+                let settled = timings.time("settle", || settle::exact(scene, view, &go_on));
+                doing.end()?;
+                settled
+            }
+        }
+    }
+
+    /// Decides the unsure pixels of `raw`.
+    fn settle(
+        &self,
+        view: &View,
+        binned: &BinnedScene,
+        scene: &Scene,
+        raw: &Raw,
+        timings: &mut Timings,
+    ) -> Result<Vec<Settled>> {
+        let unsure = timings.time("settle", || settle::unsure(&raw.id));
+        if unsure.is_empty() {
+            return Ok(Vec::new());
+        }
+        let doing = self.watch.begin(Step::Settle, unsure.len() as u64);
+        let settled = timings.time("settle", || settle::settle(scene, view, binned, &unsure, &|| doing.next(1)));
         doing.end()?;
         settled
     }
 
-    /// Has the device render the spheres that it holds, if it does. Where it leaves the frame to the host, the host bins
-    /// the spheres.
+    /// Has the device render the spheres that it holds.
     fn trace_resident(
         &mut self,
-        setup: &mut FrameSetup,
+        placer: &Placer,
+        setup: &FrameSetup,
         scene: &Scene,
         raw: &mut Raw,
         timings: &mut Timings,
-    ) -> Result<bool> {
-        let FrameSetup { plan, view, placer, .. } = &*setup;
-        let (Executor::Gpu(gpu), Some(placer)) = (&mut self.place, placer) else { return Ok(false) };
+    ) -> Result<Rendered> {
+        let Executor::Gpu(gpu) = &mut self.place else { return Ok(Rendered::Left("there is no device".into())) };
         let pool = Arc::clone(&self.pool);
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
-        let frame = ResidentFrame { scene, view, placer, pool: &pool };
+        let frame = ResidentFrame { scene, view: &setup.view, placer, pool: &pool };
         let mut output = Output { raw, timings };
-        match gpu.render_resident(&plan.kernel, frame, &mut output, &|done| doing.reached(done))? {
-            Rendered::Frame(binned) => {
-                setup.binned = Some(*binned);
-                doing.end()?;
-                Ok(true)
-            }
-            Rendered::Left(reason) => {
-                let tolerance = placer.tolerance();
-                let level = plan.search.level();
-                setup.binned =
-                    timings.time("stage", || BinnedScene::new((scene, None), view, tolerance, &TERMS, level, &pool))?;
-                setup.placer = None;
-                setup.plan = setup.plan.clone().by_tiles(NOT_PLACED);
-                self.left_to_host = Some(format!("the host searched the spheres of this frame: {reason}"));
-                doing.end()?;
-                Ok(false)
-            }
-        }
+        let rendered = gpu.render_resident(&setup.plan.kernel, frame, &mut output, &|done| doing.reached(done))?;
+        doing.end()?;
+        Ok(rendered)
     }
 
-    /// Runs the kernel or its twin, with the answers in `raw`.
-    fn trace_frame(&mut self, setup: &FrameSetup, scene: &Scene, raw: &mut Raw, timings: &mut Timings) -> Result<()> {
+    /// Runs a method's kernel or its twin, with the answers in `raw`.
+    fn trace_method(&mut self, setup: &FrameSetup, scene: &Scene, raw: &mut Raw, timings: &mut Timings) -> Result<()> {
         let FrameSetup { plan, view, .. } = setup;
-        let pool = Arc::clone(&self.pool);
-        let (colors, candidates) = (scene.spheres.colors.as_deref(), setup.candidates(scene, &pool));
+        let colors = scene.spheres.colors.as_deref();
+        let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
+        match &mut self.place {
+            Executor::Gpu(gpu) => {
+                let input = Input { view, colors, rays: KernelRays::Viewing };
+                let mut output = Output { raw, timings };
+                gpu.run(&plan.kernel, &input, &mut output, &|done| doing.reached(done))?;
+            }
+            Executor::Cpu => {
+                let row = || doing.next(u64::from(view.record.columns));
+                timings.time("trace", || cpu::render(&plan.kernel, view, colors, raw, &row));
+            }
+        }
+        doing.end()
+    }
+
+    /// Certifies in strips on the CPU path, with the answers in `raw`.
+    fn trace_strips(
+        &self,
+        setup: &FrameSetup,
+        binned: &BinnedScene,
+        scene: &Scene,
+        raw: &mut Raw,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let FrameSetup { plan, view, .. } = setup;
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
         let row = || doing.next(u64::from(view.record.columns));
-        let kernel = self.kernel_of(setup);
-        let tested = || match &candidates {
-            None => view.record.spheres,
-            Some(lists) => lists.binned().lists.longest().saturating_add(lists.binned().generals.len() as u32),
-        };
-        let is_too_long = self.device() == Device::Software && tested() > LONGEST;
-        if is_too_long {
-            let (adapter, tested) = (self.adapter(), tested());
-            self.left_to_host =
-                Some(format!("the CPU path traced this frame: {adapter} ends loops over {tested} spheres"));
-        }
-        match &mut self.place {
-            Executor::Gpu(gpu) if !is_too_long => {
-                let input = Input { view, colors, rays: KernelRays::Viewing, candidates };
-                let (go_on, mut output) = (|done| doing.reached(done), Output { raw, timings });
-                match kernel.winners {
-                    true => gpu.find_winners(&kernel, &plan.kernel, &input, &mut output, &pool, &go_on)?,
-                    false => gpu.run(&kernel, &input, &mut output, &go_on)?,
-                }
-            }
-            _ => timings.time("trace", || match candidates {
-                None => cpu::render(&plan.kernel, view, colors, raw, &row),
-                Some(CandidateList::Uncertified(tile_candidates)) => {
-                    cpu::by_tiles(&plan.kernel, &tile_candidates, colors, raw, &row)
-                }
-                Some(CandidateList::Certified(binned)) => cpu::certified(&plan.kernel, view, binned, colors, raw, &row),
-            }),
-        }
+        let colors = scene.spheres.colors.as_deref();
+        timings.time("trace", || cpu::certified(&plan.kernel, view, binned, colors, raw, &row));
         doing.end()
     }
 }

@@ -7,7 +7,7 @@ use crate::answers::lit::{Lit, OpenSky, Traced};
 use crate::cpu::light::{LitScene, Wanted};
 use crate::error::Result;
 use crate::exact::Judge;
-use crate::gpu::resident::sky::SkyRays;
+use crate::gpu::resident::sky::{SkyRays, SkyTraced};
 use crate::memory::Pool;
 use crate::progress::Step;
 use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight};
@@ -106,12 +106,12 @@ impl Renderer {
         let pixels = view.record.pixels() as u64;
         let doing = self.watch.begin(Step::Light, pixels);
         match gpu.trace_sky(&asked, &|done| doing.reached(done))? {
-            None => Ok(None),
-            Some(Ok(words)) => {
+            SkyTraced::NoHits => Ok(None),
+            SkyTraced::Words(words) => {
                 doing.end()?;
                 Ok(Some((count, words)))
             }
-            Some(Err(reason)) => {
+            SkyTraced::Refused(reason) => {
                 let left = format!("the host traced the rays to lights and sky of this frame: {reason}");
                 self.left_to_host.get_or_insert(left);
                 Ok(None)

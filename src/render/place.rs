@@ -3,8 +3,6 @@
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, FoundAdapter};
-use crate::gpu::selftest::Pace;
-use crate::quote::number;
 use crate::quote::setting::{ADAPTER, BACKEND};
 use crate::settings::{Backend, Settings};
 
@@ -42,8 +40,7 @@ impl ChosenDevice {
         }
         let named = settings.adapter.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
         if let (None, Backend::Auto) = (&named, settings.backend) {
-            let software = if settings.part { Software::Avoided } else { Software::Measured };
-            return Ok(Self::first(device::find()?, software));
+            return Ok(Self::first(device::find()?));
         }
         match device::choose(device::find()?, named.as_deref())? {
             Some(found) => Self::open(&found, "an adapter was requested".into()),
@@ -65,16 +62,18 @@ impl ChosenDevice {
         Ok(Self { executor: Executor::Gpu(Box::new(gpu)), ..Self::cpu(&reason) })
     }
 
-    /// The first adapter that opens, hardware before software. The CPU path instead of a software adapter that is not
-    /// clearly faster, and where none opens.
-    fn first(found: Vec<FoundAdapter>, software: Software) -> Self {
+    /// The first adapter that opens, hardware before software. The CPU path instead of a software adapter, and where none opens.
+    fn first(found: Vec<FoundAdapter>) -> Self {
         if found.is_empty() {
             return Self::none();
         }
         let mut passed_over = Vec::new();
-        let open = |found: &FoundAdapter| match software.reason(found)? {
-            (true, reason) => Self::open(found, reason),
-            (false, reason) => Ok(Self::cpu(&reason)),
+        let open = |found: &FoundAdapter| {
+            let name = &found.summary.name;
+            match found.summary.is_software() {
+                true => Ok(Self::cpu(&format!("{name} is software, and the CPU path is faster than any"))),
+                false => Self::open(found, format!("{name} is the first adapter that can be used")),
+            }
         };
         if let Some(place) = device::open_first(&found, open, &mut passed_over) {
             return Self { passed_over, ..place };
@@ -83,39 +82,5 @@ impl ChosenDevice {
             last.push_str(": falling back to the CPU path");
         }
         Self { passed_over, ..Self::cpu("no adapter that was found can be used") }
-    }
-}
-
-/// How the choice between a software adapter and the CPU path is made.
-#[derive(Clone, Copy)]
-enum Software {
-    /// By the time that both take for a small frame.
-    Measured,
-    /// Always the CPU path, so that no measurement can send the parts of a frame to different places.
-    Avoided,
-}
-
-impl Software {
-    /// Whether the adapter is preferred to the CPU path, and why.
-    ///
-    /// # Errors
-    /// Those of the measurement.
-    fn reason(self, found: &FoundAdapter) -> Result<(bool, String)> {
-        let name = &found.summary.name;
-        if !found.summary.is_software() {
-            return Ok((true, format!("{name} is the first adapter that can be used")));
-        }
-        if matches!(self, Self::Avoided) {
-            return Ok((false, format!("parts of a frame are rendered on the CPU path where {name} is software")));
-        }
-        let pace = Pace::of(found)?;
-        let [of_adapter, of_cpu] = [pace.adapter_ms, pace.cpu_ms].map(|ms| number(ms, 3));
-        let words = match pace.prefers_adapter() {
-            true => format!("{name} is faster than the CPU path: a small frame takes {of_adapter} ms, not {of_cpu}"),
-            false => format!(
-                "the CPU path is as fast as {name} or faster: a small frame takes {of_cpu} ms, not {of_adapter}"
-            ),
-        };
-        Ok((pace.prefers_adapter(), words))
     }
 }

@@ -1,8 +1,8 @@
 //! Decides what a scene requires: accuracy, method, search, kernel and buffers.
 
 pub(super) mod choose;
+pub(crate) mod engine;
 pub(super) mod lights;
-pub(crate) mod search;
 
 use crate::answers::finish::Finish;
 use crate::cpu::light::Wanted;
@@ -10,13 +10,13 @@ use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
-use crate::kernel::Kernel;
+use crate::kernel::{Generals, Kernel, Task, Unproved};
 use crate::quote::setting::{ACCURACY, METHOD};
 use crate::scene::Scene;
 use crate::scene::camera::Lens;
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
-use search::Device;
+use engine::Engine;
 use serde::Serialize;
 
 /// The decisions for one scene and its settings, with their reasons.
@@ -30,11 +30,9 @@ pub struct Plan {
     pub reason: String,
     /// The predicted worst-case rounding error, where it was computed for the choice.
     pub predicted: Option<Prediction>,
-    /// How candidates are found; never `auto`.
-    #[serde(serialize_with = "by_name")]
-    pub search: Search,
-    /// Why this search.
-    pub search_reason: &'static str,
+    /// The engine that finds the first hits.
+    #[serde(rename = "search", serialize_with = "by_name")]
+    pub engine: Engine,
     /// What is computed of lights and sky.
     #[serde(skip)]
     pub(crate) wanted: Wanted,
@@ -49,8 +47,8 @@ pub struct Plan {
     pub(crate) sampled: Option<Kernel>,
 }
 
-fn by_name<S: serde::Serializer>(search: &Search, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(search.name())
+fn by_name<S: serde::Serializer>(engine: &Engine, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(engine.name())
 }
 
 impl Plan {
@@ -70,9 +68,6 @@ impl Plan {
     /// [`Error::Settings`] for a method together with a certificate or parallel rays, [`Error::Scene`] for spheres that
     /// exceed the range of one frame.
     pub fn new(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Self> {
-        if settings.search == Search::Tree {
-            return Err(search::only_given_rays());
-        }
         let mut plan = Self::for_method(settings)?;
         let (silhouette, depth_cue) = (settings.silhouette, settings.depth_cue);
         // Touching spheres of flat colours would run into each other.
@@ -85,33 +80,41 @@ impl Plan {
         plan.kernel.t = settings.asks(&[Aov::Distance, Aov::Depth, Aov::Position]);
         plan.kernel.normal = settings.asks(&[Aov::Normal]);
         let choice = choose::choose(scene, settings, admits)?;
-        plan.kernel.method = choice.method;
-        (plan.accuracy, plan.method) = (choice.accuracy, choice.method.name());
-        (plan.reason, plan.predicted) = (choice.reason, choice.predicted);
-        if matches!(plan.accuracy, Accuracy::Certified | Accuracy::Exact) {
-            plan.method = plan.accuracy.name();
-            plan.kernel.certify = true;
-            plan.kernel.depth_interval = settings.asks(&[Aov::Bound]);
-            plan.kernel.starts = lights::leave_hits(plan.wanted, scene);
-        }
-        (plan.search, plan.search_reason) =
-            search::for_viewing_rays(settings.search, plan.kernel.certify, scene.spheres.len());
+        (plan.accuracy, plan.reason, plan.predicted) = (choice.accuracy, choice.reason, choice.predicted);
+        (plan.engine, plan.method) = match choice.method {
+            Some(method) => (Engine::Method, method.name()),
+            None if plan.accuracy == Accuracy::Exact => (Engine::Judge, plan.accuracy.name()),
+            None => (Engine::Strips, plan.accuracy.name()),
+        };
+        plan.kernel.task = match choice.method {
+            Some(method) => {
+                engine::check_method(scene.spheres.len())?;
+                Kernel::of_method(method).task
+            }
+            None => {
+                let promised = plan.accuracy != Accuracy::Fast;
+                Task::Certified {
+                    generals: Generals::None,
+                    unproved: if promised { Unproved::Unsure } else { Unproved::Nearest },
+                    depth_interval: promised && settings.asks(&[Aov::Bound]),
+                    starts: promised && lights::leave_hits(plan.wanted, scene),
+                }
+            }
+        };
         // Its pixels are those of a finer or larger frame.
         plan.kernel.samples = matches!(scene.camera.lens, Lens::Intrinsics { .. });
-        plan.kernel.tiles = !plan.kernel.certify && plan.search == Search::Tiles;
         let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
         // A sky at the centres of pixels is known before the colours.
         let shared = plan.wanted.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
         if finished || shared || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
             let alone = shared && settings.aperture.is_none() && !scene.lighting.shadows;
-            plan.sampled = Some(Kernel {
-                samples: true,
-                t: false,
-                normal: false,
-                depth_interval: false,
-                starts: plan.kernel.starts && !alone,
-                ..plan.kernel
-            });
+            let task = match plan.kernel.task {
+                Task::Certified { generals, unproved, starts, .. } => {
+                    Task::Certified { generals, unproved, depth_interval: false, starts: starts && !alone }
+                }
+                task => task,
+            };
+            plan.sampled = Some(Kernel { task, samples: true, t: false, normal: false, ..plan.kernel });
             (plan.kernel.shade, plan.kernel.colors) = (None, false);
         }
         Ok(plan)
@@ -129,43 +132,23 @@ impl Plan {
             return Err(Error::settings(problem, format!("remove {METHOD} or {ACCURACY}")));
         }
         let method = settings.method.unwrap_or(Method::Stable);
-        let kernel = Kernel::bare(method);
-        let (method, accuracy, search) = (method.name(), Accuracy::Fast, Search::All);
-        let (reason, search_reason) = (String::new(), "");
         Ok(Self {
-            method,
-            accuracy,
-            reason,
+            method: method.name(),
+            accuracy: Accuracy::Fast,
+            reason: String::new(),
             predicted: None,
-            search,
-            search_reason,
+            engine: Engine::Method,
             wanted: Wanted::default(),
             finish: None,
-            kernel,
+            kernel: Kernel::of_method(method),
             sampled: None,
         })
     }
 
-    /// The plan on a device.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] where it cannot search as requested.
-    pub(crate) fn on(self, device: Device, settings: &Settings) -> Result<Self> {
-        let planned = (self.search, self.search_reason);
-        let (search, search_reason) = search::on_device(settings.search, self.kernel.certify, device, planned)?;
-        Ok(Self { search, search_reason, ..self })
-    }
-
-    /// The same plan by tiles, where a device leaves the search to lists.
-    pub(crate) fn by_tiles(self, reason: &'static str) -> Self {
-        Self { search: Search::Tiles, search_reason: reason, ..self }
-    }
-
-    /// The same plan without tiles, where the spheres cannot be binned into them.
-    pub(crate) fn without_tiles(self) -> Self {
-        let without = |kernel: Kernel| Kernel { tiles: false, ..kernel };
-        let (kernel, sampled) = (without(self.kernel), self.sampled.map(without));
-        Self { search: Search::All, search_reason: search::NO_LENS, kernel, sampled, ..self }
+    /// The same plan on a device, which has its own engine for certified kernels.
+    pub(crate) fn on_device(self) -> Self {
+        let engine = if self.engine == Engine::Strips { Engine::Resident } else { self.engine };
+        Self { engine, ..self }
     }
 }
 
@@ -195,7 +178,7 @@ impl GivenPlan {
             requested => requested,
         };
         let method = if accuracy == Accuracy::Fast { base.method } else { accuracy.name() };
-        let search = search::for_given_rays(settings.search, accuracy == Accuracy::Fast, spheres)?;
+        let search = engine::for_given_rays(settings.search, accuracy == Accuracy::Fast, spheres)?;
         Ok(Self { accuracy, method, search, kernel })
     }
 

@@ -4,7 +4,6 @@ use super::light_state::LightOnDevice;
 use super::order::LastOrder;
 use super::place::{ChosenDevice, Executor};
 use super::plan::Plan;
-use super::setup::FrameSetup;
 use crate::cpu;
 use crate::error::Result;
 use crate::frame::report::milliseconds;
@@ -14,10 +13,9 @@ use crate::gpu::device::{AdapterSummary, Open};
 use crate::gpu::selftest::Verdict;
 use crate::gpu::traffic::Traffic;
 use crate::intersect::Method;
-use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
 use crate::progress::Watch;
-use crate::settings::{Search, Settings};
+use crate::settings::Settings;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -33,7 +31,9 @@ pub struct Renderer {
     has_no_adapter: bool,
     /// Frames so far: within one, spheres do not change.
     pub(super) frames: u64,
-    /// Why the device left the current frame's search to the host.
+    /// Why the CPU path renders the current frame in place of the device.
+    pub(super) refused: Option<String>,
+    /// Why the host traces rays from the hits of the current frame in place of the device.
     pub(super) left_to_host: Option<String>,
     /// For rays from hits, and for hidden groups.
     pub(super) order: LastOrder,
@@ -44,8 +44,7 @@ pub struct Renderer {
 impl Renderer {
     /// Opens the backend and the adapter that `settings` select. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` apply where the
     /// settings leave a choice. [`Backend::Auto`](crate::settings::Backend::Auto) takes the first hardware adapter that
-    /// opens; between a software adapter and the CPU path the faster one, by a measurement of well under a second that the
-    /// user's cache keeps.
+    /// opens; instead of a software adapter the CPU path, which is faster.
     ///
     /// # Errors
     /// [`Error::Adapter`](crate::Error::Adapter) when no adapter fits, [`Error::Settings`](crate::Error::Settings) for a contradiction, such as an adapter with the
@@ -66,13 +65,14 @@ impl Renderer {
             reason,
             has_no_adapter,
             frames: 0,
+            refused: None,
             left_to_host: None,
             order,
             light_on_device: LightOnDevice::default(),
         })
     }
 
-    /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
+    /// Renders on the caller's own device.
     #[must_use]
     pub fn with_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let summary = AdapterSummary::of_device(&device);
@@ -86,6 +86,7 @@ impl Renderer {
             reason: "the caller opened the device".into(),
             has_no_adapter: false,
             frames: 0,
+            refused: None,
             left_to_host: None,
             order: LastOrder::default(),
             light_on_device: LightOnDevice::default(),
@@ -196,18 +197,6 @@ impl Renderer {
                 Data::F64(v) => self.pool.put_back(v),
                 Data::I64(_) | Data::U8(_) => {}
             }
-        }
-    }
-
-    /// The kernel of a frame on this device.
-    pub(super) fn kernel_of(&self, setup: &FrameSetup) -> Kernel {
-        let generals = setup.certified().map_or(0, |binned| binned.generals.len());
-        match &self.place {
-            Executor::Gpu(_) if setup.plan.search == Search::Splat => {
-                Kernel { generals: Generals::of(generals), ..setup.plan.kernel }
-            }
-            Executor::Gpu(gpu) => gpu.summary.adapted(setup.plan.kernel, generals),
-            Executor::Cpu => Kernel { generals: Generals::of(generals), ..setup.plan.kernel },
         }
     }
 }

@@ -84,8 +84,8 @@ impl Renderer {
                 None => (scene, raster),
             };
             // The spheres are binned once for all passes of one eye, as only the positions within the pixels differ.
-            if lens_is_open && let Some(binned) = last.take().and_then(|setup| setup.binned) {
-                binned.put_back(&pool);
+            if lens_is_open && let Some(setup) = last.take() {
+                setup.put_back(&pool);
             }
             let setup = match &mut last {
                 Some(setup) => setup,
@@ -95,7 +95,7 @@ impl Renderer {
                 }
             };
             setup.view.record.sample = sample;
-            let settled = self.answer(setup, scene, &mut raw, timings)?;
+            let settled = self.answer(setup, scene, settings, &mut raw, timings)?;
             raw.settle(&settled);
             if let Some(shade) = kernel.shade {
                 timings.time("shade", || settle::shade(shade, scene, &setup.view, &settled, &mut raw.color));
@@ -124,8 +124,8 @@ impl Renderer {
             timings.time("finish", || finish.draw(scene, &around.view, &around.ids, part, &mut means.color));
         }
         raw.put_back(&pool);
-        if let Some(binned) = last.and_then(|setup| setup.binned) {
-            binned.put_back(&pool);
+        if let Some(setup) = last {
+            setup.put_back(&pool);
         }
         Ok(means)
     }
@@ -146,18 +146,15 @@ impl Renderer {
             let view = View::for_rays(scene, raster, Records::None)?;
             return Ok(Centers { window, view, ids: centers.into() });
         }
-        let kernel =
-            Kernel { shade: None, colors: false, t: false, normal: false, depth_interval: false, ..plan.kernel };
+        let kernel = plan.kernel.ids_only();
         let mut setup = self.setup(Plan { kernel, ..plan.clone() }, scene, settings, raster, timings)?;
         let mut raw = Raw::new(&setup.plan.kernel, setup.view.record.pixels(), &pool)?;
-        let settled = self.answer(&mut setup, scene, &mut raw, timings)?;
+        let settled = self.answer(&mut setup, scene, settings, &mut raw, timings)?;
         raw.settle(&settled);
         let ids = std::mem::take(&mut raw.id).into();
         raw.put_back(&pool);
-        if let Some(binned) = setup.binned {
-            binned.put_back(&pool);
-        }
-        Ok(Centers { window: wide, view: setup.view, ids })
+        let view = setup.put_back(&pool);
+        Ok(Centers { window: wide, view, ids })
     }
 }
 

@@ -1,6 +1,7 @@
-//! The setup of one frame: the view, and the spheres binned into tiles.
+//! The setup of one frame: the view, and what the plan's engine needs.
 
 use super::plan::Plan;
+use super::plan::engine::Engine;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::certify::grouped::Grouped;
@@ -10,25 +11,40 @@ use crate::frame::report::Timings;
 use crate::intersect::predict::Prediction;
 use crate::memory::Pool;
 use crate::scene::Scene;
-use crate::search::tile_candidates::{CandidateList, TileCandidates};
-use crate::settings::{Accuracy, Search, Settings};
+use crate::settings::{Accuracy, Settings};
+use crate::tile::FINEST;
 use crate::view::raster::Raster;
 use crate::view::{Records, View, middle};
 
 /// A plan with the data that it needs.
 pub(crate) struct FrameSetup {
-    /// The plan, without tiles where the camera does not allow them.
+    /// The plan, with the engine that the stage is for.
     pub(crate) plan: Plan,
     pub(crate) view: View,
-    /// The scene binned into tiles; `None` where every ray tests all spheres or every pixel is decided exactly.
-    pub(crate) binned: Option<BinnedScene>,
-    /// The host's part in placing the spheres, where a device holds them: it bins them.
-    pub(crate) placer: Option<Placer>,
+    pub(crate) stage: Stage,
+}
+
+/// What an engine needs besides the view.
+pub(crate) enum Stage {
+    /// A method tests the spheres of the view.
+    Method,
+    /// The spheres, binned into tiles by the host.
+    Binned(Box<BinnedScene>),
+    /// The host's part in placing the spheres that a device holds.
+    Placed(Box<Placer>),
+    /// The judge needs nothing.
+    Judge,
+}
+
+/// A setup for a device, or the plan back.
+pub(crate) enum ResidentSetup {
+    Ready(FrameSetup),
+    /// The camera does not allow it.
+    Refused(Plan),
 }
 
 impl FrameSetup {
-    /// The setup where a device holds the spheres, whose sizes and distances have exponents within `sizes`. The plan comes back where
-    /// the camera does not allow it.
+    /// The setup where a device holds the spheres, whose sizes and distances have exponents within `sizes`.
     ///
     /// # Errors
     /// Those of [`View::new`] but for the spheres.
@@ -38,7 +54,7 @@ impl FrameSetup {
         settings: &Settings,
         raster: Raster,
         sizes: [i32; 2],
-    ) -> Result<std::result::Result<Self, Plan>> {
+    ) -> Result<ResidentSetup> {
         let (unit, tolerance) = (middle(sizes), settings.promise().relative());
         let mut view = View::in_unit(scene, raster, unit)?;
         let mut placer = Placer::new(scene, &view, tolerance)?;
@@ -48,12 +64,13 @@ impl FrameSetup {
             placer = Placer::new(scene, &view, tolerance)?;
         }
         Ok(match placer {
-            Some(placer) => Ok(Self { plan, view, binned: None, placer: Some(placer) }),
-            None => Err(plan),
+            Some(placer) => ResidentSetup::Ready(Self { plan, view, stage: Stage::Placed(Box::new(placer)) }),
+            None => ResidentSetup::Refused(plan),
         })
     }
 
-    /// The setup for the rays of `raster` in one frame of `scene`, whose spheres may be known in groups.
+    /// The setup on the host for the rays of `raster` in one frame of `scene`, whose spheres may be known in groups. Where f32
+    /// cannot bound the projection of the lens, the judge is the engine.
     ///
     /// # Errors
     /// Those of [`View::new`] and of [`BinnedScene::new`].
@@ -66,61 +83,88 @@ impl FrameSetup {
         timings: &mut Timings,
     ) -> Result<Self> {
         let view = timings.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
-        if plan.accuracy != Accuracy::Certified && !plan.kernel.tiles {
-            return Ok(Self { plan, view, binned: None, placer: None });
-        }
-        // An uncertified method always bins into tiles; a single list for the whole image exists for the certified
-        // kernel alone.
-        let level = if plan.kernel.certify { plan.search.level() } else { Search::Tiles.level() };
+        let stage = match plan.engine {
+            Engine::Method => Stage::Method,
+            Engine::Judge => Stage::Judge,
+            Engine::Strips | Engine::Resident => {
+                let tolerance = settings.promise().relative();
+                let binned = timings
+                    .time("stage", || BinnedScene::new((scene, groups), &view, tolerance, &TERMS, FINEST, pool))?;
+                Stage::of(binned)
+            }
+        };
+        let mut setup = Self { plan, view, stage };
+        setup.set_engine();
+        Ok(setup)
+    }
+
+    /// Leaves the frame to the CPU path, where a device has refused it.
+    ///
+    /// # Errors
+    /// Those of [`BinnedScene::new`].
+    pub(crate) fn move_to_host(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        pool: &Pool,
+        timings: &mut Timings,
+    ) -> Result<()> {
         let tolerance = settings.promise().relative();
-        let binned =
-            timings.time("stage", || BinnedScene::new((scene, groups), &view, tolerance, &TERMS, level, pool))?;
-        if binned.is_none() && plan.kernel.tiles {
-            let plan = plan.without_tiles();
-            let view = timings.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
-            return Ok(Self { plan, view, binned, placer: None });
+        let bin = || BinnedScene::new((scene, None), &self.view, tolerance, &TERMS, FINEST, pool);
+        self.stage = Stage::of(timings.time("stage", bin)?);
+        self.plan.engine = Engine::Strips;
+        self.set_engine();
+        Ok(())
+    }
+
+    /// Where the spheres could not be binned, the judge is the engine.
+    fn set_engine(&mut self) {
+        if let Stage::Judge = self.stage {
+            self.plan.engine = Engine::Judge;
         }
-        Ok(Self { plan, view, binned, placer: None })
     }
 
-    /// Per-tile candidate lists; `None` where every ray tests all spheres.
-    pub(crate) fn candidates<'a>(&'a self, scene: &'a Scene, pool: &'a Pool) -> Option<CandidateList<'a>> {
-        let (binned, kernel) = (self.binned.as_ref()?, &self.plan.kernel);
-        let tile_candidates = || TileCandidates::new(&self.view, &scene.spheres, binned, kernel.is_wide(), pool);
-        Some(if kernel.certify {
-            CandidateList::Certified(binned)
-        } else {
-            CandidateList::Uncertified(tile_candidates())
-        })
-    }
-
-    /// Whether a kernel or its twin runs: not for exact answers, nor where f32 cannot bound the projection.
-    pub(crate) fn is_traced(&self) -> bool {
-        self.plan.accuracy == Accuracy::Fast || self.binned.is_some() || self.placer.is_some()
-    }
-
-    /// The predicted worst-case rounding error; `None` where answers are certified.
+    /// The predicted worst-case rounding error of a method; `None` for the other engines.
     pub(crate) fn predicted(&self, scene: &Scene) -> Option<Prediction> {
-        let of_view = || Prediction::of_view(&self.view, scene, self.plan.kernel.method);
-        (self.plan.accuracy == Accuracy::Fast).then(|| self.plan.predicted.or_else(of_view)).flatten()
+        let method = self.plan.kernel.method()?;
+        self.plan.predicted.or_else(|| Prediction::of_view(&self.view, scene, method))
     }
 
     /// The warnings that are known before a ray is traced.
-    pub(crate) fn warnings(&self, scene: &Scene, settings: &Settings, predicted: Option<Prediction>) -> Vec<String> {
-        let plan = &self.plan;
-        let warning = predicted.and_then(|predicted| predicted.warning(plan.kernel.method));
+    pub(crate) fn warnings(&self, scene: &Scene, predicted: Option<Prediction>) -> Vec<String> {
+        let warning =
+            predicted.zip(self.plan.kernel.method()).and_then(|(predicted, method)| predicted.warning(method));
         let mut warnings: Vec<String> = warning.into_iter().collect();
         if scene.spheres.is_empty() {
             warnings.push("the scene has 0 spheres, so every pixel is background".into());
         }
-        if settings.search != Search::Auto && plan.search != settings.search {
-            warnings.push(plan.search_reason.into());
-        }
         warnings
     }
 
-    /// The binned scene of a certified frame.
-    pub(crate) fn certified(&self) -> Option<&BinnedScene> {
-        self.binned.as_ref().filter(|_| self.plan.kernel.certify)
+    /// Whether the pixels that f32 proves are certified, and the others settled.
+    pub(crate) fn is_certified(&self) -> bool {
+        self.plan.accuracy == Accuracy::Certified && matches!(self.stage, Stage::Binned(_) | Stage::Placed(_))
+    }
+
+    /// The spheres as the host binned them.
+    pub(crate) fn binned(&self) -> Option<&BinnedScene> {
+        match &self.stage {
+            Stage::Binned(binned) => Some(binned),
+            _ => None,
+        }
+    }
+
+    /// Returns its memory to the pool for the next frame; the view is left.
+    pub(crate) fn put_back(self, pool: &Pool) -> View {
+        if let Stage::Binned(binned) = self.stage {
+            binned.put_back(pool);
+        }
+        self.view
+    }
+}
+
+impl Stage {
+    fn of(binned: Option<BinnedScene>) -> Self {
+        binned.map_or(Self::Judge, |binned| Self::Binned(Box::new(binned)))
     }
 }

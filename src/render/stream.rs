@@ -11,7 +11,7 @@ mod witness;
 
 pub use part::{Part, Seen};
 
-use super::plan::choose::FEW;
+use super::plan::choose::MAX_FOR_METHOD;
 use crate::answers::silhouette;
 use crate::certify::sieve::{Sieve, Sifted};
 use crate::double_double::exponent;
@@ -229,7 +229,7 @@ impl Stream {
 }
 
 /// The first spheres are kept in any case: plans depend on whether there are more than so many.
-const FIRST: usize = FEW + 1;
+const FIRST: usize = MAX_FOR_METHOD + 1;
 
 /// What needs all spheres at once, or is not certified.
 fn check(scene: &Scene, settings: &Settings) -> Result<()> {

@@ -99,8 +99,7 @@ impl Tracer<'_> {
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
     }
 
-    /// Whether an adapter traces. Exact answers come from the CPU path with every backend; certified ones from a software
-    /// adapter only if the backend is `gpu`, since the CPU path is faster.
+    /// Whether an adapter traces. Exact answers come from the CPU path with every backend.
     #[must_use]
     pub fn is_gpu(&self) -> bool {
         if self.plan.certifies() { self.device.is_some() } else { self.renderer.is_gpu() }
@@ -185,10 +184,7 @@ impl Renderer {
 
     /// Whether an adapter certifies given rays, or why not although it might.
     fn certifies_given(&mut self, plan: &GivenPlan, backend: Backend) -> Result<(bool, Option<String>)> {
-        let Executor::Gpu(gpu) = &self.place else {
-            return Ok((false, None));
-        };
-        if plan.accuracy != Accuracy::Certified || backend != Backend::Gpu && gpu.summary.kind == "software" {
+        if !self.is_gpu() || plan.accuracy != Accuracy::Certified {
             return Ok((false, None));
         }
         match self.certification_blocker(plan.accuracy)? {

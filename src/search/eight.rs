@@ -13,8 +13,6 @@ pub(crate) struct EightHits<N: Laned> {
     pub(crate) t: N::Vector,
     /// The spheres' indices in the scene's order; [`NONE`] on a miss.
     pub(crate) id: Vector<u32>,
-    /// Where the spheres lie among those that were tested, if they were tested in any order.
-    pub(crate) place: Vector<u32>,
 }
 
 /// Eight rays, by components.
@@ -31,8 +29,7 @@ fn pick(mask: Vector<u32>, yes: u32, no: Vector<u32>) -> Vector<u32> {
 
 impl<N: Laned> EightHits<N> {
     /// No hit.
-    pub(crate) const NONE: Self =
-        Self { t: <N::Vector as Arithmetic>::MISS, id: Vector([NONE; LANES]), place: Vector([0; LANES]) };
+    pub(crate) const NONE: Self = Self { t: <N::Vector as Arithmetic>::MISS, id: Vector([NONE; LANES]) };
 
     /// The closest hits of the rays among `spheres`, which are in the order of their ids.
     #[inline(always)]
@@ -52,36 +49,6 @@ impl<N: Laned> EightHits<N> {
         }
         hits
     }
-
-    /// Tests the sphere `s` with this id and place for the rays in `open`. Keeps the closer hit, and for equal t the lower id.
-    #[inline(always)]
-    pub(crate) fn test<V: Intersect<Number = N>>(
-        &mut self,
-        ray: &Ray<N::Vector>,
-        open: Vector<u32>,
-        s: &Sphere<N>,
-        [id, place]: [u32; 2],
-    ) {
-        let s = s.map(N::splat);
-        let t = V::intersect(ray, &s);
-        let met = t.less(N::Vector::MISS);
-        if !met.any() {
-            return;
-        }
-        let t = t.scaled(s.scale);
-        let met = N::narrow(met & t.less(N::Vector::MISS)) & open;
-        let lower = self.id.above(id);
-        let closer = met & (N::narrow(t.less(self.t)) | (N::narrow(t.equal(self.t)) & lower));
-        self.t = N::widen(closer).pick(t, self.t);
-        self.id = pick(closer, id, self.id);
-        self.place = pick(closer, place, self.place);
-    }
-
-    /// The rays whose hit has a t below `limit`.
-    #[inline(always)]
-    pub(crate) fn before(&self, limit: f32) -> Vector<u32> {
-        N::nearest_f32(&self.t).less(Vector([limit; LANES]))
-    }
 }
 
 #[cfg(test)]
@@ -91,7 +58,6 @@ mod tests {
     use crate::number::Number;
     use crate::search::nearest::nearest_of;
     use crate::testing::Rng;
-    use crate::view::ray::Hit;
     use crate::view::{SphereRecord, SphereResiduals};
 
     /// Rays within this of the axis.
@@ -125,14 +91,6 @@ mod tests {
         let scale = 2f32.powi(rng.below(21) as i32 - 10);
         let record = SphereRecord { center_radius, power: parts(power)[0], scale, id: 0, unused: 0 };
         (record, SphereResiduals { center_radius: rest, power: parts(power)[1], unused: [0.0; 3] })
-    }
-
-    /// Keeps the closer hit, and for equal t the lower id.
-    fn closer_hit_any_order<V: Intersect, R: Number>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {
-        let t = V::intersect(ray, s);
-        let met = Hit { t: t.scaled(s.scale), id };
-        let closer = t < R::MISS && met.t < R::MISS && (met.t < hit.t || met.t == hit.t && id < hit.id);
-        if closer { met } else { hit }
     }
 
     /// Some spheres, the last of them again the first, and eight rays.
@@ -172,29 +130,12 @@ mod tests {
                 let (spheres, rays) = world::<V::Number>(&mut rng, 1 + n % 9);
                 let eight = together(&rays);
                 let all = EightHits::among_all::<V>(&eight, &spheres);
-                // Any order: the spheres backwards, and some of the rays closed.
-                let mut any = EightHits::NONE;
-                let open = Vector(std::array::from_fn(|_| if rng.below(4) == 0 { 0 } else { u32::MAX }));
-                let backwards = || (0..spheres.len() as u32).rev().zip(0..);
-                for (id, place) in backwards() {
-                    any.test::<V>(&eight, open, &spheres[id as usize], [id, place]);
-                }
-                let limit = rng.decade(-3.0, 3.0) as f32;
-                let before = all.before(limit);
                 for (l, ray) in rays.iter().enumerate() {
                     let what = format!("world {n}, ray {l}");
                     let one = nearest_of::<V, _>(ray, spheres.len(), |id| spheres[id]);
                     assert_eq!(all.id.0[l], one.id, "{what}");
                     assert_eq!(bits(V::Number::lane(&all.t, l)), bits(one.t), "{what}");
-                    assert_eq!(before.0[l] != 0, one.t.to_hi_lo().0 < limit, "{what}");
-                    let backwards = backwards().filter(|_| open.0[l] != 0);
-                    let one = backwards.fold(Hit::NONE, |hit, (id, _)| {
-                        closer_hit_any_order::<V, _>(hit, ray, &spheres[id as usize], id)
-                    });
-                    assert_eq!(any.id.0[l], one.id, "{what}");
-                    assert_eq!(bits(V::Number::lane(&any.t, l)), bits(one.t), "{what}");
                     if one.id != NONE {
-                        assert_eq!(any.place.0[l] + one.id + 1, spheres.len() as u32, "{what}");
                         seen[0] += 1;
                         seen[1] += usize::from(spheres[one.id as usize].power < V::Number::ZERO);
                     }

@@ -2,11 +2,10 @@
 
 use crate::adapter::{cpu, gpu_or_skip};
 use crate::rng::Rng;
-use halfline::camera::Camera;
 use halfline::error::Error;
 use halfline::intersect::Method;
 use halfline::quote::setting::ACCURACY;
-use halfline::scene::{ImagePlane, Scene, Spheres};
+use halfline::scene::Spheres;
 use halfline::settings::{Accuracy, Search, Settings};
 
 fn cloud(random: &mut Rng, count: usize) -> Spheres {
@@ -60,17 +59,10 @@ fn a_search_that_does_not_apply_is_refused() {
     let spheres = cloud(&mut Rng::new(13), 9);
     let trace = |spheres: &Spheres, settings: &Settings| cpu().trace(spheres, &[[0.0; 3]], &[[1.0; 3]], settings);
     let refused = |settings: &Settings| trace(&spheres, settings).expect_err("another search").to_string();
-    let tiles = Settings { search: Search::Tiles, ..Settings::default() };
-    assert!(refused(&tiles).contains("tiles"), "given rays have no tiles");
     let tree = Settings { search: Search::Tree, ..Settings::default() };
     let by_tree = refused(&Settings { method: Some(Method::Stable), ..tree.clone() });
     assert!(by_tree.contains("a method tests all spheres"), "{by_tree}");
-    let image = ImagePlane { width: 8, height: 8, background: [0.0; 3] };
-    let lighting = Default::default();
     let nothing = trace(&Spheres::default(), &Settings { method: Some(Method::Stable), ..Settings::default() });
     let nothing = nothing.expect("nothing to hit");
     assert_eq!((nothing.id, nothing.search), (vec![-1], Search::All));
-    let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting };
-    let error = cpu().render(&scene, &tree).expect_err("viewing rays have tiles");
-    assert!(matches!(&error, Error::Settings { .. }) && error.to_string().contains("tiles"), "{error}");
 }

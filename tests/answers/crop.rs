@@ -17,7 +17,7 @@ use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::render::Renderer;
 use halfline::scene::{Light, LightSource, Lighting, Scene, Sky, Spheres};
-use halfline::settings::{Accuracy, Search, Settings};
+use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
 
 const SIZE: [u32; 2] = [97, 61];
@@ -73,7 +73,7 @@ pub(crate) fn windows() -> Vec<Window> {
     fixed.into_iter().chain(random).map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 }).collect()
 }
 
-/// Settings for every accuracy, method and search of `renderer`, with all buffers.
+/// Settings for every accuracy and method of `renderer`, with all buffers.
 fn kinds(renderer: &mut Renderer) -> Vec<(String, Settings)> {
     let sky = |rays: u32| Sky { rays, ..Sky::default() };
     let all = || Settings { aovs: Aov::ALL.to_vec(), sky: sky(4), ..Settings::default() };
@@ -82,15 +82,9 @@ fn kinds(renderer: &mut Renderer) -> Vec<(String, Settings)> {
     let accuracy =
         |accuracy: Accuracy| (accuracy.name().to_owned(), Settings { accuracy, sky: sky(rays(accuracy)), ..all() });
     let mut kinds = vec![accuracy(Accuracy::Certified), accuracy(Accuracy::Exact)];
-    kinds.push(("certified, all".into(), Settings { search: Search::All, ..kinds[0].1.clone() }));
-    let searches = amount("searches of a method", 1, 2);
-    for (m, method) in admitted(renderer).into_iter().enumerate() {
-        for k in 0..searches {
-            let search = [Search::All, Search::Tiles][(m + k) % 2];
-            let name = format!("{}, {}", method.name(), search.name());
-            kinds.push((name, Settings { method: Some(method), search, ..all() }));
-        }
-    }
+    kinds.push(accuracy(Accuracy::Fast));
+    let by = |method: Method| (method.name().to_owned(), Settings { method: Some(method), ..all() });
+    kinds.extend(admitted(renderer).into_iter().map(by));
     kinds
 }
 

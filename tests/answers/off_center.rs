@@ -14,7 +14,7 @@ use halfline::intersect::Method;
 use halfline::progress::Watch;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Spheres};
-use halfline::settings::{Accuracy, Backend, Search, Settings};
+use halfline::settings::{Accuracy, Backend, Settings};
 use halfline::window::Window;
 use halfline_measure::run::{Options, Subject, measure};
 
@@ -122,8 +122,9 @@ fn rays_are_those_of_the_pinhole_camera() {
             let scene = scene(intrinsics(point), SIZE);
             let judge = Judge::new(&scene).expect("a judge");
             let certified = frame(renderer, &scene, Settings { accuracy: Accuracy::Certified, ..Settings::default() });
-            let by_method = |search| Settings { method: Some(Method::Stable), search, ..Settings::default() };
-            let fast = [Search::Tiles, Search::All].map(|search| frame(renderer, &scene, by_method(search)));
+            let fast = [None, Some(Method::Stable)].map(|method| {
+                frame(renderer, &scene, Settings { accuracy: Accuracy::Fast, method, ..Settings::default() })
+            });
             let distance = certified.f64(Aov::Distance).expect("distances");
             let position = certified.f64(Aov::Position).expect("positions");
             for (i, j) in (0..SIZE[1]).flat_map(|i| (0..SIZE[0]).map(move |j| (i, j))) {

@@ -3,7 +3,7 @@
 
 use crate::adapter::{cpu, gpu, renderers};
 use crate::weekend;
-use halfline::{Accuracy, Aov, Cancel, Error, Method, Progress, Scene, Search, Settings, Step, Watch};
+use halfline::{Accuracy, Aov, Cancel, Error, Method, Progress, Scene, Settings, Step, Watch};
 use std::sync::{Arc, Mutex};
 
 fn weekend(width: u32, height: u32) -> Scene {
@@ -53,10 +53,7 @@ fn a_cancelled_frame_does_not_change_the_next_one() {
     for (_, renderer) in renderers() {
         // Heavy enough for more than one submission on an adapter.
         let (scene, settings) = match renderer.is_gpu() {
-            true => (
-                weekend(1200, 1000),
-                Settings { method: Some(Method::Stable), search: Search::All, ..settings(Accuracy::Auto) },
-            ),
+            true => (weekend(1200, 1000), Settings { method: Some(Method::Stable), ..settings(Accuracy::Auto) }),
             false => (weekend(120, 80), settings(Accuracy::Certified)),
         };
         let (cancel, reported) = (Cancel::default(), Reported::default());

@@ -5,7 +5,6 @@
 //! as IEEE 754 does; the frame with one sample; the full frame.
 
 use crate::adapter::{admitted, cpu, gpu_or_skip, is_strict, renderers};
-use crate::amount::amount;
 use crate::bits::Bits;
 use crate::weekend;
 use glam::DVec3;
@@ -14,7 +13,7 @@ use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Light, LightSource, Scene, Sky, Spheres};
-use halfline::settings::{Accuracy, Backend, Search, Settings};
+use halfline::settings::{Accuracy, Backend, Settings};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use halfline::{Camera, Lens};
@@ -41,21 +40,16 @@ fn sampled(samples: u32, seed: u32) -> Settings {
     Settings { samples, seed, sky, aovs: Aov::ALL.to_vec(), ..Settings::default() }
 }
 
-/// Settings for every accuracy, method and search, with 4 samples a pixel.
+/// Settings for every accuracy and method, with 4 samples a pixel.
 fn kinds(renderer: &mut Renderer) -> Vec<(String, Settings)> {
     let accuracy = |accuracy: Accuracy| (accuracy.name().to_owned(), Settings { accuracy, ..sampled(4, 7) });
-    let mut kinds = vec![accuracy(Accuracy::Certified), accuracy(Accuracy::Exact)];
+    let mut kinds = vec![accuracy(Accuracy::Certified), accuracy(Accuracy::Exact), accuracy(Accuracy::Fast)];
     kinds.push(("certified, flat".into(), Settings { shade: Shade::Flat, ..kinds[0].1.clone() }));
-    let searches = amount("searches of a method", 1, 2);
-    for (m, method) in admitted(renderer).into_iter().enumerate() {
+    for method in admitted(renderer) {
         // SwiftShader takes long to compile normals in wider arithmetic.
         let wide = [Method::Native64, Method::DoubleFloat].contains(&method);
         let shade = if wide { Shade::Flat } else { Shade::Headlight };
-        for k in 0..searches {
-            let search = [Search::All, Search::Tiles][(m + k) % 2];
-            let name = format!("{}, {}", method.name(), search.name());
-            kinds.push((name, Settings { method: Some(method), search, shade, ..sampled(4, 7) }));
-        }
+        kinds.push((method.name().to_owned(), Settings { method: Some(method), shade, ..sampled(4, 7) }));
     }
     kinds
 }

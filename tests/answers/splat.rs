@@ -12,9 +12,10 @@ use crate::weekend::weekend;
 use halfline::Sky;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Frame};
+use halfline::intersect::Method;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Spheres};
-use halfline::settings::{Accuracy, Search, Settings};
+use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
 use halfline_measure::suite::extremes::FAMILIES;
 
@@ -35,7 +36,6 @@ impl Both {
     pub(super) fn compare(&mut self, what: &str, scene: &Scene, settings: &Settings) -> Frame {
         let settings = Settings { accuracy: Accuracy::Certified, ..settings.clone() };
         let host = self.cpu.render(scene, &settings).expect(what);
-        let settings = Settings { search: Search::Splat, ..settings };
         let device = self.gpu.render(scene, &settings).expect(what);
         let differ: Vec<Aov> = match is_strict(&self.gpu) {
             true => differing(&device, &host),
@@ -119,7 +119,7 @@ fn what_the_adapter_holds_is_what_is_rendered() {
         scene.spheres.centers.to_mut()[3][1] += 0.25;
         both.compare("moved", &scene, &all());
     }
-    // Colours that change while the positions cannot, and a frame by lists of another scene between two of this one.
+    // Colours that change while the positions cannot, and a frame of another scene by a method between two of this one.
     // Without lights, so that the kernels shade.
     shared.lighting = Default::default();
     let mut painted = shared.clone();
@@ -131,9 +131,9 @@ fn what_the_adapter_holds_is_what_is_rendered() {
         both.compare("painted", &painted, &all());
         both.compare("shared", &shared, &all());
         let aovs = vec![Aov::Color];
-        let by_method = Settings { search: Search::Tiles, accuracy: Accuracy::Fast, aovs, ..Settings::default() };
-        both.gpu.render(&other, &by_method).expect("a frame by lists");
-        both.compare("after lists of another scene", &shared, &all());
+        let by_method = Settings { method: Some(Method::Stable), aovs, ..Settings::default() };
+        both.gpu.render(&other, &by_method).expect("a frame by a method");
+        both.compare("after another scene", &shared, &all());
     }
     // Nothing but the camera is sent for spheres that no one can change.
     let mut shared = crop::scenes().remove(2).1;
@@ -253,27 +253,25 @@ fn many_rays_of_a_pixel_have_the_bits_of_the_cpu_path() {
     }
 }
 
-/// More spheres for a ray than a shader's loop has iterations: the host goes through them.
+/// More spheres near a pixel than a shader's loop has iterations, and as many for a method as it tests.
 #[test]
 fn longer_lists_than_loops_have_the_bits_of_the_cpu_path() {
     let Some(mut both) = Both::new() else { return };
-    let count = 530_000;
+    for (method, count) in [(None, 530_000), (Some(Method::Stable), 99_999)] {
+        compare_many(&mut both, method, count);
+    }
+}
+
+fn compare_many(both: &mut Both, method: Option<Method>, count: i32) {
     let mut spheres = Spheres::default();
     // All in one tile, beside its rays, before what the rays hit.
     (0..count).for_each(|n| spheres.push([0.013, 0.017, -2.0 - 1e-6 * f64::from(n)], 1e-7, None));
     spheres.push([0.0, 0.0, -10.0], 5.0, None);
     let image = ImagePlane { width: 9, height: 9, background: [0.0; 3] };
     let scene = Scene { image, spheres, camera: Camera::CANONICAL, lighting: Default::default() };
-    let stable = Some(halfline::intersect::Method::Stable);
-    for (method, accuracy, search) in [
-        (None, Accuracy::Certified, Search::Tiles),
-        (stable, Accuracy::Fast, Search::All),
-        (stable, Accuracy::Fast, Search::Tiles),
-    ] {
-        let settings = Settings { method, accuracy, search, aovs: vec![Aov::Distance, Aov::Id], ..Settings::default() };
-        let device = both.gpu.render(&scene, &settings).expect("a frame");
-        let host = both.cpu.render(&scene, &settings).expect("a frame");
-        assert_eq!(device.ids(), host.ids(), "{search:?}");
-        assert!(host.ids().contains(&count));
-    }
+    let settings = Settings { method, aovs: vec![Aov::Distance, Aov::Id], ..Settings::default() };
+    let device = both.gpu.render(&scene, &settings).expect("a frame");
+    let host = both.cpu.render(&scene, &settings).expect("a frame");
+    assert_eq!(device.ids(), host.ids(), "{method:?}");
+    assert!(host.ids().contains(&count));
 }

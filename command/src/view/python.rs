@@ -88,8 +88,7 @@ const KEYWORDS: [(&str, &str, Call, Form); 46] = [
 ];
 
 /// The others.
-const MORE: [(&str, &str, Call, Form); 8] = [
-    ("search", "search", Call::Render, Form::Text),
+const MORE: [(&str, &str, Call, Form); 7] = [
     ("backend", "backend", Call::Renderer, Form::Text),
     ("adapter", "adapter", Call::Renderer, Form::Text),
     ("aperture", "aperture", Call::Camera, Form::Number),

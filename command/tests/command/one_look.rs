@@ -44,7 +44,6 @@ fn what_is_asked_besides_leaves_the_look() {
         "--accuracy exact",
         "--accuracy fast",
         "--method stable",
-        "--search all",
         "--seed 0 --bits 8 --json",
         "--samples 4 --look soft --accuracy certified --aov normal=n.npy",
     ] {

@@ -6,7 +6,7 @@ use crate::rng::Rng;
 use crate::test_dir::TestDir;
 
 /// Values of options; "" is the option alone. Those of a scene file and of particles.
-const OF_SCENES: [(&str, &[&str]); 36] = [
+const OF_SCENES: [(&str, &[&str]); 35] = [
     ("--eye", &["0.3,0.2,4", "0,0,3"]),
     ("--at", &["0.1,0,0", "0,0.2,0"]),
     ("--view", &["0,0,-1", "left"]),
@@ -39,7 +39,6 @@ const OF_SCENES: [(&str, &[&str]); 36] = [
     ("--accuracy", &["fast", "certified", "exact"]),
     ("--method", &["textbook", "stable", "double-float"]),
     ("--tolerance", &["1e-4", "1e-3"]),
-    ("--search", &["all", "tiles"]),
     ("--bits", &["8", "16"]),
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),

@@ -85,7 +85,7 @@ fn binned(scene: &Scene, view: &View, tolerance: f64) -> BinnedScene {
 }
 
 fn view(scene: &Scene, raster: Raster) -> View {
-    let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
+    let kernel = Kernel::certified();
     View::for_rays(scene, raster, kernel.records()).expect("a view")
 }
 

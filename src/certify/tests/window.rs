@@ -26,7 +26,7 @@ fn scene(count: usize, radius: f64) -> Scene {
 
 #[test]
 fn the_lists_of_a_window_are_those_of_the_full_frame() {
-    let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
+    let kernel = Kernel::certified();
     let window = Window { x0: 101, y0: 27, x1: 152, y1: 90 };
     // Single tiles that are covered, and cells of several tiles.
     for (count, radius, shared) in [(900, 0.2, false), (2600, 1.4, true)] {
@@ -64,7 +64,7 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
 /// projected alone.
 #[test]
 fn every_entry_has_the_bits_of_its_sphere_alone() {
-    let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
+    let kernel = Kernel::certified();
     // More and fewer entries than projecting once is worth.
     for (radius, often) in [(0.02, true), (0.001, false)] {
         let scene = scene(900, radius);

@@ -4,10 +4,10 @@
 
 use super::strip::{NearestTwos, Strip, StripAnswers};
 use super::triples::Triples;
-use crate::answers::raw::{Piece, Raw};
-use crate::certify::Certify;
+use crate::answers::raw::Piece;
 use crate::certify::binned::BinnedScene;
-use crate::kernel::Kernel;
+use crate::certify::{Certify, GENERAL};
+use crate::kernel::{Kernel, Task, Unproved};
 use crate::number::vector::{Bits, pick};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::{Shade, color_of, to_world};
@@ -23,8 +23,7 @@ pub(super) struct StripFrame<'a> {
     normal: bool,
     depth: bool,
     colors: Option<&'a [[f32; 3]]>,
-    /// What a device has found; `None` where the search is to be done.
-    pub(super) found: Option<&'a Raw>,
+    unproved: Unproved,
 }
 
 impl<'a> StripFrame<'a> {
@@ -33,10 +32,13 @@ impl<'a> StripFrame<'a> {
         view: &'a View,
         binned: &'a BinnedScene,
         colors: Option<&'a [[f32; 3]]>,
-        found: Option<&'a Raw>,
     ) -> Self {
         let certify = Certify::new(&view.record, binned);
-        Self { certify, shade: kernel.shade, normal: kernel.normal, depth: kernel.has_depths(), colors, found }
+        let unproved = match kernel.task {
+            Task::Certified { unproved, .. } => unproved,
+            _ => Unproved::Unsure,
+        };
+        Self { certify, shade: kernel.shade, normal: kernel.normal, depth: kernel.has_depths(), colors, unproved }
     }
 }
 
@@ -69,7 +71,7 @@ impl<const N: usize> Pixels<N> {
             return pixels;
         }
         let answers = strip.certify_winners(&frame.certify, two);
-        pixels.answer(&frame.certify, &answers, two);
+        pixels.answer(frame, &answers, two);
         if frame.depth {
             pixels.depth = two.depths(&frame.certify);
         }
@@ -85,12 +87,15 @@ impl<const N: usize> Pixels<N> {
     // The loops below read copies and select by masks: so compilers make one vector of the lanes.
 
     #[inline(always)]
-    fn answer(&mut self, certify: &Certify<'_, f32>, answers: &StripAnswers<N>, two: &NearestTwos<N>) {
+    fn answer(&mut self, frame: &StripFrame<'_>, answers: &StripAnswers<N>, two: &NearestTwos<N>) {
         let (two, id, numbers) = (*two, answers.id, answers.numbers);
+        // certify/take_nearest.wgsl.
+        let nearest = frame.unproved == Unproved::Nearest;
         for l in 0..N {
-            let proved = (two.slot[l] == NONE) | certify.certain(&answers.get(l), [two.low[l], two.second[l]]);
-            let proved = u32::all_if(proved);
-            self.id[l] = (id[l] & proved) | (UNSURE & !proved);
+            let certain = frame.certify.certain(&answers.get(l), [two.low[l], two.second[l]]);
+            let in_front = (two.slot[l] & GENERAL == 0) | (numbers[0][l] > 0.0);
+            let taken = u32::all_if((two.slot[l] == NONE) | certain | (nearest & in_front));
+            self.id[l] = (id[l] & taken) | (UNSURE & !taken);
         }
         for l in 0..N {
             let hit = u32::all_if(two.slot[l] != NONE);

@@ -2,7 +2,6 @@
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
-use crate::answers::raw::Raw;
 use crate::certify::constants::BEYOND;
 use crate::certify::general::{general_answer, general_low};
 use crate::certify::projected::{Projected, ProjectedDetailRecord, ProjectedRecord, projected_answer, projected_low};
@@ -10,7 +9,6 @@ use crate::certify::tiles::{NO_DETAIL, NOTHING};
 use crate::certify::{Answer, Certify, GENERAL, Slopes};
 use crate::number::vector::{Bits, pick};
 use crate::tile::{CHUNK, TILE};
-use crate::view::ViewRecord;
 use crate::view::ray::NONE;
 
 /// The rays of a strip, one array per component: whole rows of a tile, one after the other.
@@ -243,21 +241,6 @@ impl<const N: usize> StripAnswers<N> {
 
 impl<const N: usize> NearestTwos<N> {
     pub(super) const NONE: Self = Self { low: [BEYOND; N], second: [BEYOND; N], slot: [NONE; N] };
-
-    /// What a device has found for the rays from `place` on; nothing beyond the window.
-    #[inline(always)]
-    pub(super) fn found(found: &Raw, view: &ViewRecord, [i, first]: [u32; 2]) -> Self {
-        let mut k = Self::NONE;
-        for l in 0..N {
-            let row = (i + l as u32 / TILE).wrapping_sub(view.first_row);
-            let column = (first + l as u32 % TILE).wrapping_sub(view.first_column);
-            if row < view.rows && column < view.columns {
-                let place = row as usize * view.columns as usize + column as usize;
-                (k.low[l], k.second[l], k.slot[l]) = (found.low[place], found.second[place], found.id[place]);
-            }
-        }
-        k
-    }
 
     /// The depths of the winners' centres, to which their answers are relative.
     #[inline(always)]

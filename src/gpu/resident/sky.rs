@@ -1,7 +1,7 @@
 //! Rays from the hits of a resident frame toward the sky and toward lights without a size: shaders/main/sky.wgsl,
 //! docs/certificate.md, section 13.
 
-use super::held::{Held, HeldTree};
+use super::held::{Held, HeldTree, Starts};
 use super::steps::spread;
 use crate::answers::lit::Traced;
 use crate::error::{Error, Result};
@@ -56,6 +56,18 @@ pub(crate) struct SkyRays<'a> {
     pub(crate) limit: [f32; 2],
 }
 
+/// What a device finds of rays from the hits.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum SkyTraced {
+    /// For each pixel the words of [`Traced`], a bit for each ray whose end nothing hides, and behind them one if the host has to
+    /// trace the pixel's rays.
+    Words(Vec<u32>),
+    /// The last frame was not this one, or left no hits.
+    NoHits,
+    /// Why the device cannot trace.
+    Refused(String),
+}
+
 /// Declared in shaders/main/sky.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -91,44 +103,36 @@ fn window(record: &ViewRecord) -> [u32; 6] {
 }
 
 impl Gpu {
-    /// The hits of the last frame are those of no frame that follows.
+    /// Invalidates the hits of the last frame.
     pub(crate) fn forget_hits(&mut self) {
         self.resident.starts = None;
     }
 
-    /// Traces rays from the hits of the last frame: for each pixel the words of [`Traced`], a bit for each ray whose end
-    /// nothing hides, and behind them one if the host has to trace the pixel's rays. `go_on` is called with the number of
-    /// completed pixels. `None` if the last frame was not this one, or left no hits; the error inside is why the device
-    /// cannot trace.
+    /// Traces rays from the hits of the last frame. `go_on` is called with the number of completed pixels.
     ///
     /// # Errors
     /// Those of the device, and [`Error::Interrupted`].
-    pub(crate) fn trace_sky(
-        &mut self,
-        asked: &SkyRays<'_>,
-        go_on: &dyn Fn(u64) -> bool,
-    ) -> Result<Option<std::result::Result<Vec<u32>, String>>> {
+    pub(crate) fn trace_sky(&mut self, rays: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<SkyTraced> {
         let starts = match self.resident.starts {
-            Some(Ok(starts)) if window(&starts.record) == window(&asked.view.record) => starts,
-            Some(Err(reason)) => return Ok(Some(Err(reason.to_owned()))),
-            _ => return Ok(None),
+            Some(Ok(starts)) if window(&starts.record) == window(&rays.view.record) => starts,
+            Some(Err(reason)) => return Ok(SkyTraced::Refused(reason.to_owned())),
+            _ => return Ok(SkyTraced::NoHits),
         };
-        if asked.each() > MOST {
-            return Ok(Some(Err(format!("{} rays from each pixel, more than {MOST}", asked.each()))));
+        if rays.each() > MOST {
+            return Ok(SkyTraced::Refused(format!("{} rays from each pixel, more than {MOST}", rays.each())));
         }
-        let Some(mut held) = self.resident.held.take() else { return Ok(None) };
-        let done = self.guarded(|gpu| gpu.trace_sky_of(&mut held, (asked, starts.unit), go_on));
-        self.resident.held = Some(held);
-        match done {
-            Err(Error::Limits { problem, .. }) => Ok(Some(Err(problem))),
-            done => done.map(|words| Some(Ok(words))),
+        let trace = |gpu: &mut Self, held: &mut Held| gpu.guarded(|gpu| gpu.trace_from(starts, held, rays, go_on));
+        match self.with_held(trace) {
+            Err(Error::Limits { problem, .. }) => Ok(SkyTraced::Refused(problem)),
+            words => Ok(words?.map_or(SkyTraced::NoHits, SkyTraced::Words)),
         }
     }
 
-    fn trace_sky_of(
+    fn trace_from(
         &mut self,
+        starts: Starts,
         held: &mut Held,
-        (asked, unit): (&SkyRays<'_>, i32),
+        asked: &SkyRays<'_>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Vec<u32>> {
         if held.tree.is_none() {
@@ -144,7 +148,7 @@ impl Gpu {
         self.refill("directions", bytemuck::cast_slice(asked.directions))?;
         let record = ViewRecord { spheres: asked.tree.ids.len() as u32, ..asked.view.record };
         self.refill("view", bytemuck::bytes_of(&record))?;
-        let (unit, (eye, eye_rest)) = asked.tree.eye(asked.view, unit).unwrap_or((0.0, ([0; 3], [0.0; 3])));
+        let (unit, (eye, eye_rest)) = asked.tree.eye(asked.view, starts.unit).unwrap_or((0.0, ([0; 3], [0.0; 3])));
         let turned = asked.directions.len() as u32 - asked.lights;
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));

@@ -1,5 +1,6 @@
 //! The dispatches of a resident frame.
 
+use super::MINIMA;
 use super::held::{Block, Counts, Held, pieces};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{NOTHING, Placed};
@@ -11,7 +12,6 @@ use crate::gpu::input::GROUP;
 use crate::gpu::layout::Binding;
 use crate::gpu::sizes::{HOST_SPHERES, PAIRS, PIECES, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_PAIRS};
 use crate::gpu::submit::READING;
-use crate::intersect::Method;
 use crate::kernel::{Kernel, KernelOutput};
 use bytemuck::{Pod, Zeroable};
 use naga::valid::Capabilities;
@@ -98,7 +98,7 @@ impl Gpu {
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
         {
             let mut pass = self.pass(&mut encoder);
-            self.encode(&mut pass, &jobs, &Kernel::bare(Method::Stable), 1);
+            self.encode(&mut pass, &jobs, &Kernel::certified(), 1);
         }
         let size = |host: u32| 4 * u64::from(SUMMARY_LIST + host);
         let copy = |gpu: &Self, encoder: &mut wgpu::CommandEncoder, host: u32| {
@@ -141,7 +141,7 @@ impl Gpu {
         self.fill_of_parts(&parts)?;
         self.reserve("read pairs", 8 * u64::from(FIRST), READING);
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        encoder.clear_buffer(&self.buffers["minima"], 0, Some(12 * pixels));
+        encoder.clear_buffer(&self.buffers["minima"], 0, Some(MINIMA * pixels));
         encoder.clear_buffer(&self.buffers["summary"], 4 * u64::from(SUMMARY_PAIRS), Some(4));
         {
             let mut pass = self.pass(&mut encoder);
@@ -237,7 +237,7 @@ impl Gpu {
         for (to, part) in bytes.chunks_exact_mut(stride).zip(parts) {
             to[..size_of::<BlockPass>()].copy_from_slice(bytemuck::bytes_of(part));
         }
-        self.refill("part", &bytes)
+        self.refill("block_pass", &bytes)
     }
 
     /// A pass that the clock times.
@@ -280,8 +280,8 @@ impl Gpu {
         let resource = match (binding.name, &block.spheres) {
             ("projected", _) => block.projected.as_entire_binding(),
             ("resident", Some(spheres)) => spheres.as_entire_binding(),
-            ("part", _) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &self.buffers["part"],
+            ("block_pass", _) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &self.buffers["block_pass"],
                 offset: part * self.stride(),
                 size: std::num::NonZeroU64::new(size_of::<BlockPass>() as u64),
             }),

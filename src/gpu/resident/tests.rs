@@ -3,7 +3,7 @@
 //! agrees.
 
 use super::held::BLOCK;
-use super::sky::SkyRays;
+use super::sky::{SkyRays, SkyTraced};
 use super::*;
 use crate::answers::raw::Raw;
 use crate::certify::TERMS;
@@ -11,7 +11,6 @@ use crate::cpu;
 use crate::frame::report::Timings;
 use crate::gpu::device;
 use crate::gpu::submission_budget::SubmissionBudget;
-use crate::intersect::Method;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Spheres};
 use crate::search::tree::Tree;
@@ -32,15 +31,7 @@ fn open() -> Option<Gpu> {
 
 /// All outputs but one: with lists of general spheres that is as many buffers as SwiftShader binds.
 fn kernel(samples: bool) -> Kernel {
-    Kernel {
-        shade: Some(Shade::Headlight),
-        colors: true,
-        t: true,
-        normal: true,
-        certify: true,
-        samples,
-        ..Kernel::bare(Method::Stable)
-    }
+    Kernel { shade: Some(Shade::Headlight), colors: true, t: true, normal: true, samples, ..Kernel::certified() }
 }
 
 /// The tolerance of the frames' distances.
@@ -163,7 +154,8 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         let view =
             View::in_unit(&scene, raster, middle(reach.sizes(scene.camera.eye).expect("sizes"))).expect("a view");
         let placer = Placer::new(&scene, &view, 1e-5).expect("a lens").expect("a projection");
-        let kernel = Kernel { certify: true, starts: true, ..Kernel::bare(Method::Stable) };
+        let (generals, unproved) = (Generals::None, crate::kernel::Unproved::Unsure);
+        let kernel = Kernel::bare(Task::Certified { generals, unproved, depth_interval: false, starts: true });
         let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
         let frame = ResidentFrame { scene: &scene, view: &view, placer: &placer, pool: &pool };
         let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
@@ -185,22 +177,22 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
             submissions.set(submissions.get() + 1);
             true
         };
-        let words = gpu.trace_sky(&asked, &count).expect("a device").expect("a frame").expect("no reason");
+        let SkyTraced::Words(words) = gpu.trace_sky(&asked, &count).expect("a device") else { panic!("no rays") };
         assert!(submissions.get() > 1, "several submissions");
         let open: u32 = words.iter().map(|word| word.count_ones()).sum();
         println!("blocks of {block}: {open} rays of {} pixels are open", raw.id.len());
         // The rays of another window are not those of this frame.
         let mut other = View::in_unit(&scene, raster, view.unit).expect("a view");
         other.record.rows = 1;
-        assert!(gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device").is_none());
+        assert!(gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device") == SkyTraced::NoHits);
         // Another view of the same pixels in another unit changes nothing.
         let other = View::in_unit(&scene, raster, view.unit + 3).expect("a view");
-        let again = gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device").expect("a frame");
-        assert!(again.expect("no reason") == words);
-        let most = gpu.trace_sky(&SkyRays { rays: 5000, ..asked }, &count).expect("a device").expect("a frame");
-        assert!(most.is_err_and(|reason| reason.contains("5000 rays")));
+        let again = gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device");
+        assert!(again == SkyTraced::Words(words.clone()));
+        let most = gpu.trace_sky(&SkyRays { rays: 5000, ..asked }, &count).expect("a device");
+        assert!(matches!(most, SkyTraced::Refused(reason) if reason.contains("5000 rays")));
         gpu.forget_hits();
-        assert!(gpu.trace_sky(&asked, &count).expect("a device").is_none());
+        assert!(gpu.trace_sky(&asked, &count).expect("a device") == SkyTraced::NoHits);
         found.push(words);
     }
     assert!(found[0].iter().any(|word| *word != 0) && found[1..].iter().all(|words| *words == found[0]));

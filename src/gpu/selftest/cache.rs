@@ -1,25 +1,19 @@
-//! The cache of measurements: one small file per adapter and measurement in the user's cache folder. A file that is
+//! The cache of the self-test: one small file per adapter in the user's cache folder. A file that is
 //! unreadable, malformed or for another driver, program or shader is ignored.
 
+use super::verdict::Verdict;
 use crate::gpu::device::AdapterSummary;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::PathBuf;
 
 /// The contents of a file.
 #[derive(Serialize, Deserialize)]
-struct Entry<T> {
+struct Entry {
     /// Everything that the result depends on, as text.
     key: String,
-    verdict: T,
+    verdict: Verdict,
 }
-
-/// The name of the self-test's files.
-pub(super) const VERDICT: &str = "selftest";
-
-/// The name of the files with times.
-pub(super) const PACE: &str = "pace";
 
 /// This program's folder in the user's cache folder.
 pub(super) fn folder() -> Option<PathBuf> {
@@ -32,41 +26,30 @@ pub(super) fn folder() -> Option<PathBuf> {
 }
 
 /// The file is named after the adapter, so a new driver's result replaces the old one.
-fn name(what: &str, adapter: &AdapterSummary) -> String {
+fn name(adapter: &AdapterSummary) -> String {
     let hash = blake3::hash(format!("{}, {}", adapter.name, adapter.backend).as_bytes()).to_hex();
-    format!("{what}-{}.json", &hash.as_str()[..16])
+    format!("selftest-{}.json", &hash.as_str()[..16])
 }
 
-/// The stored result of the measurement `what`, if it has this key.
-pub(super) fn read<T: DeserializeOwned>(
-    folder: Option<PathBuf>,
-    what: &str,
-    adapter: &AdapterSummary,
-    key: &str,
-) -> Option<T> {
-    let text = std::fs::read(folder?.join(name(what, adapter))).ok()?;
-    let entry: Entry<T> = serde_json::from_slice(&text).ok()?;
+/// The stored verdict, if it has this key.
+pub(super) fn read(folder: Option<PathBuf>, adapter: &AdapterSummary, key: &str) -> Option<Verdict> {
+    let text = std::fs::read(folder?.join(name(adapter))).ok()?;
+    let entry: Entry = serde_json::from_slice(&text).ok()?;
     (entry.key == key).then_some(entry.verdict)
 }
 
-/// Stores the result of the measurement `what`; a failure is not an error.
-pub(super) fn write<T: Serialize>(
-    folder: Option<PathBuf>,
-    what: &str,
-    adapter: &AdapterSummary,
-    key: &str,
-    verdict: &T,
-) {
-    let entry = Entry { key: key.to_owned(), verdict };
+/// Stores a verdict; a failure is not an error.
+pub(super) fn write(folder: Option<PathBuf>, adapter: &AdapterSummary, key: &str, verdict: &Verdict) {
+    let entry = Entry { key: key.to_owned(), verdict: verdict.clone() };
     let kept = folder.ok_or("no cache folder".to_owned()).and_then(|folder| {
         let text = serde_json::to_vec(&entry).map_err(|e| e.to_string())?;
         std::fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
         // Replaces the file atomically, so readers never see a partial file.
         let mut file = tempfile::NamedTempFile::new_in(&folder).map_err(|e| e.to_string())?;
         file.write_all(&text).map_err(|e| e.to_string())?;
-        file.persist(folder.join(name(what, adapter))).map(drop).map_err(|e| e.to_string())
+        file.persist(folder.join(name(adapter))).map(drop).map_err(|e| e.to_string())
     });
     if let Err(reason) = kept {
-        tracing::debug!("cannot cache the result of {what}: {reason}");
+        tracing::debug!("cannot cache the verdict: {reason}");
     }
 }

@@ -113,16 +113,16 @@ fn the_cache_is_used_only_for_the_same_adapter_and_version() {
     let verdict = conclude(Vec::new(), false);
     let folder = tempfile::tempdir().expect("a folder");
     let at = || Some(folder.path().join("deeper"));
-    let read = |key: &str| cache::read::<Verdict>(at(), cache::VERDICT, &adapter, key);
+    let read = |key: &str| cache::read(at(), &adapter, key);
     assert_eq!(read("key"), None);
-    cache::write(at(), cache::VERDICT, &adapter, "key", &verdict);
+    cache::write(at(), &adapter, "key", &verdict);
     assert_eq!(read("key"), Some(verdict.clone()));
     assert_eq!(read("another driver"), None);
-    cache::write(at(), cache::VERDICT, &adapter, "another driver", &verdict);
+    cache::write(at(), &adapter, "another driver", &verdict);
     assert_eq!(read("key"), None, "one file per adapter");
     let file = std::fs::read_dir(folder.path().join("deeper")).expect("it was made").next().expect("one").expect("one");
     std::fs::write(file.path(), "{\"key\": \"another driver\", \"verdict\": ").expect("broken on purpose");
     assert_eq!(read("another driver"), None);
-    cache::write(None, cache::VERDICT, &adapter, "key", &verdict);
-    cache::write(Some(file.path()), cache::VERDICT, &adapter, "key", &verdict);
+    cache::write(None, &adapter, "key", &verdict);
+    cache::write(Some(file.path()), &adapter, "key", &verdict);
 }

@@ -14,11 +14,10 @@ use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::gpu::resident::ResidentFrame;
 use crate::intersect::Method;
-use crate::kernel::{Kernel, Sharing};
+use crate::kernel::Kernel;
 use crate::memory::Pool;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Spheres};
-use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::Tolerance;
 use crate::view::raster::Raster;
 use crate::view::{View, middle};
@@ -33,7 +32,7 @@ pub(super) const PLACES: &str = "spheres placed as in f64";
 /// Pixels along a side.
 const SIDE: u32 = 64;
 
-/// 97 spheres in front of the eye; not a multiple of any subgroup size.
+/// 97 spheres in front of the eye.
 fn scene() -> Scene {
     cloud(97, SIDE)
 }
@@ -55,54 +54,28 @@ pub(super) fn cloud(count: u32, side: u32) -> Scene {
 
 impl Gpu {
     /// The kernels that are compared. The lecture's forms use no other operations, and compilation dominates the time.
-    pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
-        let kernel = |certify: bool, tiles: bool| Kernel {
-            sharing: if certify { Sharing::None } else { self.summary.sharing() },
-            t: true,
-            normal: true,
-            certify,
-            tiles,
-            depth_interval: certify,
-            ..Kernel::bare(Method::Stable)
-        };
-        vec![kernel(false, false), kernel(false, true), kernel(true, false)]
+    pub(super) fn twin_kernels(&self) -> [Kernel; 2] {
+        let certified = Kernel::certified().with_depth_interval();
+        [Kernel::of_method(Method::Stable), certified].map(|kernel| Kernel { t: true, normal: true, ..kernel })
     }
 
     pub(super) fn compare_twins(&mut self) -> Result<Check> {
         let scene = scene();
         let pool = Pool::default();
-        let view = View::new(&scene)?;
-        let binned = BinnedScene::new((&scene, None), &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
         let (mut values, mut different) = (0.0, 0.0);
         for kernel in self.twin_kernels() {
             let pixels = (SIDE * SIDE) as usize;
             let (mut device, mut host) = (Raw::new(&kernel, pixels, &pool)?, Raw::new(&kernel, pixels, &pool)?);
-            let candidates = match &binned {
-                Some(binned) if kernel.tiles => {
-                    Some(CandidateList::Uncertified(TileCandidates::new(&view, &scene.spheres, binned, false, &pool)))
-                }
-                Some(binned) if kernel.certify => Some(CandidateList::Certified(binned)),
-                // This scene can always be binned; without lists there is nothing to compare.
-                None if kernel.tiles || kernel.certify => continue,
-                _ => None,
-            };
-            if kernel.is_resident() {
+            if kernel.is_certified() {
                 let Some(frame) = self.resident(&scene, &kernel, &mut device)? else { continue };
                 cpu::certified(&kernel, &frame.view, &frame.binned, None, &mut host, &|| true);
-                let (all, wrong) = compared(&device, &host);
-                (values, different) = (values + all, different + wrong);
-                continue;
+            } else {
+                let view = View::new(&scene)?;
+                cpu::render(&kernel, &view, None, &mut host, &|| true);
+                let input = Input { view: &view, colors: None, rays: KernelRays::Viewing };
+                let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
+                self.run(&kernel, &input, &mut output, &|_| true)?;
             }
-            match &candidates {
-                Some(CandidateList::Certified(_)) => continue,
-                Some(CandidateList::Uncertified(tile_candidates)) => {
-                    cpu::by_tiles(&kernel, tile_candidates, None, &mut host, &|| true)
-                }
-                None => cpu::render(&kernel, &view, None, &mut host, &|| true),
-            }
-            let input = Input { view: &view, colors: None, rays: KernelRays::Viewing, candidates };
-            let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
-            self.run(&kernel, &input, &mut output, &|_| true)?;
             let (all, wrong) = compared(&device, &host);
             (values, different) = (values + all, different + wrong);
         }
@@ -133,7 +106,7 @@ impl Gpu {
 
     /// Whether the device places spheres with the bits of the host's f64: near, far, and for parallel rays.
     pub(super) fn compare_places(&mut self) -> Result<Check> {
-        let kernel = Kernel { certify: true, ..Kernel::bare(Method::Stable) };
+        let kernel = Kernel::certified();
         let near = scene();
         let far = |lens| {
             let camera = Camera {

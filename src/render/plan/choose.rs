@@ -12,7 +12,8 @@ use crate::settings::{Accuracy, Settings};
 /// A choice and its reason.
 pub(super) struct Choice {
     pub(super) accuracy: Accuracy,
-    pub(super) method: Method,
+    /// `None` for the certified kernel or the judge.
+    pub(super) method: Option<Method>,
     pub(super) reason: String,
     pub(super) predicted: Option<Prediction>,
 }
@@ -27,20 +28,27 @@ const PROVEN: [Aov; 3] = [Aov::Certainty, Aov::Bound, Aov::Normal];
 /// Cost of a certified frame relative to `stable` with all spheres in view (docs/certificate.md, section 6).
 const CERTIFIED: f64 = 1.1;
 
-/// Above this number of spheres certified answers are preferred. With tiles, an uncertified method costs between two
-/// thirds of them (lavapipe, 1e3 spheres) and twice as much (lavapipe and the CPU path, 1e6): docs/performance-log.md.
-pub(in crate::render) const FEW: usize = 32;
+/// Above this number of spheres no method is chosen: it tests all of them, and certified answers take no longer.
+pub(in crate::render) const MAX_FOR_METHOD: usize = 8;
 
 pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Choice> {
-    let choice = |accuracy, method: Option<Method>, reason: String| Choice {
-        accuracy,
-        method: method.unwrap_or(Method::Stable),
-        reason,
-        predicted: None,
-    };
-    if scene.camera.lens.is_orthographic() && settings.accuracy != Accuracy::Exact {
-        return parallel(settings).map(|reason| choice(Accuracy::Certified, None, reason));
+    let choice =
+        |accuracy, method: Option<Method>, reason: String| Choice { accuracy, method, reason, predicted: None };
+    let is_parallel = scene.camera.lens.is_orthographic();
+    if let (true, Some(method)) = (is_parallel, settings.method) {
+        let problem = format!("method {} does not support orthographic cameras", method.name());
+        return Err(Error::settings(problem, format!("remove {METHOD}, or give the camera a vfov")));
     }
+    if is_parallel && settings.accuracy == Accuracy::Auto {
+        let reason = match settings.tolerance {
+            Some(tolerance) => {
+                format!("parallel rays are certified, distance within {}", number(tolerance.relative(), 2))
+            }
+            None => "parallel rays are certified: the uncertified methods support perspective cameras only".into(),
+        };
+        return Ok(choice(Accuracy::Certified, None, reason));
+    }
+    let few = scene.spheres.len() <= MAX_FOR_METHOD && !is_parallel;
     let named = |some: &[Aov]| {
         let asked: Vec<_> = some.iter().filter(|aov| settings.aovs.contains(aov)).map(|aov| aov.name()).collect();
         asked.join(", ")
@@ -53,9 +61,9 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
             let reason = format!("a tolerance is given, but errors of {} are not predicted", named(&PROVEN));
             choice(Accuracy::Certified, None, reason)
         }
-        (Accuracy::Auto, None, Some(tolerance)) if scene.spheres.len() > FEW => {
+        (Accuracy::Auto, None, Some(tolerance)) if !few => {
             let reason = format!(
-                "certified, distance within {}: with {} spheres no method is much cheaper",
+                "certified, distance within {}: with {} spheres no method is cheaper",
                 number(tolerance.relative(), 2),
                 scene.spheres.len()
             );
@@ -65,9 +73,8 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
         (Accuracy::Auto, None, None) if settings.asks(&ANSWERS) => {
             choice(Accuracy::Certified, None, format!("buffers that hold answers are requested: {}", named(&ANSWERS)))
         }
-        (Accuracy::Auto, None, None) if scene.spheres.len() > FEW => {
-            let reason =
-                format!("with {} spheres no method is much cheaper than certified answers", scene.spheres.len());
+        (Accuracy::Auto, None, None) if !few => {
+            let reason = format!("with {} spheres no method is cheaper than certified answers", scene.spheres.len());
             choice(Accuracy::Certified, None, reason)
         }
         (Accuracy::Auto, None, None) => {
@@ -82,30 +89,19 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
                 }
                 None => {
                     let reason = "no buffer that holds answers and no tolerance is requested".into();
-                    Choice { predicted, ..choice(Accuracy::Fast, None, reason) }
+                    Choice { predicted, ..choice(Accuracy::Fast, Some(Method::Stable), reason) }
                 }
             }
         }
+        (Accuracy::Fast, None, _) if few => {
+            choice(Accuracy::Fast, Some(Method::Stable), "accuracy fast is requested".into())
+        }
+        (Accuracy::Fast, None, _) => {
+            let reason =
+                "accuracy fast is requested: the certified kernel, whose unproved pixels take their nearest candidate";
+            choice(Accuracy::Fast, None, reason.into())
+        }
         (stated, method, _) => choice(stated, method, format!("accuracy {} is requested", stated.name())),
-    })
-}
-
-/// Why the answers of parallel rays are certified: the other methods do not support parallel rays, and a certified
-/// frame costs less than a method that tests every sphere.
-fn parallel(settings: &Settings) -> Result<String> {
-    if let Some(method) = settings.method {
-        let problem = format!("method {} does not support orthographic cameras", method.name());
-        return Err(Error::settings(problem, format!("remove {METHOD}, or give the camera a vfov")));
-    }
-    Ok(match (settings.accuracy, settings.tolerance) {
-        (Accuracy::Certified, _) => "accuracy certified is requested".into(),
-        (Accuracy::Fast, _) => {
-            "accuracy fast is requested, but for parallel rays the certified kernel is the fastest".into()
-        }
-        (_, Some(tolerance)) => {
-            format!("parallel rays are certified, distance within {}", number(tolerance.relative(), 2))
-        }
-        _ => "parallel rays are certified: the uncertified methods support perspective cameras only".into(),
     })
 }
 
@@ -117,7 +113,7 @@ fn cheapest(scene: &Scene, tolerance: f64, admits: &mut dyn FnMut(Method) -> boo
     let Some(predicted) = Prediction::each(scene, &methods)? else {
         let method = methods.first().copied().unwrap_or(Method::Stable);
         let reason = "there are no spheres, so there is no error".into();
-        return Ok(Choice { accuracy: Accuracy::Fast, method, reason, predicted: None });
+        return Ok(Choice { accuracy: Accuracy::Fast, method: Some(method), reason, predicted: None });
     };
     let all: Vec<_> = methods.into_iter().zip(predicted).collect();
     let within = |p: &Prediction| {
@@ -131,7 +127,7 @@ fn cheapest(scene: &Scene, tolerance: f64, admits: &mut dyn FnMut(Method) -> boo
         if let Some((cheaper, p)) = all[..n].first() {
             reason += &format!("; {} could be off by {}", cheaper.name(), number(p.worst(), 2));
         }
-        return Ok(Choice { accuracy: Accuracy::Fast, method, reason, predicted: Some(p) });
+        return Ok(Choice { accuracy: Accuracy::Fast, method: Some(method), reason, predicted: Some(p) });
     }
     let best = all.iter().min_by(|a, b| a.1.worst().total_cmp(&b.1.worst()));
     let reason = best.map_or("no method can run here".into(), |(method, p)| {
@@ -144,5 +140,5 @@ fn cheapest(scene: &Scene, tolerance: f64, admits: &mut dyn FnMut(Method) -> boo
             number(p.radii, 2)
         )
     });
-    Ok(Choice { accuracy: Accuracy::Certified, method: Method::Stable, reason, predicted: None })
+    Ok(Choice { accuracy: Accuracy::Certified, method: None, reason, predicted: None })
 }

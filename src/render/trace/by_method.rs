@@ -9,7 +9,7 @@ use crate::answers::raw::Raw;
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::input::{Input, KernelRays, Output};
-use crate::kernel::{Kernel, RaySource};
+use crate::kernel::{Kernel, RaySource, Task};
 use crate::render::place::Executor;
 use crate::view::View;
 use crate::view::ray::{NONE, RayRecord};
@@ -25,12 +25,13 @@ impl Tracer<'_> {
     /// The closest hit of each ray among all spheres by the plan's method.
     pub(super) fn hits_by_method(&mut self, rays: &Rays) -> Result<Hits> {
         let (spheres, kernel) = (self.spheres, self.plan.kernel);
+        let method = kernel.arithmetic();
         let directions = rays.directions;
         let origin = |n: usize| rays.ray(n).origin;
         let none = Hits::none(rays.len(), &self.plan);
         let mut hits = Hits { certainty: vec![255; rays.len()], ..none };
         for group in groups(directions.len(), origin) {
-            let kernel = Kernel { rays: group.kind, ..kernel };
+            let kernel = Kernel { task: Task::Method { method, rays: group.kind }, ..kernel };
             let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
             if kernel.reads_residuals() {
                 view.keep_residuals(&spheres.centers, &spheres.radii);
@@ -40,9 +41,9 @@ impl Tracer<'_> {
             let mut raw = Raw::new(&kernel, records.len(), &self.renderer.pool)?;
             match &mut self.renderer.place {
                 Executor::Gpu(gpu) => {
-                    gpu.check_method(kernel.method)?;
+                    gpu.check_method(method)?;
                     let rays = KernelRays::Given(&records);
-                    let input = Input { view: &view, colors: None, rays, candidates: None };
+                    let input = Input { view: &view, colors: None, rays };
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.renderer.watch.goes_on())?;
                 }

@@ -7,8 +7,7 @@ use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
-use crate::intersect::Method;
-use crate::kernel::{Kernel, RaySource};
+use crate::kernel::{Kernel, Task};
 use crate::memory::Pool;
 use crate::progress::Watch;
 use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
@@ -44,20 +43,13 @@ impl OnDevice {
             true => (Vec::new(), Vec::new()),
             false => (given.tree.device_nodes(), given.tree.device_spheres()),
         };
-        let kernel = Kernel {
-            certify: true,
-            rays: RaySource::Spread,
-            tree: !given.all,
-            any: Q::ANY,
-            ..Kernel::bare(Method::Stable)
-        };
+        let kernel = Kernel::bare(Task::Given { any: Q::ANY, tree: !given.all });
         let mut view = View::along_axes(DVec3::ZERO, &[], &[])?;
         view.record.spheres = given.tree.ids.len() as u32;
         let input = Input {
             view: &view,
             colors: None,
             rays: KernelRays::Certified { rays: &rays, boxes: &boxes, nodes: &nodes, spheres: &spheres },
-            candidates: None,
         };
         let mut raw = Raw::new(&kernel, rays.len(), &Pool::default())?;
         let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };

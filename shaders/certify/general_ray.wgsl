@@ -1,4 +1,0 @@
-// A general sphere, tested by one ray.
-fn test_general(s: Slopes, k: NearestTwo, n: General, slot: u32) -> NearestTwo {
-    return with_candidate(k, general_low(s, n), GENERAL | slot);
-}
