@@ -32,6 +32,7 @@ mod extremes;
 mod frames;
 mod given;
 mod instances;
+mod lecture;
 mod light;
 mod light_on_device;
 mod metamorphic;
