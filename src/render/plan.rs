@@ -5,7 +5,7 @@ pub(super) mod lights;
 pub(crate) mod search;
 
 use crate::answers::finish::Finish;
-use crate::cpu::light::Wanted;
+use crate::cpu::light::LightOutputs;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
@@ -37,7 +37,7 @@ pub struct Plan {
     pub search_reason: &'static str,
     /// What is computed of lights and sky.
     #[serde(skip)]
-    pub(crate) wanted: Wanted,
+    pub(crate) wanted: LightOutputs,
     /// What is drawn over the colours.
     #[serde(skip)]
     pub(crate) finish: Option<Finish>,
@@ -139,7 +139,7 @@ impl Plan {
             predicted: None,
             search,
             search_reason,
-            wanted: Wanted::default(),
+            wanted: LightOutputs::default(),
             finish: None,
             kernel,
             sampled: None,
