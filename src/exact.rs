@@ -23,12 +23,12 @@ use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
 use crate::number::vector::{LANES, Vector};
 use crate::scene::camera::{CentredFrame, ExactViewport};
-use crate::scene::{Scene, Spheres, check_sphere};
+use crate::scene::{Ball, Scene, Spheres, check_sphere};
 pub use answer::Truth;
 use answer::{DecidedHit, Path, Quick};
 pub use decide::Root;
 use decide::{ExactFrame, ExactLens, Meeting, odds};
-use filter::{AxesDd, Body, FilterHit, FilterRay, FilterResult, Screen};
+use filter::{AxesDd, Body, ExactCamera, FilterHit, FilterRay, FilterResult, Screen};
 use ray::RayForms;
 use rayon::prelude::*;
 use secondary::HitPoint;
@@ -115,21 +115,15 @@ impl Judge {
     }
 
     /// The hit of one sphere by the ray of row `i`, column `j`, as if it were the only one.
-    pub(crate) fn hit_of(&self, i: u32, j: u32, (center, radius): ([f64; 3], f64)) -> Option<Truth> {
-        let (rays, body) = (self.ray(i, j), self.bench.body(center, radius));
+    pub(crate) fn hit_of(&self, i: u32, j: u32, ball: Ball) -> Option<Truth> {
+        let (rays, body) = (self.ray(i, j), self.bench.body(ball));
         self.bench.truth(&rays, &self.bench.hit_body(&rays, 0, &body)?)
     }
 
     /// The answers to questions about the hit of one sphere by the ray of row `i`, column `j`; `None` where the ray misses
     /// that sphere.
-    pub(crate) fn ask(
-        &self,
-        i: u32,
-        j: u32,
-        (center, radius): ([f64; 3], f64),
-        asked: &[LightQuestion],
-    ) -> Option<Vec<bool>> {
-        let (rays, body) = (self.ray(i, j), self.bench.body(center, radius));
+    pub(crate) fn ask(&self, i: u32, j: u32, ball: Ball, asked: &[LightQuestion]) -> Option<Vec<bool>> {
+        let (rays, body) = (self.ray(i, j), self.bench.body(ball));
         let best = self.bench.hit_body(&rays, 0, &body)?;
         let hit = self.bench.hit_point(&rays, &best);
         Some(asked.iter().map(|question| question.answer(&hit)).collect())
@@ -161,7 +155,7 @@ impl Judge {
         let ray = FilterRay::through(viewport, *size, apart);
         let (sure, hit) = ray.hit(body);
         let root = decide::root(body.side);
-        let quick = Quick::new(root, (self.bench.eye, &self.bench.basis), (&ray, true), body, &hit);
+        let quick = Quick::new(root, &self.bench.camera, &ray, true, body, &hit);
         for (l, truth) in truths.iter_mut().enumerate().filter(|(l, _)| sure.0[*l] != 0) {
             *truth = quick.lane(l).truth(DecidedHit { id, root, tangent: false });
         }
@@ -194,14 +188,13 @@ pub(crate) fn judge_ray_among(
         return None;
     }
     let rays = RayForms::along(direction);
-    let sphere = |id: u32| (spheres.centers[id as usize], spheres.radii[id as usize]);
     let near = |id: &u32| {
-        let (center, radius) = sphere(*id);
+        let Ball { center, radius } = spheres.ball(*id);
         !rays.quick.misses(&Screen::from(origin, center, radius))
     };
     let ids: Vec<u32> = ids.filter(near).collect();
     let mut few = Spheres::default();
-    for (center, radius) in ids.iter().map(|id| sphere(*id)) {
+    for Ball { center, radius } in ids.iter().map(|id| spheres.ball(*id)) {
         few.push(center, radius, None);
     }
     let bench = Bench::new(ExactFrame::world(origin), origin, &few);
@@ -226,8 +219,7 @@ pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> Dd 
 /// A frame and the spheres in it.
 struct Bench {
     frame: ExactFrame,
-    eye: [f64; 3],
-    basis: AxesDd,
+    camera: ExactCamera,
     bodies: Vec<Body>,
     screens: Vec<Screen>,
 }
@@ -244,17 +236,18 @@ struct Best<'a> {
 
 impl Bench {
     fn new(frame: ExactFrame, eye: [f64; 3], spheres: &Spheres) -> Self {
-        let basis = AxesDd::of(&frame);
+        let camera = ExactCamera { eye, basis: AxesDd::of(&frame) };
         let make = |(center, radius): (&[f64; 3], &f64)| {
-            if check_sphere(*center, *radius, Place::default).is_err() {
-                return (Body::new(&frame, eye, &basis, eye, 1.0), Screen::NEVER);
+            let ball = Ball { center: *center, radius: *radius };
+            if check_sphere(ball.center, ball.radius, Place::default).is_err() {
+                return (Body::new(&frame, &camera, Ball { center: eye, radius: 1.0 }), Screen::NEVER);
             }
-            let body = Body::new(&frame, eye, &basis, *center, *radius);
+            let body = Body::new(&frame, &camera, ball);
             let screen = body.screen();
             (body, screen)
         };
         let (bodies, screens) = spheres.centers.par_iter().zip(&spheres.radii).map(make).unzip();
-        Self { frame, eye, basis, bodies, screens }
+        Self { frame, camera, bodies, screens }
     }
 
     /// The f64 data for parallel rays, whose origins are up to 2^`k` away from the eye.
@@ -302,8 +295,8 @@ impl Bench {
         self.hit_body(rays, id, &self.bodies[id as usize])
     }
 
-    fn body(&self, center: [f64; 3], radius: f64) -> Body {
-        Body::new(&self.frame, self.eye, &self.basis, center, radius)
+    fn body(&self, ball: Ball) -> Body {
+        Body::new(&self.frame, &self.camera, ball)
     }
 
     #[inline(always)]
@@ -325,7 +318,7 @@ impl Bench {
     /// Whether `next` is nearer, or at the same t with a lower index.
     #[inline(always)]
     fn beats(&self, rays: &RayForms<'_>, next: &Best, best: &Best) -> bool {
-        let same = next.body.center == best.body.center && next.body.radius == best.body.radius;
+        let same = next.body.ball == best.body.ball;
         let order = if same { Some(Ordering::Equal) } else { next.hit.order(&best.hit) };
         let exact = || decide::order(&self.frame.field, self.meeting(rays, next), self.meeting(rays, best));
         order.unwrap_or_else(exact).then(next.id.cmp(&best.id)) == Ordering::Less
@@ -336,7 +329,7 @@ impl Bench {
         let hit = self.hit_point(rays, &best);
         let is_hidden = |light: &Toward| {
             let light = hit.toward(*light);
-            let hides = |body: &Body| hit.is_hidden_by(&light, body.center, body.radius);
+            let hides = |body: &Body| hit.is_hidden_by(&light, body.ball);
             hit.hides_itself(&light) || self.bodies.iter().any(hides)
         };
         Some(lights.iter().map(is_hidden).collect())
@@ -344,8 +337,7 @@ impl Bench {
 
     fn hit_point<'b>(&'b self, rays: &'b RayForms<'b>, best: &'b Best) -> HitPoint<'b> {
         let (ray, meeting) = (rays.exact(&self.frame), self.meeting(rays, best));
-        let sphere = (best.body.center, best.body.radius);
-        HitPoint::new(&self.frame, ray, rays.stretch(), meeting, best.root, sphere)
+        HitPoint::new(&self.frame, ray, rays.stretch(), meeting, best.root, best.body.ball)
     }
 
     fn meeting<'b>(&self, rays: &RayForms<'_>, best: &'b Best) -> &'b Meeting {
@@ -353,15 +345,15 @@ impl Bench {
     }
 
     fn meet(&self, rays: &RayForms<'_>, body: &Body) -> Meeting {
-        self.frame.meet(rays.exact(&self.frame), body.center, body.radius)
+        self.frame.meet(rays.exact(&self.frame), body.ball)
     }
 
     #[inline(always)]
     fn truth(&self, rays: &RayForms<'_>, best: &Best) -> Option<Truth> {
         let name = DecidedHit { id: best.id, root: best.root, tangent: best.tangent };
-        Quick::new(best.root, (self.eye, &self.basis), (&rays.quick, rays.planar()), best.body, &best.hit)
+        Quick::new(best.root, &self.camera, &rays.quick, rays.planar(), best.body, &best.hit)
             .truth(name)
-            .or_else(|| answer::slow(name, &self.frame, rays, self.meeting(rays, best), best.body.radius))
+            .or_else(|| answer::slow(name, &self.frame, rays, self.meeting(rays, best), best.body.ball.radius))
     }
 
     /// 128 bits of t: more than a double-double holds.

@@ -2,6 +2,7 @@
 //! readers of `read/` make scenes.
 
 pub mod arrange;
+mod ball;
 pub mod camera;
 mod cell;
 mod check;
@@ -21,6 +22,7 @@ use crate::memory::{entries, extend_to};
 use camera::Camera;
 use glam::DVec3;
 
+pub(crate) use ball::{Ball, NumberedBall};
 pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere, is_center, is_radius};
 pub use fit::{Framing, Reach};

@@ -1,6 +1,6 @@
 //! The frame's buffers, assembled from the kernel's output and the settled pixels.
 
-use super::lit::{Lit, NOT_CERTIFIED, SETTLED};
+use super::lit::{LightBuffers, NOT_CERTIFIED, SETTLED};
 use super::raw::Raw;
 use super::samples::Means;
 use super::settle::Settled;
@@ -28,7 +28,7 @@ pub(crate) struct Answers<'a> {
     /// Colour and coverage, with several samples per pixel.
     pub(crate) sampled: Option<Means>,
     /// What lights and the sky give.
-    pub(crate) lit: Lit,
+    pub(crate) lit: LightBuffers,
 }
 
 /// Relative rounding error of a distance computed from a depth in f64, and of a settled one: 2^-50, several roundings.

@@ -1,4 +1,4 @@
-//! What lights and the sky give to the pixels of a frame.
+//! Light of the pixels of a frame: buffers, and what devices and samples know of it.
 
 use crate::view::ray::NONE;
 use crate::window::Window;
@@ -11,7 +11,7 @@ pub(crate) const NOT_CERTIFIED: u8 = 255;
 
 /// The buffers of lights and sky in row order; those that were not requested are empty.
 #[derive(Debug, Default, PartialEq)]
-pub(crate) struct Lit {
+pub(crate) struct LightBuffers {
     /// Linear RGB, three numbers per pixel.
     pub(crate) color: Vec<f32>,
     /// Share of each light that is hidden, one number per light and pixel.
@@ -91,7 +91,21 @@ impl OpenSky<'_> {
     }
 }
 
-/// A run of consecutive pixels of a [`Lit`].
+/// Light of one pixel. Buffers that were not requested do not take its numbers.
+#[derive(Debug, Default)]
+pub(crate) struct PixelLight<'a> {
+    /// Linear RGB.
+    pub(crate) color: DVec3,
+    /// Share of each light that is hidden.
+    pub(crate) shadow: &'a [f32],
+    /// Share of the sky that is open, and its light.
+    pub(crate) occlusion: f32,
+    pub(crate) sky: DVec3,
+    /// `None` where f64 is certain.
+    pub(crate) certainty: Option<u8>,
+}
+
+/// A run of consecutive pixels of a [`LightBuffers`].
 pub(crate) struct Chunk<'a> {
     pub(crate) first: usize,
     pub(crate) count: usize,
@@ -102,6 +116,23 @@ pub(crate) struct Chunk<'a> {
 }
 
 impl Chunk<'_> {
+    /// Fills what is requested of a pixel that shows a sphere.
+    pub(crate) fn write(&mut self, n: usize, light: &PixelLight<'_>) {
+        let lights = light.shadow.len();
+        if let Some(color) = self.color.get_mut(3 * n..3 * n + 3) {
+            color.copy_from_slice(&light.color.as_vec3().to_array());
+        }
+        if let Some(shadow) = self.shadow.get_mut(n * lights..(n + 1) * lights) {
+            shadow.copy_from_slice(light.shadow);
+        }
+        if let Some(occlusion) = self.occlusion.get_mut(n) {
+            *occlusion = light.occlusion;
+        }
+        if let Some(sky) = self.sky.get_mut(3 * n..3 * n + 3) {
+            sky.copy_from_slice(&light.sky.as_vec3().to_array());
+        }
+    }
+
     /// Fills what is requested of a pixel that shows no sphere.
     pub(crate) fn miss(&mut self, n: usize, lights: usize, background: impl FnOnce() -> [f32; 3]) {
         if let Some(color) = self.color.get_mut(3 * n..3 * n + 3) {
@@ -119,7 +150,7 @@ impl Chunk<'_> {
     }
 }
 
-impl Lit {
+impl LightBuffers {
     /// The buffers where no pixel shows a sphere.
     pub(crate) fn of_nothing(mut self, background: impl Fn(u32) -> [f32; 3]) -> Self {
         (0..).zip(self.color.chunks_exact_mut(3)).for_each(|(pixel, color)| color.copy_from_slice(&background(pixel)));

@@ -6,6 +6,7 @@
 use super::given::{Bounds, CertifiedRay, EPS, SHORT, SLACK, dot};
 use crate::double_double as dd;
 use crate::exact::{Root, Toward, Truth};
+use crate::scene::{Ball, NumberedBall};
 use crate::view::View;
 use crate::view::placement::Placement;
 use glam::DVec3;
@@ -31,9 +32,7 @@ const BEYOND: f64 = LONG * LONG;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SurfacePoint {
     pub(crate) id: u32,
-    /// The sphere as the scene states it.
-    pub(crate) center: [f64; 3],
-    pub(crate) radius: f64,
+    pub(crate) ball: Ball,
     /// From the centre, in the tree's unit.
     pub(crate) offset: [f64; 3],
     /// Its length.
@@ -46,6 +45,13 @@ pub(crate) struct SurfacePoint {
     pub(crate) normal: [f64; 3],
 }
 
+/// A point from the centre of its sphere, with the length of that and its error.
+struct Offset {
+    offset: [f64; 3],
+    size: f64,
+    blur: f64,
+}
+
 /// A way from a point.
 struct Away {
     /// In a unit of 2^-k of the tree's.
@@ -56,9 +62,9 @@ struct Away {
 }
 
 impl Away {
-    /// Of a point at `offset` from its centre; the end is at `from_center + aside`.
+    /// From a point of a sphere; the end is at `from_center + aside`.
     #[inline(always)]
-    fn new(k: i32, from_center: [f64; 3], aside: [f64; 3], (offset, size, blur): ([f64; 3], f64, f64)) -> Self {
+    fn new(k: i32, from_center: [f64; 3], aside: [f64; 3], Offset { offset, size, blur }: Offset) -> Self {
         let vector: [f64; 3] = std::array::from_fn(|n| (from_center[n] + aside[n]) - offset[n]);
         let length = dot(vector, vector).sqrt();
         // One rounding each of the difference from the centre, of the sum with `aside`, which is no longer than the vector
@@ -79,43 +85,38 @@ pub(crate) struct Shining {
     pub(crate) inside: Option<bool>,
 }
 
-/// The part that the sphere of the point itself has in hiding a light.
+/// Whether the sphere of a point hides a light from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Own {
-    Hides,
-    Open,
+pub(crate) enum SelfOcclusion {
+    Blocked,
+    Clear,
     Unsure,
 }
 
 impl SurfacePoint {
-    /// Where the viewing ray of row `i` and column `j` hits this sphere, which it does hit. The point may be too blurred,
+    /// The hit of the viewing ray of row `i` and column `j` on this sphere, which it does hit. The point may be too blurred,
     /// see [`Self::is_sharp`].
-    pub(crate) fn seen(
-        view: &View,
-        placement: &Placement,
-        [i, j]: [u32; 2],
-        (id, center, radius): (u32, [f64; 3], f64),
-    ) -> Self {
+    pub(crate) fn seen(view: &View, placement: &Placement, [i, j]: [u32; 2], sphere: NumberedBall) -> Self {
         let direction = view.to_world(view.direction(i, j)).to_array();
         let start = view.to_world(view.origin(i, j)).to_array().map(|x| placement.radius(x));
         let blur = START * dot(start, start).sqrt();
         let ray = CertifiedRay::new(placement, view.basis.e.to_array(), direction, f64::INFINITY)
             .beside(start, blur, DIRECTION);
-        match ray.meet(center, radius) {
-            Some(bounds) => Self::met(&ray, &bounds, (id, center, radius)),
+        match ray.meet(sphere.ball.center, sphere.ball.radius) {
+            Some(bounds) => Self::met(&ray, &bounds, sphere),
             None => {
-                let p = ray.to(center);
+                let p = ray.to(sphere.ball.center);
                 let nearest = dot(p, ray.direction) / ray.a;
                 let offset = std::array::from_fn(|n| nearest * ray.direction[n] - p[n]);
-                Self::new((id, center, radius), offset, f64::NAN, true)
+                Self::new(sphere, offset, f64::NAN, true)
             }
         }
     }
 
-    /// Where a ray hits this sphere, within these bounds.
+    /// The hit of a ray on this sphere, within these bounds.
     #[inline(always)]
-    pub(crate) fn met(ray: &CertifiedRay, bounds: &Bounds, (id, center, radius): (u32, [f64; 3], f64)) -> Self {
-        let p = ray.to(center);
+    pub(crate) fn met(ray: &CertifiedRay, bounds: &Bounds, sphere: NumberedBall) -> Self {
+        let p = ray.to(sphere.ball.center);
         let (size, length) = (dot(p, p).sqrt(), ray.a.sqrt());
         let offset: [f64; 3] = std::array::from_fn(|n| bounds.t * ray.direction[n] - p[n]);
         let along = bounds.t * length;
@@ -124,7 +125,7 @@ impl SurfacePoint {
             + (ray.tilt() + 3.0 * EPS) * along
             + 4.0 * EPS * (size + dot(offset, offset).sqrt())
             + ray.blur();
-        Self::new((id, center, radius), offset, blur * (1.0 + BLURRED), bounds.outside)
+        Self::new(sphere, offset, blur * (1.0 + BLURRED), bounds.outside)
     }
 
     /// What the direction of a viewing ray of length 1 is off by.
@@ -133,14 +134,14 @@ impl SurfacePoint {
     /// What the mirrored direction of a ray of length 1 is off by, if that of the ray is off by `tilt`: a mirror turns a
     /// direction twice as far as its normal is turned, once in each factor, and takes ten roundings.
     pub(crate) fn mirrored_tilt(&self, placement: &Placement, tilt: f64) -> f64 {
-        let normal = self.blur / placement.radius(self.radius) + 5.0 * EPS;
+        let normal = self.blur / placement.radius(self.ball.radius) + 5.0 * EPS;
         (tilt + 4.0 * normal + 10.0 * EPS) * (1.0 + BLURRED)
     }
 
     /// The ray from here in a direction of length 1 that is off by `tilt`.
     #[inline(always)]
     pub(crate) fn onward(&self, placement: &Placement, along: [f64; 3], tilt: f64) -> CertifiedRay {
-        CertifiedRay::in_unit(placement, self.center, along, f64::INFINITY, 0).beside(self.offset, self.blur, tilt)
+        CertifiedRay::in_unit(placement, self.ball.center, along, f64::INFINITY, 0).beside(self.offset, self.blur, tilt)
     }
 
     /// Where a ray from here leaves the sphere of the point, which it goes through: the power of its start is 0.
@@ -154,29 +155,30 @@ impl SurfacePoint {
     }
 
     /// The point that the judge gives for the hit of this sphere.
-    pub(crate) fn judged(placement: &Placement, truth: &Truth, (id, center, radius): (u32, [f64; 3], f64)) -> Self {
+    pub(crate) fn judged(placement: &Placement, truth: &Truth, sphere: NumberedBall) -> Self {
         let outside = truth.root == Root::Near;
-        let r = if outside { placement.radius(radius) } else { -placement.radius(radius) };
-        Self::new((id, center, radius), truth.normal.map(|x| x * r), JUDGED * r.abs(), outside)
+        let r = placement.radius(sphere.ball.radius);
+        let r = if outside { r } else { -r };
+        Self::new(sphere, truth.normal.map(|x| x * r), JUDGED * r.abs(), outside)
     }
 
-    pub(super) fn new((id, center, radius): (u32, [f64; 3], f64), offset: [f64; 3], blur: f64, outside: bool) -> Self {
+    pub(super) fn new(NumberedBall { id, ball }: NumberedBall, offset: [f64; 3], blur: f64, outside: bool) -> Self {
         let size = dot(offset, offset).sqrt();
         let sign = if outside { 1.0 / size } else { -1.0 / size };
-        Self { id, center, radius, offset, size, blur, outside, normal: offset.map(|x| x * sign) }
+        Self { id, ball, offset, size, blur, outside, normal: offset.map(|x| x * sign) }
     }
 
-    /// The point as if it were exact, for answers that are not certified. A ray that f64 lets pass a sphere beside its rim
-    /// hits the point of the sphere that is nearest to the ray.
+    /// Drops the error bound, for answers that are not certified. If rounding let the ray pass the sphere, the point is the one that
+    /// is nearest to the ray.
     pub(crate) fn trusted(self, placement: &Placement) -> Self {
-        let r = placement.radius(self.radius);
+        let r = placement.radius(self.ball.radius);
         let sign = if self.outside { r } else { -r };
         Self { offset: self.normal.map(|x| x * sign), size: r, blur: 0.0, ..self }
     }
 
     /// Whether the error of the point is so small beside the radius that few of its rays are unsure.
     pub(crate) fn is_sharp(&self, placement: &Placement) -> bool {
-        let r = placement.radius(self.radius);
+        let r = placement.radius(self.ball.radius);
         r > SHORT && self.blur <= BLURRED * r
     }
 
@@ -196,8 +198,8 @@ impl SurfacePoint {
     #[inline(always)]
     pub(crate) fn aim(&self, placement: &Placement, toward: &Toward) -> Option<CertifiedRay> {
         let ray = match *toward {
-            Toward::Direction(direction) => CertifiedRay::new(placement, self.center, direction, f64::INFINITY),
-            Toward::Within { direction, reach } => CertifiedRay::new(placement, self.center, direction, reach),
+            Toward::Direction(direction) => CertifiedRay::new(placement, self.ball.center, direction, f64::INFINITY),
+            Toward::Within { direction, reach } => CertifiedRay::new(placement, self.ball.center, direction, reach),
             Toward::Point(point) => return self.segment(placement, point, [0.0; 3]),
             Toward::Beside { center, offset } => return self.segment(placement, center, offset),
         };
@@ -212,18 +214,18 @@ impl SurfacePoint {
         if length.is_nan() || length <= 0.0 {
             return None;
         }
-        let ray = CertifiedRay::in_unit(placement, self.center, vector, 1.0, k);
+        let ray = CertifiedRay::in_unit(placement, self.ball.center, vector, 1.0, k);
         Some(ray.beside(self.offset, self.blur, error / length))
     }
 
     /// From here to the exact sum of two vectors of the world, in a unit in which this and `extent` have squares within f64.
     #[inline(always)]
     fn away(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3], extent: f64) -> Away {
-        let from_center: [f64; 3] = std::array::from_fn(|n| placement.difference(to[n], self.center[n]));
+        let from_center: [f64; 3] = std::array::from_fn(|n| placement.difference(to[n], self.ball.center[n]));
         let aside = beside.map(|x| placement.radius(x));
         let all = from_center.iter().chain(&aside);
         if all.map(|x| x.abs()).all(|x| x <= LONG) && placement.radius(extent) <= LONG {
-            return Away::new(0, from_center, aside, (self.offset, self.size, self.blur));
+            return Away::new(0, from_center, aside, Offset { offset: self.offset, size: self.size, blur: self.blur });
         }
         self.far_away(placement, to, beside, extent)
     }
@@ -233,7 +235,7 @@ impl SurfacePoint {
     fn far_away(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3], extent: f64) -> Away {
         // The difference of halves is within f64. One of the numbers is above 2^500 of the tree's unit, so that what halving
         // takes from subnormal numbers is below 2^-500 of it.
-        let from_center: [f64; 3] = std::array::from_fn(|n| 0.5 * to[n] - 0.5 * self.center[n]);
+        let from_center: [f64; 3] = std::array::from_fn(|n| 0.5 * to[n] - 0.5 * self.ball.center[n]);
         let aside = beside.map(|x| 0.5 * x);
         let all = from_center.iter().chain(&aside).map(|x| x.abs());
         let e = dd::exponent(all.fold(0.5 * extent, f64::max));
@@ -241,43 +243,44 @@ impl SurfacePoint {
         // 2^(e + 1) in the world, where the tree's unit is 2^k.
         let k = placement.k - e - 1;
         let own = |x: f64| dd::ldexp(x, k);
-        let point = (self.offset.map(own), own(self.size), own(self.blur));
+        let point = Offset { offset: self.offset.map(own), size: own(self.size), blur: own(self.blur) };
         Away::new(k, scaled(from_center), scaled(aside), point)
     }
 
     /// What is seen from here of a sphere that shines.
-    pub(crate) fn shining(&self, placement: &Placement, center: [f64; 3], radius: f64) -> Shining {
+    pub(crate) fn shining(&self, placement: &Placement, ball: Ball) -> Shining {
+        let Ball { center, radius } = ball;
         let Away { vector, k, error } = self.away(placement, center, [0.0; 3], radius);
         let r = if k == 0 { placement.radius(radius) } else { dd::ldexp(radius, k - placement.k) };
         let (a2, r2) = (dot(vector, vector), r * r);
         // The squares, their sum and the difference take four roundings.
         let doubt = 8.0 * EPS * (a2 + r2) + 2.0 * error * (a2.sqrt() + error) * (1.0 + BLURRED) + SHORT * SHORT;
         let inside = match sign(a2 - r2, doubt) {
-            _ if (center, radius) == (self.center, self.radius) => Some(true),
-            Own::Hides => Some(false),
-            Own::Open => Some(true),
-            Own::Unsure => None,
+            _ if ball == self.ball => Some(true),
+            SelfOcclusion::Blocked => Some(false),
+            SelfOcclusion::Clear => Some(true),
+            SelfOcclusion::Unsure => None,
         };
         Shining { away: vector.into(), radius: r, inside }
     }
 
     /// The cosine between the normal and a ray from here, and whether it is positive for certain, or negative.
     #[inline(always)]
-    pub(crate) fn cosine(&self, ray: &CertifiedRay) -> (f64, Own) {
+    pub(crate) fn cosine(&self, ray: &CertifiedRay) -> (f64, SelfOcclusion) {
         let along = self.along(ray);
         let side = if self.outside { along } else { -along };
         (side / (self.size * ray.a.sqrt()), sign(-side, self.doubt(ray)))
     }
 
-    /// What the sphere of the point does to the ray.
+    /// Whether the point's own sphere blocks the ray.
     #[inline(always)]
-    pub(crate) fn own(&self, ray: &CertifiedRay) -> Own {
+    pub(crate) fn own(&self, ray: &CertifiedRay) -> SelfOcclusion {
         let (along, doubt) = (self.along(ray), self.doubt(ray));
         if self.outside {
             return sign(-along, doubt);
         }
         if ray.limit[0] == f64::INFINITY {
-            return Own::Hides;
+            return SelfOcclusion::Blocked;
         }
         let [low, high] = ray.limit.map(|limit| limit.min(BEYOND));
         // The power of the light: positive where the ray ends outside.
@@ -285,7 +288,7 @@ impl SurfacePoint {
         let doubt = 2.0 * doubt + high * ray.a * (8.0 * EPS + 3.0 * ray.tilt());
         match (sign(power(low), doubt), sign(power(high), doubt)) {
             (a, b) if a == b => a,
-            _ => Own::Unsure,
+            _ => SelfOcclusion::Unsure,
         }
     }
 
@@ -304,10 +307,10 @@ impl SurfacePoint {
 
 /// Hidden where x > 0 for certain, open where x < 0.
 #[inline(always)]
-fn sign(x: f64, doubt: f64) -> Own {
+fn sign(x: f64, doubt: f64) -> SelfOcclusion {
     match x {
-        x if x > doubt => Own::Hides,
-        x if x < -doubt => Own::Open,
-        _ => Own::Unsure,
+        x if x > doubt => SelfOcclusion::Blocked,
+        x if x < -doubt => SelfOcclusion::Clear,
+        _ => SelfOcclusion::Unsure,
     }
 }

@@ -1,9 +1,10 @@
-//! What lies between points of surfaces and lights: rays that leave a sphere, which is left out because the side of its
+//! Spheres between points of surfaces and lights: rays that leave a sphere, which is left out because the side of its
 //! surface decides about it.
 
 use super::given_certified::{AnyHit, AnySearch};
 use crate::certify::given::CertifiedRay;
-use crate::certify::surface::{Own, SurfacePoint};
+use crate::certify::surface::{SelfOcclusion, SurfacePoint};
+use crate::scene::Ball;
 use crate::search::tree::lanes::{Lanes, Portable, Work, dispatch};
 use crate::search::tree::walk::{Test, walk};
 use crate::search::tree::{BoxRay, Tree};
@@ -14,17 +15,17 @@ pub(crate) struct LightRay<'a> {
     pub(crate) tree: &'a Tree,
     pub(crate) point: &'a SurfacePoint,
     pub(crate) ray: &'a CertifiedRay,
-    /// Centre and radius of a light that is a sphere: it hides nothing of its own light, nor does a sphere equal to it.
-    pub(crate) light: Option<([f64; 3], f64)>,
+    /// The light, if it is a sphere: it hides nothing of its own light, nor does a sphere equal to it.
+    pub(crate) light: Option<Ball>,
 }
 
 impl LightRay<'_> {
     /// Whether the light is hidden, by the sphere of the point or by another.
     pub(crate) fn answer(&self) -> AnyHit {
         match self.point.own(self.ray) {
-            Own::Hides => AnyHit::Blocked,
-            Own::Open => self.others(),
-            Own::Unsure => match self.others() {
+            SelfOcclusion::Blocked => AnyHit::Blocked,
+            SelfOcclusion::Clear => self.others(),
+            SelfOcclusion::Unsure => match self.others() {
                 AnyHit::Free => AnyHit::Unsure,
                 answer => answer,
             },
@@ -33,16 +34,16 @@ impl LightRay<'_> {
 
     /// Whether a sphere other than that of the point hides the light.
     pub(crate) fn others(&self) -> AnyHit {
-        self.boxes().map_or(AnyHit::Free, |boxes| dispatch(Others { of: self, boxes: &boxes }))
+        self.boxes().map_or(AnyHit::Free, |boxes| dispatch(Others { light_ray: self, boxes: &boxes }))
     }
 
     /// All spheres that may hide the light, beside that of the point.
-    pub(crate) fn candidates(&self) -> Vec<([f64; 3], f64)> {
+    pub(crate) fn candidates(&self) -> Vec<Ball> {
         let Some(boxes) = self.boxes() else {
             return Vec::new();
         };
         let limit = boxes.limit(self.ray.limit[1]);
-        let mut search = HidingSpheres { of: self, limit, all: Vec::new() };
+        let mut search = HidingSpheres { light_ray: self, limit, all: Vec::new() };
         walk::<false, _>(Portable, self.tree, &boxes, limit, &mut search);
         search.all
     }
@@ -54,14 +55,14 @@ impl LightRay<'_> {
     /// Whether the sphere at this place is another than that of the point and the light.
     #[inline(always)]
     fn counts(&self, place: usize) -> bool {
-        let [x, y, z, r] = self.tree.spheres[place];
-        ([x, y, z], r) != (self.point.center, self.point.radius) && Some(([x, y, z], r)) != self.light
+        let ball = self.tree.ball(place);
+        ball != self.point.ball && Some(ball) != self.light
     }
 }
 
 /// The search of one ray. The choice of vectors is made here, for every ray: what surrounds it is compiled once.
 struct Others<'a> {
-    of: &'a LightRay<'a>,
+    light_ray: &'a LightRay<'a>,
     boxes: &'a BoxRay,
 }
 
@@ -70,13 +71,13 @@ impl Work for Others<'_> {
 
     #[inline(always)]
     fn work<L: Lanes>(self, lanes: L) -> AnyHit {
-        let Self { of, boxes } = self;
-        let limit = boxes.limit(of.ray.limit[1]);
+        let Self { light_ray, boxes } = self;
+        let limit = boxes.limit(light_ray.ray.limit[1]);
         // A sphere that is the light hides nothing, and is never met for certain: the ray ends on its surface, and what is
         // certain in f32 lies before the end with all of the sphere and the padding.
-        let limits = [boxes.limit_below(of.ray.limit[0]), limit];
-        let LightRay { tree, ray, .. } = *of;
-        let counts = |place| of.counts(place);
+        let limits = [boxes.limit_below(light_ray.ray.limit[0]), limit];
+        let LightRay { tree, ray, .. } = *light_ray;
+        let counts = |place| light_ray.counts(place);
         let mut search = AnySearch { lanes, tree, ray, boxes, counts, limits, found: AnyHit::Free };
         walk::<true, _>(lanes, tree, boxes, limit, &mut search);
         search.found
@@ -84,19 +85,17 @@ impl Work for Others<'_> {
 }
 
 struct HidingSpheres<'a> {
-    of: &'a LightRay<'a>,
+    light_ray: &'a LightRay<'a>,
     limit: f32,
-    all: Vec<([f64; 3], f64)>,
+    all: Vec<Ball>,
 }
 
 impl Test for HidingSpheres<'_> {
     fn test(&mut self, block: u32) -> f32 {
-        let LightRay { tree, ray, .. } = *self.of;
-        for place in tree.places(block).filter(|place| self.of.counts(*place)) {
-            let sphere = tree.spheres[place];
-            if AnyHit::of(ray, sphere) != AnyHit::Free {
-                let [x, y, z, radius] = sphere;
-                self.all.push(([x, y, z], radius));
+        let LightRay { tree, ray, .. } = *self.light_ray;
+        for place in tree.places(block).filter(|place| self.light_ray.counts(*place)) {
+            if AnyHit::of(ray, tree.spheres[place]) != AnyHit::Free {
+                self.all.push(tree.ball(place));
             }
         }
         self.limit

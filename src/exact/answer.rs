@@ -2,7 +2,7 @@
 
 use super::decide::{ExactFrame, Meeting, Root};
 use super::field::FieldElement;
-use super::filter::{AxesDd, Body, FilterHit, FilterRay, TINY, splat};
+use super::filter::{Body, ExactCamera, FilterHit, FilterRay, TINY, splat};
 use super::ray::RayForms;
 use crate::double_double::Dd;
 use crate::dyadic::{Dyadic, Dyadic3};
@@ -66,11 +66,13 @@ impl<T: Fused> Quick<T> {
     #[inline(always)]
     pub(crate) fn new(
         root: Root,
-        (eye, basis): ([f64; 3], &AxesDd),
-        (ray, is_planar): (&FilterRay<T>, bool),
+        camera: &ExactCamera,
+        ray: &FilterRay<T>,
+        is_planar: bool,
         body: &Body,
         hit: &FilterHit<T>,
     ) -> Self {
+        let ExactCamera { eye, basis } = camera;
         let distance = hit.t * ray.a.sqrt();
         let from = ray.start(body.k);
         let aside = if let Some([x, y]) = from { x.hi.abs() + y.hi.abs() } else { T::ZERO };

@@ -24,6 +24,7 @@
 
 use super::field::{Field, FieldBasis, FieldElement};
 use crate::dyadic::{self, Dyadic, Dyadic3};
+use crate::scene::Ball;
 use crate::scene::camera::{Camera, ExactViewport, Look};
 use std::cmp::Ordering;
 
@@ -86,13 +87,13 @@ impl ExactFrame {
     }
 
     /// The quantities of a ray's line and a sphere.
-    pub(crate) fn meet(&self, ray: &ExactRay, center: [f64; 3], radius: f64) -> Meeting {
-        let p = dyadic::minus(&dyadic::vector(center), &self.eye);
+    pub(crate) fn meet(&self, ray: &ExactRay, ball: Ball) -> Meeting {
+        let p = dyadic::minus(&dyadic::vector(ball.center), &self.eye);
         let mut b = FieldElement::ZERO;
         for (axis, along) in self.axes.iter().zip(&ray.dir) {
             b.add(axis.unit, &(along * &dyadic::dot(&p, &axis.vector)));
         }
-        let ac = self.powers(ray, &p, radius);
+        let ac = self.powers(ray, &p, ball.radius);
         let disc = self.field.times(&b, &b).minus(&ac);
         Meeting { p, b, ac, disc }
     }

@@ -27,6 +27,7 @@ use super::field::FieldBasis;
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::dyadic::{self, Dyadic};
 use crate::number::{Fused, Mask};
+use crate::scene::Ball;
 use crate::scene::camera::ExactViewport;
 use std::cmp::Ordering;
 
@@ -86,11 +87,16 @@ impl AxesDd {
     }
 }
 
+/// The eye, and the frame's basis.
+pub(crate) struct ExactCamera {
+    pub(crate) eye: [f64; 3],
+    pub(crate) basis: AxesDd,
+}
+
 /// A sphere in the frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
-    pub(crate) center: [f64; 3],
-    pub(crate) radius: f64,
+    pub(crate) ball: Ball,
     /// The lengths below are 2^-k of the world's.
     pub(crate) k: i32,
     pub(crate) p: Dd3,
@@ -108,8 +114,9 @@ impl Body {
     ///
     /// The power is |p|^2 - r^2 in double-double while it is above 2^-10 of |p|^2 + r^2: products and sums err by at
     /// most 2^-97 of those, hence 2^-87 of it. Nearer to the surface it is computed exactly and rounded.
-    pub(crate) fn new(frame: &ExactFrame, eye: [f64; 3], basis: &AxesDd, center: [f64; 3], radius: f64) -> Self {
-        let (p, radius_scaled, k) = offset(eye, center, radius);
+    pub(crate) fn new(frame: &ExactFrame, camera: &ExactCamera, ball: Ball) -> Self {
+        let Ball { center, radius } = ball;
+        let (p, radius_scaled, k) = offset(camera.eye, center, radius);
         let r2 = Dd::product(radius_scaled, radius_scaled);
         let p2 = dd::dot(p, p);
         let mut power_dd = p2 - r2;
@@ -127,8 +134,8 @@ impl Body {
         }
         // The second term is for a |p|^2 that underflows beside a radius near 1.
         let size = p2.hi.sqrt() * ROUNDED + power_of_two(-500);
-        let p = basis.0.map(|axis| dd::dot(axis, p));
-        Self { center, radius, k, p, r: radius_scaled, size, power: power_dd, power_error, side }
+        let p = camera.basis.0.map(|axis| dd::dot(axis, p));
+        Self { ball, k, p, r: radius_scaled, size, power: power_dd, power_error, side }
     }
 
     /// The data for the f64 pass.

@@ -15,6 +15,7 @@
 use super::decide::{ExactFrame, ExactRay, Meeting, Root};
 use super::field::{Field, FieldElement, resolve};
 use crate::dyadic::{self, Dyadic, Dyadic3};
+use crate::scene::Ball;
 use std::cmp::Ordering;
 
 /// x + y s
@@ -109,8 +110,7 @@ pub(super) struct HitPoint<'a> {
     /// a'
     a: &'a Dyadic,
     root: Root,
-    center: [f64; 3],
-    radius: f64,
+    ball: Ball,
 }
 
 impl<'a> HitPoint<'a> {
@@ -122,7 +122,7 @@ impl<'a> HitPoint<'a> {
         stretch: &Dyadic,
         meeting: &'a Meeting,
         root: Root,
-        (center, radius): ([f64; 3], f64),
+        ball: Ball,
     ) -> Self {
         let field = TowerField { field: &frame.field, square: &meeting.disc };
         let offset = std::array::from_fn(|n| {
@@ -134,7 +134,7 @@ impl<'a> HitPoint<'a> {
             let y = if root == Root::Near { FieldElement::ZERO.minus(&q) } else { q.clone() };
             Tower { x: frame.field.times(&q, &meeting.b).plus(&aside), y }
         });
-        Self { field, eye: &frame.eye, offset, a: &ray.a, root, center, radius }
+        Self { field, eye: &frame.eye, offset, a: &ray.a, root, ball }
     }
 
     /// a' (c - hit)
@@ -166,7 +166,7 @@ impl<'a> HitPoint<'a> {
         if self.field.sign(&light.length2) == Ordering::Equal {
             return false;
         }
-        let b = self.field.dot(&light.l, &self.to(&dyadic::vector(self.center)));
+        let b = self.field.dot(&light.l, &self.to(&dyadic::vector(self.ball.center)));
         match self.root {
             // The light is behind the surface, or its ray grazes it.
             Root::Near => self.field.sign(&b) != Ordering::Less,
@@ -178,17 +178,17 @@ impl<'a> HitPoint<'a> {
 
     /// Whether the light is on the side of the surface that the camera does not see.
     fn is_behind(&self, light: &LightVector) -> bool {
-        let b = self.field.dot(&light.l, &self.to(&dyadic::vector(self.center)));
+        let b = self.field.dot(&light.l, &self.to(&dyadic::vector(self.ball.center)));
         self.field.sign(&b) == if self.root == Root::Near { Ordering::Greater } else { Ordering::Less }
     }
 
     /// Whether the hit is outside of a sphere.
-    fn is_outside(&self, center: [f64; 3], radius: f64) -> bool {
-        if (center, radius) == (self.center, self.radius) {
+    fn is_outside(&self, ball: Ball) -> bool {
+        if ball == self.ball {
             return false;
         }
-        let p = self.to(&dyadic::vector(center));
-        self.field.sign(&self.power(&p, radius)) == Ordering::Greater
+        let p = self.to(&dyadic::vector(ball.center));
+        self.field.sign(&self.power(&p, ball.radius)) == Ordering::Greater
     }
 
     /// a'^2 (|p|^2 - r^2) from a' p
@@ -198,16 +198,16 @@ impl<'a> HitPoint<'a> {
     }
 
     /// Whether another sphere hides the light.
-    pub(super) fn is_hidden_by(&self, light: &LightVector, center: [f64; 3], radius: f64) -> bool {
+    pub(super) fn is_hidden_by(&self, light: &LightVector, ball: Ball) -> bool {
         let field = &self.field;
-        if (center, radius) == (self.center, self.radius) {
+        if ball == self.ball {
             return self.hides_itself(light);
         }
         if field.sign(&light.length2) == Ordering::Equal {
             return false;
         }
-        let p = self.to(&dyadic::vector(center));
-        let power = self.power(&p, radius);
+        let p = self.to(&dyadic::vector(ball.center));
+        let power = self.power(&p, ball.radius);
         let b = field.dot(&light.l, &p);
         let beyond = || field.sign(&power.minus(&b.clone().twice()).plus(&light.length2));
         match field.sign(&power) {
@@ -239,23 +239,23 @@ pub(crate) enum LightQuestion {
         /// The direction is turned to the side of the normal against the viewing ray.
         turned: bool,
         /// The others.
-        among: Vec<([f64; 3], f64)>,
+        among: Vec<Ball>,
     },
     /// Whether the hit is outside of a sphere that shines, neither in it nor on it.
-    Outside { center: [f64; 3], radius: f64 },
+    Outside(Ball),
 }
 
 impl LightQuestion {
     pub(super) fn answer(&self, hit: &HitPoint<'_>) -> bool {
         let (toward, turned, among) = match self {
             Self::Hidden { toward, turned, among } => (*toward, *turned, among),
-            Self::Outside { center, radius } => return hit.is_outside(*center, *radius),
+            Self::Outside(ball) => return hit.is_outside(*ball),
         };
         let mut light = hit.toward(toward);
         if turned && hit.is_behind(&light) {
             light.l = light.l.map(|l| Tower::of(Dyadic::ZERO).minus(&l));
         }
-        hit.hides_itself(&light) || among.iter().any(|(center, radius)| hit.is_hidden_by(&light, *center, *radius))
+        hit.hides_itself(&light) || among.iter().any(|ball| hit.is_hidden_by(&light, *ball))
     }
 }
 

@@ -8,9 +8,9 @@ use crate::scene::ImagePlane;
 use crate::scene::camera::{Camera, Look};
 use crate::testing::Rng;
 
-type Ball = ([f64; 3], f64);
+type Sphere = ([f64; 3], f64);
 
-fn scene(camera: Camera, [width, height]: [u32; 2], balls: &[Ball]) -> Scene {
+fn scene(camera: Camera, [width, height]: [u32; 2], balls: &[Sphere]) -> Scene {
     let mut spheres = Spheres::default();
     for (center, radius) in balls {
         spheres.push(*center, *radius, None);
@@ -19,23 +19,23 @@ fn scene(camera: Camera, [width, height]: [u32; 2], balls: &[Ball]) -> Scene {
     Scene { camera, image, spheres, lighting: Default::default() }
 }
 
-fn judge(camera: Camera, size: [u32; 2], balls: &[Ball]) -> Judge {
+fn judge(camera: Camera, size: [u32; 2], balls: &[Sphere]) -> Judge {
     Judge::new(&scene(camera, size, balls)).expect("a scene")
 }
 
 /// The hit straight ahead of the canonical camera: the ray (0, 0, -1).
-fn ahead(balls: &[Ball]) -> Option<Truth> {
+fn ahead(balls: &[Sphere]) -> Option<Truth> {
     judge(Camera::CANONICAL, [1, 1], balls).pixel(0, 0)
 }
 
 /// View (1, 1, 0) and up z make alpha = beta = sqrt(2). The right pixel of three looks along A3 + 2 view = (3, 1, 0)
 /// in whole numbers, but its discriminants have a part with alpha beta, whose sign needs a squaring.
-fn oblique(balls: &[Ball]) -> Option<Truth> {
+fn oblique(balls: &[Sphere]) -> Option<Truth> {
     slanted([5.0, -7.0, 11.0], balls).pixel(0, 2)
 }
 
 /// The same camera at another eye.
-fn slanted(eye: [f64; 3], balls: &[Ball]) -> Judge {
+fn slanted(eye: [f64; 3], balls: &[Sphere]) -> Judge {
     let camera = Camera {
         eye: eye.into(),
         look: Look::View([1.0, 1.0, 0.0].into()),
@@ -64,7 +64,7 @@ fn exactly(bench: &Bench, rays: &RayForms) -> Option<Truth> {
     let (id, meeting, tangent) = best?;
     let body = &bench.bodies[id as usize];
     let name = DecidedHit { id, root: decide::root(meeting.side(field)), tangent };
-    answer::slow(name, &bench.frame, rays, &meeting, body.radius)
+    answer::slow(name, &bench.frame, rays, &meeting, body.ball.radius)
 }
 
 /// In [-1, 1).
@@ -136,7 +136,7 @@ fn equal_t_goes_to_the_lower_index() {
     let balls = [([0.0, 0.0, -5.0], 1.0), ([3.0, 0.0, -8.0], 5.0), ([0.0, 0.0, 0.0], 4.0), ([0.0, 4.0, -1.0], 5.0)];
     // All pass through 6 (3, 1, 0) from the eye of the oblique camera; the last one is tangent there.
     let through = [([2.0, 3.0, 6.0], 7.0), ([6.0, -2.0, 3.0], 7.0), ([1.0, 2.0, 2.0], 3.0), ([-2.0, 6.0, 3.0], 7.0)];
-    let through = through.map(|(q, r): Ball| (beside(6.0, q), r));
+    let through = through.map(|(q, r): Sphere| (beside(6.0, q), r));
     for first in 0..4 {
         for second in (0..4).filter(|second| *second != first) {
             let truth = ahead(&[balls[first], balls[second]]).expect("a hit");
@@ -145,7 +145,7 @@ fn equal_t_goes_to_the_lower_index() {
             assert_eq!((truth.id, truth.tangent), (0, first == 3), "{first} {second}");
             assert_eq!(truth.t, 72f64.sqrt());
         }
-        let nearer = |(center, r): Ball| (center, r.next_up());
+        let nearer = |(center, r): Sphere| (center, r.next_up());
         let (last, tie) = (nearer(through[first]), through[(first + 1) % 4]);
         // A tangent sphere that grows is hit earlier on its front.
         assert_eq!(oblique(&[tie, last]).expect("a hit").id, 1, "an ulp decides: {first}");
@@ -214,8 +214,8 @@ fn eight_rays_at_once_have_the_answers_of_each() {
             let scene = random_scene(&mut rng, scale);
             let judge = Judge::new(&scene).expect("a scene");
             let places: Vec<[u32; 2]> = pixels(&scene).map(|(i, j)| [i, j]).collect();
-            let balls = scene.spheres.centers.iter().copied().zip(scene.spheres.radii.iter().copied());
-            for (id, ball) in (0..).zip(balls) {
+            for id in 0..scene.spheres.len() as u32 {
+                let ball = scene.spheres.ball(id);
                 for eight in places.as_chunks().0 {
                     for ([i, j], truth) in eight.iter().zip(judge.surely_hit(eight, id)) {
                         let alone = judge.hit_of(*i, *j, ball).map(|alone| Truth { id, ..alone });

@@ -323,7 +323,7 @@ mod tests {
         assert!(seen.len() > 5, "{seen:?}");
     }
 
-    /// Every file is part of a kernel or of the self-test, and every name refers to a file.
+    /// Every file is part of a kernel or of the self-test, and every name refers to a file. The lecture on one page is a program of its own.
     #[test]
     fn every_file_is_used() {
         let root = crate::testing::home().join("shaders");
@@ -341,7 +341,7 @@ mod tests {
         for name in sources.iter().flat_map(|source| source.files()).map(|(name, _)| name).chain(selftest) {
             unused.remove(name);
         }
-        assert!(unused.is_empty(), "{unused:?}");
+        assert_eq!(unused, BTreeSet::from(["lecture.wgsl".to_owned()]));
     }
 
     #[test]

@@ -119,11 +119,12 @@ impl Gpu {
             Placing::Refused(reason) => return Ok(Rendered::Left(reason)),
         };
         let asked_for_starts = kernel.leaves_starts();
-        let Some(kernel) = self.that_binds(kernel, &binned) else {
-            let most = self.limits.max_storage_buffers_per_shader_stage;
-            return Ok(Rendered::Left(format!(
-                "the kernel binds more storage buffers than {most}, the adapter's most"
-            )));
+        let kernel = match self.that_binds(kernel, &binned) {
+            Ok(kernel) => kernel,
+            Err(bound) => {
+                let most = self.limits.max_storage_buffers_per_shader_stage;
+                return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
+            }
         };
         output.timings.time("pipeline", || self.pipelines_of_frame(&kernel))?;
         output.timings.time("upload", || self.upload_resident(&kernel, scene, view, &binned))?;

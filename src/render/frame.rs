@@ -2,7 +2,7 @@
 
 use super::budget::Need;
 use super::lens;
-use super::light::Pixels;
+use super::light::{FrameContext, LightRequest};
 use super::light_state::LightOnDevice;
 use super::missed::missed;
 use super::order::Ordered;
@@ -12,12 +12,12 @@ use super::plan::engine::Engine;
 use super::renderer::Renderer;
 use super::setup::{FrameSetup, ResidentSetup, Stage};
 use crate::answers::assemble::Answers;
-use crate::answers::lit::Lit;
+use crate::answers::lit::LightBuffers;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::Placer;
-use crate::cpu::light::Wanted;
+use crate::cpu::light::LightOutputs;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
@@ -156,14 +156,14 @@ impl Renderer {
         watch.check()?;
         raw.settle(&settled);
         let lights = plan.wanted.is_any().then(|| timings.time("tree", || self.light_setup(scene, plan.accuracy)));
-        let wanted = Wanted { color: plan.wanted.color && samples.is_none(), ..plan.wanted };
+        let wanted = LightOutputs { color: plan.wanted.color && samples.is_none(), ..plan.wanted };
         let lit = match &lights {
             Some(lights) if wanted.is_any() => {
                 let sky = if wanted.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
-                let of = (scene, settings, view);
-                timings.time("light", || self.light(lights, of, (wanted, sky), (Pixels::all(&raw.id), None), &pool))?
+                let of = FrameContext { scene, settings, view };
+                timings.time("light", || self.light(lights, of, &LightRequest::of(wanted, sky, &raw.id), &pool))?
             }
-            _ => Lit::default(),
+            _ => LightBuffers::default(),
         };
         let sampled = samples
             .zip(plan.sampled)

@@ -3,8 +3,8 @@
 use super::place::Executor;
 use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
-use crate::answers::lit::{Lit, OpenSky, Traced};
-use crate::cpu::light::{LitScene, Wanted};
+use crate::answers::lit::{LightBuffers, OpenSky, Traced};
+use crate::cpu::light::{LightOutputs, LightingContext};
 use crate::error::Result;
 use crate::exact::Judge;
 use crate::gpu::resident::sky::{SkyRays, SkyTraced};
@@ -19,18 +19,35 @@ use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::{View, ViewRecord};
 use std::sync::Arc;
 
-/// The pixels from whose hits rays leave.
+/// The frame whose pixels are lit.
 #[derive(Clone, Copy)]
-pub(super) struct Pixels<'a> {
-    /// Their spheres.
-    pub(super) ids: &'a [u32],
-    /// Those of every second pixel only, as on a chessboard.
-    pub(super) chessboard: bool,
+pub(super) struct FrameContext<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) settings: &'a Settings,
+    pub(super) view: &'a View,
 }
 
-impl<'a> Pixels<'a> {
-    pub(super) fn all(ids: &'a [u32]) -> Self {
-        Self { ids, chessboard: false }
+/// The light that is requested of a frame.
+pub(super) struct LightRequest<'a> {
+    pub(super) outputs: LightOutputs,
+    pub(super) sky: Option<Sky>,
+    /// The spheres of the pixels from whose hits rays leave.
+    pub(super) ids: &'a [u32],
+    /// Only every second pixel is requested, as on a chessboard.
+    pub(super) chessboard: bool,
+    /// The light of the open sky, where it is known.
+    pub(super) open_sky: Option<OpenSky<'a>>,
+}
+
+impl<'a> LightRequest<'a> {
+    /// The light of all pixels, under a sky that is not known.
+    pub(super) fn of(outputs: LightOutputs, sky: Option<Sky>, ids: &'a [u32]) -> Self {
+        Self { outputs, sky, ids, chessboard: false, open_sky: None }
+    }
+
+    /// The sky that rays are needed for.
+    fn unknown_sky(&self) -> Option<Sky> {
+        self.sky.filter(|_| self.open_sky.is_none())
     }
 }
 
@@ -70,28 +87,31 @@ impl Renderer {
         LightSetup { tree: self.order.tree(&scene.spheres, self.frames), accuracy }
     }
 
-    /// What the device that rendered this view finds of rays from its hits toward the sky, `sky` of them, and toward lights,
-    /// where none of them has a size and they cast shadows.
+    /// Traces rays from the hits that are still on the device: toward the sky in these directions, and one to each light, where
+    /// lights cast shadows and none has a size.
     fn trace_from_hits(
         &mut self,
         tree: &Tree,
-        (scene, settings, view): (&Scene, &Settings, &View),
-        (sky, reach): (&SkyDirections, f64),
-        (lights, chessboard): (bool, bool),
+        FrameContext { scene, settings, view }: FrameContext<'_>,
+        request: &LightRequest<'_>,
+        directions: &SkyDirections,
     ) -> Result<Option<(SkyCount, Vec<u32>)>> {
         let Executor::Gpu(gpu) = &mut self.place else { return Ok(None) };
+        let casts_shadows = request.outputs.shadow || request.outputs.color && scene.lighting.shadows;
+        let (none, sky) = (SkyDirections::none(), request.unknown_sky());
+        let directions = if sky.is_some() { directions } else { &none };
         let without_size = |light: &Light| match light.source {
             LightSource::Direction(direction) => Some(DirectionRecord::new(direction.to_array())),
             LightSource::Point(place) => DirectionRecord::place(tree, place.to_array()),
             LightSource::Sphere(_) | LightSource::Ball { .. } => None,
         };
         let all: Option<Vec<DirectionRecord>> = scene.lighting.lights.iter().map(without_size).collect();
-        let all = all.filter(|_| lights).unwrap_or_default();
-        let count = SkyCount { rays: sky.len(), lights: all.len() };
+        let all = all.filter(|_| casts_shadows).unwrap_or_default();
+        let count = SkyCount { rays: directions.len(), lights: all.len() };
         if count.rays + count.lights == 0 {
             return Ok(None);
         }
-        let turned = sky.turned().iter().map(DirectionRecord::of_unit);
+        let turned = directions.turned().iter().map(DirectionRecord::of_unit);
         let directions: Vec<DirectionRecord> = turned.chain(all).collect();
         let asked = SkyRays {
             tree,
@@ -100,8 +120,8 @@ impl Renderer {
             rays: count.rays as u32,
             lights: count.lights as u32,
             seed: settings.seed,
-            chessboard,
-            limit: limits(tree, reach),
+            chessboard: request.chessboard,
+            limit: limits(tree, sky.map_or(f64::INFINITY, |sky| sky.reach)),
         };
         let pixels = view.record.pixels() as u64;
         let doing = self.watch.begin(Step::Light, pixels);
@@ -119,26 +139,26 @@ impl Renderer {
         }
     }
 
-    /// What lights and `sky` give to the pixels that show these spheres.
+    /// Light of the pixels of a frame.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`], and [`crate::Error::Limits`] where memory is short.
     pub(super) fn light(
         &mut self,
         setup: &LightSetup,
-        (scene, settings, view): (&Scene, &Settings, &View),
-        (wanted, sky): (Wanted, Option<Sky>),
-        (pixels, open): (Pixels<'_>, Option<OpenSky<'_>>),
+        frame: FrameContext<'_>,
+        request: &LightRequest<'_>,
         pool: &Pool,
-    ) -> Result<Lit> {
-        let Pixels { ids, chessboard } = pixels;
-        let mut lit = Lit::default();
+    ) -> Result<LightBuffers> {
+        let FrameContext { scene, settings, view } = frame;
+        let LightRequest { outputs, sky, ids, open_sky, .. } = *request;
+        let mut lit = LightBuffers::default();
         let lights = &scene.lighting.lights;
         let some = |wanted: bool, each: usize| if wanted { each * ids.len() } else { 0 };
-        lit.color = pool.values(some(wanted.color, 3))?;
-        lit.shadow = pool.values(some(wanted.shadow, lights.len()))?;
-        lit.occlusion = pool.values(some(wanted.occlusion, 1))?;
-        lit.sky = pool.values(some(wanted.sky, 3))?;
+        lit.color = pool.values(some(outputs.color, 3))?;
+        lit.shadow = pool.values(some(outputs.shadow, lights.len()))?;
+        lit.occlusion = pool.values(some(outputs.occlusion, 1))?;
+        lit.sky = pool.values(some(outputs.sky, 3))?;
         let sized = lights.iter().any(|light| light.source.has_size());
         let ViewRecord { strata, sample, .. } = view.record;
         let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays), strata, sample);
@@ -150,36 +170,29 @@ impl Renderer {
             return Ok(lit.of_nothing(|pixel| backdrop.at(pixel)));
         };
         let judge = setup.judge(scene, view)?;
-        let casts_shadows = wanted.shadow || wanted.color && scene.lighting.shadows;
         let found = match setup.accuracy {
-            Accuracy::Certified => {
-                let sky = sky.filter(|_| open.is_none());
-                let (none, reach) = (SkyDirections::none(), sky.map_or(f64::INFINITY, |sky| sky.reach));
-                let directions = if sky.is_some() { &directions } else { &none };
-                let of = (scene, settings, view);
-                self.trace_from_hits(tree, of, (directions, reach), (casts_shadows, chessboard))?
-            }
+            Accuracy::Certified => self.trace_from_hits(tree, frame, request, &directions)?,
             _ => None,
         };
         let traced = found.as_ref().map(|(count, words)| Traced { words, rays: count.rays, lights: count.lights });
         if let Some(traced) = &traced {
             self.light_on_device.add(ids, traced);
         }
-        let lighting = LitScene {
+        let lighting = LightingContext {
             scene,
             view,
             tree,
-            wanted,
+            outputs,
             judge: judge.as_ref(),
             exact: setup.accuracy == Accuracy::Exact,
             sky,
-            colors: Gradient::of(scene).filter(|_| wanted.color || wanted.sky).map(SkyLight::new),
+            colors: Gradient::of(scene).filter(|_| outputs.color || outputs.sky).map(SkyLight::new),
             backdrop,
             directions: &directions,
             scattered: &scattered,
             disc: &disc,
             seed: settings.seed,
-            open,
+            open: open_sky,
             traced,
             bounces: bounces(scene),
         };

@@ -5,7 +5,7 @@ pub(crate) mod engine;
 pub(super) mod lights;
 
 use crate::answers::finish::Finish;
-use crate::cpu::light::Wanted;
+use crate::cpu::light::LightOutputs;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
@@ -35,7 +35,7 @@ pub struct Plan {
     pub engine: Engine,
     /// What is computed of lights and sky.
     #[serde(skip)]
-    pub(crate) wanted: Wanted,
+    pub(crate) wanted: LightOutputs,
     /// What is drawn over the colours.
     #[serde(skip)]
     pub(crate) finish: Option<Finish>,
@@ -138,7 +138,7 @@ impl Plan {
             reason: String::new(),
             predicted: None,
             engine: Engine::Method,
-            wanted: Wanted::default(),
+            wanted: LightOutputs::default(),
             finish: None,
             kernel: Kernel::of_method(method),
             sampled: None,

@@ -2,7 +2,7 @@
 //! and settled like pixels.
 
 use super::lens::LensPasses;
-use super::light::{LightSetup, Pixels};
+use super::light::{FrameContext, LightRequest, LightSetup};
 use super::plan::Plan;
 use super::plan::lights::center_rays;
 use super::renderer::Renderer;
@@ -12,7 +12,7 @@ use crate::answers::lit::{AROUND, OpenSky};
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
-use crate::cpu::light::Wanted;
+use crate::cpu::light::LightOutputs;
 use crate::error::Result;
 use crate::frame::Aov;
 use crate::frame::report::Timings;
@@ -60,11 +60,16 @@ impl Renderer {
         let sky = match (&around, lights, shared) {
             (Some(around), Some(lights), Some(sky)) => {
                 let ids = every_second(&around.view, &around.ids);
-                let wanted = Wanted { sky: true, ..Wanted::default() };
-                let of = (scene, settings, &around.view);
+                let wanted = LightOutputs { sky: true, ..LightOutputs::default() };
+                let of = FrameContext { scene, settings, view: &around.view };
                 let sky = Some(Sky { rays: center_rays(sky, raster.count()), ..sky });
                 let lit = timings.time("light", || {
-                    self.light(lights, of, (wanted, sky), (Pixels { ids: &ids, chessboard: true }, None), &pool)
+                    self.light(
+                        lights,
+                        of,
+                        &LightRequest { chessboard: true, ..LightRequest::of(wanted, sky, &ids) },
+                        &pool,
+                    )
                 })?;
                 Some((around.window, ids, lit.sky))
             }
@@ -75,7 +80,7 @@ impl Renderer {
         let cue = finish.and_then(|finish| finish.cue(scene, &basis));
         let pixels = raster.window.width() as usize * raster.window.height() as usize;
         let mut raw = Raw::new(&kernel, pixels, &pool)?;
-        let wanted = Wanted { color: true, ..Wanted::default() };
+        let wanted = LightOutputs { color: true, ..LightOutputs::default() };
         let mut sums = Sums::new(pixels, kernel.shade.is_some() || lights.is_some(), &pool)?;
         let mut last: Option<FrameSetup> = None;
         for sample in 0..raster.count() {
@@ -101,9 +106,15 @@ impl Renderer {
                 timings.time("shade", || settle::shade(shade, scene, &setup.view, &settled, &mut raw.color));
             }
             if let Some(lights) = lights {
-                let of = (scene, settings, &setup.view);
-                let lit = timings
-                    .time("light", || self.light(lights, of, (wanted, own), (Pixels::all(&raw.id), open), &pool))?;
+                let of = FrameContext { scene, settings, view: &setup.view };
+                let lit = timings.time("light", || {
+                    self.light(
+                        lights,
+                        of,
+                        &LightRequest { open_sky: open, ..LightRequest::of(wanted, own, &raw.id) },
+                        &pool,
+                    )
+                })?;
                 pool.put_back(std::mem::replace(&mut raw.color, lit.color));
             }
             if let Some(cue) = cue {

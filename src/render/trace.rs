@@ -4,7 +4,6 @@ mod by_method;
 mod certified;
 mod on_device;
 
-use super::place::Executor;
 use super::plan::GivenPlan;
 use super::renderer::Renderer;
 use crate::cpu;

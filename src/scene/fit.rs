@@ -94,8 +94,8 @@ impl Scene {
     /// # Errors
     /// As [`Scene::fit`]; [`Error::Interrupted`].
     pub fn reach_of(&mut self, framing: &Framing, all: &Instances, middle: DVec3, watch: &Watch) -> Result<Reach> {
-        let sides = self.camera.sides(self.image)?;
-        Reach::new(framing, sides, middle, |normal| all.least_along(watch, normal, middle))
+        let (basis, viewport) = self.camera.sides(self.image)?;
+        Reach::new(framing, basis, viewport, middle, |normal| all.least_along(watch, normal, middle))
     }
 
     /// Moves the eye so that everything within this reach is completely visible, as [`Scene::fit`] does; the direction
@@ -149,7 +149,7 @@ impl Camera {
             let least = each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - middle) - r);
             Ok(least.reduce(|| f64::INFINITY, f64::min))
         };
-        Reach::new(framing, (basis, viewport), middle, to).map(Some)
+        Reach::new(framing, basis, viewport, middle, to).map(Some)
     }
 
     /// The directions of the view's sides. An `at` becomes the view.
@@ -240,7 +240,8 @@ impl Reach {
     /// The reach of spheres, of which `to` is the least distance along a normal.
     fn new(
         framing: &Framing,
-        (basis, viewport): (Basis, Viewport),
+        basis: Basis,
+        viewport: Viewport,
         middle: DVec3,
         to: impl Fn(DVec3) -> Result<f64>,
     ) -> Result<Self> {

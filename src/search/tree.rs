@@ -15,6 +15,7 @@ mod order;
 mod tests;
 pub(crate) mod walk;
 
+use crate::scene::Ball;
 use crate::view::placement::Placement;
 pub(crate) use box_ray::BoxRay;
 pub(crate) use order::order;
@@ -90,9 +91,14 @@ impl Tree {
     }
 
     /// All spheres but those that are equal to this one.
-    pub(crate) fn others(&self, than: Option<([f64; 3], f64)>) -> Vec<([f64; 3], f64)> {
-        let spheres = self.spheres.iter().map(|[x, y, z, r]| ([*x, *y, *z], *r));
-        spheres.filter(|sphere| Some(*sphere) != than).collect()
+    pub(crate) fn others(&self, than: Option<Ball>) -> Vec<Ball> {
+        (0..self.spheres.len()).map(|place| self.ball(place)).filter(|ball| Some(*ball) != than).collect()
+    }
+
+    /// The sphere at a place.
+    #[inline(always)]
+    pub(crate) fn ball(&self, place: usize) -> Ball {
+        self.spheres[place].into()
     }
 
     /// The places of a block's spheres in the order of the tree.

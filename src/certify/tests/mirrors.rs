@@ -4,6 +4,7 @@ use crate::certify::given::{EPS, dot};
 use crate::certify::surface::SurfacePoint;
 use crate::dyadic::{self, Dyadic, Dyadic3};
 use crate::exact::Toward;
+use crate::scene::{Ball, NumberedBall};
 use crate::shade::optics::reflected;
 use crate::testing::Rng;
 use crate::view::placement::Placement;
@@ -37,7 +38,12 @@ fn seen(random: &mut Rng, blur: f64) -> Seen {
     let size = placement.radius(1.0);
     let offset = unit(random) * size;
     let exact = moved(random, offset, blur * size);
-    let point = SurfacePoint::new((0, [0.0; 3], 1.0), offset.to_array(), blur * size, true);
+    let point = SurfacePoint::new(
+        NumberedBall { id: 0, ball: Ball { center: [0.0; 3], radius: 1.0 } },
+        offset.to_array(),
+        blur * size,
+        true,
+    );
     Seen { placement, point, exact }
 }
 

@@ -246,20 +246,19 @@ fn shots(
     place: &dyn Fn(u32) -> usize,
 ) -> Vec<Shot> {
     let spheres = &case.scene.spheres;
-    let sphere = |id: u32| (spheres.centers[id as usize], spheres.radii[id as usize]);
-    let own = sphere(hit.id);
+    let own = spheres.ball(hit.id);
     let mut shots = Vec::new();
-    for id in (0..spheres.len() as u32).filter(|id| sphere(*id) != own).take(6) {
-        let (center, radius) = sphere(id);
-        let relative = |to: [f64; 3]| DVec3::from_array(to) - DVec3::from_array(own.0);
-        let at = DVec3::from_array(hit.normal) * own.1;
-        let direction = aim(random, at, relative(center), radius);
+    for id in (0..spheres.len() as u32).filter(|id| spheres.ball(*id) != own).take(6) {
+        let ball = spheres.ball(id);
+        let relative = |to: [f64; 3]| DVec3::from_array(to) - DVec3::from_array(own.center);
+        let at = DVec3::from_array(hit.normal) * own.radius;
+        let direction = aim(random, at, relative(ball.center), ball.radius);
         if !(0.99..1.01).contains(&direction.length()) {
             continue;
         }
         // A light beside the rim, or somewhere along the ray.
-        let distance = relative(center).distance(at) * [1.0, random.decade(-2.0, 2.0)][random.below(2) as usize];
-        let light = DVec3::from_array(own.0) + at + direction * distance;
+        let distance = relative(ball.center).distance(at) * [1.0, random.decade(-2.0, 2.0)][random.below(2) as usize];
+        let light = DVec3::from_array(own.center) + at + direction * distance;
         if let Some(record) = DirectionRecord::place(tree, light.to_array()) {
             let ask = |among| {
                 judge.ask(
@@ -269,7 +268,7 @@ fn shots(
                     &[LightQuestion::Hidden { toward: Toward::Point(light.to_array()), turned: false, among }],
                 )
             };
-            let (behind, hidden) = (ask(Vec::new()).expect("a hit")[0], ask(vec![(center, radius)]).expect("a hit")[0]);
+            let (behind, hidden) = (ask(Vec::new()).expect("a hit")[0], ask(vec![ball]).expect("a hit")[0]);
             shots.push(Shot { record, other: place(id), behind, hidden });
         }
         let exact = direction.as_vec3().to_array();
@@ -277,7 +276,7 @@ fn shots(
         let question = |toward, among: Vec<_>| LightQuestion::Hidden { toward, turned: false, among };
         let behind = judge.ask(i, j, own, &[question(toward(1.0), Vec::new())]).expect("a hit")[0];
         let outward = toward(if behind { -1.0 } else { 1.0 });
-        let hidden = judge.ask(i, j, own, &[question(outward, vec![(center, radius)])]).expect("a hit")[0];
+        let hidden = judge.ask(i, j, own, &[question(outward, vec![ball])]).expect("a hit")[0];
         shots.push(Shot { record: DirectionRecord::of_unit(&exact), other: place(id), behind, hidden });
     }
     shots

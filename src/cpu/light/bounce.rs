@@ -2,12 +2,12 @@
 
 use super::super::foremost::Foremost;
 use super::super::given_certified::NearestSearch;
-use super::lighting::LitScene;
+use super::lighting::LightingContext;
 use super::point::PointLight;
 use super::surface::Surface;
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::SurfacePoint;
-use crate::scene::Material;
+use crate::scene::{Material, NumberedBall};
 use crate::search::tree::lanes::{Lanes, Work, dispatch};
 use crate::search::tree::walk::walk;
 use crate::search::tree::{BoxRay, Tree};
@@ -46,10 +46,11 @@ impl Bounces {
     pub(super) fn follow(
         &mut self,
         at_point: &mut PointLight<'_>,
-        (point, along): (SurfacePoint, DVec3),
+        point: SurfacePoint,
+        along: DVec3,
         at: PixelSample,
     ) -> (DVec3, bool) {
-        let lighting = at_point.of;
+        let lighting = at_point.lighting;
         let (mut sum, mut proved) = (DVec3::ZERO, true);
         let first = Onward {
             from: point,
@@ -76,10 +77,10 @@ impl Bounces {
             proved &= sharp || lighting.judge.is_none();
             if hit.outside || !lighting.material(hit.id).is_clear() {
                 let surface = Surface::from(&hit);
-                at_point.see(&surface, ray.along, DVec3::ONE);
-                at_point.ask_lights(&hit, at);
-                at_point.ask_sky(&hit, &surface, at);
-                proved &= !at_point.give_up();
+                at_point.begin(&surface, ray.along, DVec3::ONE);
+                at_point.trace_lights(&hit, at);
+                at_point.trace_sky(&hit, &surface, at);
+                proved &= !at_point.assume_blocked();
                 sum += ray.weight * at_point.color(&surface, ray.along);
             }
             if ray.depth < lighting.bounces {
@@ -90,7 +91,7 @@ impl Bounces {
     }
 
     /// Adds the rays that go on where `ray` meets a point.
-    fn push(&mut self, lighting: &LitScene<'_>, ray: &Onward, point: &SurfacePoint, at: PixelSample) {
+    fn push(&mut self, lighting: &LightingContext<'_>, ray: &Onward, point: &SurfacePoint, at: PixelSample) {
         let (normal, along) = (DVec3::from_array(point.normal), ray.along);
         let depth = ray.depth + 1;
         let mirror = |weight: DVec3| Onward {
@@ -157,11 +158,8 @@ impl Onward {
             return (None, found.rival == f64::INFINITY);
         };
         let sphere = match place {
-            OWN => (self.from.id, self.from.center, self.from.radius),
-            place => {
-                let [x, y, z, radius] = tree.spheres[place];
-                (tree.ids[place], [x, y, z], radius)
-            }
+            OWN => NumberedBall { id: self.from.id, ball: self.from.ball },
+            place => NumberedBall { id: tree.ids[place], ball: tree.ball(place) },
         };
         (Some(SurfacePoint::met(&ray, &bounds, sphere)), rival > bounds.high)
     }
@@ -187,10 +185,7 @@ impl Work for NearestOf<'_> {
     #[inline(always)]
     fn work<L: Lanes>(self, lanes: L) -> Foremost {
         let Self { tree, ray, boxes, from, limit, own } = self;
-        let counts = |place: usize| {
-            let [x, y, z, radius] = tree.spheres[place];
-            ([x, y, z], radius) != (from.center, from.radius)
-        };
+        let counts = |place: usize| tree.ball(place) != from.ball;
         let mut search = NearestSearch { lanes, tree, ray, boxes, counts, limit, foremost: own };
         walk::<false, _>(lanes, tree, boxes, limit, &mut search);
         search.foremost

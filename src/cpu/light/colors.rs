@@ -2,7 +2,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
-use super::lighting::LitScene;
+use super::lighting::LightingContext;
 use crate::answers::lit::Chunk;
 use crate::number::vector::LANES;
 use crate::scene::Material;
@@ -14,7 +14,7 @@ use pulp::NullaryFnOnce;
 
 /// Some pixels of a frame without shadows, mirrors and highlights, whose open sky is known.
 pub(super) struct Colors<'a, 'b, 'c> {
-    pub(super) lighting: &'a LitScene<'a>,
+    pub(super) lighting: &'a LightingContext<'a>,
     pub(super) rays: &'a PictureRays<'a>,
     pub(super) ids: &'a [u32],
     pub(super) chunk: &'b mut Chunk<'c>,
@@ -48,7 +48,7 @@ fn lane(components: &[[f64; LANES]; 3], l: usize) -> DVec3 {
 
 impl Colors<'_, '_, '_> {
     /// Whether all spheres of a scene reflect only diffusely, and the rays are not parallel.
-    pub(super) fn fit(lighting: &LitScene<'_>) -> bool {
+    pub(super) fn fit(lighting: &LightingContext<'_>) -> bool {
         lighting.scene.spheres.materials.is_none() && !lighting.view.parallel
     }
 

@@ -4,7 +4,7 @@ use super::surface::Surface;
 use crate::answers::lit::{OpenSky, Traced};
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
-use crate::scene::{DEFAULT_COLOR, Material, Scene, Sky, SkyLight};
+use crate::scene::{Ball, DEFAULT_COLOR, Material, NumberedBall, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
@@ -12,9 +12,9 @@ use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::picture_rays::PictureRays;
 use glam::{DVec3, Vec3};
 
-/// What is computed of lights and sky.
+/// The outputs of lights and sky that are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Wanted {
+pub(crate) struct LightOutputs {
     /// The colour of the picture.
     pub(crate) color: bool,
     /// The share of each light that is hidden.
@@ -26,11 +26,11 @@ pub(crate) struct Wanted {
 }
 
 /// A scene set up for its lights.
-pub(crate) struct LitScene<'a> {
+pub(crate) struct LightingContext<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) view: &'a View,
     pub(crate) tree: &'a Tree,
-    pub(crate) wanted: Wanted,
+    pub(crate) outputs: LightOutputs,
     /// Decides what f64 leaves unsure; `None` for answers that are not certified.
     pub(crate) judge: Option<&'a Judge>,
     /// The judge decides every ray.
@@ -53,23 +53,23 @@ pub(crate) struct LitScene<'a> {
     pub(crate) bounces: u32,
 }
 
-impl Wanted {
+impl LightOutputs {
     /// Whether there is anything to compute.
     pub(crate) fn is_any(self) -> bool {
         self.color || self.shadow || self.occlusion || self.sky
     }
 }
 
-impl LitScene<'_> {
+impl LightingContext<'_> {
     /// The hit point of the viewing ray of row `i` and column `j`, in the finer frame of its samples.
     pub(super) fn point(&self, [i, j]: [u32; 2], id: u32) -> SurfacePoint {
-        let sphere = (id, self.scene.spheres.centers[id as usize], self.scene.spheres.radii[id as usize]);
+        let sphere = NumberedBall { id, ball: self.scene.spheres.ball(id) };
         let placement = &self.tree.placement;
         let point = SurfacePoint::seen(self.view, placement, [i, j], sphere);
         match self.judge {
             None => point.trusted(placement),
             Some(_) if point.is_sharp(placement) => point,
-            Some(judge) => match judge.hit_of(i, j, (sphere.1, sphere.2)) {
+            Some(judge) => match judge.hit_of(i, j, sphere.ball) {
                 Some(truth) => SurfacePoint::judged(placement, &truth, sphere),
                 None => point,
             },
@@ -84,15 +84,17 @@ impl LitScene<'_> {
         far && !lighting.shadows && (lighting.sky.is_none() || self.open.is_some()) && self.bounces == 0
     }
 
-    /// What the viewing ray of a pixel shows of a sphere, the direction of the ray, of length 1, and whether the normal is known
+    /// The surface at the hit of the viewing ray of a pixel on a sphere, the direction of the ray, of length 1, and whether the normal is known
     /// to 2^-29. `point` gives the hit where f64 alone does not know its normal.
     pub(super) fn surface<'p>(
         &self,
         rays: &PictureRays<'_>,
-        (pixel, id): (u32, u32),
+        pixel: u32,
+        id: u32,
         point: impl FnOnce() -> &'p SurfacePoint,
     ) -> (Surface, DVec3, bool) {
-        let hit = rays.hit(pixel, self.scene.spheres.centers[id as usize], self.scene.spheres.radii[id as usize]);
+        let Ball { center, radius } = self.scene.spheres.ball(id);
+        let hit = rays.hit(pixel, center, radius);
         if hit.near {
             return (Surface { id, outside: hit.outside, normal: hit.normal }, hit.along, hit.sharp);
         }
@@ -116,7 +118,7 @@ impl LitScene<'_> {
     /// Whether rays to lights are needed: for shadows, and for lights that are not infinitely far.
     pub(super) fn asks_lights(&self) -> bool {
         let Scene { lighting, .. } = self.scene;
-        let shadows = self.wanted.shadow || lighting.shadows;
+        let shadows = self.outputs.shadow || lighting.shadows;
         lighting.lights.iter().any(|light| shadows || light.source.far().is_none())
     }
 }

@@ -1,13 +1,13 @@
-//! What one point sees of lights and sky.
+//! Light that reaches one point from lights and sky.
 
 use super::super::given_certified::AnyHit;
 use super::super::hidden::LightRay;
-use super::lighting::LitScene;
+use super::lighting::LightingContext;
 use super::surface::Surface;
 use crate::certify::given::{CertifiedRay, dot};
-use crate::certify::surface::{Own, SurfacePoint};
+use crate::certify::surface::{SelfOcclusion, SurfacePoint};
 use crate::exact::{LightQuestion, Toward};
-use crate::scene::{LightSource, Material, Sky};
+use crate::scene::{Ball, LightSource, Material, Sky};
 use crate::shade::lit::{self, Cap};
 use crate::shade::optics::reflected;
 use crate::view::directions::PixelSample;
@@ -41,7 +41,7 @@ impl LightShare {
     }
 
     /// The part of the light that the point reflects, and its highlight.
-    fn seen(&self) -> [f64; 2] {
+    fn response(&self) -> [f64; 2] {
         let rays = f64::from(self.rays.max(1));
         if self.inside { [1.0, 0.0] } else { [self.reflected / rays, self.gloss / rays] }
     }
@@ -88,9 +88,9 @@ impl SkyShare {
     }
 }
 
-/// What an unsure ray counts for.
+/// The sum that an undecided ray will be added to.
 #[derive(Debug, Clone, Copy)]
-enum Of {
+enum PendingRay {
     Light(usize, [f64; 2]),
     Rim(usize),
     /// A light that is infinitely far.
@@ -102,7 +102,7 @@ enum Of {
 
 /// Lights and sky at one point after the other.
 pub(super) struct PointLight<'a> {
-    pub(super) of: &'a LitScene<'a>,
+    pub(super) lighting: &'a LightingContext<'a>,
     /// Toward each light that is infinitely far, of length 1.
     far: Vec<Option<DVec3>>,
     lights: Vec<LightShare>,
@@ -110,33 +110,33 @@ pub(super) struct PointLight<'a> {
     /// The direction in which a mirror would reflect the ray, and the exponent of highlights; 0 for none.
     mirrored: DVec3,
     shine: f32,
-    unsure: Vec<(Of, LightQuestion)>,
+    unsure: Vec<(PendingRay, LightQuestion)>,
     disc: Vec<[f64; 2]>,
 }
 
 impl<'a> PointLight<'a> {
-    pub(super) fn new(of: &'a LitScene<'a>) -> Self {
-        let lights = &of.scene.lighting.lights;
+    pub(super) fn new(lighting: &'a LightingContext<'a>) -> Self {
+        let lights = &lighting.scene.lighting.lights;
         Self {
-            of,
+            lighting,
             far: lights.iter().map(|light| light.source.far()).collect(),
             lights: vec![LightShare::default(); lights.len()],
             sky: SkyShare::default(),
             mirrored: DVec3::ZERO,
             shine: 0.0,
             unsure: Vec::new(),
-            disc: vec![[0.0; 2]; of.disc.len()],
+            disc: vec![[0.0; 2]; lighting.disc.len()],
         }
     }
 
     /// Takes the surface that a ray meets in the unit direction `along`, under a sky whose open light is this, and forgets
     /// the one before. What far lights give it is known without rays, unless something hides them.
-    pub(super) fn see(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
+    pub(super) fn begin(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
         self.unsure.clear();
         // A white sky's light is its open share.
         self.sky = SkyShare { all: 1.0, open: sky.x, all_light: DVec3::ONE, open_light: sky, whole: DVec3::ONE };
         self.mirrored = reflected(along, surface.normal);
-        self.shine = match self.of.material(surface.id) {
+        self.shine = match self.lighting.material(surface.id) {
             Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
             _ => 0.0,
         };
@@ -152,25 +152,29 @@ impl<'a> PointLight<'a> {
     }
 
     /// Traces rays to all lights for which the surface alone does not tell.
-    pub(super) fn ask_lights(&mut self, point: &SurfacePoint, at: PixelSample) {
+    pub(super) fn trace_lights(&mut self, point: &SurfacePoint, at: PixelSample) {
         for n in 0..self.lights.len() {
             self.light(point, n, at);
         }
     }
 
     /// Takes over for every light whether something hides it; none has a size.
-    pub(super) fn tell_lights<'p>(&mut self, point: impl Fn() -> &'p SurfacePoint, is_open: impl Fn(usize) -> bool) {
+    pub(super) fn apply_traced_lights<'p>(
+        &mut self,
+        point: impl Fn() -> &'p SurfacePoint,
+        is_open: impl Fn(usize) -> bool,
+    ) {
         for n in 0..self.lights.len() {
             let hidden = !is_open(n);
-            match self.of.scene.lighting.lights[n].source {
+            match self.lighting.scene.lighting.lights[n].source {
                 LightSource::Point(position) => {
                     // What it would give needs the point, for the colour alone.
                     let toward = Toward::Point(position.to_array());
                     let seen = || {
                         let point = point();
-                        self.seen(point, point.aim(&self.of.tree.placement, &toward).as_ref())
+                        self.response(point, point.aim(&self.lighting.tree.placement, &toward).as_ref())
                     };
-                    let seen = if self.of.wanted.color { seen() } else { [0.0; 2] };
+                    let seen = if self.lighting.outputs.color { seen() } else { [0.0; 2] };
                     self.lights[n].rays += 1;
                     if hidden { self.hide(n, seen) } else { self.lights[n].add(seen) }
                 }
@@ -182,7 +186,7 @@ impl<'a> PointLight<'a> {
 
     /// The cosine and the highlight of a ray to a light.
     #[inline(always)]
-    fn seen(&self, point: &SurfacePoint, ray: Option<&CertifiedRay>) -> [f64; 2] {
+    fn response(&self, point: &SurfacePoint, ray: Option<&CertifiedRay>) -> [f64; 2] {
         let cosine = ray.map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
         let highlight =
             |ray: &CertifiedRay| self.highlight(dot(self.mirrored.to_array(), ray.direction) / ray.a.sqrt());
@@ -192,8 +196,8 @@ impl<'a> PointLight<'a> {
     /// Takes over which of the sky's rays are open.
     pub(super) fn open_sky(&mut self, surface: &Surface, at: PixelSample, is_open: impl Fn(usize) -> bool) {
         self.begin_sky(surface);
-        let directions = self.of.directions.of(at, 0);
-        if self.of.colors.is_none() {
+        let directions = self.lighting.directions.of(at, 0);
+        if self.lighting.colors.is_none() {
             // The same sums without branches.
             let (mut all, mut open) = (0.0, 0.0);
             for (k, direction) in directions.iter().enumerate() {
@@ -224,13 +228,13 @@ impl<'a> PointLight<'a> {
 
     /// The light of the open sky.
     pub(super) fn sky_light(&self) -> DVec3 {
-        if self.of.colors.is_some() { self.sky.light() } else { DVec3::splat(self.sky.open()) }
+        if self.lighting.colors.is_some() { self.sky.light() } else { DVec3::splat(self.sky.open()) }
     }
 
     /// Counts a ray of the sky that is open.
     fn see_sky(&mut self, weight: f64, direction: [f64; 3]) {
         self.sky.open += weight;
-        if let Some(colors) = &self.of.colors {
+        if let Some(colors) = &self.lighting.colors {
             self.sky.open_light += colors.gradient.toward(DVec3::from_array(direction)) * weight;
         }
     }
@@ -238,19 +242,19 @@ impl<'a> PointLight<'a> {
     /// Nothing of a far light arrives.
     fn hide_far(&mut self, n: usize) {
         self.lights[n].hidden = 1;
-        if self.of.scene.lighting.shadows {
+        if self.lighting.scene.lighting.shadows {
             (self.lights[n].reflected, self.lights[n].gloss) = (0.0, 0.0);
         }
     }
 
     fn light(&mut self, point: &SurfacePoint, n: usize, at: PixelSample) {
-        let spheres = &self.of.scene.spheres;
-        match self.of.scene.lighting.lights[n].source {
+        let spheres = &self.lighting.scene.spheres;
+        match self.lighting.scene.lighting.lights[n].source {
             LightSource::Direction(direction) if self.casts_shadows() => {
                 let toward = Toward::Direction(direction.to_array());
-                let ray = point.aim(&self.of.tree.placement, &toward);
+                let ray = point.aim(&self.lighting.tree.placement, &toward);
                 match self.ask(point, &toward, ray.as_ref(), None) {
-                    (_, Some(question)) => self.unsure.push((Of::Far(n), question)),
+                    (_, Some(question)) => self.unsure.push((PendingRay::Far(n), question)),
                     (AnyHit::Blocked, None) => self.hide_far(n),
                     _ => {}
                 }
@@ -260,31 +264,31 @@ impl<'a> PointLight<'a> {
                 self.light_ray(point, n, &Toward::Point(position.to_array()), None);
             }
             LightSource::Sphere(id) => {
-                let ball = (spheres.centers[id as usize], spheres.radii[id as usize]);
-                match ball == (point.center, point.radius) {
+                let ball = spheres.ball(id);
+                match ball == point.ball {
                     true => self.lights[n].shines = true,
                     false => self.ball(point, n, ball, at),
                 }
             }
-            LightSource::Ball { center, radius } => self.ball(point, n, (center.to_array(), radius), at),
+            LightSource::Ball { center, radius } => self.ball(point, n, Ball { center: center.to_array(), radius }, at),
         }
     }
 
     /// A light with a size: points of its surface, spread evenly over the solid angle that the point sees.
-    fn ball(&mut self, point: &SurfacePoint, n: usize, ball: ([f64; 3], f64), at: PixelSample) {
-        let (center, radius) = ball;
-        let shining = point.shining(&self.of.tree.placement, center, radius);
+    fn ball(&mut self, point: &SurfacePoint, n: usize, ball: Ball, at: PixelSample) {
+        let Ball { center, radius } = ball;
+        let shining = point.shining(&self.lighting.tree.placement, ball);
         match shining.inside {
             Some(true) => {
                 self.lights[n].inside = true;
                 return;
             }
-            Some(false) if !self.of.exact => {}
-            _ => self.unsure.push((Of::Inside(n), LightQuestion::Outside { center, radius })),
+            Some(false) if !self.lighting.exact => {}
+            _ => self.unsure.push((PendingRay::Inside(n), LightQuestion::Outside(ball))),
         }
         let cap = Cap::new(shining.away, shining.radius);
         let beside = |place| (cap.outward(place) * radius).to_array();
-        self.of.disc.of(at, n as u32, &mut self.disc);
+        self.lighting.disc.of(at, n as u32, &mut self.disc);
         for k in 0..self.disc.len() {
             let toward = Toward::Beside { center, offset: beside(self.disc[k]) };
             self.light_ray(point, n, &toward, Some(ball));
@@ -292,31 +296,31 @@ impl<'a> PointLight<'a> {
         if !self.casts_shadows() {
             return;
         }
-        let disc = self.of.disc;
+        let disc = self.lighting.disc;
         for place in disc.rim(at, n as u32) {
             let toward = Toward::Beside { center, offset: beside(place) };
-            let ray = point.ray(&self.of.tree.placement, &toward);
+            let ray = point.ray(&self.lighting.tree.placement, &toward);
             let (answer, question) = self.ask(point, &toward, ray.as_ref(), Some(ball));
             match question {
-                Some(question) => self.unsure.push((Of::Rim(n), question)),
+                Some(question) => self.unsure.push((PendingRay::Rim(n), question)),
                 None => self.lights[n].see_rim(answer == AnyHit::Blocked),
             }
         }
     }
 
     fn casts_shadows(&self) -> bool {
-        self.of.wanted.shadow || self.of.scene.lighting.shadows
+        self.lighting.outputs.shadow || self.lighting.scene.lighting.shadows
     }
 
-    fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: Option<([f64; 3], f64)>) {
-        let ray = point.aim(&self.of.tree.placement, toward);
-        let seen = self.seen(point, ray.as_ref());
+    fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: Option<Ball>) {
+        let ray = point.aim(&self.lighting.tree.placement, toward);
+        let seen = self.response(point, ray.as_ref());
         self.lights[n].rays += 1;
         if !self.casts_shadows() {
             return self.lights[n].add(seen);
         }
         match self.ask(point, toward, ray.as_ref().filter(|ray| SurfacePoint::is_known(ray)), light) {
-            (_, Some(question)) => self.unsure.push((Of::Light(n, seen), question)),
+            (_, Some(question)) => self.unsure.push((PendingRay::Light(n, seen), question)),
             (AnyHit::Blocked, None) => self.hide(n, seen),
             _ => self.lights[n].add(seen),
         }
@@ -329,23 +333,23 @@ impl<'a> PointLight<'a> {
         point: &SurfacePoint,
         toward: &Toward,
         ray: Option<&CertifiedRay>,
-        light: Option<([f64; 3], f64)>,
+        light: Option<Ball>,
     ) -> (AnyHit, Option<LightQuestion>) {
-        let tree = self.of.tree;
+        let tree = self.lighting.tree;
         let question = |among| Some(LightQuestion::Hidden { toward: *toward, turned: false, among });
         let Some(ray) = ray else {
             // A ray of unknown direction may meet anything.
             return (AnyHit::Unsure, question(tree.others(light)));
         };
         let ray = LightRay { tree, point, ray, light };
-        match if self.of.exact { AnyHit::Unsure } else { ray.answer() } {
+        match if self.lighting.exact { AnyHit::Unsure } else { ray.answer() } {
             AnyHit::Unsure => (AnyHit::Unsure, question(ray.candidates())),
             answer => (answer, None),
         }
     }
 
     fn begin_sky(&mut self, surface: &Surface) {
-        let whole = self.of.colors.as_ref().map_or(DVec3::ONE, |colors| colors.open(surface.normal));
+        let whole = self.lighting.colors.as_ref().map_or(DVec3::ONE, |colors| colors.open(surface.normal));
         self.sky = SkyShare { whole, ..SkyShare::default() };
     }
 
@@ -355,17 +359,17 @@ impl<'a> PointLight<'a> {
         let cosine = surface.normal.dot(direction.into());
         let (weight, outward) = (cosine.abs(), if cosine < 0.0 { direction.map(|x| -x) } else { direction });
         self.sky.all += weight;
-        if let Some(colors) = &self.of.colors {
+        if let Some(colors) = &self.lighting.colors {
             self.sky.all_light += colors.gradient.toward(DVec3::from_array(outward)) * weight;
         }
         (weight, outward)
     }
 
     /// Traces rays to the sky, if there is one.
-    pub(super) fn ask_sky(&mut self, point: &SurfacePoint, surface: &Surface, at: PixelSample) {
-        let (tree, Some(Sky { reach, .. })) = (self.of.tree, self.of.sky) else { return };
+    pub(super) fn trace_sky(&mut self, point: &SurfacePoint, surface: &Surface, at: PixelSample) {
+        let (tree, Some(Sky { reach, .. })) = (self.lighting.tree, self.lighting.sky) else { return };
         self.begin_sky(surface);
-        for direction in self.of.directions.of(at, 0) {
+        for direction in self.lighting.directions.of(at, 0) {
             let direction = direction.map(f64::from);
             let toward = |direction: [f64; 3]| match reach {
                 f64::INFINITY => Toward::Direction(direction),
@@ -374,14 +378,14 @@ impl<'a> PointLight<'a> {
             let Some(ray) = point.ray(&tree.placement, &toward(direction)) else { continue };
             let (weight, outward) = self.weigh(surface, direction);
             let (toward, ray) = match point.cosine(&ray).1 {
-                Own::Open if !self.of.exact => (toward(direction), ray),
-                Own::Hides if !self.of.exact => (toward(direction.map(|x| -x)), ray.turned()),
+                SelfOcclusion::Clear if !self.lighting.exact => (toward(direction), ray),
+                SelfOcclusion::Blocked if !self.lighting.exact => (toward(direction.map(|x| -x)), ray.turned()),
                 _ => {
                     let both =
                         [ray, ray.turned()].map(|ray| LightRay { tree, point, ray: &ray, light: None }.candidates());
                     let question =
                         LightQuestion::Hidden { toward: toward(direction), turned: true, among: both.concat() };
-                    self.unsure.push((Of::Sky(weight, outward), question));
+                    self.unsure.push((PendingRay::Sky(weight, outward), question));
                     continue;
                 }
             };
@@ -392,8 +396,10 @@ impl<'a> PointLight<'a> {
                 AnyHit::Blocked => {}
                 AnyHit::Unsure => {
                     let among = ray.candidates();
-                    self.unsure
-                        .push((Of::Sky(weight, outward), LightQuestion::Hidden { toward, turned: false, among }));
+                    self.unsure.push((
+                        PendingRay::Sky(weight, outward),
+                        LightQuestion::Hidden { toward, turned: false, among },
+                    ));
                 }
             }
         }
@@ -402,7 +408,7 @@ impl<'a> PointLight<'a> {
     /// Counts a ray that is hidden.
     fn hide(&mut self, n: usize, seen: [f64; 2]) {
         self.lights[n].hidden += 1;
-        if !self.of.scene.lighting.shadows {
+        if !self.lighting.scene.lighting.shadows {
             self.lights[n].add(seen);
         }
     }
@@ -418,47 +424,47 @@ impl<'a> PointLight<'a> {
         if self.unsure.is_empty() {
             return false;
         }
-        let (of, asked): (Vec<Of>, Vec<LightQuestion>) = self.unsure.drain(..).unzip();
-        let answers = self.of.judge.and_then(|judge| judge.ask(i, j, (point.center, point.radius), &asked));
+        let (rays, asked): (Vec<PendingRay>, Vec<LightQuestion>) = self.unsure.drain(..).unzip();
+        let answers = self.lighting.judge.and_then(|judge| judge.ask(i, j, point.ball, &asked));
         let answers = answers.unwrap_or_else(|| vec![true; asked.len()]);
-        of.into_iter().zip(answers).for_each(|(of, hidden)| self.count(of, hidden));
+        rays.into_iter().zip(answers).for_each(|(ray, hidden)| self.count(ray, hidden));
         true
     }
 
-    /// Takes the unsure rays for hidden; whether there were any.
-    pub(super) fn give_up(&mut self) -> bool {
+    /// Treats undecided rays as blocked; whether there were any.
+    pub(super) fn assume_blocked(&mut self) -> bool {
         let unsure = std::mem::take(&mut self.unsure);
-        unsure.iter().for_each(|(of, _)| self.count(*of, true));
+        unsure.iter().for_each(|(ray, _)| self.count(*ray, true));
         !unsure.is_empty()
     }
 
-    fn count(&mut self, of: Of, hidden: bool) {
-        match (of, hidden) {
-            (Of::Light(n, seen), true) => self.hide(n, seen),
-            (Of::Light(n, seen), false) => self.lights[n].add(seen),
-            (Of::Far(n), true) => self.hide_far(n),
-            (Of::Far(_), false) => {}
-            (Of::Rim(n), hidden) => self.lights[n].see_rim(hidden),
-            (Of::Inside(n), outside) => self.lights[n].inside = !outside,
-            (Of::Sky(..), true) => {}
-            (Of::Sky(weight, outward), false) => self.see_sky(weight, outward),
+    fn count(&mut self, ray: PendingRay, hidden: bool) {
+        match (ray, hidden) {
+            (PendingRay::Light(n, seen), true) => self.hide(n, seen),
+            (PendingRay::Light(n, seen), false) => self.lights[n].add(seen),
+            (PendingRay::Far(n), true) => self.hide_far(n),
+            (PendingRay::Far(_), false) => {}
+            (PendingRay::Rim(n), hidden) => self.lights[n].see_rim(hidden),
+            (PendingRay::Inside(n), outside) => self.lights[n].inside = !outside,
+            (PendingRay::Sky(..), true) => {}
+            (PendingRay::Sky(weight, outward), false) => self.see_sky(weight, outward),
         }
     }
 
     /// The light that the point reflects of lights and the sky, or shines with, toward where a ray in the unit direction
     /// `along` comes from.
     pub(super) fn color(&self, surface: &Surface, along: DVec3) -> DVec3 {
-        let scene = self.of.scene;
+        let scene = self.lighting.scene;
         // Light passes through the far side of a clear sphere.
-        if !surface.outside && self.of.bounces > 0 && self.of.material(surface.id).is_clear() {
+        if !surface.outside && self.lighting.bounces > 0 && self.lighting.material(surface.id).is_clear() {
             return DVec3::ZERO;
         }
-        let own = self.of.own_color(surface.id);
+        let own = self.lighting.own_color(surface.id);
         let lights = &scene.lighting.lights;
-        let (diffuse, specular) = match self.of.material(surface.id) {
+        let (diffuse, specular) = match self.lighting.material(surface.id) {
             Material::Phong { diffuse, specular, .. } => (diffuse, specular),
             // Without bounces mirrors and glass are like any other sphere.
-            Material::Metal { .. } | Material::Glass { .. } if self.of.bounces == 0 => (1.0, 0.0),
+            Material::Metal { .. } | Material::Glass { .. } if self.lighting.bounces == 0 => (1.0, 0.0),
             Material::Metal { .. } | Material::Glass { .. } => (0.0, 0.0),
         };
         let mut white = match scene.lighting.sky {
@@ -468,7 +474,7 @@ impl<'a> PointLight<'a> {
         let (mut gloss, mut shine) = (DVec3::ZERO, DVec3::ZERO);
         for (light, share) in lights.iter().zip(&self.lights) {
             let color = Vec3::from_array(light.color).as_dvec3() * f64::from(light.intensity);
-            let [seen, highlight] = share.seen();
+            let [seen, highlight] = share.response();
             white += color * seen;
             gloss += color * highlight;
             if share.shines {

@@ -7,6 +7,7 @@ use super::super::given_certified::AnyHit;
 use super::super::hidden::LightRay;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::{Judge, LightQuestion, Toward};
+use crate::scene::{Ball, NumberedBall};
 use crate::search::tree::Tree;
 use crate::testing::Rng;
 use crate::view::View;
@@ -46,8 +47,8 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
         for pixel in 0..scene.image.width * scene.image.height {
             let (i, j) = (pixel / scene.image.width, pixel % scene.image.width);
             let Some(truth) = judge.pixel(i, j) else { continue };
-            let sphere = (scene.spheres.centers[truth.id as usize], scene.spheres.radii[truth.id as usize]);
-            let named = (truth.id, sphere.0, sphere.1);
+            let ball = scene.spheres.ball(truth.id);
+            let named = NumberedBall { id: truth.id, ball };
             let seen = SurfacePoint::seen(&view, &tree.placement, [i, j], named);
             let judged = || SurfacePoint::judged(&tree.placement, &truth, named);
             let point = change(if seen.is_sharp(&tree.placement) { seen } else { judged() });
@@ -69,7 +70,7 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
                 score.unsure += u32::from(answer == AnyHit::Unsure);
                 score.rays += 1;
                 let answer = match answer {
-                    AnyHit::Unsure => bare.ask(i, j, sphere, &[question]).expect("a hit")[0],
+                    AnyHit::Unsure => bare.ask(i, j, ball, &[question]).expect("a hit")[0],
                     answer => answer == AnyHit::Blocked,
                 };
                 score.acne += u32::from(answer && !hidden);
@@ -92,8 +93,7 @@ fn sharp_normals_are_off_by_less_than_2_to_the_minus_29() {
             let rays = PictureRays::new(&view);
             for pixel in 0..scene.image.width * scene.image.height {
                 let Some(truth) = judge.pixel(pixel / scene.image.width, pixel % scene.image.width) else { continue };
-                let (center, radius) =
-                    (scene.spheres.centers[truth.id as usize], scene.spheres.radii[truth.id as usize]);
+                let Ball { center, radius } = scene.spheres.ball(truth.id);
                 let hit = rays.hit(pixel, center, radius);
                 let off = (hit.normal - DVec3::from_array(truth.normal)).length();
                 all += 1;

@@ -4,7 +4,7 @@ use super::*;
 use crate::scene::camera::Lens;
 
 /// Looks along (3, 4, 0) with z up, so that alpha = beta = 5, and right is (4, -3, 0)/5. Nine pixels with a pitch of 1.
-fn slanted(eye: [f64; 3], balls: &[Ball]) -> Judge {
+fn slanted(eye: [f64; 3], balls: &[Sphere]) -> Judge {
     let look = Look::View([3.0, 4.0, 0.0].into());
     let lens = Lens::Orthographic { height: 3.0 };
     judge(Camera { eye: eye.into(), look, up: [0.0, 0.0, 1.0].into(), lens }, [3, 3], balls)

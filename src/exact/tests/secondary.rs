@@ -1,6 +1,6 @@
 //! Lights from hits: cases known by construction, and random ones where f64 is certain.
 
-use super::{Ball, judge, slanted};
+use super::{Sphere, judge, slanted};
 use crate::exact::{Toward, judge_ray};
 use crate::scene::Spheres;
 use crate::scene::camera::{Camera, Lens, Look};
@@ -9,8 +9,8 @@ use glam::DVec3;
 
 /// Whether lights are hidden at the hit of the ray (0, 0, -1): the first ball stands at (0, 0, -5) with radius 1, so the hit is
 /// (0, 0, -4) and its normal (0, 0, 1).
-fn hidden(others: &[Ball], lights: &[Toward]) -> Vec<bool> {
-    let balls: Vec<Ball> = [([0.0, 0.0, -5.0], 1.0)].iter().chain(others).copied().collect();
+fn hidden(others: &[Sphere], lights: &[Toward]) -> Vec<bool> {
+    let balls: Vec<Sphere> = [([0.0, 0.0, -5.0], 1.0)].iter().chain(others).copied().collect();
     judge(Camera::CANONICAL, [1, 1], &balls).hidden(0, 0, lights).expect("a hit")
 }
 
@@ -97,7 +97,8 @@ fn irrational_hits_agree_with_rays_from_beside_them() {
     let (mut told, mut blocked) = (0, 0);
     for _ in 0..30 {
         let mut number = |size: f64| random.between(-size, size);
-        let balls: Vec<Ball> = (0..12).map(|_| ([number(4.0), number(4.0), number(4.0)], 1.0 + number(0.4))).collect();
+        let balls: Vec<Sphere> =
+            (0..12).map(|_| ([number(4.0), number(4.0), number(4.0)], 1.0 + number(0.4))).collect();
         let camera = Camera {
             eye: DVec3::new(9.0, number(1.0), number(1.0)),
             look: Look::View(DVec3::new(-1.0, number(0.2), number(0.2))),

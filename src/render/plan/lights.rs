@@ -1,6 +1,6 @@
 //! What the lights and materials of a scene require.
 
-use crate::cpu::light::Wanted;
+use crate::cpu::light::LightOutputs;
 use crate::frame::Aov;
 use crate::scene::{BOUNCES, Materials, Scene, Sky};
 use crate::settings::Settings;
@@ -8,10 +8,10 @@ use crate::shade::Shade;
 use crate::view::directions::RIM;
 
 /// What the settings request of lights and sky.
-pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Wanted {
+pub(super) fn wanted(scene: &Scene, settings: &Settings) -> LightOutputs {
     let lighting = &scene.lighting;
     let lit = lighting.is_lit() || bounces(scene) > 0;
-    Wanted {
+    LightOutputs {
         color: lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]),
         shadow: settings.asks(&[Aov::Shadow]),
         occlusion: settings.asks(&[Aov::Occlusion]),
@@ -20,7 +20,7 @@ pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Wanted {
 }
 
 /// Whether rays leave from the hits of viewing rays, toward the sky or for shadows.
-pub(super) fn leave_hits(wanted: Wanted, scene: &Scene) -> bool {
+pub(super) fn leave_hits(wanted: LightOutputs, scene: &Scene) -> bool {
     let lighting = &scene.lighting;
     let of_picture = lighting.sky.is_some() || lighting.shadows && !lighting.lights.is_empty();
     wanted.shadow || wanted.occlusion || wanted.color && of_picture

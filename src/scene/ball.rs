@@ -1,0 +1,34 @@
+//! One sphere as numbers.
+
+use super::Spheres;
+
+/// Centre and radius of a sphere, as the scene states them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ball {
+    pub(crate) center: [f64; 3],
+    pub(crate) radius: f64,
+}
+
+/// A sphere of the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct NumberedBall {
+    /// Index in the scene's order.
+    pub(crate) id: u32,
+    pub(crate) ball: Ball,
+}
+
+impl From<[f64; 4]> for Ball {
+    /// Centre, and behind it the radius.
+    #[inline(always)]
+    fn from([x, y, z, radius]: [f64; 4]) -> Self {
+        Self { center: [x, y, z], radius }
+    }
+}
+
+impl Spheres {
+    /// The sphere of this index.
+    #[inline(always)]
+    pub(crate) fn ball(&self, id: u32) -> Ball {
+        Ball { center: self.centers[id as usize], radius: self.radii[id as usize] }
+    }
+}
