@@ -194,8 +194,7 @@ impl<R: Laned> Tile<'_, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certify::TERMS;
-    use crate::certify::binned::BinnedScene;
+    use crate::certify::binned::{BinnedScene, Binning};
     use crate::intersect::Method;
     use crate::memory::Pool;
     use crate::render::plan::Plan;
@@ -208,7 +207,7 @@ mod tests {
         let scene = crate::testing::weekend([131, 74]);
         let (view, pool) = (View::new(&scene).expect("a view"), Pool::default());
         let mut binned =
-            BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a projection");
+            BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &pool)).expect("a stage").expect("a projection");
         let settings = Settings { method: Some(Method::Stable), ..Settings::default() };
         let kernel = Kernel { tiles: true, ..Plan::for_method(&settings).expect("a plan").kernel };
         let ids = |binned: &BinnedScene| {

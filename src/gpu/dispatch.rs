@@ -344,7 +344,7 @@ const SMALLEST: u64 = 64;
 mod tests {
     use super::*;
     use crate::answers::raw::Raw;
-    use crate::certify::binned::BinnedScene;
+    use crate::certify::binned::{BinnedScene, Binning};
     use crate::frame::report::Timings;
     use crate::gpu::device;
     use crate::gpu::input::KernelRays;
@@ -365,9 +365,8 @@ mod tests {
         // Includes the low parts for the kernels that read them.
         let mut view = View::new(&scene).expect("a view");
         view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
-        let binned = BinnedScene::new((&scene, None), &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
-            .expect("a stage")
-            .expect("a lens");
+        let binned =
+            BinnedScene::new(&Binning::of(&scene, &view, 1e-6, &Pool::default())).expect("a stage").expect("a lens");
         let pool = Pool::default();
         let mut answers = Vec::new();
         for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {

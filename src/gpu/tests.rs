@@ -2,8 +2,7 @@
 
 use super::submission_budget::SubmissionBudget;
 use crate::answers::raw::Raw;
-use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::error::Error;
 use crate::frame::report::Timings;
 use crate::gpu::input::{Input, KernelRays, Output};
@@ -31,7 +30,7 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
     let mut view = View::new(&scene).expect("a view");
     view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
     let pool = Pool::default();
-    let binned = BinnedScene::new((&scene, None), &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
+    let binned = BinnedScene::new(&Binning::of(&scene, &view, 1e-6, &pool)).expect("a stage");
     let mut raw = Raw::new(kernel, (SIZE[0] * SIZE[1]) as usize, &pool).expect("room");
     let tile_candidates = |binned| {
         CandidateList::Uncertified(TileCandidates::new(&view, &scene.spheres, binned, kernel.is_wide(), &pool))

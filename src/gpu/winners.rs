@@ -37,8 +37,7 @@ impl Gpu {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certify::TERMS;
-    use crate::certify::binned::BinnedScene;
+    use crate::certify::binned::{BinnedScene, Binning};
     use crate::frame::report::Timings;
     use crate::gpu::device;
     use crate::gpu::input::KernelRays;
@@ -91,7 +90,7 @@ mod tests {
                 let mut view = View::for_rays(&scene, raster, kernel.records()).expect("a view");
                 view.record.sample = raster.count() / 2;
                 let binned =
-                    BinnedScene::new((&scene, None), &view, 1e-6, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+                    BinnedScene::new(&Binning::of(&scene, &view, 1e-6, &pool)).expect("a stage").expect("a lens");
                 assert_eq!(binned.generals.len(), near);
                 let raw = || Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
                 let (mut host, mut timings) = (raw(), Timings::default());

@@ -15,8 +15,7 @@ use crate::answers::assemble::Answers;
 use crate::answers::lit::Lit;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
-use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
@@ -358,8 +357,9 @@ impl Renderer {
             Rendered::Left(reason) => {
                 let tolerance = placer.tolerance();
                 let level = plan.search.level();
-                setup.binned =
-                    timings.time("stage", || BinnedScene::new((scene, None), view, tolerance, &TERMS, level, &pool))?;
+                setup.binned = timings.time("stage", || {
+                    BinnedScene::new(&Binning { level, ..Binning::of(scene, view, tolerance, &pool) })
+                })?;
                 setup.placer = None;
                 setup.plan = setup.plan.clone().by_tiles(NOT_PLACED);
                 self.left_to_host = Some(format!("the host searched the spheres of this frame: {reason}"));

@@ -1,8 +1,7 @@
 //! The setup of one frame: the view, and the spheres binned into tiles.
 
 use super::plan::Plan;
-use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::grouped::Grouped;
 use crate::certify::placing::Placer;
 use crate::error::Result;
@@ -73,8 +72,9 @@ impl FrameSetup {
         // kernel alone.
         let level = if plan.kernel.certify { plan.search.level() } else { Search::Tiles.level() };
         let tolerance = settings.promise().relative();
-        let binned =
-            timings.time("stage", || BinnedScene::new((scene, groups), &view, tolerance, &TERMS, level, pool))?;
+        let binned = timings.time("stage", || {
+            BinnedScene::new(&Binning { groups, level, ..Binning::of(scene, &view, tolerance, pool) })
+        })?;
         if binned.is_none() && plan.kernel.tiles {
             let plan = plan.without_tiles();
             let view = timings.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;

@@ -4,8 +4,7 @@
 use super::cache;
 use super::twin::cloud;
 use crate::answers::raw::Raw;
-use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::report::{Timings, milliseconds};
@@ -110,7 +109,7 @@ impl Gpu {
         let scene = cloud(SPHERES, SIDE);
         let pool = Pool::default();
         let view = View::new(&scene)?;
-        let binned = BinnedScene::new((&scene, None), &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
+        let binned = BinnedScene::new(&Binning::of(&scene, &view, Tolerance::default().relative(), &pool))?;
         let binned = binned.ok_or_else(|| Error::Adapter {
             problem: "the scene of the measurement has no candidate lists".into(),
             mend: format!("use {BACKEND} cpu, and report this as a bug"),
