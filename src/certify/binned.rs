@@ -86,7 +86,7 @@ impl BinnedScene {
     /// Prepares a scene. `None` if the field of view is too wide or too narrow for f32, so that every pixel must be decided exactly.
     ///
     /// # Errors
-    /// Those of the camera.
+    /// Errors of the camera.
     pub(crate) fn new(inputs: &Binning<'_>) -> Result<Option<Self>> {
         let Binning { scene, groups, view, terms, .. } = *inputs;
         let size = [scene.image.width, scene.image.height];

@@ -19,7 +19,7 @@ use std::ops::Range;
 const GROUP: usize = 64;
 const LARGE: usize = 8;
 
-/// How often the pyramid takes over what groups cover, and large groups of one job.
+/// Refreshes of the pyramid in a frame, and large groups of one job.
 const REFRESHES: usize = 8;
 const GROUPS_PER_JOB: usize = 4;
 
@@ -69,7 +69,7 @@ pub(super) struct GroupedBins {
 }
 
 impl GroupedBins {
-    /// Those of all parts.
+    /// The union of all parts.
     fn of(mut parts: Vec<Self>) -> Self {
         let mut all = Self { range: parts.iter().filter_map(|part| part.range).reduce(joined), ..Self::default() };
         for part in &mut parts {

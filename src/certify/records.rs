@@ -18,7 +18,7 @@ use rayon::prelude::*;
 pub(super) enum SphereOrder<'a> {
     /// All of a scene: their numbers are their ids.
     InMemory { centers: &'a [[f64; 3]], radii: &'a [f64] },
-    /// Those in some places of the order of groups.
+    /// Spheres in some places of the order of groups.
     Places { groups: Grouped<'a>, places: &'a [u32] },
 }
 

@@ -93,7 +93,7 @@ impl Sieve {
     /// the bounds.
     ///
     /// # Errors
-    /// Those of the camera; [`Error::Limits`](crate::Error::Limits) where memory is short.
+    /// Errors of the camera; [`Error::Limits`](crate::Error::Limits) where memory is short.
     pub(crate) fn new(scene: &Scene, raster: Raster, unit: i32, tolerance: f64) -> Result<Option<Self>> {
         let view = View::in_unit(scene, raster, unit)?;
         let size = [scene.image.width, scene.image.height];

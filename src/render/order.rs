@@ -28,7 +28,7 @@ struct Known {
     same: SameSpheres,
     /// The frame that saw them first.
     since: u64,
-    /// Where it will come from while it is built beside the frames.
+    /// The end of the channel through which it comes while it is built beside the frames.
     built: Option<Receiver<Ordered>>,
     order: Option<Ordered>,
 }

@@ -54,7 +54,7 @@ pub struct Stream {
     digests: Digests,
 }
 
-/// What is left of a stream: every sphere that some ray of the frame hits first.
+/// The remains of a stream: every sphere that some ray of the frame hits first.
 #[derive(Debug)]
 pub struct Visible {
     /// The scene with these spheres alone. Its fingerprint is that of all spheres.
@@ -185,7 +185,7 @@ impl Stream {
         Ok(visible(self.scene, kept.spheres, ids, &self.digests))
     }
 
-    /// What is kept, in order.
+    /// The spheres that are kept, in order.
     fn rest(&mut self) -> Result<NumberedSpheres> {
         self.refresh();
         self.forget();

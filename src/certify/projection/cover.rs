@@ -29,7 +29,7 @@ pub(in crate::certify) struct Coverage {
     margin: f64,
     /// Half of the length of the unit of rho, per unit of depth.
     rise: f64,
-    /// How far behind a hit a sphere must lie to be left out, relative to the hit's depth.
+    /// The distance behind a hit from which on spheres are left out, relative to the hit's depth.
     behind: f64,
 }
 

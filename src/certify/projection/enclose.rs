@@ -18,7 +18,7 @@ pub(in crate::certify) enum Enclosed {
     Unknown,
 }
 
-/// How far beside all rays a box must lie, relative to its distance, for every bound of the kernel to prove that they miss:
+/// The distance of a box from all rays, relative to that from the eye, at which every bound of the kernel proves that they miss:
 /// the square of it is 2^-8, and the bounds are below 2^-16 for rays of |d|^2 up to `NARROW`.
 const ASIDE: f64 = 1.0 / 16.0;
 const NARROW: f64 = 16.0;

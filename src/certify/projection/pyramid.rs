@@ -39,7 +39,7 @@ struct Level {
     farthest: Vec<f32>,
 }
 
-/// Where the rays through a pixel are, in the view's frame.
+/// The places of the rays through each pixel, in the view's frame.
 struct SamplePlaces {
     coverage: Coverage,
     /// Pixels of the view's frame along a side of a pixel.
@@ -113,7 +113,7 @@ impl DepthPyramid {
         self.samples.as_ref().map_or(1, |samples| samples.count)
     }
 
-    /// Those of pixels of a row that follow each other.
+    /// Limits of pixels of a row that follow each other.
     #[inline(always)]
     fn limits(&self, row: u32, columns: RangeInclusive<u32>) -> &[AtomicU32] {
         let count = self.per_pixel();

@@ -131,7 +131,7 @@ impl Stream {
     /// `scene`, whose own spheres are not used, with the window, samples, seed and tolerance of `settings`.
     ///
     /// # Errors
-    /// Those of [`Stream::new`]; [`Error::Limits`] for ids from 2^55 on.
+    /// Errors of [`Stream::new`]; [`Error::Limits`] for ids from 2^55 on.
     pub fn of_part(scene: &Scene, settings: &Settings, first_id: u64) -> Result<Self> {
         let view = PartView::new(scene, settings)?;
         check_id(first_id)?;
