@@ -1,7 +1,6 @@
 //! Host preparation for the certified kernel: each sphere in one of two forms, with bounds of the rounding errors in
 //! f32 and on the host. docs/certificate.md derives the bounds.
 
-use super::TERMS;
 use super::answer::ProjectionRecord;
 use super::entry::Bin;
 use super::general::GeneralRecord;
@@ -13,7 +12,7 @@ use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
 use super::records::{RecordMaker, SphereOrder};
 use super::reference::{joined, reference};
-use super::terms::Terms;
+use super::terms::{TERMS, Terms};
 use super::tiles::Lists;
 use crate::error::Result;
 use crate::memory::Pool;
@@ -208,7 +207,10 @@ impl NullaryFnOnce for Batch<'_> {
                 && eight.other == [0; LANES]
             {
                 *bins = eight.bins();
-                (0..LANES).for_each(|l| sums.add(l, eight.projected[l] != 0, eight.depth[l], eight.entries(l)));
+                for l in 0..LANES {
+                    let seen = eight.projected[l] != 0;
+                    sums.add(l, seen, eight.depth[l], if seen { eight.entries(l) } else { 0 });
+                }
                 continue;
             }
             for (l, bin) in bins.iter_mut().enumerate() {
@@ -247,14 +249,14 @@ impl Sums {
     const NONE: Self =
         Self { range: [[f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]], seen: [0; LANES], entries: [0; LANES] };
 
-    /// Adds a sphere if it is seen, without a branch.
+    /// Adds a sphere with its entries if it is seen, without a branch.
     #[inline(always)]
     fn add(&mut self, l: usize, seen: bool, depth: f64, entries: u64) {
         let [least, most] = [0, 1].map(|k| self.range[k][l]);
         self.range[0][l] = if seen & (depth < least) { depth } else { least };
         self.range[1][l] = if seen & (depth > most) { depth } else { most };
         self.seen[l] += u64::from(seen);
-        self.entries[l] += if seen { entries } else { 0 };
+        self.entries[l] += entries;
     }
 
     /// Least and largest depth of all lanes.

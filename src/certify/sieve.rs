@@ -1,7 +1,6 @@
 //! Sifts spheres: what no ray of a frame can hit first is left out, of the blocks of a stream, of copies, and of the groups of a scene:
 //! docs/certificate.md, section 11.
 
-use super::TERMS;
 use super::entry::Bin;
 use super::general::GeneralRecord;
 use super::projection::ProjectionBounds;
@@ -9,6 +8,7 @@ use super::projection::enclose::Enclosed;
 use super::projection::project::{Eight, Landed, LaneBatch};
 use super::projection::pyramid::{DepthPyramid, Rectangles};
 use super::projection::stage::Staged;
+use super::terms::TERMS;
 use crate::error::Result;
 use crate::memory::check;
 use crate::number::vector::LANES;
