@@ -8,13 +8,17 @@
 mod answer;
 pub(crate) mod binned;
 pub(crate) mod constants;
+mod entry;
 pub(crate) mod general;
 pub(crate) mod general_lists;
 pub(crate) mod given;
 pub(crate) mod grouped;
 pub(crate) mod placing;
+mod placing_record;
 pub(crate) mod projected;
 mod projection;
+mod records;
+mod reference;
 pub(crate) mod sieve;
 pub(crate) mod surface;
 mod terms;

@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::quote::setting::SIZE;
 use bytemuck::Zeroable;
 use bytemuck::allocation::try_zeroed_vec;
+use std::alloc::{Layout, handle_alloc_error};
 use std::any::Any;
 use std::sync::Mutex;
 
@@ -64,6 +65,17 @@ impl Pool {
         }
         vector.resize(n, T::zeroed());
         Ok(vector)
+    }
+
+    /// The same for lists of candidates, where an allocation that fails ends the process as that of any vector does.
+    pub(crate) fn sized<T: Zeroable + Send + 'static>(&self, n: usize) -> Vec<T> {
+        let mut vector = self.take(n);
+        if vector.is_empty() {
+            let room = Layout::array::<T>(n).unwrap_or(Layout::new::<T>());
+            return try_zeroed_vec(n).unwrap_or_else(|()| handle_alloc_error(room));
+        }
+        vector.resize_with(n, T::zeroed);
+        vector
     }
 
     /// Keeps a vector for a later frame.

@@ -8,6 +8,3 @@ pub(crate) const CHUNK: usize = 8;
 
 /// The level at which one tile covers the whole image.
 pub(crate) const WHOLE: u32 = 31;
-
-/// The level at which every tile has its own list.
-pub(crate) const FINEST: u32 = 0;

@@ -257,7 +257,7 @@ impl View {
 }
 
 /// The middle of the exponents of all sizes and of all distances from `eye`: the exponent of the frame's unit.
-fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
+pub(crate) fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
     let arch = pulp::Arch::new();
     let jobs = centers.par_chunks(TOGETHER).zip(radii.par_chunks(TOGETHER));
     let jobs = jobs.map(|(centers, radii)| arch.dispatch(Sizes { eye, centers, radii }));

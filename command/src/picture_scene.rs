@@ -2,7 +2,7 @@
 
 use super::light_args::PictureLook;
 use halfline::frame::legend::Legend;
-use halfline::render::stream::{Seen, StreamIds};
+use halfline::render::stream::{PartView, StreamIds};
 use halfline::scene::Scene;
 use halfline_files::read::{FrameTime, Skipped};
 
@@ -22,7 +22,7 @@ pub(super) struct PictureScene {
     /// The ids of the spheres, where the scene is what is left of a stream.
     pub(super) ids: Option<StreamIds>,
     /// The rays that the spheres are left for, where they come from parts.
-    pub(super) seen: Option<Seen>,
+    pub(super) seen: Option<PartView>,
 }
 
 impl PictureScene {

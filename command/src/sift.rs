@@ -9,7 +9,7 @@ use super::standard::print_json;
 use clap::{Arg, Args, Command};
 use halfline::error::{Error, Result};
 use halfline::progress::Cancel;
-use halfline::render::stream::Seen;
+use halfline::render::stream::PartView;
 use halfline_files::parts;
 use halfline_files::write::file::is_standard_output;
 use serde::Serialize;
@@ -118,7 +118,7 @@ struct Report<'a> {
     /// The spheres that are left.
     kept: usize,
     warnings: Vec<String>,
-    seen: &'a Seen,
+    seen: &'a PartView,
 }
 
 impl Sift {
@@ -149,7 +149,7 @@ impl Sift {
         parts::write(&part, output)?;
         note(format_args!("{}: {part}", output.display()));
         if self.json {
-            let (ids, spheres, kept, seen) = (part.all_ids(), part.count(), part.ids().len(), part.seen());
+            let (ids, spheres, kept, seen) = (part.all_ids(), part.count(), part.ids().len(), part.view());
             let halfline = env!("CARGO_PKG_VERSION");
             print_json(&Report { halfline, output, ids, spheres, kept, warnings, seen })?;
         }

@@ -30,7 +30,7 @@ pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target])
     check_inputs(targets.iter().map(Target::path), &args.visible)?;
     targets.iter().try_for_each(Target::check)?;
     let part = combined(args)?;
-    let seen = part.seen().clone();
+    let seen = part.view().clone();
     let mut frame = SceneFrame::new(1, seen.scene());
     if let Some((width, height)) = args.image.size.filter(|_| is_typed("--size"))
         && [width, height] != seen.size

@@ -8,7 +8,8 @@ use crate::write::npz::{self, write_archive};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::array::{Array, Values};
 use halfline::memory::check;
-use halfline::render::stream::{Part, Seen};
+use halfline::render::stream::{Part, PartView};
+use halfline::scene::Spheres;
 use halfline::settings::Tolerance;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -22,8 +23,8 @@ const MEND: &str = "use a file of halfline sift, or of Part.save in Python";
 ///
 /// # Errors
 /// [`Error::Settings`] for a number that no part has.
-pub fn tolerance(seen: &Seen) -> Result<Option<Tolerance>> {
-    Ok(Some(Tolerance::new(seen.tolerance)?).filter(|tolerance| *tolerance != Tolerance::default()))
+pub fn tolerance(view: &PartView) -> Result<Option<Tolerance>> {
+    Ok(Some(Tolerance::new(view.tolerance)?).filter(|tolerance| *tolerance != Tolerance::default()))
 }
 
 /// Reads the part in a file.
@@ -80,11 +81,12 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Part> {
         None => None,
         Some((colors, Values::F32(values))) => {
             shape(colors, "colors", &[n, 3])?;
-            Some(values.as_chunks().0.to_vec())
+            Some(values.as_chunks().0.to_vec().into())
         }
         Some((colors, _)) => return Err(dtype(colors, "colors")),
     };
-    Part::new(name.into(), about, ids, (xyz.as_chunks().0.to_vec(), r.clone()), colors)
+    let (centers, radii) = (xyz.as_chunks().0.to_vec().into(), r.clone().into());
+    Part::new(name.into(), about, ids, Spheres { centers, radii, colors, materials: None })
 }
 
 /// Writes a part, completely or not at all.

@@ -96,12 +96,12 @@ pub(crate) struct Part(pub(crate) CorePart);
 impl Part {
     /// A scene with the camera and the image of the part, without spheres.
     pub(crate) fn scene(&self) -> Scene {
-        Scene::of_part(self.0.seen().scene(), self.0.seen().samples)
+        Scene::of_part(self.0.view().scene(), self.0.view().samples)
     }
 
     /// The settings of a frame of the part; those that are given must be its own.
     pub(crate) fn settings(&self, size: Option<(u32, u32)>, settings: Settings) -> Result<Settings> {
-        let seen = self.0.seen();
+        let seen = self.0.view();
         let own = (seen.size[0], seen.size[1]);
         if let Some(size) = size.filter(|size| *size != own) {
             let problem = format!("size is {size:?}, and the part is of a frame of {own:?}");
@@ -161,12 +161,12 @@ impl Part {
 
     #[getter]
     fn size(&self) -> (u32, u32) {
-        self.0.seen().size.into()
+        self.0.view().size.into()
     }
 
     #[getter]
     fn samples(&self) -> u32 {
-        self.0.seen().samples
+        self.0.view().samples
     }
 
     #[getter]

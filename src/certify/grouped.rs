@@ -1,14 +1,14 @@
 //! Bins spheres group by group from front to back, without those that the groups in front hide: docs/certificate.md,
 //! section 11.
 
+use super::entry::Bin;
 use super::general::GeneralRecord;
 use super::projection::ProjectionBounds;
 use super::projection::enclose::Enclosed;
-use super::projection::project::Landed;
-use super::projection::pyramid::{DepthPyramid, Rectangles};
+use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
-use super::tiles::Bin;
-use crate::number::vector::LANES;
+use super::reference::{joined, reference};
+use super::sieve::{Fate, GroupFate, Sieve};
 use crate::scene::instances::enclosure::Enclosure;
 use crate::window::Window;
 use pulp::NullaryFnOnce;
@@ -19,9 +19,9 @@ use std::ops::Range;
 const GROUP: usize = 64;
 const LARGE: usize = 8;
 
-/// How often the pyramid takes over what groups cover, and large groups of one job.
+/// Refreshes of the pyramid in a frame, and large groups of one job.
 const REFRESHES: usize = 8;
-const TOGETHER: usize = 4;
+const GROUPS_PER_JOB: usize = 4;
 
 /// Boxes around groups of spheres.
 #[derive(Debug)]
@@ -33,13 +33,13 @@ pub(crate) struct Boxes {
 impl Boxes {
     /// Around each run of 64 and of 512 spheres: centres and radii.
     pub(crate) fn of(spheres: &[[f64; 4]]) -> Self {
-        let around = |group: &[[f64; 4]]| {
+        let bounds = |group: &[[f64; 4]]| {
             let each = group.iter().map(|[x, y, z, radius]| Enclosure::of([*x, *y, *z], *radius));
             each.fold(Enclosure::NOTHING, |all, one| all.with(&one))
         };
-        let joined = |group: &[Enclosure]| group.iter().fold(Enclosure::NOTHING, |all, one| all.with(one));
-        let small: Vec<Enclosure> = spheres.par_chunks(GROUP).map(around).collect();
-        let large = small.par_chunks(LARGE).map(joined).collect();
+        let union = |group: &[Enclosure]| group.iter().fold(Enclosure::NOTHING, |all, one| all.with(one));
+        let small: Vec<Enclosure> = spheres.par_chunks(GROUP).map(bounds).collect();
+        let large = small.par_chunks(LARGE).map(union).collect();
         Self { small, large }
     }
 }
@@ -54,29 +54,28 @@ pub(crate) struct Grouped<'a> {
     pub(crate) boxes: &'a Boxes,
 }
 
-/// Spheres that may be hit first.
+/// The spheres that the groups in front do not hide, and the groups that were left out.
 #[derive(Debug, Default)]
-pub(super) struct Foremost {
-    /// Those that are projected: their places in the order, and their bins.
+pub(super) struct GroupedBins {
+    /// The open projected spheres: their places in the order, and their bins.
     pub(super) places: Vec<u32>,
     pub(super) bins: Vec<Bin>,
     pub(super) generals: Vec<GeneralRecord>,
     /// Least and largest depth of the projected spheres, as far as they were looked at one by one.
-    range: Option<[f64; 2]>,
+    pub(super) range: Option<[f64; 2]>,
     /// The places of groups that are hidden, or missed by every ray.
     hidden: Vec<Range<usize>>,
     missed: Vec<Range<usize>>,
 }
 
-impl Foremost {
-    /// Those of all parts.
+impl GroupedBins {
+    /// The union of all parts.
     fn of(mut parts: Vec<Self>) -> Self {
-        let mut all = Self::default();
+        let mut all = Self { range: parts.iter().filter_map(|part| part.range).reduce(joined), ..Self::default() };
         for part in &mut parts {
             all.generals.append(&mut part.generals);
             all.hidden.append(&mut part.hidden);
             all.missed.append(&mut part.missed);
-            part.range.into_iter().flatten().for_each(|depth| all.see(depth));
         }
         let (places, bins) = rayon::join(
             || parts.iter().map(|part| &part.places[..]).collect::<Vec<_>>().concat(),
@@ -85,59 +84,52 @@ impl Foremost {
         Self { places, bins, ..all }
     }
 
+    #[inline(always)]
     fn see(&mut self, depth: f64) {
-        let [least, most] = self.range.unwrap_or([depth; 2]);
-        self.range = Some([least.min(depth), most.max(depth)]);
+        self.range = Some(joined(self.range.unwrap_or([depth; 2]), [depth; 2]));
     }
 
-    fn keep(&mut self, place: usize, bin: Bin) {
-        self.places.push(place as u32);
-        self.bins.push(bin);
-    }
-
-    /// Least and largest depth of all projected spheres, and whether any sphere is general, as far as a reference depends on
-    /// these: `matters` tells of a range whether further spheres could change what follows from it.
-    pub(super) fn range(
-        &mut self,
-        projection: &ProjectionBounds,
-        of: Grouped<'_>,
-        matters: impl Fn(Option<[f64; 2]>) -> bool,
-    ) -> (Option<[f64; 2]>, bool) {
-        let stage = |n: usize| {
-            let (center, radius) = of.sphere(n);
-            projection.stage(of.ids[n], center, radius, 0.0)
-        };
-        let is_general = |n: usize| matches!(stage(n), Staged::General(_));
-        if self.generals.is_empty() && matters(self.range) {
-            if self.missed.par_iter().any(|group| group.clone().any(is_general)) {
-                return (self.range, true);
-            }
-            for group in std::mem::take(&mut self.hidden) {
-                let [near, far] = projection.depths(&of.around(&group));
-                if self.range.is_some_and(|[least, most]| least <= near && far <= most) {
-                    continue;
-                }
-                group.for_each(|n| {
-                    if let Staged::Projected(landed) = stage(n) {
-                        self.see(landed.placed.depth);
-                    }
-                });
-            }
+    /// The reference depth of all spheres. Groups that were left out are looked at only where they may change it.
+    pub(super) fn reference(&self, projection: &ProjectionBounds, groups: Grouped<'_>) -> f32 {
+        let known = reference(self.range, !self.generals.is_empty());
+        // Further spheres widen the range, and one that is too wide stays so.
+        if !self.generals.is_empty() || self.range.is_some() && known == 0.0 {
+            return 0.0;
         }
-        (self.range, !self.generals.is_empty())
+        let stage = |place: usize| {
+            let (id, center, radius) = groups.sphere(place);
+            projection.stage(id, center, radius, 0.0)
+        };
+        let is_general = |place: usize| matches!(stage(place), Staged::General(_));
+        if self.missed.par_iter().any(|group| group.clone().any(is_general)) {
+            return 0.0;
+        }
+        let mut range = self.range;
+        for group in &self.hidden {
+            let [near, far] = projection.depths(&groups.bounds(group));
+            if range.is_some_and(|[least, most]| least <= near && far <= most) {
+                continue;
+            }
+            let depths = group.clone().filter_map(|place| match stage(place) {
+                Staged::Projected(landed) => Some([landed.placed.depth; 2]),
+                Staged::Unseen | Staged::General(_) => None,
+            });
+            range = range.into_iter().chain(depths).reduce(joined);
+        }
+        reference(range, false)
     }
 }
 
 impl Grouped<'_> {
-    /// Centre and radius of the sphere in a place.
+    /// Id, centre and radius of the sphere in a place.
     #[inline(always)]
-    pub(super) fn sphere(&self, place: usize) -> ([f64; 3], f64) {
+    pub(super) fn sphere(&self, place: usize) -> (u32, [f64; 3], f64) {
         let [x, y, z, radius] = self.spheres[place];
-        ([x, y, z], radius)
+        (self.ids[place], [x, y, z], radius)
     }
 
-    /// The box around these spheres, which are a group.
-    fn around(&self, group: &Range<usize>) -> Enclosure {
+    /// The box around the spheres in these places, which are a group.
+    fn bounds(&self, group: &Range<usize>) -> Enclosure {
         let is_small = group.len() <= GROUP;
         let (boxes, size) = if is_small { (&self.boxes.small, GROUP) } else { (&self.boxes.large, GROUP * LARGE) };
         boxes[group.start / size]
@@ -152,48 +144,48 @@ impl Grouped<'_> {
 impl ProjectionBounds {
     /// The spheres that some ray of the window of an image of `size` pixels may hit first, and some that are hidden, with bins
     /// relative to depth 0.
-    pub(super) fn foremost(&self, of: Grouped<'_>, frame: ([u32; 2], Window), tolerance: f64) -> Foremost {
-        let mut pyramid = DepthPyramid::new(self, frame, 0.0, tolerance);
-        let near = |(n, around): (usize, &Enclosure)| match self.enclose(around) {
+    pub(super) fn foremost(&self, groups: Grouped<'_>, size: [u32; 2], window: Window, tolerance: f64) -> GroupedBins {
+        let pyramid = DepthPyramid::new(self, size, window, tolerance);
+        let mut sieve = Sieve { projection: self.clone(), pyramid };
+        let near = |(n, bounds): (usize, &Enclosure)| match self.enclose(bounds) {
             Enclosed::Unseen => None,
             Enclosed::Projected { least, .. } => Some((least, n as u32)),
-            Enclosed::Unknown => Some((f32::NEG_INFINITY, n as u32)),
+            Enclosed::Missed | Enclosed::Unknown => Some((f32::NEG_INFINITY, n as u32)),
         };
-        let mut groups: Vec<(f32, u32)> = of.boxes.large.par_iter().enumerate().filter_map(near).collect();
-        groups.par_sort_unstable_by(|(a, m), (b, n)| a.total_cmp(b).then(m.cmp(n)));
+        let mut nearest: Vec<(f32, u32)> = groups.boxes.large.par_iter().enumerate().filter_map(near).collect();
+        nearest.par_sort_unstable_by(|(a, m), (b, n)| a.total_cmp(b).then(m.cmp(n)));
         let arch = pulp::Arch::new();
         let mut parts = Vec::new();
-        for groups in groups.chunks(groups.len().div_ceil(REFRESHES).max(1)) {
-            let job = |groups: &[(f32, u32)]| arch.dispatch(Job { projection: self, pyramid: &pyramid, of, groups });
-            parts.par_extend(groups.par_chunks(TOGETHER).map(job));
-            pyramid.refresh();
+        for some in nearest.chunks(nearest.len().div_ceil(REFRESHES).max(1)) {
+            let job = |large: &[(f32, u32)]| arch.dispatch(Job { sieve: &sieve, groups, large });
+            parts.par_extend(some.par_chunks(GROUPS_PER_JOB).map(job));
+            sieve.refresh();
         }
-        Foremost::of(parts)
+        GroupedBins::of(parts)
     }
 }
 
-/// Some large groups.
+/// Some large groups, from front to back.
 struct Job<'a> {
-    projection: &'a ProjectionBounds,
-    pyramid: &'a DepthPyramid,
-    of: Grouped<'a>,
-    groups: &'a [(f32, u32)],
+    sieve: &'a Sieve,
+    groups: Grouped<'a>,
+    large: &'a [(f32, u32)],
 }
 
 impl NullaryFnOnce for Job<'_> {
-    type Output = Foremost;
+    type Output = GroupedBins;
 
     #[inline(always)]
-    fn call(self) -> Foremost {
-        let (boxes, mut found) = (self.of.boxes, Foremost::default());
-        for (_, group) in self.groups {
+    fn call(self) -> GroupedBins {
+        let mut found = GroupedBins::default();
+        for (_, group) in self.large {
             let large = *group as usize;
-            if self.passes(self.of.places(large, GROUP * LARGE), &mut found) {
+            if self.is_decided(self.groups.places(large, GROUP * LARGE), &mut found) {
                 continue;
             }
-            for small in large * LARGE..boxes.small.len().min((large + 1) * LARGE) {
-                let places = self.of.places(small, GROUP);
-                if !self.passes(places.clone(), &mut found) {
+            for small in large * LARGE..self.groups.boxes.small.len().min((large + 1) * LARGE) {
+                let places = self.groups.places(small, GROUP);
+                if !self.is_decided(places.clone(), &mut found) {
                     self.add(places, &mut found);
                 }
             }
@@ -203,54 +195,34 @@ impl NullaryFnOnce for Job<'_> {
 }
 
 impl Job<'_> {
-    /// Whether no sphere of a group is hit first.
+    /// Whether a group is left out as a whole; then it is noted why.
     #[inline(always)]
-    fn passes(&self, places: Range<usize>, found: &mut Foremost) -> bool {
-        let around = self.of.around(&places);
-        match self.projection.enclose(&around) {
-            Enclosed::Unseen => return true,
-            Enclosed::Projected { least, pixels } if self.pyramid.hides(&pixels, least) => found.hidden.push(places),
-            Enclosed::Unknown if self.projection.misses(&around) => found.missed.push(places),
-            _ => return false,
+    fn is_decided(&self, places: Range<usize>, found: &mut GroupedBins) -> bool {
+        match self.sieve.settle_group(&self.groups.bounds(&places)) {
+            GroupFate::Unseen => {}
+            GroupFate::Missed => found.missed.push(places),
+            GroupFate::Hidden => found.hidden.push(places),
+            GroupFate::Open => return false,
         }
         true
     }
 
     /// Adds those spheres of a group that may be hit first.
     #[inline(always)]
-    fn add(&self, places: Range<usize>, found: &mut Foremost) {
-        let Self { projection, pyramid, of, .. } = *self;
-        for first in places.clone().step_by(LANES) {
-            let there = LANES.min(places.end - first);
-            // The last sphere is repeated to fill the vector; the copies are discarded.
-            let (mut centers, mut radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
-            for l in 0..LANES {
-                (centers[l], radii[l]) = of.sphere(first + l.min(there - 1));
-            }
-            let mut rectangles = Rectangles::NONE;
-            let see = |l: usize, landed: &Landed| rectangles.set(l, landed, pyramid);
-            let eight = projection.eight_and(&centers, &radii, 0.0, see);
-            for l in 0..there {
-                let id = of.ids[first + l];
-                if eight.projected[l] != 0 {
-                    found.see(eight.depth[l]);
-                    let bin = eight.bin(l);
-                    if !pyramid.hides_one(&rectangles, l, bin.chunk_min_depth) {
-                        found.keep(first + l, bin);
-                        pyramid.cover(&eight.placed(l, id));
-                    }
-                } else if eight.other[l] != 0 {
-                    match projection.stage(id, centers[l], radii[l], 0.0) {
-                        Staged::Unseen => {}
-                        Staged::General(record) => found.generals.push(record),
-                        Staged::Projected(landed) => {
-                            found.see(landed.placed.depth);
-                            found.keep(first + l, landed.bin);
-                            pyramid.cover(&landed.placed);
-                        }
-                    }
+    fn add(&self, places: Range<usize>, found: &mut GroupedBins) {
+        self.sieve.settle(
+            places,
+            |place| self.groups.sphere(place),
+            true,
+            |place, fate| match fate {
+                Fate::Hidden { depth } => found.see(depth),
+                Fate::Open { depth, bin } => {
+                    found.see(depth);
+                    found.places.push(place as u32);
+                    found.bins.push(bin);
                 }
-            }
-        }
+                Fate::General(record) => found.generals.push(record),
+            },
+        );
     }
 }

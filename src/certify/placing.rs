@@ -1,9 +1,12 @@
 //! What a device needs to place spheres as the host does (shaders/place), and what the host does for those that it leaves.
 
-use super::binned::{BinnedScene, reference};
+pub(crate) use super::placing_record::PlacingRecord;
+
+use super::binned::BinnedScene;
 use super::general_lists::GeneralTree;
+use super::projection::ProjectionBounds;
 use super::projection::stage::Staged;
-use super::projection::{LowTerms, ProjectionBounds};
+use super::reference::{joined, reference};
 use super::tiles::{Lists, Placed};
 use super::{TERMS, answer::ProjectionRecord};
 use crate::error::Result;
@@ -11,57 +14,7 @@ use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::tile::TILE;
 use crate::view::View;
-use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
-
-/// A number of f64 as shaders/place/float64.wgsl takes it: significand (low and high word), exponent, sign.
-pub(crate) type Words = [u32; 4];
-
-fn words(x: f64) -> Words {
-    let bits = x.to_bits();
-    let (exponent, significand) = ((bits >> 52) as i32 & 0x7ff, (bits << 11) | 1 << 63);
-    match exponent {
-        0 => [0, 0, -100_000i32 as u32, 0],
-        _ => [significand as u32, (significand >> 32) as u32, (exponent - 1086) as u32, (bits >> 63) as u32],
-    }
-}
-
-/// The uniform of these steps, declared in shaders/place/placing.wgsl.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
-pub(crate) struct PlacingRecord {
-    pub(crate) eye: [Words; 3],
-    pub(crate) axes: [[Words; 3]; 3],
-    pub(crate) per_slope: [Words; 2],
-    pub(crate) middle: [Words; 2],
-    pub(crate) reference: Words,
-    pub(crate) low_blurred: [f32; 3],
-    pub(crate) low_center: f32,
-    pub(crate) low_offset: [f32; 3],
-    pub(crate) low_coordinates: f32,
-    pub(crate) low_total: [f32; 2],
-    pub(crate) low_scale: [f32; 2],
-    pub(crate) per_step: [f32; 2],
-    pub(crate) slope: [f32; 2],
-    pub(crate) edge: [f32; 2],
-    pub(crate) reach: [f32; 2],
-    pub(crate) per_slope_f32: [f32; 2],
-    pub(crate) middle_f32: [f32; 2],
-    pub(crate) corner: [f32; 2],
-    pub(crate) end: [f32; 2],
-    pub(crate) rotated: f32,
-    pub(crate) wider: f32,
-    pub(crate) farthest: f32,
-    pub(crate) per_unit: i32,
-    pub(crate) to_frame: i32,
-    pub(crate) shift: u32,
-    pub(crate) fine: u32,
-    pub(crate) parallel: u32,
-    pub(crate) columns: u32,
-    pub(crate) rows: u32,
-    pub(crate) unused_a: u32,
-    pub(crate) unused_b: u32,
-}
 
 /// What a device found out about all spheres.
 #[derive(Debug, Default)]
@@ -114,41 +67,7 @@ impl Placer {
 
     /// The uniform, with depths relative to `reference`.
     pub(crate) fn record(&self, reference: f32) -> PlacingRecord {
-        let LowTerms { blurred, offset, total, scale, center, coordinates } = self.projection.low;
-        let p = self.projection.for_devices();
-        PlacingRecord {
-            eye: p.eye.map(words),
-            axes: p.axes.map(|axis| axis.map(words)),
-            per_slope: p.per_slope.map(words),
-            middle: p.middle.map(words),
-            reference: words(reference.into()),
-            low_blurred: blurred,
-            low_center: center,
-            low_offset: offset,
-            low_coordinates: coordinates,
-            low_total: total,
-            low_scale: scale,
-            per_step: p.per_step,
-            slope: p.slope,
-            edge: p.edge,
-            reach: p.reach,
-            per_slope_f32: p.per_slope.map(|x| x as f32),
-            middle_f32: p.middle.map(|x| x as f32),
-            corner: p.corner,
-            end: p.end,
-            rotated: p.rotated,
-            wider: p.wider,
-            farthest: p.farthest,
-            per_unit: p.per_unit,
-            to_frame: -self.projection.unit_exponent(),
-            shift: p.shift,
-            fine: self.fine,
-            parallel: p.parallel,
-            columns: self.image[0],
-            rows: self.image[1],
-            unused_a: 0,
-            unused_b: 0,
-        }
+        self.projection.placing_record(reference, self.image, self.fine)
     }
 
     /// What the kernel takes from all spheres.
@@ -175,7 +94,7 @@ impl Placer {
         // Further spheres only widen the range, and a range that is too wide stays so.
         let within = |[a, b]: [f64; 2]| range.is_some_and(|[least, most]| least <= a && b <= most);
         if (reference > 0.0 || range.is_none()) && !has_generals && summary.perhaps.is_some_and(|few| !within(few)) {
-            reference = super::binned::reference(self.projection.range(scene, pool), has_generals);
+            reference = super::reference::reference(self.projection.range(&scene.spheres, pool), has_generals);
         }
         if reference > 0.0 && !staged.is_empty() {
             staged = stage(reference.into());
@@ -225,8 +144,4 @@ impl Placer {
         let lists: Vec<_> = listed.par_iter().map(list).collect();
         binned.lists = Lists::of_tiles(tiles, &lists);
     }
-}
-
-fn joined([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
-    [a.min(c), b.max(d)]
 }

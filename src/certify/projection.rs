@@ -8,6 +8,7 @@ pub(super) mod pyramid;
 pub(super) mod stage;
 
 use super::answer::ProjectionRecord;
+use super::placing_record::{PlacingRecord, words};
 use super::terms::Terms;
 use crate::double_double::{self as dd, Dd3};
 use crate::error::Result;
@@ -98,6 +99,7 @@ impl Rotation {
 }
 
 /// Bounds of the slopes of all rays of the image: |(x, y)|, |d| and |d|^2.
+#[derive(Clone)]
 struct Steepness {
     slant: f64,
     length: f64,
@@ -123,27 +125,8 @@ pub(crate) struct LowTerms {
     pub(crate) coordinates: f32,
 }
 
-/// The numbers from which devices place spheres: of f64 what a record is computed from, of f32 what decides where.
-pub(super) struct ForDevices {
-    pub(super) eye: [f64; 3],
-    pub(super) axes: [[f64; 3]; 3],
-    pub(super) per_slope: [f64; 2],
-    pub(super) middle: [f64; 2],
-    pub(super) per_step: [f32; 2],
-    pub(super) slope: [f32; 2],
-    pub(super) edge: [f32; 2],
-    pub(super) reach: [f32; 2],
-    pub(super) corner: [f32; 2],
-    pub(super) end: [f32; 2],
-    pub(super) rotated: f32,
-    pub(super) wider: f32,
-    pub(super) farthest: f32,
-    pub(super) per_unit: i32,
-    pub(super) shift: u32,
-    pub(super) parallel: u32,
-}
-
 /// The camera in f64, and the constants of the bounds that all projected spheres share.
+#[derive(Clone)]
 pub(super) struct ProjectionBounds {
     basis: Basis,
     rotation: Rotation,
@@ -333,27 +316,45 @@ impl ProjectionBounds {
         self.widest <= WIDEST
     }
 
-    /// What devices take from it.
-    pub(super) fn for_devices(&self) -> ForDevices {
+    /// The numbers from which devices place the spheres of an image, with depths relative to `reference`: of f64 those that a record
+    /// is computed from, of f32 those that decide where it lies. `fine` pixels of the view's frame are a pixel's side.
+    pub(super) fn placing_record(&self, reference: f32, image: [u32; 2], fine: u32) -> PlacingRecord {
+        let LowTerms { blurred, offset, total, scale, center, coordinates } = self.low;
         let of_rays = if self.parallel { [0.0; 2] } else { self.slope };
         let above = |x: f64| not_below(x * INFLATE);
-        ForDevices {
-            eye: self.rotation.eye.to_array(),
-            axes: self.rotation.axes.map(|axis| axis.to_array()),
-            per_slope: self.per_slope,
-            middle: self.size.map(|size| 0.5 * (size - 1.0)),
+        let middle = self.size.map(|size| 0.5 * (size - 1.0));
+        PlacingRecord {
+            eye: self.rotation.eye.to_array().map(words),
+            axes: self.rotation.axes.map(|axis| axis.to_array().map(words)),
+            per_slope: self.per_slope.map(words),
+            middle: middle.map(words),
+            reference: words(reference.into()),
+            low_blurred: blurred,
+            low_center: center,
+            low_offset: offset,
+            low_coordinates: coordinates,
+            low_total: total,
+            low_scale: scale,
             per_step: self.per_step.map(not_below),
             slope: of_rays.map(|slope| above(2.0 * slope)),
             edge: self.edge.map(not_below),
             reach: [16.0 * self.all.square * self.coarse, std::f64::consts::SQRT_2 * self.all.length].map(above),
+            per_slope_f32: self.per_slope.map(|x| x as f32),
+            middle_f32: middle.map(|x| x as f32),
             corner: self.corner.map(|x| x as f32),
             end: self.end.map(|x| x as f32),
             rotated: above(ROTATED),
             wider: above(self.wider),
             farthest: self.farthest as f32,
             per_unit: -dd::exponent(self.unit),
+            to_frame: -self.frame,
             shift: self.shift,
+            fine,
             parallel: u32::from(self.parallel),
+            columns: image[0],
+            rows: image[1],
+            unused_a: 0,
+            unused_b: 0,
         }
     }
 

@@ -1,77 +1,73 @@
-//! Sifts blocks of spheres: what no ray of a frame can hit first is left out.
+//! Sifts spheres: what no ray of a frame can hit first is left out, of the blocks of a stream, of copies, and of the groups of a scene:
+//! docs/certificate.md, section 11.
 
-use super::TERMS;
+use super::entry::Bin;
+use super::general::GeneralRecord;
 use super::projection::ProjectionBounds;
 use super::projection::enclose::Enclosed;
-use super::projection::project::Landed;
+use super::projection::project::{Eight, Landed, LaneBatch};
 use super::projection::pyramid::{DepthPyramid, Rectangles};
 use super::projection::stage::Staged;
+use super::terms::TERMS;
 use crate::error::Result;
 use crate::memory::check;
 use crate::number::vector::LANES;
-use crate::scene::Scene;
 use crate::scene::instances::enclosure::Enclosure;
+use crate::scene::{Scene, Spheres};
+use crate::view::View;
 use crate::view::raster::Raster;
-use crate::view::{Records, View};
 use pulp::NullaryFnOnce;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Spheres that one job sifts.
+const SPHERES_PER_JOB: usize = 1 << 13;
 
 /// The rays of a frame, and what the spheres so far cover.
 pub(crate) struct Sieve {
-    projection: ProjectionBounds,
-    pyramid: DepthPyramid,
+    pub(super) projection: ProjectionBounds,
+    pub(super) pyramid: DepthPyramid,
 }
 
-/// What remains of a block.
-#[derive(Debug, Default)]
+/// The verdict on a sphere that some ray may meet.
+pub(super) enum Fate {
+    /// It is projected, with its centre at this depth, and others hide it.
+    Hidden { depth: f64 },
+    /// It is projected, and some ray may hit it first.
+    Open { depth: f64, bin: Bin },
+    /// It is general: the pyramid has no bounds for it.
+    General(GeneralRecord),
+}
+
+/// The verdict on all spheres of a group, by the box around them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum GroupFate {
+    /// Each is behind the eye plane, or projected outside of the image.
+    Unseen,
+    /// Every ray misses each of them by far; some may be general.
+    Missed,
+    /// None is general, and others hide all that are projected.
+    Hidden,
+    /// Some ray may hit one of them first.
+    Open,
+}
+
+/// The remains of a block.
+#[derive(Debug)]
 pub(crate) struct Sifted {
-    /// The indices, in order, of the spheres that some ray may hit first.
-    pub(crate) kept: Vec<u32>,
-    /// What else a frame of each sieve takes from the block.
+    /// Whether some ray may hit a sphere first, by its index.
+    pub(crate) kept: Vec<bool>,
+    /// For each sieve.
     pub(crate) marks: Vec<Marks>,
 }
 
-/// What a frame takes from all spheres of a block, whether they are kept or not.
+/// Spheres of a block that a frame takes numbers from, whether they are kept or not.
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Marks {
     /// The least and the largest depth of the centres of all spheres that the frame would project, with their indices.
     pub(crate) depths: Option<[(f64, u32); 2]>,
     /// One that would be general.
     pub(crate) general: Option<u32>,
-}
-
-impl Sifted {
-    /// The same with `first` added to the indices.
-    pub(crate) fn moved(mut self, first: u32) -> Self {
-        self.kept.iter_mut().for_each(|n| *n += first);
-        for marks in &mut self.marks {
-            marks.depths = marks.depths.map(|ends| ends.map(|(depth, n)| (depth, n + first)));
-            marks.general = marks.general.map(|n| n + first);
-        }
-        self
-    }
-
-    /// This part and the one after it.
-    pub(crate) fn with(mut self, mut next: Self) -> Self {
-        self.kept.append(&mut next.kept);
-        if self.marks.is_empty() {
-            self.marks = next.marks;
-            return self;
-        }
-        for (marks, next) in self.marks.iter_mut().zip(next.marks) {
-            next.depths.into_iter().flatten().for_each(|(depth, n)| marks.see(depth, n));
-            marks.general = marks.general.or(next.general);
-        }
-        self
-    }
-
-    /// The same block in another sieve: what either keeps.
-    pub(crate) fn beside(mut self, mut other: Self) -> Self {
-        self.kept.append(&mut other.kept);
-        self.kept.sort_unstable();
-        self.kept.dedup();
-        self.marks.append(&mut other.marks);
-        self
-    }
 }
 
 impl Marks {
@@ -84,26 +80,31 @@ impl Marks {
             *most = (depth, index);
         }
     }
+
+    /// Adds those of later spheres.
+    fn join(&mut self, next: &Self) {
+        next.depths.into_iter().flatten().for_each(|(depth, n)| self.see(depth, n));
+        self.general = self.general.or(next.general);
+    }
 }
 
 impl Sieve {
-    /// For the rays of `raster`, without a sphere; the unit of the view is that of the spheres of `scene`. `None` where
-    /// the field of view is too wide or too narrow for the bounds.
+    /// For the rays of `raster` in the unit 2^`unit`, without a sphere. `None` where the field of view is too wide or too narrow for
+    /// the bounds.
     ///
     /// # Errors
-    /// Those of the camera, and of numbers beyond the range of one frame; [`Error::Limits`](crate::Error::Limits) where memory is
-    /// short.
-    pub(crate) fn new(scene: &Scene, raster: Raster, tolerance: f64) -> Result<Option<Self>> {
-        let view = View::for_rays(scene, raster, Records::None)?;
+    /// Errors of the camera; [`Error::Limits`](crate::Error::Limits) where memory is short.
+    pub(crate) fn new(scene: &Scene, raster: Raster, unit: i32, tolerance: f64) -> Result<Option<Self>> {
+        let view = View::in_unit(scene, raster, unit)?;
         let size = [scene.image.width, scene.image.height];
         let projection = ProjectionBounds::new(&scene.camera, &view, size, &TERMS)?;
+        if !projection.is_bounded() {
+            return Ok(None);
+        }
         let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
         check(DepthPyramid::bytes(pixels, &view.record), || format!("the depths that {pixels} pixels show"))?;
-        let pyramid = || {
-            let pyramid = DepthPyramid::new(&projection, (size, raster.window), 0.0, tolerance);
-            pyramid.of_samples(&projection, &view.record)
-        };
-        Ok(projection.is_bounded().then(pyramid).map(|pyramid| Self { projection, pyramid }))
+        let pyramid = DepthPyramid::new(&projection, size, raster.window, tolerance);
+        Ok(Some(Self { pyramid: pyramid.of_samples(&projection, &view.record), projection }))
     }
 
     /// Takes over what the spheres since the last refresh cover.
@@ -111,34 +112,90 @@ impl Sieve {
         self.pyramid.refresh();
     }
 
-    /// The spheres of a block that some ray may hit first. What they cover hides later ones, if `covers`.
-    pub(crate) fn sift(&self, centers: &[[f64; 3]], radii: &[f64], covers: bool) -> Sifted {
-        pulp::Arch::new().dispatch(Block { sieve: self, centers, radii, covers })
-    }
-
-    /// Whether no sphere in a box changes the frame, but by the numbers that it takes from all: each is certainly missed by every
-    /// ray, or hidden by what was covered at the last refresh.
-    pub(crate) fn hides(&self, around: &Enclosure) -> bool {
-        match self.projection.enclose(around) {
-            Enclosed::Unseen => true,
-            Enclosed::Projected { least, pixels } => self.pyramid.hides(&pixels, least),
-            Enclosed::Unknown => self.projection.misses(around),
+    /// The fates of the spheres of a range, of which `sphere` gives id, centre and radius; spheres that are behind the eye plane
+    /// or outside of the image have none. What open ones cover hides later ones, if `covers`.
+    #[inline(always)]
+    pub(super) fn settle(
+        &self,
+        range: Range<usize>,
+        sphere: impl Fn(usize) -> (u32, [f64; 3], f64),
+        covers: bool,
+        mut each: impl FnMut(usize, Fate),
+    ) {
+        for first in range.clone().step_by(LANES) {
+            let batch = LaneBatch::fill(first..range.end, &sphere);
+            let mut rectangles = Rectangles::NONE;
+            let place = |l: usize, landed: &Landed| rectangles.set(l, landed, &self.pyramid);
+            let eight = self.projection.eight_and(&batch, 0.0, place);
+            for l in 0..batch.count {
+                if let Some(fate) = self.settle_lane(&batch, &eight, &rectangles, l, covers) {
+                    each(first + l, fate);
+                }
+            }
         }
     }
 
-    /// Bounds of the depths of those spheres in a box that the frame would project; `None` if it projects none.
-    pub(crate) fn depths(&self, around: &Enclosure) -> Option<[f64; 2]> {
-        let unseen = match self.projection.enclose(around) {
-            Enclosed::Unseen => true,
-            Enclosed::Projected { .. } => false,
-            Enclosed::Unknown => self.projection.misses(around),
+    /// The fate of one of eight spheres.
+    #[inline(always)]
+    fn settle_lane(
+        &self,
+        batch: &LaneBatch,
+        eight: &Eight,
+        rectangles: &Rectangles,
+        l: usize,
+        covers: bool,
+    ) -> Option<Fate> {
+        let (placed, bin) = if eight.projected[l] != 0 {
+            let bin = eight.bin(l);
+            if self.pyramid.hides_lane(rectangles, l, bin.chunk_min_depth) {
+                return Some(Fate::Hidden { depth: eight.depth[l] });
+            }
+            (eight.placed(l, batch.ids[l]), bin)
+        } else if eight.other[l] != 0 {
+            match self.projection.stage(batch.ids[l], batch.centers[l], batch.radii[l], 0.0) {
+                Staged::Unseen => return None,
+                Staged::General(record) => return Some(Fate::General(record)),
+                Staged::Projected(Landed { placed, bin, pixels, .. }) => {
+                    if self.pyramid.hides(&pixels, bin.chunk_min_depth) {
+                        return Some(Fate::Hidden { depth: placed.depth });
+                    }
+                    (placed, bin)
+                }
+            }
+        } else {
+            return None;
         };
-        (!unseen).then(|| self.projection.depths(around))
+        if covers {
+            self.pyramid.cover(&placed);
+        }
+        Some(Fate::Open { depth: placed.depth, bin })
+    }
+
+    /// The fate of the spheres in a box, by what was covered at the last refresh.
+    #[inline(always)]
+    pub(super) fn settle_group(&self, bounds: &Enclosure) -> GroupFate {
+        match self.projection.enclose(bounds) {
+            Enclosed::Unseen => GroupFate::Unseen,
+            Enclosed::Missed => GroupFate::Missed,
+            Enclosed::Projected { least, pixels } if self.pyramid.hides(&pixels, least) => GroupFate::Hidden,
+            Enclosed::Projected { .. } | Enclosed::Unknown => GroupFate::Open,
+        }
+    }
+
+    /// Whether no sphere in a box changes the frame, but by the numbers that it takes from all.
+    pub(crate) fn hides(&self, bounds: &Enclosure) -> bool {
+        self.settle_group(bounds) != GroupFate::Open
+    }
+
+    /// Bounds of the depths of those spheres in a box that the frame would project; `None` if it projects none.
+    pub(crate) fn depths(&self, bounds: &Enclosure) -> Option<[f64; 2]> {
+        let is_seen = !matches!(self.projection.enclose(bounds), Enclosed::Unseen | Enclosed::Missed);
+        is_seen.then(|| self.projection.depths(bounds))
     }
 
     /// Whether some sphere in a box may be general.
-    pub(crate) fn may_be_general(&self, around: &Enclosure) -> bool {
-        matches!(self.projection.enclose(around), Enclosed::Unknown)
+    pub(crate) fn may_be_general(&self, bounds: &Enclosure) -> bool {
+        matches!(self.projection.enclose(bounds), Enclosed::Missed | Enclosed::Unknown)
     }
 
     /// Whether a sphere that is projected at this depth of the world has a form that f32 holds in the unit 2^`unit` too.
@@ -152,73 +209,64 @@ impl Sieve {
     }
 }
 
-/// A block while it is sifted.
-struct Block<'a> {
+/// The spheres of a block that some ray of a sieve may hit first; all of them without sieves. What they cover hides later ones, if
+/// `covers`.
+pub(crate) fn sift(sieves: &[Sieve], block: &Spheres, covers: bool) -> Sifted {
+    let (centers, radii) = (&block.centers[..], &block.radii[..]);
+    let mut kept = vec![sieves.is_empty(); radii.len()];
+    let arch = pulp::Arch::new();
+    let job = |(n, kept): (usize, &mut [bool])| -> Vec<Marks> {
+        let mut one = |sieve| arch.dispatch(Job { sieve, first: n * SPHERES_PER_JOB, centers, radii, covers, kept });
+        sieves.iter().map(&mut one).collect()
+    };
+    let found: Vec<_> = kept.par_chunks_mut(SPHERES_PER_JOB).enumerate().map(job).collect();
+    let mut marks = vec![Marks::default(); sieves.len()];
+    found.iter().for_each(|found| marks.iter_mut().zip(found).for_each(|(all, next)| all.join(next)));
+    Sifted { kept, marks }
+}
+
+/// Some spheres of a block in one sieve, from index `first` on, with their flags.
+struct Job<'a> {
     sieve: &'a Sieve,
+    first: usize,
     centers: &'a [[f64; 3]],
     radii: &'a [f64],
     covers: bool,
+    kept: &'a mut [bool],
 }
 
-impl NullaryFnOnce for Block<'_> {
-    type Output = Sifted;
+impl NullaryFnOnce for Job<'_> {
+    type Output = Marks;
 
     #[inline(always)]
-    fn call(self) -> Sifted {
-        let Self { sieve: Sieve { projection, pyramid }, centers, radii, covers } = self;
-        let (mut kept, mut marks) = (Vec::new(), Marks::default());
-        for first in (0..radii.len()).step_by(LANES) {
-            let there = LANES.min(radii.len() - first);
-            // The last sphere is repeated to fill the vector; the copies are discarded.
-            let (mut eight_centers, mut eight_radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
-            for l in 0..LANES {
-                let at = first + l.min(there - 1);
-                (eight_centers[l], eight_radii[l]) = (centers[at], radii[at]);
-            }
-            let mut rectangles = Rectangles::NONE;
-            let see = |l: usize, landed: &Landed| rectangles.set(l, landed, pyramid);
-            let eight = projection.eight_and(&eight_centers, &eight_radii, 0.0, see);
-            for l in 0..there {
-                let index = (first + l) as u32;
-                let placed = if eight.projected[l] != 0 {
-                    marks.see(eight.depth[l], index);
-                    if pyramid.hides_one(&rectangles, l, eight.bin(l).chunk_min_depth) {
-                        continue;
-                    }
-                    eight.placed(l, index)
-                } else if eight.other[l] != 0 {
-                    match projection.stage(index, eight_centers[l], eight_radii[l], 0.0) {
-                        Staged::Unseen => continue,
-                        Staged::General(_) => {
-                            // Where only this unit keeps it from being projected, the frame's unit decides.
-                            if let Ok(depth) = projection.depth_in_any_unit(eight_centers[l], eight_radii[l]) {
-                                depth.into_iter().for_each(|depth| marks.see(depth, index));
-                                kept.push(index);
-                                continue;
-                            }
-                            marks.general = marks.general.or(Some(index));
-                            if !projection.misses(&Enclosure::of(eight_centers[l], eight_radii[l])) {
-                                kept.push(index);
-                            }
-                            continue;
-                        }
-                        Staged::Projected(landed) => {
-                            marks.see(landed.placed.depth, index);
-                            if pyramid.hides(&landed.pixels, landed.bin.chunk_min_depth) {
-                                continue;
-                            }
-                            landed.placed
-                        }
-                    }
-                } else {
-                    continue;
-                };
-                kept.push(index);
-                if covers {
-                    pyramid.cover(&placed);
+    fn call(self) -> Marks {
+        let Self { sieve: Sieve { projection, .. }, first, centers, radii, covers, kept } = self;
+        let mut marks = Marks::default();
+        let sphere = |n: usize| (n as u32, centers[n], radii[n]);
+        self.sieve.settle(first..first + kept.len(), sphere, covers, |n, fate| {
+            let index = n as u32;
+            kept[n - first] |= match fate {
+                Fate::Hidden { depth } => {
+                    marks.see(depth, index);
+                    false
                 }
-            }
-        }
-        Sifted { kept, marks: vec![marks] }
+                Fate::Open { depth, .. } => {
+                    marks.see(depth, index);
+                    true
+                }
+                Fate::General(_) => match projection.depth_in_any_unit(centers[n], radii[n]) {
+                    // Where only the sieve's unit keeps it from being projected, the frame's unit decides.
+                    Ok(depth) => {
+                        depth.into_iter().for_each(|depth| marks.see(depth, index));
+                        true
+                    }
+                    Err(()) => {
+                        marks.general = marks.general.or(Some(index));
+                        !projection.misses(&Enclosure::of(centers[n], radii[n]))
+                    }
+                },
+            };
+        });
+        marks
     }
 }

@@ -7,13 +7,16 @@
 
 mod grid;
 
-pub(crate) use grid::Bin;
-pub(super) use grid::{Grid, number, ordered, sized};
+pub(crate) use super::entry::Placed;
+pub(super) use grid::Grid;
 
+use super::entry::{Bin, number};
 use super::projected::{ProjectedDetailRecord, ProjectedRecord};
+use super::records::{AHEAD, ListRecords, RecordMaker};
 use crate::memory::Pool;
 use crate::tile::{CHUNK, TILE, WHOLE};
 use crate::view::ray::NONE;
+use bytemuck::Zeroable;
 use grid::Keys;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -25,46 +28,11 @@ const SPARE: u64 = 1 << 21;
 /// tile.
 const FOREMOST: usize = 64;
 
-/// Spheres that are read together: they lie anywhere in memory, and a processor waits for many of them at once.
-pub(super) const AHEAD: usize = 4 * CHUNK;
-
 /// The padding of a list: far outside the image, with radius 0.
 pub(crate) const NOTHING: ProjectedRecord = ProjectedRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
 pub(crate) const NO_DETAIL: ProjectedDetailRecord =
     ProjectedDetailRecord { subpixel_offset: [0.0; 2], center: 0.0, id: NONE };
-
-/// The representation of a projected sphere in a list.
-#[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
-pub(crate) struct Placed {
-    pub(crate) record: ProjectedRecord,
-    pub(crate) detail: ProjectedDetailRecord,
-    /// The depth of the centre in the frame's unit.
-    pub(crate) depth: f64,
-}
-
-/// Creates the records of a list from front to back.
-pub(crate) trait Placing: Sync {
-    /// The entries of one list, in order.
-    type Filling<'a>: Filling
-    where
-        Self: 'a;
-
-    /// Begins the list of the tile at this column and row of tiles, or of several tiles (`None`).
-    fn begin(&self, tile: Option<[u32; 2]>) -> Self::Filling<'_>;
-}
-
-/// A list under construction.
-pub(crate) trait Filling {
-    /// Reads the spheres that come next, at most [`AHEAD`].
-    fn fetch(&mut self, ids: &[u32]);
-
-    /// The records of those spheres from number `first` on, at most [`CHUNK`].
-    fn place(&mut self, first: usize, to: &mut [Placed]);
-
-    /// The depth beyond which every sphere is certainly occluded, if known: no sphere with a higher minimum is hit
-    /// first.
-    fn limit(&self) -> Option<f64>;
-}
+const PADDING: Placed = Placed { record: NOTHING, detail: NO_DETAIL, depth: 0.0 };
 
 /// The candidates of every tile.
 #[derive(Debug, Clone)]
@@ -86,12 +54,12 @@ impl Lists {
     /// Bins spheres, whose ids are their indices in `bins`, with `single` entries in lists of single tiles. Squares of 2^`level` tiles, or larger ones, share a list.
     /// The size is chosen for the whole image, and lists are created only for cells that overlap `tiles` (first and
     /// last column and row). So each list equals that of the whole image.
-    pub(crate) fn new(
+    pub(super) fn new(
         bins: &[Bin],
         single: u64,
         tiles: [[u32; 2]; 2],
         level: u32,
-        placing: &impl Placing,
+        maker: &RecordMaker<'_>,
         pool: &Pool,
     ) -> Self {
         let most = (8 * bins.len() as u64 + SPARE).min(u64::from(u32::MAX));
@@ -103,7 +71,7 @@ impl Lists {
         let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
         let grid = Grid::new(level, tiles);
         let keys = grid.scatter(bins, pool);
-        let lists = Self::gather(grid, &keys, placing, pool);
+        let lists = Self::gather(grid, &keys, maker, pool);
         keys.put_back(pool);
         lists
     }
@@ -112,27 +80,23 @@ impl Lists {
     /// All other tiles have none.
     pub(crate) fn of_tiles(tiles: [[u32; 2]; 2], some: &[([u32; 2], Vec<Placed>)]) -> Self {
         let grid = Grid::new(0, tiles);
-        let mut ends = vec![0; grid.cells()];
-        let (mut projected, mut details) = (Vec::new(), Vec::new());
-        let (mut depths, mut chunk_min_depths) = (Vec::new(), Vec::new());
+        let mut all = Self::with_capacity(grid, 0, &Pool::default());
+        all.ends = vec![0; grid.cells()];
         for ([column, row], list) in some {
-            let padding = list.len().next_multiple_of(CHUNK) - list.len();
-            projected.extend(list.iter().map(|placed| placed.record));
-            projected.extend(std::iter::repeat_n(NOTHING, padding));
-            details.extend(list.iter().map(|placed| placed.detail));
-            details.extend(std::iter::repeat_n(NO_DETAIL, padding));
-            depths.extend(list.iter().map(|placed| placed.depth));
-            depths.extend(std::iter::repeat_n(0.0, padding));
-            // Lists are not sorted, so no chunk is behind another.
-            chunk_min_depths.resize(projected.len() / CHUNK, f32::MIN);
-            ends[grid.cell(*column, *row)] = projected.len() as u32;
+            for some in list.chunks(CHUNK) {
+                let mut chunk = [PADDING; CHUNK];
+                chunk[..some.len()].copy_from_slice(some);
+                // Lists are not sorted, so no chunk is behind another.
+                all.push(&chunk, f32::MIN);
+            }
+            all.ends[grid.cell(*column, *row)] = all.projected.len() as u32;
         }
         let mut end = 0;
-        for own in &mut ends {
+        for own in &mut all.ends {
             end = end.max(*own);
             *own = end;
         }
-        Self { grid, ends, projected, details, depths, chunk_min_depths }
+        all
     }
 
     /// The range of entries for the tile that contains the pixel at `row` and `column`.
@@ -149,88 +113,32 @@ impl Lists {
     }
 
     /// Creates the lists of every row of cells and concatenates them.
-    fn gather(grid: Grid, keys: &Keys, placing: &impl Placing, pool: &Pool) -> Self {
+    fn gather(grid: Grid, keys: &Keys, maker: &RecordMaker<'_>, pool: &Pool) -> Self {
         let arch = pulp::Arch::new();
-        let row = |own: &mut Vec<u64>, i: usize| arch.dispatch(Cells { grid, keys, i, placing, own, pool });
-        let made: Vec<Row> = (0..grid.rows() as usize).into_par_iter().map_init(Vec::new, row).collect();
-        let total = made.iter().map(|row| row.projected.len()).sum();
+        let row = |own: &mut Vec<u64>, i: usize| arch.dispatch(Cells { grid, keys, i, maker, own, pool });
+        let rows: Vec<Self> = (0..grid.rows() as usize).into_par_iter().map_init(Vec::new, row).collect();
         let mut ends = Vec::with_capacity(grid.cells());
-        let (mut projected, mut details) = (sized(total, pool), sized(total, pool));
-        let mut depths: Vec<f64> = sized(total, pool);
-        let mut chunk_min_depths: Vec<f32> = sized(total / CHUNK, pool);
-        let mut jobs = Vec::with_capacity(made.len());
-        let (mut record, mut detail) = (&mut projected[..], &mut details[..]);
-        let (mut depth, mut chunk_min_depth) = (&mut depths[..], &mut chunk_min_depths[..]);
         let mut first = 0;
-        for row in made {
+        for row in &rows {
             ends.extend(row.ends.iter().map(|end| first + end));
-            let size = row.projected.len();
-            first += size as u32;
-            let (of_projected, rest) = record.split_at_mut(size);
-            record = rest;
-            let (of_details, rest) = detail.split_at_mut(size);
-            detail = rest;
-            let (of_depths, rest) = depth.split_at_mut(size);
-            depth = rest;
-            let (of_chunks, rest) = chunk_min_depth.split_at_mut(size / CHUNK);
-            chunk_min_depth = rest;
-            jobs.push((row, of_projected, of_details, of_depths, of_chunks));
+            first += row.projected.len() as u32;
         }
-        jobs.into_par_iter().for_each(|(row, projected, details, depths, chunk_min_depths)| {
-            projected.copy_from_slice(&row.projected);
-            details.copy_from_slice(&row.details);
-            depths.copy_from_slice(&row.depths);
-            chunk_min_depths.copy_from_slice(&row.chunk_min_depths);
-            row.put_back(pool);
-        });
-        Self { grid, ends, projected, details, depths, chunk_min_depths }
+        let all = Self {
+            grid,
+            ends,
+            projected: concatenated(&rows, |row| &row.projected, pool),
+            details: concatenated(&rows, |row| &row.details, pool),
+            depths: concatenated(&rows, |row| &row.depths, pool),
+            chunk_min_depths: concatenated(&rows, |row| &row.chunk_min_depths, pool),
+        };
+        rows.into_iter().for_each(|row| row.put_back(pool));
+        all
     }
-}
 
-/// A row of cells whose lists are made.
-struct Cells<'a, P> {
-    grid: Grid,
-    keys: &'a Keys,
-    i: usize,
-    placing: &'a P,
-    own: &'a mut Vec<u64>,
-    pool: &'a Pool,
-}
-
-impl<P: Placing> NullaryFnOnce for Cells<'_, P> {
-    type Output = Row;
-
-    #[inline(always)]
-    fn call(self) -> Row {
-        let Self { grid, keys, i, placing, own, pool } = self;
-        let columns = grid.columns() as usize;
-        let starts = keys.of_row(i, columns, own);
-        let mut row = Row::with_capacity(own.len() + columns * CHUNK, pool);
-        for (j, pair) in starts.windows(2).enumerate() {
-            let own = &mut own[pair[0] as usize..pair[1] as usize];
-            if own.is_empty() {
-                row.ends.push(row.projected.len() as u32);
-                continue;
-            }
-            let tile = (grid.level() == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
-            row.fill(own, &mut placing.begin(tile));
-        }
-        row
-    }
-}
-
-/// The lists of a row of cells, with indices relative to its start.
-struct Row {
-    ends: Vec<u32>,
-    projected: Vec<ProjectedRecord>,
-    details: Vec<ProjectedDetailRecord>,
-    depths: Vec<f64>,
-    chunk_min_depths: Vec<f32>,
-}
-
-impl Row {
-    fn with_capacity(entries: usize, pool: &Pool) -> Self {
+    /// No lists yet, with capacity for `entries`.
+    fn with_capacity(grid: Grid, entries: usize, pool: &Pool) -> Self {
         Self {
+            grid,
             ends: Vec::new(),
             projected: empty(entries, pool),
             details: empty(entries, pool),
@@ -239,17 +147,26 @@ impl Row {
         }
     }
 
-    fn put_back(self, pool: &Pool) {
+    /// Returns their memory to the pool for the next frame.
+    pub(super) fn put_back(self, pool: &Pool) {
         pool.put_back(self.projected);
         pool.put_back(self.details);
         pool.put_back(self.depths);
         pool.put_back(self.chunk_min_depths);
     }
 
+    /// Appends a chunk.
+    #[inline(always)]
+    fn push(&mut self, chunk: &[Placed; CHUNK], chunk_min_depth: f32) {
+        self.chunk_min_depths.push(chunk_min_depth);
+        self.projected.extend(chunk.map(|p| p.record));
+        self.details.extend(chunk.map(|p| p.detail));
+        self.depths.extend(chunk.map(|p| p.depth));
+    }
+
     /// Appends the list of these keys: in order, as far as needed, padded.
     #[inline(always)]
-    fn fill(&mut self, keys: &mut [u64], filling: &mut impl Filling) {
-        let nothing = Placed { record: NOTHING, detail: NO_DETAIL, depth: 0.0 };
+    fn fill(&mut self, keys: &mut [u64], mut records: ListRecords<'_>) {
         let mut rest = keys;
         let mut batch = FOREMOST;
         while !rest.is_empty() {
@@ -261,27 +178,74 @@ impl Row {
             let (now, later) = rest.split_at_mut(size);
             now.sort_unstable();
             for group in now.chunks(AHEAD) {
-                let mut ids = [0; AHEAD];
-                ids.iter_mut().zip(group).for_each(|(id, key)| *id = *key as u32);
-                filling.fetch(&ids[..group.len()]);
+                let mut numbers = [0; AHEAD];
+                numbers.iter_mut().zip(group).for_each(|(number, key)| *number = *key as u32);
+                records.fetch(&numbers[..group.len()]);
                 for (n, chunk) in group.chunks(CHUNK).enumerate() {
                     let chunk_min_depth = number((chunk[0] >> 32) as u32);
-                    if filling.limit().is_some_and(|limit| f64::from(chunk_min_depth) > limit) {
+                    if records.limit().is_some_and(|limit| f64::from(chunk_min_depth) > limit) {
                         self.ends.push(self.projected.len() as u32);
                         return;
                     }
-                    let mut placed = [nothing; CHUNK];
-                    filling.place(n * CHUNK, &mut placed[..chunk.len()]);
-                    self.chunk_min_depths.push(chunk_min_depth);
-                    self.projected.extend(placed.map(|p| p.record));
-                    self.details.extend(placed.map(|p| p.detail));
-                    self.depths.extend(placed.map(|p| p.depth));
+                    let mut placed = [PADDING; CHUNK];
+                    records.place(n, &mut placed[..chunk.len()]);
+                    self.push(&placed, chunk_min_depth);
                 }
             }
             rest = later;
             batch *= 2;
         }
         self.ends.push(self.projected.len() as u32);
+    }
+}
+
+/// The values of all rows, one after the other.
+fn concatenated<T: Zeroable + Copy + Send + Sync + 'static>(
+    rows: &[Lists],
+    values: impl Fn(&Lists) -> &[T],
+    pool: &Pool,
+) -> Vec<T> {
+    let mut all = pool.sized(rows.iter().map(|row| values(row).len()).sum());
+    let mut rest = &mut all[..];
+    let mut pairs = Vec::with_capacity(rows.len());
+    for values in rows.iter().map(values) {
+        let (to, after) = rest.split_at_mut(values.len());
+        pairs.push((to, values));
+        rest = after;
+    }
+    pairs.into_par_iter().for_each(|(to, values)| to.copy_from_slice(values));
+    all
+}
+
+/// A row of cells whose lists are made.
+struct Cells<'a> {
+    grid: Grid,
+    keys: &'a Keys,
+    i: usize,
+    maker: &'a RecordMaker<'a>,
+    own: &'a mut Vec<u64>,
+    pool: &'a Pool,
+}
+
+impl NullaryFnOnce for Cells<'_> {
+    type Output = Lists;
+
+    #[inline(always)]
+    fn call(self) -> Lists {
+        let Self { grid, keys, i, maker, own, pool } = self;
+        let columns = grid.columns() as usize;
+        let starts = keys.of_row(i, columns, own);
+        let mut row = Lists::with_capacity(grid, own.len() + columns * CHUNK, pool);
+        for (j, pair) in starts.windows(2).enumerate() {
+            let own = &mut own[pair[0] as usize..pair[1] as usize];
+            if own.is_empty() {
+                row.ends.push(row.projected.len() as u32);
+                continue;
+            }
+            let tile = (grid.level() == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
+            row.fill(own, maker.begin(tile));
+        }
+        row
     }
 }
 

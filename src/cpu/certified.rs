@@ -91,7 +91,8 @@ impl<const N: usize, T: Triples> NullaryFnOnce for Strips<'_, '_, N, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certify::{Answer, Certify, TERMS};
+    use crate::certify::binned::Binning;
+    use crate::certify::{Answer, Certify};
     use crate::memory::Pool;
     use crate::scene::Scene;
     use crate::settings::Settings;
@@ -118,7 +119,7 @@ mod tests {
         let mut view = View::for_rays(scene, raster, kernel.records()).expect("a view");
         view.record.sample = raster.count() / 2;
         for level in [0, crate::tile::WHOLE] {
-            let binned = BinnedScene::new((scene, None), &view, 1e-5, &TERMS, level, &Pool::default())
+            let binned = BinnedScene::new(&Binning { level, ..Binning::of(scene, &view, 1e-5, &Pool::default()) })
                 .expect("a stage")
                 .expect("a projection");
             let certify = Certify::<f32>::new(&view.record, &binned);
@@ -164,9 +165,8 @@ mod tests {
         for window in windows {
             let view = View::for_rays(&scene, Raster::centres(window), kernel.records()).expect("a view");
             let pool = Pool::default();
-            let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &pool)
-                .expect("a stage")
-                .expect("a projection");
+            let binned =
+                BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &pool)).expect("a stage").expect("a projection");
             let frame = StripFrame::new(&kernel, &view, &binned, None);
             let raw = |render: &dyn Fn(&mut Raw)| {
                 let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");

@@ -12,13 +12,13 @@ use std::sync::{Arc, OnceLock};
 use std::thread::Builder;
 
 /// Fewer spheres than this are staged one by one in any frame.
-const MANY: usize = 1 << 17;
+const GROUPING_MIN_SPHERES: usize = 1 << 17;
 
 /// Spheres for each pixel from which on groups are hidden often enough to be worth it.
-const DENSE: u64 = 8;
+const GROUPING_MIN_SPHERES_PER_PIXEL: u64 = 8;
 
 /// Frames of the same spheres after which a tree is built for groups alone: it takes as long as it saves in about so many.
-const OFTEN: u64 = 8;
+const GROUPING_MIN_FRAMES: u64 = 8;
 
 /// The order of the spheres that a renderer saw last.
 #[derive(Default)]
@@ -28,7 +28,7 @@ struct Known {
     same: SameSpheres,
     /// The frame that saw them first.
     since: u64,
-    /// Where it will come from while it is built beside the frames.
+    /// The end of the channel through which it comes while it is built beside the frames.
     built: Option<Receiver<Ordered>>,
     order: Option<Ordered>,
 }
@@ -67,14 +67,14 @@ impl LastOrder {
     /// The spheres in groups for a frame of so many pixels, where it has many spheres for each. The tree is built beside the
     /// frames.
     pub(super) fn groups(&mut self, spheres: &Spheres, frame: u64, pixels: u64) -> Option<Ordered> {
-        if spheres.len() < MANY || (spheres.len() as u64) < DENSE * pixels {
+        if spheres.len() < GROUPING_MIN_SPHERES || (spheres.len() as u64) < GROUPING_MIN_SPHERES_PER_PIXEL * pixels {
             return None;
         }
         let known = self.known(spheres, frame);
         if let Some(order) = known.built.as_ref().and_then(|built| built.try_recv().ok()) {
             (known.order, known.built) = (Some(order), None);
         }
-        if known.order.is_none() && known.built.is_none() && frame >= known.since + OFTEN {
+        if known.order.is_none() && known.built.is_none() && frame >= known.since + GROUPING_MIN_FRAMES {
             let what = || format!("the order of {} spheres", spheres.len());
             let lists = spheres.centers.kept().zip(spheres.radii.kept());
             let room = check(Tree::bytes(spheres.len()), what).is_ok();
@@ -106,8 +106,7 @@ fn build(centers: List<[f64; 3]>, radii: List<f64>) -> Option<Receiver<Ordered>>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certify::TERMS;
-    use crate::certify::binned::BinnedScene;
+    use crate::certify::binned::{BinnedScene, Binning};
     use crate::frame::Aov;
     use crate::memory::Pool;
     use crate::render::Renderer;
@@ -126,7 +125,7 @@ mod tests {
     fn cloud(others: u32) -> Spheres {
         let mut rng = Rng(36);
         let mut spheres = Spheres::default();
-        for n in 0..MANY {
+        for n in 0..GROUPING_MIN_SPHERES {
             let place = [0; 3].map(|_| rng.between(0.0, 1.0));
             spheres.push(place, rng.between(0.004, 0.012), (n % 3 == 0).then_some([0.2, 0.5, 0.9]));
         }
@@ -199,7 +198,8 @@ mod tests {
             let view =
                 View::for_rays(scene, Raster::centres(Window::full(SIZE[0], SIZE[1])), Records::None).expect("a view");
             let of = |groups| {
-                let binned = BinnedScene::new((scene, groups), &view, 1e-5, &TERMS, 0, &pool).expect("a stage");
+                let binned =
+                    BinnedScene::new(&Binning { groups, ..Binning::of(scene, &view, 1e-5, &pool) }).expect("a stage");
                 binned.expect("bounds")
             };
             let (all, some) = (of(None), of(Some(order.groups())));
@@ -226,7 +226,10 @@ mod tests {
         let first = last.tree(&spheres, 1).expect("a tree");
         assert!(Arc::ptr_eq(&first, &last.tree(&spheres.clone(), 9).expect("a tree")), "it is kept");
         assert!(last.groups(&changed, 10, 1).is_none(), "other spheres, seen for the first time");
-        assert!((11..=10 + OFTEN).all(|frame| last.groups(&changed, frame, 1).is_none()), "built beside the frames");
+        assert!(
+            (11..=10 + GROUPING_MIN_FRAMES).all(|frame| last.groups(&changed, frame, 1).is_none()),
+            "built beside the frames"
+        );
         let tree = last.tree(&changed, 20).expect("a tree");
         assert!(tree.spheres.iter().any(|sphere| sphere[3] == 2.0), "of the changed ones");
         assert!(last.groups(&changed, 21, 1).is_some() && last.groups(&changed, 22, 1 << 40).is_none());

@@ -2,8 +2,7 @@
 
 use super::plan::Plan;
 use super::plan::engine::Engine;
-use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::grouped::Grouped;
 use crate::certify::placing::Placer;
 use crate::error::Result;
@@ -12,7 +11,6 @@ use crate::intersect::predict::Prediction;
 use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
-use crate::tile::FINEST;
 use crate::view::raster::Raster;
 use crate::view::{Records, View, middle};
 
@@ -88,8 +86,8 @@ impl FrameSetup {
             Engine::Judge => Stage::Judge,
             Engine::Strips | Engine::Resident => {
                 let tolerance = settings.promise().relative();
-                let binned = timings
-                    .time("stage", || BinnedScene::new((scene, groups), &view, tolerance, &TERMS, FINEST, pool))?;
+                let binning = Binning { groups, ..Binning::of(scene, &view, tolerance, pool) };
+                let binned = timings.time("stage", || BinnedScene::new(&binning))?;
                 Stage::of(binned)
             }
         };
@@ -110,8 +108,8 @@ impl FrameSetup {
         timings: &mut Timings,
     ) -> Result<()> {
         let tolerance = settings.promise().relative();
-        let bin = || BinnedScene::new((scene, None), &self.view, tolerance, &TERMS, FINEST, pool);
-        self.stage = Stage::of(timings.time("stage", bin)?);
+        let binning = Binning::of(scene, &self.view, tolerance, pool);
+        self.stage = Stage::of(timings.time("stage", || BinnedScene::new(&binning))?);
         self.plan.engine = Engine::Strips;
         self.set_engine();
         Ok(())

@@ -9,11 +9,10 @@ mod part;
 mod pieces;
 mod witness;
 
-pub use part::{Part, Seen};
+pub use part::{Part, PartView};
 
-use super::plan::choose::MAX_FOR_METHOD;
 use crate::answers::silhouette;
-use crate::certify::sieve::{Sieve, Sifted};
+use crate::certify::sieve::{Sieve, Sifted, sift};
 use crate::double_double::exponent;
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
@@ -22,20 +21,17 @@ use crate::quote::setting::{ACCURACY, APERTURE, LOOK, METHOD, STREAM};
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
-use crate::view::middle;
 use crate::view::raster::Raster;
+use crate::view::{middle, unit};
 use digests::Digests;
 use rayon::prelude::*;
-use witness::{Witnesses, witness};
-
-/// Spheres that one job sifts.
-const TOGETHER: usize = 1 << 13;
+use witness::Witnesses;
 
 /// Spheres after which the sieves take over what they cover: as many as make that cost little.
-const REFRESH: usize = 1 << 18;
+const REFRESH_SPHERES: usize = 1 << 18;
 
-/// Spheres that are kept before they are compared again with all that is covered by now.
-const KEPT: usize = 1 << 22;
+/// Candidates collected before they are culled again.
+const CULL_MIN_SPHERES: usize = 1 << 22;
 
 /// The spheres of a frame, block by block.
 pub struct Stream {
@@ -58,7 +54,7 @@ pub struct Stream {
     digests: Digests,
 }
 
-/// What is left of a stream: every sphere that some ray of the frame hits first.
+/// The remains of a stream: every sphere that some ray of the frame hits first.
 #[derive(Debug)]
 pub struct Visible {
     /// The scene with these spheres alone. Its fingerprint is that of all spheres.
@@ -103,7 +99,7 @@ impl Stream {
             count: 0,
             fresh: 0,
             kept,
-            limit: KEPT,
+            limit: CULL_MIN_SPHERES,
             witnesses,
             digests,
         })
@@ -130,43 +126,47 @@ impl Stream {
         check_wide_ids(first.saturating_add(size as u64))?;
         let mut digests = std::mem::take(&mut self.digests);
         // Places are new, so bytes cannot differ.
-        let (seen, _) = rayon::join(|| self.see(block, &|n| first + n as u64), || digests.add(first, block));
+        let (added, _) = rayon::join(|| self.add_block(block, &|n| first + n as u64), || digests.add(first, block));
         self.digests = digests;
         self.count += size as u64;
-        seen
+        added
     }
 
-    /// Takes the spheres of a block, whose numbers `number` gives.
-    fn see(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
+    /// Adds the spheres of a block, whose numbers `number` gives, without a fingerprint.
+    fn add_block(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let is_first = self.kept.numbers.is_empty() && self.sieves.is_empty();
         if block.materials.is_some() || !is_first && block.colors.is_some() != self.kept.spheres.colors.is_some() {
             let problem = "some spheres have colours or materials and others do not";
             return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));
         }
         if is_first {
-            self.open(block)?;
+            self.make_sieves(unit(self.scene.camera.basis()?.e, &block.centers, &block.radii)?)?;
         }
-        let more = 0..block.len().min(FIRST.saturating_sub(self.witnesses.first.len()));
-        self.witnesses.first.extend(more.map(|n| witness(block, number(n), n)));
-        let sifted = sift(&self.sieves, block, true);
+        self.witnesses.add_first(block, number);
         self.witnesses.see(block, number);
-        self.keep(block, number, &sifted)?;
+        self.keep_open(block, number)?;
         self.fresh += block.len();
-        if self.fresh >= REFRESH {
+        if self.fresh >= REFRESH_SPHERES {
             self.refresh();
         }
         Ok(())
     }
 
-    /// Keeps what a block adds.
-    fn keep(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, sifted: &Sifted) -> Result<()> {
-        self.kept.add(block, number, &sifted.kept)?;
-        let unit = self.sieves.first().map_or(0, Sieve::unit);
-        self.witnesses.mark(block, number, &sifted.marks, unit);
+    /// Keeps the spheres of a block that some ray may hit first, and those that the frame takes numbers from.
+    fn keep_open(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64) -> Result<()> {
+        let Sifted { kept, marks } = sift(&self.sieves, block, true);
+        let indices: Vec<u32> = (0..kept.len() as u32).filter(|n| kept[*n as usize]).collect();
+        self.kept.add(block, number, &indices)?;
+        self.witnesses.mark(block, number, &marks, self.unit());
         if self.kept.numbers.len() > self.limit {
             self.forget();
         }
         Ok(())
+    }
+
+    /// The exponent of the unit of the sieves' depths.
+    fn unit(&self) -> i32 {
+        self.sieves.first().map_or(0, Sieve::unit)
     }
 
     /// The sieves take over what is covered.
@@ -185,7 +185,7 @@ impl Stream {
         Ok(visible(self.scene, kept.spheres, ids, &self.digests))
     }
 
-    /// What is kept, in order.
+    /// The spheres that are kept, in order.
     fn rest(&mut self) -> Result<NumberedSpheres> {
         self.refresh();
         self.forget();
@@ -194,11 +194,10 @@ impl Stream {
         std::mem::take(&mut self.kept).with(self.witnesses.all())
     }
 
-    /// Makes the sieves in the unit of the first block.
-    fn open(&mut self, block: &Spheres) -> Result<()> {
-        let scene = Scene { spheres: block.clone(), ..self.scene.clone() };
+    /// Makes the sieves in the unit 2^`unit`.
+    fn make_sieves(&mut self, unit: i32) -> Result<()> {
         let tolerance = self.settings.promise().relative();
-        let made = self.rasters.iter().map(|raster| Sieve::new(&scene, *raster, tolerance));
+        let made = self.rasters.iter().map(|raster| Sieve::new(&self.scene, *raster, unit, tolerance));
         self.sieves = made.collect::<Result<Option<Vec<_>>>>()?.unwrap_or_default();
         Ok(())
     }
@@ -221,17 +220,12 @@ impl Stream {
 
     /// Forgets spheres that are hidden by now.
     fn forget(&mut self) {
-        let mut stays = sift(&self.sieves, &self.kept.spheres, false).kept.into_iter().peekable();
-        let flags: Vec<bool> = (0..self.kept.numbers.len() as u32).map(|n| stays.next_if_eq(&n).is_some()).collect();
-        self.kept.keep(&flags);
-        self.limit = KEPT.max(2 * self.kept.numbers.len());
+        self.kept.keep(&sift(&self.sieves, &self.kept.spheres, false).kept);
+        self.limit = CULL_MIN_SPHERES.max(2 * self.kept.numbers.len());
     }
 }
 
-/// The first spheres are kept in any case: plans depend on whether there are more than so many.
-const FIRST: usize = MAX_FOR_METHOD + 1;
-
-/// What needs all spheres at once, or is not certified.
+/// Refuses settings that need all spheres at once or are uncertified.
 fn check(scene: &Scene, settings: &Settings) -> Result<()> {
     let lit = scene.lighting.is_lit();
     let (problem, mend) = if settings.method.is_some() || settings.accuracy == Accuracy::Fast {
@@ -250,23 +244,6 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
         return Ok(());
     };
     Err(Error::settings(problem, mend))
-}
-
-/// The spheres of a block that some ray of a sieve may hit first. All of them without sieves.
-fn sift(sieves: &[Sieve], block: &Spheres, covers: bool) -> Sifted {
-    let Some((first, others)) = sieves.split_first() else {
-        return Sifted { kept: (0..block.len() as u32).collect(), marks: Vec::new() };
-    };
-    let job = |(n, (centers, radii)): (usize, (&[[f64; 3]], &[f64]))| {
-        let mut sifted = first.sift(centers, radii, covers);
-        for sieve in others {
-            sifted = sifted.beside(sieve.sift(centers, radii, covers));
-        }
-        sifted.moved((n * TOGETHER) as u32)
-    };
-    let jobs = block.centers.par_chunks(TOGETHER).zip(block.radii.par_chunks(TOGETHER)).enumerate();
-    let sifted: Vec<Sifted> = jobs.map(job).collect();
-    sifted.into_iter().reduce(Sifted::with).unwrap_or_default()
 }
 
 /// A scene of these spheres with the fingerprint of all.

@@ -27,7 +27,7 @@ pub(crate) const WIDE: usize = crate::number::vector::LANES;
 pub(crate) const LEVELS: usize = 10;
 
 /// The most spheres of a tree.
-pub(crate) const MOST: usize = 1 << 31;
+pub(crate) const MAX_SPHERES: usize = 1 << 31;
 
 /// Eight boxes: least x, y, z, then greatest x, y, z. A missing child has its least above its greatest.
 #[repr(C, align(64))]

@@ -185,12 +185,12 @@ fn a_part_is_its_arrays_and_damage_is_found() {
     let (_, scene) = scenes().swap_remove(0);
     let whole = part(&scene, &settings(), 100..900, 0);
     let made = |about: &str, ids: Vec<u64>, radii: Vec<f64>| {
-        let colors = whole.spheres().colors.as_ref().map(|colors| colors.to_vec());
-        Part::new("p.npz".into(), about.as_bytes(), ids, (whole.spheres().centers.to_vec(), radii), colors)
+        let spheres = Spheres { radii: radii.into(), ..whole.spheres().clone() };
+        Part::new("p.npz".into(), about.as_bytes(), ids, spheres)
     };
     let (about, ids, radii) = (whole.about(), whole.ids().to_vec(), whole.spheres().radii.to_vec());
     let again = made(&about, ids.clone(), radii.clone()).expect("the same part");
-    assert_eq!((again.about(), again.seen()), (about.clone(), whole.seen()));
+    assert_eq!((again.about(), again.view()), (about.clone(), whole.view()));
     assert_eq!(again.spheres(), whole.spheres());
     let is_damaged = |about: &str, ids: &[u64], radii: &[f64]| {
         let error = made(about, ids.to_vec(), radii.to_vec()).expect_err("a damaged part");
@@ -229,10 +229,8 @@ fn parts_of_other_frames_and_spheres_are_refused() {
     let error = seeded(1).combine(&seeded(2)).expect_err("other samples").to_string();
     assert!(error.contains("seed is 1, and 2"), "{error}");
     let older = whole.about().replace(env!("CARGO_PKG_VERSION"), "0.0.9");
-    let Spheres { centers, radii, colors, .. } = whole.spheres();
-    let arrays = (centers.to_vec(), radii.to_vec());
-    let colors = colors.as_ref().map(|colors| colors.to_vec());
-    let older = Part::new("old".into(), older.as_bytes(), whole.ids().to_vec(), arrays, colors).expect("a part");
+    let (ids, spheres) = (whole.ids().to_vec(), whole.spheres().clone());
+    let older = Part::new("old".into(), older.as_bytes(), ids, spheres).expect("a part");
     refused(&older, "version of halfline");
     // Spheres that both keep, and one that both have forgotten.
     let hidden = (0..300).find(|id| whole.ids().binary_search(id).is_err()).expect("a hidden sphere") as usize;

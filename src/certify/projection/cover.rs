@@ -2,7 +2,7 @@
 
 use super::project::{floor, larger, smaller, whole};
 use super::{ProjectionBounds, host_cull_margin};
-use crate::certify::tiles::Placed;
+use crate::certify::entry::Placed;
 use crate::tile::TILE;
 
 /// The margin that a disc is shrunk by, in pixels and relative to its radius. With one unit of the fixed point it far
@@ -12,7 +12,7 @@ const SHRINK: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 / (1u64 << 20) as f64];
 /// Error of a record's depth: the rounding of its relative part to f32, and the host's 2^-43 of the total.
 const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
 
-/// What all tiles of a frame share.
+/// The inputs of coverage that all tiles of a frame share.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::certify) struct Coverage {
     /// The size of the image.
@@ -25,11 +25,11 @@ pub(in crate::certify) struct Coverage {
     /// Image pixels per pixel of the view's frame, and the middle of the image's first pixel in that frame.
     pub(super) per_fine: f64,
     middle: [f64; 2],
-    /// What a disc loses on every side, without what depends on its radius.
+    /// The part of a disc's inset that does not depend on its radius.
     margin: f64,
     /// Half of the length of the unit of rho, per unit of depth.
     rise: f64,
-    /// How far behind a hit a sphere must lie to be left out, relative to the hit's depth.
+    /// The distance behind a hit from which on spheres are left out, relative to the hit's depth.
     behind: f64,
 }
 
@@ -72,9 +72,7 @@ impl Coverage {
             ..self
         }
     }
-}
 
-impl Coverage {
     /// The pixels that a projected sphere certainly covers; `None` where it covers none: |o| < rho suffices for a hit,
     /// since then a rho^2 - |o|^2 - (slopes x o)^2 >= a (rho^2 - |o|^2) > 0.
     #[inline(always)]

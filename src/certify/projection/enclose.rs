@@ -6,17 +6,19 @@ use super::project::{Pixels, below, floor, larger, smaller};
 use super::{INFLATE, LONGEST, ProjectionBounds, RANGE, STEEPEST, U, U64, WIDEST};
 use crate::scene::instances::enclosure::Enclosure;
 
-/// What the spheres in a box are to a frame.
+/// The projections of the spheres in a box.
 pub(in crate::certify) enum Enclosed {
     /// Each of them is behind the eye plane, or is projected outside of the image.
     Unseen,
     /// None is general. The pixels of each that is projected are among these, and its least depth is no smaller.
     Projected { least: f32, pixels: Pixels },
+    /// Every ray misses each of them by far, whichever form it has.
+    Missed,
     /// They may be anything.
     Unknown,
 }
 
-/// How far beside all rays a box must lie, relative to its distance, for every bound of the kernel to prove that they miss:
+/// The distance of a box from all rays, relative to that from the eye, at which every bound of the kernel proves that they miss:
 /// the square of it is 2^-8, and the bounds are below 2^-16 for rays of |d|^2 up to `NARROW`.
 const ASIDE: f64 = 1.0 / 16.0;
 const NARROW: f64 = 16.0;
@@ -40,9 +42,18 @@ impl ProjectionBounds {
         most.x + most.y + most.z
     }
 
-    /// What the spheres in a box are to the frame.
+    /// Bounds of the projections of the spheres in a box.
     #[inline(always)]
     pub(in crate::certify) fn enclose(&self, around: &Enclosure) -> Enclosed {
+        match self.project_box(around) {
+            Enclosed::Unknown if self.misses(around) => Enclosed::Missed,
+            known => known,
+        }
+    }
+
+    /// The same without comparing the box with the sides of the image.
+    #[inline(always)]
+    fn project_box(&self, around: &Enclosure) -> Enclosed {
         let [x, y, [near, far]] = self.rotation.axes.map(|axis| around.along(axis, self.rotation.eye));
         let [least_r, most_r] = around.radii.map(|radius| radius * self.to_frame);
         let error = self.rotated * self.away(around);

@@ -5,10 +5,11 @@ use super::{
     FLUSHED, INFLATE, LONG, LONGEST, LowTerms, ProjectionBounds, RANGE, ROUND, SIGNS, STEEPEST, SUBNORMAL, U, U64,
     WIDEN, WIDEST,
 };
+use crate::certify::entry::{Bin, Placed};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
-use crate::certify::tiles::{Bin, Placed};
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::number::vector::LANES;
+use std::ops::Range;
 
 /// Largest relative error of f64 in the depth of a projected sphere under parallel projection: half of the kernel's
 /// bound.
@@ -57,7 +58,33 @@ pub(in crate::certify) struct Landed {
 /// The first and last column, and the first and last row, in pixels of the view's frame, of rays that may hit something.
 pub(in crate::certify) type Pixels = [[f64; 2]; 2];
 
-/// Eight spheres, one array per component.
+/// Eight spheres side by side, as vectors take them.
+#[derive(Clone, Copy)]
+pub(in crate::certify) struct LaneBatch {
+    /// The number of its spheres. The last one is repeated in the lanes after it, whose results are discarded.
+    pub(in crate::certify) count: usize,
+    pub(in crate::certify) ids: [u32; LANES],
+    pub(in crate::certify) centers: [[f64; 3]; LANES],
+    pub(in crate::certify) radii: [f64; LANES],
+}
+
+impl LaneBatch {
+    /// The batch of no spheres.
+    pub(in crate::certify) const NONE: Self =
+        Self { count: 0, ids: [0; LANES], centers: [[0.0; 3]; LANES], radii: [0.0; LANES] };
+
+    /// The first eight spheres of a range that is not empty, or all of fewer, of which `sphere` gives id, centre and radius.
+    #[inline(always)]
+    pub(in crate::certify) fn fill(range: Range<usize>, sphere: impl Fn(usize) -> (u32, [f64; 3], f64)) -> Self {
+        let mut batch = Self { count: LANES.min(range.len()), ..Self::NONE };
+        for l in 0..LANES {
+            (batch.ids[l], batch.centers[l], batch.radii[l]) = sphere(range.start + l.min(batch.count - 1));
+        }
+        batch
+    }
+}
+
+/// Eight projected spheres, one array per component.
 pub(in crate::certify) struct Eight {
     /// Nonzero if the sphere is in front and seen; nonzero if it is neither that nor unseen.
     pub(in crate::certify) projected: [u32; LANES],
@@ -114,16 +141,15 @@ impl Eight {
 impl ProjectionBounds {
     /// Eight spheres, with depths relative to `reference`.
     #[inline(always)]
-    pub(in crate::certify) fn eight(&self, centers: &[[f64; 3]; LANES], radii: &[f64; LANES], reference: f64) -> Eight {
-        self.eight_and(centers, radii, reference, |_, _| ())
+    pub(in crate::certify) fn eight(&self, batch: &LaneBatch, reference: f64) -> Eight {
+        self.eight_and(batch, reference, |_, _| ())
     }
 
-    /// The same, with what `and` takes from each.
+    /// The same; `and` takes the lane of each and its place in the image.
     #[inline(always)]
     pub(in crate::certify) fn eight_and(
         &self,
-        centers: &[[f64; 3]; LANES],
-        radii: &[f64; LANES],
+        batch: &LaneBatch,
         reference: f64,
         mut and: impl FnMut(usize, &Landed),
     ) -> Eight {
@@ -137,7 +163,7 @@ impl ProjectionBounds {
             numbers: [[0.0; LANES]; 5],
         };
         for l in 0..LANES {
-            let aim = self.aim(centers[l], radii[l]);
+            let aim = self.aim(batch.centers[l], batch.radii[l]);
             let landed = self.land(&aim, aim.place, [0.0; 2], reference);
             let plain = aim.projected & aim.in_range & (aim.blur <= LONG);
             e.projected[l] = u32::from(plain & landed.seen & !landed.outside);

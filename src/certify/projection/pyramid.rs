@@ -4,7 +4,7 @@
 use super::cover::{Coverage, Outline};
 use super::project::{Landed, Pixels, floor, larger, smaller, whole};
 use super::{ProjectionBounds, not_below};
-use crate::certify::tiles::{Placed, number, ordered};
+use crate::certify::entry::{Placed, number, ordered};
 use crate::number::vector::LANES;
 use crate::tile::TILE;
 use crate::view::ViewRecord;
@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// Tiles along a side from which on only squares are compared.
 const COMPARED: u32 = 8;
 
-/// Depths behind which a sphere cannot change a pixel, per pixel and per square of tiles.
+/// Depths behind which a sphere cannot change a pixel, per pixel and per square of tiles, in the frame's unit.
 pub(in crate::certify) struct DepthPyramid {
     coverage: Coverage,
     window: Window,
@@ -39,7 +39,7 @@ struct Level {
     farthest: Vec<f32>,
 }
 
-/// Where the rays through a pixel are, in the view's frame.
+/// The places of the rays through each pixel, in the view's frame.
 struct SamplePlaces {
     coverage: Coverage,
     /// Pixels of the view's frame along a side of a pixel.
@@ -51,7 +51,7 @@ struct SamplePlaces {
 }
 
 /// The most samples that have limits of their own: 8 bytes each.
-const MOST_SAMPLES: u64 = 1 << 25;
+const MAX_SAMPLES: u64 = 1 << 25;
 
 impl Level {
     #[inline(always)]
@@ -64,18 +64,18 @@ impl DepthPyramid {
     /// The bytes of a pyramid of so many pixels for the rays of `record`, without its levels, which are a 48th of those.
     pub(in crate::certify) fn bytes(pixels: u64, record: &ViewRecord) -> u64 {
         let samples = pixels.saturating_mul(u64::from(record.strata) * u64::from(record.strata));
-        let own = if samples <= MOST_SAMPLES && !record.is_plain() { 8 * samples } else { 0 };
+        let own = if samples <= MAX_SAMPLES && !record.is_plain() { 8 * samples } else { 0 };
         pixels.saturating_mul(4).saturating_add(own)
     }
 
-    /// The pyramid for a window of an image of `size` pixels, without a sphere. Depths are relative to `reference`.
+    /// The pyramid for a window of an image of `size` pixels, without a sphere.
     pub(in crate::certify) fn new(
         projection: &ProjectionBounds,
-        (size, window): ([u32; 2], Window),
-        reference: f64,
+        size: [u32; 2],
+        window: Window,
         tolerance: f64,
     ) -> Self {
-        let coverage = Coverage::new(projection, size, reference, tolerance);
+        let coverage = Coverage::new(projection, size, 0.0, tolerance);
         let pixels = window.width() as usize * window.height() as usize;
         let limits = (0..pixels).map(|_| AtomicU32::new(ordered(f32::INFINITY))).collect();
         let (corner, per_fine) = (projection.corner, coverage.per_fine);
@@ -89,7 +89,7 @@ impl DepthPyramid {
     pub(in crate::certify) fn of_samples(mut self, projection: &ProjectionBounds, record: &ViewRecord) -> Self {
         let (fine, count) = (record.fine(), record.strata as usize * record.strata as usize);
         let all = self.limits.len() as u64 * count as u64;
-        if record.is_plain() || fine > 1 << 16 || all > MOST_SAMPLES {
+        if record.is_plain() || fine > 1 << 16 || all > MAX_SAMPLES {
             return self;
         }
         let Window { x0, y0, x1, y1 } = self.window;
@@ -113,7 +113,7 @@ impl DepthPyramid {
         self.samples.as_ref().map_or(1, |samples| samples.count)
     }
 
-    /// Those of pixels of a row that follow each other.
+    /// Limits of pixels of a row that follow each other.
     #[inline(always)]
     fn limits(&self, row: u32, columns: RangeInclusive<u32>) -> &[AtomicU32] {
         let count = self.per_pixel();
@@ -157,8 +157,8 @@ impl DepthPyramid {
         self.levels = levels;
     }
 
-    /// Whether no ray through these pixels is within the window and can hit first what lies no nearer than `least`, by what is
-    /// covered by now. What is large is compared with what was covered at the last refresh, by whole squares.
+    /// Whether everything at depth `least` or beyond is hidden in these pixels, as far as they are within the window, by the spheres
+    /// covered so far. Large rectangles are compared with what was covered at the last refresh, by whole squares.
     #[inline(always)]
     pub(in crate::certify) fn hides(&self, pixels: &Pixels, least: f32) -> bool {
         self.hides_within(self.within(pixels), pixels, least)
@@ -166,9 +166,9 @@ impl DepthPyramid {
 
     /// The same of one of eight spheres.
     #[inline(always)]
-    pub(in crate::certify) fn hides_one(&self, of: &Rectangles, l: usize, least: f32) -> bool {
-        let [left, right, top, bottom] = of.within.map(|end| end[l]);
-        let [x0, x1, y0, y1] = of.pixels.map(|end| end[l]);
+    pub(in crate::certify) fn hides_lane(&self, rectangles: &Rectangles, l: usize, least: f32) -> bool {
+        let [left, right, top, bottom] = rectangles.within.map(|end| end[l]);
+        let [x0, x1, y0, y1] = rectangles.pixels.map(|end| end[l]);
         self.hides_within([[left, right], [top, bottom]], &[[x0, x1], [y0, y1]], least)
     }
 
@@ -192,7 +192,7 @@ impl DepthPyramid {
                     let down = [top.max(row * TILE), bottom.min(row * TILE + TILE - 1)];
                     let is_hidden = match &self.samples {
                         None => self.hides_pixels(across, down, least),
-                        Some(samples) => self.hides_samples(samples, across, down, (pixels, least)),
+                        Some(samples) => self.hides_samples(samples, across, down, pixels, least),
                     };
                     if !is_hidden {
                         return false;
@@ -237,7 +237,8 @@ impl DepthPyramid {
         samples: &SamplePlaces,
         [left, right]: [u32; 2],
         [top, bottom]: [u32; 2],
-        (pixels, least): (&Pixels, f32),
+        pixels: &Pixels,
+        least: f32,
     ) -> bool {
         let (least, fine) = (ordered(least), f64::from(samples.fine));
         // Counted from the image's corner.

@@ -1,7 +1,7 @@
 //! The claims of the certified kernel about a pixel, compared with exact arithmetic.
 
 use super::wild::Value;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::general::{General, general_low};
 use crate::certify::{Certify, Terms};
 use crate::double_double::{self as dd, Dd, Dd3};
@@ -45,8 +45,12 @@ impl Case {
     /// `None` if the scene cannot be binned, so that every pixel is settled.
     pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
         let view = View::new(&scene).expect("a view");
-        let binned = BinnedScene::new((&scene, None), &view, tolerance, terms, coarse(&scene), &Pool::default())
-            .expect("a stage")?;
+        let binned = BinnedScene::new(&Binning {
+            terms,
+            level: coarse(&scene),
+            ..Binning::of(&scene, &view, tolerance, &Pool::default())
+        })
+        .expect("a stage")?;
         let judge = Judge::new(&scene).expect("a judge");
         let judged = |&[i, j]: &[u32; 2]| Judged {
             at: [i, j],
@@ -59,14 +63,11 @@ impl Case {
 
     /// The scene binned with other constants.
     pub(super) fn restaged(&self, terms: &Terms) -> BinnedScene {
-        let binned = BinnedScene::new(
-            (&self.scene, None),
-            &self.view,
-            self.tolerance,
+        let binned = BinnedScene::new(&Binning {
             terms,
-            coarse(&self.scene),
-            &Pool::default(),
-        );
+            level: coarse(&self.scene),
+            ..Binning::of(&self.scene, &self.view, self.tolerance, &Pool::default())
+        });
         binned.expect("a stage").expect("a lens")
     }
 

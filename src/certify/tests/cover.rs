@@ -1,7 +1,7 @@
 //! Occlusion culling: pixels that count as covered are hit, no deeper than their limit.
 
 use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::projection::ProjectionBounds;
 use crate::certify::projection::cover::{Cover, Coverage};
 use crate::certify::projection::stage::Staged;
@@ -133,9 +133,8 @@ fn no_visible_sphere_is_culled() {
         let image = ImagePlane { width: 61, height: 45, background: [0.0; 3] };
         let scene = Scene { camera, image, spheres, lighting: Default::default() };
         let view = View::new(&scene).expect("a view");
-        let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
-            .expect("a stage")
-            .expect("a lens");
+        let binned =
+            BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &Pool::default())).expect("a stage").expect("a lens");
         assert_eq!(binned.projection.depth > 0.0, round % 2 == 1, "the reference");
         let judge = Judge::new(&scene).expect("a judge");
         let entries = |[first, end]: [u32; 2]| &binned.lists.details[first as usize..end as usize];

@@ -43,7 +43,7 @@ fn boxes(rng: &mut Rng, camera: &Camera, lens: &Lens) -> Vec<(Enclosure, Spheres
 
 /// The faults of the claims about a box, and which claims were made.
 fn faults(lens: &ProjectionBounds, around: &Enclosure, spheres: &Spheres) -> (usize, usize) {
-    let (claim, misses, [near, far]) = (lens.enclose(around), lens.misses(around), lens.depths(around));
+    let (claim, [near, far]) = (lens.enclose(around), lens.depths(around));
     let mut faults = 0;
     for (center, radius) in spheres.centers.iter().zip(&spheres.radii) {
         let right = match (&claim, lens.stage(0, *center, *radius, 0.0)) {
@@ -57,7 +57,8 @@ fn faults(lens: &ProjectionBounds, around: &Enclosure, spheres: &Spheres) -> (us
                 };
                 inside(0) && inside(1) && *least <= landed.bin.chunk_min_depth
             }
-            (Enclosed::Unknown, staged) => !(misses && matches!(staged, Staged::Projected(_))),
+            (Enclosed::Missed, staged) => !matches!(staged, Staged::Projected(_)),
+            (Enclosed::Unknown, _) => true,
         };
         let depth = match lens.stage(0, *center, *radius, 0.0) {
             Staged::Projected(landed) => Some(landed.placed.depth),
@@ -68,7 +69,8 @@ fn faults(lens: &ProjectionBounds, around: &Enclosure, spheres: &Spheres) -> (us
     let kind = match claim {
         Enclosed::Unseen => 0,
         Enclosed::Projected { .. } => 1,
-        Enclosed::Unknown => 2 + usize::from(misses),
+        Enclosed::Unknown => 2,
+        Enclosed::Missed => 3,
     };
     (faults, kind)
 }

@@ -2,7 +2,7 @@
 //! sphere that a ray truly hits first is listed, and the bounds of a cell hold for each of its rays.
 
 use super::wild::{Mode, Value, Wild, under};
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::general::{General, general_low};
 use crate::certify::general_lists::{GeneralLists, GeneralTree};
 use crate::certify::projection::ProjectionBounds;
@@ -81,7 +81,7 @@ fn world(kind: &str, lens: Lens, rng: &mut Rng) -> Scene {
 }
 
 fn binned(scene: &Scene, view: &View, tolerance: f64) -> BinnedScene {
-    BinnedScene::new((scene, None), view, tolerance, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
+    BinnedScene::new(&Binning::of(scene, view, tolerance, &Pool::default())).expect("a stage").expect("a lens")
 }
 
 fn view(scene: &Scene, raster: Raster) -> View {
@@ -239,7 +239,9 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
 fn one_list_serves_the_whole_image() {
     let scene = world("crowd", degrees(40.0), &mut Rng(10));
     let view = view(&scene, Raster::centres(Window::full(SIZE[0], SIZE[1])));
-    let of = |level| BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, level, &Pool::default()).expect("a stage");
+    let of = |level| {
+        BinnedScene::new(&Binning { level, ..Binning::of(&scene, &view, 1e-5, &Pool::default()) }).expect("a stage")
+    };
     let [single, whole] = [0, WHOLE].map(|level| of(level).expect("a lens").general_lists);
     let all = whole.of(0, 0).to_vec();
     assert!((0..SIZE[1]).all(|i| single.of(i, 0).iter().all(|slot| all.contains(slot))));

@@ -4,7 +4,7 @@
 use super::claims::Exact;
 use super::worlds::Site;
 use crate::certify::Terms;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::double_double::{self as dd, Dd};
 use crate::scene::Scene;
 use crate::scene::camera::{Camera, Lens, Look};
@@ -65,14 +65,11 @@ impl Shot {
             site.scene.spheres.push(second, self.r * 1e-3, None);
         }
         let view = View::new(&site.scene).ok()?;
-        let binned = BinnedScene::new(
-            (&site.scene, None),
-            &view,
-            1e-5,
+        let binned = BinnedScene::new(&Binning {
             terms,
-            super::claims::coarse(&site.scene),
-            &crate::memory::Pool::default(),
-        )
+            level: super::claims::coarse(&site.scene),
+            ..Binning::of(&site.scene, &view, 1e-5, &crate::memory::Pool::default())
+        })
         .ok()??;
         let e = Exact::new(&site.scene, self.pixel, 0);
         let (b, disc) = (e.b(), e.disc());

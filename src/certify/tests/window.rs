@@ -1,7 +1,6 @@
 //! A window's lists equal those of the full frame, also if tiles share them.
 
-use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::placing::Placer;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
@@ -33,9 +32,7 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
         let scene = scene(count, radius);
         let binned = |window: Window| {
             let view = View::for_rays(&scene, Raster::centres(window), kernel.records()).expect("a view");
-            BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
-                .expect("a stage")
-                .expect("a lens")
+            BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &Pool::default())).expect("a stage").expect("a lens")
         };
         let (full, part) = (binned(Window::full(256, 256)), binned(window));
         assert_eq!((full.projection, &full.generals), (part.projection, &part.generals));
@@ -69,9 +66,8 @@ fn every_entry_has_the_bits_of_its_sphere_alone() {
     for (radius, often) in [(0.02, true), (0.001, false)] {
         let scene = scene(900, radius);
         let view = View::for_rays(&scene, Raster::centres(Window::full(256, 256)), kernel.records()).expect("a view");
-        let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
-            .expect("a stage")
-            .expect("a lens");
+        let binned =
+            BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &Pool::default())).expect("a stage").expect("a lens");
         let placer = Placer::new(&scene, &view, 1e-5).expect("a lens").expect("a projection");
         let lists = &binned.lists;
         let entries = lists.details.iter().filter(|detail| detail.id != NONE).count();

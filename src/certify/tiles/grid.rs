@@ -1,32 +1,10 @@
 //! The bins of spheres, scattered to the squares of tiles that share a list.
 
+use crate::certify::entry::{Bin, ordered};
 use crate::memory::Pool;
 use crate::tile::TILE;
-use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
-use std::alloc::{Layout, handle_alloc_error};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-
-/// The bin of a sphere.
-#[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
-pub(crate) struct Bin {
-    /// Lower bound of the depth for every ray.
-    pub(crate) chunk_min_depth: f32,
-    /// First and last column and row of the tiles whose pixels may hit it.
-    pub(crate) tiles: [[u32; 2]; 2],
-}
-
-impl Bin {
-    /// The bin of a sphere that is in no list.
-    pub(crate) const NOWHERE: Self = Self { chunk_min_depth: f32::MAX, tiles: [[u32::MAX, 0]; 2] };
-
-    /// Number of lists that contain it, if squares of 2^level tiles share one.
-    pub(crate) fn entries(&self, level: u32) -> u64 {
-        let [columns, rows] =
-            self.tiles.map(|[first, last]| (u64::from(last >> level) + 1).saturating_sub(u64::from(first >> level)));
-        columns * rows
-    }
-}
 
 /// Squares of 2^level tiles that share a list, called cells, as far as they overlap the window.
 #[derive(Debug, Clone, Copy)]
@@ -139,8 +117,8 @@ impl Grid {
             }
         }
         starts.push(total);
-        let keys: Vec<AtomicU64> = sized(total as usize, pool);
-        let columns: Vec<AtomicU32> = sized(total as usize, pool);
+        let keys: Vec<AtomicU64> = pool.sized(total as usize);
+        let columns: Vec<AtomicU32> = pool.sized(total as usize);
         bins.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (bins, places))| {
             for (id, bin) in (n * group..).zip(bins) {
                 let key = u64::from(ordered(bin.chunk_min_depth)) << 32 | id as u64;
@@ -192,27 +170,4 @@ impl Keys {
         pool.put_back(self.keys);
         pool.put_back(self.columns);
     }
-}
-
-/// The bits of x as an integer with the same order.
-pub(in crate::certify) fn ordered(x: f32) -> u32 {
-    let bits = x.to_bits();
-    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
-}
-
-/// The inverse.
-pub(in crate::certify) fn number(ordered: u32) -> f32 {
-    f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
-}
-
-/// `n` values, all of which the caller writes.
-pub(in crate::certify) fn sized<T: bytemuck::Zeroable + Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
-    let mut vector = pool.take(n);
-    if vector.is_empty() {
-        // Reports a failed allocation as any vector here does; `zeroed_vec` would panic.
-        let room = Layout::array::<T>(n).unwrap_or(Layout::new::<T>());
-        return try_zeroed_vec(n).unwrap_or_else(|()| handle_alloc_error(room));
-    }
-    vector.resize_with(n, T::zeroed);
-    vector
 }

@@ -6,7 +6,7 @@ use super::held::BLOCK;
 use super::sky::{SkyRays, SkyTraced};
 use super::*;
 use crate::answers::raw::Raw;
-use crate::certify::TERMS;
+use crate::certify::binned::Binning;
 use crate::cpu;
 use crate::frame::report::Timings;
 use crate::gpu::device;
@@ -58,7 +58,7 @@ fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw,
 fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw, Option<String>) {
     let (mut device, left, view) = on_device(gpu, scene, raster, number);
     let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
-    let binned = BinnedScene::new((scene, None), &view, TOLERANCE, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+    let binned = BinnedScene::new(&Binning::of(scene, &view, TOLERANCE, &pool)).expect("a stage").expect("a lens");
     let mut host = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
     cpu::certified(&kernel, &view, &binned, scene.spheres.colors.as_deref(), &mut host, &|| true);
     // The depths of misses are of no sphere.
@@ -242,9 +242,8 @@ fn places_have_the_bits_of_the_host() {
         };
         let view = View::in_unit(&scene, raster, middle(sizes)).expect("a view");
         let Some(placer) = Placer::new(&scene, &view, 1e-5).expect("a lens") else { continue };
-        let binned = BinnedScene::new((&scene, None), &view, 1e-5, &TERMS, 0, &Pool::default())
-            .expect("a stage")
-            .expect("a lens");
+        let binned =
+            BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &Pool::default())).expect("a stage").expect("a lens");
         let (_, left, _) = on_device(&mut gpu, &scene, raster, number);
         assert_eq!(left, None);
         for (id, device) in gpu.records().expect("records").into_iter().enumerate() {

@@ -3,8 +3,7 @@
 
 use super::verdict::Check;
 use crate::answers::raw::Raw;
-use crate::certify::TERMS;
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::placing::Placer;
 use crate::certify::tiles::Placed;
 use crate::cpu;
@@ -92,10 +91,9 @@ impl Gpu {
         };
         let view = View::in_unit(scene, raster, middle(sizes))?;
         let tolerance = Tolerance::default().relative();
-        let (Some(placer), Some(binned)) = (
-            Placer::new(scene, &view, tolerance)?,
-            BinnedScene::new((scene, None), &view, tolerance, &TERMS, 0, &pool)?,
-        ) else {
+        let (Some(placer), Some(binned)) =
+            (Placer::new(scene, &view, tolerance)?, BinnedScene::new(&Binning::of(scene, &view, tolerance, &pool))?)
+        else {
             return Ok(None);
         };
         let frame = ResidentFrame { scene, view: &view, placer: &placer, pool: &pool };

@@ -7,9 +7,9 @@ use bytemuck::NoUninit;
 use serde::{Deserialize, Serialize};
 
 /// The most spheres that have a fingerprint: the place of the last byte fits into 60 bits.
-pub(super) const MOST: u64 = 1 << 55;
+pub(super) const MAX_SPHERES: u64 = 1 << 55;
 
-/// What is known of the numbers of all spheres, by their ids.
+/// Digests of the numbers of all spheres, by their ids.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Digests {
     centers: Pieces,

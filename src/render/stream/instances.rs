@@ -1,25 +1,28 @@
 //! Streams of copies that are operators over one set of spheres. Groups of copies that no ray can hit first pass without
 //! their spheres, front to back, and the extremes of all spheres are found by branch and bound.
 
-use super::witness::{SCORES, witness};
-use super::{FIRST, Stream, StreamIds, Visible, visible};
+use super::witness::{FIRST, SCORES, Witnesses};
+use super::{Stream, StreamIds, Visible, visible};
+use crate::certify::sieve::{Sieve, sift};
+use crate::double_double::ldexp;
 use crate::error::Result;
 use crate::memory::{check_wide_ids, ids_fit};
 use crate::progress::Watch;
+use crate::scene::Scene;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::instances::{Group, Instances, NumberedSpheres};
-use crate::scene::{Scene, Spheres};
 use crate::settings::Settings;
+use crate::view::unit;
 
 /// Spheres that are sifted together.
-const BATCH: usize = 1 << 17;
+const SPHERES_PER_BATCH: usize = 1 << 17;
 
 impl Stream {
     /// The spheres that a frame of `scene` with these spheres needs. The fingerprint is that of all of them as far as 32-bit ids
     /// can number them, and else one of the spheres and the operators that they are copies by.
     ///
     /// # Errors
-    /// Those of [`Stream::new`] and [`Stream::add`]; [`Error::Interrupted`](crate::Error::Interrupted).
+    /// Errors of [`Stream::new`] and [`Stream::add`]; [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn of_instances(scene: &Scene, settings: &Settings, instances: &Instances, watch: &Watch) -> Result<Visible> {
         let mut stream = Self::new(scene, settings)?;
         check_wide_ids(instances.total())?;
@@ -43,8 +46,7 @@ impl Stream {
     /// Finds the first spheres and those with the extremes of size and place, and opens the sieves in their unit.
     fn see_extremes(&mut self, instances: &Instances, watch: &Watch) -> Result<()> {
         let first = instances.first(FIRST);
-        let numbers = first.numbers.iter().take(FIRST).enumerate();
-        self.witnesses.first.extend(numbers.map(|(n, number)| witness(&first.spheres, *number, n)));
+        self.witnesses.add_first(&first.spheres, &|n| first.numbers[n]);
         for kind in 0..SCORES {
             let found = std::cell::RefCell::new(&mut self.witnesses);
             let bound = |around: &Enclosure| found.borrow().bound(kind, around);
@@ -54,27 +56,21 @@ impl Stream {
                 witnesses.score(kind)
             })?;
         }
-        let mut ends = Spheres::default();
-        self.witnesses.all().for_each(|end| ends.push(end.center, end.radius, end.color));
-        self.open(&ends)
+        let (centers, radii): (Vec<_>, Vec<_>) = self.witnesses.all().map(|end| (end.center, end.radius)).unzip();
+        self.make_sieves(unit(self.scene.camera.basis()?.e, &centers, &radii)?)
     }
 
     /// Finds the spheres with the extremes of depth for every sieve.
     fn see_depths(&mut self, instances: &Instances, watch: &Watch) -> Result<()> {
-        let (sieves, witnesses) = (&self.sieves, &mut self.witnesses);
-        let Some(unit) = sieves.first().map(|sieve| sieve.unit()) else { return Ok(()) };
-        for (n, sieve) in sieves.iter().enumerate() {
+        let unit = self.unit();
+        for n in 0..self.sieves.len() {
             for end in 0..2 {
-                let scaled = |depth: f64| crate::double_double::ldexp(depth, unit);
-                let bound = |around: &Enclosure| match sieve.depths(around) {
+                let scaled = |depth: f64| ldexp(depth, unit);
+                let bound = |sieve: &Sieve, bounds: &Enclosure| match sieve.depths(bounds) {
                     Some([least, most]) => scaled(if end == 0 { -least } else { most }),
                     None => f64::NEG_INFINITY,
                 };
-                instances.search(watch, bound, |some| {
-                    let sifted = super::sift(sieves, &some.spheres, false);
-                    witnesses.mark(&some.spheres, &|n| some.numbers[n], &sifted.marks, unit);
-                    witnesses.end(n, end)
-                })?;
+                self.search_marks(instances, watch, n, bound, |witnesses| witnesses.end(n, end))?;
             }
         }
         Ok(())
@@ -82,21 +78,34 @@ impl Stream {
 
     /// A frame without general spheres may have a reference depth, so one of them is kept if there are any.
     fn see_generals(&mut self, instances: &Instances, watch: &Watch) -> Result<()> {
-        let (sieves, witnesses) = (&self.sieves, &mut self.witnesses);
-        let Some(unit) = sieves.first().map(|sieve| sieve.unit()) else { return Ok(()) };
-        for (n, sieve) in sieves.iter().enumerate() {
-            let [least, most] = [-witnesses.end(n, 0), witnesses.end(n, 1)];
-            if witnesses.has_general(n) || least <= 4.0 * (most - least) {
+        for n in 0..self.sieves.len() {
+            let [least, most] = [-self.witnesses.end(n, 0), self.witnesses.end(n, 1)];
+            if self.witnesses.has_general(n) || least <= 4.0 * (most - least) {
                 continue;
             }
-            let bound = |around: &Enclosure| if sieve.may_be_general(around) { 0.0 } else { f64::NEG_INFINITY };
-            instances.search(watch, bound, |some| {
-                let sifted = super::sift(sieves, &some.spheres, false);
-                witnesses.mark(&some.spheres, &|n| some.numbers[n], &sifted.marks, unit);
-                if witnesses.has_general(n) { 0.0 } else { f64::NEG_INFINITY }
-            })?;
+            let score = |is_found: bool| if is_found { 0.0 } else { f64::NEG_INFINITY };
+            let bound = |sieve: &Sieve, bounds: &Enclosure| score(sieve.may_be_general(bounds));
+            self.search_marks(instances, watch, n, bound, |witnesses| score(witnesses.has_general(n)))?;
         }
         Ok(())
+    }
+
+    /// Finds the spheres with the greatest score by what sieves mark; `bound` is one of a box in sieve `n`.
+    fn search_marks(
+        &mut self,
+        instances: &Instances,
+        watch: &Watch,
+        n: usize,
+        bound: impl Fn(&Sieve, &Enclosure) -> f64,
+        score: impl Fn(&Witnesses) -> f64,
+    ) -> Result<()> {
+        let (sieves, unit, witnesses) = (&self.sieves, self.unit(), &mut self.witnesses);
+        let bound = |bounds: &Enclosure| bound(&sieves[n], bounds);
+        instances.search(watch, bound, |some| {
+            let marks = sift(sieves, &some.spheres, false).marks;
+            witnesses.mark(&some.spheres, &|n| some.numbers[n], &marks, unit);
+            score(witnesses)
+        })
     }
 
     /// Passes all groups, the nearest first, and keeps what some ray may hit first.
@@ -121,7 +130,7 @@ impl Stream {
                 continue;
             }
             instances.spheres_of(&group, &mut batch);
-            if batch.numbers.len() >= BATCH {
+            if batch.numbers.len() >= SPHERES_PER_BATCH {
                 watch.check()?;
                 self.take(&batch)?;
                 batch.clear();
@@ -132,9 +141,7 @@ impl Stream {
 
     /// Keeps what some ray may hit first of a batch.
     fn take(&mut self, batch: &NumberedSpheres) -> Result<()> {
-        let sifted = super::sift(&self.sieves, &batch.spheres, true);
-        let number = |n: usize| batch.numbers[n];
-        self.keep(&batch.spheres, &number, &sifted)?;
+        self.keep_open(&batch.spheres, &|n| batch.numbers[n])?;
         self.refresh();
         Ok(())
     }

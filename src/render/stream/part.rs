@@ -2,24 +2,24 @@
 //! left of several parts together gives the frame of all their spheres, bit for bit, in whatever order and however often
 //! they are combined: docs/certificate.md, section 11.
 
-use super::digests::{Digests, MOST};
-use super::{KEPT, Stream, StreamIds, Visible, check, visible};
+use super::digests::{Digests, MAX_SPHERES};
+use super::{CULL_MIN_SPHERES, Stream, StreamIds, Visible, check, visible};
 use crate::error::{Error, Place, Result};
-use crate::memory;
 use crate::quote::setting::{FIRST_ID, TOLERANCE};
 use crate::quote::{count, quote};
 use crate::scene::camera::Camera;
 use crate::scene::instances::NumberedSpheres;
-use crate::scene::{ImagePlane, Lighting, List, Scene, Spheres};
+use crate::scene::{ImagePlane, Lighting, Scene, Spheres};
 use crate::settings::{Accuracy, Settings, Tolerance};
 use crate::window::Window;
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 use std::fmt;
 
-/// The rays of the frame that parts are made for.
+/// The rays of the frame that a part is made for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Seen {
+pub struct PartView {
     /// The version of halfline that made the part.
     pub version: String,
     /// The camera.
@@ -36,39 +36,37 @@ pub struct Seen {
     pub tolerance: f64,
 }
 
-/// What a frame needs of some of its spheres.
+/// The spheres of a part of a scene that a frame needs.
 #[derive(Clone)]
 pub struct Part {
-    /// What errors call it: its file, or its place among others.
+    /// Its name in errors: the file, or its ids.
     pub name: String,
-    seen: Seen,
+    view: PartView,
     kept: NumberedSpheres,
     digests: Digests,
 }
 
-/// What a part says of itself beside its arrays.
+/// The header of a part, beside its arrays.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct About {
+struct PartHeader {
     halfline: String,
-    seen: Seen,
+    #[serde(rename = "seen")]
+    view: PartView,
     digests: Digests,
     /// BLAKE3 of the arrays of the part.
     arrays: String,
 }
 
-/// What [`About::halfline`] says.
+/// The text of [`PartHeader::halfline`].
 const KIND: &str = "visible spheres of a part, 1";
-
-/// Spheres that are sifted at a time.
-const BLOCK: usize = 1 << 18;
 
 /// The remedy for parts that are not alike.
 const ALIKE: &str =
     "sift all parts with the same camera, size, window, samples, seed, tolerance and version of halfline";
 
-impl Seen {
-    /// Those of a frame of `scene`.
+impl PartView {
+    /// The rays of a frame of `scene`.
     ///
     /// # Errors
     /// As [`Settings::window_of`].
@@ -109,7 +107,7 @@ impl Seen {
         })
     }
 
-    /// The first thing in which the rays of two frames differ, and what each has.
+    /// The first thing in which the rays of two frames differ, and its two values.
     fn difference(&self, other: &Self) -> Option<(&'static str, [String; 2])> {
         fn pair<T: PartialEq>(a: &T, b: &T, shown: impl Fn(&T) -> String) -> Option<[String; 2]> {
             (a != b).then(|| [shown(a), shown(b)])
@@ -133,82 +131,71 @@ impl Stream {
     /// `scene`, whose own spheres are not used, with the window, samples, seed and tolerance of `settings`.
     ///
     /// # Errors
-    /// Those of [`Stream::new`]; [`Error::Limits`] for ids from 2^55 on.
+    /// Errors of [`Stream::new`]; [`Error::Limits`] for ids from 2^55 on.
     pub fn of_part(scene: &Scene, settings: &Settings, first_id: u64) -> Result<Self> {
-        let seen = Seen::new(scene, settings)?;
+        let view = PartView::new(scene, settings)?;
         check_id(first_id)?;
-        Ok(Self { first: first_id, ..Self::new(&seen.scene(), &seen.settings()?)? })
+        Ok(Self { first: first_id, ..Self::new(&view.scene(), &view.settings()?)? })
     }
 
-    /// What a frame needs of the spheres that were added, for [`Part::combine`] or [`Part::visible`].
+    /// The spheres that a frame needs of those that were added, for [`Part::combine`] or [`Part::visible`].
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short, and for ids from 2^55 on.
     pub fn part(mut self) -> Result<Part> {
         check_id(self.first + self.count)?;
-        let seen = Seen::new(&self.scene, &self.settings)?;
+        let view = PartView::new(&self.scene, &self.settings)?;
         let name = format!("the part of ids from {}", self.first);
-        Ok(Part { name, seen, kept: self.rest()?, digests: self.digests })
+        Ok(Part { name, view, kept: self.rest()?, digests: self.digests })
     }
 }
 
 impl Part {
-    /// A part of the arrays that [`Part::about`] belongs to: n centres, radii, ids in increasing order, and colours if the spheres
-    /// have any.
+    /// A part of the arrays that [`Part::about`] belongs to: spheres and their ids in increasing order.
     ///
     /// # Errors
     /// [`Error::Scene`] for a part that is damaged, or of another version.
-    pub fn new(
-        name: String,
-        about: &[u8],
-        ids: Vec<u64>,
-        (centers, radii): (Vec<[f64; 3]>, Vec<f64>),
-        colors: Option<Vec<[f32; 3]>>,
-    ) -> Result<Self> {
+    pub fn new(name: String, about: &[u8], ids: Vec<u64>, spheres: Spheres) -> Result<Self> {
         let fail = |problem: String| {
             Error::scene(Place::file(&name), problem, "make the part again with halfline sift of this version")
         };
-        let about: About =
-            serde_json::from_slice(about).map_err(|error| fail(format!("the part is damaged: {error}")))?;
-        if about.halfline != KIND {
-            return Err(fail(format!("this is {} and not {}", quote(&about.halfline), quote(KIND))));
+        let damaged = |error: &dyn fmt::Display| fail(format!("the part is damaged: {error}"));
+        let header: PartHeader = serde_json::from_slice(about).map_err(|error| damaged(&error))?;
+        if header.halfline != KIND {
+            return Err(fail(format!("this is {} and not {}", quote(&header.halfline), quote(KIND))));
         }
-        let spheres =
-            Spheres { centers: centers.into(), radii: radii.into(), colors: colors.map(Into::into), materials: None };
         let are_alike = spheres.radii.len() == ids.len()
             && spheres.centers.len() == ids.len()
             && spheres.colors.as_ref().is_none_or(|colors| colors.len() == ids.len());
         let kept = NumberedSpheres { numbers: ids, spheres };
-        if !are_alike || about.arrays != kept.digest() {
-            return Err(fail("the part is damaged: its arrays are not those that were written".into()));
+        if !are_alike || header.arrays != kept.digest() {
+            return Err(damaged(&"its arrays are not those that were written"));
         }
-        let known = about.digests.ids();
+        let known = header.digests.ids();
         let is_known = |id: u64| known.iter().any(|[first, end]| (*first..*end).contains(&id));
         if !kept.numbers.is_sorted_by(|a, b| a < b) || !kept.numbers.iter().all(|id| is_known(*id)) {
-            return Err(fail("the part is damaged: its ids are not those of its digests".into()));
+            return Err(damaged(&"its ids are not those of its digests"));
         }
         kept.spheres.check()?;
-        let damaged = |error: Error| fail(format!("the part is damaged: {error}"));
-        let scene = about.seen.scene();
-        scene.check().map_err(damaged)?;
-        about.seen.settings().and_then(|settings| settings.window_of(&scene)).map_err(damaged)?;
-        Ok(Self { name, seen: about.seen, kept, digests: about.digests })
+        let scene = header.view.scene();
+        let settings = scene.check().and_then(|()| header.view.settings());
+        settings.and_then(|settings| settings.window_of(&scene)).map_err(|error| damaged(&error))?;
+        Ok(Self { name, view: header.view, kept, digests: header.digests })
     }
 
-    /// JSON of what the part was made for and of which spheres, for [`Part::new`].
+    /// JSON of the rays that the part was made for and of which spheres, for [`Part::new`].
     #[must_use]
     pub fn about(&self) -> String {
-        let Self { seen, kept, digests, .. } = self;
-        let (seen, digests) = (seen.clone(), digests.clone());
-        let about = About { halfline: KIND.into(), seen, digests, arrays: kept.digest() };
+        let (view, digests) = (self.view.clone(), self.digests.clone());
+        let header = PartHeader { halfline: KIND.into(), view, digests, arrays: self.kept.digest() };
         // Numbers, texts and lists are always JSON.
-        serde_json::to_string(&about).unwrap_or_default()
+        serde_json::to_string(&header).unwrap_or_default()
     }
 
     /// The rays of the frame.
     #[must_use]
-    pub fn seen(&self) -> &Seen {
-        &self.seen
+    pub fn view(&self) -> &PartView {
+        &self.view
     }
 
     /// The ids of the spheres, in increasing order.
@@ -241,8 +228,8 @@ impl Part {
     /// # Errors
     /// [`Error::Settings`] for parts of frames that differ, [`Error::Scene`] where an id has two spheres, [`Error::Limits`]
     /// where memory is short.
-    pub fn combine(mut self, other: &Self) -> Result<Self> {
-        if self.join(other)? { self.sifted() } else { Ok(self) }
+    pub fn combine(self, other: &Self) -> Result<Self> {
+        self.combine_from(CULL_MIN_SPHERES, [Ok(other)])
     }
 
     /// The part of all spheres of this part and of others, which are taken one by one: they are sifted together whenever twice as many
@@ -251,15 +238,19 @@ impl Part {
     /// # Errors
     /// The first of the parts, and those of [`Part::combine`].
     pub fn combine_all(self, others: impl IntoIterator<Item = Result<Self>>) -> Result<Self> {
-        self.combine_beyond(KEPT, others)
+        self.combine_from(CULL_MIN_SPHERES, others)
     }
 
-    /// The same, where fewer than `few` spheres are not sifted before the end.
-    fn combine_beyond(mut self, few: usize, others: impl IntoIterator<Item = Result<Self>>) -> Result<Self> {
-        let limit = |whole: &Self| few.max(2 * whole.kept.numbers.len());
+    /// The same, where spheres are not sifted before the end while there are at most `least`. Checks nothing itself.
+    fn combine_from(
+        mut self,
+        least: usize,
+        others: impl IntoIterator<Item = Result<impl Borrow<Self>>>,
+    ) -> Result<Self> {
+        let limit = |whole: &Self| least.max(2 * whole.kept.numbers.len());
         let (mut most, mut is_sifted) = (limit(&self), true);
         for part in others {
-            is_sifted &= !self.join(&part?)?;
+            is_sifted &= !self.append(part?.borrow())?;
             if self.kept.numbers.len() > most {
                 self = self.sifted()?;
                 (most, is_sifted) = (limit(&self), true);
@@ -268,23 +259,21 @@ impl Part {
         if is_sifted { Ok(self) } else { self.sifted() }
     }
 
-    /// Adds the spheres of another part, of which others may hide some. Returns whether there are new ones.
-    fn join(&mut self, other: &Self) -> Result<bool> {
-        if let Some((what, [own, others])) = self.seen.difference(&other.seen) {
+    /// Adds the spheres of another part, of which others may hide some. Checks that both parts are of one frame, that no id has two
+    /// spheres, and that both have colours or none. Returns whether there are new spheres.
+    fn append(&mut self, other: &Self) -> Result<bool> {
+        if let Some((what, [own, others])) = self.view.difference(&other.view) {
             let problem = format!(
                 "{} and {} are parts of different frames: the {what} is {own}, and {others}",
                 self.name, other.name
             );
             return Err(Error::settings(problem, ALIKE));
         }
-        let differ = |_| self.differ(other, "an id that both have".into());
         let mut digests = self.digests.clone();
-        digests.join(&other.digests).map_err(differ)?;
+        digests.join(&other.digests).map_err(|_| self.differ(other, "an id that both have".into()))?;
         let new = self.new_ones(other)?;
-        if !self.kept.numbers.is_empty()
-            && !new.is_empty()
-            && self.kept.spheres.colors.is_some() != other.kept.spheres.colors.is_some()
-        {
+        let [own, others] = [self, other].map(|part| part.kept.spheres.colors.is_some());
+        if !self.kept.numbers.is_empty() && !new.is_empty() && own != others {
             let problem = format!("only one of {} and {} has colours", self.name, other.name);
             return Err(Error::settings(problem, "give all parts colours, or none"));
         }
@@ -296,9 +285,10 @@ impl Part {
 
     /// The same without spheres that others hide.
     fn sifted(self) -> Result<Self> {
-        let mut stream = Stream::new(&self.seen.scene(), &self.seen.settings()?)?;
-        stream.see_all(&self.kept)?;
-        Ok(Self { kept: stream.rest()?, ..self })
+        let Self { name, view, kept, digests } = self;
+        let mut stream = Stream::new(&view.scene(), &view.settings()?)?;
+        stream.add_block(&kept.spheres, &|n| kept.numbers[n])?;
+        Ok(Self { name, view, kept: stream.rest()?, digests })
     }
 
     /// The spheres that a frame of `scene` needs, whose own spheres are not used; its fingerprint is that of all spheres of the part.
@@ -307,19 +297,15 @@ impl Part {
     /// [`Error::Settings`] for a frame that the part is not made for.
     pub fn visible(self, scene: &Scene, settings: &Settings) -> Result<Visible> {
         check(scene, settings)?;
-        let frame = Seen::new(scene, settings)?;
-        // One sample is the pixel's centre, which every part is made for, and a smaller tolerance sees no more.
-        let same_samples = frame.samples == 1 || [frame.samples, frame.seed] == [self.seen.samples, self.seen.seed];
-        let own = if same_samples {
-            Seen { samples: frame.samples, seed: frame.seed, ..self.seen.clone() }
-        } else {
-            self.seen.clone()
-        };
-        let own = Seen { tolerance: frame.tolerance.max(own.tolerance), ..own };
-        let frame = Seen { tolerance: own.tolerance, ..frame };
-        if settings.promise().relative() > self.seen.tolerance {
-            let problem = format!("{} is made for a tolerance of {}", self.name, self.seen.tolerance);
+        let frame = PartView::new(scene, settings)?;
+        if frame.tolerance > self.view.tolerance {
+            let problem = format!("{} is made for a tolerance of {}", self.name, self.view.tolerance);
             return Err(Error::settings(problem, format!("use at most that as {TOLERANCE}")));
+        }
+        // A smaller tolerance sees no more, and one sample is the pixel's centre, which every part is made for.
+        let mut own = PartView { tolerance: frame.tolerance, ..self.view.clone() };
+        if frame.samples == 1 {
+            (own.samples, own.seed) = (frame.samples, frame.seed);
         }
         if let Some((what, [own, given])) = own.difference(&frame) {
             let problem = format!("{} is made for another frame: its {what} is {own}, and not {given}", self.name);
@@ -382,25 +368,6 @@ impl Part {
     }
 }
 
-impl Stream {
-    /// Takes spheres with their ids, without a fingerprint.
-    fn see_all(&mut self, all: &NumberedSpheres) -> Result<()> {
-        let list = |values: &[f64]| values.to_vec().into();
-        for first in (0..all.numbers.len()).step_by(BLOCK) {
-            let range = first..(first + BLOCK).min(all.numbers.len());
-            memory::check(36 * range.len() as u64, || "a block of spheres".into())?;
-            let block = Spheres {
-                centers: List::from(all.spheres.centers[range.clone()].to_vec()),
-                radii: list(&all.spheres.radii[range.clone()]),
-                colors: all.spheres.colors.as_ref().map(|colors| colors[range].to_vec().into()),
-                materials: None,
-            };
-            self.see(&block, &|n| all.numbers[first + n])?;
-        }
-        Ok(())
-    }
-}
-
 impl NumberedSpheres {
     /// BLAKE3 of all numbers.
     fn digest(&self) -> String {
@@ -432,11 +399,11 @@ impl fmt::Debug for Part {
 }
 
 fn check_id(id: u64) -> Result<()> {
-    if id <= MOST {
+    if id <= MAX_SPHERES {
         return Ok(());
     }
     let problem = format!("an id of a part is {id} or more");
-    Err(Error::Limits { problem, mend: format!("use ids below {MOST}") })
+    Err(Error::Limits { problem, mend: format!("use ids below {MAX_SPHERES}") })
 }
 
 #[cfg(test)]
@@ -475,14 +442,14 @@ mod tests {
         let all = parts.iter().map(|part| part.ids().len()).sum::<usize>();
         let mut renderer = Renderer::new(&settings).expect("the CPU path");
         let whole = renderer.render(&scene, &settings).expect("a frame");
-        for few in [0, 2000, usize::MAX] {
-            let part = first.clone().combine_beyond(few, others.iter().cloned().map(Ok)).expect("one frame");
+        for least in [0, 2000, usize::MAX] {
+            let part = first.clone().combine_from(least, others.iter().cloned().map(Ok)).expect("one frame");
             let kept = part.ids().len();
-            assert!(2 * kept < all, "{few}: {kept} of {all}");
+            assert!(2 * kept < all, "{least}: {kept} of {all}");
             let Visible { scene, ids } = part.visible(&scene, &settings).expect("the same frame");
             let mut frame = renderer.render(&scene, &settings).expect("a frame");
             ids.restore(&mut frame);
-            assert!(whole.buffers == frame.buffers, "{few}");
+            assert!(whole.buffers == frame.buffers, "{least}");
         }
     }
 }

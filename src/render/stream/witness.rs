@@ -3,6 +3,7 @@
 use crate::answers::depth_cue::reach;
 use crate::certify::sieve::Marks;
 use crate::double_double::ldexp;
+use crate::render::plan::choose::MAX_FOR_METHOD;
 use crate::scene::Spheres;
 use crate::scene::camera::Basis;
 use crate::scene::instances::enclosure::Enclosure;
@@ -23,12 +24,12 @@ pub(super) struct Witness {
 pub(super) struct Witnesses {
     basis: Basis,
     /// The greatest score of each kind, with its sphere.
-    best: [Option<(f64, Witness)>; SCORES],
+    best: [Best; SCORES],
     /// For every sieve the greatest of minus the depths and of the depths, and a general sphere.
-    ends: Vec<[Option<(f64, Witness)>; 2]>,
+    ends: Vec<[Best; 2]>,
     generals: Vec<Option<Witness>>,
-    /// The first spheres: plans depend on whether there are more than so many.
-    pub(super) first: Vec<Witness>,
+    /// The first spheres, up to [`FIRST`].
+    first: Vec<Witness>,
 }
 
 /// Scores of a sphere: the size that the frame's unit depends on, the box around all, and the depths of a depth cue, each as a
@@ -36,7 +37,20 @@ pub(super) struct Witnesses {
 pub(super) const SCORES: usize = 10;
 
 /// Spheres that one job scores.
-const TOGETHER: usize = 1 << 12;
+const SPHERES_PER_JOB: usize = 1 << 12;
+
+/// The first spheres are kept in any case: plans depend on whether there are more than so many.
+pub(super) const FIRST: usize = MAX_FOR_METHOD + 1;
+
+/// The sphere with the greatest score so far.
+type Best = Option<(f64, Witness)>;
+
+/// Takes a sphere whose score is greater.
+fn improve(best: &mut Best, score: f64, sphere: impl FnOnce() -> Option<Witness>) {
+    if best.is_none_or(|(known, _)| score > known) {
+        *best = sphere().map(|sphere| (score, sphere));
+    }
+}
 
 impl Witnesses {
     /// No spheres yet, seen by a camera with this basis.
@@ -44,7 +58,13 @@ impl Witnesses {
         Self { basis, best: [None; SCORES], ends: Vec::new(), generals: Vec::new(), first: Vec::new() }
     }
 
-    /// Takes the spheres of a block, whose numbers `number` gives.
+    /// Takes the first spheres of a block, whose numbers `number` gives, while there are too few.
+    pub(super) fn add_first(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64) {
+        let more = 0..block.len().min(FIRST.saturating_sub(self.first.len()));
+        self.first.extend(more.map(|n| witness(block, number(n), n)));
+    }
+
+    /// Takes the spheres of a block.
     pub(super) fn see(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64) {
         let basis = self.basis;
         let job = |(centers, radii): (&[[f64; 3]], &[f64])| {
@@ -53,20 +73,20 @@ impl Witnesses {
                 std::array::from_fn(|k| if score[k] > best[k] { score[k] } else { best[k] })
             })
         };
-        let jobs = block.centers.par_chunks(TOGETHER).zip(block.radii.par_chunks(TOGETHER));
+        let jobs = block.centers.par_chunks(SPHERES_PER_JOB).zip(block.radii.par_chunks(SPHERES_PER_JOB));
         let all: Vec<[f64; SCORES]> = jobs.map(job).collect();
         for (n, best) in all.into_iter().enumerate() {
             for (k, score) in best.into_iter().enumerate() {
-                if self.best[k].is_none_or(|(known, _)| score > known) {
-                    let mut range = n * TOGETHER..((n + 1) * TOGETHER).min(block.len());
+                improve(&mut self.best[k], score, || {
+                    let mut range = n * SPHERES_PER_JOB..block.len();
                     let place = range.find(|n| scores(&basis, block.centers[*n], block.radii[*n])[k] == score);
-                    self.best[k] = place.map(|place| (score, witness(block, number(place), place)));
-                }
+                    place.map(|place| witness(block, number(place), place))
+                });
             }
         }
     }
 
-    /// Takes what every sieve found in a block. Depths are in the unit 2^`unit`.
+    /// Takes the marks of every sieve in a block. Depths are in the unit 2^`unit`.
     pub(super) fn mark(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, marks: &[Marks], unit: i32) {
         let of = |place: u32| witness(block, number(place as usize), place as usize);
         if self.ends.len() < marks.len() {
@@ -77,9 +97,7 @@ impl Witnesses {
             let scaled = |depth: f64| ldexp(depth, unit);
             let found = marks.depths.map(|[least, most]| [(-scaled(least.0), least.1), (scaled(most.0), most.1)]);
             for (known, (score, place)) in ends.iter_mut().zip(found.into_iter().flatten()) {
-                if known.is_none_or(|(known, _)| score > known) {
-                    *known = Some((score, of(place)));
-                }
+                improve(known, score, || Some(of(place)));
             }
             *general = general.or(marks.general.map(of));
         }
@@ -132,7 +150,7 @@ impl Witnesses {
 }
 
 /// The sphere of a block at an index.
-pub(super) fn witness(block: &Spheres, number: u64, place: usize) -> Witness {
+fn witness(block: &Spheres, number: u64, place: usize) -> Witness {
     Witness {
         number,
         center: block.centers[place],

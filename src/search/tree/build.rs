@@ -1,7 +1,7 @@
 //! Builds the tree: halves the spheres at planes across their longest extent, each time so that full children come
 //! first.
 
-use super::{ABSENT, Block, MOST, Node, Tree, WIDE};
+use super::{ABSENT, Block, MAX_SPHERES, Node, Tree, WIDE};
 use crate::view::placement::{PLACED, Placement};
 use rayon::prelude::*;
 
@@ -16,10 +16,10 @@ struct Item {
 const ALONE: usize = 1 << 12;
 
 impl Tree {
-    /// The tree of these spheres; `None` for none or more than [`MOST`].
+    /// The tree of these spheres; `None` for none or more than [`MAX_SPHERES`].
     pub(crate) fn new(centers: &[[f64; 3]], radii: &[f64]) -> Option<Self> {
         let count = radii.len();
-        if count == 0 || count > MOST {
+        if count == 0 || count > MAX_SPHERES {
             return None;
         }
         let placement = Placement::new(centers, radii);

@@ -5,12 +5,12 @@ use super::BoxRay;
 use rayon::prelude::*;
 
 /// Fewer rays than this are not sorted.
-const FEW: u32 = 1 << 10;
+const SORTING_MIN_RAYS: u32 = 1 << 10;
 
 /// The numbers of `count` rays along the Morton curve through their starts, then through their directions. `ray` is a ray by
 /// its number; `None` if it certainly meets nothing.
 pub(crate) fn order(count: u32, ray: impl Fn(u32) -> Option<BoxRay> + Sync) -> Vec<u32> {
-    if count < FEW {
+    if count < SORTING_MIN_RAYS {
         return (0..count).collect();
     }
     let key = |n: u32| u64::from(ray(n).map_or(0, |ray| key(&ray))) << 32 | u64::from(n);

@@ -1,0 +1,160 @@
+//! Makes the records of lists from front to back, with what they cover.
+
+use super::entry::Placed;
+use super::grouped::Grouped;
+use super::projection::ProjectionBounds;
+use super::projection::cover::{Cover, Coverage};
+use super::projection::project::LaneBatch;
+use super::projection::stage::Staged;
+use crate::memory::Pool;
+use crate::number::vector::LANES;
+use crate::scene::Spheres;
+use crate::tile::CHUNK;
+use pulp::NullaryFnOnce;
+use rayon::prelude::*;
+
+/// The spheres of lists, by their numbers.
+#[derive(Clone, Copy)]
+pub(super) enum SphereOrder<'a> {
+    /// All of a scene: their numbers are their ids.
+    InMemory { centers: &'a [[f64; 3]], radii: &'a [f64] },
+    /// Spheres in some places of the order of groups.
+    Places { groups: Grouped<'a>, places: &'a [u32] },
+}
+
+impl<'a> SphereOrder<'a> {
+    /// All spheres of a scene.
+    pub(super) fn of(spheres: &'a Spheres) -> Self {
+        Self::InMemory { centers: &spheres.centers, radii: &spheres.radii }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::InMemory { radii, .. } => radii.len(),
+            Self::Places { places, .. } => places.len(),
+        }
+    }
+
+    /// Id, centre and radius of a sphere.
+    #[inline(always)]
+    pub(super) fn sphere(&self, number: usize) -> (u32, [f64; 3], f64) {
+        match self {
+            Self::InMemory { centers, radii } => (number as u32, centers[number], radii[number]),
+            Self::Places { groups, places } => groups.sphere(places[number] as usize),
+        }
+    }
+}
+
+/// Spheres that are read together: they lie anywhere in memory, and a processor waits for many of them at once.
+pub(super) const AHEAD: usize = 4 * CHUNK;
+
+// A chunk is a batch.
+const _: () = assert!(CHUNK == LANES);
+
+/// Creates the records of lists.
+pub(super) struct RecordMaker<'a> {
+    pub(super) projection: &'a ProjectionBounds,
+    pub(super) order: SphereOrder<'a>,
+    pub(super) coverage: Coverage,
+    pub(super) reference: f64,
+    /// The records of all spheres by their numbers, where most spheres are in several lists; else empty.
+    pub(super) ready: Vec<Placed>,
+}
+
+/// Spheres that one job projects.
+const SPHERES_PER_JOB: usize = 1 << 14;
+
+impl RecordMaker<'_> {
+    /// Projects all spheres, those that are in no list too.
+    pub(super) fn project_all(&mut self, pool: &Pool) {
+        let mut ready: Vec<Placed> = pool.sized(self.order.len());
+        let (maker, arch) = (&*self, pulp::Arch::new());
+        let job = |(n, to): (usize, &mut [Placed])| arch.dispatch(Ready { maker, first: n * SPHERES_PER_JOB, to });
+        ready.par_chunks_mut(SPHERES_PER_JOB).enumerate().for_each(job);
+        self.ready = ready;
+    }
+
+    /// Begins the list of the tile at this column and row of tiles, or of several tiles (`None`).
+    pub(super) fn begin(&self, tile: Option<[u32; 2]>) -> ListRecords<'_> {
+        let cover = tile.map(|tile| Cover::new(self.coverage, tile));
+        ListRecords { maker: self, cover, numbers: [0; AHEAD], batches: [LaneBatch::NONE; AHEAD / LANES] }
+    }
+
+    /// The records of the spheres of a batch; as they are for those that have none.
+    #[inline(always)]
+    fn project(&self, batch: &LaneBatch, to: &mut [Placed]) {
+        let Self { projection, reference, .. } = *self;
+        let LaneBatch { ids, centers, radii, .. } = batch;
+        let eight = projection.eight(batch, reference);
+        for (l, placed) in to.iter_mut().enumerate() {
+            if eight.projected[l] != 0 {
+                *placed = eight.placed(l, ids[l]);
+            } else if let Staged::Projected(landed) = projection.stage(ids[l], centers[l], radii[l], reference) {
+                *placed = landed.placed;
+            }
+        }
+    }
+}
+
+/// The spheres from number `first` on, all of which are projected.
+struct Ready<'a> {
+    maker: &'a RecordMaker<'a>,
+    first: usize,
+    to: &'a mut [Placed],
+}
+
+impl NullaryFnOnce for Ready<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { maker, first, to } = self;
+        for (first, to) in (first..).step_by(LANES).zip(to.chunks_mut(LANES)) {
+            let batch = LaneBatch::fill(first..first + to.len(), |n| maker.order.sphere(n));
+            maker.project(&batch, to);
+        }
+    }
+}
+
+/// The records of one list, from front to back.
+pub(super) struct ListRecords<'a> {
+    maker: &'a RecordMaker<'a>,
+    /// Of the pixels of the tile, where the list serves one.
+    cover: Option<Cover>,
+    /// The numbers of the spheres that were read last; where no records are ready, the spheres.
+    numbers: [u32; AHEAD],
+    batches: [LaneBatch; AHEAD / LANES],
+}
+
+impl ListRecords<'_> {
+    /// Reads the spheres that come next, at most [`AHEAD`].
+    #[inline(always)]
+    pub(super) fn fetch(&mut self, numbers: &[u32]) {
+        let RecordMaker { order, ready, .. } = self.maker;
+        self.numbers[..numbers.len()].copy_from_slice(numbers);
+        if ready.is_empty() {
+            for (first, batch) in (0..numbers.len()).step_by(LANES).zip(&mut self.batches) {
+                *batch = LaneBatch::fill(first..numbers.len(), |n| order.sphere(numbers[n] as usize));
+            }
+        }
+    }
+
+    /// The records of a chunk of those spheres.
+    #[inline(always)]
+    pub(super) fn place(&mut self, chunk: usize, to: &mut [Placed]) {
+        let ready = &self.maker.ready;
+        if ready.is_empty() {
+            self.maker.project(&self.batches[chunk], to);
+        } else {
+            to.iter_mut().zip(&self.numbers[chunk * CHUNK..]).for_each(|(placed, n)| *placed = ready[*n as usize]);
+        }
+        if let Some(cover) = &mut self.cover {
+            to.iter().for_each(|placed| cover.add(placed));
+        }
+    }
+
+    /// The depth beyond which every sphere is certainly occluded, if known: no sphere with a higher minimum is hit first.
+    pub(super) fn limit(&self) -> Option<f64> {
+        self.cover.as_ref().and_then(Cover::limit)
+    }
+}
