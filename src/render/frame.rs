@@ -10,6 +10,7 @@ use super::place::Executor;
 use super::plan::Plan;
 use super::plan::engine::Engine;
 use super::renderer::Renderer;
+use super::sample::Sampling;
 use super::setup::{FrameSetup, ResidentSetup, Stage};
 use crate::answers::assemble::Answers;
 use crate::answers::lit::LightBuffers;
@@ -165,12 +166,14 @@ impl Renderer {
             }
             _ => LightBuffers::default(),
         };
-        let sampled = samples
-            .zip(plan.sampled)
-            .map(|(raster, kernel)| {
-                self.sample(plan, kernel, (scene, settings, lights.as_ref()), (raster, &raw.id), &mut timings)
-            })
-            .transpose()?;
+        let sampled = match (samples, plan.sampled) {
+            (Some(raster), Some(kernel)) => {
+                let lights = lights.as_ref().filter(|_| plan.wanted.color);
+                let sampling = Sampling { plan, kernel, scene, settings, lights };
+                Some(self.sample(sampling, raster, &raw.id, &mut timings)?)
+            }
+            _ => None,
+        };
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
             timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));

@@ -7,7 +7,8 @@ use super::plan::Plan;
 use super::plan::lights::center_rays;
 use super::renderer::Renderer;
 use super::setup::FrameSetup;
-use crate::answers::finish::fade;
+use crate::answers::depth_cue::DepthCue;
+use crate::answers::finish::{Finish, fade};
 use crate::answers::lit::{AROUND, OpenSky};
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
@@ -27,52 +28,64 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::Arc;
 
+/// What the samples of a frame have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Sampling<'a> {
+    pub(super) plan: &'a Plan,
+    /// Writes ids and colours.
+    pub(super) kernel: Kernel,
+    pub(super) scene: &'a Scene,
+    pub(super) settings: &'a Settings,
+    /// `None` where the kernel shades.
+    pub(super) lights: Option<&'a LightSetup>,
+}
+
+impl Sampling<'_> {
+    /// What is drawn over the colours.
+    fn finish(&self) -> Option<Finish> {
+        self.plan.finish.filter(|_| self.settings.asks(&[Aov::Color]))
+    }
+
+    /// The sky whose light is found at the centres of pixels, for all samples. With an open lens a sample may hit spheres that no
+    /// centre sees.
+    fn sky_at_centers(&self) -> Option<Sky> {
+        let is_pinhole = self.settings.aperture.is_none();
+        self.scene.lighting.sky.filter(|sky| self.lights.is_some() && is_pinhole && sky.at_centers)
+    }
+
+    /// The kernel's plan.
+    fn plan(&self) -> Plan {
+        Plan { kernel: self.kernel, ..self.plan.clone() }
+    }
+}
+
 impl Renderer {
-    /// Renders all samples of `raster` with `kernel`, in their order. `centers` are the spheres that the pixels' centres
-    /// show.
+    /// Renders all samples of `raster`, in their order. `centers` are the spheres that the pixels' centres show.
     pub(super) fn sample(
         &mut self,
-        plan: &Plan,
-        kernel: Kernel,
-        (scene, settings, lights): (&Scene, &Settings, Option<&LightSetup>),
-        (mut raster, centers): (Raster, &[u32]),
+        sampling: Sampling<'_>,
+        mut raster: Raster,
+        centers: &[u32],
         timings: &mut Timings,
     ) -> Result<Means> {
+        let Sampling { kernel, scene, settings, lights, .. } = sampling;
         let window = raster.window;
         let mut lens = LensPasses::new(scene, settings, raster)?;
-        let lens_is_open = lens.is_some();
         let pool = Arc::clone(&self.pool);
-        let finish = plan.finish.filter(|_| settings.asks(&[Aov::Color]));
-        let lights = lights.filter(|_| plan.wanted.color);
-        let own = scene.lighting.sky;
-        // What the pinhole does not see has no centre.
-        let shared = own.filter(|sky| lights.is_some() && !lens_is_open && sky.at_centers);
+        let finish = sampling.finish();
+        let shared = sampling.sky_at_centers();
         let margin = finish.map_or(0, |finish| finish.margin()).max(if shared.is_some() { AROUND } else { 0 });
         let around = match margin {
             0 => None,
             // Lines are blurred like what they surround: each pass draws its own, from samples around the window.
-            margin if lens_is_open => {
+            margin if lens.is_some() => {
                 raster.window = window.grown(margin, scene.image.width, scene.image.height);
                 None
             }
-            margin => Some(self.centers(plan, (scene, settings), (window, margin), centers, timings)?),
+            margin => Some(self.centers(sampling, window, margin, centers, timings)?),
         };
-        let sky = match (&around, lights, shared) {
-            (Some(around), Some(lights), Some(sky)) => {
-                let ids = every_second(&around.view, &around.ids);
-                let wanted = LightOutputs { sky: true, ..LightOutputs::default() };
-                let of = FrameContext { scene, settings, view: &around.view };
-                let sky = Some(Sky { rays: center_rays(sky, raster.count()), ..sky });
-                let lit = timings.time("light", || {
-                    self.light(
-                        lights,
-                        of,
-                        &LightRequest { chessboard: true, ..LightRequest::of(wanted, sky, &ids) },
-                        &pool,
-                    )
-                })?;
-                Some((around.window, ids, lit.sky))
-            }
+        let sky = match (&around, shared) {
+            (Some(around), Some(sky)) => self.sky_of(sampling, around, sky, raster.count(), timings)?,
             _ => None,
         };
         let open = sky.as_ref().map(|(window, ids, light)| OpenSky { window: *window, ids, light });
@@ -80,50 +93,24 @@ impl Renderer {
         let cue = finish.and_then(|finish| finish.cue(scene, &basis));
         let pixels = raster.window.width() as usize * raster.window.height() as usize;
         let mut raw = Raw::new(&kernel, pixels, &pool)?;
-        let wanted = LightOutputs { color: true, ..LightOutputs::default() };
         let mut sums = Sums::new(pixels, kernel.shade.is_some() || lights.is_some(), &pool)?;
         let mut last: Option<FrameSetup> = None;
         for sample in 0..raster.count() {
             let (scene, raster) = match &mut lens {
-                Some(lens) => lens.pass(sample, raster.window)?,
+                Some(lens) => {
+                    // Each pass has another eye.
+                    last.take().map(|setup| setup.put_back(&pool));
+                    lens.pass(sample, raster.window)?
+                }
                 None => (scene, raster),
             };
             // The spheres are binned once for all passes of one eye, as only the positions within the pixels differ.
-            if lens_is_open && let Some(setup) = last.take() {
-                setup.put_back(&pool);
-            }
             let setup = match &mut last {
                 Some(setup) => setup,
-                none => {
-                    let plan = Plan { kernel, ..plan.clone() };
-                    none.insert(self.setup(plan, scene, settings, raster, timings)?)
-                }
+                none => none.insert(self.setup(sampling.plan(), scene, settings, raster, timings)?),
             };
             setup.view.record.sample = sample;
-            let settled = self.answer(setup, scene, settings, &mut raw, timings)?;
-            raw.settle(&settled);
-            if let Some(shade) = kernel.shade {
-                timings.time("shade", || settle::shade(shade, scene, &setup.view, &settled, &mut raw.color));
-            }
-            if let Some(lights) = lights {
-                let of = FrameContext { scene, settings, view: &setup.view };
-                let lit = timings.time("light", || {
-                    self.light(
-                        lights,
-                        of,
-                        &LightRequest { open_sky: open, ..LightRequest::of(wanted, own, &raw.id) },
-                        &pool,
-                    )
-                })?;
-                pool.put_back(std::mem::replace(&mut raw.color, lit.color));
-            }
-            if let Some(cue) = cue {
-                timings.time("finish", || fade(cue, scene, (&setup.view, lights.is_some()), &raw.id, &mut raw.color));
-            }
-            if let Some(finish) = finish.filter(|_| lens_is_open) {
-                let part = raster.window.inside(raster.window);
-                timings.time("finish", || finish.draw(scene, &setup.view, &raw.id, part, &mut raw.color));
-            }
+            self.pass(Sampling { scene, ..sampling }, setup, open, cue, &mut raw, timings)?;
             timings.time("samples", || sums.add(&raw));
         }
         let mut means = sums.means(raster.count(), &pool);
@@ -135,21 +122,75 @@ impl Renderer {
             timings.time("finish", || finish.draw(scene, &around.view, &around.ids, part, &mut means.color));
         }
         raw.put_back(&pool);
-        if let Some(setup) = last {
-            setup.put_back(&pool);
-        }
+        last.map(|setup| setup.put_back(&pool));
         Ok(means)
     }
 
-    /// What the pixels' centres of a window show, and those around it as far as `margin` and the frame reach.
+    /// One sample of every pixel, with its colour. The scene is that of the pass's eye.
+    fn pass(
+        &mut self,
+        sampling: Sampling<'_>,
+        setup: &mut FrameSetup,
+        open_sky: Option<OpenSky<'_>>,
+        cue: Option<DepthCue>,
+        raw: &mut Raw,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let Sampling { kernel, scene, settings, lights, .. } = sampling;
+        let pool = Arc::clone(&self.pool);
+        let settled = self.answer(setup, scene, settings, raw, timings)?;
+        raw.settle(&settled);
+        let view = &setup.view;
+        if let Some(shade) = kernel.shade {
+            timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
+        }
+        if let Some(lights) = lights {
+            let outputs = LightOutputs { color: true, ..LightOutputs::default() };
+            let request = LightRequest { open_sky, ..LightRequest::of(outputs, scene.lighting.sky, &raw.id) };
+            let frame = FrameContext { scene, settings, view };
+            let lit = timings.time("light", || self.light(lights, frame, &request, &pool))?;
+            pool.put_back(std::mem::replace(&mut raw.color, lit.color));
+        }
+        if let Some(cue) = cue {
+            timings.time("finish", || fade(cue, scene, (view, lights.is_some()), &raw.id, &mut raw.color));
+        }
+        if let Some(finish) = sampling.finish().filter(|_| settings.aperture.is_some()) {
+            let window = view.record.window();
+            timings.time("finish", || finish.draw(scene, view, &raw.id, window.inside(window), &mut raw.color));
+        }
+        Ok(())
+    }
+
+    /// The light of the sky at every second pixel's centre, as on a chessboard: the window, its spheres, and the light.
+    fn sky_of(
+        &mut self,
+        sampling: Sampling<'_>,
+        around: &Centers<'_>,
+        sky: Sky,
+        samples: u32,
+        timings: &mut Timings,
+    ) -> Result<Option<(Window, Vec<u32>, Vec<f32>)>> {
+        let Sampling { scene, settings, lights: Some(lights), .. } = sampling else { return Ok(None) };
+        let pool = Arc::clone(&self.pool);
+        let ids = every_second(&around.view, &around.ids);
+        let outputs = LightOutputs { sky: true, ..LightOutputs::default() };
+        let sky = Sky { rays: center_rays(sky, samples), ..sky };
+        let request = LightRequest { chessboard: true, ..LightRequest::of(outputs, Some(sky), &ids) };
+        let frame = FrameContext { scene, settings, view: &around.view };
+        let lit = timings.time("light", || self.light(lights, frame, &request, &pool))?;
+        Ok(Some((around.window, ids, lit.sky)))
+    }
+
+    /// The spheres that the centres of a window's pixels show, and those around it as far as `margin` and the frame reach.
     fn centers<'a>(
         &mut self,
-        plan: &Plan,
-        (scene, settings): (&Scene, &Settings),
-        (window, margin): (Window, u32),
+        sampling: Sampling<'_>,
+        window: Window,
+        margin: u32,
         centers: &'a [u32],
         timings: &mut Timings,
     ) -> Result<Centers<'a>> {
+        let Sampling { plan, scene, settings, .. } = sampling;
         let pool = Arc::clone(&self.pool);
         let wide = window.grown(margin, scene.image.width, scene.image.height);
         let raster = Raster::centres(wide);
@@ -178,7 +219,7 @@ fn every_second(view: &View, ids: &[u32]) -> Vec<u32> {
     ids.par_iter().enumerate().map(one).collect()
 }
 
-/// What pixels' centres show.
+/// The spheres that pixels' centres show.
 struct Centers<'a> {
     window: Window,
     view: View,
