@@ -6,6 +6,7 @@ use crate::scene::Scene;
 use crate::work::Job;
 use halfline::settings::Tolerance;
 use halfline_measure::run::{Options, Subject, measure as run};
+use halfline_measure::variant::Variant;
 use pyo3::prelude::*;
 
 /// Measures methods in a scene; the record as JSON.
@@ -23,19 +24,17 @@ pub(crate) fn measure(
     tolerance: Option<f64>,
     patience: f64,
 ) -> PyResult<String> {
-    let defaults = Options::default();
     let options = Options {
         backend: backend.parse().or_raise()?,
         adapter,
         variants: match methods {
             Some(names) => names.iter().map(|name| name.parse()).collect::<halfline::Result<_>>().or_raise()?,
-            None => defaults.variants,
+            None => Variant::all(),
         },
         rounds: repeat,
         tolerance: tolerance.map(Tolerance::new).transpose().or_raise()?.unwrap_or_default(),
         patience,
         command: "halfline.measure".into(),
-        ..defaults
     };
     let job = Job::default();
     let record = job.run(py, None, || {

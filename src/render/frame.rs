@@ -255,7 +255,7 @@ impl Renderer {
         let frame = self.frames;
         let hold = |gpu: &mut Gpu, timings: &mut Timings| timings.time("hold", || gpu.hold(scene, frame));
         let plan = match self.resident_setup(plan, scene, settings, raster, timings, hold)? {
-            ResidentSetup::Ready(setup) => return Ok(setup),
+            ResidentSetup::Ready(setup) => return Ok(*setup),
             ResidentSetup::Refused(plan) => plan,
         };
         let pool = Arc::clone(&self.pool);

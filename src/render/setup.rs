@@ -36,7 +36,7 @@ pub(crate) enum Stage {
 
 /// A setup for a device, or the plan back.
 pub(crate) enum ResidentSetup {
-    Ready(FrameSetup),
+    Ready(Box<FrameSetup>),
     /// The camera does not allow it.
     Refused(Plan),
 }
@@ -62,7 +62,7 @@ impl FrameSetup {
             placer = Placer::new(scene, &view, tolerance)?;
         }
         Ok(match placer {
-            Some(placer) => ResidentSetup::Ready(Self { plan, view, stage: Stage::Placed(Box::new(placer)) }),
+            Some(placer) => ResidentSetup::Ready(Box::new(Self { plan, view, stage: Stage::Placed(Box::new(placer)) })),
             None => ResidentSetup::Refused(plan),
         })
     }

@@ -52,7 +52,7 @@ fn frame(renderer: &mut Renderer, scene: &Scene, accuracy: Accuracy) -> Frame {
 }
 
 /// The numbers of a pixel in buffers of f32.
-fn pixel<'a>(frame: &'a Frame, aov: Aov, n: usize) -> &'a [f32] {
+fn pixel(frame: &Frame, aov: Aov, n: usize) -> &[f32] {
     &frame.f32(aov).expect("a requested buffer")[3 * n..3 * n + 3]
 }
 
