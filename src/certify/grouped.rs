@@ -8,7 +8,7 @@ use super::projection::enclose::Enclosed;
 use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
 use super::reference::{joined, reference};
-use super::sieve::{Fate, GroupFate, Sieve};
+use super::sieve::{Fate, Fates, GroupFate, Sieve};
 use crate::scene::instances::enclosure::Enclosure;
 use crate::window::Window;
 use pulp::NullaryFnOnce;
@@ -186,7 +186,7 @@ impl NullaryFnOnce for Job<'_> {
             for small in large * LARGE..self.groups.boxes.small.len().min((large + 1) * LARGE) {
                 let places = self.groups.places(small, GROUP);
                 if !self.is_decided(places.clone(), &mut found) {
-                    self.add(places, &mut found);
+                    self.sieve.settle(places, |place| self.groups.sphere(place), true, &mut found);
                 }
             }
         }
@@ -206,23 +206,19 @@ impl Job<'_> {
         }
         true
     }
+}
 
-    /// Adds those spheres of a group that may be hit first.
+impl Fates for GroupedBins {
     #[inline(always)]
-    fn add(&self, places: Range<usize>, found: &mut GroupedBins) {
-        self.sieve.settle(
-            places,
-            |place| self.groups.sphere(place),
-            true,
-            |place, fate| match fate {
-                Fate::Hidden { depth } => found.see(depth),
-                Fate::Open { depth, bin } => {
-                    found.see(depth);
-                    found.places.push(place as u32);
-                    found.bins.push(bin);
-                }
-                Fate::General(record) => found.generals.push(record),
-            },
-        );
+    fn add(&mut self, place: usize, fate: Fate) {
+        match fate {
+            Fate::Hidden { depth } => self.see(depth),
+            Fate::Open { depth, bin } => {
+                self.see(depth);
+                self.places.push(place as u32);
+                self.bins.push(bin);
+            }
+            Fate::General(record) => self.generals.push(record),
+        }
     }
 }

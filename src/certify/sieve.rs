@@ -39,6 +39,12 @@ pub(super) enum Fate {
     General(GeneralRecord),
 }
 
+/// Takes the fates of spheres. No closure: compilers would call it, once for each sphere.
+pub(super) trait Fates {
+    /// Takes the fate of the sphere with this number.
+    fn add(&mut self, n: usize, fate: Fate);
+}
+
 /// The verdict on all spheres of a group, by the box around them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum GroupFate {
@@ -120,7 +126,7 @@ impl Sieve {
         range: Range<usize>,
         sphere: impl Fn(usize) -> (u32, [f64; 3], f64),
         covers: bool,
-        mut each: impl FnMut(usize, Fate),
+        fates: &mut impl Fates,
     ) {
         for first in range.clone().step_by(LANES) {
             let batch = LaneBatch::fill(first..range.end, &sphere);
@@ -129,7 +135,7 @@ impl Sieve {
             let eight = self.projection.eight_and(&batch, 0.0, place);
             for l in 0..batch.count {
                 if let Some(fate) = self.settle_lane(&batch, &eight, &rectangles, l, covers) {
-                    each(first + l, fate);
+                    fates.add(first + l, fate);
                 }
             }
         }
@@ -216,8 +222,12 @@ pub(crate) fn sift(sieves: &[Sieve], block: &Spheres, covers: bool) -> Sifted {
     let mut kept = vec![sieves.is_empty(); radii.len()];
     let arch = pulp::Arch::new();
     let job = |(n, kept): (usize, &mut [bool])| -> Vec<Marks> {
-        let mut one = |sieve| arch.dispatch(Job { sieve, first: n * SPHERES_PER_JOB, centers, radii, covers, kept });
-        sieves.iter().map(&mut one).collect()
+        let first = n * SPHERES_PER_JOB;
+        let one = |sieve| {
+            let marks = Marks::default();
+            arch.dispatch(Job { sieve, first, centers, radii, covers, kept: &mut *kept, marks })
+        };
+        sieves.iter().map(one).collect()
     };
     let found: Vec<_> = kept.par_chunks_mut(SPHERES_PER_JOB).enumerate().map(job).collect();
     let mut marks = vec![Marks::default(); sieves.len()];
@@ -233,40 +243,47 @@ struct Job<'a> {
     radii: &'a [f64],
     covers: bool,
     kept: &'a mut [bool],
+    marks: Marks,
 }
 
 impl NullaryFnOnce for Job<'_> {
     type Output = Marks;
 
     #[inline(always)]
-    fn call(self) -> Marks {
-        let Self { sieve: Sieve { projection, .. }, first, centers, radii, covers, kept } = self;
-        let mut marks = Marks::default();
-        let sphere = |n: usize| (n as u32, centers[n], radii[n]);
-        self.sieve.settle(first..first + kept.len(), sphere, covers, |n, fate| {
-            let index = n as u32;
-            kept[n - first] |= match fate {
-                Fate::Hidden { depth } => {
-                    marks.see(depth, index);
-                    false
-                }
-                Fate::Open { depth, .. } => {
-                    marks.see(depth, index);
-                    true
-                }
-                Fate::General(_) => match projection.depth_in_any_unit(centers[n], radii[n]) {
-                    // Where only the sieve's unit keeps it from being projected, the frame's unit decides.
-                    Ok(depth) => {
-                        depth.into_iter().for_each(|depth| marks.see(depth, index));
-                        true
-                    }
-                    Err(()) => {
-                        marks.general = marks.general.or(Some(index));
-                        !projection.misses(&Enclosure::of(centers[n], radii[n]))
-                    }
-                },
-            };
-        });
-        marks
+    fn call(mut self) -> Marks {
+        let Self { sieve, first, centers, radii, covers, .. } = self;
+        let range = first..first + self.kept.len();
+        sieve.settle(range, |n| (n as u32, centers[n], radii[n]), covers, &mut self);
+        self.marks
+    }
+}
+
+impl Fates for Job<'_> {
+    #[inline(always)]
+    fn add(&mut self, n: usize, fate: Fate) {
+        match fate {
+            Fate::Hidden { depth } => self.marks.see(depth, n as u32),
+            Fate::Open { depth, .. } => {
+                self.marks.see(depth, n as u32);
+                self.kept[n - self.first] = true;
+            }
+            Fate::General(_) => self.add_general(n),
+        }
+    }
+}
+
+impl Job<'_> {
+    /// Adds a sphere that is general in the sieve's unit.
+    fn add_general(&mut self, n: usize) {
+        let (projection, center, radius) = (&self.sieve.projection, self.centers[n], self.radii[n]);
+        let is_kept = if let Ok(depth) = projection.depth_in_any_unit(center, radius) {
+            // Where only this unit keeps it from being projected, the frame's unit decides.
+            depth.into_iter().for_each(|depth| self.marks.see(depth, n as u32));
+            true
+        } else {
+            self.marks.general = self.marks.general.or(Some(n as u32));
+            !projection.misses(&Enclosure::of(center, radius))
+        };
+        self.kept[n - self.first] |= is_kept;
     }
 }
