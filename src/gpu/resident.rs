@@ -1,6 +1,6 @@
 //! Certified frames whose spheres the device holds: it places them (shaders/place), they leave minima in the pixels
-//! (shaders/splat), and each pixel's winner is certified (shaders/main/certified.wgsl). The host sends a camera. It decides
-//! what the device leaves to it: spheres around the eye, and pixels that are not proved.
+//! (shaders/splat), and each pixel's winner is certified (shaders/main/certified.wgsl). The host sends a camera, the spheres
+//! around the eye, which it projects or lists, and decides the pixels that are not proved.
 
 pub(crate) mod held;
 pub(crate) mod sky;

@@ -342,7 +342,8 @@ impl Renderer {
                 self.trace_strips(setup, binned, scene, raw, timings)?;
                 self.settle(view, binned, scene, raw, timings)
             }
-            Stage::Placed(_) | Stage::Judge => {
+            // What was placed is rendered or moved to the host by now.
+            Stage::Judge | Stage::Placed(_) => {
                 let doing = watch.begin(Step::Settle, raw.id.len() as u64);
                 let go_on = || doing.next(u64::from(view.record.columns));
                 let settled = timings.time("settle", || settle::exact(scene, view, &go_on));

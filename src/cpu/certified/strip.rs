@@ -58,7 +58,8 @@ impl<const N: usize> Strip<N> {
         Slopes { x, y, a, inverse, row, column, fixed_row: row << shift, fixed_column: column << shift }
     }
 
-    /// The twin of the search in certify/nearest_two.wgsl.
+    /// The two smallest lower bounds of depth among the general spheres and the lists of a tile, nearest first. On a device spheres
+    /// leave the same in the pixels (shaders/splat/splat.wgsl).
     #[inline(always)]
     pub(super) fn nearest_two(&self, certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> NearestTwos<N> {
         let mut k = NearestTwos::NONE;
