@@ -205,15 +205,7 @@ impl Laned for Pair<f32> {
         Self { hi: pairs.hi.0[lane], lo: pairs.lo.0[lane] }
     }
     #[inline(always)]
-    fn nearest_f32(pairs: &Self::Vector) -> Vector<f32> {
-        pairs.hi
-    }
-    #[inline(always)]
     fn narrow(mask: Vector<u32>) -> Vector<u32> {
         mask
-    }
-    #[inline(always)]
-    fn widen(narrow: Vector<u32>) -> Vector<u32> {
-        narrow
     }
 }

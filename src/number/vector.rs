@@ -36,12 +36,10 @@ pub trait Bits:
     fn all_if(yes: bool) -> Self;
     /// All bits or no bits, in 32.
     fn narrow(self) -> u32;
-    /// All bits or no bits, from 32.
-    fn widen(bits: u32) -> Self;
 }
 
 macro_rules! bits {
-    ($bits:ty, $signed:ty) => {
+    ($bits:ty) => {
         impl Bits for $bits {
             #[inline(always)]
             fn all_if(yes: bool) -> Self {
@@ -51,15 +49,11 @@ macro_rules! bits {
             fn narrow(self) -> u32 {
                 self as u32
             }
-            #[inline(always)]
-            fn widen(bits: u32) -> Self {
-                bits as i32 as $signed as Self
-            }
         }
     };
 }
-bits!(u32, i32);
-bits!(u64, i64);
+bits!(u32);
+bits!(u64);
 
 /// A number that fits into a lane.
 pub trait Lane: Number + Debug {
@@ -69,8 +63,6 @@ pub trait Lane: Number + Debug {
     fn bits(self) -> Self::Bits;
     /// The number with these bits.
     fn of_bits(bits: Self::Bits) -> Self;
-    /// The nearest f32.
-    fn nearest_f32(self) -> f32;
 }
 
 macro_rules! lane {
@@ -84,10 +76,6 @@ macro_rules! lane {
             #[inline(always)]
             fn of_bits(bits: $bits) -> Self {
                 Self::from_bits(bits)
-            }
-            #[inline(always)]
-            fn nearest_f32(self) -> f32 {
-                self as f32
             }
         }
     };
@@ -142,14 +130,6 @@ macro_rules! each_lane {
 each_lane! {
     Neg neg -
     Not not !
-}
-
-impl Vector<u32> {
-    /// Where they are above `number`.
-    #[inline(always)]
-    pub fn above(self, number: u32) -> Self {
-        Self(each!(L => u32::all_if(self.0[L] > number)))
-    }
 }
 
 impl<B: Bits> TruthValue for Vector<B> {
@@ -231,12 +211,8 @@ pub trait Laned: Number {
     fn gather(numbers: [Self; LANES]) -> Self::Vector;
     /// The number in a lane.
     fn lane(numbers: &Self::Vector, lane: usize) -> Self;
-    /// The nearest f32 of each.
-    fn nearest_f32(numbers: &Self::Vector) -> Vector<f32>;
     /// Truth values in 32 bits.
     fn narrow(mask: <Self::Vector as Arithmetic>::Mask) -> Vector<u32>;
-    /// Truth values from 32 bits.
-    fn widen(narrow: Vector<u32>) -> <Self::Vector as Arithmetic>::Mask;
 }
 
 impl<T: Lane> Laned for T {
@@ -254,15 +230,7 @@ impl<T: Lane> Laned for T {
         numbers.0[lane]
     }
     #[inline(always)]
-    fn nearest_f32(numbers: &Vector<T>) -> Vector<f32> {
-        Vector(each!(L => numbers.0[L].nearest_f32()))
-    }
-    #[inline(always)]
     fn narrow(mask: Vector<T::Bits>) -> Vector<u32> {
         Vector(each!(L => mask.0[L].narrow()))
-    }
-    #[inline(always)]
-    fn widen(narrow: Vector<u32>) -> Vector<T::Bits> {
-        Vector(each!(L => T::Bits::widen(narrow.0[L])))
     }
 }
