@@ -15,7 +15,7 @@ use std::io::Read;
 use std::path::PathBuf;
 
 /// The options that may be set this way: preferences of a user or a machine, not properties of one picture.
-const NAMES: [&str; 30] = [
+const NAMES: [&str; 29] = [
     "accuracy",
     "adapter",
     "backend",
@@ -36,7 +36,6 @@ const NAMES: [&str; 30] = [
     "radii",
     "radius-scale",
     "samples",
-    "search",
     "seed",
     "shade",
     "shadows",

@@ -192,51 +192,18 @@ fn adapters_lists_the_adapter_that_renders() {
 }
 
 #[test]
-fn auto_takes_the_faster_of_software_and_the_cpu_path_and_says_why() {
+fn auto_takes_the_cpu_path_in_place_of_software_and_says_why() {
     let Some(renderer) = gpu_or_skip() else { return };
     let dir = dir();
-    let cache = dir.path("cache").display().to_string();
-    let environment = [("XDG_CACHE_HOME", cache.as_str()), ("LOCALAPPDATA", &cache)];
     let list = dir.good("adapters --json").json();
     if list["adapters"][0]["kind"] != "software" {
-        return skip("the first adapter is hardware, which auto takes without a measurement");
+        return skip("the first adapter is hardware, which auto takes");
     }
-    let auto = |words: &str| -> Value {
-        let run =
-            dir.run_with(&format!("render scene.toml --backend auto --json --aov id=id.npy {words}"), &environment);
-        assert_eq!(run.code, 0, "{}", run.err);
-        run.json()
-    };
-    let names = |report: &Value| {
-        let reason = report["backend_reason"].as_str().expect("a reason").to_owned();
-        assert!(reason.contains(renderer.adapter()), "{reason}");
-        report["backend"].as_str().expect("a backend").to_owned()
-    };
-    // No measurement decides about parts of a frame.
-    for part in ["--crop 0,0,9,9", "--tile 2/4"] {
-        assert_eq!(names(&auto(part)), "cpu", "{part}");
-    }
-    assert!(!dir.path("cache").exists(), "nothing was measured");
-    // What is measured is remembered: here with other times.
-    names(&auto(""));
-    let folder = dir.path("cache/halfline");
-    let files = std::fs::read_dir(&folder).expect("the cache").map(|entry| entry.expect("an entry").path());
-    let stored = files.filter(|path| path.to_string_lossy().contains("pace-")).collect::<Vec<_>>();
-    let text = std::fs::read(&stored[0]).expect("the times");
-    let mut entry: Value = serde_json::from_slice(&text).expect("JSON");
-    for (adapter_ms, cpu_ms, backend) in [(1.0, 9.0, "gpu"), (9.0, 1.0, "cpu"), (8.9, 9.0, "cpu")] {
-        entry["verdict"] = serde_json::json!({ "adapter_ms": adapter_ms, "cpu_ms": cpu_ms });
-        std::fs::write(&stored[0], entry.to_string()).expect("other times");
-        let report = auto("");
-        assert_eq!(names(&report), backend, "{adapter_ms} {cpu_ms}");
+    for part in ["", "--crop 0,0,9,9", "--tile 2/4"] {
+        let report = dir.good(&format!("render scene.toml --backend auto --json --aov id=id.npy {part}")).json();
         let reason = report["backend_reason"].as_str().expect("a reason");
-        assert!(reason.contains(&format!("{cpu_ms}")), "{reason}");
+        assert!(report["backend"] == "cpu" && reason.contains(renderer.adapter()), "{part}: {reason}");
     }
-    // Times of another processor do not count.
-    entry["key"] = "another processor".into();
-    entry["verdict"] = serde_json::json!({ "adapter_ms": 1e-9, "cpu_ms": 77777.0 });
-    std::fs::write(&stored[0], entry.to_string()).expect("another key");
-    assert!(!auto("")["backend_reason"].as_str().expect("a reason").contains("77777"));
 }
 
 #[test]
