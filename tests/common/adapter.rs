@@ -54,11 +54,11 @@ pub(crate) fn is_strict(renderer: &Renderer) -> bool {
 /// The methods that can run on this renderer's adapter. A method that cannot run must be refused with the reason.
 pub(crate) fn admitted(renderer: &mut Renderer) -> Vec<Method> {
     let mut admitted = Method::ALL.to_vec();
-    // SwiftShader has no f64 in shaders; llvmpipe runs everything.
-    if renderer.adapter().contains("SwiftShader") {
-        admitted.retain(|method| *method != Method::Native64);
-    } else if !renderer.adapter().contains("llvmpipe") {
+    // SwiftShader has no f64 in shaders; llvmpipe runs everything. Others refuse what their self-test finds.
+    if !is_strict(renderer) {
         admitted.retain(|method| renderer.check_method(*method).is_ok());
+    } else if renderer.adapter().contains("SwiftShader") {
+        admitted.retain(|method| *method != Method::Native64);
     }
     for &method in Method::ALL {
         match renderer.check_method(method) {
