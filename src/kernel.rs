@@ -55,15 +55,7 @@ pub(crate) enum Task {
     /// By one form of the quadratic, among all spheres.
     Method { method: Method, rays: RaySource },
     /// Viewing rays with a certificate, from the spheres that a device holds; on the CPU path in strips.
-    Certified {
-        /// Known only after the spheres are placed.
-        generals: Generals,
-        unproved: Unproved,
-        /// Writes the width of the depth interval.
-        depth_interval: bool,
-        /// Leaves the starts of rays from the hits on the device.
-        starts: bool,
-    },
+    Certified(Certificate),
     /// Given rays with a certificate. Only ids are written: places in the order of the tree.
     Given {
         /// Whether anything is hit, instead of what is hit first.
@@ -71,6 +63,24 @@ pub(crate) enum Task {
         /// Traverses a tree instead of testing every sphere.
         tree: bool,
     },
+}
+
+/// The parameters of a certified kernel of viewing rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Certificate {
+    /// Known only after the spheres are placed.
+    pub(crate) generals: Generals,
+    pub(crate) unproved: Unproved,
+    /// Writes the width of the depth interval.
+    pub(crate) depth_interval: bool,
+    /// Leaves the starts of rays from the hits on the device.
+    pub(crate) starts: bool,
+}
+
+impl Certificate {
+    /// Without general spheres, without further outputs; the judge decides what is not proved.
+    pub(crate) const PLAIN: Self =
+        Self { generals: Generals::None, unproved: Unproved::Unsure, depth_interval: false, starts: false };
 }
 
 /// The parameters that a kernel is compiled for.
@@ -103,40 +113,35 @@ impl Kernel {
 
     /// A certified kernel of viewing rays that writes ids only.
     pub(crate) fn certified() -> Self {
-        let (generals, unproved) = (Generals::None, Unproved::Unsure);
-        Self::bare(Task::Certified { generals, unproved, depth_interval: false, starts: false })
+        Self::bare(Task::Certified(Certificate::PLAIN))
     }
 
-    /// The same certified kernel, which also writes the width of the depth interval.
-    pub(crate) fn with_depth_interval(self) -> Self {
-        match self.task {
-            Task::Certified { generals, unproved, starts, .. } => {
-                Self { task: Task::Certified { generals, unproved, depth_interval: true, starts }, ..self }
-            }
-            _ => self,
-        }
+    /// The same kernel, with another certificate if it has one.
+    pub(crate) fn certified_by(self, change: impl FnOnce(Certificate) -> Certificate) -> Self {
+        let task = match self.task {
+            Task::Certified(certificate) => Task::Certified(change(certificate)),
+            task => task,
+        };
+        Self { task, ..self }
     }
 
-    /// The same certified kernel for so many general spheres.
+    /// The same kernel for so many general spheres.
     pub(crate) fn with_generals(self, count: usize) -> Self {
-        match self.task {
-            Task::Certified { unproved, depth_interval, starts, .. } => {
-                let generals = Generals::of(count);
-                Self { task: Task::Certified { generals, unproved, depth_interval, starts }, ..self }
-            }
-            _ => self,
-        }
+        self.certified_by(|certificate| Certificate { generals: Generals::of(count), ..certificate })
     }
 
     /// The same kernel that writes ids only.
     pub(crate) fn ids_only(self) -> Self {
-        let task = match self.task {
-            Task::Certified { generals, unproved, starts, .. } => {
-                Task::Certified { generals, unproved, depth_interval: false, starts }
-            }
-            task => task,
-        };
-        Self { samples: self.samples, ..Self::bare(task) }
+        let bare = Self { samples: self.samples, ..Self::bare(self.task) };
+        bare.certified_by(|certificate| Certificate { depth_interval: false, ..certificate })
+    }
+
+    /// Its certificate, if it certifies viewing rays.
+    pub(crate) fn certificate(&self) -> Option<Certificate> {
+        match self.task {
+            Task::Certified(certificate) => Some(certificate),
+            _ => None,
+        }
     }
 
     /// The form of the quadratic, unless its answers are certified.
@@ -154,7 +159,7 @@ impl Kernel {
 
     /// Whether it certifies viewing rays.
     pub(crate) fn is_certified(&self) -> bool {
-        matches!(self.task, Task::Certified { .. })
+        self.certificate().is_some()
     }
 
     /// Whether its rays are those of pixels.
@@ -164,12 +169,12 @@ impl Kernel {
 
     /// Whether it leaves the starts of rays from the hits on the device.
     pub(crate) fn leaves_starts(&self) -> bool {
-        matches!(self.task, Task::Certified { starts: true, .. })
+        self.certificate().is_some_and(|certificate| certificate.starts)
     }
 
     /// Whether it writes the width of the depth interval.
     pub(crate) fn has_depth_interval(&self) -> bool {
-        matches!(self.task, Task::Certified { depth_interval: true, .. })
+        self.certificate().is_some_and(|certificate| certificate.depth_interval)
     }
 
     /// Whether it writes the depths of centres, to which its own are relative.

@@ -241,11 +241,10 @@ impl View {
     }
 
     fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
-        let records = self.moved(centers, radii).enumerate();
-        self.spheres = records.map(|(id, record)| SphereRecord { id: id as u32, ..record }).collect();
+        self.spheres = self.moved(centers, radii).collect();
     }
 
-    /// The records of these spheres, one after the other, without ids.
+    /// The records of these spheres, one after the other.
     pub(crate) fn moved<'a>(
         &self,
         centers: &'a [[f64; 3]],

@@ -5,7 +5,6 @@ struct SphereRecord {
     center_radius: vec4<f32>, // centre minus eye and radius, 2^-k
     power: f32,               // of the eye: |c - e|^2 - r^2 in higher precision, 2^-2k
     scale: f32,               // t in this record's unit times scale is t in the frame's unit
-    id: u32,
 }
 
 // The errors of rounding a record to f32.
@@ -23,7 +22,7 @@ fn no_hit() -> Hit {
 // The nearer of a hit and that of the sphere with this id. Spheres come in the order of their ids, and the comparison is strict: of
 // equal t the lower id wins.
 fn closer_hit(hit: Hit, ray: Ray, id: u32) -> Hit {
-    let s = sphere_of(record_at(id));
+    let s = sphere_of(id);
     let t = intersect(ray, s);
     if (less(t, from_f32(MISS))) {
         let there = scaled(t, s.scale);
@@ -36,7 +35,7 @@ fn closer_hit(hit: Hit, ray: Ray, id: u32) -> Hit {
 
 // Unit normal at a hit, in the canonical camera, facing the ray's origin.
 fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
-    return normal_at(ray, sphere_of(record_at(hit.id)), hit.t);
+    return normal_at(ray, sphere_of(hit.id), hit.t);
 }
 
 fn written_id(hit: Hit) -> u32 {

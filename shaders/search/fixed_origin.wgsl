@@ -1,6 +1,7 @@
 // All rays start at the origin of the canonical camera, so spheres are used as the host transformed them.
-fn sphere_of(r: Record) -> Sphere {
-    let residual = residuals_of(r);
+fn sphere_of(id: u32) -> Sphere {
+    let r = spheres[id];
+    let residual = residuals_of(id);
     let c = r.center_radius;
     let c_lo = residual.center_radius;
     let center = Number3(from_hi_lo(c.x, c_lo.x), from_hi_lo(c.y, c_lo.y), from_hi_lo(c.z, c_lo.z));

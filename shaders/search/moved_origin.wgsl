@@ -1,9 +1,10 @@
 // Rays from many points: each sphere is translated by the ray's origin.
-fn sphere_of(r: Record) -> Sphere {
+fn sphere_of(id: u32) -> Sphere {
+    let r = spheres[id];
     // A power of two over another: a quotient may be off by 2.5 ulp.
     let shrink = bitcast<f32>(0x7f000000u - bitcast<u32>(r.scale));
     let c = r.center_radius;
-    let c_lo = residuals_of(r).center_radius;
+    let c_lo = residuals_of(id).center_radius;
     let o = given.origin;
     let o_lo = given.origin_low;
     let center = Number3(

@@ -10,6 +10,7 @@ use super::projection::stage::Staged;
 use super::reference::{joined, reference};
 use super::sieve::{Fate, Fates, GroupFate, Sieve};
 use crate::scene::instances::enclosure::Enclosure;
+use crate::scene::{Ball, NumberedBall};
 use crate::window::Window;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -97,7 +98,7 @@ impl GroupedBins {
             return 0.0;
         }
         let stage = |place: usize| {
-            let (id, center, radius) = groups.sphere(place);
+            let NumberedBall { id, ball: Ball { center, radius } } = groups.sphere(place);
             projection.stage(id, center, radius, 0.0)
         };
         let is_general = |place: usize| matches!(stage(place), Staged::General(_));
@@ -121,11 +122,10 @@ impl GroupedBins {
 }
 
 impl Grouped<'_> {
-    /// Id, centre and radius of the sphere in a place.
+    /// The sphere in a place.
     #[inline(always)]
-    pub(super) fn sphere(&self, place: usize) -> (u32, [f64; 3], f64) {
-        let [x, y, z, radius] = self.spheres[place];
-        (self.ids[place], [x, y, z], radius)
+    pub(super) fn sphere(&self, place: usize) -> NumberedBall {
+        NumberedBall { id: self.ids[place], ball: self.spheres[place].into() }
     }
 
     /// The box around the spheres in these places, which are a group.

@@ -8,7 +8,7 @@ use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
 use crate::memory::Pool;
 use crate::number::vector::LANES;
-use crate::scene::Spheres;
+use crate::scene::{NumberedBall, Spheres};
 use crate::tile::CHUNK;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -35,11 +35,11 @@ impl<'a> SphereOrder<'a> {
         }
     }
 
-    /// Id, centre and radius of a sphere.
+    /// The sphere with this number.
     #[inline(always)]
-    pub(super) fn sphere(&self, number: usize) -> (u32, [f64; 3], f64) {
+    pub(super) fn sphere(&self, number: usize) -> NumberedBall {
         match self {
-            Self::InMemory { centers, radii } => (number as u32, centers[number], radii[number]),
+            Self::InMemory { centers, radii } => NumberedBall::of(centers, radii, number),
             Self::Places { groups, places } => groups.sphere(places[number] as usize),
         }
     }

@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::memory::check;
 use crate::number::vector::LANES;
 use crate::scene::instances::enclosure::Enclosure;
-use crate::scene::{Scene, Spheres};
+use crate::scene::{NumberedBall, Scene, Spheres};
 use crate::view::View;
 use crate::view::raster::Raster;
 use pulp::NullaryFnOnce;
@@ -118,13 +118,13 @@ impl Sieve {
         self.pyramid.refresh();
     }
 
-    /// The fates of the spheres of a range, of which `sphere` gives id, centre and radius; spheres that are behind the eye plane
-    /// or outside of the image have none. What open ones cover hides later ones, if `covers`.
+    /// The fates of the spheres of a range, which `sphere` gives; spheres that are behind the eye plane or outside of the image have
+    /// none. What open ones cover hides later ones, if `covers`.
     #[inline(always)]
     pub(super) fn settle(
         &self,
         range: Range<usize>,
-        sphere: impl Fn(usize) -> (u32, [f64; 3], f64),
+        sphere: impl Fn(usize) -> NumberedBall,
         covers: bool,
         fates: &mut impl Fates,
     ) {
@@ -253,7 +253,7 @@ impl NullaryFnOnce for Job<'_> {
     fn call(mut self) -> Marks {
         let Self { sieve, first, centers, radii, covers, .. } = self;
         let range = first..first + self.kept.len();
-        sieve.settle(range, |n| (n as u32, centers[n], radii[n]), covers, &mut self);
+        sieve.settle(range, |n| NumberedBall::of(centers, radii, n), covers, &mut self);
         self.marks
     }
 }

@@ -18,7 +18,8 @@ use rayon::prelude::*;
 use strip::Strip;
 use triples::{Portable, Triples};
 
-/// Fills `raw` with certified answers; a pixel without a proof gets [`UNSURE`] as id, or its nearest candidate, as the kernel says. `go_on` is called before every row.
+/// Fills `raw` with certified answers; a pixel without a proof gets [`UNSURE`] as id, or its nearest candidate, as the kernel says.
+/// `go_on` is called before every row.
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
@@ -93,6 +94,7 @@ mod tests {
     use super::*;
     use crate::certify::binned::Binning;
     use crate::certify::{Answer, Certify};
+    use crate::kernel::Certificate;
     use crate::memory::Pool;
     use crate::scene::Scene;
     use crate::settings::Settings;
@@ -155,7 +157,7 @@ mod tests {
             t: true,
             normal: true,
             shade: Some(crate::Shade::Headlight),
-            ..Kernel::certified().with_depth_interval()
+            ..Kernel::certified().certified_by(|of| Certificate { depth_interval: true, ..of })
         };
         let windows = [
             Window::full(136, 77),

@@ -1,5 +1,5 @@
-//! Composes WGSL from whole files and from parts generated from tables: binding numbers, sizes and outputs. A line map translates the line of an error to a file and line. naga reports a missing or doubled part as
-//! an error.
+//! Composes WGSL from whole files and from parts generated from tables: binding numbers, sizes and outputs. A line map
+//! translates the line of an error to a file and line. naga reports a missing or doubled part as an error.
 
 use crate::gpu::layout::buffers;
 use crate::gpu::sizes::{
@@ -7,7 +7,7 @@ use crate::gpu::sizes::{
     SUMMARY_PAIRS, SUMMARY_PIECES,
 };
 use crate::intersect::Method;
-use crate::kernel::{Generals, Kernel, KernelOutput, RaySource, Task, Unproved};
+use crate::kernel::{Certificate, Generals, Kernel, KernelOutput, RaySource, Task, Unproved};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
 use std::borrow::Cow;
@@ -34,7 +34,7 @@ const FILES: [(&str, &str); 71] = files![
     "view.wgsl" "math.wgsl" "hash.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
-    "search/closer_hit.wgsl" "search/records.wgsl" "search/records_residuals.wgsl" "search/fixed_origin.wgsl"
+    "search/closer_hit.wgsl" "search/residuals.wgsl" "search/no_residuals.wgsl" "search/fixed_origin.wgsl"
     "search/moved_origin.wgsl" "search/all.wgsl" "search/tree.wgsl"
     "place/float64.wgsl" "place/placing.wgsl" "place/low.wgsl" "place/rectangle.wgsl" "place/place.wgsl" "place/cut.wgsl" "place/guests.wgsl"
     "splat/order.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
@@ -131,13 +131,15 @@ pub(crate) fn shaders(kernel: &Kernel) -> Vec<(&'static str, Source)> {
         ("spheres of few pixels", Step::Small { samples }),
         ("pieces of large spheres", Step::Large { samples }),
     ];
-    let mut all = Vec::new();
-    if kernel.is_certified() {
-        all.extend(steps.map(|(name, step)| (name, compose_step(step))));
+    let own = |purpose| (purpose, compose(kernel));
+    match kernel.is_certified() {
+        true => steps
+            .map(|(purpose, step)| (purpose, compose_step(step)))
+            .into_iter()
+            .chain([own("certify the pixels")])
+            .collect(),
+        false => vec![own("test every sphere")],
     }
-    let name = if kernel.is_certified() { "certify the pixels" } else { "test every sphere" };
-    all.push((name, compose(kernel)));
-    all
 }
 
 /// The shader of a kernel.
@@ -160,7 +162,7 @@ pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
     }
     match kernel.task {
         Task::Method { method, rays } => search(method, rays, &mut parts),
-        Task::Certified { generals, unproved, starts, .. } => certify(generals, unproved, starts, &mut parts),
+        Task::Certified(certificate) => certify(certificate, &mut parts),
         Task::Given { any, tree } => certify_given(any, tree, &mut parts),
     }
     if !matches!(kernel.task, Task::Given { .. }) {
@@ -183,14 +185,14 @@ fn search(method: Method, rays: RaySource, parts: &mut Vec<Part>) {
         parts.extend(files(["form/roots.wgsl"]));
     }
     let spread = rays == RaySource::Spread;
-    let records = if spread || method.is_wide() { "search/records_residuals.wgsl" } else { "search/records.wgsl" };
+    let residuals = if spread || method.is_wide() { "search/residuals.wgsl" } else { "search/no_residuals.wgsl" };
     let origin = if spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
     let main = if rays == RaySource::Camera { "main/viewing_rays.wgsl" } else { "main/given_rays.wgsl" };
-    parts.extend(files([form, "search/closer_hit.wgsl", records, origin, "search/all.wgsl", main]));
+    parts.extend(files([form, "search/closer_hit.wgsl", residuals, origin, "search/all.wgsl", main]));
 }
 
 /// The certificate of what the spheres of a device left in the pixels.
-fn certify(generals: Generals, unproved: Unproved, starts: bool, parts: &mut Vec<Part>) {
+fn certify(Certificate { generals, unproved, starts, .. }: Certificate, parts: &mut Vec<Part>) {
     parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl", "certify/projected.wgsl"]));
     let some = |of: &'static str| files(["certify/general.wgsl", "certify/nearest_general.wgsl", of]);
     match generals {

@@ -92,7 +92,7 @@ mod tests {
     use crate::gpu::resident::steps::BlockPass;
     use crate::gpu::validate::validate;
     use crate::intersect::Method;
-    use crate::kernel::{Generals, RaySource, Task, Unproved};
+    use crate::kernel::{Certificate, Generals, RaySource, Task, Unproved};
     use crate::search::tree::device::{DEVICE_LEVELS, NodeRecord, PlacedSphereRecord, first};
     use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
     use crate::search::tree::lanes::{LANE, NEVER};
@@ -113,7 +113,9 @@ mod tests {
         let certified = [0, 1, 5].into_iter().map(Generals::of).flat_map(|generals| {
             let unproved = [Unproved::Unsure, Unproved::Nearest];
             unproved.into_iter().flat_map(move |unproved| {
-                let task = move |depth_interval, starts| Task::Certified { generals, unproved, depth_interval, starts };
+                let task = move |depth_interval, starts| {
+                    Task::Certified(Certificate { generals, unproved, depth_interval, starts })
+                };
                 both.into_iter().flat_map(move |interval| both.map(|starts| task(interval, starts)))
             })
         });
@@ -182,10 +184,7 @@ mod tests {
         for (kernel, module, info) in modules() {
             let bound: BTreeSet<_> = bindings(module, info).into_iter().map(|b| b.name).collect();
             let (method, certified) = (kernel.method().is_some(), kernel.is_certified());
-            let generals = match kernel.task {
-                Task::Certified { generals, .. } => generals,
-                _ => Generals::None,
-            };
+            let generals = kernel.certificate().map_or(Generals::None, |certificate| certificate.generals);
             let (given, tree) = match kernel.task {
                 Task::Given { tree, .. } => (true, tree),
                 _ => (false, false),
@@ -262,7 +261,7 @@ mod tests {
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
             zero half_du_low half_dv_low d_low first_column columns strata jitter sample seed step shift_column
             shift_row);
-        same!(module "SphereRecord", SphereRecord, center_radius power scale id);
+        same!(module "SphereRecord", SphereRecord, center_radius power scale);
         same!(module "SphereResiduals", SphereResiduals, center_radius power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
         same!(given "Node", NodeRecord, origin grid planes);

@@ -17,7 +17,7 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{ByHost, Placer};
 use crate::certify::tiles::Placed;
 use crate::error::{Error, Result};
-use crate::kernel::{Generals, Kernel, KernelOutput, Task};
+use crate::kernel::{Certificate, Generals, Kernel, KernelOutput};
 use crate::memory::Pool;
 use crate::scene::{Scene, Spheres};
 use crate::tile::TILE;
@@ -119,12 +119,9 @@ impl Gpu {
             Placing::Refused(reason) => return Ok(Rendered::Left(reason)),
         };
         let asked_for_starts = kernel.leaves_starts();
-        let kernel = match self.that_binds(kernel, &binned) {
+        let kernel = match self.kernel_of_frame(kernel, &binned) {
             Ok(kernel) => kernel,
-            Err(bound) => {
-                let most = self.limits.max_storage_buffers_per_shader_stage;
-                return Ok(Rendered::Left(format!("the kernel binds {bound} buffers, and the adapter at most {most}")));
-            }
+            Err(reason) => return Ok(Rendered::Left(reason)),
         };
         output.timings.time("pipeline", || self.pipelines_of_frame(&kernel))?;
         output.timings.time("upload", || self.upload_resident(&kernel, scene, view, &binned))?;
@@ -151,17 +148,17 @@ impl Gpu {
     }
 
     /// The kernel for a frame with these general spheres, with starts of rays from the hits where the adapter binds one buffer
-    /// more; the number of buffers that the kernel needs where it binds too few.
-    fn that_binds(&self, kernel: &Kernel, binned: &BinnedScene) -> std::result::Result<Kernel, usize> {
-        let Task::Certified { unproved, depth_interval, starts, .. } = kernel.task else { return Ok(*kernel) };
+    /// more. The error is why the adapter cannot bind it.
+    fn kernel_of_frame(&self, kernel: &Kernel, binned: &BinnedScene) -> std::result::Result<Kernel, String> {
         let generals = Generals::of(binned.generals.len());
         let lists = if generals == Generals::Lists { 2 } else { 0 };
         // Besides the outputs: records, minima, general spheres with their lists, colours.
         let bound = KernelOutput::of(kernel).count() + 2 + lists + usize::from(kernel.colors);
         let most = self.limits.max_storage_buffers_per_shader_stage as usize;
-        let starts = starts && bound < most;
-        let task = Task::Certified { generals, unproved, depth_interval, starts };
-        if bound <= most { Ok(Kernel { task, ..*kernel }) } else { Err(bound) }
+        if bound > most {
+            return Err(format!("the kernel binds {bound} buffers, and the adapter at most {most}"));
+        }
+        Ok(kernel.certified_by(|of| Certificate { generals, starts: of.starts && bound < most, ..of }))
     }
 
     fn pipelines_of_frame(&mut self, kernel: &Kernel) -> Result<()> {
@@ -281,14 +278,14 @@ impl Gpu {
     /// The inputs of the kernel besides what each band has.
     fn upload_resident(&mut self, kernel: &Kernel, scene: &Scene, view: &View, binned: &BinnedScene) -> Result<()> {
         self.refill("projection", bytemuck::bytes_of(&binned.projection))?;
-        if let Task::Certified { generals: Generals::Few, .. } = kernel.task {
+        if Generals::of(binned.generals.len()) == Generals::Few {
             self.refill("generals_uniform", bytemuck::cast_slice(&few_generals(binned)))?;
         }
         // Colours are sent once, with the spheres.
         let known = self.resident.held.as_ref().is_some_and(|held| held.has_colors);
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing };
-        for (name, bytes) in uploads(kernel, &input).into_iter().filter(|_| !known) {
-            self.fill(name, bytes)?;
+        if !known {
+            uploads(kernel, &input).into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))?;
         }
         if let Some(held) = self.resident.held.as_mut().filter(|_| kernel.colors) {
             held.has_colors = true;

@@ -39,14 +39,16 @@ impl Gpu {
         }
         uploaded.extend(uploads(kernel, &input).into_iter().map(|(name, bytes)| (name, bytes.len() as u64)));
         let pixels = view.record.pixels() as u64;
-        let mut bands = Bands::new(kernel, &input, limits);
-        let bands = std::iter::from_fn(|| bands.next(&SubmissionBudget::default())).count() as u64;
+        let bands = || {
+            let mut bands = Bands::new(kernel, &input, limits);
+            std::iter::from_fn(|| bands.next(&SubmissionBudget::default())).count() as u64
+        };
         Work {
             shaders: shaders(kernel).into_iter().map(|(_, source)| source).collect(),
             uploaded,
             written: KernelOutput::of(kernel).map(|output| (output.name, pixels * output.bytes())).collect(),
             // The spheres are placed, go over the pixels and are certified in two submissions.
-            dispatches: if kernel.is_certified() { 2 } else { bands },
+            dispatches: if kernel.is_certified() { 2 } else { bands() },
             spheres: limits.spheres(kernel),
         }
     }

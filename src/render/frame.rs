@@ -48,7 +48,7 @@ pub(super) struct FrameRays {
     pub(super) samples: Option<Raster>,
 }
 
-/// Why a device leaves a frame to the CPU path before it is asked.
+/// Reasons for the CPU path that are known before the device renders.
 const NOT_PLACED: &str = "the device cannot place these spheres for this camera";
 const NOTHING: &str = "it has no spheres";
 
@@ -146,7 +146,7 @@ impl Renderer {
         self.traffic();
         self.frames += 1;
         // Of a frame that was interrupted.
-        (self.refused, self.left_to_host, self.light_on_device) = (None, None, LightOnDevice::default());
+        (self.left_to_host, self.light_on_device) = (None, LightOnDevice::default());
         let mut setup = self.setup(plan, scene, settings, Raster::centres(window), &mut timings)?;
         staging.end()?;
         let pixels = setup.view.record.pixels();
@@ -323,17 +323,14 @@ impl Renderer {
         if let Executor::Gpu(gpu) = &mut self.place {
             gpu.forget_hits();
         }
-        let rendered = match &setup.stage {
-            Stage::Placed(placer) => Some(self.trace_resident(placer, setup, scene, raw, timings)?),
-            _ => None,
-        };
-        match rendered {
-            Some(Rendered::Frame(binned)) => return self.settle(&setup.view, &binned, scene, raw, timings),
-            Some(Rendered::Left(reason)) => {
-                self.refuse(&reason);
-                setup.move_to_host(scene, settings, &self.pool, timings)?;
+        if let Stage::Placed(placer) = &setup.stage {
+            match self.trace_resident(placer, setup, scene, raw, timings)? {
+                Rendered::Frame(binned) => return self.settle(&setup.view, &binned, scene, raw, timings),
+                Rendered::Left(reason) => {
+                    self.refuse(&reason);
+                    setup.move_to_host(scene, settings, &self.pool, timings)?;
+                }
             }
-            None => {}
         }
         let (view, watch) = (&setup.view, self.watch.clone());
         match &setup.stage {

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
-use crate::kernel::{Generals, Kernel, Task, Unproved};
+use crate::kernel::{Certificate, Kernel, Task, Unproved};
 use crate::quote::setting::{ACCURACY, METHOD};
 use crate::scene::Scene;
 use crate::scene::camera::Lens;
@@ -93,12 +93,12 @@ impl Plan {
             }
             None => {
                 let promised = plan.accuracy != Accuracy::Fast;
-                Task::Certified {
-                    generals: Generals::None,
+                Task::Certified(Certificate {
                     unproved: if promised { Unproved::Unsure } else { Unproved::Nearest },
                     depth_interval: promised && settings.asks(&[Aov::Bound]),
                     starts: promised && lights::leave_hits(plan.wanted, scene),
-                }
+                    ..Certificate::PLAIN
+                })
             }
         };
         // Its pixels are those of a finer or larger frame.
@@ -108,13 +108,9 @@ impl Plan {
         let shared = plan.wanted.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
         if finished || shared || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
             let alone = shared && settings.aperture.is_none() && !scene.lighting.shadows;
-            let task = match plan.kernel.task {
-                Task::Certified { generals, unproved, starts, .. } => {
-                    Task::Certified { generals, unproved, depth_interval: false, starts: starts && !alone }
-                }
-                task => task,
-            };
-            plan.sampled = Some(Kernel { task, samples: true, t: false, normal: false, ..plan.kernel });
+            let kernel = Kernel { samples: true, t: false, normal: false, ..plan.kernel };
+            let of_sample = |of: Certificate| Certificate { depth_interval: false, starts: of.starts && !alone, ..of };
+            plan.sampled = Some(kernel.certified_by(of_sample));
             (plan.kernel.shade, plan.kernel.colors) = (None, false);
         }
         Ok(plan)

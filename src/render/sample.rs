@@ -99,7 +99,9 @@ impl Renderer {
             let (scene, raster) = match &mut lens {
                 Some(lens) => {
                     // Each pass has another eye.
-                    last.take().map(|setup| setup.put_back(&pool));
+                    if let Some(setup) = last.take() {
+                        setup.put_back(&pool);
+                    }
                     lens.pass(sample, raster.window)?
                 }
                 None => (scene, raster),
@@ -122,7 +124,9 @@ impl Renderer {
             timings.time("finish", || finish.draw(scene, &around.view, &around.ids, part, &mut means.color));
         }
         raw.put_back(&pool);
-        last.map(|setup| setup.put_back(&pool));
+        if let Some(setup) = last {
+            setup.put_back(&pool);
+        }
         Ok(means)
     }
 

@@ -81,18 +81,11 @@ impl FrameSetup {
         timings: &mut Timings,
     ) -> Result<Self> {
         let view = timings.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
-        let stage = match plan.engine {
-            Engine::Method => Stage::Method,
-            Engine::Judge => Stage::Judge,
-            Engine::Strips | Engine::Resident => {
-                let tolerance = settings.promise().relative();
-                let binning = Binning { groups, ..Binning::of(scene, &view, tolerance, pool) };
-                let binned = timings.time("stage", || BinnedScene::new(&binning))?;
-                Stage::of(binned)
-            }
-        };
+        let stage = if plan.engine == Engine::Method { Stage::Method } else { Stage::Judge };
         let mut setup = Self { plan, view, stage };
-        setup.set_engine();
+        if let Engine::Strips | Engine::Resident = setup.plan.engine {
+            setup.bin(scene, groups, settings, pool, timings)?;
+        }
         Ok(setup)
     }
 
@@ -107,19 +100,26 @@ impl FrameSetup {
         pool: &Pool,
         timings: &mut Timings,
     ) -> Result<()> {
-        let tolerance = settings.promise().relative();
-        let binning = Binning::of(scene, &self.view, tolerance, pool);
-        self.stage = Stage::of(timings.time("stage", || BinnedScene::new(&binning))?);
         self.plan.engine = Engine::Strips;
-        self.set_engine();
-        Ok(())
+        self.bin(scene, None, settings, pool, timings)
     }
 
-    /// Where the spheres could not be binned, the judge is the engine.
-    fn set_engine(&mut self) {
-        if let Stage::Judge = self.stage {
-            self.plan.engine = Engine::Judge;
+    /// Bins the spheres. Where that is impossible, the judge is the engine.
+    fn bin(
+        &mut self,
+        scene: &Scene,
+        groups: Option<Grouped<'_>>,
+        settings: &Settings,
+        pool: &Pool,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let tolerance = settings.promise().relative();
+        let binning = Binning { groups, ..Binning::of(scene, &self.view, tolerance, pool) };
+        match timings.time("stage", || BinnedScene::new(&binning))? {
+            Some(binned) => self.stage = Stage::Binned(Box::new(binned)),
+            None => (self.stage, self.plan.engine) = (Stage::Judge, Engine::Judge),
         }
+        Ok(())
     }
 
     /// The predicted worst-case rounding error of a method; `None` for the other engines.
@@ -158,11 +158,5 @@ impl FrameSetup {
             binned.put_back(pool);
         }
         self.view
-    }
-}
-
-impl Stage {
-    fn of(binned: Option<BinnedScene>) -> Self {
-        binned.map_or(Self::Judge, |binned| Self::Binned(Box::new(binned)))
     }
 }

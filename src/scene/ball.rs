@@ -17,6 +17,14 @@ pub(crate) struct NumberedBall {
     pub(crate) ball: Ball,
 }
 
+impl NumberedBall {
+    /// The sphere of this index, from the centres and radii of all.
+    #[inline(always)]
+    pub(crate) fn of(centers: &[[f64; 3]], radii: &[f64], index: usize) -> Self {
+        Self { id: index as u32, ball: Ball { center: centers[index], radius: radii[index] } }
+    }
+}
+
 impl From<[f64; 4]> for Ball {
     /// Centre, and behind it the radius.
     #[inline(always)]

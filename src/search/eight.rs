@@ -89,7 +89,7 @@ mod tests {
         let numbers = [center[0], center[1], center[2], radius].map(parts);
         let (center_radius, rest) = (numbers.map(|n| n[0]), numbers.map(|n| n[1]));
         let scale = 2f32.powi(rng.below(21) as i32 - 10);
-        let record = SphereRecord { center_radius, power: parts(power)[0], scale, id: 0, unused: 0 };
+        let record = SphereRecord { center_radius, power: parts(power)[0], scale, unused: [0; 2] };
         (record, SphereResiduals { center_radius: rest, power: parts(power)[1], unused: [0.0; 3] })
     }
 

@@ -56,8 +56,7 @@ impl Moved {
             center_radius: self.center_radius.map(|x| x as f32),
             power: nonzero_f32(self.power.value()),
             scale: f32::from_bits(((self.k - unit + 127) as u32) << 23),
-            id: 0,
-            unused: 0,
+            unused: [0; 2],
         }
     }
 

@@ -144,10 +144,8 @@ pub struct SphereRecord {
     pub power: f32,
     /// t of this record times scale is t in the frame's unit.
     pub scale: f32,
-    /// Index in the scene's order.
-    pub id: u32,
     /// WGSL rounds the size up to the alignment of center_radius.
-    pub unused: u32,
+    pub unused: [u32; 2],
 }
 
 /// Rounding errors of a [`SphereRecord`]; declared in search/closer_hit.wgsl.

@@ -9,6 +9,7 @@ use crate::certify::entry::{Bin, Placed};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::number::vector::LANES;
+use crate::scene::NumberedBall;
 use std::ops::Range;
 
 /// Largest relative error of f64 in the depth of a projected sphere under parallel projection: half of the kernel's
@@ -73,12 +74,13 @@ impl LaneBatch {
     pub(in crate::certify) const NONE: Self =
         Self { count: 0, ids: [0; LANES], centers: [[0.0; 3]; LANES], radii: [0.0; LANES] };
 
-    /// The first eight spheres of a range that is not empty, or all of fewer, of which `sphere` gives id, centre and radius.
+    /// The first eight spheres of a range that is not empty, or all of fewer.
     #[inline(always)]
-    pub(in crate::certify) fn fill(range: Range<usize>, sphere: impl Fn(usize) -> (u32, [f64; 3], f64)) -> Self {
+    pub(in crate::certify) fn fill(range: Range<usize>, sphere: impl Fn(usize) -> NumberedBall) -> Self {
         let mut batch = Self { count: LANES.min(range.len()), ..Self::NONE };
         for l in 0..LANES {
-            (batch.ids[l], batch.centers[l], batch.radii[l]) = sphere(range.start + l.min(batch.count - 1));
+            let NumberedBall { id, ball } = sphere(range.start + l.min(batch.count - 1));
+            (batch.ids[l], batch.centers[l], batch.radii[l]) = (id, ball.center, ball.radius);
         }
         batch
     }

@@ -7,7 +7,7 @@ use super::triples::Triples;
 use crate::answers::raw::Piece;
 use crate::certify::binned::BinnedScene;
 use crate::certify::{Certify, GENERAL};
-use crate::kernel::{Kernel, Task, Unproved};
+use crate::kernel::{Kernel, Unproved};
 use crate::number::vector::{Bits, pick};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::{Shade, color_of, to_world};
@@ -34,10 +34,7 @@ impl<'a> StripFrame<'a> {
         colors: Option<&'a [[f32; 3]]>,
     ) -> Self {
         let certify = Certify::new(&view.record, binned);
-        let unproved = match kernel.task {
-            Task::Certified { unproved, .. } => unproved,
-            _ => Unproved::Unsure,
-        };
+        let unproved = kernel.certificate().map_or(Unproved::Unsure, |certificate| certificate.unproved);
         Self { certify, shade: kernel.shade, normal: kernel.normal, depth: kernel.has_depths(), colors, unproved }
     }
 }

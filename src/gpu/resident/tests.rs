@@ -154,8 +154,7 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         let view =
             View::in_unit(&scene, raster, middle(reach.sizes(scene.camera.eye).expect("sizes"))).expect("a view");
         let placer = Placer::new(&scene, &view, 1e-5).expect("a lens").expect("a projection");
-        let (generals, unproved) = (Generals::None, crate::kernel::Unproved::Unsure);
-        let kernel = Kernel::bare(Task::Certified { generals, unproved, depth_interval: false, starts: true });
+        let kernel = Kernel::certified().certified_by(|of| Certificate { starts: true, ..of });
         let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
         let frame = ResidentFrame { scene: &scene, view: &view, placer: &placer, pool: &pool };
         let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };

@@ -13,7 +13,7 @@ use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::gpu::resident::ResidentFrame;
 use crate::intersect::Method;
-use crate::kernel::Kernel;
+use crate::kernel::{Certificate, Kernel};
 use crate::memory::Pool;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Spheres};
@@ -54,7 +54,7 @@ pub(super) fn cloud(count: u32, side: u32) -> Scene {
 impl Gpu {
     /// The kernels that are compared. The lecture's forms use no other operations, and compilation dominates the time.
     pub(super) fn twin_kernels(&self) -> [Kernel; 2] {
-        let certified = Kernel::certified().with_depth_interval();
+        let certified = Kernel::certified().certified_by(|of| Certificate { depth_interval: true, ..of });
         [Kernel::of_method(Method::Stable), certified].map(|kernel| Kernel { t: true, normal: true, ..kernel })
     }
 

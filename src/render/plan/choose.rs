@@ -93,15 +93,15 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
                 }
             }
         }
-        (Accuracy::Fast, None, _) if few => {
-            choice(Accuracy::Fast, Some(Method::Stable), "accuracy fast is requested".into())
-        }
-        (Accuracy::Fast, None, _) => {
+        (Accuracy::Fast, None, _) if !few => {
             let reason =
                 "accuracy fast is requested: the certified kernel, whose unproved pixels take their nearest candidate";
             choice(Accuracy::Fast, None, reason.into())
         }
-        (stated, method, _) => choice(stated, method, format!("accuracy {} is requested", stated.name())),
+        (stated, method, _) => {
+            let method = method.or((stated == Accuracy::Fast).then_some(Method::Stable));
+            choice(stated, method, format!("accuracy {} is requested", stated.name()))
+        }
     })
 }
 
