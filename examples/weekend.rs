@@ -46,8 +46,8 @@ fn weekend() {
     println!("# A ground, a field of small spheres, three big ones. Made by `cargo run --example weekend`.");
     println!("{CAMERA}");
     println!("\n[image]\nsize = [1200, 675]\nsamples = 4");
-    println!("\n[sky]\nzenith = [0.15, 0.42, 0.95]\nhorizon = [0.82, 0.91, 1.0]");
-    println!("\n[[light]]\ndirection = [0.5, 0.8, 0.75]\ncolor = [1.0, 0.88, 0.72]\nintensity = 1.15");
+    println!("\n[sky]\nzenith = [0.12, 0.34, 0.82]\nhorizon = [0.66, 0.78, 0.92]");
+    println!("\n[[light]]\ndirection = [0.5, 0.8, 0.75]\ncolor = [1.0, 0.86, 0.68]\nintensity = 1.3");
     sphere([0.0, -1000.0, 0.0], 1000.0, [0.5, 0.5, 0.5]);
     let mut random = Random(2026);
     for a in -11..11 {

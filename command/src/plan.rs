@@ -179,10 +179,11 @@ impl PlanText<'_> {
             }
         }
         e.lit_by.iter().try_for_each(|light| writeln!(f, "           {light}"))?;
-        if let Some(Sky { rays, reach, at_centers, colors }) = e.occlusion {
+        if let Some(Sky { rays, reach, at_centers, colors, share }) = e.occlusion {
             let reach = if reach.is_finite() { format!("that end after {reach}") } else { "without end".to_owned() };
             let each = if at_centers { "from every second pixel's centre" } else { "for each point" };
-            writeln!(f, "sky        {} {each}, {reach}", count(rays.into(), "ray"))?;
+            let share = if share == 1.0 { String::new() } else { format!(", {share} of its light") };
+            writeln!(f, "sky        {} {each}, {reach}{share}", count(rays.into(), "ray"))?;
             if let Some(SkyColors { zenith, horizon, is_shown }) = colors {
                 let rgb = |color: [f32; 3]| color.map(|c| c.to_string()).join(", ");
                 let seen = if is_shown { "" } else { "; the background is seen in its place" };

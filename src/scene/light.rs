@@ -72,16 +72,19 @@ pub struct Sky {
     /// Its colours; `None` for white.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colors: Option<SkyColors>,
+    /// The share of its light that surfaces get: 1 for the sky of a file, which lights with the brightness that it is seen
+    /// with; [`Sky::BESIDE_LIGHTS`] for a sky that a look or an option adds where there are lights.
+    pub share: f32,
 }
 
 impl Sky {
-    /// The share of the sky's light that surfaces get where there are lights beside it. A sky alone is all of the light, so
-    /// that a white sphere under an open sky is white.
+    /// The share of an added sky where there are lights. Without lights it is all of the light, so that a white sphere under
+    /// an open sky is white.
     pub const BESIDE_LIGHTS: f32 = 0.5;
 
     /// Few rays from the centres of pixels: about as little noise as from 8 times as many from every sample, in the time of
     /// these.
-    pub const AT_CENTERS: Self = Self { rays: 4, reach: f64::INFINITY, at_centers: true, colors: None };
+    pub const AT_CENTERS: Self = Self { rays: 4, reach: f64::INFINITY, at_centers: true, colors: None, share: 1.0 };
 }
 
 /// The most rays for a point.
@@ -90,7 +93,7 @@ pub const MOST_RAYS: u32 = 1 << 20;
 impl Default for Sky {
     /// 16 rays that end nowhere.
     fn default() -> Self {
-        Self { rays: 16, reach: f64::INFINITY, at_centers: false, colors: None }
+        Self { rays: 16, reach: f64::INFINITY, at_centers: false, colors: None, share: 1.0 }
     }
 }
 

@@ -120,8 +120,8 @@ pub struct AddedLight {
 impl AddedLight {
     /// Adds it to a scene, whose camera is final. Bounces are set where a material asks for any.
     ///
-    /// Where the scene has no lights of its own, those that are added share one white light among them, or what a sky leaves
-    /// of it: a white sphere is at most white.
+    /// The lights and the sky that are added share one white light among them, so that a white sphere is at most white: half of it
+    /// is an added sky's where there are lights. The lights and the sky of the scene are as bright as it says.
     ///
     /// # Errors
     /// Those of [`Light::above_left`].
@@ -130,7 +130,7 @@ impl AddedLight {
             scene.lighting.bounces = Some(bounces);
         }
         let Lighting { lights, shadows, sky, .. } = &mut scene.lighting;
-        let has_own = !lights.is_empty();
+        let own_lights = lights.len();
         lights.extend(self.suns.iter().map(|sun| Light::white(LightSource::Direction(*sun))));
         if lights.is_empty() && (self.shadows || self.look == Look::Soft) {
             lights.push(Light::above_left(&scene.camera)?);
@@ -146,8 +146,12 @@ impl AddedLight {
         if let (Some(reach), Some(sky)) = (self.reach, sky.as_mut()) {
             sky.reach = reach;
         }
-        if !has_own {
-            let left = if sky.is_some() { 1.0 - Sky::BESIDE_LIGHTS } else { 1.0 };
+        let mut left = 1.0;
+        if let (None, Some(sky), false) = (own, sky.as_mut(), lights.is_empty()) {
+            sky.share = Sky::BESIDE_LIGHTS;
+            left -= Sky::BESIDE_LIGHTS;
+        }
+        if own_lights == 0 {
             let each = left / lights.len() as f32;
             lights.iter_mut().for_each(|light| light.intensity = each);
         }
@@ -248,6 +252,32 @@ mod tests {
             let found: Vec<f32> = scene.lighting.lights.iter().map(|light| light.intensity).collect();
             assert_eq!(found, expected, "{light:?}");
         }
+    }
+
+    /// The sky of a file lights as brightly as it is seen; an added sky shares one light with the lights.
+    #[test]
+    fn only_an_added_sky_gives_half_of_the_light_to_lights() {
+        let soft = AddedLight { look: Look::Soft, ..AddedLight::default() };
+        let open = AddedLight { occlusion: Some(Some(9)), ..AddedLight::default() };
+        let sunny = AddedLight { suns: vec![DVec3::Z; 2], ..open.clone() };
+        let file = Some(Sky { rays: 32, ..Sky::default() });
+        for (light, own, share, lights) in [
+            (&soft, None, 0.5, vec![0.5]),
+            (&soft, file, 1.0, vec![1.0]),
+            (&open, None, 1.0, vec![]),
+            (&open, file, 1.0, vec![]),
+            (&sunny, None, 0.5, vec![0.25; 2]),
+            (&sunny, file, 1.0, vec![0.5; 2]),
+        ] {
+            let mut scene = scene(own);
+            light.apply(&mut scene).expect("a camera");
+            let found: Vec<f32> = scene.lighting.lights.iter().map(|light| light.intensity).collect();
+            assert_eq!((scene.lighting.sky.expect("a sky").share, found), (share, lights), "{light:?} on {own:?}");
+        }
+        let mut lit = scene(None);
+        lit.lighting.lights = vec![Light::white(LightSource::Point(DVec3::Y))];
+        open.apply(&mut lit).expect("a camera");
+        assert_eq!(lit.lighting.sky.expect("a sky").share, 0.5, "beside the lights of a file");
     }
 
     /// Samples and all other options leave the look of particles as it is.

@@ -1,13 +1,7 @@
 //! What a surface reflects of lights and the sky, in linear RGB.
 
 use crate::double_double as dd;
-use crate::scene::Sky;
 use glam::DVec3;
-
-/// The light that a surface gets from the sky, of which this is open, or which is absent.
-pub(crate) fn of_sky(open: Option<DVec3>, lights: bool) -> DVec3 {
-    open.map_or(DVec3::ZERO, |open| if lights { open * f64::from(Sky::BESIDE_LIGHTS) } else { open })
-}
 
 /// The cap of a sphere that a point outside of it sees, in the sphere's radius. docs/certificate.md, section 10.
 #[derive(Debug, Clone, Copy)]

@@ -6,7 +6,6 @@ use super::lighting::LightingContext;
 use crate::answers::lit::Chunk;
 use crate::number::vector::LANES;
 use crate::scene::Material;
-use crate::shade::lit;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use glam::{DVec3, Vec3};
@@ -93,7 +92,7 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
                 light.source.far().map(|direction| (direction, color))
             })
             .collect();
-        let (has_sky, has_lights) = (lighted.sky.is_some(), !lights.is_empty());
+        let share = lighted.sky.map(|sky| f64::from(sky.share));
         let Material::Phong { diffuse, .. } = Material::default() else { return (0..ids.len()).collect() };
         let mut left = Vec::new();
         for first in (0..ids.len()).step_by(LANES) {
@@ -109,9 +108,10 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
             }
             let mut white = [[0.0; LANES]; 3];
             for l in 0..LANES {
-                let light = match (has_sky, has_lights) {
-                    (false, false) => DVec3::splat(facing[l]),
-                    _ => lit::of_sky(has_sky.then(|| lane(&lanes.sky, l)), has_lights),
+                let light = match share {
+                    Some(share) => lane(&lanes.sky, l) * share,
+                    None if lights.is_empty() => DVec3::splat(facing[l]),
+                    None => DVec3::ZERO,
                 };
                 (white[0][l], white[1][l], white[2][l]) = (light.x, light.y, light.z);
             }

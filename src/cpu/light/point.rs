@@ -8,7 +8,7 @@ use crate::certify::given::{CertifiedRay, dot};
 use crate::certify::surface::{SelfOcclusion, SurfacePoint};
 use crate::exact::{LightQuestion, Toward};
 use crate::scene::{Ball, LightSource, Material, Sky};
-use crate::shade::lit::{self, Cap};
+use crate::shade::lit::Cap;
 use crate::shade::optics::reflected;
 use crate::view::directions::PixelSample;
 use glam::{DVec3, Vec3};
@@ -468,8 +468,9 @@ impl<'a> PointLight<'a> {
             Material::Metal { .. } | Material::Glass { .. } => (0.0, 0.0),
         };
         let mut white = match scene.lighting.sky {
+            Some(sky) => self.sky_light() * f64::from(sky.share),
             None if lights.is_empty() => DVec3::splat((-along.dot(surface.normal)).max(0.0)),
-            sky => lit::of_sky(sky.map(|_| self.sky_light()), !lights.is_empty()),
+            None => DVec3::ZERO,
         };
         let (mut gloss, mut shine) = (DVec3::ZERO, DVec3::ZERO);
         for (light, share) in lights.iter().zip(&self.lights) {
