@@ -25,12 +25,12 @@ pub(crate) struct LightBuffers {
 }
 
 /// The light of the open sky at the centres of a window's pixels, for the samples around them.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct OpenSky<'a> {
+#[derive(Debug)]
+pub(crate) struct OpenSky {
     pub(crate) window: Window,
     /// The sphere of each pixel, and the light at its hit, linear RGB.
-    pub(crate) ids: &'a [u32],
-    pub(crate) light: &'a [f32],
+    pub(crate) ids: Vec<u32>,
+    pub(crate) light: Vec<f32>,
 }
 
 /// What a device found of rays from the hits of a window's pixels, in a fixed number of words for each: a bit for each ray,
@@ -65,7 +65,7 @@ impl<'a> Traced<'a> {
 /// How many pixels around a sample [`OpenSky`] needs.
 pub(crate) const AROUND: u32 = 1;
 
-impl OpenSky<'_> {
+impl OpenSky {
     /// The mean light over the pixels around this one that show the sphere, or over all that show any.
     pub(crate) fn around(&self, row: u32, column: u32, id: u32) -> DVec3 {
         let Window { x0, y0, x1, y1 } = self.window;

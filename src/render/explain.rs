@@ -6,7 +6,6 @@ mod work;
 
 use super::budget::Need;
 use super::frame::FrameRays;
-use super::place::Executor;
 use super::plan::engine::Engine;
 use super::plan::{Plan, lights};
 use super::renderer::Renderer;
@@ -84,10 +83,7 @@ impl Renderer {
         let FrameRays { window, samples } = rays;
         let plan = self.as_set_up(plan, scene, settings, Raster::centres(window))?;
         let refused = self.refused.take();
-        let gpu = match &self.place {
-            Executor::Gpu(gpu) if refused.is_none() => Some(&**gpu),
-            _ => None,
-        };
+        let gpu = self.device.gpu.as_deref().filter(|_| refused.is_none());
         let need = Need::of(&plan, settings, scene, window, gpu.is_some());
         let free = memory::free(&self.pool);
         let setup = bare_setup(plan, scene, settings, Raster::centres(window))?;

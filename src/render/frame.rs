@@ -6,7 +6,6 @@ use super::light::{FrameContext, LightRequest};
 use super::light_state::LightOnDevice;
 use super::missed::missed;
 use super::order::Ordered;
-use super::place::Executor;
 use super::plan::Plan;
 use super::plan::engine::Engine;
 use super::renderer::Renderer;
@@ -99,35 +98,34 @@ impl Renderer {
         if let Some(method) = plan.kernel.method() {
             self.check_method(method)?;
         }
-        let Some(blocker) = self.certification_blocker(plan.accuracy)? else {
+        let Some(warning) = self.certification_blocker(plan.accuracy, settings.backend)? else {
             return work(self, plan, rays).map(|done| (done, None));
         };
-        if settings.backend == Backend::Gpu {
-            return Err(Error::Accuracy {
-                problem: blocker,
-                mend: format!("use {BACKEND} auto or cpu, or {ACCURACY} fast"),
-            });
-        }
-        let adapter = std::mem::replace(&mut self.place, Executor::Cpu);
+        let adapter = self.device.gpu.take();
         let done = work(self, by_host, rays);
-        self.place = adapter;
-        done.map(|done| (done, Some(format!("{blocker}: the CPU path is used instead"))))
+        self.device.gpu = adapter;
+        done.map(|done| (done, Some(warning)))
     }
 
-    /// Why this adapter may not certify; `None` if it may.
-    pub(super) fn certification_blocker(&mut self, accuracy: Accuracy) -> Result<Option<String>> {
-        match &mut self.place {
-            Executor::Gpu(gpu) if accuracy == Accuracy::Certified => {
-                let passed = gpu.verdict()?.f32;
-                let name = &gpu.summary.name;
-                let blocker = || {
-                    format!(
-                        "{name} failed the self-test of its f32 arithmetic (see halfline adapters) and cannot certify"
-                    )
-                };
-                Ok((!passed).then(blocker))
+    /// The warning that the CPU path takes over, where an adapter may not certify.
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`] where a device was asked for, and the errors of the self-test.
+    pub(super) fn certification_blocker(&mut self, accuracy: Accuracy, backend: Backend) -> Result<Option<String>> {
+        let certified = accuracy == Accuracy::Certified;
+        let Some(gpu) = self.device.gpu.as_mut().filter(|_| certified) else { return Ok(None) };
+        if gpu.verdict()?.f32 {
+            return Ok(None);
+        }
+        let name = &gpu.summary.name;
+        let problem =
+            format!("{name} failed the self-test of its f32 arithmetic (see halfline adapters) and cannot certify");
+        match backend {
+            Backend::Gpu => {
+                let mend = format!("use {BACKEND} auto or cpu, or {ACCURACY} fast");
+                Err(Error::Accuracy { problem, mend })
             }
-            _ => Ok(None),
+            _ => Ok(Some(format!("{problem}: the CPU path is used instead"))),
         }
     }
 
@@ -200,7 +198,7 @@ impl Renderer {
         report.warnings.extend(setup.warnings(scene, predicted));
         report.warnings.extend(self.refused.take());
         report.warnings.extend(self.left_to_host.take());
-        report.light_on_device = self.light_on_device.take().share();
+        report.light_on_device = self.light_on_device.share();
         report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
         report.stages_ms = timings.into_map();
         report.frame_ms = vec![milliseconds(start)];
@@ -238,7 +236,7 @@ impl Renderer {
             tone: settings.asks(&[Aov::Color]).then(|| settings.toning(scene).tone),
             exposure: settings.exposure,
             setup_ms: self.setup_ms,
-            warnings: self.passed_over.clone(),
+            warnings: self.device.passed_over.clone(),
             ..Report::default()
         }
     }
@@ -277,7 +275,7 @@ impl Renderer {
         timings: &mut Timings,
         reach: impl FnOnce(&mut Gpu, &mut Timings) -> Result<Option<Reach>>,
     ) -> Result<ResidentSetup> {
-        let Executor::Gpu(gpu) = &mut self.place else { return Ok(ResidentSetup::Refused(plan)) };
+        let Some(gpu) = &mut self.device.gpu else { return Ok(ResidentSetup::Refused(plan)) };
         if plan.engine != Engine::Resident {
             return Ok(ResidentSetup::Refused(plan));
         }
@@ -320,7 +318,7 @@ impl Renderer {
         raw: &mut Raw,
         timings: &mut Timings,
     ) -> Result<Vec<Settled>> {
-        if let Executor::Gpu(gpu) = &mut self.place {
+        if let Some(gpu) = &mut self.device.gpu {
             gpu.forget_hits();
         }
         if let Stage::Placed(placer) = &setup.stage {
@@ -378,7 +376,7 @@ impl Renderer {
         raw: &mut Raw,
         timings: &mut Timings,
     ) -> Result<Rendered> {
-        let Executor::Gpu(gpu) = &mut self.place else { return Ok(Rendered::Left("there is no device".into())) };
+        let Some(gpu) = &mut self.device.gpu else { return Ok(Rendered::Left("there is no device".into())) };
         let pool = Arc::clone(&self.pool);
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
         let frame = ResidentFrame { scene, view: &setup.view, placer, pool: &pool };
@@ -393,13 +391,13 @@ impl Renderer {
         let FrameSetup { plan, view, .. } = setup;
         let colors = scene.spheres.colors.as_deref();
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
-        match &mut self.place {
-            Executor::Gpu(gpu) => {
+        match &mut self.device.gpu {
+            Some(gpu) => {
                 let input = Input { view, colors, rays: KernelRays::Viewing };
                 let mut output = Output { raw, timings };
                 gpu.run(&plan.kernel, &input, &mut output, &|done| doing.reached(done))?;
             }
-            Executor::Cpu => {
+            None => {
                 let row = || doing.next(u64::from(view.record.columns));
                 timings.time("trace", || cpu::render(&plan.kernel, view, colors, raw, &row));
             }
@@ -461,7 +459,7 @@ mod tests {
         let gpu = Settings { backend: Backend::Gpu, aovs: vec![Aov::Id], ..Settings::default() };
         let mut renderer = Renderer::new(&gpu).expect("an adapter; tests/run installs and pins one");
         assert_eq!(renderer.render(&scene, &gpu).expect("a frame").report.backend, "gpu");
-        let Executor::Gpu(adapter) = &mut renderer.place else { panic!("a GPU was requested") };
+        let Some(adapter) = &mut renderer.device.gpu else { panic!("a GPU was requested") };
         adapter.distrust();
         let error = renderer.render(&scene, &gpu).expect_err("the CPU path is not allowed");
         assert!(matches!(error, Error::Accuracy { .. }), "{error}");

@@ -1,6 +1,5 @@
 //! The stage of lights and sky: after the nearest hits, before the buffers are assembled.
 
-use super::place::Executor;
 use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
 use crate::answers::lit::{LightBuffers, OpenSky, Traced};
@@ -36,7 +35,7 @@ pub(super) struct LightRequest<'a> {
     /// Only every second pixel is requested, as on a chessboard.
     pub(super) chessboard: bool,
     /// The light of the open sky, where it is known.
-    pub(super) open_sky: Option<OpenSky<'a>>,
+    pub(super) open_sky: Option<&'a OpenSky>,
 }
 
 impl<'a> LightRequest<'a> {
@@ -49,12 +48,6 @@ impl<'a> LightRequest<'a> {
     fn unknown_sky(&self) -> Option<Sky> {
         self.sky.filter(|_| self.open_sky.is_none())
     }
-}
-
-/// Rays of each pixel toward the sky and toward lights.
-struct SkyCount {
-    rays: usize,
-    lights: usize,
 }
 
 /// What the lights of one scene need, for the pixels' centres and for all samples.
@@ -88,15 +81,15 @@ impl Renderer {
     }
 
     /// Traces rays from the hits that are still on the device: toward the sky in these directions, and one to each light, where
-    /// lights cast shadows and none has a size.
+    /// lights cast shadows and none has a size. Their numbers, and the words of all pixels.
     fn trace_from_hits(
         &mut self,
         tree: &Tree,
         FrameContext { scene, settings, view }: FrameContext<'_>,
         request: &LightRequest<'_>,
         directions: &SkyDirections,
-    ) -> Result<Option<(SkyCount, Vec<u32>)>> {
-        let Executor::Gpu(gpu) = &mut self.place else { return Ok(None) };
+    ) -> Result<Option<(Traced<'static>, Vec<u32>)>> {
+        let Some(gpu) = &mut self.device.gpu else { return Ok(None) };
         let casts_shadows = request.outputs.shadow || request.outputs.color && scene.lighting.shadows;
         let (none, sky) = (SkyDirections::none(), request.unknown_sky());
         let directions = if sky.is_some() { directions } else { &none };
@@ -107,7 +100,7 @@ impl Renderer {
         };
         let all: Option<Vec<DirectionRecord>> = scene.lighting.lights.iter().map(without_size).collect();
         let all = all.filter(|_| casts_shadows).unwrap_or_default();
-        let count = SkyCount { rays: directions.len(), lights: all.len() };
+        let count = Traced { words: &[], rays: directions.len(), lights: all.len() };
         if count.rays + count.lights == 0 {
             return Ok(None);
         }
@@ -174,7 +167,7 @@ impl Renderer {
             Accuracy::Certified => self.trace_from_hits(tree, frame, request, &directions)?,
             _ => None,
         };
-        let traced = found.as_ref().map(|(count, words)| Traced { words, rays: count.rays, lights: count.lights });
+        let traced = found.as_ref().map(|(count, words)| Traced { words, ..*count });
         if let Some(traced) = &traced {
             self.light_on_device.add(ids, traced);
         }

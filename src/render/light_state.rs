@@ -12,11 +12,6 @@ pub(super) struct LightOnDevice {
 }
 
 impl LightOnDevice {
-    /// Ends the count of a frame.
-    pub(super) fn take(&mut self) -> Self {
-        std::mem::take(self)
-    }
-
     /// `None` without hits.
     pub(super) fn share(self) -> Option<f64> {
         (self.hits > 0).then(|| self.decided as f64 / self.hits as f64)

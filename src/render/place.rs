@@ -6,15 +6,10 @@ use crate::gpu::device::{self, FoundAdapter};
 use crate::quote::setting::{ADAPTER, BACKEND};
 use crate::settings::{Backend, Settings};
 
-/// The device of a renderer.
-pub(super) enum Executor {
-    Gpu(Box<Gpu>),
-    Cpu,
-}
-
-/// A device, and why it was chosen.
+/// The device of a renderer, and why it was chosen.
 pub(super) struct ChosenDevice {
-    pub(super) executor: Executor,
+    /// `None` for the CPU path.
+    pub(super) gpu: Option<Box<Gpu>>,
     /// Why this one, in words.
     pub(super) reason: String,
     /// Why adapters that were found are not used although the settings allow them.
@@ -43,23 +38,27 @@ impl ChosenDevice {
             return Ok(Self::first(device::find()?));
         }
         match device::choose(device::find()?, named.as_deref())? {
-            Some(found) => Self::open(&found, "an adapter was requested".into()),
+            Some(found) => Self::open(&found, "an adapter was requested"),
             None if settings.backend == Backend::Auto => Ok(Self::none()),
             None => Err(device::none_found()),
         }
     }
 
     fn cpu(reason: &str) -> Self {
-        Self { executor: Executor::Cpu, reason: reason.into(), passed_over: Vec::new(), has_no_adapter: false }
+        Self { gpu: None, reason: reason.into(), passed_over: Vec::new(), has_no_adapter: false }
     }
 
     fn none() -> Self {
         Self { has_no_adapter: true, ..Self::cpu("no Vulkan, Metal or DX12 adapter was found") }
     }
 
-    fn open(found: &FoundAdapter, reason: String) -> Result<Self> {
-        let gpu = Gpu::new(device::open(found)?, found.summary.clone());
-        Ok(Self { executor: Executor::Gpu(Box::new(gpu)), ..Self::cpu(&reason) })
+    /// An adapter that is open.
+    pub(super) fn adapter(gpu: Gpu, reason: &str) -> Self {
+        Self { gpu: Some(Box::new(gpu)), ..Self::cpu(reason) }
+    }
+
+    fn open(found: &FoundAdapter, reason: &str) -> Result<Self> {
+        Ok(Self::adapter(Gpu::new(device::open(found)?, found.summary.clone()), reason))
     }
 
     /// The first adapter that opens, hardware before software. The CPU path instead of a software adapter, and where none opens.
@@ -72,7 +71,7 @@ impl ChosenDevice {
             let name = &found.summary.name;
             match found.summary.is_software() {
                 true => Ok(Self::cpu(&format!("{name} is software, and the CPU path is faster than any"))),
-                false => Self::open(found, format!("{name} is the first adapter that can be used")),
+                false => Self::open(found, &format!("{name} is the first adapter that can be used")),
             }
         };
         if let Some(place) = device::open_first(&found, open, &mut passed_over) {

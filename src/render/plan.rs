@@ -17,10 +17,9 @@ use crate::scene::camera::Lens;
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use engine::Engine;
-use serde::Serialize;
 
 /// The decisions for one scene and its settings, with their reasons.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct Plan {
     /// The intersection method; `certified` and `exact` choose their own.
     pub method: &'static str,
@@ -31,24 +30,15 @@ pub struct Plan {
     /// The predicted worst-case rounding error, where it was computed for the choice.
     pub predicted: Option<Prediction>,
     /// The engine that finds the first hits.
-    #[serde(rename = "search", serialize_with = "by_name")]
     pub engine: Engine,
     /// What is computed of lights and sky.
-    #[serde(skip)]
     pub(crate) wanted: LightOutputs,
     /// What is drawn over the colours.
-    #[serde(skip)]
     pub(crate) finish: Option<Finish>,
-    #[serde(skip)]
     pub(crate) kernel: Kernel,
     /// The kernel of the samples, with several samples per pixel or where something is drawn over the colours; `kernel` then
     /// computes no colour.
-    #[serde(skip)]
     pub(crate) sampled: Option<Kernel>,
-}
-
-fn by_name<S: serde::Serializer>(engine: &Engine, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(engine.name())
 }
 
 impl Plan {

@@ -2,7 +2,7 @@
 
 use super::light_state::LightOnDevice;
 use super::order::LastOrder;
-use super::place::{ChosenDevice, Executor};
+use super::place::ChosenDevice;
 use super::plan::Plan;
 use crate::cpu;
 use crate::error::Result;
@@ -21,14 +21,10 @@ use std::time::Instant;
 
 /// A device with its pipelines and buffers, or the CPU reference path, kept for many frames.
 pub struct Renderer {
-    pub(super) place: Executor,
+    pub(super) device: ChosenDevice,
     pub(super) setup_ms: f64,
     pub(super) watch: Watch,
     pub(super) pool: Arc<Pool>,
-    pub(super) passed_over: Vec<String>,
-    /// Why it renders in this place.
-    pub(super) reason: String,
-    has_no_adapter: bool,
     /// Frames so far: within one, spheres do not change.
     pub(super) frames: u64,
     /// Why the CPU path renders the current frame in place of the device.
@@ -53,23 +49,8 @@ impl Renderer {
         let start = Instant::now();
         // Errors that do not depend on a device are found before one is opened.
         Plan::for_method(settings)?;
-        let ChosenDevice { executor: place, reason, passed_over, has_no_adapter } = ChosenDevice::of(settings)?;
-        let setup_ms = milliseconds(start);
-        let (watch, pool, order) = (Watch::default(), Arc::default(), LastOrder::default());
-        Ok(Self {
-            place,
-            setup_ms,
-            watch,
-            pool,
-            passed_over,
-            reason,
-            has_no_adapter,
-            frames: 0,
-            refused: None,
-            left_to_host: None,
-            order,
-            light_on_device: LightOnDevice::default(),
-        })
+        let device = ChosenDevice::of(settings)?;
+        Ok(Self::on(device, milliseconds(start)))
     }
 
     /// Renders on the caller's own device.
@@ -77,14 +58,16 @@ impl Renderer {
     pub fn with_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let summary = AdapterSummary::of_device(&device);
         let open = Open { device, queue, lost: Arc::new(Mutex::new(None)) };
+        Self::on(ChosenDevice::adapter(Gpu::new(open, summary), "the caller opened the device"), 0.0)
+    }
+
+    /// Nothing is rendered yet.
+    fn on(device: ChosenDevice, setup_ms: f64) -> Self {
         Self {
-            place: Executor::Gpu(Box::new(Gpu::new(open, summary))),
-            setup_ms: 0.0,
+            device,
+            setup_ms,
             watch: Watch::default(),
             pool: Arc::default(),
-            passed_over: Vec::new(),
-            reason: "the caller opened the device".into(),
-            has_no_adapter: false,
             frames: 0,
             refused: None,
             left_to_host: None,
@@ -96,19 +79,19 @@ impl Renderer {
     /// Why adapters that were found are not used although the settings allow them; these are warnings of every report.
     #[must_use]
     pub fn passed_over(&self) -> &[String] {
-        &self.passed_over
+        &self.device.passed_over
     }
 
     /// Why frames are rendered in this place, in words: what was requested, found or measured.
     #[must_use]
     pub fn backend_reason(&self) -> &str {
-        &self.reason
+        &self.device.reason
     }
 
     /// Whether the settings left the choice, and there was no adapter.
     #[must_use]
     pub fn has_no_adapter(&self) -> bool {
-        self.has_no_adapter
+        self.device.has_no_adapter
     }
 
     /// Reports every frame to `watch`, which can end it with [`Error::Interrupted`](crate::Error::Interrupted); the renderer stays usable.
@@ -121,25 +104,19 @@ impl Renderer {
     /// Whether an adapter computes the frames; otherwise the CPU reference path does.
     #[must_use]
     pub fn is_gpu(&self) -> bool {
-        matches!(self.place, Executor::Gpu(_))
+        self.device.gpu.is_some()
     }
 
     /// The adapter's name, `cpu` for the reference path.
     #[must_use]
     pub fn adapter(&self) -> &str {
-        match &self.place {
-            Executor::Gpu(gpu) => &gpu.summary.name,
-            Executor::Cpu => cpu::NAME,
-        }
+        self.device.gpu.as_ref().map_or(cpu::NAME, |gpu| &gpu.summary.name)
     }
 
     /// Driver and its version, threads for the reference path.
     #[must_use]
     pub fn driver(&self) -> String {
-        match &self.place {
-            Executor::Gpu(gpu) => gpu.summary.driver.clone(),
-            Executor::Cpu => cpu::driver(),
-        }
+        self.device.gpu.as_ref().map_or_else(cpu::driver, |gpu| gpu.summary.driver.clone())
     }
 
     /// Checks that `method` can run here. On the CPU path every method can.
@@ -148,10 +125,7 @@ impl Renderer {
     /// [`Error::Accuracy`](crate::Error::Accuracy) with the reason why the adapter's arithmetic does not allow it, and the errors of the
     /// self-test.
     pub fn check_method(&mut self, method: Method) -> Result<()> {
-        match &mut self.place {
-            Executor::Gpu(gpu) => gpu.check_method(method),
-            Executor::Cpu => Ok(()),
-        }
+        self.device.gpu.as_mut().map_or(Ok(()), |gpu| gpu.check_method(method))
     }
 
     /// The measured properties of the adapter's arithmetic; `None` for the reference path, which defines them.
@@ -159,32 +133,23 @@ impl Renderer {
     /// # Errors
     /// The errors of the self-test.
     pub fn verdict(&mut self) -> Result<Option<&Verdict>> {
-        match &mut self.place {
-            Executor::Gpu(gpu) => gpu.verdict().map(Some),
-            Executor::Cpu => Ok(None),
-        }
+        self.device.gpu.as_mut().map(|gpu| gpu.verdict()).transpose()
     }
 
     /// Whether the device's own clock times the kernels.
     #[must_use]
     pub fn has_clock(&self) -> bool {
-        matches!(&self.place, Executor::Gpu(gpu) if gpu.has_clock())
+        self.device.gpu.as_ref().is_some_and(|gpu| gpu.has_clock())
     }
 
     /// Kernel time since the last call.
     pub(super) fn kernel_ms(&mut self) -> Option<f64> {
-        match &mut self.place {
-            Executor::Gpu(gpu) => gpu.kernel_ms(),
-            Executor::Cpu => None,
-        }
+        self.device.gpu.as_mut().and_then(|gpu| gpu.kernel_ms())
     }
 
     /// What the device did since the last call; `None` for the reference path.
     pub(super) fn traffic(&mut self) -> Option<Traffic> {
-        match &mut self.place {
-            Executor::Gpu(gpu) => Some(gpu.traffic()),
-            Executor::Cpu => None,
-        }
+        self.device.gpu.as_mut().map(|gpu| gpu.traffic())
     }
 
     /// Returns the memory of a frame that is no longer needed to the pool of later frames.

@@ -88,7 +88,7 @@ impl Renderer {
             (Some(around), Some(sky)) => self.sky_of(sampling, around, sky, raster.count(), timings)?,
             _ => None,
         };
-        let open = sky.as_ref().map(SkyOfCenters::open);
+        let open = sky.as_ref();
         let basis = scene.camera.basis()?;
         let cue = finish.and_then(|finish| finish.cue(scene, &basis));
         let pixels = raster.window.width() as usize * raster.window.height() as usize;
@@ -135,7 +135,7 @@ impl Renderer {
         &mut self,
         sampling: Sampling<'_>,
         setup: &mut FrameSetup,
-        open_sky: Option<OpenSky<'_>>,
+        open_sky: Option<&OpenSky>,
         cue: Option<DepthCue>,
         raw: &mut Raw,
         timings: &mut Timings,
@@ -173,7 +173,7 @@ impl Renderer {
         sky: Sky,
         samples: u32,
         timings: &mut Timings,
-    ) -> Result<Option<SkyOfCenters>> {
+    ) -> Result<Option<OpenSky>> {
         let Sampling { scene, settings, lights: Some(lights), .. } = sampling else { return Ok(None) };
         let pool = Arc::clone(&self.pool);
         let ids = every_second(&around.view, &around.ids);
@@ -182,7 +182,7 @@ impl Renderer {
         let request = LightRequest { chessboard: true, ..LightRequest::of(outputs, Some(sky), &ids) };
         let frame = FrameContext { scene, settings, view: &around.view };
         let lit = timings.time("light", || self.light(lights, frame, &request, &pool))?;
-        Ok(Some(SkyOfCenters { window: around.window, ids, light: lit.sky }))
+        Ok(Some(OpenSky { window: around.window, ids, light: lit.sky }))
     }
 
     /// The spheres that the centres of a window's pixels show, and those around it as far as `margin` and the frame reach.
@@ -221,19 +221,6 @@ fn every_second(view: &View, ids: &[u32]) -> Vec<u32> {
         if (row ^ column) & 1 == 0 { *id } else { NONE }
     };
     ids.par_iter().enumerate().map(one).collect()
-}
-
-/// The light of the sky at some of a window's pixels.
-struct SkyOfCenters {
-    window: Window,
-    ids: Vec<u32>,
-    light: Vec<f32>,
-}
-
-impl SkyOfCenters {
-    fn open(&self) -> OpenSky<'_> {
-        OpenSky { window: self.window, ids: &self.ids, light: &self.light }
-    }
 }
 
 /// The spheres that pixels' centres show.

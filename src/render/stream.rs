@@ -105,12 +105,6 @@ impl Stream {
         })
     }
 
-    /// The settings of the frame.
-    #[must_use]
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
     /// Adds the next spheres. Blocks of some 10^5 are fast. Those of
     /// `halfline_files::read::SphereBlocks` were checked by their reader, and others are checked here.
     ///

@@ -7,12 +7,11 @@ mod on_device;
 use super::plan::GivenPlan;
 use super::renderer::Renderer;
 use crate::cpu;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::report::milliseconds;
-use crate::quote::setting::{ACCURACY, BACKEND};
 use crate::scene::Spheres;
 use crate::search::tree::Tree;
-use crate::settings::{Accuracy, Backend, Search, Settings};
+use crate::settings::{Accuracy, Search, Settings};
 pub use crate::view::given::Rays;
 use on_device::OnDevice;
 use std::time::Instant;
@@ -173,27 +172,13 @@ impl Renderer {
         spheres.check()?;
         let plan = GivenPlan::new(settings, spheres.len())?;
         let tolerance = settings.promise().relative();
-        let (certifies, warning) = self.certifies_given(&plan, settings.backend)?;
+        let warning = self.certification_blocker(plan.accuracy, settings.backend)?;
+        let certifies = self.is_gpu() && plan.accuracy == Accuracy::Certified && warning.is_none();
         let device = certifies.then(OnDevice::default);
         let start = Instant::now();
         let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten();
         let build_ms = if tree.is_some() { milliseconds(start) } else { 0.0 };
         Ok(Tracer { renderer: self, spheres, plan, tree, device, warning, tolerance, build_ms })
-    }
-
-    /// Whether an adapter certifies given rays, or why not although it might.
-    fn certifies_given(&mut self, plan: &GivenPlan, backend: Backend) -> Result<(bool, Option<String>)> {
-        if !self.is_gpu() || plan.accuracy != Accuracy::Certified {
-            return Ok((false, None));
-        }
-        match self.certification_blocker(plan.accuracy)? {
-            None => Ok((true, None)),
-            Some(blocker) if backend == Backend::Gpu => Err(Error::Accuracy {
-                problem: blocker,
-                mend: format!("use {BACKEND} auto or cpu, or {ACCURACY} fast"),
-            }),
-            Some(blocker) => Ok((false, Some(format!("{blocker}: the CPU path is used instead")))),
-        }
     }
 
     /// The nearest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single

@@ -46,7 +46,7 @@ pub(crate) struct LightingContext<'a> {
     pub(crate) disc: &'a DiscPoints,
     pub(crate) seed: u32,
     /// The light of the open sky at the hits of viewing rays, if it is known.
-    pub(crate) open: Option<OpenSky<'a>>,
+    pub(crate) open: Option<&'a OpenSky>,
     /// What a device found of the rays from the hits of viewing rays.
     pub(crate) traced: Option<Traced<'a>>,
     /// How often a ray goes on; 0 where no material asks for it.

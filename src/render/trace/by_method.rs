@@ -10,7 +10,6 @@ use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::kernel::{Kernel, RaySource, Task};
-use crate::render::place::Executor;
 use crate::view::View;
 use crate::view::ray::{NONE, RayRecord};
 use crate::{cpu, double_double as dd};
@@ -39,15 +38,15 @@ impl Tracer<'_> {
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
             let records: Vec<_> = group.rays.par_iter().map(record).collect();
             let mut raw = Raw::new(&kernel, records.len(), &self.renderer.pool)?;
-            match &mut self.renderer.place {
-                Executor::Gpu(gpu) => {
+            match &mut self.renderer.device.gpu {
+                Some(gpu) => {
                     gpu.check_method(method)?;
                     let rays = KernelRays::Given(&records);
                     let input = Input { view: &view, colors: None, rays };
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.renderer.watch.goes_on())?;
                 }
-                Executor::Cpu => cpu::given_rays(&kernel, &view, &records, &mut raw),
+                None => cpu::given_rays(&kernel, &view, &records, &mut raw),
             }
             let there = |(k, n): (usize, &u32)| {
                 let d = directions[*n as usize];

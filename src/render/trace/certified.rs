@@ -5,7 +5,6 @@ use crate::cpu::given_certified::{AnyHit, Given, NearestHit, Query};
 use crate::error::{Error, Result};
 use crate::exact::{Truth, judge_ray_among};
 use crate::progress::Watch;
-use crate::render::place::Executor;
 use crate::scene::Spheres;
 use crate::settings::{Accuracy, Search};
 use rayon::prelude::*;
@@ -51,13 +50,10 @@ impl Tracer<'_> {
             if !renderer.watch.goes_on() {
                 return Err(Error::Interrupted);
             }
-            let answers: Vec<Q> = match &mut renderer.place {
+            let answers: Vec<Q> = match (&mut renderer.device.gpu, &mut *device) {
                 _ if plan.accuracy == Accuracy::Exact => vec![Q::UNSURE; numbers.len()],
-                Executor::Gpu(gpu) => match device {
-                    Some(device) => device.answers(gpu, &given, numbers, &renderer.watch)?,
-                    None => given.each(numbers),
-                },
-                Executor::Cpu => given.each(numbers),
+                (Some(gpu), Some(device)) => device.answers(gpu, &given, numbers, &renderer.watch)?,
+                _ => given.each(numbers),
             };
             let is_unsure = |(answer, n): (&Q, &u32)| answer.is_unsure().then_some(*n);
             let unsure: Vec<u32> = answers.par_iter().zip(numbers).filter_map(is_unsure).collect();
