@@ -27,6 +27,7 @@ use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::render::Renderer;
 use halfline::settings::Settings;
+use halfline_files::read::read_once;
 use halfline_files::write::file::{Target, is_special};
 use picture::{Messages, Picture, PictureWriter};
 use std::num::NonZeroU32;
@@ -253,7 +254,7 @@ impl Render {
         (settings, targets): (&Settings, &[Target]),
         cancel: &Cancel,
     ) -> Result<PictureScene> {
-        if self.args.path() == Path::new("-") || !self.args.visible.is_empty() || self.stream {
+        if read_once(self.args.path()).is_some() || !self.args.visible.is_empty() || self.stream {
             return Err(Error::Limits { problem, mend });
         }
         let why = format!("{problem}: the file is read as a stream (see --stream)");

@@ -20,7 +20,7 @@ use halfline::settings::{Accuracy, Backend, FileLook, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use halfline_files::parts;
-use halfline_files::read::Sequence;
+use halfline_files::read::{Sequence, read_once};
 use halfline_files::write::file::{Target, is_standard_output};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -156,7 +156,7 @@ impl SceneArgs {
 
     /// The number of frames of the file; `None` where they cannot be counted.
     pub(super) fn frames_of_file(&self) -> Option<u64> {
-        let path = self.scene.as_deref().filter(|path| *path != Path::new("-"))?;
+        let path = self.scene.as_deref().filter(|path| read_once(path).is_none())?;
         let mut sequence = Sequence::open(path, &self.read.options()).ok()?;
         while sequence.pass().ok()? {}
         Some(sequence.passed())

@@ -19,9 +19,9 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
 use halfline_files::read::style::Coloring;
-use halfline_files::read::{FrameRange, HeldCamera, Hold, Keep, ReadOptions, SceneFrame, Sequence};
+use halfline_files::read::{FrameRange, HeldCamera, Hold, Keep, ReadOptions, SceneFrame, Sequence, read_once};
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Iterates over the scenes.
 pub(super) struct SceneFrames<'a> {
@@ -235,9 +235,9 @@ fn light(
 /// The camera that shows all frames of the file, and the middle of the first; their default radius and range of colours
 /// are set in `options`.
 fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camera, DVec3)>> {
-    if args.path() == Path::new("-") {
-        let mend = "use --hold first, or a file instead of standard input";
-        return Err(Error::settings("--hold all reads the file twice, and standard input can be read once", mend));
+    if let Some(once) = read_once(args.path()) {
+        let problem = format!("--hold all reads the file twice, and {once} can be read once");
+        return Err(Error::settings(problem, format!("use --hold first, or a file instead of {once}")));
     }
     let mut all = AllFrames::read(args, options, [0.0; 2])?;
     if let Coloring::Column(scale) = &mut options.style.coloring {

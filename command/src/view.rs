@@ -24,9 +24,9 @@ use clap::{Arg, Args, Command};
 use desk::Desk;
 use given::Given;
 use halfline::error::{Error, Result};
+use halfline_files::read::read_once;
 use halfline_viewer::{Server, open_browser, ssh_line};
 use std::fs::File;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -94,9 +94,9 @@ impl View {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
         let given = self.given()?;
-        if self.args.path() == Path::new("-") {
+        if let Some(once) = read_once(self.args.path()) {
             return Err(Error::settings(
-                "view reads its file again, and standard input can be read once",
+                format!("view reads its file again, and {once} can be read once"),
                 "use a file",
             ));
         }

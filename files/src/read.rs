@@ -38,6 +38,7 @@ pub use format::Format;
 pub use frame_range::FrameRange;
 pub use held::HeldCamera;
 pub use info::info;
+pub use input::read_once;
 pub use options::{Hold, Keep, ReadOptions};
 pub use particles::column_names::ColumnNames;
 pub use particles::frame_time::FrameTime;

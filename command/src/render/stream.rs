@@ -23,7 +23,9 @@ use halfline::scene::instances::Instances;
 use halfline::scene::{Facing, Framing, ImagePlane, LightSource, Lighting, Reach, Scene, Spheres, Spread, middle};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::Coloring;
-use halfline_files::read::{FrameTime, Mark, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped};
+use halfline_files::read::{
+    FrameTime, Mark, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped, read_once,
+};
 use halfline_files::write::file::Target;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -346,12 +348,10 @@ impl<'a> Source<'a> {
         SphereBlocks::survey(self.args.path(), &self.options)
     }
 
-    /// Returns an error for standard input, which can be read once.
+    /// Returns an error for an input that can be read once.
     fn check_repeatable(&self, why: &str, mend: &str) -> Result<()> {
-        if self.args.path() != Path::new("-") {
-            return Ok(());
-        }
-        Err(Error::settings(format!("--stream: {why}, and standard input can be read once"), mend))
+        let Some(once) = read_once(self.args.path()) else { return Ok(()) };
+        Err(Error::settings(format!("--stream: {why}, and {once} can be read once"), mend))
     }
 
     /// The box around all spheres of the file, and what else is known of them. The same pass finds the range of the colours, where it is not given. `why` is

@@ -169,6 +169,30 @@ fn pipes_and_devices_are_written_in_place() {
     }
 }
 
+/// What would read a named pipe twice says so and does not wait for a second writer; what reads it once renders it.
+#[test]
+fn a_pipe_is_read_once() {
+    let dir = TestDir::new(&[("all.xyz", "2\n\nC 0 0 0\nO 1 0 0\n")]);
+    assert!(Command::new("mkfifo").arg(dir.path("pipe")).status().expect("mkfifo runs").success());
+    let written = |words: &str| {
+        let write = "cat all.xyz > pipe";
+        let mut writer = Command::new("sh").args(["-c", write]).current_dir(dir.path("")).spawn().expect("sh runs");
+        let output = dir.run(words);
+        let _ = writer.kill();
+        writer.wait().expect("an end");
+        output
+    };
+    let render = "render pipe --format xyz --backend cpu -o p.png";
+    for words in [format!("{render} --stream"), format!("{render} --frames 1-1 --hold all"), "view pipe".to_owned()] {
+        let output = written(&words);
+        assert!(output.code == 2 && output.err.contains("a pipe can be read once"), "{words}: {}", output.err);
+    }
+    for words in [render.to_owned(), format!("{render} --stream --eye 0,0,9 --at 0,0,0 --up 0,1,0")] {
+        let output = written(&words);
+        assert!(output.code == 0, "{words}: {}", output.err);
+    }
+}
+
 /// SIGTERM ends a process that waits for the reader of a pipe.
 #[test]
 fn an_interrupt_ends_a_blocked_write() {

@@ -50,6 +50,15 @@ pub(crate) fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize
     Ok(filled)
 }
 
+/// The name in messages of an input that can be read once: standard input, a pipe or a device; `None` for a file.
+pub fn read_once(path: &Path) -> Option<&'static str> {
+    match std::fs::metadata(path) {
+        _ if path == Path::new("-") => Some("standard input"),
+        Ok(found) if !found.is_file() && !found.is_dir() => Some("a pipe"),
+        _ => None,
+    }
+}
+
 /// An opened file, pipe or standard input.
 pub(crate) struct Input {
     reader: Box<dyn BufRead + Send>,
@@ -68,14 +77,11 @@ impl Input {
     /// # Errors
     /// [`Error::Io`], [`Error::Interrupted`], [`Error::Limits`] where a pipe needs a thread that cannot be started.
     pub(crate) fn open(path: &Path, watch: &Watch) -> Result<Self> {
-        let metadata = std::fs::metadata(path).ok().filter(|_| path != Path::new("-"));
-        let waits =
-            path == Path::new("-") || metadata.as_ref().is_some_and(|found| !found.is_file() && !found.is_dir());
-        if waits {
+        if read_once(path).is_some() {
             return Self::unpack(Box::new(Pipe::open(path, watch)?), 0, watch).map_err(|e| Error::read(path, e));
         }
         let file = File::open(path).map_err(|e| Error::read(path, e))?;
-        let length = metadata.map_or(0, |found| found.len());
+        let length = file.metadata().map_or(0, |found| found.len());
         Self::unpack(Box::new(file), length, watch).map_err(|e| Error::read(path, e))
     }
 

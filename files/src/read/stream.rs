@@ -1,6 +1,7 @@
 //! The spheres of a file in blocks, for files larger than memory: while a block is used, the next one is read.
 
 use super::format::Format;
+use super::input::read_once;
 use super::native::{self, NamedSpheres};
 use super::open::open as open_particles;
 use super::options::ReadOptions;
@@ -107,9 +108,7 @@ impl SphereBlocks {
             return Err(Error::settings(problem, mend));
         }
         let format = source.format;
-        // A pipe is read once.
-        let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
-        let reads_twice = is_colored && format != Format::Native && is_file && path != Path::new("-");
+        let reads_twice = is_colored && format != Format::Native && read_once(path).is_none();
         let colors = if reads_twice { colors_of(path, options)? } else { None };
         let (scene, parts, reader) = start(source, options)?;
         let file = Place::file(path.display().to_string());
@@ -138,13 +137,13 @@ impl SphereBlocks {
         })
     }
 
-    /// The scene of a scene file (TOML) without spheres, and the files that it refers to; `None` for files of particles. Standard
-    /// input cannot be read twice, so that it is none.
+    /// The scene of a scene file (TOML) without spheres, and the files that it refers to; `None` for files of particles, and for
+    /// what can be read once.
     ///
     /// # Errors
     /// Those of [`Sequence::open`](super::Sequence::open).
     pub fn scene(path: &Path, options: &ReadOptions) -> Result<Option<(SceneFrame, Vec<PathBuf>)>> {
-        if path == Path::new("-") {
+        if read_once(path).is_some() {
             return Ok(None);
         }
         let source = SceneSource::open(path, options.known_format(), &options.watch)?;
@@ -349,9 +348,8 @@ struct InBlocks {
 
 impl InBlocks {
     fn open(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        if source.path == Path::new("-") {
-            let problem =
-                format!("{STREAM}: a scene is read for its camera first, and standard input can be read once");
+        if let Some(once) = read_once(&source.path) {
+            let problem = format!("{STREAM}: a scene is read for its camera first, and {once} can be read once");
             return Err(Error::settings(problem, "use a file"));
         }
         let watch = options.watch.clone();
