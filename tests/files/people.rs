@@ -522,6 +522,9 @@ fn extra_bytes_of_las_are_columns() {
         ("Pulse width", 9, &0.5f32.to_le_bytes(), None),
         ("intensity", 1, &[200], None),
         ("pair", 13, &[1, 0, 2, 0], None),
+        // Names of the fields of other formats.
+        ("Red", 3, &700u16.to_le_bytes(), None),
+        ("nir", 1, &[77], None),
     ]);
     assert_eq!(alike("a.las", &content).scene.spheres.centers, [[1.0, 2.0, 3.0]]);
     for selection in [
@@ -531,6 +534,7 @@ fn extra_bytes_of_las_are_columns() {
         "distance == 0.1",
         "pair_0 == 1 and pair_1 == 2",
         "intensity == 0",
+        "red == 700 and nir == 77",
     ] {
         assert_eq!(read_frame("a.las", &content, &selecting(selection)).expect(selection).scene.spheres.len(), 1);
     }

@@ -36,9 +36,6 @@ struct LasHeader {
 const COMMON: [&str; 7] =
     ["intensity", "return_number", "number_of_returns", "classification", "scan_angle", "user_data", "point_source"];
 
-/// Columns of some formats, and the coordinates.
-const OTHERS: [&str; 8] = ["x", "y", "z", "gps_time", "red", "green", "blue", "nir"];
-
 /// Bytes of the header of versions before 1.3, and of 1.4.
 const HEADER: u64 = 227;
 const HEADER_14: u64 = 375;
@@ -66,7 +63,8 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
     let mut header = LasHeader::read(&mut file)?;
     // Every field costs time for every point. A field of the format comes before one of its name.
     let is_every = request.columns.iter().any(|name| name == EVERY);
-    let is_own = |name: &str| COMMON.iter().chain(&OTHERS).any(|own| own.eq_ignore_ascii_case(name));
+    let own = header.format.columns();
+    let is_own = |name: &str| own.iter().any(|(own, _)| own.eq_ignore_ascii_case(name));
     let (wanted, others): (Vec<_>, Vec<_>) = header
         .extra
         .drain(..)
@@ -104,34 +102,33 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
 
 /// The columns, in the order of [`LasHeader::numbers`].
 fn columns(header: &LasHeader, file: &BinaryFile, request: &Request) -> Result<Layout> {
-    let format = header.format;
     let mut layout = Layout::new(request);
     layout.note(ColorType::Whole, Vec::new());
     let mut add = |name: &str, role| {
         let wrong = |problem: String| file.fail(104, "point format", problem, DAMAGED);
         layout.add(name, role).map_err(wrong)
     };
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        add(name, Role::Position(axis))?;
-    }
-    for name in COMMON {
-        add(name, Role::Other)?;
-    }
-    if format.gps_time.is_some() {
-        add("gps_time", Role::Other)?;
-    }
-    if format.color.is_some() {
-        for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
-            add(name, Role::Color(channel))?;
-        }
-    }
-    if format.infrared.is_some() {
-        add("nir", Role::Other)?;
+    for (name, role) in header.format.columns() {
+        add(name, role)?;
     }
     for field in &header.extra {
         add(&field.name, Role::Other)?;
     }
     Ok(layout)
+}
+
+impl PointFormat {
+    /// The columns of its points, in the order of [`LasHeader::numbers`].
+    fn columns(self) -> Vec<(&'static str, Role)> {
+        let mut columns: Vec<_> = (0..3).map(|axis| (["x", "y", "z"][axis], Role::Position(axis))).collect();
+        columns.extend(COMMON.map(|name| (name, Role::Other)));
+        columns.extend(self.gps_time.map(|_| ("gps_time", Role::Other)));
+        if self.color.is_some() {
+            columns.extend((0..3).map(|channel| (["red", "green", "blue"][channel], Role::Color(channel))));
+        }
+        columns.extend(self.infrared.map(|_| ("nir", Role::Other)));
+        columns
+    }
 }
 
 impl LasHeader {
