@@ -60,7 +60,7 @@ fn main() -> Result<()> {
     plot.write(folder).map(drop)
 }
 
-/// What was measured of a file: seconds, and megabytes.
+/// The measurements of a file: times in seconds, memory and size in megabytes.
 struct Row {
     spheres: f64,
     read: f64,

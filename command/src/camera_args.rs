@@ -1,4 +1,4 @@
-//! Where the camera is and its lens, as options.
+//! Options of the camera: its position, direction and lens.
 
 use super::camera_list::CameraListArgs;
 use super::lens_args::LensArgs;
@@ -72,7 +72,7 @@ pub(super) struct PoseArgs {
     pub(super) up: Option<DVec3>,
 }
 
-/// What `--at` looks at.
+/// The target of `--at`: a point in scene units, or selected spheres.
 #[derive(Debug, Clone)]
 pub(super) enum Aimed {
     Point(DVec3),

@@ -34,7 +34,7 @@ impl CameraListArgs {
     /// The cameras of the list; `None` without one.
     ///
     /// # Errors
-    /// Those of [`cameras::read`].
+    /// Errors of [`cameras::read`].
     pub(super) fn listed(&self) -> Result<Option<&[ListedCamera]>> {
         let Some(file) = &self.file else { return Ok(None) };
         if let Some(listed) = self.listed.get() {

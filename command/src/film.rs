@@ -44,9 +44,9 @@ impl FilmKind {
         }
     }
 
-    /// How the pictures are encoded. H.264 with colours at half the resolution plays everywhere, and needs even sides; the
-    /// colours are those of BT.709 and say so. A GIF has a palette per picture: one for all would keep every picture in
-    /// memory until the last.
+    /// The arguments of ffmpeg that choose the encoding. H.264 with colours at half the resolution plays everywhere,
+    /// and needs even sides; its colours are those of BT.709, and the file says so. A GIF has a palette per picture,
+    /// because one for all would keep every picture in memory until the last.
     fn encoding(self) -> Vec<&'static str> {
         match self {
             Self::Mp4 => vec![
@@ -125,13 +125,14 @@ impl<'a> Film<'a> {
         refuse(format!("{name} needs the program ffmpeg, and no folder of PATH has it"), &mend)
     }
 
-    /// How it is made of pictures in files, as a mend.
+    /// The mend of an error: the option that writes the pictures as files, and the line of ffmpeg that makes the film
+    /// of them.
     pub(super) fn of_pictures(&self) -> String {
         let pictures = self.path.with_extension("%04d.png");
         format!("use -o {} and where ffmpeg is: {}", pictures.display(), self.line())
     }
 
-    /// The line that makes the film of its pictures as files.
+    /// The command line of ffmpeg that makes the film of pictures in files.
     fn line(&self) -> String {
         let pictures = self.path.with_extension("*.png").display().to_string();
         let (fps, name) = (self.fps.to_string(), self.path.display().to_string());
@@ -145,7 +146,7 @@ impl<'a> Film<'a> {
     /// Writes the film of the pictures that `fill` adds, completely or not at all.
     ///
     /// # Errors
-    /// Those of `fill`, and [`Error::Io`] with what ffmpeg says.
+    /// Errors of `fill`; [`Error::Io`] with the message of ffmpeg.
     pub(super) fn write(&self, fill: impl FnOnce(&mut FilmWriter) -> Result<()>) -> Result<()> {
         write_by_program(self.path, |name| {
             let mut writer = FilmWriter::start(self, name)?;
@@ -163,7 +164,7 @@ pub(super) struct FilmWriter {
     encoder: Child,
     /// Closed after the last picture.
     pictures: Option<ChildStdin>,
-    /// What the encoder says.
+    /// The standard error of the encoder.
     messages: File,
 }
 

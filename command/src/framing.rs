@@ -1,4 +1,4 @@
-//! What the camera shows: points and selections that are looked at, and what is framed.
+//! Framing: the points and selections that the camera looks at, and the spheres that it brings into view.
 
 use super::camera_args::{Aimed, CameraArgs, Direction, PoseArgs, upright};
 use glam::DVec3;
@@ -8,7 +8,7 @@ use halfline::quote::quote;
 use halfline::scene::{Facing, Framing, ImagePlane, NamedView, Outlook, Spheres, Spread, Surroundings};
 use halfline_files::read::{Mark, SceneFrame};
 
-/// How a camera gets its direction.
+/// The source of a camera's direction.
 pub(super) enum Way {
     /// From the options or from the file.
     Given(Look, DVec3),
@@ -47,7 +47,8 @@ impl CameraArgs {
         Ok(self.at(frame)?.or(self.focused(frame)?.map(Spheres::middle)))
     }
 
-    /// How the scene is framed, if it is: a file without a camera is, unless the eye is given.
+    /// The framing of the scene. `None` if the eye is given, or if the file has a camera and no option asks for
+    /// framing.
     ///
     /// # Errors
     /// [`Error::Settings`] for parallel rays without a height from a given eye.
@@ -87,7 +88,10 @@ impl CameraArgs {
     }
 }
 
-/// Those of the spheres of a mark that are drawn; `None` in a scene without spheres.
+/// The spheres of a mark that are drawn; `None` without a mark or in a scene without spheres.
+///
+/// # Errors
+/// [`Error::Settings`] for a mark that selects none of the spheres.
 fn chosen<'a>(option: &str, mark: Option<&'a Mark>, frame: &SceneFrame) -> Result<Option<&'a Spheres>> {
     let Some(mark) = mark.filter(|_| !frame.scene.spheres.is_empty()) else { return Ok(None) };
     if !mark.spheres.is_empty() {
@@ -209,7 +213,8 @@ fn look_at_focus(
     around.look(facing, camera)
 }
 
-/// What the options frame, in words, for `halfline plan`; `None` where the eye is given.
+/// Words for the framing, for `halfline plan`: the spheres, the direction, the place of the legend. `None` without a
+/// framing.
 pub(super) fn words(options: &CameraArgs, frame: &SceneFrame, framing: Option<&Framing>) -> Option<String> {
     let framing = framing?;
     let what = match (&options.focus, frame.marks.last()) {

@@ -35,7 +35,7 @@ const COMMON: [(&str, &str); 28] = [
     ("rays", "The rays: .npy, .npz or a table; - for standard input"),
     ("output", "File to write, by its extension"),
     ("aov", "Buffers: depth, normal, id, ... and their file"),
-    ("backend", "Where to compute: auto, gpu, cpu"),
+    ("backend", "Backend to compute on: auto, gpu, cpu"),
     ("json", "Prints a report as JSON"),
 ];
 

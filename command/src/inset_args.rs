@@ -74,7 +74,8 @@ impl InsetArgs {
         insets.aside(frame.scene.image.width, frame.scene.image.height)
     }
 
-    /// What is drawn into one picture of the scene file; `None` for nothing.
+    /// The panels to draw into one picture of the scene file: legend, label, scale bar. `None` if no option asks for
+    /// one.
     ///
     /// # Errors
     /// [`Error::Settings`] for a picture that is too small for it, a time that the frame does not have, and a scale bar of
@@ -93,7 +94,8 @@ impl InsetArgs {
         insets.panels(scene.image.width, scene.image.height).map(Some)
     }
 
-    /// What the panels of a picture do not show everywhere or leave free, in sentences.
+    /// Sentences on the limits of the panels: a scale bar that holds at one distance only, a legend that may cover
+    /// spheres.
     pub(super) fn words(&self, picture: &PictureScene) -> impl Iterator<Item = String> {
         let is_vague = self.scale_bar.is_some() && !picture.scene.camera.lens.is_orthographic();
         let vague = "the scale bar holds at the distance of the scene's middle; with --ortho everywhere";
@@ -103,7 +105,7 @@ impl InsetArgs {
     }
 }
 
-/// What the names in braces of a label stand for.
+/// The values of the names in braces of a label.
 fn values(file: &Path, picture: &PictureScene) -> LabelValues {
     let name = file.file_name().unwrap_or(file.as_os_str());
     LabelValues {

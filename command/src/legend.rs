@@ -57,7 +57,8 @@ pub(super) fn file(args: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
     Ok(path)
 }
 
-/// What the file does not show as it is written. An SVG takes letters from the fonts of the machine that shows it.
+/// A warning about letters of the legend's PNG file that the font lacks. `None` for an SVG, whose letters come from the
+/// fonts of the machine that shows it.
 pub(super) fn warning(args: &SceneArgs, legend: Option<&Legend>) -> Option<String> {
     args.color
         .legend

@@ -65,7 +65,8 @@ impl LensArgs {
 }
 
 impl PictureLens {
-    /// What the lens does, in a sentence; `None` for a pinhole.
+    /// A sentence with the diameter of the lens, the distance in focus and the samples that it sets; `None` for a
+    /// pinhole.
     pub(super) fn words(&self) -> Option<String> {
         let Aperture { diameter, focus: Some(focus) } = self.aperture? else { return None };
         let samples = self.samples.map(|samples| format!(", --samples {samples}")).unwrap_or_default();

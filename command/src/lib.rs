@@ -43,7 +43,8 @@ mod values;
 mod view;
 mod visible;
 
-/// What the page of `halfline view` and the widget of the Python package show alike.
+/// Contents shared by the page of `halfline view` and the widget of the Python package: scene, sphere, distance,
+/// legend.
 pub mod shown {
     pub use crate::view::{apart, describe, legend, scene};
 }

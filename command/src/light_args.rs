@@ -46,10 +46,10 @@ pub(super) struct LightArgs {
     depth_cue: bool,
 }
 
-/// What decides about the look, besides --look.
+/// The inputs that choose a look together with `--look`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LookRequest {
-    /// What the file says.
+    /// The kind of the file, and the look and the samples that it asks for.
     pub(super) file: FileLook,
     /// Whether the colour of the picture is computed.
     pub(super) has_picture: bool,
@@ -145,7 +145,7 @@ impl PictureLook {
         self.has_picture.then(|| self.chosen.look.name())
     }
 
-    /// What the look stands for and what the lens does, in sentences.
+    /// Sentences that name the options of the look and describe the lens.
     pub(super) fn words(&self) -> impl Iterator<Item = String> {
         self.look_words().into_iter().chain(self.lens.words())
     }

@@ -60,7 +60,7 @@ impl ProgressLines {
         Self { output, frames, tally: Tally::default(), printed_at: Instant::now() }
     }
 
-    /// What the following pictures are; see [`Tally::expect`].
+    /// Sets the samples per pixel of the pictures that follow, and whether they are lit; see [`Tally::expect`].
     pub(super) fn expect(&mut self, samples: u32, is_lit: bool) {
         self.tally.expect(samples, is_lit);
     }

@@ -50,7 +50,7 @@ pub(crate) struct Measure {
     /// Image size in pixels, of a scene or of the ladder suite.
     #[arg(long, value_name = "WxH", value_parser = scene_size, conflicts_with = "from")]
     size: Option<(u32, u32)>,
-    /// Where to measure: auto (both), gpu, cpu.
+    /// Backends to measure: auto (both), gpu, cpu.
     #[arg(long, value_name = "B", default_value = "auto", conflicts_with = "from")]
     backend: Backend,
     /// The adapter, by index or part of its name (see halfline adapters).
@@ -66,7 +66,7 @@ pub(crate) struct Measure {
     quiet: QuietArgs,
 }
 
-/// What to measure or to export.
+/// The subject: a scene or a suite to measure, or a record to export again.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct What {

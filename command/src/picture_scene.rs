@@ -17,11 +17,11 @@ pub(super) struct PictureScene {
     pub(super) legend: Option<Legend>,
     pub(super) look: PictureLook,
     pub(super) when: FrameTime,
-    /// What the camera frames, in words, if that is not given.
+    /// Words for the spheres that the camera frames, for `halfline plan`; `None` for a camera that is given.
     pub(super) framed: Option<String>,
-    /// The ids of the spheres, where the scene is what is left of a stream.
+    /// The ids in the stream of the spheres that are left of it; `None` for a scene that is read as a whole.
     pub(super) ids: Option<StreamIds>,
-    /// The rays that the spheres are left for, where they come from parts.
+    /// The frame that the parts were made for; `None` for a scene that is not of parts.
     pub(super) seen: Option<PartView>,
 }
 

@@ -1,4 +1,4 @@
-//! How a scene is read and what its particles look like, as options.
+//! Options for reading a scene, and for the radii and the colours of its particles.
 
 use super::messages::note;
 use super::process::is_typed;
@@ -36,7 +36,7 @@ pub(super) struct ReadArgs {
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
     #[arg(long, value_name = "A-B")]
     pub(super) frames: Option<FrameRange>,
-    /// Where the camera, default radii and the range of colours of a sequence come from: first (frame of the file), all
+    /// Frames that give a sequence its camera, default radii and range of colours: first (frame of the file), all
     /// (frames of the file, which is read twice), none (each frame by itself).
     #[arg(long, value_name = "H", default_value = "first", hide_default_value = true)]
     pub(super) hold: Hold,
@@ -168,12 +168,12 @@ impl ReadArgs {
         }
     }
 
-    /// What the frames of a sequence are held to; `None` for a single picture.
+    /// The choice of `--hold` by name, for reports; `None` without `--frames`.
     pub(super) fn hold(&self) -> Option<&'static str> {
         self.frames.as_ref().map(|_| self.hold.name())
     }
 
-    /// The same in words.
+    /// A sentence that names the frames that `--hold` chooses; `None` without `--frames`, and for `--hold none`.
     pub(super) fn hold_words(&self) -> Option<String> {
         let from = match (self.hold()?, self.hold) {
             (_, Hold::First) => "the first frame",

@@ -96,7 +96,7 @@ A scene file, with the depth of every pixel:
 All options: halfline render --help
 ";
 
-/// What is in memory beside the picture that is rendered.
+/// The scenes that are in memory besides the picture that is rendered.
 #[derive(Clone, Copy)]
 enum Room {
     /// Nothing.
@@ -203,8 +203,8 @@ impl Render {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// What there is room for beside the first picture. Pictures that are shown, piped or timed are rendered one after
-    /// the other.
+    /// The room in memory besides the first picture, by its spheres and pixels. Pictures that are shown, piped or timed
+    /// are rendered one after the other.
     fn room(&self, first: &PictureScene, targets: &[Target]) -> Room {
         let image = first.scene.image;
         let size = first.scene.spheres.len().max(image.width as usize * image.height as usize).max(1);

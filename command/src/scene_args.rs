@@ -106,7 +106,7 @@ pub(super) struct AccuracyArgs {
     tolerance: Option<Tolerance>,
 }
 
-/// How and where answers are computed.
+/// The options for the method and the device that compute answers.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Accuracy and speed")]
 pub(super) struct ComputeArgs {
@@ -116,7 +116,7 @@ pub(super) struct ComputeArgs {
     /// Uses one intersection method, uncertified: textbook, unit, geometric, stable, f64, double-float.
     #[arg(long, value_name = "M")]
     method: Option<Method>,
-    /// Where to compute: auto, gpu, cpu.
+    /// Backend to compute on: auto, gpu, cpu.
     #[arg(long, value_name = "B", default_value = "auto")]
     pub(super) backend: Backend,
     /// Adapter, by index or part of its name (see halfline adapters).
@@ -143,7 +143,8 @@ impl SceneArgs {
         self.scene.as_ref().or(self.visible.first()).map_or(Path::new("-"), PathBuf::as_path)
     }
 
-    /// What decides about the look of a picture of a file that says this.
+    /// The inputs that choose the look of a picture: `file`, `--samples` and `--shade`. `has_picture` says whether its
+    /// colour is computed.
     pub(super) fn look_request(&self, file: FileLook, has_picture: bool) -> LookRequest {
         let Self { image, .. } = self;
         LookRequest { file, has_picture, samples: image.samples.map(NonZeroU32::get), shade: image.shade }

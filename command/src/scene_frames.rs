@@ -37,14 +37,14 @@ pub(super) struct SceneFrames<'a> {
     has_picture: bool,
     /// The camera and the size of the picture that they are taken from.
     taken: Option<CameraRecord>,
-    /// What the last camera that was found frames, in words.
+    /// Words for the spheres that the last framed camera shows, for `halfline plan`; `None` for a camera that is given.
     framed: Option<String>,
 }
 
 /// The options for reading.
 ///
 /// # Errors
-/// Those of the colours.
+/// [`Error::Settings`] for options of the camera or of the colours that exclude each other.
 pub(super) fn options(args: &SceneArgs, cancel: &Cancel) -> Result<ReadOptions> {
     args.camera.check()?;
     let mut options = args.color.of(args.read.options())?;
@@ -160,10 +160,11 @@ impl<'a> SceneFrames<'a> {
     }
 }
 
-/// The file with the options for reading, of its frames those from `from` on, and the camera and the middle of `--hold all`.
+/// Opens the scene file with the options for reading, for its frames from `from` on, or else for those of `--frames`.
+/// Returns also the camera and the middle of the spheres that all frames share under `--hold all`.
 ///
 /// # Errors
-/// Those of the options and of opening.
+/// Errors of [`options`], of opening the file and, under `--hold all`, of reading its frames.
 pub(super) fn sequence(
     args: &SceneArgs,
     keep: Keep,
@@ -183,7 +184,7 @@ pub(super) fn sequence(
 /// options.
 ///
 /// # Errors
-/// Those of the camera, the lens and the light.
+/// Errors of the camera, of the lens, of the light and of the legend.
 pub(super) fn framed(
     args: &SceneArgs,
     mut frame: SceneFrame,
@@ -205,7 +206,7 @@ pub(super) fn framed(
 /// The picture of a frame that was arranged, with the size and the eye that the options give.
 ///
 /// # Errors
-/// Those of the camera, the lens and the light.
+/// Errors of the camera, of the lens, of the light and of the legend.
 pub(super) fn posed(args: &SceneArgs, mut frame: SceneFrame, taken: Option<Aperture>) -> Result<PictureScene> {
     size(args.image.size, args, &mut frame);
     framing::point(&args.camera, &mut frame, [0.0; 2])?;
@@ -257,7 +258,7 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
     Ok(Some((first.scene.camera, pivot.unwrap_or_else(|| first.scene.spheres.middle()))))
 }
 
-/// What all frames of a file have in common.
+/// The results of a pass over all frames of a file, for `--hold all`: framing, range and names of the colours, legend.
 #[derive(Default)]
 struct AllFrames {
     /// The first frame with spheres, whose camera has the direction and the lens of all, and how it is framed.
@@ -265,7 +266,7 @@ struct AllFrames {
     reach: Option<Reach>,
     range: Option<[f64; 2]>,
     names: Vec<String>,
-    /// The widest legend.
+    /// The shares of the image's width that the widest legend takes at the left and at the right.
     aside: [f64; 2],
 }
 

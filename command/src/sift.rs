@@ -107,7 +107,7 @@ pub(super) fn with_own_options(command: Command) -> Command {
     })
 }
 
-/// What `--json` prints.
+/// The report of `--json`: the part that was written.
 #[derive(Serialize)]
 struct Report<'a> {
     halfline: &'static str,

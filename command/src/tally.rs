@@ -1,5 +1,5 @@
-//! How far the pictures of a command are: a picture is traced once for the centres of its pixels and, with several samples,
-//! once for each of them.
+//! Progress through the pictures of a command. A picture is traced once for the centres of its pixels and, with several
+//! samples, once for each sample.
 
 use halfline::progress::{Progress, Step};
 use halfline::view::strata_of;
@@ -19,8 +19,8 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// The following pictures have so many samples per pixel, which are rounded up to a square number; `is_lit` says whether rays
-    /// go on from the hits, which takes most of the time.
+    /// Sets the samples per pixel of the pictures that follow, rounded up to a square number. `is_lit` says whether
+    /// rays go on from the hits, which takes most of the time.
     pub(super) fn expect(&mut self, samples: u32, is_lit: bool) {
         self.is_lit = is_lit;
         self.samples = strata_of(samples).saturating_pow(2);

@@ -36,7 +36,7 @@ pub struct Drawing {
 /// The picture that `draw` draws on white; the cells that it returns are drawn on top.
 ///
 /// # Errors
-/// Those of `draw`, and where the picture is too large for the memory.
+/// Errors of `draw` and of drawing; an error for a picture that is too large for the memory.
 pub fn drawing([width, height]: [i32; 2], draw: impl FnOnce(&Area<'_>) -> Drawn<Vec<Cells>>) -> Drawn<Drawing> {
     let mut svg = String::new();
     let mut pixels = Pixmap::new(width as u32, height as u32).ok_or("the plot is too large")?;
@@ -92,7 +92,7 @@ pub fn plain(text: &str) -> String {
 /// Writes text; see [`plain`].
 ///
 /// # Errors
-/// Those of drawing.
+/// Errors of drawing; see [`Drawn`].
 pub fn text(area: &Area<'_>, text: &str, style: &TextStyle<'_>, at: (i32, i32)) -> Drawn {
     Ok(area.draw_text(&plain(text), style, at)?)
 }

@@ -1,5 +1,5 @@
-//! What is drawn inside a picture: the legend of its colours, a label, a scale bar. Each is dark on a translucent white
-//! panel, which is readable on dark and on light backgrounds, with letters whose size follows the picture's.
+//! Insets of a picture: the legend of its colours, a label, a scale bar. Each is dark on a translucent white panel,
+//! which is readable on dark and on light backgrounds. The size of the letters follows the picture's.
 
 mod label;
 mod page;
@@ -17,7 +17,7 @@ use tiny_skia::Pixmap;
 
 pub use label::{Label, LabelValues};
 
-/// Where the legend is.
+/// The place of the legend in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Corner {
     /// In the middle of the right side.
@@ -67,7 +67,7 @@ pub struct ScaleBar {
     pub unit: String,
 }
 
-/// What is drawn inside one picture.
+/// The insets of one picture: legend, label, scale bar.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Insets {
     /// The legend, and where it is.
@@ -196,13 +196,14 @@ impl Insets {
 }
 
 impl Panels {
-    /// What is drawn, for provenance: everything that the panels depend on besides the picture's size.
+    /// The texts of the panels and the place of the legend, for provenance. The panels depend on nothing else but the
+    /// picture's size.
     #[must_use]
     pub fn words(&self) -> &str {
         &self.words
     }
 
-    /// What the panels do not show as it is written, in a whole sentence: letters that the font lacks.
+    /// A warning about letters that the font lacks, in a whole sentence; `None` if it lacks none.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         missing_letters(&self.unknown)

@@ -38,7 +38,7 @@ pub fn draw(legend: &Legend) -> Result<Drawing> {
     drawn.map_err(|error| Error::write("legend", io::Error::other(error)))
 }
 
-/// What the pixels of [`draw`] do not show as it is written, in a whole sentence: letters that the font lacks.
+/// A warning about letters that the font lacks, which the pixels of [`draw`] show as boxes; `None` if it lacks none.
 #[must_use]
 pub fn warning(legend: &Legend) -> Option<String> {
     let labels = labels(legend).into_iter().flat_map(|label| missing(&plain(&label), false).collect::<Vec<_>>());

@@ -195,7 +195,7 @@ pub(super) fn missing(text: &str, bold: bool) -> impl Iterator<Item = char> {
     text.chars().filter(move |letter| face(bold).font.glyph_id(*letter) == GlyphId(0))
 }
 
-/// What to report of letters that the font lacks, in a whole sentence.
+/// A warning that the font lacks these letters, in a whole sentence; `None` for no letters.
 pub(super) fn missing_letters(letters: &BTreeSet<char>) -> Option<String> {
     let named = |letter: &char| format!("{} (U+{:04X})", letter.escape_debug(), u32::from(*letter));
     let names = list(letters.iter().map(named));

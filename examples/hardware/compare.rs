@@ -13,7 +13,7 @@ use std::time::Instant;
 const DISTANCE: f64 = 2e-5;
 const NORMAL: f64 = 2e-3;
 
-/// How the values of a buffer differ.
+/// The difference of two buffers: the number of values, of those that differ, and the largest differences.
 struct Difference {
     values: usize,
     differ: usize,

@@ -131,7 +131,7 @@ fn checks(out: &mut String, all: &[Value]) -> usize {
     bad
 }
 
-/// What a step found, in words.
+/// The result of a step in words: its error, the end of its output, or its main numbers; else empty.
 fn found(line: &Value) -> String {
     let r = &line["result"];
     match line["step"].as_str().unwrap_or_default() {

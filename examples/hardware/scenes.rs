@@ -37,7 +37,7 @@ pub(crate) fn looked(count: usize, look: &str, side: u32, backend: Backend) -> R
     Ok((scene, settings))
 }
 
-/// What the report of a frame says, in short.
+/// The main values of a frame's report, as JSON.
 pub(crate) fn told(frame: &Frame) -> Value {
     let report = &frame.report;
     json!({

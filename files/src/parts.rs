@@ -44,7 +44,7 @@ pub fn read(path: &Path) -> Result<Part> {
 /// The part in the bytes of a file, which errors call `name`.
 ///
 /// # Errors
-/// Those of [`read`] but of the file.
+/// As [`read`], without [`Error::Io`]: no file is opened.
 pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Part> {
     let mut arrays = npz::read(bytes, name).map_err(|error| match error {
         // It may never have been one of halfline's pictures.

@@ -1,4 +1,4 @@
-//! What every target checks: limits of memory and time, and errors that a terminal can show.
+//! Checks of every target: limits of memory and time, and errors that a terminal can show.
 
 use halfline::error::Error;
 use std::io::Read;

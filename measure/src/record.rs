@@ -24,7 +24,7 @@ pub struct Record {
     pub tolerance: f64,
     /// The unit of each number, by field name.
     pub units: BTreeMap<String, String>,
-    /// Where it ran: the adapter and the CPU reference path.
+    /// The places of the measurement: the adapter and the CPU reference path.
     pub places: Vec<PlaceRecord>,
     /// The scenes.
     pub scenes: Vec<SceneRecord>,

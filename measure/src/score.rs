@@ -122,7 +122,7 @@ impl<'a> Truths<'a> {
     /// Computes the exact answer of every pixel of `scene`, rows in parallel.
     ///
     /// # Errors
-    /// Those of [`Judge::new`].
+    /// Errors of [`Judge::new`]; [`Error::Settings`] for an orthographic camera, and for a lens with intrinsics.
     pub fn of(scene: &'a Scene) -> Result<Self> {
         Self::watched(scene, &Watch::default())
     }
@@ -156,7 +156,7 @@ impl<'a> Truths<'a> {
     /// The errors of a frame of this scene; see [`Truths::score`].
     ///
     /// # Errors
-    /// Those of [`Truths::score`].
+    /// Errors of [`Truths::score`].
     pub fn errors(&self, frame: &Frame) -> Result<Errors> {
         Ok(self.score(frame)?.errors())
     }

@@ -23,7 +23,7 @@ pub(super) enum SubjectKind {
 pub(super) struct SceneGroup {
     pub(super) name: String,
     pub(super) scenes: Vec<Scene>,
-    /// Those of its reader.
+    /// Warnings of the reader of its scenes, in whole sentences.
     pub(super) warnings: Vec<String>,
 }
 
@@ -38,7 +38,7 @@ impl Subject {
     /// The families of extremes; `folder` contains the third-party data, if there is any.
     ///
     /// # Errors
-    /// Those of [`extremes::Family::scenes`].
+    /// Errors of [`extremes::Family::scenes`].
     pub fn extremes(folder: Option<&Path>) -> Result<Self> {
         let case = |family: &extremes::Family| {
             let scenes = family.scenes(extremes::SEED, folder)?;
@@ -51,7 +51,7 @@ impl Subject {
     /// The wall from near to far.
     ///
     /// # Errors
-    /// Those of [`ladder::scene`].
+    /// Errors of [`ladder::scene`].
     pub fn ladder() -> Result<Self> {
         let case = |rung: f64| {
             Ok(SceneGroup { name: ladder::name(rung), scenes: vec![ladder::scene(rung)?], warnings: Vec::new() })

@@ -30,11 +30,11 @@ pub(crate) struct Frame {
     scene: Scene,
     settings: Settings,
     renderer: Shared,
-    /// What is drawn into its pictures.
+    /// The panels that are drawn into its pictures; `None` without insets.
     panels: Option<Panels>,
     /// Whether files of its colour have an alpha.
     transparent: bool,
-    /// Lengths rounded to float32, where they are requested so, once they were.
+    /// Lengths in float32, each buffer rounded at its first use; `None` if lengths are float64.
     rounded: Option<Rounded>,
 }
 
@@ -88,7 +88,7 @@ impl Frame {
         write(target, drawn.as_ref().unwrap_or(frame), &origin)
     }
 
-    /// How files are written.
+    /// The options of the file formats.
     fn style(&self, bits: u32, unit: f64, no_return: &str) -> Result<FormatOptions> {
         Ok(FormatOptions {
             bits: bits.to_string().parse()?,

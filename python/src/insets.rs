@@ -1,4 +1,4 @@
-//! What is drawn inside the pictures of a frame: legend, label, scale bar.
+//! Insets in the pictures of a frame: legend, label, scale bar.
 
 use crate::scene::Scene;
 use halfline::error::{Error, Result};
@@ -10,7 +10,7 @@ use halfline_files::write::file::check_writable;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// The keywords for it.
+/// The keywords of the insets.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Insets {
@@ -79,7 +79,7 @@ impl Insets {
         corner.map(|corner| Ok((self.legend_of(scene)?.clone(), corner))).transpose()
     }
 
-    /// What is drawn into the picture of this scene with this number.
+    /// The panels to draw into picture `number` of this scene; `None` if no keyword asks for one.
     pub(crate) fn panels(&self, scene: &Scene, exact: &halfline::Scene, number: u64) -> Result<Option<Panels>> {
         if !self.is_given() {
             return Ok(None);
@@ -100,7 +100,7 @@ impl Insets {
         insets.panels(exact.image.width, exact.image.height).map(Some)
     }
 
-    /// What the panels and the file of the legend do not show as it is written, in whole sentences.
+    /// Warnings about letters of the panels and of the legend's PNG file that the font lacks, in whole sentences.
     pub(crate) fn warnings(&self, scene: &Scene, panels: Option<&Panels>) -> Vec<String> {
         let of_file = self.legend_file.as_ref().filter(|path| figure::is_png(path)).and(scene.legend.as_deref());
         let mut all: Vec<String> = panels.and_then(Panels::warning).into_iter().collect();

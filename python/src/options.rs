@@ -13,7 +13,7 @@ use halfline::{Aov, Shade};
 use halfline_drawing::inset::Panels;
 use pyo3::prelude::*;
 
-/// How answers are computed.
+/// The keywords for accuracy, method, search and tolerance.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Accurate {
@@ -45,7 +45,7 @@ pub(crate) struct Rendered {
     pub(crate) transparent: bool,
 }
 
-/// What a picture looks like, and which part of it is rendered.
+/// The keywords for the look of a picture, its size and the part of it that is rendered.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Picture {
@@ -188,7 +188,10 @@ impl Picture {
         Ok(Some(self.chosen(scene)?.look.name()).filter(|_| self.aovs.iter().any(|name| name == Aov::Color.name())))
     }
 
-    /// What the keywords add to the light of a scene.
+    /// The light that the keywords add to a scene.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a number of rays or of bounces out of range.
     fn light(&self, scene: &Scene) -> Result<AddedLight> {
         let range = |name: &str, value: Option<u32>, least: u32, most: u32| match value {
             Some(value) if !(least..=most).contains(&value) => {

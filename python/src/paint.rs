@@ -11,10 +11,10 @@ use rayon::prelude::*;
 pub(crate) struct Paint(Vec<u32>);
 
 impl Paint {
-    /// The last rule that selects a sphere, and what is to be said about the rules.
+    /// Finds the last rule that selects each sphere. Returns also notes on the rules.
     ///
     /// # Errors
-    /// Those of the selections.
+    /// Errors of the selections, also for a column that was not kept.
     pub(crate) fn of(
         columns: &Columns,
         spheres: &Spheres,

@@ -83,7 +83,7 @@ impl Sieve {
         Job::default().run(py, None, || self.stream().as_mut().ok_or_else(ended)?.add(&block))
     }
 
-    /// What a frame needs of the spheres so far.
+    /// The spheres that a frame needs of those added so far; no more can be added afterwards.
     fn part(&self, py: Python<'_>) -> PyResult<Part> {
         Job::default().run(py, None, || self.stream().take().ok_or_else(ended)?.part()).map(Part)
     }

@@ -121,7 +121,7 @@ impl Renderer {
         Frames::start(py, self.shared.clone(), scene, cameras, picture, settings)
     }
 
-    /// What a picture of the scene requires, as JSON.
+    /// The requirements of a picture of the scene, as JSON; no ray is traced.
     fn plan(
         &self,
         py: Python<'_>,

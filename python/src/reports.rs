@@ -26,7 +26,7 @@ pub(crate) fn adapters(py: Python<'_>) -> PyResult<String> {
     json(&both.collect::<Vec<_>>())
 }
 
-/// What a file contains.
+/// The contents of a file, as JSON: format, frames, spheres, columns.
 #[pyfunction]
 pub(crate) fn info(
     py: Python<'_>,

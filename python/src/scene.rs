@@ -23,21 +23,23 @@ use std::sync::Arc;
 #[pyclass(frozen)]
 pub(crate) struct Scene {
     scene: Arc<CoreScene>,
-    /// What its reader left out or assumed.
+    /// Objects that its reader left out, and assumptions that it made.
     pub(crate) skipped: Skipped,
     /// The size of the lens of its file's camera; `None` for a pinhole.
     pub(crate) aperture: Option<Aperture>,
     /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
     held: bool,
-    /// What its file says about the look of its picture.
+    /// The kind of its file, and the look and the samples that it asks for.
     pub(crate) look: FileLook,
-    /// The number in its file, the time and the step.
     /// Whether its default camera is that of a molecule.
     is_molecule: bool,
+    /// The number of the frame in its file.
     #[pyo3(get)]
     pub(crate) number: u64,
+    /// The time of the frame, if its file has it.
     #[pyo3(get)]
     time: Option<f64>,
+    /// The step of the frame, if its file has it.
     #[pyo3(get)]
     step: Option<i64>,
     /// The periodic cell: a corner and three edges.
@@ -53,7 +55,7 @@ pub(crate) struct Scene {
     pub(crate) file: Option<String>,
     /// The legend of its colours.
     pub(crate) legend: Option<Arc<Legend>>,
-    /// What the file says of its spheres.
+    /// The columns of the file, in the order of its spheres.
     pub(crate) columns: Arc<Columns>,
 }
 
@@ -159,11 +161,11 @@ impl Scene {
         Ok(Self { legend: None, ..self.with(scene) })
     }
 
-    /// The same spheres with other colours for those that rules select, the last one wins, and with a legend of these; and
-    /// what is to be said about the rules.
+    /// The same spheres, each in the colour of the last rule that selects it, and with a legend of these colours.
+    /// Returns also notes on the rules.
     ///
     /// # Errors
-    /// Those of the selections.
+    /// Errors of the selections, also for a column that was not kept.
     pub(crate) fn painted(&self, rules: &[(Selection, [f32; 3])]) -> halfline::Result<(Self, Vec<String>)> {
         let mut scene = (*self.scene).clone();
         let (paint, notes) = Paint::of(&self.columns, &scene.spheres, rules)?;
@@ -361,7 +363,7 @@ impl Scene {
         self.scene.image.background
     }
 
-    /// What the reader left out or assumed.
+    /// Objects that the reader left out, and assumptions that it made, in whole sentences.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.skipped.warnings().iter().map(|warning| keywords(warning)).collect()

@@ -1,4 +1,4 @@
-//! What the widget of a notebook shows: the page, and answers to it in JSON.
+//! Functions for the widget of a notebook: its page, and answers to it in JSON.
 
 use crate::arrays::list;
 use crate::errors::OrRaise;

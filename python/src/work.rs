@@ -46,7 +46,7 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    /// What ends the work, and hears of its progress.
+    /// A watch that ends the work after a cancellation, and keeps its latest progress.
     pub(crate) fn watch(&self) -> Watch {
         let latest = Arc::clone(&self.latest);
         Watch::default()

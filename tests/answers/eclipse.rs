@@ -39,7 +39,8 @@ enum Shadow {
     Penumbra,
 }
 
-/// What a point of the ground sees, in radii of the Sun's disc: the radius of the Moon's disc and the distance of the centres.
+/// The discs of Sun and Moon as a point of the ground sees them: the radius of the Moon's disc and the distance of the
+/// centres, in radii of the Sun's disc.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     moon: f64,
@@ -64,7 +65,7 @@ impl Eclipse {
         Self { sun, moon, earth, axis: (moon.center - sun.center).normalize() }
     }
 
-    /// Where a half line meets the Earth first.
+    /// The first point at which a half line meets the Earth; NaN on a miss.
     fn ground(&self, from: DVec3, along: DVec3) -> DVec3 {
         let to = self.earth.center - from;
         let b = to.dot(along);
@@ -153,12 +154,12 @@ impl Eclipse {
 }
 
 impl Seen {
-    /// How far beyond the edge of the umbra, into the penumbra.
+    /// The distance beyond the edge of the umbra, in radii of the Sun's disc; negative inside the umbra.
     fn beyond(self) -> f64 {
         self.apart - (self.moon - 1.0)
     }
 
-    /// How far within the edge of the penumbra.
+    /// The distance within the edge of the penumbra, in radii of the Sun's disc; negative outside the penumbra.
     fn within(self) -> f64 {
         1.0 + self.moon - self.apart
     }
@@ -180,8 +181,9 @@ impl Seen {
     }
 }
 
-/// How far from the exact edges, in radii of the Sun, a share may still be 1 outside the umbra, and 0 inside the penumbra. For
-/// each turn of the points, a Moon that moves away along x uncovers the first of them here and the last there.
+/// The largest distances from the exact edges, in radii of the Sun, at which a share may still be 1 outside the umbra,
+/// and 0 inside the penumbra. For each turn of the points, a Moon that moves away along x uncovers the first of them at
+/// the one distance and the last at the other.
 fn reach(moon: f64) -> [f64; 2] {
     let golden = PI * (3.0 - 5f64.sqrt());
     let [mut one, mut zero] = [0f64; 2];

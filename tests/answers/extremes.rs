@@ -330,7 +330,7 @@ fn every_tolerance_is_kept() {
     assert!(shares.is_sorted_by(|loose, tight| loose >= tight), "a smaller tolerance certifies less: {shares:?}");
 }
 
-/// Where every pixel is unsure, the lists of pixels and of pairs are complete and grow far beyond their first capacity.
+/// The lists of pixels and of pairs are complete if every pixel is unsure, and grow far beyond their first capacity.
 ///
 /// f32 cannot reach a tolerance of 2^-50, so every hit is unsure. Spheres that coincide within 1e-9 are all candidates:
 /// 100 pairs a hit, while a GPU's first list holds 2^14 pairs and the first read 2^12 pixels.

@@ -30,7 +30,7 @@ fn lit(scene: &Scene, rays: u32) -> Scene {
     scene
 }
 
-/// What was compared, and how many hits of how many frames an adapter decided.
+/// The frames that were compared, and the shares of their hits that the adapter decided.
 struct Shares {
     both: Both,
     frames: u32,

@@ -94,7 +94,7 @@ fn check(what: &str, renderer: &mut Renderer, scene: &Scene, settings: &Settings
     }
 }
 
-/// Those of streams, and a principal point beside the image.
+/// The scenes of the tests of streams, and one with a principal point beside the image.
 fn cases() -> Vec<(&'static str, Scene)> {
     let lens = Lens::Intrinsics { fx: 90.0, fy: 95.0, cx: -11.25, cy: 30.0 };
     let beside = scene([3.0, 2.0, 4.0], lens, cloud(21, 3000, [0.0; 3], 2.0, 0.06));

@@ -233,7 +233,8 @@ fn lights_are_hidden_where_a_thousand_digits_say_so() {
     assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
 }
 
-/// What balls.json says of one frame: hits, and those of them whose share is wrong.
+/// Compares a frame with a case of balls.json. Returns the number of hits, and a description of each whose share is
+/// wrong.
 fn compare_balls(case: &Case, accuracy: Accuracy) -> (usize, Vec<String>) {
     let mut scene = case.scene();
     let [x, y, z, radius] = case.ball.as_ref().expect("a ball").each_ref().map(|x| x.0);

@@ -29,7 +29,8 @@ const AOVS: [Aov; 7] = [Aov::Color, Aov::Distance, Aov::Depth, Aov::Normal, Aov:
 /// from which frames have a warning.
 pub(crate) const VISIBLE: f64 = 0.02;
 
-/// What is allowed of outlines and distances at least: a pixel or two of these small images, where outlines pass centres of pixels.
+/// The least tolerance of outlines, in radii, and of distances, relative: a pixel or two of these small images, in
+/// which outlines pass centres of pixels.
 const FEW: f64 = 5e-5;
 
 fn settings(method: Method, shade: Shade) -> Settings {

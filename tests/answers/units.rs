@@ -80,7 +80,7 @@ fn an_adapter_has_the_bits_of_the_cpu_path_in_any_unit() {
     both.done(most);
 }
 
-/// What a stream keeps of some spheres in blocks of 7; an error where they are too far apart.
+/// The spheres that a stream keeps of those of a scene, in blocks of 7; an error if they are too far apart.
 fn streamed(scene: &Scene) -> Result<Visible> {
     let mut stream = Stream::new(scene, &settings())?;
     blocks(&scene.spheres, 7).try_for_each(|block| stream.add(&block))?;

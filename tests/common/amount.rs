@@ -1,5 +1,5 @@
-//! How much a test does. With HALFLINE_TESTS=all, which `tests/run --all` sets, everything; otherwise a part that finds faults of
-//! the same kinds.
+//! The amount of work of a test. With HALFLINE_TESTS=all, which `tests/run --all` sets, it is everything; otherwise a
+//! part that finds faults of the same kinds.
 
 /// Whether tests do everything.
 pub(crate) fn everything() -> bool {

@@ -1,4 +1,4 @@
-//! Where tests find the project's own files.
+//! The folder in which tests find the project's own files.
 
 use std::path::PathBuf;
 

@@ -546,7 +546,7 @@ fn extra_bytes_of_las_are_columns() {
     assert!(!info.columns.contains_key("unknown"));
 }
 
-/// What is cut at its end is read up to there.
+/// A file whose end is cut, or is no frame, is read up to there with a warning.
 #[test]
 fn info_counts_the_frames_that_can_be_read() {
     let xyz = "1\n\nO 1 2 3\n";

@@ -354,7 +354,8 @@ fn scenes_of_the_databases_have_their_spheres() {
     }
 }
 
-/// What the six digits of the databases' files say of a scene: places and radii, where sums that vanish are rounded to about 1e-16.
+/// The hash of a scene's lights, centres and radii in the six digits of the databases' files. Numbers below 1e-13 count
+/// as 0, because sums that vanish are rounded to about 1e-16 there.
 fn fingerprint(scene: &Scene) -> String {
     let digits = |x: f64| format!("{:.5e} ", if x.abs() < 1e-13 { 0.0 } else { x });
     let lights = scene.lighting.lights.iter().map(|light| match light.source {

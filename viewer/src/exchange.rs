@@ -9,7 +9,7 @@ use std::io::{Read, Write};
 /// The answer while as many requests are answered as may be.
 pub(crate) const BUSY: Refused = Refused { status: 503, message: "8 other requests are being answered" };
 
-/// Where a connection is.
+/// The state of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Moment {
     /// It waits for a request.

@@ -26,7 +26,7 @@ pub use stage::{
     SelectRequest, Stage,
 };
 
-/// What a connection that sends these bytes gets back, for tests and the fuzzer.
+/// The bytes that the server sends back to a connection that sends these bytes; for tests and the fuzzer.
 #[doc(hidden)]
 pub fn converse(reader: impl std::io::Read, token: &str, routes: &Routes) -> Vec<u8> {
     let mut answers = Vec::new();

@@ -1,4 +1,4 @@
-//! How the user gets to the page: a browser on this machine, or a tunnel from the user's own.
+//! Ways for the user to reach the page: a browser on this machine, or a tunnel from the user's own machine.
 
 use std::env;
 use std::ffi::OsString;

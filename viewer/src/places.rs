@@ -1,11 +1,11 @@
-//! The connections that are open. Whoever has shown the token gets an answer before those who have not: a new connection takes
-//! the place of the oldest stranger.
+//! A bounded set of open connections. A new one evicts one that is not at work: the oldest without the token, or else
+//! the one whose token was used least recently.
 
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What a connection does.
+/// The activity of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Doing {
     Waiting,
@@ -26,13 +26,14 @@ struct Place {
 }
 
 impl Place {
-    /// How soon it is closed for a new connection, the smallest first; `None` if it is not.
+    /// The order of eviction, the smallest first: connections without the token, then the oldest; `None` for one at
+    /// work.
     fn rank(&self) -> Option<(bool, Instant)> {
         (self.doing != Doing::Working).then_some((self.has_token, self.since))
     }
 }
 
-/// The places.
+/// The open connections.
 pub(crate) struct Places(Mutex<List>);
 
 struct List {
@@ -60,7 +61,7 @@ impl Places {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A place for a new connection, of `most`; `None` if as many are at work as may be.
+    /// Adds a connection, and evicts one if there are `most`. Returns its number; `None` if too many are at work.
     pub(crate) fn take(&self, stream: Arc<TcpStream>, most: usize) -> Option<u64> {
         let mut list = self.lock();
         if list.working() >= WORKING {

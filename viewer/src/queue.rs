@@ -1,6 +1,5 @@
-//! Whose frame is rendered next. One at a time is, in the order in which they were asked for, and the newest wins: a request
-//! with a greater number makes those needless that arrived before it. One that arrives later with a smaller number, from a
-//! page that was loaded again, is as good as any.
+//! Schedules frame requests: one at a time, in order of arrival. A request cancels all earlier ones with smaller
+//! numbers. A later request with a smaller number, from a page that was loaded again, is rendered in its turn.
 
 use crate::stage::GoOn;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -52,7 +51,7 @@ impl Queue {
         Turn { queue: self, asked, is_rendering: false }
     }
 
-    /// How many requests have arrived so far.
+    /// The number of requests that have arrived so far.
     pub(crate) fn arrived(&self) -> u64 {
         self.lock().arrived
     }

@@ -6,8 +6,9 @@ use serde_json::Value;
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// What every answer carries. The page takes everything from this server and nothing from elsewhere; no other page may embed it,
-/// read from it or open it with a handle on it. That there is no Access-Control-Allow-Origin is what keeps others from asking.
+/// Headers of every answer. The page loads everything from this server and nothing from elsewhere. No other page may
+/// embed it, read from it or open it with a handle on it. There is no Access-Control-Allow-Origin, so that browsers
+/// keep other pages from asking.
 const ALWAYS: &str = "\
 Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; \
 connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r

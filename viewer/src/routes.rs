@@ -19,10 +19,10 @@ const TARGET: usize = 1024;
 /// The most characters of a message about JSON, which may quote it.
 const MESSAGE: usize = 300;
 
-/// How long the question for progress is held open.
+/// The longest time for which a question for progress is held open.
 const HELD: Duration = Duration::from_secs(20);
 
-/// What a request is for.
+/// The target of a request.
 #[derive(Debug)]
 pub(crate) enum Route {
     /// A file of the page.
@@ -104,7 +104,7 @@ impl Routes {
         self.queue.clear();
     }
 
-    /// How many frames have been asked for so far.
+    /// The number of frame requests so far.
     pub fn frames(&self) -> u64 {
         self.queue.arrived()
     }
@@ -159,7 +159,7 @@ impl Routes {
     }
 }
 
-/// A message from JSON.
+/// Parses the JSON body of a question; an error quotes at most [`MESSAGE`] characters.
 fn read<T: DeserializeOwned>(body: &[u8]) -> Answer<T> {
     serde_json::from_slice(body).map_err(|error| {
         let words = error.to_string();
@@ -168,7 +168,7 @@ fn read<T: DeserializeOwned>(body: &[u8]) -> Answer<T> {
     })
 }
 
-/// What a panic says.
+/// A message with the text of a panic.
 fn words(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
     format!("the program failed: {}", text.unwrap_or("it does not say why"))

@@ -23,11 +23,12 @@ const CONNECTIONS: usize = 128;
 /// The slowest that an answer may be taken, in bytes a second: a picture through a slow line takes longer than a request.
 const SLOWEST: usize = 64 << 10;
 
-/// How often the end is looked for, and how long connections get to end.
+/// The time between two looks for the end of the server.
 const TICK: Duration = Duration::from_millis(50);
+/// The time that connections get to end.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// How long things may take.
+/// The limits of time for connections.
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
 pub struct Times {
@@ -45,7 +46,7 @@ pub struct Server {
     times: Times,
 }
 
-/// What the threads share.
+/// The state that the threads of the server share.
 struct Shared {
     routes: Routes,
     token: String,

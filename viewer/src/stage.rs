@@ -1,4 +1,4 @@
-//! What the page asks, as JSON, and [`Stage`], which answers.
+//! The requests of the page, as JSON, and the trait [`Stage`], which answers them.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -10,7 +10,7 @@ use std::time::Duration;
 pub struct Refusal {
     /// The kind: settings, scene, adapter, limits, device-lost, accuracy, io, internal.
     pub kind: &'static str,
-    /// What is wrong, for people.
+    /// The description of the problem, for people.
     pub message: String,
     /// The exit code that the command has for this kind.
     pub exit: u8,
@@ -36,7 +36,7 @@ impl Refusal {
 /// An answer, or why there is none.
 pub type Answer<T> = Result<T, Refusal>;
 
-/// How wide the camera sees.
+/// The extent of the camera's view: an angle, or a height for an orthographic camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lens {
     /// The angle of the full height in degrees.
@@ -49,13 +49,13 @@ pub enum Lens {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Pose {
-    /// Where the camera is.
+    /// The position of the eye, in units of the scene.
     pub eye: [f64; 3],
     /// The point in the middle of the picture.
     pub at: [f64; 3],
     /// The direction that is upwards in the picture.
     pub up: [f64; 3],
-    /// How wide it sees.
+    /// The angle or the height of the view.
     pub lens: Lens,
 }
 
@@ -98,21 +98,21 @@ impl From<Pose> for Written {
     }
 }
 
-/// What a frame is for.
+/// The purpose of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// The camera moves: soon.
+    /// The camera moves: the frame comes soon and may leave out detail.
     Move,
-    /// The camera rests: well.
+    /// The camera rests: the frame has its full quality.
     #[default]
     Still,
 }
 
-/// A frame is wanted.
+/// A request for a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrameRequest {
-    /// Requests are numbered; a greater number makes smaller ones needless.
+    /// The number of the request; it cancels earlier requests with smaller numbers.
     #[serde(default)]
     pub seq: u64,
     /// The camera.
@@ -131,12 +131,12 @@ pub struct FrameRequest {
     /// Samples per pixel; without it, as many as the look has.
     #[serde(default)]
     pub samples: Option<u32>,
-    /// What the frame is for.
+    /// The purpose: a camera that moves, or one at rest.
     #[serde(default)]
     pub mode: Mode,
 }
 
-/// The sphere at a pixel is wanted.
+/// A request for the sphere at a pixel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PickRequest {
     /// The camera.
@@ -158,7 +158,7 @@ pub struct PickRequest {
     pub from: Option<u64>,
 }
 
-/// The scene is wanted.
+/// A request for the summary of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneRequest {
     /// Width and height of the picture for which it is framed; without it, its own.
@@ -166,7 +166,7 @@ pub struct SceneRequest {
     pub size: Option<[u32; 2]>,
 }
 
-/// Spheres are to be counted.
+/// A request for the number of spheres that an expression selects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SelectRequest {
     /// The expression.
@@ -199,7 +199,7 @@ pub struct Picture {
     pub info: Value,
 }
 
-/// How to make a frame without the page.
+/// Ways to make a frame without the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Commands {
     /// The command line.
@@ -211,10 +211,10 @@ pub struct Commands {
 /// Whether a frame is still wanted.
 pub type GoOn = Arc<dyn Fn() -> bool + Send + Sync>;
 
-/// Who answers the page: one scene file and its renderer. All methods may be called from several threads at once; `frame`
-/// is called by one at a time.
+/// Answers the requests of the page for one scene file, with its renderer. All methods may be called from several
+/// threads at once; `frame` is called by one at a time.
 pub trait Stage: Send + Sync {
-    /// What is known about the scene; waits until the file is read.
+    /// The summary of the scene; waits until the file is read.
     fn scene(&self, request: &SceneRequest) -> Answer<Value>;
 
     /// A frame. `None` if `go_on` said that it is no longer wanted.
@@ -223,7 +223,7 @@ pub trait Stage: Send + Sync {
     /// The sphere at a pixel, or null.
     fn pick(&self, request: &PickRequest) -> Answer<Value>;
 
-    /// How many spheres an expression selects.
+    /// The number of spheres that an expression selects.
     fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value>;
 
     /// The camera that shows all spheres, or those that are selected, in the direction of a frame.
@@ -232,6 +232,6 @@ pub trait Stage: Send + Sync {
     /// The command and the lines of Python that make the frame.
     fn command(&self, request: &FrameRequest) -> Answer<Commands>;
 
-    /// How far reading is: returns when it has ended, and at the latest after `wait`.
+    /// The progress of reading the file; returns when reading has ended, and at the latest after `wait`.
     fn progress(&self, wait: Duration) -> Answer<Value>;
 }

@@ -1,4 +1,4 @@
-//! What the server answers to requests that somebody else may send, and to the page itself.
+//! Answers of the server to requests that an attacker may send, and to the page itself.
 
 #[path = "attacks/client.rs"]
 mod client;

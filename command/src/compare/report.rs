@@ -172,7 +172,7 @@ struct BufferReport<'a> {
     values: ComparedValues<'a>,
 }
 
-/// What was compared, and how it differs.
+/// The shapes and types of two buffers, and the differences of their values; see [`JsonReport`] for the absent ones.
 #[derive(Clone, Copy, Default, Serialize)]
 struct ComparedValues<'a> {
     shapes: Option<[&'a [usize]; 2]>,

@@ -77,7 +77,7 @@ pub(crate) struct Picture {
 /// Renders and writes pictures.
 pub(crate) struct PictureWriter<'a> {
     pub(crate) args: &'a SceneArgs,
-    /// Those of all pictures.
+    /// The settings that all pictures share.
     pub(crate) settings: &'a Settings,
     pub(crate) resume: bool,
     /// The bytes of the picture are returned, and no file is written.

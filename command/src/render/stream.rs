@@ -30,7 +30,7 @@ use halfline_files::write::file::Target;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
-/// Where the scene is read.
+/// A scene that is read as a stream: its file, and the options of every pass through it.
 pub(crate) struct Source<'a> {
     args: &'a SceneArgs,
     options: ReadOptions,
@@ -38,11 +38,11 @@ pub(crate) struct Source<'a> {
     arrangement: Arrangement,
     /// The scene of a scene file without spheres, and the files that it refers to.
     scene: Option<(SceneFrame, Vec<PathBuf>)>,
-    /// Why the scene is read as a stream, until it is said.
+    /// The reason for a stream that was not requested; taken when it is printed.
     why: Cell<Option<String>>,
     /// Whether the range of the colours is that of all particles and not known yet.
     lacks_range: bool,
-    /// What is to be said about the spheres that are looked at.
+    /// Notes on the selection of `--at`, which become warnings of the picture.
     notes: Vec<String>,
 }
 
@@ -56,7 +56,7 @@ struct Copied {
     marks: Vec<Mark>,
 }
 
-/// What is known of a scene once all of its spheres were read.
+/// Facts about a scene that are known after its last sphere was read.
 struct About {
     skipped: Skipped,
     legend: Option<Legend>,
@@ -65,7 +65,7 @@ struct About {
 }
 
 impl About {
-    /// What blocks that were read say.
+    /// The facts from blocks that were read to the end, without the time and the step.
     fn of(blocks: &SphereBlocks) -> Self {
         let (skipped, legend) = (blocks.skipped().clone(), blocks.legend());
         Self { skipped, legend, when: FrameTime::default(), is_molecule: blocks.is_molecule() }
@@ -122,7 +122,7 @@ impl<'a> Source<'a> {
     /// Reads the scene: the spheres that some ray may hit, and what else belongs to the picture.
     ///
     /// # Errors
-    /// Those of reading and of [`Stream`].
+    /// Errors of the output files, of reading and of [`Stream`].
     pub(super) fn visible(mut self, settings: &Settings, targets: &[Target]) -> Result<PictureScene> {
         check_inputs(targets.iter().map(Target::path), &self.inputs())?;
         targets.iter().try_for_each(Target::check)?;
@@ -185,7 +185,7 @@ impl<'a> Source<'a> {
     /// about its spheres, and whether the camera frames them alone.
     ///
     /// # Errors
-    /// Those of reading and of [`Stream`], and [`Error::Settings`] for what depends on other parts.
+    /// Errors of reading and of [`Stream`]; [`Error::Settings`] for options that depend on the spheres of other parts.
     pub(crate) fn part(mut self, settings: &Settings, first_id: u64) -> Result<(Part, Vec<String>, bool)> {
         if self.is_copied() {
             return Err(Error::settings("the ids of copies depend on all spheres", "remove --copies and --assembly"));
@@ -388,7 +388,8 @@ impl<'a> Source<'a> {
         self.arrangement.copies != [1; 3] || self.is_assembly()
     }
 
-    /// What `--copies` or the operators of an assembly repeat is in memory, the copies are not.
+    /// Reads into memory the spheres that `--copies` or the operators of an assembly repeat, but not their copies;
+    /// `None` without either option.
     fn copied(&self) -> Result<Option<Copied>> {
         if !self.is_copied() {
             return Ok(None);

@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// What is counted while rays are traced.
+/// The counts of rays, hits and certainties while rays are traced, the time of each block, and the first fault.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     /// Rows so far, the invalid ones included.
@@ -22,7 +22,7 @@ pub(super) struct Tally {
     certified: u64,
     settled: u64,
     trace_ms: Vec<f64>,
-    /// What is wrong with the first invalid row.
+    /// The error of the first invalid row; `None` if all rows are valid.
     pub(super) fault: Option<Error>,
 }
 
@@ -112,7 +112,7 @@ pub(super) struct TraceReport {
     pub(super) method: &'static str,
     /// `fast`, `certified` or `exact`.
     pub(super) accuracy: Accuracy,
-    /// How candidates were found.
+    /// The search for candidate spheres: `all` tests every sphere, `tree` descends a tree of boxes.
     pub(super) search: &'static str,
     /// Share of all rays whose answer is proved without exact arithmetic.
     pub(super) certified: f64,
@@ -145,7 +145,7 @@ impl From<&Lidar> for Pattern {
     }
 }
 
-/// What a point cloud contains.
+/// The counts of a point cloud that was written, and the rounding of its coordinates.
 #[derive(Debug, Serialize)]
 pub(super) struct Cloud {
     /// Points, one for each ray that hits.
@@ -170,7 +170,7 @@ impl Cloud {
         Self { points, left_out, rounding, farthest, file: path.display().to_string() }
     }
 
-    /// What was left out.
+    /// The number of points in the file and, if there are any, of rays without a hit, in words.
     pub(super) fn words(&self) -> String {
         let Self { points, left_out, file, .. } = self;
         match left_out {
@@ -179,7 +179,7 @@ impl Cloud {
         }
     }
 
-    /// That coordinates far from the origin lost what matters at the scanner.
+    /// A warning if the file rounds coordinates by more than [`ROUNDING`] of the farthest distance; else `None`.
     pub(super) fn warning(&self) -> Option<String> {
         let Self { rounding, file, .. } = self;
         (*rounding > ROUNDING * self.farthest).then(|| {

@@ -20,7 +20,7 @@ pub(super) fn rays_of_a_block() -> usize {
     halfline_files::blocks::at_most(BLOCK)
 }
 
-/// Where the rays come from.
+/// The source of the rays: a file, or the pattern of a scanner.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Rays")]
 pub(super) struct SourceArgs {

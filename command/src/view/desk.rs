@@ -1,4 +1,4 @@
-//! What the page asks, answered: one file, its frames that were read, and the renderers.
+//! Handles the page's requests: the open file, its cached frames, two renderers.
 
 use super::frames::{Count, Frames};
 use super::given::{Given, GivenOption, line};
@@ -31,25 +31,25 @@ use std::num::NonZeroU32;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The file of a page and what renders it.
+/// The file that a page shows, its cached frames, and the renderers of pictures and of picks.
 pub(super) struct Desk {
     given: Given,
     /// `None` until the first frame was read.
     book: Mutex<Option<Book>>,
     read: Condvar,
     renderer: Mutex<Option<Renderer>>,
-    /// Picks do not wait for a picture.
+    /// A renderer for picks alone, so that they do not wait for a picture.
     picker: Mutex<Renderer>,
     messages: Messages<'static>,
 }
 
-/// What was read.
+/// The file after its first frame was read: the parser of options, cached frames, and the summary of the scene.
 struct Book {
     parser: Parser,
     /// The frames with the colours of the command line, and those with a selection.
     plain: Frames,
     selected: Option<Frames>,
-    /// The answer to `/scene`, without what changes.
+    /// The answer to `/scene`, without the number of frames and the camera for another size.
     summary: Value,
     /// The camera of `--camera-from`.
     record: Option<CameraRecord>,
@@ -69,7 +69,7 @@ struct Posed {
 
 impl Desk {
     /// # Errors
-    /// Those of the CPU path.
+    /// Errors of [`Renderer::new`] on the CPU path.
     pub(super) fn new(given: Given) -> Result<Self> {
         let own = Settings { backend: Backend::Cpu, ..Settings::default() };
         Ok(Self {
@@ -83,10 +83,10 @@ impl Desk {
     }
 
     /// Opens the device, and reads the frame with which the page begins; its camera is that of its picture by
-    /// `halfline render`. Then the page is answered, and the frames of the file are counted.
+    /// `halfline render`. Then requests are answered, and the frames of the file are counted.
     ///
     /// # Errors
-    /// Those of the options, of reading and of the device.
+    /// Errors of the options, of reading the file and of opening the device.
     pub(super) fn load(&self) -> Result<()> {
         let mut parser = Parser::new()?;
         let words = self.given.words(&self.given.initial());
@@ -137,7 +137,7 @@ impl Desk {
         first_picture(&args, frame, book.record.as_ref(), held).map(|(_, pose)| pose)
     }
 
-    /// Works with what was read, once it is there.
+    /// Waits until the first frame was read, then runs `work` on the file.
     fn with<T>(&self, work: impl FnOnce(&mut Book) -> Result<T>) -> Answer<T> {
         let mut book = lock(&self.book);
         loop {

@@ -58,10 +58,10 @@ impl Frames {
         self.words == words
     }
 
-    /// The camera of all frames, with `--hold all`; see [`Self::framed`] for `first`.
+    /// The camera that all frames share under `--hold all`, else `None`; see [`Self::framed`] for `first`.
     ///
     /// # Errors
-    /// Those of reading.
+    /// Errors of reading the file.
     pub(super) fn held_camera(&mut self, first: u64) -> Result<Option<Camera>> {
         if self.passed == 0 {
             self.framed(first)?;
@@ -73,7 +73,7 @@ impl Frames {
     /// with which the page begins.
     ///
     /// # Errors
-    /// Those of reading.
+    /// Errors of reading the file.
     pub(super) fn framed(&mut self, first: u64) -> Result<&mut SceneFrame> {
         let number = match self.get(1) {
             Err(Error::Settings { .. } | Error::Scene { .. }) => first,
@@ -85,7 +85,7 @@ impl Frames {
     /// Frame `number` of the file, from 1.
     ///
     /// # Errors
-    /// Those of reading; [`Error::Settings`] for a number beyond the last frame.
+    /// Errors of reading the file and of arranging the frame; [`Error::Settings`] for a number beyond the last frame.
     pub(super) fn get(&mut self, number: u64) -> Result<&mut SceneFrame> {
         let at = self.kept.iter().position(|kept| kept.number == number);
         let at = at.map_or_else(|| self.read(number), Ok)?;

@@ -30,15 +30,16 @@ pub(super) struct Given {
     options: Vec<GivenOption>,
     /// The options of the camera with which the page begins.
     camera: Vec<GivenOption>,
-    /// Those of environment and configuration, which the command has by itself and Python has not.
+    /// Options from the environment and the configuration file. The command reads them by itself; Python does not.
     preferences: Vec<GivenOption>,
     /// The frame with which it begins, if one is typed.
     pub(super) frame: Option<u64>,
 }
 
 impl Given {
-    /// What `matches` of `command` has from the command line, without the options of the page and those named `own`.
-    /// Environment and configuration hold for every command alike, so that those of `preferences` are no words of it.
+    /// The options that were typed for `command`, by `matches`, without those named `own`. Options that the page sets
+    /// are kept apart. `preferences` come from the environment and the configuration file, which every command reads by
+    /// itself, so that they are no words of this one.
     ///
     /// # Errors
     /// [`Error::Settings`] for several frames.

@@ -6,11 +6,12 @@ use halfline::error::Result;
 use halfline::scene::Scene;
 use halfline_viewer::{Lens, Pose};
 
-/// The camera of a scene as the page has it: with a point to look at and an angle. A point that the scene does not give lies
-/// where the view passes `pivot`, or else the middle of the spheres.
+/// The camera of a scene in the form of the page: eye, point to look at, up direction, and an angle or a height. If the
+/// scene gives a direction and no point, the point is where the view comes nearest to `pivot`, or else to the middle of
+/// the spheres.
 ///
 /// # Errors
-/// Those of the camera.
+/// Errors of [`Camera::viewport`].
 pub(super) fn pose(scene: &Scene, pivot: Option<DVec3>) -> Result<Pose> {
     let Scene { camera, image, spheres, .. } = scene;
     let at = match camera.look {
@@ -42,7 +43,7 @@ fn angle(height: f64) -> f64 {
 /// The length that a pixel shows at the distance of the point looked at, in scene units.
 ///
 /// # Errors
-/// Those of the camera.
+/// Errors of [`Camera::viewport`].
 pub(super) fn unit(camera: &Camera, [width, height]: [u32; 2]) -> Result<f64> {
     let viewport = camera.viewport(width, height)?;
     let distance = match camera.look {

@@ -1,4 +1,4 @@
-//! Pictures while the camera moves: soon, by one ray for each pixel, lit from the eye.
+//! Fast pictures for a camera that moves: one ray for each pixel, lit from the eye.
 
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -8,10 +8,11 @@ use halfline::scene::{Lighting, Scene};
 use halfline::settings::{Look, Settings};
 use halfline_viewer::Pixels;
 
-/// The picture of a scene.
+/// Renders a scene with one ray per pixel, lit from the eye, with a pinhole and without silhouettes. Returns the pixels
+/// and a report without warnings.
 ///
 /// # Errors
-/// Those of a frame.
+/// Errors of [`Renderer::render`].
 pub(super) fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Result<(Pixels, Report)> {
     let scene = Scene { lighting: Lighting::from_the_eye(), spheres: scene.spheres.clone(), ..*scene };
     let aovs = vec![Aov::Color];

@@ -11,8 +11,10 @@ use std::ffi::OsString;
 pub(super) struct Parser(Command);
 
 impl Parser {
+    /// The parser, with the defaults of the environment and of the configuration file.
+    ///
     /// # Errors
-    /// Those of the configuration file.
+    /// Errors of the configuration file.
     pub(super) fn new() -> Result<Self> {
         let command = Command::new("halfline").no_binary_name(true);
         let render = Render::augment_args(Command::new("render"));

@@ -1,4 +1,4 @@
-//! What a pixel shows, decided exactly.
+//! The sphere that a pixel shows, decided with certified accuracy, and the data that the file has of it.
 
 use glam::DVec3;
 use halfline::camera::{Basis, Camera, Viewport};
@@ -12,10 +12,11 @@ use halfline_files::read::{ColumnValue, Columns};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-/// The sphere that pixel `x`, `y` of a scene shows: its id is that of the buffer `id`; null on a miss.
+/// The sphere that pixel `x`, `y` of a scene shows, as JSON: its id as in the buffer `id`, centre, radius, position and
+/// distance of the hit, certainty. Null on a miss.
 ///
 /// # Errors
-/// Those of a frame; [`halfline::Error::Settings`] for a pixel that is not in the image.
+/// Errors of the camera and of [`Renderer::render`]; [`halfline::Error::Settings`] for a pixel outside the image.
 pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, [x, y]: [u32; 2]) -> Result<Value> {
     // The frame is that of the spheres that the ray comes close to.
     let near = near_ray(&scene.spheres, ray(&scene.camera, [scene.image.width, scene.image.height], [x, y])?);
@@ -73,7 +74,8 @@ fn near_ray(spheres: &Spheres, [origin, direction]: [DVec3; 2]) -> Vec<usize> {
     all.filter(|(_, sphere)| is_near(*sphere)).map(|(id, _)| id).collect()
 }
 
-/// What the file says about a sphere: `row`, its number in the file from 0, and `columns`.
+/// Adds to `picked` the data that the file has of sphere `id`: `row`, its number in the file from 0, and `columns`, its
+/// value in each column.
 pub fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: usize) {
     let value = |name: &str| {
         let (_, values) = columns.get(name).ok()?;

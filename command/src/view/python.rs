@@ -5,7 +5,7 @@ use halfline_viewer::{FrameRequest, Lens};
 use std::ffi::OsStr;
 use std::str::Utf8Chunk;
 
-/// Where an option stands in Python: in the reading of the file, in the rendering, or in the renderer.
+/// The Python call that takes an option as a keyword: reading, rendering, renderer, camera or saving.
 #[derive(Clone, Copy, PartialEq)]
 enum Call {
     Read,
@@ -15,7 +15,7 @@ enum Call {
     Save,
 }
 
-/// How the value of an option is written.
+/// The form of an option's value in Python.
 #[derive(Clone, Copy, PartialEq)]
 enum Form {
     Flag,

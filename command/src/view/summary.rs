@@ -1,4 +1,4 @@
-//! What the page shows about the scene and about a picture.
+//! Summaries of the scene and of a picture for the page, as JSON.
 
 use crate::picture_scene::PictureScene;
 use glam::DVec3;
@@ -17,8 +17,9 @@ use std::path::Path;
 /// The most texts of a column that are listed.
 const MOST_TEXTS: usize = 32;
 
-/// What every view of spheres, of which the last ones are beads of a cell, shows: `look` is the name of the look of its pictures, with the samples. Without spheres the
-/// box around them is a point.
+/// Summarises spheres as JSON: count, box, cell, columns, looks, background. The last `beads` spheres are beads along
+/// the edges of a cell and are not counted. `look` and `samples` are those of the pictures. Without spheres the box is
+/// the origin.
 pub fn scene(
     (spheres, beads): (&Spheres, usize),
     columns: &Columns,
@@ -45,10 +46,11 @@ pub fn scene(
     })
 }
 
-/// The scene of a frame, with the camera of this picture.
+/// Summarises the scene of a frame: the values of [`scene`], the file, the camera and the size of this picture, the
+/// legend and the warnings of the reader.
 ///
 /// # Errors
-/// Those of the legend.
+/// Errors of [`legend`].
 pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene, pose: &Pose) -> Result<Value> {
     let image = picture.scene.image;
     let look = (picture.look.name(), picture.look.settings(&Settings::default()).samples);
@@ -72,7 +74,7 @@ pub(super) fn of(file: &OsStr, frame: &SceneFrame, picture: &PictureScene, pose:
     Ok(summary)
 }
 
-/// What is true of a picture.
+/// Summarises the report of a picture: accuracy, certified share, adapter, look, samples, warnings.
 pub(super) fn of_picture(report: &Report) -> Value {
     json!({
         "accuracy": report.accuracy,
@@ -85,10 +87,10 @@ pub(super) fn of_picture(report: &Report) -> Value {
     })
 }
 
-/// The legend of the colours as SVG.
+/// The legend of the colours as SVG; `None` without a legend.
 ///
 /// # Errors
-/// Those of drawing.
+/// Errors of [`halfline_drawing::legend::draw`].
 pub fn legend(legend: Option<&Legend>) -> Result<Option<String>> {
     legend.map(|legend| halfline_drawing::legend::draw(legend).map(|drawing| drawing.svg)).transpose()
 }

@@ -5,7 +5,7 @@ use crate::rng::Rng;
 use crate::test_dir::{Output, TestDir};
 use std::fmt::Write as _;
 
-/// What blocks of files are divided by.
+/// The factor by which the blocks of readers are smaller, so that short files have many.
 const PARTS: usize = 64;
 /// More than two blocks of a reader.
 const COUNT: usize = 600_000 / PARTS;
@@ -332,7 +332,7 @@ fn files_do_not_depend_on_the_size_of_bands() {
     }
 }
 
-/// What holds for every block is said, and what holds for some is not.
+/// A note on a selection is printed if it holds for every block of the file, and not if it holds for some.
 #[test]
 fn a_word_that_selects_nothing_in_the_whole_file_is_told() {
     let mut table = String::from("x,y,z,radius,kind\n");

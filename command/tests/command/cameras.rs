@@ -122,7 +122,7 @@ fn the_cameras_are_written_beside_the_pictures_and_can_be_read_again() {
     }
 }
 
-/// What an image of 40 x 30 with the principal point (35, 9.5) shows is in the last 30 rows and the first 40 columns of one
+/// An image of 40 x 30 with the principal point (35, 9.5) shows the last 30 rows and the first 40 columns of one
 /// of 70 x 41 with the same focal lengths.
 #[test]
 fn principal_points_may_lie_beside_the_middle() {

@@ -64,7 +64,7 @@ fn a_film_of_a_hundred_frames_has_one_camera_one_radius_and_one_range() {
     assert!(!said("--hold none").contains("held"));
 }
 
-/// What is said of each picture is said of a film once, although its numbers differ; the reports have all of them.
+/// A warning that every picture has is printed once for a film, although its numbers differ; each report has its own.
 #[test]
 fn a_film_says_a_warning_once() {
     let mut frames = gas(1);

@@ -23,7 +23,7 @@ pub(crate) fn has_ffmpeg() -> bool {
     found
 }
 
-/// What ffprobe says of the film's pictures: codec, width, height, pixel format, rate, count.
+/// The report of ffprobe on the film's pictures: codec, width, height, pixel format, rate, count.
 fn probe(dir: &TestDir, film: &str) -> String {
     let entries = "stream=codec_name,width,height,pix_fmt,r_frame_rate,nb_read_frames";
     let mut command = dir.program("ffprobe");

@@ -322,7 +322,7 @@ fn shadows_of_any_number_of_lights_are_written_beside_alpha() {
     }
 }
 
-/// What is drawn by a seed is not taken for what another seed draws.
+/// Another seed changes the picture, and `--resume` does not keep a picture of another seed.
 #[test]
 fn another_seed_is_another_rendering() {
     let dir = dir();

@@ -7,7 +7,7 @@ use crate::test_dir::TestDir;
 
 const COUNT: usize = 60_000;
 
-/// Where the files are cut.
+/// The first rows of the parts, and the end of the last one.
 const CUTS: [usize; 5] = [0, 1_000, 33_333, 33_334, COUNT];
 
 const CAMERA: &str = "--eye 3,2,4 --at 0,0,0 --vfov 40 --size 64x48";

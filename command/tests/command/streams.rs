@@ -169,7 +169,8 @@ fn pipes_and_devices_are_written_in_place() {
     }
 }
 
-/// What would read a named pipe twice says so and does not wait for a second writer; what reads it once renders it.
+/// A command that would read a named pipe twice refuses it and does not wait for a second writer; one that reads it
+/// once renders it.
 #[test]
 fn a_pipe_is_read_once() {
     let dir = TestDir::new(&[("all.xyz", "2\n\nC 0 0 0\nO 1 0 0\n")]);

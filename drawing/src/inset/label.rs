@@ -20,7 +20,7 @@ enum LabelPart {
     Step,
 }
 
-/// What the names in braces stand for in one picture.
+/// The values of the names in braces for one picture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LabelValues {
     /// `{frame}`: the number of the frame or of the picture.

@@ -41,7 +41,7 @@ pub enum Codes {
     U8(Vec<u8>),
     /// Up to 65,536 texts.
     U16(Vec<u16>),
-    /// More.
+    /// More than 65,536 texts.
     U32(Vec<u32>),
 }
 
@@ -112,7 +112,7 @@ impl Columns {
         Ok(Self { list, others })
     }
 
-    /// Whether there are none.
+    /// Whether there are no columns.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
@@ -149,11 +149,12 @@ impl Columns {
         Err(Error::settings(problem, mend))
     }
 
-    /// Which of the spheres, whose columns these are, a selection selects, and what is to be said about it. `radius` is that of
-    /// the sphere, and beads of a cell have no values.
+    /// The spheres that a selection selects, as flags, and the messages about it. These are the columns of `spheres`;
+    /// `radius` is that of the sphere, and beads of a cell have no values.
     ///
     /// # Errors
-    /// Those of the selection, also for a column that was not kept.
+    /// [`Error::Settings`] for a selection that these columns do not fit, also for a column that was not kept;
+    /// [`Error::Limits`] where memory is short.
     pub fn select(&self, selection: &Selection, spheres: &Spheres) -> Result<(Vec<bool>, Vec<String>)> {
         let mut particles = self.particles(spheres)?;
         particles.add_lengths(&selection.columns())?;

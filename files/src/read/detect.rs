@@ -10,7 +10,7 @@ use std::path::Path;
 #[cfg(test)]
 mod tests;
 
-/// A format, and what to say where the name of the file says another.
+/// A format, and the warning where the name or the content of the file says another.
 pub(super) type Recognised = (Format, Option<String>);
 
 /// The format of a file with this beginning and name, or the problem and its remedy. A signature, which one format alone has,
@@ -54,7 +54,7 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
     })
 }
 
-/// What to say of a file that is read in a format, where its name or its content says another.
+/// The warning about a file whose name or content says another format than the one it is read in; else `None`.
 fn contradiction(format: Format, named: Format, text: &str) -> Option<String> {
     let (read, other) = (format.name(), named.name());
     if format != named {

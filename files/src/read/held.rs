@@ -51,7 +51,7 @@ impl HeldCamera {
     /// which of its frames is the first that they leave something of. `point` gives a frame its size and its camera.
     ///
     /// # Errors
-    /// Those of [`Arrangement::apply`] and of `point`.
+    /// As [`Arrangement::apply`], and errors of `point`.
     pub fn see(
         &mut self,
         frame: &mut SceneFrame,
@@ -75,7 +75,7 @@ impl HeldCamera {
     /// Gives a frame the camera of the film, or else its own by `point`, which the following ones then have.
     ///
     /// # Errors
-    /// Those of `point`.
+    /// Errors of `point`.
     pub fn apply(&mut self, frame: &mut SceneFrame, point: impl FnOnce(&mut SceneFrame) -> Result<()>) -> Result<()> {
         // A frame without spheres has nothing to hold to.
         let holds = self.holds && !frame.scene.spheres.is_empty();

@@ -1,5 +1,5 @@
-//! What a file contains, without keeping its particles: format, frames, columns with their ranges, elements, chains,
-//! cell and extent, and what a plain rendering would assume.
+//! The content of a file, examined without keeping its particles: format, frames, columns with their ranges, elements,
+//! chains, cell and extent, and the assumptions of a rendering without options.
 
 use super::elements::element;
 use super::frame_range::FrameRange;
@@ -47,7 +47,7 @@ pub struct FileInfo {
     pub colored: bool,
     /// Whether the file has a camera.
     pub camera: bool,
-    /// What is skipped or assumed, and remarks about the file.
+    /// Warnings: skipped items, assumptions, and remarks about the file.
     pub warnings: Vec<String>,
 }
 
@@ -115,7 +115,7 @@ const LISTED: usize = 64;
 /// file; archives (.npz), LAMMPS data files and small-molecule CIF are read whole.
 ///
 /// # Errors
-/// Those of [`scene`](super::scene).
+/// As [`scene`](super::scene).
 pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
     of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options, Survey::default())
 }

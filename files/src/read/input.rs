@@ -36,7 +36,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Fills `bytes`, less at the end of the stream; returns how many bytes there were.
 ///
 /// # Errors
-/// Those of the reader.
+/// Errors of the reader.
 pub(crate) fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < bytes.len() {
@@ -88,7 +88,7 @@ impl Input {
     /// The input from any reader, compressed or not.
     ///
     /// # Errors
-    /// Those of the reader.
+    /// Errors of the reader.
     pub(crate) fn of(reader: Box<dyn Read + Send>, watch: &Watch) -> io::Result<Self> {
         Self::unpack(reader, 0, watch)
     }
@@ -130,10 +130,10 @@ impl Input {
         (self.length > 0).then(|| self.length.saturating_sub(self.delivered))
     }
 
-    /// The first bytes, at most `most`; they will be delivered again.
+    /// The first bytes, at most `most`. Later reads deliver them again.
     ///
     /// # Errors
-    /// Those of reading.
+    /// Errors of reading.
     pub(crate) fn look(&mut self, most: u64) -> io::Result<Vec<u8>> {
         let mut start = Vec::new();
         self.by_ref().take(most).read_to_end(&mut start)?;
@@ -143,7 +143,7 @@ impl Input {
         Ok(start)
     }
 
-    /// Reports that a particle was found, which resets the limits.
+    /// Reports a particle, which resets the count of bytes without one.
     pub(crate) fn found(&self) {
         self.gauge.counts.found();
     }

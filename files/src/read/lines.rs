@@ -384,7 +384,8 @@ impl<R: BufRead> Word<'_, R> {
     }
 }
 
-/// What to do about a text that is not a finite number: how Fortran and other languages write one is told.
+/// The remedy for a text that is not a finite number: the number respelled where the text has a Fortran exponent or a
+/// decimal comma, else `otherwise`.
 pub(super) fn mend_number(text: &str, otherwise: &str) -> String {
     let spelled = |spelling: String| Some(spelling).filter(|text| text.parse::<f64>().is_ok_and(f64::is_finite));
     if let Some(number) = spelled(text.replace(['D', 'd'], "E")).filter(|_| text.parse::<f64>().is_err()) {

@@ -33,7 +33,7 @@ const LONGEST: usize = 1 << 30;
 /// time.
 const QUICK: usize = 2 << 20;
 
-/// What is read.
+/// The content of a native scene file, or of another file with a whole scene.
 pub(super) struct Read {
     pub(super) scene: Scene,
     pub(super) skipped: Skipped,

@@ -79,7 +79,7 @@ pub(super) struct Npy<R> {
     pub(super) bytes: u64,
     /// The counters of the input.
     pub(super) counts: Arc<Counts>,
-    /// What to save instead of an array that cannot be used.
+    /// The remedy in errors: the array to save instead.
     pub(super) mend: &'static str,
 }
 

@@ -31,7 +31,7 @@ pub struct ReadOptions {
     pub skip_invalid: bool,
     /// The frames of a sequence that are read.
     pub frames: FrameRange,
-    /// What the frames of a sequence have in common.
+    /// The frames that set the default radius and the range of colours of a sequence.
     pub hold: Hold,
     /// The particle file with the atoms of a trajectory, which gives their elements, radii and columns.
     pub topology: Option<PathBuf>,
@@ -46,13 +46,13 @@ pub struct ReadOptions {
     pub as_operators: bool,
     /// Whether the atoms of a small-molecule CIF are taken as listed; otherwise its symmetry fills the cell.
     pub as_listed: bool,
-    /// What is done about the particles of a periodic cell, before they are selected.
+    /// The treatment of the particles of a periodic cell, applied before selections.
     pub periodic: Periodic,
     /// The particles to take: those that one of these selects; all where the list is empty.
     pub select: Vec<Selection>,
     /// The particles to leave out: those that one of these selects.
     pub hide: Vec<Selection>,
-    /// Particles that the caller wants to know, such as those that a camera looks at:
+    /// Selections of particles that are reported to the caller, such as those that a camera looks at; see
     /// [`SceneFrame::marks`](crate::read::SceneFrame::marks).
     pub marks: Vec<Selection>,
     /// The style of the particles.
@@ -128,7 +128,7 @@ impl ReadOptions {
         Ok(())
     }
 
-    /// What is known of a file's format before it is opened.
+    /// The format of a file as far as the options say it.
     pub(super) fn known_format(&self) -> KnownFormat {
         match self.format {
             Some(format) => KnownFormat::Given(format),
@@ -159,7 +159,7 @@ impl ReadOptions {
         }
     }
 
-    /// What is selected of the particles of a frame.
+    /// The selections of the options and of the style, by their use.
     pub(super) fn selections(&self) -> Selections<'_> {
         Selections {
             select: &self.select,
@@ -180,22 +180,22 @@ pub enum Keep {
     /// All of a molecule (PDB, PQR, PDBQT, mmCIF, GRO, and a trajectory with such a topology); of other files those that
     /// colours and selections read.
     Molecules,
-    /// Those that these words of selections read, and those that colours and selections read.
+    /// The columns that these words of selections read, and those that colours and selections read.
     Named(Vec<String>),
     /// All.
     All,
 }
 
-/// Where default radii and ranges of colours come from, so that the frames of a film do not flicker.
+/// The frames that set default radii and ranges of colours, so that a film does not flicker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Hold {
-    /// From the first frame of the file, whether it is selected or not: a frame read alone is the same as in a film.
+    /// The first frame of the file that has spheres, selected or not, so a frame read alone is the same as in a film.
     #[default]
     First,
-    /// The camera and the range of colours from all frames, which the caller has read before; see
-    /// [`Scale::range`](crate::read::style::Scale::range). The radius and the colours of names from the first.
+    /// All frames set the camera and the range of colours: the caller has read them before; see
+    /// [`Scale::range`](crate::read::style::Scale::range). The first frame sets the radius and the colours of names.
     All,
-    /// From each frame by itself.
+    /// Each frame sets its own.
     None,
 }
 

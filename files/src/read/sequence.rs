@@ -42,10 +42,10 @@ pub struct Sequence {
     passed: u64,
     /// The files that the scene file refers to, and the topology.
     files: Vec<PathBuf>,
-    /// Whether the following frames are held to one that was read: to its radius, and to its colours.
+    /// Whether a frame that was read has set the default radius of the following ones, and their colours.
     holds_radius: bool,
     holds: bool,
-    /// What the reader said about a frame that is not selected.
+    /// Warnings about frames that were read but are not selected. The next selected frame reports them.
     said: Vec<String>,
     /// The number of frames, once the end was reached.
     total: Option<u64>,
@@ -66,11 +66,11 @@ pub struct SceneFrame {
     pub number: u64,
     /// The scene; where the file has no camera, with one that shows all of it.
     pub scene: Scene,
-    /// What the reader left out or assumed.
+    /// The items that the reader left out, and its assumptions.
     pub skipped: Skipped,
     /// Whether the file has a camera.
     pub has_camera: bool,
-    /// What the file says about the look of its picture.
+    /// Whether the file holds particles, and the look and the samples per pixel that it asks for.
     pub look: FileLook,
     /// The size of its camera's lens; `None` for a pinhole.
     pub aperture: Option<Aperture>,
@@ -98,13 +98,13 @@ pub struct SceneFrame {
 pub struct Mark {
     /// The expression.
     pub text: String,
-    /// Those of them that are drawn.
+    /// The selected spheres that [`ReadOptions::select`] and [`ReadOptions::hide`] leave in the frame.
     pub spheres: Spheres,
-    /// What its evaluation said, such as which values the file has instead.
+    /// Messages about the expression, such as the values that the file has instead of one that no particle has.
     pub notes: Vec<String>,
 }
 
-/// The words for a frame that is not selected and cannot be what the others are held to.
+/// The warning about a frame that is not selected and cannot set radii and colours because of this error.
 fn not_held(number: u64, error: &Error) -> String {
     let problem = match error {
         Error::Settings { problem, .. } => problem.clone(),
@@ -155,7 +155,7 @@ impl SceneFrame {
     /// Arranges the spheres, and with them their columns and the lights that are spheres. Says so where clip planes remove all.
     ///
     /// # Errors
-    /// Those of [`Arrangement::apply`].
+    /// As [`Arrangement::apply`].
     pub fn arrange(&mut self, arrangement: &Arrangement, watch: &Watch) -> Result<()> {
         if *arrangement == Arrangement::default() {
             return Ok(());
@@ -190,7 +190,7 @@ impl Sequence {
     /// Opens `path`; `-` is standard input.
     ///
     /// # Errors
-    /// Those of [`scene`](super::scene).
+    /// As [`scene`](super::scene).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         let sequence =
             Self::of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options)?;
@@ -201,7 +201,7 @@ impl Sequence {
     /// format, and whose folder contains the files that a scene refers to.
     ///
     /// # Errors
-    /// Those of [`scene`](super::scene).
+    /// As [`scene`](super::scene).
     pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
         let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
         Self::of_source(SceneSource::of(input, path, options.known_format())?, path, options)
@@ -281,7 +281,7 @@ impl Sequence {
     /// must be called before every [`Sequence::next_scene`], which does the same and drops the frame.
     ///
     /// # Errors
-    /// Those of [`scene`](super::scene).
+    /// As [`scene`](super::scene).
     pub fn unselected_first(&mut self) -> Result<Option<SceneFrame>> {
         let ReadOptions { hold, frames: selected, model, watch, .. } = self.options.clone();
         if self.holds || hold == Hold::None || model.is_some() {
@@ -430,7 +430,7 @@ impl Sequence {
     /// The next selected frame; `None` after the last.
     ///
     /// # Errors
-    /// Those of [`scene`](super::scene).
+    /// As [`scene`](super::scene).
     pub fn next_scene(&mut self) -> Result<Option<SceneFrame>> {
         self.unselected_first()?;
         while self.passed < self.options.frames.last() {
@@ -477,7 +477,7 @@ impl Sequence {
     /// Passes over the next frame, whether it is selected or not; `false` behind the last one.
     ///
     /// # Errors
-    /// Those of reading.
+    /// [`Error::Interrupted`], and errors of reading.
     pub fn pass(&mut self) -> Result<bool> {
         self.options.watch.check()?;
         let passed = match &mut self.state {

@@ -3,7 +3,7 @@
 use halfline::error::{Error, Place, Result};
 use halfline::quote::count;
 
-/// What a reader left out, counted by kind in the order of first occurrence, and what it assumed.
+/// The items that a reader left out, counted by kind in the order of first occurrence, and its assumptions.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Skipped {
     /// Kind in the singular (`polygon`) and count.
@@ -18,7 +18,7 @@ impl Skipped {
         self.count(kind, 1);
     }
 
-    /// Adds what another part left out.
+    /// Adds the items left out and the assumptions of another part.
     pub(super) fn append(&mut self, more: Self) {
         more.kinds.into_iter().for_each(|(kind, n)| self.count(kind, n));
         self.assumed.extend(more.assumed);
@@ -31,7 +31,7 @@ impl Skipped {
         }
     }
 
-    /// One warning per kind.
+    /// One warning per kind, then the assumptions.
     pub fn warnings(&self) -> Vec<String> {
         self.kinds
             .iter()

@@ -15,11 +15,11 @@ pub(super) struct SceneSource {
     pub(super) path: PathBuf,
     /// Its format.
     pub(super) format: Format,
-    /// What to say where name and content say different formats.
+    /// The warning where name and content say different formats.
     pub(super) said: Option<String>,
 }
 
-/// What the caller knows about the format.
+/// The caller's knowledge of a file's format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum KnownFormat {
     /// Nothing: it is detected from the content, then from the name.
@@ -37,7 +37,7 @@ impl SceneSource {
     /// Opens `path`; `-` is standard input.
     ///
     /// # Errors
-    /// Those of [`Input::open`], and [`Error::Scene`] for an empty file and for one whose format is not detected.
+    /// As [`Input::open`], and [`Error::Scene`] for an empty file and for one whose format is not detected.
     pub(super) fn open(path: &Path, known: KnownFormat, watch: &Watch) -> Result<Self> {
         Self::of(Input::open(path, watch)?, path, known)
     }

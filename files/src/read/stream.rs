@@ -43,17 +43,17 @@ pub struct SphereBlocks {
     reader: Option<JoinHandle<Result<Option<Particles>>>>,
     options: ReadOptions,
     file: Place,
-    /// What the colours of the file have in common; of a file that is read once, those so far.
+    /// The survey of the file's colours; where it can be read once only, of the colours so far.
     colors: Option<ColorSurvey>,
     /// Particles so far, and those that are selected.
     count: u64,
     left: u64,
     skipped: Skipped,
-    /// What was said of parts, without numbers.
+    /// The warnings about parts without their digits, so that each is reported once.
     said: BTreeSet<String>,
-    /// What is to be said about selections.
+    /// The messages about selections, joined block by block.
     notes: Notes,
-    /// Of each of [`ReadOptions::marks`] those spheres of the last block that it selects, and what is to be said about it.
+    /// For each of [`ReadOptions::marks`], the spheres of the last block that it selects, and the messages about it.
     marked: Vec<Spheres>,
     mark_notes: Vec<Notes>,
     /// The legend without rules of the style, and the number of particles that each rule colours.
@@ -76,9 +76,9 @@ impl SphereBlocks {
     /// Opens `path`.
     ///
     /// # Errors
-    /// Those of [`Sequence::open`](super::Sequence::open); [`Error::Settings`] for formats that are not lists of rows, and for
-    /// options that need all particles at once: words of selections such as `within`, a periodic cell, a range of colours that is
-    /// not given (see [`Self::survey`]).
+    /// As [`Sequence::open`](super::Sequence::open); [`Error::Settings`] for formats that are not lists of rows, and
+    /// for options that need all particles at once: words of selections such as `within`, moves by a periodic cell, a
+    /// range of colours that is not given (see [`Self::survey`]).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         check(options)?;
         if needs_range(options) {
@@ -141,7 +141,7 @@ impl SphereBlocks {
     /// what can be read once.
     ///
     /// # Errors
-    /// Those of [`Sequence::open`](super::Sequence::open).
+    /// As [`Sequence::open`](super::Sequence::open).
     pub fn scene(path: &Path, options: &ReadOptions) -> Result<Option<(SceneFrame, Vec<PathBuf>)>> {
         if read_once(path).is_some() {
             return Ok(None);
@@ -162,7 +162,7 @@ impl SphereBlocks {
     /// changed.
     ///
     /// # Errors
-    /// Those of [`scene`](super::scene); [`Error::Settings`] where radii or colours depend on all particles.
+    /// As [`scene`](super::scene); [`Error::Settings`] where radii or colours depend on all particles.
     pub fn next_block(&mut self) -> Result<Option<Spheres>> {
         self.options.watch.check()?;
         if let Ok(part) = self.parts.recv() {
@@ -183,13 +183,13 @@ impl SphereBlocks {
         std::mem::take(&mut self.marked)
     }
 
-    /// What the evaluation of each of [`ReadOptions::marks`] said; complete after the last block.
+    /// The messages about each of [`ReadOptions::marks`]; complete after the last block.
     #[must_use]
     pub fn mark_notes(&self) -> Vec<Vec<String>> {
         self.mark_notes.iter().map(|notes| notes.told().collect()).collect()
     }
 
-    /// What was left out or assumed so far; complete after the last block.
+    /// The items left out and the assumptions so far; complete after the last block.
     #[must_use]
     pub fn skipped(&self) -> &Skipped {
         &self.skipped
@@ -309,7 +309,7 @@ impl SphereBlocks {
         Ok(())
     }
 
-    /// Takes what the marks of a block are.
+    /// Stores the marked spheres of a block, and joins the messages about the marks.
     fn mark(&mut self, masks: Vec<(Vec<bool>, Vec<Note>)>, spheres: &Spheres) {
         self.marked.clear();
         for ((mask, block), notes) in masks.into_iter().zip(&mut self.mark_notes) {
@@ -405,8 +405,8 @@ fn start(source: SceneSource, options: &ReadOptions) -> Result<Started> {
     Ok((scene, parts, reader))
 }
 
-/// What the colours of a file have in common, by reading it as far as it takes to know; `None` where it has none. What is wrong
-/// with a row is said when its block is used.
+/// Surveys the colours of a file, reading until their scale is certain; `None` where a part has no colours. Errors of
+/// rows are reported when their block is used, not here.
 fn colors_of(path: &Path, options: &ReadOptions) -> Result<Option<ColorSurvey>> {
     let source = SceneSource::open(path, options.known_format(), &options.watch)?;
     let (_, parts, reader) = start(source, &ReadOptions { style: Style::default(), ..options.clone() })?;

@@ -194,7 +194,7 @@ impl Style {
     /// The same for a part of the particles: the legend has no rows for rules; see [`Self::with_overrides`].
     ///
     /// # Errors
-    /// Those of [`Self::dress`].
+    /// As [`Self::dress`].
     pub(super) fn dress_part(
         &self,
         mut particles: Particles,

@@ -29,7 +29,7 @@ pub struct Target {
     format: FileFormat,
     style: FormatOptions,
     path: PathBuf,
-    /// What is drawn into the colour besides the scene.
+    /// Words for what is drawn into the colour besides the scene, such as a legend; `None` for nothing.
     drawn: Option<String>,
 }
 
@@ -296,7 +296,7 @@ impl Comparison {
         Ok(Self { file: BufReader::with_capacity(1 << 16, file), length, place: 0, end: 0 })
     }
 
-    /// Whether the file ended there.
+    /// Whether the furthest write ended where the file does.
     fn is_complete(&self) -> bool {
         self.end == self.length
     }

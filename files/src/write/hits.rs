@@ -98,8 +98,8 @@ impl HitFile {
     /// an archive. A cloud is coloured by `spheres`; what it contains is returned.
     ///
     /// # Errors
-    /// Those of `fill`, [`Error::Io`] naming the file, [`Error::Interrupted`]; for a cloud [`Error::Settings`] for hits that
-    /// the format cannot number, and [`Error::Limits`] for those beyond f64.
+    /// Errors of `fill`, [`Error::Io`] naming the file, [`Error::Interrupted`]; for a cloud [`Error::Settings`] for
+    /// hits that the format cannot number, and [`Error::Limits`] for hits beyond f64.
     pub fn write(
         &self,
         watch: &Watch,

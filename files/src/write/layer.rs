@@ -1,4 +1,4 @@
-//! How a file stores a buffer.
+//! The format of a buffer's samples in a file.
 
 use halfline::frame::Aov;
 
@@ -34,7 +34,7 @@ impl SampleType {
     }
 }
 
-/// How a file stores a buffer.
+/// The format of a buffer in a file: the type of its samples, and their number per pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LayerFormat {
     /// The buffer. Colour with four channels has alpha as the last.

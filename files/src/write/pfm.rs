@@ -34,13 +34,13 @@ fn header(head: &Head) -> io::Result<String> {
     Ok(format!("{magic}\n{width} {height}\n-1.0\n"))
 }
 
-/// What a header says.
+/// The values of a header, and the place of the numbers behind it.
 struct PfmHeader {
     channels: usize,
     width: usize,
     height: usize,
     scale: f64,
-    /// The position of the first number, and the bytes of all.
+    /// The position of the first number, and the bytes of all numbers.
     start: usize,
     size: usize,
 }

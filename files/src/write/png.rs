@@ -57,7 +57,7 @@ pub fn write_levels(
 /// The file of a drawing: `[width, height]` pixels of three sRGB levels each, row by row.
 ///
 /// # Errors
-/// Those of the encoder.
+/// Errors of the encoder.
 pub fn of_levels(size: [usize; 2], levels: &[u8]) -> io::Result<Vec<u8>> {
     let software = [("Software".to_owned(), concat!("halfline ", env!("CARGO_PKG_VERSION")).to_owned())];
     let mut file = Vec::new();

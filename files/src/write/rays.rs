@@ -11,7 +11,7 @@ use std::path::Path;
 /// adds them block by block, `count` in all.
 ///
 /// # Errors
-/// Those of `fill`, [`Error::Io`] naming the file, [`Error::Settings`] for another number of rays.
+/// Errors of `fill`, [`Error::Io`] naming the file, [`Error::Settings`] for another number of rays.
 pub fn write(
     path: &Path,
     count: u64,

@@ -1,4 +1,4 @@
-//! What every plot has on its page: header, marks, lines, frames of cells.
+//! Parts that every plot has on its page: header, marks, lines, frames of cells.
 
 use super::look::{FAINT, Look, Mark, QUIET};
 use crate::record::Record;

@@ -13,9 +13,9 @@ use plotters::prelude::*;
 /// A measurement of growing times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Growth {
-    /// What grows, for the title.
+    /// The title: the first part of the heading.
     pub title: String,
-    /// The subject, behind it.
+    /// The subject: the part of the heading behind the colon.
     pub subject: String,
     /// The places of the curves; see [`Curve::place`].
     pub places: Vec<PlaceRecord>,
@@ -34,7 +34,7 @@ pub struct Panel {
     pub curves: Vec<Curve>,
 }
 
-/// What was measured of one kind of scene in one place.
+/// The measurements of one kind of scene in one place.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Curve {
     /// The kind of scene.

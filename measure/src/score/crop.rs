@@ -15,7 +15,7 @@ impl Score {
     /// verdict on it.
     ///
     /// # Errors
-    /// Those of [`halfline::scene::camera::Camera::basis`].
+    /// Errors of [`halfline::scene::camera::Camera::basis`] and of [`halfline::scene::camera::Camera::viewport`].
     pub fn crop(&self, scene: &Scene, frame: &Frame) -> Result<Crop> {
         let [width, height] = self.size;
         let size = self.size.map(|side| side.min(SIDE));

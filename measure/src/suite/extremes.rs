@@ -48,7 +48,7 @@ impl Family {
     /// Its scenes for a seed. Data is searched for in `folder`; a family without its file is empty.
     ///
     /// # Errors
-    /// Those of [`read::scene`](halfline_files::read::scene), for malformed data.
+    /// Errors of [`read::scene`](halfline_files::read::scene) for malformed data.
     pub fn scenes(&self, seed: u64, folder: Option<&Path>) -> Result<Vec<Scene>> {
         match self.make {
             Make::Seed(make) => make(seed),

@@ -39,7 +39,7 @@ pub fn name(rung: f64) -> String {
 /// the one in the middle, which is the nearest.
 ///
 /// # Errors
-/// Those of [`Camera::basis`], for a distance that is not finite.
+/// Errors of [`Camera::basis`]; it has none for the direction of the wall, whatever `rung` is.
 pub fn scene(rung: f64) -> Result<Scene> {
     let view = DVec3::new(1.0, 2.0, 3.0).normalize();
     let mut camera = Camera { eye: DVec3::ZERO, look: Look::View(view), up: DVec3::Y, lens: Camera::CANONICAL.lens };

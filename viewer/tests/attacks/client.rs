@@ -47,7 +47,7 @@ impl Running {
         let _ = stream.write_all(&self.fill(request));
     }
 
-    /// What comes back for bytes on a connection of their own, until it is closed.
+    /// Sends bytes on a new connection; returns the bytes that come back until it is closed.
     pub(crate) fn ask(&self, request: &[u8]) -> Vec<u8> {
         let stream = self.connect();
         self.send(&stream, request);

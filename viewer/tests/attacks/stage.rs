@@ -21,13 +21,13 @@ pub(crate) struct Fake {
 #[derive(Default)]
 struct State {
     calls: usize,
-    /// How many calls have begun to be held.
+    /// The number of calls that have begun to be held.
     held: usize,
     is_released: bool,
 }
 
 impl Fake {
-    /// How often it was asked.
+    /// The number of calls so far, except those of `fit`.
     pub(crate) fn calls(&self) -> usize {
         self.state.lock().expect("state").calls
     }

@@ -2,14 +2,14 @@
 
 use crate::client::{CALM, Request, get, post, start, statuses};
 
-/// What is sent, the bytes, and the statuses that are expected.
+/// The name of a request, its bytes, and the statuses that are expected.
 type Row = (&'static str, Vec<u8>, &'static str);
 
 fn rows(all: &mut Vec<Row>, expected: &'static str, requests: Vec<(&'static str, Request)>) {
     all.extend(requests.into_iter().map(|(name, request)| (name, request.bytes(), expected)));
 }
 
-/// Whose request it is.
+/// Requests from the page and from others: host, origin, site, token.
 fn origins() -> Vec<Row> {
     let (ok, mut all) = (post("scene", "{}"), Vec::new());
     let host = |host: &str| ok.clone().without("Origin").set("Host", host);
@@ -129,7 +129,7 @@ fn targets() -> Vec<Row> {
     all
 }
 
-/// How it is written.
+/// Requests with faults in their form: length, headers, version, protocol.
 fn forms() -> Vec<Row> {
     let (ok, mut all) = (post("scene", "{}"), Vec::new());
     let length = |length: &str| ok.clone().set("Content-Length", length);

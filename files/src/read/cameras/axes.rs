@@ -7,13 +7,13 @@ use glam::{DMat3, DVec3};
 /// 0.06 degrees. Matrices that were written with four digits are within it.
 const TOLERANCE: f64 = 1e-3;
 
-/// What prevents three columns from being axes, and the mend.
+/// The reason that three columns are no axes, and the remedy.
 pub type AxesProblem = (String, &'static str);
 
 /// Checks that three columns are perpendicular, equally long and not mirrored. With `unit` their length must be 1.
 ///
 /// # Errors
-/// What was found, and the mend.
+/// The first fault that is found, and its remedy.
 pub fn check_axes(columns: [[f64; 3]; 3], unit: bool) -> Result<(), AxesProblem> {
     let given = columns.map(DVec3::from);
     let largest = given.iter().map(|column| column.abs().max_element()).fold(0.0, f64::max);

@@ -58,7 +58,7 @@ pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
     list.iter().enumerate().map(one).collect()
 }
 
-/// What a list says of distortion: coefficients by name, and lists of them.
+/// The keys of lens distortion: coefficients by name, and lists of coefficients.
 const COEFFICIENTS: [&str; 8] = ["k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"];
 const DISTORTIONS: [&str; 6] =
     ["distortion", "distortion_params", "distortion_coefficients", "dist_coeffs", "dist", "D"];

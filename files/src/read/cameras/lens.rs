@@ -6,11 +6,11 @@ use halfline::scene::camera::{Camera, Intrinsics, Lens};
 /// The lens of a camera of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ListedLens {
-    /// It does not depend on the size of the image.
+    /// A lens for an image of any size.
     Known(Lens),
-    /// It is that of an image of so many columns and rows.
+    /// A lens for an image of so many columns and rows.
     OfImage(Lens, [u32; 2]),
-    /// Its lengths are in pixels of the image.
+    /// A lens whose lengths are in pixels of the image.
     InPixels(PixelLens),
 }
 
@@ -63,7 +63,7 @@ impl ListedLens {
     /// The lens for an image of `width` x `height` pixels. Errors refer to the camera by its `index` in the list, from 0.
     ///
     /// # Errors
-    /// Those of [`lens_of`].
+    /// As [`lens_of`].
     pub fn for_image(&self, index: usize, width: u32, height: u32) -> Result<Lens> {
         match self {
             // The picture has the height of the view, and square pixels where those of the image are square.

@@ -19,8 +19,8 @@ pub struct ListedCamera {
 }
 
 impl ListedCamera {
-    /// Where its lens comes from: the list, else `intrinsics`, else `vfov`, which are given for the cameras without a lens of
-    /// their own. `None` for a camera that has none.
+    /// The lens that the list gives, else that of `intrinsics`, else `vfov`, the options for cameras without a lens.
+    /// `None` where none of these is given.
     #[must_use]
     pub fn lens(&self, intrinsics: Option<Intrinsics>, vfov: Option<Lens>) -> Option<ListedLens> {
         if self.has_lens {
@@ -30,7 +30,7 @@ impl ListedCamera {
         self.intrinsics.or(intrinsics.map(PixelLens::of)).map(ListedLens::InPixels).or(vfov.map(ListedLens::Known))
     }
 
-    /// A camera at `eye` that looks along `view`.
+    /// A camera at `eye` with this direction of view and this `up`, without a lens.
     pub(super) fn new(eye: [f64; 3], look: Look, up: [f64; 3]) -> Self {
         let camera = Camera { eye: eye.into(), look, up: up.into(), ..Camera::CANONICAL };
         Self { camera, has_lens: false, intrinsics: None, size: None }

@@ -5,10 +5,10 @@ use halfline::error::{Error, Result};
 use halfline::scene::{ImagePlane, check_size};
 use halfline::settings::{FileLook, Look};
 
-/// What the table says.
+/// The values of the table `[image]`.
 #[derive(Default)]
 pub(super) struct Read {
-    /// With the default background.
+    /// The size; its background is the default one.
     pub(super) image: ImagePlane,
     pub(super) background: Option<[f32; 3]>,
     pub(super) look: FileLook,

@@ -1,4 +1,4 @@
-//! What a `[[sphere]]` of a native scene file is made of.
+//! The material of a `[[sphere]]` of a native scene file.
 
 use super::table::TomlTable;
 use halfline::error::{Error, Result};

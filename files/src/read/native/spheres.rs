@@ -53,7 +53,7 @@ impl NamedSpheres {
     /// other files the first frame is read, with the radii and colours of the file or of the elements.
     ///
     /// # Errors
-    /// Those of the file's reader and of the selection.
+    /// Errors of the file's reader and of the selection.
     pub(super) fn read(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
         let strict = match ending(&self.path).as_str() {
             "csv" => csv::read,
@@ -70,7 +70,7 @@ impl NamedSpheres {
     /// Whether the spheres have colours, by the head of the file where it says so.
     ///
     /// # Errors
-    /// Those of [`NamedSpheres::read`].
+    /// As [`NamedSpheres::read`].
     pub(in crate::read) fn is_colored(&self, watch: &Watch) -> Result<bool> {
         match ending(&self.path).as_str() {
             "csv" => csv::is_colored(&self.path, watch),
@@ -87,7 +87,7 @@ impl NamedSpheres {
     /// them.
     ///
     /// # Errors
-    /// Those of [`NamedSpheres::read`]; [`Error::Settings`] for a selection that needs all spheres.
+    /// As [`NamedSpheres::read`]; [`Error::Settings`] for a selection that needs all spheres.
     pub(in crate::read) fn pass(&self, survey: &Survey, watch: &Watch) -> Result<Vec<String>> {
         let in_blocks = match ending(&self.path).as_str() {
             "csv" => csv::pass,

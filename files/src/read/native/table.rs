@@ -42,7 +42,7 @@ impl TomlName {
         }
     }
 
-    /// How a key of this table is written, for remedies in messages.
+    /// An example of a key of this table with its value, or of the table that a key names, for remedies in messages.
     fn example(self, key: &str) -> &'static str {
         match (self.part, key) {
             ("light", "sphere") => "sphere = 0",

@@ -50,7 +50,7 @@ impl BinaryFile {
     /// Whether all bytes were read.
     ///
     /// # Errors
-    /// Those of reading.
+    /// Errors of reading the file.
     pub(super) fn is_end(&mut self) -> Result<bool> {
         Ok(self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.is_empty())
     }
@@ -58,7 +58,7 @@ impl BinaryFile {
     /// Reads exactly these bytes of a field.
     ///
     /// # Errors
-    /// [`Error::Scene`] where the file ends before, and those of reading.
+    /// [`Error::Scene`] where the file ends before the last of them, and errors of reading the file.
     pub(super) fn fill(&mut self, bytes: &mut [u8], field: &str) -> Result<()> {
         let began = self.at();
         match fill(&mut self.reader, bytes).map_err(|e| Error::read(&self.path, e))? {
@@ -100,7 +100,7 @@ impl BinaryFile {
     /// Replaces the content of `into` with the rest of the file.
     ///
     /// # Errors
-    /// [`Error::Limits`], and those of reading.
+    /// [`Error::Limits`], and errors of reading the file.
     pub(super) fn all(&mut self, into: &mut Vec<u8>) -> Result<()> {
         into.clear();
         loop {
@@ -136,7 +136,7 @@ impl BinaryFile {
     /// Skips the rest of the file, at most `most` bytes; returns their number.
     ///
     /// # Errors
-    /// Those of reading.
+    /// Errors of reading the file.
     pub(super) fn rest(&mut self, most: u64) -> Result<u64> {
         let mut passed = 0;
         while passed < most {

@@ -6,7 +6,7 @@ use crate::read::color::{light_of_level, top_level};
 use halfline::quote::setting::COLOR;
 use rayon::prelude::*;
 
-/// The numbers that colours are, by the type of their fields.
+/// The type of the fields of colours, which decides what their numbers can mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(in crate::read) enum ColorType {
     /// Bytes: levels of sRGB of 8 bits.
@@ -19,7 +19,7 @@ pub(in crate::read) enum ColorType {
 }
 
 impl ColorType {
-    /// That of a field of this type.
+    /// The type for a field of this scalar type.
     pub(super) fn of(scalar: Scalar) -> Self {
         match (scalar.kind, scalar.size()) {
             (NumberKind::Float | NumberKind::Bool, _) => Self::Real,
@@ -29,7 +29,7 @@ impl ColorType {
     }
 }
 
-/// What all colours of a file have in common.
+/// A survey of a file's colours: their type, their number and the largest value, from which their scale follows.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(in crate::read) struct ColorSurvey {
     kind: ColorType,
@@ -39,7 +39,7 @@ pub(in crate::read) struct ColorSurvey {
     has_fractions: bool,
 }
 
-/// What the numbers of the colours of a file are.
+/// The scale of the numbers of a file's colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::read) enum ColorScale {
     /// Integers that are all 0: fields that nobody filled in.
@@ -71,7 +71,7 @@ impl ColorSurvey {
         }
     }
 
-    /// What the numbers are.
+    /// The scale of the colours seen so far.
     pub(in crate::read) fn scale(&self) -> ColorScale {
         let is_whole = self.kind != ColorType::Real;
         match () {
@@ -94,7 +94,7 @@ impl ColorSurvey {
         }
     }
 
-    /// What is assumed of the colours; `None` where the file says it.
+    /// The warning about an assumed scale, or about colours that are all 0; `None` where nothing is assumed.
     pub(in crate::read) fn said(&self) -> Option<String> {
         let linear = self.kind == ColorType::Real;
         match self.scale() {
@@ -167,7 +167,7 @@ mod tests {
         );
     }
 
-    /// What is decided by a part of a file is that of all of it.
+    /// A scale that a part of a file decides is the scale of the whole file.
     #[test]
     fn a_part_that_decides_has_the_scale_of_the_file() {
         let numbers = [0.0f32, 0.25, 1.0, 7.0, 255.0, 256.0, 40000.0];

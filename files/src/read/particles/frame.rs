@@ -31,7 +31,7 @@ pub(crate) struct Particles {
     pub(crate) elements: Vec<u8>,
     /// Colours, as the numbers of the file until they are made linear RGB; empty if the file has none.
     pub(crate) colors: Vec<[f32; 3]>,
-    /// What these numbers are.
+    /// The type of these numbers, which decides how they become linear RGB.
     pub(in crate::read) color_type: ColorType,
     /// The columns of [`ReadOptions::columns`](crate::read::ReadOptions::columns) that the file has, with a number for
     /// every particle. Names of columns in files are converted to lower case.
@@ -64,7 +64,7 @@ pub(crate) struct Particles {
     pub(crate) unknown: BTreeMap<String, u64>,
     /// The index and the names of each column of text, while it is read.
     pub(in crate::read) texts: Vec<(usize, Names)>,
-    /// The other content of a column of symbols, while it is read.
+    /// Atom names and virtual sites in a column of symbols, while it is read.
     pub(in crate::read) species: Species,
     /// Texts in columns of numbers, for a survey.
     pub(in crate::read) mixed: Mixed,
@@ -72,7 +72,7 @@ pub(crate) struct Particles {
     pub(crate) skipped: Skipped,
     /// Invalid rows that are left out, while they are read.
     pub(in crate::read) left_out: LeftOut,
-    /// Where the particles are counted or passed on instead of being kept.
+    /// The survey that counts the particles or passes them on in parts; `None` keeps them.
     pub(in crate::read) survey: Option<Survey>,
     /// The number of particles for which all lists have capacity.
     pub(in crate::read) room: usize,
@@ -135,7 +135,7 @@ impl Particles {
     /// Appends the particles of a part with the same columns.
     ///
     /// # Errors
-    /// Those of [`Particles::grow`].
+    /// As [`Particles::grow`].
     pub(super) fn append(&mut self, mut more: Self) -> Result<()> {
         self.grow(more.positions.len(), 0)?;
         self.positions.append(&mut more.positions);
@@ -271,7 +271,7 @@ impl Particles {
     /// Takes the particles so far away, as a part of the frame.
     ///
     /// # Errors
-    /// [`Error::Settings`] where what they are is only known when all are read.
+    /// [`Error::Settings`] for a column of elements that is understood only from the whole file.
     pub(super) fn split_off(&mut self) -> Result<Part> {
         if self.species != Species::default() {
             let problem = "the column of elements has atom names, which are understood only from the whole file";

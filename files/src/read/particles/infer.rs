@@ -358,7 +358,7 @@ pub(super) fn unknown(code: u8) -> Option<usize> {
     (code >= UNKNOWN && code != VIRTUAL).then(|| usize::from(code - UNKNOWN))
 }
 
-/// What is known of a residue as a whole.
+/// Properties of a residue as a whole, by which the sites of its atoms are decided.
 struct Residue {
     name: Vec<u8>,
     class: Option<ResidueClass>,

@@ -18,7 +18,7 @@ use halfline::error::Result;
 use halfline::memory::check_ids;
 use laz::{Laz, LazScheme};
 
-/// What the header says of the points.
+/// The header, as far as points need it.
 struct LasHeader {
     format: PointFormat,
     /// Bytes of a record.
@@ -26,7 +26,7 @@ struct LasHeader {
     points: u64,
     scale: [f64; 3],
     offset: [f64; 3],
-    /// How the points are compressed, if they are.
+    /// The compression of the points; `None` for plain points and for a file without any.
     scheme: Option<LazScheme>,
     /// The fields behind those of the format.
     extra: Vec<ExtraField>,

@@ -23,11 +23,11 @@ pub(crate) struct Layout {
     slots: Vec<Slot>,
     /// The names of columns to keep.
     wanted: Vec<String>,
-    /// Where the particles are counted and dropped.
+    /// The survey that counts the particles or passes them on in parts; `None` keeps them.
     survey: Option<Survey>,
     /// The requested columns that the file has.
     requested: Vec<String>,
-    /// Those of them that are text, by their index.
+    /// The indices of the requested columns that are text.
     texts: Vec<usize>,
     /// The names of all columns.
     has: Vec<String>,
@@ -35,9 +35,9 @@ pub(crate) struct Layout {
     named: usize,
     /// Whether rows with invalid coordinates or radii are left out instead of being errors; `None` where they cannot be.
     skip_invalid: Option<bool>,
-    /// The numbers that colours are.
+    /// The type of the colours' numbers, which decides how they become linear RGB.
     color_type: ColorType,
-    /// What to say of columns that are not taken.
+    /// Warnings about columns that are not taken.
     said: Vec<String>,
 }
 
@@ -98,7 +98,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Sets the numbers that colours are, and what to say of columns that are not taken.
+    /// Sets the type of the colours' numbers, and adds warnings about columns that are not taken.
     pub(crate) fn note(&mut self, color_type: ColorType, said: Vec<String>) {
         self.color_type = color_type;
         self.said.extend(said);
@@ -158,7 +158,7 @@ impl Layout {
         self.skip_invalid == Some(true)
     }
 
-    /// The error of a row that could be left out says so.
+    /// Adds the option that leaves such rows out to the remedy of an error, where the option applies.
     pub(crate) fn offer_to_skip(&self, column: usize, error: Error) -> Error {
         match error {
             Error::Scene { place, problem, mend, source }
@@ -248,7 +248,7 @@ impl Layout {
         self.valid_row(&mut words, lines, &mut self.begin_part()).is_ok()
     }
 
-    /// What is wrong with the coordinates or the radius of a row that has all columns.
+    /// The error of the first invalid coordinate or radius of a row; `None` for a valid row or one that lacks columns.
     fn invalid<'a, R: BufRead + 'a>(&self, mut words: impl Iterator<Item = Word<'a, R>>) -> Option<Error> {
         let mut first = None;
         for slot in &self.slots {

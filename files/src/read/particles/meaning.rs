@@ -14,7 +14,7 @@ pub(crate) struct NamedField<'a> {
     pub(crate) kind: FieldKind,
 }
 
-/// What a field has.
+/// The content of a field.
 pub(crate) enum FieldKind {
     /// Numbers of a binary type.
     Binary(Scalar),
@@ -24,15 +24,15 @@ pub(crate) enum FieldKind {
     Other(String),
 }
 
-/// What the fields of a row are.
+/// The meanings of the fields of a row.
 pub(crate) struct Meanings {
     /// The names and roles of the columns of each field; none where it has no numbers.
     pub(crate) fields: Vec<Vec<(String, Role)>>,
     /// The field that has a colour in one number of 4 bytes, 0xRRGGBB, whose bits may be those of a float.
     pub(crate) packed: Option<usize>,
-    /// The numbers that colours are.
+    /// The type of the colours' numbers, which decides how they become linear RGB.
     pub(crate) color_type: ColorType,
-    /// What to say of fields that are called like colours or radii and are not taken.
+    /// Warnings about fields that are called like colours or radii and are not taken.
     pub(crate) said: Vec<String>,
 }
 
@@ -44,7 +44,7 @@ const COLORS: [&str; 6] = ["colors", "color", "colours", "colour", "rgb", "rgba"
 const COLOR_SETS: [[&str; 3]; 3] =
     [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
 
-/// Those of a colour in one number.
+/// The names of a field that has a colour in one number.
 const PACKED: [&str; 2] = ["rgb", "rgba"];
 
 const RADII: [&str; 2] = ["radius", "radii"];

@@ -20,7 +20,7 @@ use std::collections::HashMap;
 pub(super) enum Copies<'a> {
     None,
     Assembly(&'a Assembly),
-    /// Those of the format: a crystal's symmetry.
+    /// Copies that the reader of the format makes: a crystal's symmetry.
     Made(&'a dyn Fn(Particles) -> Result<Particles>),
 }
 
@@ -84,18 +84,18 @@ impl Passed {
 /// Bytes per site with several locations, besides its key, in a map while it grows.
 const SITE: usize = 160;
 
-/// What atoms without a position are called.
+/// The name of atoms without a position in the report of skipped items.
 const UNPLACED: &str = "site without coordinates";
 
 /// A model while it is read.
 pub(super) struct Model {
     particles: Particles,
     altloc: Altloc,
-    /// What the columns of the particles contain.
+    /// The property in each column of the particles, in their order.
     kinds: Vec<AtomProperty>,
     /// The chain of every atom, stored for an assembly.
     chains: Option<Vec<u32>>,
-    /// For [`Altloc::Highest`]: for every atom with several locations, the chosen one and its occupancy.
+    /// For [`Altloc::Highest`]: by atom with several locations, the index and the occupancy of the chosen one.
     best: HashMap<Vec<u8>, (usize, f64)>,
     beaten: Vec<usize>,
     /// Bytes of both.
@@ -104,7 +104,7 @@ pub(super) struct Model {
     watch: Watch,
     /// Inference of elements that the file does not give.
     inference: Inference,
-    /// Where the atoms are counted and dropped, part by part.
+    /// The survey that counts the atoms part by part and drops them; `None` keeps all until the end.
     survey: Option<Survey>,
     /// The number of atoms, and of those that are alternate locations.
     met: u64,
@@ -217,7 +217,7 @@ impl Model {
     /// Adds an atom: its names, its position, and its numbers by kind.
     ///
     /// # Errors
-    /// Those of [`Particles::grow`].
+    /// As [`Particles::grow`], and errors of `value`.
     pub(super) fn push(
         &mut self,
         atom: &AtomNames<'_>,
@@ -252,7 +252,7 @@ impl Model {
     /// The particles with their copies; in an assembly chains are indices of `names`.
     ///
     /// # Errors
-    /// Those of [`assembly::build`] and of `copies`.
+    /// As [`assembly::build`], and errors of `copies`.
     pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
         if self.survey.is_some() {
             let said = self.particles.infer(std::mem::take(&mut self.inference), self.survey.as_ref());
@@ -284,7 +284,7 @@ impl Model {
         Ok(self.particles)
     }
 
-    /// What is reported about alternate locations.
+    /// The warning where all alternate locations are shown, or none of them; else `None`.
     fn alternates(&self) -> Option<String> {
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
         let said = match &self.altloc {

@@ -30,12 +30,12 @@ pub(in crate::read) struct Npz {
 /// The arrays read so far, in any order.
 #[derive(Default)]
 struct Arrays {
-    /// Those that are called like positions, colours or radii.
+    /// Arrays that are called like positions, colours or radii.
     known: Vec<KnownArray>,
     columns: Vec<Column>,
     /// The texts of columns of texts.
     labels: BTreeMap<String, Vec<String>>,
-    /// What is to be said of arrays that are not read.
+    /// Warnings, where all columns are requested, about arrays that are no column because of their type.
     said: Vec<String>,
     /// Names and lengths of one-dimensional numeric arrays.
     one: Vec<(String, u64)>,
@@ -45,7 +45,7 @@ struct Arrays {
 struct KnownArray {
     name: String,
     width: usize,
-    /// Its numbers and their type; else what it is instead, in words.
+    /// Its numbers and their type; for an array that cannot be used, its type and shape in words.
     numbers: Result<(Vec<f64>, Scalar), String>,
 }
 
@@ -135,7 +135,7 @@ impl Arrays {
         Ok(())
     }
 
-    /// What the known arrays are.
+    /// The meanings of the known arrays, by their names, types and widths.
     fn meanings(&self) -> Meanings {
         let named = |array: &KnownArray| match &array.numbers {
             Ok((_, scalar)) => (array.width, FieldKind::Binary(*scalar)),

@@ -18,10 +18,10 @@ use join::{Endless, Joined};
 use pairs::pairs;
 use rayon::prelude::*;
 
-/// What is done about the particles of a periodic cell.
+/// The treatment of the particles of a periodic cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Periodic {
-    /// They stay where the file has them.
+    /// Particles stay where the file has them.
     #[default]
     AsListed,
     /// Each particle is moved into the cell: its fractions of the three edges are in [0, 1).

@@ -22,7 +22,7 @@ const SPECIES: &str = "species";
 const MOST: usize = 1024;
 const LONGEST: usize = 64;
 
-/// What comes before the positions.
+/// The header: everything before the positions.
 struct PoscarHeader {
     edges: [[f64; 3]; 3],
     /// The factors of Cartesian positions.

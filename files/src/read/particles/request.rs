@@ -31,7 +31,7 @@ pub(in crate::read) struct Request {
     pub(in crate::read) as_operators: bool,
     /// Whether the symmetry of a crystal is not applied.
     pub(in crate::read) as_listed: bool,
-    /// Where the particles are counted or passed on in parts.
+    /// The survey that counts the particles or passes them on in parts; `None` keeps them.
     pub(in crate::read) survey: Option<Survey>,
     /// Cancellation.
     pub(in crate::read) watch: Watch,
@@ -50,9 +50,9 @@ pub enum Altloc {
     /// All alternate locations.
     #[default]
     All,
-    /// The one with the highest occupancy, the first of equals.
+    /// Of each atom, the location with the highest occupancy, the first of equals.
     Highest,
-    /// Those with this identifier, and atoms without one.
+    /// Locations with this identifier, and atoms with one location only.
     Named(String),
 }
 

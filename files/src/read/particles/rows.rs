@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// line.
 ///
 /// # Errors
-/// Those of `row`, of reading, and of [`Particles::grow`].
+/// As [`Particles::grow`], and errors of `row` and of reading.
 pub(super) fn rows(
     lines: &mut Lines<Input>,
     most: u64,
@@ -64,7 +64,7 @@ const COUNTED: u64 = 1 << 20;
 /// The current line is the first of them; `is_row` recognises the following ones.
 ///
 /// # Errors
-/// This error, with both numbers, and those of reading.
+/// This error, with both numbers, and errors of reading.
 pub(super) fn surplus<T>(
     lines: &mut Lines<Input>,
     announced: u64,

@@ -16,24 +16,25 @@ const PART: usize = 1 << 19;
 /// The most different numbers of a column that are counted.
 const VALUES: usize = 64;
 
-/// What becomes of the particles of each part. Clones share it.
+/// A reading in parts: the particles of each part are counted and dropped, or passed on. Clones share the counts and
+/// the receiver.
 #[derive(Debug, Clone)]
 pub struct Survey {
     counts: Arc<Mutex<Counts>>,
-    /// Where the particles are passed on; without it they are counted and dropped.
+    /// The channel that parts are sent to; without it the particles are counted and dropped.
     parts: Option<SyncSender<Part>>,
-    /// What selects spheres before they are passed on.
+    /// The selection of spheres before they are passed on; `None` passes all.
     pick: Option<Arc<Mutex<dyn Pick>>>,
-    /// The number of particles of a part.
+    /// The number of particles that fills a part.
     part: usize,
 }
 
 /// Selects spheres that arrive block by block.
 pub(in crate::read) trait Pick: fmt::Debug + Send {
-    /// The selected ones of the next spheres.
+    /// The selected spheres of the next block.
     ///
     /// # Errors
-    /// Those of the selection.
+    /// Errors of the selection.
     fn pick(&mut self, block: Spheres) -> Result<Spheres>;
 }
 
@@ -64,7 +65,7 @@ pub(in crate::read) struct Counts {
     pub(in crate::read) radii: [f64; 2],
     pub(in crate::read) sized: u64,
     pub(in crate::read) colored: u64,
-    /// What the colours have in common.
+    /// The survey of the colours, from which their scale follows.
     pub(in crate::read) colors: ColorSurvey,
     /// Particles by atomic number, 0 for an unknown element; all 0 where the format has no elements.
     pub(in crate::read) elements: [u64; 256],
@@ -151,7 +152,7 @@ impl Survey {
         self.parts.is_none()
     }
 
-    /// Passes a part on; one that is counted is not.
+    /// Passes a part on; does nothing where particles are counted.
     ///
     /// # Errors
     /// [`Error::Interrupted`] if nothing receives it.
@@ -162,7 +163,7 @@ impl Survey {
     /// Counts spheres whose numbers were checked, or passes them on; without radii in the file their radii do not count.
     ///
     /// # Errors
-    /// [`Error::Interrupted`], and those of a selection.
+    /// [`Error::Interrupted`] if nothing receives them, and errors of the selection.
     pub(in crate::read) fn take_spheres(&self, spheres: &mut Spheres, sized: bool) -> Result<()> {
         if self.is_counting() {
             self.count_spheres(spheres, sized);
@@ -178,7 +179,7 @@ impl Survey {
         self.pass(Part { positions: centers.into_vec(), radii, colors, checked: true, ..Part::default() })
     }
 
-    /// Whether `particles` are a part.
+    /// Whether so many particles fill a part.
     pub(in crate::read) fn is_full(&self, particles: usize) -> bool {
         particles >= self.part
     }

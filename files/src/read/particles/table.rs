@@ -31,9 +31,9 @@ pub(crate) struct Table<R> {
     delimiter: u8,
     /// Whether the current line is a row that has not been parsed yet.
     ahead: bool,
-    /// What is assumed of the columns.
+    /// Warnings about assumed meanings of columns, and about columns that are not taken.
     assumed: Vec<String>,
-    /// The number of rows that the file gives, and where.
+    /// The number of rows that the file gives in a line above, and its place.
     counted: Option<(Place, u64)>,
 }
 

@@ -162,7 +162,7 @@ fn atoms(field: &NamedField<'_>, kind: &str, columns: &mut Vec<(String, Role)>) 
     *columns = (0..field.count).map(|k| (named(k), role)).collect();
 }
 
-/// What to do about a line that is no number of atoms: points without a count are a table.
+/// The remedy for a line that is no number of atoms. Points without a count can be read as a table.
 fn mend_count(line: &str) -> String {
     let words = line.split(|c: char| c.is_whitespace() || ",;".contains(c)).filter(|word| !word.is_empty());
     match words.map(|word| word.parse::<f64>().is_ok()).collect::<Vec<_>>()[..] {

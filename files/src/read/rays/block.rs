@@ -11,7 +11,7 @@ pub const COLUMNS: [&str; 7] = ["ox", "oy", "oz", "dx", "dy", "dz", "tmax"];
 /// The columns without tmax, which is optional.
 pub(super) const REQUIRED: usize = 6;
 
-/// How rays are read.
+/// Options for reading rays.
 #[derive(Debug, Clone, Default)]
 pub struct RayOptions {
     /// Leaves invalid rows out of the rays and counts them; otherwise the first one is an error.
@@ -31,7 +31,7 @@ pub struct RayBlock {
     pub limits: Vec<f64>,
     /// The places of the invalid rows in the block, from 0, in ascending order.
     pub invalid: Vec<u32>,
-    /// What is wrong with the first of them.
+    /// The error of the first invalid row; `None` where all rows are valid.
     pub fault: Option<Error>,
 }
 
@@ -81,7 +81,7 @@ impl RayBlock {
 /// The numbers of a row.
 pub(super) type Row = [f64; 7];
 
-/// What is wrong with a row: the field and the problem.
+/// The field and the problem of an invalid row; `None` for a valid row.
 pub(super) fn flaw([ox, oy, oz, dx, dy, dz, tmax]: &Row) -> Option<(&'static str, &'static str)> {
     let finite = |point: [&f64; 3]| point.into_iter().all(|x| x.is_finite());
     if !finite([ox, oy, oz]) {

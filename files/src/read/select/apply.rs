@@ -9,23 +9,24 @@ use halfline::memory::check;
 use halfline::scene::{Spheres, keep};
 use rayon::prelude::*;
 
-/// What is selected of the particles of a frame.
+/// The selections that apply to the particles of a frame, by their use.
 pub(in crate::read) struct Selections<'a> {
     /// The particles to take: those that one of these selects; all where the list is empty.
     pub(in crate::read) select: &'a [Selection],
     /// The particles to leave out: those that one of these selects.
     pub(in crate::read) hide: &'a [Selection],
-    /// Particles that the caller wants to know.
+    /// The particles that are reported to the caller.
     pub(in crate::read) marks: &'a [Selection],
-    /// Those that the rules of a style colour and resize, a selection for each rule.
+    /// The selections of the style's rules for colour and for radius, one for each rule.
     pub(in crate::read) paints: Vec<&'a Selection>,
     pub(in crate::read) sizes: Vec<&'a Selection>,
 }
 
-/// Marks the particles that a style's rules colour or resize, then removes those that are not selected. Returns what is to be said.
+/// Marks the particles that a style's rules colour or resize, then removes those that are not selected. Returns the
+/// messages about the selections.
 ///
 /// # Errors
-/// Those of the selections.
+/// As [`Evaluator::mask`], and [`Error::Limits`](halfline::error::Error::Limits) where memory is short.
 pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Particles) -> Result<Vec<Note>> {
     let Selections { select, hide, marks, paints, sizes } = selections;
     let rules = paints.len() + sizes.len() + marks.len();
@@ -74,11 +75,11 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
     Ok(notes)
 }
 
-/// The spheres that selections select, and what their evaluation said. Spheres have an index, which is `before` for the first,
-/// coordinates and a radius.
+/// The spheres that each selection selects, as flags, and the messages about it; empty without spheres. Spheres have an
+/// index, which is `before` for the first, coordinates and a radius.
 ///
 /// # Errors
-/// Those of the selections.
+/// As [`Evaluator::mask`].
 pub(in crate::read) fn marks_of(
     selections: &[Selection],
     before: u64,
@@ -93,10 +94,10 @@ pub(in crate::read) fn marks_of(
     selections.iter().map(|selection| noted(selection, &particles)).collect()
 }
 
-/// The particles that a selection selects, and messages about it.
+/// The particles that a selection selects, as flags, and the messages about it.
 ///
 /// # Errors
-/// Those of the selection.
+/// As [`Evaluator::mask`].
 pub(in crate::read) fn mask(selection: &Selection, particles: &Particles) -> Result<(Mask, Vec<String>)> {
     noted(selection, particles).map(|(mask, notes)| (mask, notes.iter().map(Note::to_string).collect()))
 }
@@ -109,11 +110,11 @@ fn noted(selection: &Selection, particles: &Particles) -> Result<(Mask, Vec<Note
     Ok((mask, notes))
 }
 
-/// The selected ones of spheres that arrive block by block. They have an index, coordinates and a radius.
+/// Selects spheres that arrive block by block. Spheres have an index, coordinates and a radius.
 #[derive(Debug)]
 pub(in crate::read) struct SelectedSpheres {
     selection: Selection,
-    /// Spheres so far, and those that were selected.
+    /// The number of spheres so far, and of the selected ones.
     before: u64,
     left: u64,
     notes: Notes,
@@ -124,10 +125,10 @@ impl SelectedSpheres {
         Self { selection: selection.clone(), before: 0, left: 0, notes: Notes::default() }
     }
 
-    /// The selected ones of the next spheres, without materials.
+    /// The selected spheres of the next block, without materials.
     ///
     /// # Errors
-    /// Those of the selection.
+    /// As [`Evaluator::mask`].
     pub(in crate::read) fn of(&mut self, block: Spheres) -> Result<Spheres> {
         let Spheres { centers, radii, mut colors, .. } = block;
         let (positions, radii, before) = (centers.into_vec(), radii.into_vec(), self.before);
@@ -146,7 +147,7 @@ impl SelectedSpheres {
         Ok(Spheres { centers, radii, colors, materials: None })
     }
 
-    /// What is to be said about the selection of all spheres.
+    /// The messages about the selection, for use after the last block.
     pub(in crate::read) fn told(&self) -> Vec<String> {
         let none = self.before > 0 && self.left == 0;
         let none =

@@ -2,10 +2,10 @@
 
 use super::expression::Kind;
 
-/// What a word reads of a particle.
+/// The property of a particle that a word reads.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Key {
-    /// The number in the file's order, from this number on.
+    /// The number in the file's order, counted from this number.
     Index(u8),
     /// A coordinate.
     Axis(usize),
@@ -15,7 +15,7 @@ pub(super) enum Key {
     Element,
     /// The residue's number and insertion code.
     Resid,
-    /// What distinguishes residues.
+    /// All that distinguishes residues: number, insertion code, name, chain and segment.
     Residue,
     /// A kind of residue or atom.
     Kind(Kind),

@@ -48,7 +48,8 @@ impl<'a> Evaluator<'a> {
     /// Which particles are selected.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a column that the file does not have, or a name where it has numbers.
+    /// [`Error::Settings`] for a column that the file does not have, or a name where it has numbers; [`Error::Limits`]
+    /// where memory is short.
     pub(super) fn mask(&mut self) -> Result<Mask> {
         let selection = self.selection;
         self.node(&selection.root)

@@ -20,7 +20,7 @@ pub(super) enum Node {
     Same(String, Box<Node>),
 }
 
-/// How two parts are combined.
+/// The operation that combines two parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Operation {
     And,

@@ -33,7 +33,7 @@ pub(super) struct Residue {
     pub(super) range: Range<usize>,
 }
 
-/// What the rule reads of a file.
+/// The atoms of a file, as far as the rule for ligands reads them.
 pub(super) struct Molecules<'a> {
     pub(super) positions: &'a [[f64; 3]],
     pub(super) elements: &'a [u8],

@@ -10,7 +10,7 @@ const POINT: u64 = 64;
 /// Points that are not divided.
 const FEW: usize = 16;
 
-/// What the distance to a box may be off by, so that a point at the distance itself is found.
+/// The factor by which a distance to a box may be rounded up, so that a point at exactly the reach is found.
 const SPARE: f64 = 1.0 + 1e-12;
 
 /// Points in a box, which is the smallest around them.

@@ -4,10 +4,10 @@ use halfline::quote::quote;
 use std::collections::HashSet;
 use std::fmt;
 
-/// What is to be said about a selection.
+/// A message about a selection.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::read) enum Note {
-    /// How an expression is understood.
+    /// The meaning of an expression that may be misread.
     Remark(String),
     /// A word selects nothing.
     Unmatched(Unmatched),
@@ -23,7 +23,7 @@ pub(in crate::read) struct Unmatched {
     pub(super) values: Vec<String>,
     /// The selection, for messages.
     pub(super) selection: String,
-    /// What the file has instead; empty where it is not known.
+    /// Words for what the file has instead; empty where that is not known.
     pub(super) there: String,
 }
 
@@ -32,7 +32,7 @@ pub(in crate::read) struct Unmatched {
 pub(in crate::read) struct Notes(Option<Vec<Note>>);
 
 impl Notes {
-    /// Takes those about the next block, which has particles.
+    /// Joins the notes about the next block, which must have particles.
     pub(in crate::read) fn join(&mut self, block: Vec<Note>) {
         self.0 = Some(match self.0.take() {
             Some(known) => known.into_iter().filter_map(|note| note.and(&block)).collect(),
@@ -40,14 +40,14 @@ impl Notes {
         });
     }
 
-    /// What holds for all blocks.
+    /// The messages that hold for all blocks.
     pub(in crate::read) fn told(&self) -> impl Iterator<Item = String> + '_ {
         self.0.iter().flatten().map(Note::to_string)
     }
 }
 
 impl Note {
-    /// What remains of the note if others hold for another block.
+    /// The part of this note that also holds for another block with these notes; `None` if nothing is left.
     fn and(self, block: &[Self]) -> Option<Self> {
         match self {
             Self::Remark(_) => block.contains(&self).then_some(self),

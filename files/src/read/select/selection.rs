@@ -41,7 +41,7 @@ impl Selection {
         shortened(&self.text, 120)
     }
 
-    /// What the expression means where programs disagree: remarks for the user.
+    /// Remarks on the meaning of the expression where other programs, or the user, may read it differently.
     pub(super) fn remarks(&self) -> Vec<Note> {
         let mut remarks = Vec::new();
         let loose =

@@ -14,7 +14,7 @@ impl Style {
     /// Turns particles with copies into spheres with copies, as [`Style::dress`] does with all copies.
     ///
     /// # Errors
-    /// Those of [`Style::dress`]; [`Error::Settings`] where radii or colours depend on the places of copies.
+    /// As [`Style::dress`]; [`Error::Settings`] where radii or colours depend on the places of copies.
     pub(in crate::read) fn dress_placed(
         &self,
         mut particles: Particles,

@@ -3,7 +3,7 @@
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::legend::Legend;
 
-/// How numbers become colours.
+/// The mapping of the numbers or names of a column to colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
     /// The column; with several, the length of the vector.

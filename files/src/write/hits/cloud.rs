@@ -22,7 +22,7 @@ pub(super) enum CloudFormat {
     Las,
 }
 
-/// What a point cloud contains.
+/// The summary of a written point cloud: its size, its rounding and the farthest hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CloudSummary {
     /// The number of points, one for each ray that hits.
@@ -35,7 +35,7 @@ pub struct CloudSummary {
     pub farthest: f64,
 }
 
-/// The points, until all rows are known.
+/// A point cloud whose points are in a temporary file until all rows are known.
 pub(super) struct Cloud {
     path: PathBuf,
     format: CloudFormat,

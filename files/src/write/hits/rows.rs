@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::ops::Range;
 
-/// What the rays were traced for.
+/// The question that the rays answer, which gives a file of hits its columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Query {
     /// The nearest hit: columns `id`, `t`, `distance`, `normal` (`nx,ny,nz` in .csv) and `certainty`, as in [`Hits`], and in

@@ -70,7 +70,7 @@ impl<W: FnMut(&[u8]) -> io::Result<()>> Strips<W> {
     /// Passes on what is left; the image must have `rows` rows in all.
     ///
     /// # Errors
-    /// Those of `out`, and `InvalidInput` for another number of samples.
+    /// Errors of `out`, and `InvalidInput` for another number of samples.
     pub(super) fn finish(mut self, rows: u64) -> io::Result<()> {
         let given = self.adler.length() / (self.row as u64 + 1) + (self.samples.len() / self.row) as u64;
         if given != rows || !self.samples.len().is_multiple_of(self.row) {

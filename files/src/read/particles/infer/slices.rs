@@ -21,14 +21,14 @@ pub struct NamedAtoms<'a, S> {
     pub masses: &'a [f64],
 }
 
-/// What names and masses say about atoms.
+/// The elements and virtual sites that names and masses give.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct NamedElements {
     /// The atomic number of each atom; 0 for an unknown element, and for a virtual site.
     pub elements: Vec<u8>,
     /// Whether each is a virtual site, a massless point of a force field that is not an atom: `MW` of TIP4P water.
     pub is_site: Vec<bool>,
-    /// What was inferred, and the virtual sites, with their numbers: whole sentences.
+    /// Whole sentences about inferred elements, unknown ones and virtual sites, with their numbers.
     pub warnings: Vec<String>,
 }
 

@@ -21,10 +21,10 @@ use layer::Layer;
 use layered::{LAYERS, Layered};
 use sequential::Sequential;
 
-/// How the points are compressed: the record `laszip encoded` of the header.
+/// The compression of the points, from the record `laszip encoded` behind the header.
 pub(super) struct LazScheme {
     coding: Coding,
-    /// Points in a chunk; `None` where each has its number.
+    /// Points per chunk; `None` where every chunk gives its own number.
     chunk: Option<u64>,
     /// Whether chunks are independent, and a number before the first is the place of their table.
     has_table: bool,
@@ -120,7 +120,7 @@ impl Laz {
     /// if they are `extra` fields.
     ///
     /// # Errors
-    /// Those of reading.
+    /// Errors of reading the file.
     pub(super) fn new(
         mut file: BinaryFile,
         scheme: LazScheme,
@@ -138,7 +138,7 @@ impl Laz {
     /// The record of the next point.
     ///
     /// # Errors
-    /// [`Error::Scene`] where the points end or no encoder writes what they are, and those of reading.
+    /// [`Error::Scene`] where the file ends within the points or a code is not valid, and errors of reading the file.
     pub(super) fn next(&mut self) -> Result<&[u8]> {
         if self.left == 0 {
             self.begin()?;

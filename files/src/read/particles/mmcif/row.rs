@@ -19,7 +19,7 @@ enum Use {
     Name,
     /// The residue's name.
     Residue,
-    /// Part of what distinguishes residues.
+    /// A part of the key that distinguishes residues.
     ResidueNumber,
     Location,
     Model,
@@ -32,9 +32,9 @@ enum Use {
     Text(AtomProperty),
     /// The file's own chain, which assemblies refer to.
     Asym,
-    /// Part of what distinguishes sites.
+    /// A part of the key that alternate locations of an atom share.
     Site,
-    /// How the position was determined; `dum` marks a dummy atom.
+    /// The flag of the position's origin, calculated or measured; `dum` marks a dummy atom.
     Origin,
 }
 
@@ -212,7 +212,8 @@ pub(super) struct AtomRow {
     symbol: Vec<u8>,
     name: Vec<u8>,
     residue: Vec<u8>,
-    /// What distinguishes the residue.
+    /// The key of the residue: chain, numbers and insertion code, a zero byte after each. Empty where the file gives
+    /// elements.
     number: Vec<u8>,
     location: Vec<u8>,
     site: Vec<u8>,

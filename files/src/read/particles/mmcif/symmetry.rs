@@ -23,7 +23,7 @@ const SAME: f64 = 0.37;
 /// The most operators of a space group in its conventional cell (International Tables A, F m -3 m).
 const MOST: usize = 192;
 
-/// What to do about a space group without operators.
+/// The remedy for a space group without operators.
 const MEND: &str = "add _space_group_symop_operation_xyz, or fill the cell with `ase convert in.cif out.extxyz`";
 
 /// Atoms between two checks for cancellation.
@@ -77,7 +77,7 @@ impl Symmetry {
     /// Stores the current value.
     ///
     /// # Errors
-    /// Those of [`Tokens::string`].
+    /// As [`Tokens::string`].
     pub(super) fn take(&mut self, item: SymmetryItem, tokens: &Tokens) -> Result<()> {
         match item {
             // One more than allowed, so that the excess is an error when they are used.
@@ -160,7 +160,7 @@ impl Symmetry {
     /// at the listed positions. Messages are added to the assumptions.
     ///
     /// # Errors
-    /// Those of [`Symmetry::operators`], [`Error::Limits`] for more atoms than memory holds, [`Error::Interrupted`].
+    /// As [`Symmetry::operators`]; [`Error::Limits`] for more atoms than memory holds, [`Error::Interrupted`].
     pub(super) fn fill(
         &self,
         mut listed: Particles,

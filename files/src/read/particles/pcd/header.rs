@@ -11,7 +11,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::memory::check_ids;
 use halfline::quote::quote;
 
-/// How the points are stored.
+/// The encoding of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PcdEncoding {
     Ascii,
@@ -27,7 +27,7 @@ pub(super) struct PcdField {
     pub(super) kind: PcdKind,
 }
 
-/// What a field is.
+/// The content of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PcdKind {
     /// Bytes without meaning.

@@ -1,4 +1,4 @@
-//! How near atoms must be to be joined: by a bond, or by touching a protein or nucleic acid.
+//! The distances at which atoms are joined: by a bond, or by touching a protein or nucleic acid.
 
 use crate::read::elements::element;
 use crate::read::particles::frame::Particles;
@@ -15,13 +15,14 @@ const TOUCH: f32 = 2.25;
 /// Alkali and alkaline earth metals: ions among what surrounds them, not atoms of its molecules.
 const IONS: [u8; 10] = [3, 11, 12, 19, 20, 37, 38, 55, 56, 88];
 
-/// The reach of each atom; two are joined where they are at most the sum of theirs apart.
+/// The reach of each atom, ångström: two atoms are joined if they are at most the sum of their reaches apart.
 pub(super) struct Atoms {
-    /// By a bond; 0 for an atom that has none. Waters are whole by their residue.
+    /// Reach of a bond; 0 for ions, unknown elements and water, which is whole by its residue.
     pub(super) bonds: Vec<f32>,
-    /// By touching; 0 for hydrogen, water, lipids, and where nothing is a protein.
+    /// Reach of a contact; 0 for hydrogen, and for residues of a known class, such as water, other than protein and
+    /// nucleic acid. Empty where nothing is a protein or nucleic acid.
     pub(super) contacts: Vec<f32>,
-    /// Whether it is of a protein or a nucleic acid.
+    /// Whether each atom is of a protein or a nucleic acid.
     are_polymers: Vec<bool>,
     /// Whether any element is known.
     pub(super) has_elements: bool,

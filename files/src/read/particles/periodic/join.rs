@@ -5,11 +5,11 @@ use super::edges::Edges;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Where particles are moved to.
+/// The moves that make molecules whole, and the parts that the particles form.
 pub(super) struct Joined {
-    /// The edges that each is moved back by.
+    /// For each particle, the whole numbers of edges by which it is moved back.
     pub(super) images: Vec<DVec3>,
-    /// What is bonded to its own image, and so stays as it is, in the order of the first particles.
+    /// The molecules that are bonded to their own image and so stay as they are, in the order of their first particles.
     pub(super) endless: Vec<Endless>,
     /// The number of the part that each particle belongs to.
     parts: Vec<u32>,
@@ -30,7 +30,7 @@ pub(super) struct Endless {
 const NONE: u32 = u32::MAX;
 
 impl Joined {
-    /// Moves what is bonded beside each other; the first particle of each part stays.
+    /// Moves bonded particles beside each other; the first particle of each part stays.
     pub(super) fn along(frame: &Edges, positions: &[[f64; 3]], bonds: &[[u32; 2]]) -> Self {
         let around = Neighbors::new(positions.len(), bonds.iter().copied());
         let mut joined = Self {
@@ -76,7 +76,7 @@ impl Joined {
         self.parts[a] != self.parts[b]
     }
 
-    /// The first particle of each group with those of its other parts, in the order of the particles.
+    /// Pairs of the first particle of a group and one of the same group in another part, in the order of the particles.
     pub(super) fn links(&self, groups: &[Option<u64>]) -> Vec<[u32; 2]> {
         let mut first: HashMap<u64, u32> = HashMap::new();
         let link = |(n, group): (usize, &Option<u64>)| {

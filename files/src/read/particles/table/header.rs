@@ -18,13 +18,13 @@ pub(super) struct TableHeader {
     /// Whether it is a comment.
     pub(super) comment: bool,
     pub(super) place: Place,
-    /// What is assumed where the table has no header, and of columns that are not taken.
+    /// Warnings: the meaning assumed for columns without a header, and columns that are not taken.
     pub(super) assumed: Vec<String>,
     /// A number alone in its line above, and where it is: the number of rows, as scanners write it.
     pub(super) counted: Option<(Place, u64)>,
 }
 
-/// What to do about a table whose coordinates are not named.
+/// The remedy for a table whose coordinates are not named.
 fn name_them() -> String {
     format!("add a header that names x, y and z, such as x,y,z,radius, or name the columns with {COLUMNS} x=1,y=2,z=3")
 }

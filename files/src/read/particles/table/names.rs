@@ -22,16 +22,16 @@ pub(super) fn split(name: &str) -> (String, String) {
 /// spreadsheet (docs.paraview.org/en/latest/UsersGuide/savingResults.html).
 const POINTS: [[&str; 3]; 2] = [["points:0", "points:1", "points:2"], ["points_0", "points_1", "points_2"]];
 
-/// Which columns of a table are x, y and z.
+/// The names of the columns x, y and z of a table.
 pub(crate) struct Axes {
     /// The unit of length after the names; empty for none.
     pub(super) unit: String,
-    /// Their names, where they are not x, y and z.
+    /// Names other than x, y and z: those of ParaView.
     points: Option<[&'static str; 3]>,
 }
 
 impl Axes {
-    /// Those named x, y and z with this unit, as far as they are there.
+    /// The columns named x, y and z with this unit; some of them may be missing.
     pub(super) fn of_unit(unit: String) -> Self {
         Self { unit, points: None }
     }

@@ -22,7 +22,7 @@ pub(super) struct Dcd {
     passed: i64,
 }
 
-/// What the first records say of the frames.
+/// The header, from the first records: byte order, number of atoms, records of a frame, and times.
 #[derive(Debug, Clone, Copy)]
 struct DcdHeader {
     big: bool,

@@ -16,9 +16,9 @@ pub(super) struct Packed<'a> {
     pub(super) small: i32,
 }
 
-/// Why positions cannot be unpacked.
+/// The reason that positions cannot be unpacked.
 pub(super) enum Fault {
-    /// What is wrong with them.
+    /// The fault of the compressed data, in words.
     Damaged(String),
     Other(Error),
 }

@@ -122,7 +122,7 @@ fn trr_is_read_in_both_precisions_and_frames_without_positions_are_skipped() {
     }
 }
 
-/// How a DCD file is written.
+/// The variant of DCD in which a file is written.
 #[derive(Clone, Copy)]
 struct How {
     big: bool,

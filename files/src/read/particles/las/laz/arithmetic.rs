@@ -6,19 +6,19 @@
 
 use halfline::error::{Error, Result};
 
-/// Where coded bytes come from.
+/// A source of coded bytes.
 pub(super) trait Source {
     /// The next byte.
     ///
     /// # Errors
-    /// [`Error::Scene`] at the end, and those of reading.
+    /// [`Error::Scene`] at the end, and errors of reading.
     fn byte(&mut self) -> Result<u8>;
 
     /// The error for a code that no encoder writes.
     fn invalid(&self) -> Error;
 }
 
-/// What is wrong with a code that no encoder writes.
+/// The problem in errors for a code that no encoder writes.
 pub(super) const INVALID: &str = "the compressed points are not valid";
 
 /// A decoder of symbols and bits.
@@ -48,7 +48,7 @@ impl<S: Source> Decoder<S> {
     /// Reads the first four bytes of a coded sequence.
     ///
     /// # Errors
-    /// As [`Source`]; so of all that follow.
+    /// As [`Source::byte`] and [`Source::invalid`]; so of all methods that follow.
     pub(super) fn begin(&mut self) -> Result<()> {
         (self.value, self.length) = (0, u32::MAX);
         for _ in 0..4 {

@@ -25,7 +25,7 @@ const TIME: usize = 8;
 /// The decoder of a chunk's points behind the first.
 pub(super) struct Layered {
     layers: Vec<Option<Decoder<Layer>>>,
-    /// What is known of each channel of the scanner.
+    /// The state of each channel of the scanner; `None` before its first point.
     channels: [Option<Box<Channel>>; 4],
     current: usize,
     color: Option<Shared<Colors, 6>>,
@@ -215,7 +215,8 @@ impl Channel {
         }
     }
 
-    /// What is other than in the last point, in bits. Every chunk of more than one point has its layer.
+    /// Reads the flags of the fields that differ from the last point; 0 without their layer, which every chunk of more
+    /// than one point has.
     fn changed(channel: Option<&mut Self>, shape: &mut Option<Decoder<Layer>>) -> Result<u32> {
         let (Some(channel), Some(shape)) = (channel, shape) else { return Ok(0) };
         let (number, returns) = (channel.last[14] & 15, channel.last[14] >> 4);

@@ -8,7 +8,8 @@ use halfline::error::Result;
 pub(super) struct Times {
     times: [i64; 4],
     steps: [i32; 4],
-    /// How often the difference was no small multiple of the last one.
+    /// The count of extreme multiples (-10, 0, 500) in each sequence since its last multiple of 1; the fourth replaces
+    /// the difference.
     odd: [u8; 4],
     last: usize,
     next: usize,
