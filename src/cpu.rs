@@ -20,6 +20,7 @@ use crate::view::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::view::{Sphere, View, ViewRecord};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
+use std::marker::PhantomData;
 
 pub(crate) use certified::certified;
 pub(crate) use given_rays::given_rays;
@@ -58,28 +59,28 @@ struct Frame<'a> {
 impl Visit for Frame<'_> {
     type Output = ();
 
-    fn visit<V: Intersect>(self) {
+    fn visit<V: Intersect, N: Laned>(self) {
         let Self { kernel, view, colors, raw, go_on } = self;
-        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.is_wide());
+        let spheres: Vec<Sphere<N>> = view.spheres_in(kernel.is_wide());
         let surface = Surface { view: &view.record, spheres: &spheres, colors };
         let (record, width) = (&view.record, view.record.columns as usize);
         // Normals of the lecture's forms are computed from t, even if t is not requested.
         raw.t.resize(raw.id.len(), f32::MAX);
         raw.t_low.resize(raw.id.len(), 0.0);
         // Of a row and a column of the window.
-        let ray = |i: usize, j: usize| ray_of::<V::Number>(record, i, j);
+        let ray = |i: usize, j: usize| ray_of::<N>(record, i, j);
         let ts = raw.t.par_chunks_mut(width).zip(raw.t_low.par_chunks_mut(width));
         let rows = raw.id.par_chunks_mut(width).zip(ts).enumerate();
         let arch = pulp::Arch::new();
         rows.filter(|_| go_on()).for_each(|(i, (ids, (ts, lows)))| {
-            arch.dispatch(Row::<V> { view: record, spheres: &spheres, i, ids, ts, lows });
+            arch.dispatch(Row::<V, N> { view: record, spheres: &spheres, i, ids, ts, lows, form: PhantomData });
         });
         let (id, t, low) = (&raw.id, &raw.t, &raw.t_low);
-        let each = |out: &mut [f32], value: Value<'_, V::Number>| {
+        let each = |out: &mut [f32], value: Value<'_, N>| {
             out.par_chunks_mut(3 * width).enumerate().for_each(|(i, row)| {
                 for (j, out) in row.chunks_exact_mut(3).enumerate() {
                     let pixel = i * width + j;
-                    let hit = Hit { t: V::Number::from_hi_lo(t[pixel], low[pixel]), id: id[pixel] };
+                    let hit = Hit { t: N::from_hi_lo(t[pixel], low[pixel]), id: id[pixel] };
                     out.copy_from_slice(&value(&ray(i, j), hit));
                 }
             });
@@ -111,28 +112,29 @@ fn ray_of<R: Number>(view: &ViewRecord, i: usize, j: usize) -> Ray<R> {
 }
 
 /// A row of the window and the places of its hits.
-struct Row<'a, V: Intersect> {
+struct Row<'a, V, N> {
     view: &'a ViewRecord,
-    spheres: &'a [Sphere<V::Number>],
+    spheres: &'a [Sphere<N>],
     i: usize,
     ids: &'a mut [u32],
     ts: &'a mut [f32],
     lows: &'a mut [f32],
+    form: PhantomData<V>,
 }
 
-impl<V: Intersect> NullaryFnOnce for Row<'_, V> {
+impl<V: Intersect, N: Laned> NullaryFnOnce for Row<'_, V, N> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { view, spheres, i, ids, ts, lows } = self;
+        let Self { view, spheres, i, ids, ts, lows, .. } = self;
         let strips = ids.chunks_mut(LANES).zip(ts.chunks_mut(LANES).zip(lows.chunks_mut(LANES)));
         for (first, (ids, (ts, lows))) in (0..).step_by(LANES).zip(strips) {
             // Rays beyond the row are computed too; their hits are not written.
-            let rays = std::array::from_fn(|l| ray_of::<V::Number>(view, i, first + l));
+            let rays = std::array::from_fn(|l| ray_of::<N>(view, i, first + l));
             let hits = EightHits::among_all::<V>(&together(&rays), spheres);
             for (l, (id, (t, low))) in ids.iter_mut().zip(ts.iter_mut().zip(lows)).enumerate() {
-                (*id, (*t, *low)) = (hits.id.0[l], V::Number::lane(&hits.t, l).to_hi_lo());
+                (*id, (*t, *low)) = (hits.id.0[l], N::lane(&hits.t, l).to_hi_lo());
             }
         }
     }
@@ -152,12 +154,12 @@ mod tests {
     impl Visit for Compare<'_> {
         type Output = usize;
 
-        fn visit<V: Intersect>(self) -> usize {
+        fn visit<V: Intersect, N: Laned>(self) -> usize {
             let Self(view, method) = self;
             let kernel = Kernel { t: true, ..Kernel::of_method(method) };
             let mut raw = Raw::new(&kernel, view.record.pixels(), &Pool::default()).expect("room");
             render(&kernel, view, None, &mut raw, &|| true);
-            let spheres: Vec<Sphere<V::Number>> = view.spheres_in(method.is_wide());
+            let spheres: Vec<Sphere<N>> = view.spheres_in(method.is_wide());
             let width = view.record.columns as usize;
             for pixel in 0..raw.id.len() {
                 let ray = ray_of(&view.record, pixel / width, pixel % width);

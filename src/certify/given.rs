@@ -2,6 +2,7 @@
 //! derives them.
 
 use crate::double_double::{self as dd, Dd};
+use crate::number::power_of_two;
 use crate::view::placement::{PLACED, Placement};
 
 /// Half an ulp of 1: what one rounding to nearest may change, relatively.
@@ -46,11 +47,6 @@ pub(crate) const SLACK: f64 = 1.0 + power_of_two(-7);
 /// Far above what underflow may change in a product of two squares, and in a length.
 const TINY: f64 = power_of_two(-900);
 pub(crate) const SHORT: f64 = power_of_two(-500);
-
-/// 2^k for normal results.
-const fn power_of_two(k: i64) -> f64 {
-    f64::from_bits(((k + 1023) as u64) << 52)
-}
 
 /// A ray in the tree's unit; its direction is scaled by 2^-f, so that its largest component is in [1, 2). It starts at
 /// `origin`, an exact point of the world, or beside it.

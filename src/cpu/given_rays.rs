@@ -4,6 +4,7 @@ use crate::answers::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, RaySource, Task};
 use crate::number::Number;
+use crate::number::vector::Laned;
 use crate::search::nearest::nearest_of;
 use crate::shade::Surface;
 use crate::view::ray::{Hit, NONE, Ray, RayRecord, dot3};
@@ -38,9 +39,9 @@ struct Traced<'a> {
 impl Visit for Traced<'_> {
     type Output = ();
 
-    fn visit<V: Intersect>(self) {
+    fn visit<V: Intersect, N: Laned>(self) {
         let Self { kernel, view, rays, raw } = self;
-        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.is_wide());
+        let spheres: Vec<Sphere<N>> = view.spheres_in(kernel.is_wide());
         let sphere_of = |ray: &RayRecord, id: usize| match kernel.task {
             Task::Method { rays: RaySource::Spread, .. } => moved(&view.spheres[id], &view.residuals[id], ray),
             _ => spheres[id],
@@ -56,7 +57,7 @@ impl Visit for Traced<'_> {
             raw.normal.par_chunks_exact_mut(3).zip(hits).for_each(|(out, ((&id, (&t, &low)), r))| {
                 if id != NONE {
                     let own = [sphere_of(r, id as usize)];
-                    let hit = Hit { t: V::Number::from_hi_lo(t, low), id: 0 };
+                    let hit = Hit { t: N::from_hi_lo(t, low), id: 0 };
                     let surface = Surface { view: &view.record, spheres: &own, colors: None };
                     out.copy_from_slice(&surface.world_normal::<V>(&direction(r), hit));
                 }

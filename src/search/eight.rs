@@ -33,7 +33,7 @@ impl<N: Laned> EightHits<N> {
 
     /// The closest hits of the rays among `spheres`, which are in the order of their ids.
     #[inline(always)]
-    pub(crate) fn among_all<V: Intersect<Number = N>>(ray: &Ray<N::Vector>, spheres: &[Sphere<N>]) -> Self {
+    pub(crate) fn among_all<V: Intersect>(ray: &Ray<N::Vector>, spheres: &[Sphere<N>]) -> Self {
         let mut hits = Self::NONE;
         for (id, s) in (0..).zip(spheres) {
             let s = s.map(N::splat);
@@ -123,21 +123,21 @@ mod tests {
     impl Visit for Compare {
         type Output = [usize; 2];
 
-        fn visit<V: Intersect>(self) -> [usize; 2] {
+        fn visit<V: Intersect, N: Laned>(self) -> [usize; 2] {
             let mut rng = self.0;
             let mut seen = [0; 2];
             for n in 0..3000 {
-                let (spheres, rays) = world::<V::Number>(&mut rng, 1 + n % 9);
+                let (spheres, rays) = world::<N>(&mut rng, 1 + n % 9);
                 let eight = together(&rays);
                 let all = EightHits::among_all::<V>(&eight, &spheres);
                 for (l, ray) in rays.iter().enumerate() {
                     let what = format!("world {n}, ray {l}");
                     let one = nearest_of::<V, _>(ray, spheres.len(), |id| spheres[id]);
                     assert_eq!(all.id.0[l], one.id, "{what}");
-                    assert_eq!(bits(V::Number::lane(&all.t, l)), bits(one.t), "{what}");
+                    assert_eq!(bits(N::lane(&all.t, l)), bits(one.t), "{what}");
                     if one.id != NONE {
                         seen[0] += 1;
-                        seen[1] += usize::from(spheres[one.id as usize].power < V::Number::ZERO);
+                        seen[1] += usize::from(spheres[one.id as usize].power < N::ZERO);
                     }
                 }
             }

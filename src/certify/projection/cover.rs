@@ -1,8 +1,9 @@
 //! Coverage of a tile's pixels from front to back: a sphere behind full coverage cannot be the nearest hit of any ray.
 
-use super::project::{floor, larger, smaller, whole};
+use super::project::{floor, whole};
 use super::{ProjectionBounds, host_cull_margin};
 use crate::certify::entry::Placed;
+use crate::number::{larger, smaller};
 use crate::tile::TILE;
 
 /// The margin that a disc is shrunk by, in pixels and relative to its radius. With one unit of the fixed point it far

@@ -2,8 +2,9 @@
 //! project.rs at the ends of their operands: f64 rounds monotonically, so they bound the rounded numbers of every sphere.
 //! docs/certificate.md, section 11, derives what follows.
 
-use super::project::{Pixels, below, floor, larger, smaller};
+use super::project::{Pixels, below, floor};
 use super::{INFLATE, LONGEST, ProjectionBounds, RANGE, STEEPEST, U, U64, WIDEST};
+use crate::number::{larger, smaller};
 use crate::scene::instances::enclosure::Enclosure;
 
 /// The projections of the spheres in a box.

@@ -9,6 +9,7 @@ use crate::certify::entry::{Bin, Placed};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::number::vector::LANES;
+use crate::number::{larger, smaller};
 use crate::scene::NumberedBall;
 use std::ops::Range;
 
@@ -375,17 +376,6 @@ impl LowTerms {
         let total = self.total[0] + rho * self.total[1] + blurred;
         error / (1.0 - total * self.scale[0]) + FLUSHED as f32
     }
-}
-
-/// Comparisons as in vector instructions, without special treatment of NaN.
-#[inline(always)]
-pub(in crate::certify) fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-pub(in crate::certify) fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 /// The largest integer not above x, for |x| < 2^51. Without an instruction for it, `floor` would be a function call.

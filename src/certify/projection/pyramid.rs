@@ -2,10 +2,11 @@
 //! bounds. docs/certificate.md, section 11, derives that a frame without the culled spheres has the same bits.
 
 use super::cover::{Coverage, Outline};
-use super::project::{Landed, Pixels, floor, larger, smaller, whole};
+use super::project::{Landed, Pixels, floor, whole};
 use super::{ProjectionBounds, not_below};
 use crate::certify::entry::{Placed, number, ordered};
 use crate::number::vector::LANES;
+use crate::number::{larger, smaller};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
 use crate::window::Window;

@@ -4,6 +4,7 @@
 
 use super::lighting::LightingContext;
 use crate::answers::lit::Chunk;
+use crate::number::larger;
 use crate::number::vector::LANES;
 use crate::scene::Material;
 use crate::view::picture_rays::PictureRays;
@@ -143,10 +144,4 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
         }
         left
     }
-}
-
-/// The larger, without the treatment of NaN of `max`, which compilers make no vectors of.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
