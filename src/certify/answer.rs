@@ -6,17 +6,12 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct ProjectionRecord {
-    pub(crate) slope_x: f32,
-    pub(crate) slope_y: f32,
-    pub(crate) step_x: f32,
-    pub(crate) step_y: f32,
-    pub(crate) fixed_x: f32,
-    pub(crate) fixed_y: f32,
+    pub(crate) slope: [f32; 2],
+    pub(crate) step: [f32; 2],
+    pub(crate) fixed: [f32; 2],
     pub(crate) shift: u32,
     pub(crate) unit: f32,
-    pub(crate) error0: f32,
-    pub(crate) error1: f32,
-    pub(crate) error2: f32,
+    pub(crate) errors: [f32; 3],
     pub(crate) edge: f32,
     pub(crate) depth: f32,
     pub(crate) tolerance: f32,

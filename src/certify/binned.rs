@@ -137,9 +137,9 @@ impl Binning<'_> {
         let Self { scene, view, tolerance, level, pool, .. } = *self;
         let SphereBins { bins, generals, seen, entries, .. } = bins;
         let size = [scene.image.width, scene.image.height];
-        let record = ProjectionRecord { generals: generals.len() as u32, ..projection.record(reference, tolerance) };
+        let record = projection.record(reference, tolerance, generals.len());
         let reference = reference.into();
-        let coverage = Coverage::new(projection, size, reference, tolerance);
+        let coverage = Coverage::new(projection, size, reference, tolerance, projection.per_pixel);
         let mut maker = RecordMaker { projection, order, coverage, reference, ready: Vec::new() };
         if entries >= PROJECTION_MIN_LISTS * bins.len() as u64 {
             maker.project_all(pool);

@@ -11,6 +11,7 @@ use crate::double_double::{self as dd, Dd, Dd3};
 use crate::number::vector::LANES;
 use crate::number::{larger, smaller};
 use crate::scene::NumberedBall;
+use glam::DVec3;
 use std::ops::Range;
 
 /// Largest relative error of f64 in the depth of a projected sphere under parallel projection: half of the kernel's
@@ -231,7 +232,8 @@ impl ProjectionBounds {
     /// The centre in camera space, in f64 and the frame's unit, and its error bound.
     #[inline(always)]
     fn aim(&self, center: [f64; 3], radius: f64) -> Aim {
-        let (away, [x, y, z]) = self.rotation.of(center);
+        let away = DVec3::from_array(center) - self.basis.e;
+        let [x, y, z] = self.scaled_axes.map(|axis| away.dot(axis));
         let radius = radius * self.to_frame;
         let error = self.rotated * (away.x.abs() + away.y.abs() + away.z.abs());
         let length2 = x * x + y * y + z * z;
@@ -341,13 +343,13 @@ impl ProjectionBounds {
     /// The offset from the projected centre beyond which a miss is certain with any rounding.
     #[inline(always)]
     pub(super) fn reach(&self, rho: f64) -> f64 {
-        std::f64::consts::SQRT_2 * self.all.length * rho + 16.0 * self.all.square * self.coarse
+        std::f64::consts::SQRT_2 * self.steep * rho + 16.0 * self.widest * self.coarse
     }
 
     /// An upper bound of |slope along the offset| + root of a candidate.
     #[inline(always)]
     pub(super) fn total(&self, rho: f64, blurred: f32) -> f64 {
-        self.all.slant * self.reach(rho) + self.all.length * rho + f64::from(blurred)
+        self.slant * self.reach(rho) + self.steep * rho + f64::from(blurred)
     }
 }
 
