@@ -69,9 +69,7 @@ impl<R: Number> Certify<'_, R> {
         let x = R::from_i32(2 * column + 1 - self.view.width as i32) * R::from_f32(self.projection.slope[0]);
         let y = R::from_i32(self.view.height as i32 - 1 - 2 * row) * R::from_f32(self.projection.slope[1]);
         let a = R::ONE + x * x + y * y;
-        let shift = self.projection.shift;
-        let (fixed_row, fixed_column) = (row << shift, column << shift);
-        Slopes { x, y, a, inverse: R::ONE / a, row, column, fixed_row, fixed_column }
+        Slopes { x, y, a, inverse: R::ONE / a, row, column }
     }
 
     /// The lower bounds of depth for a range of list entries, with their slots.

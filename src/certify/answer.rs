@@ -29,8 +29,6 @@ pub(crate) struct Slopes<R> {
     pub(crate) inverse: R,
     pub(crate) row: i32,
     pub(crate) column: i32,
-    pub(crate) fixed_row: i32,
-    pub(crate) fixed_column: i32,
 }
 
 /// The answer for a winner. The depth is the centre's depth (0 for a general sphere) plus the offset; it lies between

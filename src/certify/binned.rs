@@ -10,7 +10,7 @@ use super::projection::ProjectionBounds;
 use super::projection::cover::Coverage;
 use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
-use super::records::{RecordMaker, SphereOrder};
+use super::records::{RecordMaker, SPHERES_PER_JOB, SphereOrder};
 use super::reference::{joined, reference};
 use super::terms::{TERMS, Terms};
 use super::tiles::Lists;
@@ -40,9 +40,6 @@ impl BinnedScene {
         self.lists.put_back(pool);
     }
 }
-
-/// Spheres per binning job.
-const SPHERES_PER_JOB: usize = 1 << 14;
 
 /// Spheres that are in so many lists on average are projected once for all lists.
 const PROJECTION_MIN_LISTS: u64 = 3;

@@ -67,11 +67,10 @@ pub(super) fn projected_discriminant<R: Number>(s: &Slopes<R>, rho: R, o: [R; 2]
 #[inline(always)]
 pub(crate) fn projected_low<R: Number>(s: &Slopes<R>, projection: &ProjectionRecord, f: &Projected<R>) -> R {
     let c = R::from_f32;
-    let [across, down] = projection.fixed.map(c);
-    let o = [R::from_i32(s.fixed_column - f.x) * across, R::from_i32(f.y - s.fixed_row) * down];
+    let (column, row) = (s.column << projection.shift, s.row << projection.shift);
+    let o = [R::from_i32(column - f.x) * c(projection.fixed[0]), R::from_i32(f.y - row) * c(projection.fixed[1])];
     let disc = projected_discriminant(s, f.rho, o);
-    let errors = projection.errors.map(c);
-    let error = errors[0] + f.rho * (errors[1] + f.rho * errors[2]);
+    let error = c(projection.errors[0]) + f.rho * (c(projection.errors[1]) + f.rho * c(projection.errors[2]));
     // Slope along the offset plus root, in the order in which Mesa's compiler evaluates a sum that is used once.
     let total = s.x * o[0] + (s.y * o[1] + positive(disc + error).sqrt());
     let size = f.low * c(projection.unit) + c(projection.size);

@@ -205,8 +205,8 @@ impl OrderedShot<'_> {
     ) -> f64 {
         let c = Traced::from_f32;
         lens.fixed.into_iter().for_each(|step| given.set_known(step, ONCE));
-        let right = Traced::from_i32(s.fixed_column - f.x) * c(lens.fixed[0]);
-        let up = Traced::from_i32(f.y - s.fixed_row) * c(lens.fixed[1]);
+        let right = Traced::from_i32((s.column << lens.shift) - f.x) * c(lens.fixed[0]);
+        let up = Traced::from_i32(f.y - (s.row << lens.shift)) * c(lens.fixed[1]);
         let disc = projected::projected_discriminant(s, f.rho, [right, up]);
         let error = c(lens.errors[0]) + f.rho * (c(lens.errors[1]) + f.rho * c(lens.errors[2]));
         let most = disc + error;
