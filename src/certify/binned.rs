@@ -200,35 +200,27 @@ impl NullaryFnOnce for Batch<'_> {
         for (first, bins) in (first..).step_by(LANES).zip(bins.chunks_mut(LANES)) {
             let batch = LaneBatch::fill(first..end, |n| order.sphere(n));
             let eight = projection.eight(&batch, reference);
-            if let Some(bins) = bins.first_chunk_mut()
-                && eight.other == [0; LANES]
-            {
-                *bins = eight.bins();
-                for l in 0..LANES {
-                    let seen = eight.projected[l] != 0;
-                    sums.add(l, seen, eight.depth[l], if seen { eight.entries(l) } else { 0 });
-                }
+            let own = eight.bins();
+            match bins.first_chunk_mut() {
+                Some(bins) => *bins = own,
+                None => bins.copy_from_slice(&own[..bins.len()]),
+            }
+            for l in 0..LANES {
+                let seen = (eight.projected[l] != 0) & (l < batch.count);
+                sums.add(l, seen, eight.depth[l], if seen { eight.entries(l) } else { 0 });
+            }
+            if eight.other == [0; LANES] {
                 continue;
             }
-            for (l, bin) in bins.iter_mut().enumerate() {
-                let (depth, own) = if eight.projected[l] != 0 {
-                    (eight.depth[l], eight.bin(l))
-                } else {
-                    *bin = Bin::NOWHERE;
-                    if eight.other[l] == 0 {
-                        continue;
+            for (l, bin) in bins.iter_mut().enumerate().filter(|(l, _)| eight.other[*l] != 0) {
+                match projection.stage(batch.ids[l], batch.centers[l], batch.radii[l], reference) {
+                    Staged::Projected(landed) => {
+                        *bin = landed.bin;
+                        sums.add(l, true, landed.placed.depth, bin.entries(0));
                     }
-                    match projection.stage(batch.ids[l], batch.centers[l], batch.radii[l], reference) {
-                        Staged::Projected(landed) => (landed.placed.depth, landed.bin),
-                        Staged::General(record) => {
-                            generals.push(record);
-                            continue;
-                        }
-                        Staged::Unseen => continue,
-                    }
-                };
-                *bin = own;
-                sums.add(l, true, depth, own.entries(0));
+                    Staged::General(record) => generals.push(record),
+                    Staged::Unseen => {}
+                }
             }
         }
         (sums, generals)

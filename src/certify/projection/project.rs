@@ -11,6 +11,7 @@ use crate::double_double::{self as dd, Dd, Dd3};
 use crate::number::vector::LANES;
 use crate::number::{larger, smaller};
 use crate::scene::NumberedBall;
+use bytemuck::Zeroable;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -89,6 +90,7 @@ impl LaneBatch {
 }
 
 /// Eight projected spheres, one array per component.
+#[derive(Zeroable)]
 pub(in crate::certify) struct Eight {
     /// Nonzero if the sphere is in front and seen; nonzero if it is neither that nor unseen.
     pub(in crate::certify) projected: [u32; LANES],
@@ -106,7 +108,7 @@ impl Eight {
         Bin { chunk_min_depth: self.chunk_min_depth[l], tiles: [[left, right], [top, bottom]] }
     }
 
-    /// The bins of all, where each is projected or unseen.
+    /// The bins of all; nowhere those that are not projected.
     #[inline(always)]
     pub(in crate::certify) fn bins(&self) -> [Bin; LANES] {
         let Bin { chunk_min_depth, tiles: [[left, right], [top, bottom]] } = Bin::NOWHERE;
@@ -157,15 +159,7 @@ impl ProjectionBounds {
         reference: f64,
         mut and: impl FnMut(usize, &Landed),
     ) -> Eight {
-        let mut e = Eight {
-            projected: [0; LANES],
-            other: [0; LANES],
-            depth: [0.0; LANES],
-            chunk_min_depth: [0.0; LANES],
-            tiles: [[0; LANES]; 4],
-            fixed: [[0; LANES]; 2],
-            numbers: [[0.0; LANES]; 5],
-        };
+        let mut e = Eight::zeroed();
         for l in 0..LANES {
             let aim = self.aim(batch.centers[l], batch.radii[l]);
             let landed = self.land(&aim, aim.place, [0.0; 2], reference);
