@@ -18,6 +18,8 @@ pub(crate) struct ProjectionRecord {
     pub(crate) generals: u32,
     pub(crate) cull_margin: f32,
     pub(crate) size: f32,
+    /// WGSL rounds the size up to the alignment of errors.
+    pub(crate) unused: [f32; 3],
 }
 
 /// The quantities of one ray: slopes, |d|^2 and its reciprocal, the pixel.

@@ -276,6 +276,7 @@ impl ProjectionBounds {
             generals: generals as u32,
             cull_margin: cull_margin(tolerance) as f32,
             size: (f64::from(reference) * unit + alone) as f32,
+            unused: [0.0; 3],
         }
     }
 
