@@ -66,12 +66,10 @@ impl<R: Number> Certify<'_, R> {
     pub(crate) fn slopes(&self, i: u32, j: u32) -> Slopes<R> {
         let (row, column) = (i as i32, j as i32);
         // A frame has at most 2^20 rows and columns.
-        let x = R::from_i32(2 * column + 1 - self.view.width as i32) * R::from_f32(self.projection.slope_x);
-        let y = R::from_i32(self.view.height as i32 - 1 - 2 * row) * R::from_f32(self.projection.slope_y);
+        let x = R::from_i32(2 * column + 1 - self.view.width as i32) * R::from_f32(self.projection.slope[0]);
+        let y = R::from_i32(self.view.height as i32 - 1 - 2 * row) * R::from_f32(self.projection.slope[1]);
         let a = R::ONE + x * x + y * y;
-        let shift = self.projection.shift;
-        let (fixed_row, fixed_column) = (row << shift, column << shift);
-        Slopes { x, y, a, inverse: R::ONE / a, row, column, fixed_row, fixed_column }
+        Slopes { x, y, a, inverse: R::ONE / a, row, column }
     }
 
     /// The lower bounds of depth for a range of list entries, with their slots.

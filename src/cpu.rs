@@ -11,18 +11,19 @@ pub(crate) mod light;
 use crate::answers::raw::Raw;
 use crate::frame::report::CPU_DRIVER;
 use crate::intersect::{Intersect, Visit};
-use crate::kernel::Kernel;
+use crate::kernel::{Kernel, RaySource, Task};
 use crate::number::Number;
 use crate::number::vector::{LANES, Laned};
-use crate::search::eight::{EightHits, together};
-use crate::shade::Surface;
-use crate::view::ray::{Hit, NONE, Ray, viewing_ray};
+use crate::search::eight::{EightHits, spheres_together, together};
+use crate::shade::{Shade, color_of, to_world};
+use crate::view::ray::{Hit, NONE, Ray, RayRecord, viewing_ray};
 use crate::view::{Sphere, View, ViewRecord};
+use given_rays::{direction, moved};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
+use std::marker::PhantomData;
 
 pub(crate) use certified::certified;
-pub(crate) use given_rays::given_rays;
 
 /// What the reference path is called where an adapter's name is expected.
 pub(crate) const NAME: &str = "cpu";
@@ -32,24 +33,26 @@ pub(crate) fn driver() -> String {
     format!("{CPU_DRIVER}, {} threads", rayon::current_num_threads())
 }
 
-/// Fills `raw` by `kernel`'s method, all spheres for every ray. `go_on` is called before every row; after `false` the
-/// remaining rows are left unchanged.
+/// Fills `raw` by `kernel`'s method, all spheres for every ray: those of the window, unless some are given. `go_on` is called
+/// before every row; after `false` the remaining rows are left unchanged.
 pub(crate) fn render(
     kernel: &Kernel,
     view: &View,
+    rays: Option<&[RayRecord]>,
     colors: Option<&[[f32; 3]]>,
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    kernel.arithmetic().dispatch(Frame { kernel, view, colors, raw, go_on });
+    kernel.arithmetic().dispatch(Frame { kernel, view, rays, colors, raw, go_on });
 }
 
-/// What becomes of a hit: three numbers per pixel.
-type Value<'a, R> = &'a (dyn Fn(&Ray<R>, Hit<R>) -> [f32; 3] + Sync);
+/// What becomes of the hit of a sphere: three numbers per pixel.
+type Value<'a, R> = &'a (dyn Fn(&Ray<R>, &Sphere<R>, Hit<R>) -> [f32; 3] + Sync);
 
 struct Frame<'a> {
     kernel: &'a Kernel,
     view: &'a View,
+    rays: Option<&'a [RayRecord]>,
     colors: Option<&'a [[f32; 3]]>,
     raw: &'a mut Raw,
     go_on: &'a (dyn Fn() -> bool + Sync),
@@ -58,47 +61,84 @@ struct Frame<'a> {
 impl Visit for Frame<'_> {
     type Output = ();
 
-    fn visit<V: Intersect>(self) {
-        let Self { kernel, view, colors, raw, go_on } = self;
-        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.is_wide());
-        let surface = Surface { view: &view.record, spheres: &spheres, colors };
-        let (record, width) = (&view.record, view.record.columns as usize);
+    fn visit<V: Intersect, N: Laned>(self) {
+        let Self { kernel, view, rays, colors, raw, go_on } = self;
+        let record = &view.record;
+        let spread = matches!(kernel.task, Task::Method { rays: RaySource::Spread, .. });
+        let width = rays.map_or(record.columns as usize, |_| LANES);
+        let spheres = view.spheres_in(kernel.is_wide());
+        let traced = Traced::<N> { view, spheres, rays, spread, width };
         // Normals of the lecture's forms are computed from t, even if t is not requested.
         raw.t.resize(raw.id.len(), f32::MAX);
         raw.t_low.resize(raw.id.len(), 0.0);
-        // Of a row and a column of the window.
-        let ray = |i: usize, j: usize| ray_of::<V::Number>(record, i, j);
         let ts = raw.t.par_chunks_mut(width).zip(raw.t_low.par_chunks_mut(width));
         let rows = raw.id.par_chunks_mut(width).zip(ts).enumerate();
         let arch = pulp::Arch::new();
         rows.filter(|_| go_on()).for_each(|(i, (ids, (ts, lows)))| {
-            arch.dispatch(Row::<V> { view: record, spheres: &spheres, i, ids, ts, lows });
+            arch.dispatch(Row::<V, N> { traced: &traced, i, ids, ts, lows, form: PhantomData });
         });
         let (id, t, low) = (&raw.id, &raw.t, &raw.t_low);
-        let each = |out: &mut [f32], value: Value<'_, V::Number>| {
+        let each = |out: &mut [f32], miss: [f32; 3], value: Value<'_, N>| {
             out.par_chunks_mut(3 * width).enumerate().for_each(|(i, row)| {
                 for (j, out) in row.chunks_exact_mut(3).enumerate() {
                     let pixel = i * width + j;
-                    let hit = Hit { t: V::Number::from_hi_lo(t[pixel], low[pixel]), id: id[pixel] };
-                    out.copy_from_slice(&value(&ray(i, j), hit));
+                    let hit = Hit { t: N::from_hi_lo(t[pixel], low[pixel]), id: id[pixel] };
+                    let value = match hit.id {
+                        NONE => miss,
+                        id => value(&traced.ray(i, j), &traced.sphere(i, j, id as usize), hit),
+                    };
+                    out.copy_from_slice(&value);
                 }
             });
         };
+        // In the canonical camera, against the ray; f32 from here on.
+        let normal = |ray: &Ray<N>, s: &Sphere<N>, t: N| V::normal_at(ray, s, t / s.scale).map(|x| x.to_hi_lo().0);
         if kernel.normal {
-            each(&mut raw.normal, &|ray, hit| match hit.id {
-                NONE => [0.0; 3],
-                _ => surface.world_normal::<V>(ray, hit),
-            });
+            each(&mut raw.normal, [0.0; 3], &|ray, s, hit| to_world(record, normal(ray, s, hit.t)));
         }
         if let Some(shade) = kernel.shade {
-            let [r, g, b, _] = view.record.background;
-            each(&mut raw.color, &|ray, hit| match hit.id {
-                NONE => [r, g, b],
-                _ => surface.shade::<V>(shade, ray, hit),
+            let [r, g, b, _] = record.background;
+            each(&mut raw.color, [r, g, b], &|ray, s, hit| match (shade, color_of(colors, hit.id)) {
+                (Shade::Flat, own) => own,
+                (_, own) => shade.of(record, ray.d.map(|x| x.to_hi_lo().0), normal(ray, s, hit.t), own),
             });
         }
         if !kernel.is_wide() {
             raw.t_low.clear();
+        }
+    }
+}
+
+/// The rays of a frame and the spheres that they may meet.
+struct Traced<'a, N> {
+    view: &'a View,
+    spheres: Vec<Sphere<N>>,
+    /// Those that are given; else the rays of the window.
+    rays: Option<&'a [RayRecord]>,
+    /// The spheres are moved to the origin of each ray.
+    spread: bool,
+    /// Rays of a row.
+    width: usize,
+}
+
+impl<N: Laned> Traced<'_, N> {
+    /// The given ray in a row and a column; beyond all of them the last.
+    #[inline(always)]
+    fn given(&self, i: usize, j: usize) -> Option<&RayRecord> {
+        self.rays.map(|rays| &rays[(i * self.width + j).min(rays.len() - 1)])
+    }
+
+    #[inline(always)]
+    fn ray(&self, i: usize, j: usize) -> Ray<N> {
+        self.given(i, j).map_or_else(|| ray_of(&self.view.record, i, j), direction)
+    }
+
+    /// A sphere as that ray sees it.
+    #[inline(always)]
+    fn sphere(&self, i: usize, j: usize, id: usize) -> Sphere<N> {
+        match self.given(i, j) {
+            Some(ray) if self.spread => moved(&self.view.spheres[id], &self.view.residuals[id], ray),
+            _ => self.spheres[id],
         }
     }
 }
@@ -110,29 +150,33 @@ fn ray_of<R: Number>(view: &ViewRecord, i: usize, j: usize) -> Ray<R> {
     viewing_ray(view, i, j)
 }
 
-/// A row of the window and the places of its hits.
-struct Row<'a, V: Intersect> {
-    view: &'a ViewRecord,
-    spheres: &'a [Sphere<V::Number>],
+/// A row of rays and the places of its hits.
+struct Row<'a, V, N> {
+    traced: &'a Traced<'a, N>,
     i: usize,
     ids: &'a mut [u32],
     ts: &'a mut [f32],
     lows: &'a mut [f32],
+    form: PhantomData<V>,
 }
 
-impl<V: Intersect> NullaryFnOnce for Row<'_, V> {
+impl<V: Intersect, N: Laned> NullaryFnOnce for Row<'_, V, N> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { view, spheres, i, ids, ts, lows } = self;
+        let Self { traced, i, ids, ts, lows, .. } = self;
         let strips = ids.chunks_mut(LANES).zip(ts.chunks_mut(LANES).zip(lows.chunks_mut(LANES)));
         for (first, (ids, (ts, lows))) in (0..).step_by(LANES).zip(strips) {
             // Rays beyond the row are computed too; their hits are not written.
-            let rays = std::array::from_fn(|l| ray_of::<V::Number>(view, i, first + l));
-            let hits = EightHits::among_all::<V>(&together(&rays), spheres);
+            let rays = together(&std::array::from_fn(|l| traced.ray(i, first + l)));
+            let own = |id| spheres_together(&std::array::from_fn(|l| traced.sphere(i, first + l, id)));
+            let hits = match traced.spread {
+                true => EightHits::<N>::among_all::<V>(&rays, (0..traced.spheres.len()).map(own)),
+                false => EightHits::among_all::<V>(&rays, traced.spheres.iter().map(|s| s.map(N::splat))),
+            };
             for (l, (id, (t, low))) in ids.iter_mut().zip(ts.iter_mut().zip(lows)).enumerate() {
-                (*id, (*t, *low)) = (hits.id.0[l], V::Number::lane(&hits.t, l).to_hi_lo());
+                (*id, (*t, *low)) = (hits.id.0[l], N::lane(&hits.t, l).to_hi_lo());
             }
         }
     }
@@ -152,12 +196,12 @@ mod tests {
     impl Visit for Compare<'_> {
         type Output = usize;
 
-        fn visit<V: Intersect>(self) -> usize {
+        fn visit<V: Intersect, N: Laned>(self) -> usize {
             let Self(view, method) = self;
             let kernel = Kernel { t: true, ..Kernel::of_method(method) };
             let mut raw = Raw::new(&kernel, view.record.pixels(), &Pool::default()).expect("room");
-            render(&kernel, view, None, &mut raw, &|| true);
-            let spheres: Vec<Sphere<V::Number>> = view.spheres_in(method.is_wide());
+            render(&kernel, view, None, None, &mut raw, &|| true);
+            let spheres: Vec<Sphere<N>> = view.spheres_in(method.is_wide());
             let width = view.record.columns as usize;
             for pixel in 0..raw.id.len() {
                 let ray = ray_of(&view.record, pixel / width, pixel % width);

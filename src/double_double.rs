@@ -57,7 +57,7 @@ impl<T: Fused> Dd<T> {
     pub(crate) fn sqrt(self) -> Self {
         let root = self.hi.sqrt();
         let rest = (self - Self::product(root, root)).value();
-        let (zero, root) = (Self { hi: T::ZERO, lo: T::ZERO }, Self::fast(root, rest / (root + root)));
+        let (zero, root) = (T::ZERO.into(), Self::fast(root, rest / (root + root)));
         Self::pick(self.hi.at_most(T::ZERO), zero, root)
     }
 
@@ -65,12 +65,6 @@ impl<T: Fused> Dd<T> {
     #[inline(always)]
     pub(crate) fn ldexp(self, k: i32) -> Self {
         Self { hi: self.hi.ldexp(k), lo: self.lo.ldexp(k) }
-    }
-
-    /// A number of f64.
-    #[inline(always)]
-    pub(crate) fn of(x: T) -> Self {
-        Self { hi: x, lo: T::ZERO }
     }
 
     /// This number in every lane.
@@ -86,10 +80,10 @@ impl<T: Fused> Dd<T> {
     }
 }
 
-impl From<f64> for Dd {
+impl<T: Fused> From<T> for Dd<T> {
     #[inline(always)]
-    fn from(hi: f64) -> Self {
-        Self { hi, lo: 0.0 }
+    fn from(hi: T) -> Self {
+        Self { hi, lo: T::ZERO }
     }
 }
 
@@ -135,10 +129,10 @@ impl<T: Fused> Div for Dd<T> {
     #[inline(always)]
     fn div(self, b: Self) -> Self {
         let first = self.hi / b.hi;
-        let rest = self - b * Self::of(first);
+        let rest = self - b * first.into();
         let second = rest.hi / b.hi;
-        let rest = rest - b * Self::of(second);
-        Self::fast(first, second) + Self::of(rest.hi / b.hi)
+        let rest = rest - b * second.into();
+        Self::fast(first, second) + (rest.hi / b.hi).into()
     }
 }
 

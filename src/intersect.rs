@@ -1,9 +1,8 @@
-//! THE list of intersection variants: type, files, name on the command line. Each line has one .rs in intersect/, and
-//! one .wgsl in shaders/form/, which f64 and double-float have in common; every test and every measurement takes them from here.
+//! THE list of intersection variants: form, arithmetic, name on the command line. Each form has one .rs in intersect/, and each
+//! f32 variant one .wgsl in shaders/form/, with another for f64 and double-float; every test and every measurement takes them from here.
 
 pub(crate) mod double_float;
 mod geometric;
-mod native64;
 pub mod predict;
 mod roots;
 mod stable;
@@ -14,30 +13,31 @@ use crate::error::Error;
 use crate::number::vector::Laned;
 use crate::number::{Arithmetic, Number};
 use crate::view::Sphere;
-use crate::view::ray::Ray;
+use crate::view::ray::{Ray, center, dot3, minus, negated, times, unit3};
 use std::str::FromStr;
 
 /// A form of the ray-sphere intersection: the CPU twin of a file of shaders/form/.
 pub trait Intersect {
-    /// The arithmetic that the variant runs in.
-    type Number: Laned;
     /// The least t > 0 where `ray` meets `s`, in the record's unit; [`Arithmetic::MISS`] if nowhere. A tangent ray hits. Of
     /// numbers or of vectors: without branches, except where no ray of a vector hits.
     fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R;
-    /// The unit normal at t in the canonical camera, against the ray.
-    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3];
+    /// The unit normal at t in the canonical camera, against the ray: of hit point minus centre.
+    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+        let n = unit3(minus(times(t, ray.d), center(s)));
+        if dot3(n, ray.d) > R::ZERO { negated(n) } else { n }
+    }
 }
 
-/// Work to be done with the type of a variant: how a [`Method`] becomes static dispatch.
+/// Work to be done with the form and the arithmetic of a variant: how a [`Method`] becomes static dispatch.
 pub(crate) trait Visit {
     /// What the work gives.
     type Output;
     /// The work.
-    fn visit<V: Intersect>(self) -> Self::Output;
+    fn visit<V: Intersect, N: Laned>(self) -> Self::Output;
 }
 
 macro_rules! variants {
-    ($($name:ident $file:ident $command:literal $form:ident $cost:literal $about:literal)*) => {
+    ($($name:ident $file:ident::$code:ident $number:ty, $command:literal $form:ident $cost:literal $about:literal)*) => {
         /// The form of the quadratic, by its name on the command line.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Method {
@@ -54,12 +54,6 @@ macro_rules! variants {
                 match self { $(Self::$name => $command,)* }
             }
 
-            /// What it computes, in words.
-            #[must_use]
-            pub fn about(self) -> &'static str {
-                match self { $(Self::$name => $about,)* }
-            }
-
             /// Its discriminant and its roots.
             pub(crate) fn form(self) -> Form {
                 match self { $(Self::$name => Form::$form,)* }
@@ -70,9 +64,9 @@ macro_rules! variants {
                 match self { $(Self::$name => $cost,)* }
             }
 
-            /// Does `work` with the variant's type.
+            /// Does `work` with the variant's types.
             pub(crate) fn dispatch<W: Visit>(self, work: W) -> W::Output {
-                match self { $(Self::$name => work.visit::<$file::$name>(),)* }
+                match self { $(Self::$name => work.visit::<$file::$code, $number>(),)* }
             }
         }
     };
@@ -80,12 +74,12 @@ macro_rules! variants {
 // The costs are steady kernel times for balls_s4.nff (7,382 spheres), 256 x 256, ids alone, by the clock of lavapipe
 // (Mesa 22.3.6, LLVM 15, 2 cores), least of nine. Other adapters order them alike but for f64, which few do faster.
 variants! {
-    Textbook textbook "textbook" General 0.75 "the general quadratic with d.d"
-    Unit unit "unit" Normalised 0.86 "the quadratic for d of unit length"
-    Geometric geometric "geometric" Normalised 0.86 "closest approach t_m, its distance l_m, half the chord delta t"
-    Stable stable "stable" Perpendicular 1.0 "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
-    Native64 native64 "f64" Perpendicular 3.4 "the perpendicular form in the adapter's f64"
-    DoubleFloat double_float "double-float" Perpendicular 24.0 "the perpendicular form in sums of two f32, where the adapter's arithmetic was measured to allow it"
+    Textbook textbook::Textbook f32, "textbook" General 0.75 "the general quadratic with d.d"
+    Unit unit::Unit f32, "unit" Normalised 0.86 "the quadratic for d of unit length"
+    Geometric geometric::Geometric f32, "geometric" Normalised 0.86 "closest approach t_m, its distance l_m, half the chord delta t"
+    Stable stable::Stable f32, "stable" Perpendicular 1.0 "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
+    Native64 stable::Stable f64, "f64" Perpendicular 3.4 "the perpendicular form in the adapter's f64"
+    DoubleFloat stable::Stable double_float::Pair<f32>, "double-float" Perpendicular 24.0 "the perpendicular form in sums of two f32, where the adapter's arithmetic was measured to allow it"
 }
 
 /// How a variant makes its discriminant and its roots; what rounding does to them follows from that.

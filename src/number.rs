@@ -101,8 +101,6 @@ impl Fused for f64 {
 /// A number type for the CPU twins of the kernels. f32 equals the device bit for bit where the device rounds as IEEE 754
 /// does.
 pub trait Number: Arithmetic<Mask = bool> + PartialOrd {
-    /// 1/2.
-    const HALF: Self;
     /// 1.
     const ONE: Self;
     /// hi plus its rounding error lo, as far as this arithmetic holds them.
@@ -114,7 +112,11 @@ pub trait Number: Arithmetic<Mask = bool> + PartialOrd {
         Self::from_hi_lo(a[0], a[1]) - Self::from_hi_lo(b[0], b[1]).scaled(Self::from_f32(power))
     }
     /// This integer, rounded once.
-    fn from_i32(x: i32) -> Self;
+    #[inline(always)]
+    fn from_i32(x: i32) -> Self {
+        let hi = x as f32;
+        Self::from_hi_lo(hi, (f64::from(x) - f64::from(hi)) as f32)
+    }
 
     /// |x|
     fn abs(self) -> Self {
@@ -150,11 +152,7 @@ macro_rules! arithmetic {
 arithmetic! { f32 f64 }
 
 impl Number for f32 {
-    const HALF: Self = 0.5;
     const ONE: Self = 1.0;
-    fn from_i32(x: i32) -> Self {
-        x as f32
-    }
     fn from_hi_lo(hi: f32, _: f32) -> Self {
         hi
     }
@@ -169,11 +167,7 @@ impl Number for f32 {
 }
 
 impl Number for f64 {
-    const HALF: Self = 0.5;
     const ONE: Self = 1.0;
-    fn from_i32(x: i32) -> Self {
-        x.into()
-    }
     fn from_hi_lo(hi: f32, lo: f32) -> Self {
         f64::from(hi) + f64::from(lo)
     }
@@ -203,6 +197,23 @@ pub(crate) fn ldexp(x: f64, k: i32) -> f64 {
         // The first factor keeps x normal, so only the last product rounds.
         _ => ldexp(x * power(-969), k + 969),
     }
+}
+
+/// 2^k for normal results.
+pub(crate) const fn power_of_two(k: i64) -> f64 {
+    f64::from_bits(((k + 1023) as u64) << 52)
+}
+
+/// The larger; of NaN the second. Without the treatment of NaN of `max`, which compilers make no vectors of.
+#[inline(always)]
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller; of NaN the second.
+#[inline(always)]
+pub(crate) fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 #[cfg(test)]

@@ -2,5 +2,6 @@
 //! The lists of viewing rays are in `certify/`.
 
 pub(crate) mod eight;
+#[cfg(test)]
 pub(crate) mod nearest;
 pub(crate) mod tree;

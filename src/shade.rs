@@ -4,11 +4,10 @@ pub(crate) mod lit;
 pub(crate) mod optics;
 
 use crate::error::named;
-use crate::intersect::Intersect;
-use crate::number::{Arithmetic, Number};
+use crate::number::Arithmetic;
 use crate::scene::DEFAULT_COLOR;
-use crate::view::ray::{Hit, Ray, dot3, positive, times, unit3};
-use crate::view::{Sphere, ViewRecord};
+use crate::view::ViewRecord;
+use crate::view::ray::{dot3, positive, times, unit3};
 
 /// The shading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -29,39 +28,6 @@ impl Shade {
     #[must_use]
     pub fn needs_colors(self) -> bool {
         self != Self::Normal
-    }
-}
-
-/// The input of shading, in the arithmetic of a twin; from the unit normal on, everything is f32.
-pub(crate) struct Surface<'a, R> {
-    pub(crate) view: &'a ViewRecord,
-    pub(crate) spheres: &'a [Sphere<R>],
-    pub(crate) colors: Option<&'a [[f32; 3]]>,
-}
-
-impl<R: Number> Surface<'_, R> {
-    /// Unit normal at a hit, in the canonical camera, against the ray.
-    fn surface_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
-        let s = &self.spheres[hit.id as usize];
-        V::normal_at(ray, s, hit.t / s.scale).map(|x| x.to_hi_lo().0)
-    }
-
-    /// Unit normal at a hit, in world space, against the ray.
-    pub(crate) fn world_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
-        to_world(self.view, self.surface_normal::<V>(ray, hit))
-    }
-
-    /// Linear RGB of a hit.
-    pub(crate) fn shade<V: Intersect>(&self, shade: Shade, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
-        match shade {
-            Shade::Flat => color_of(self.colors, hit.id),
-            _ => self.shade_normal(shade, ray, self.surface_normal::<V>(ray, hit), hit.id),
-        }
-    }
-
-    /// Linear RGB of a hit with a known normal in the canonical camera.
-    pub(crate) fn shade_normal(&self, shade: Shade, ray: &Ray<R>, normal: [f32; 3], id: u32) -> [f32; 3] {
-        shade.of(self.view, ray.d.map(|x| x.to_hi_lo().0), normal, color_of(self.colors, id))
     }
 }
 

@@ -8,19 +8,17 @@ struct General {
     scale: f32,      // depth in this record's unit times scale is depth in the frame's unit
     form: u32,       // 0: a r^2 - |p x d|^2, 1: b^2 - a c
     id: u32,
-    column: i32,     // a pixel where p.d is nearly zero; p.d there, and its steps
-    row: i32,
+    pixel: vec2<i32>, // where p.d is nearly zero; its steps, and p.d there
+    by: vec2<f32>,
     start: f32,
-    by_column: f32,
-    by_row: f32,
     blur: f32,       // error of the host's rounding in p.d
 }
 
 // From the four vectors of its record.
 fn general_of(a: vec4<i32>, b: vec4<i32>, c: vec4<i32>, d: vec4<i32>) -> General {
     return General(
-        bitcast<vec4<f32>>(a), bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.x, c.y, bitcast<f32>(c.z),
-        bitcast<f32>(c.w), bitcast<f32>(d.x), bitcast<f32>(d.y),
+        bitcast<vec4<f32>>(a), bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.xy,
+        bitcast<vec2<f32>>(c.zw), bitcast<f32>(d.x), bitcast<f32>(d.y),
     );
 }
 
@@ -37,8 +35,8 @@ struct Weighed {
 fn general_weigh(s: Slopes, n: General) -> Weighed {
     let p = n.center_radius.xyz;
     let l = abs(s.x) + abs(s.y) + 1.0;
-    let right = f32(s.column - n.column) * n.by_column;
-    let down = f32(s.row - n.row) * n.by_row;
+    let right = f32(s.column - n.pixel.x) * n.by.x;
+    let down = f32(s.row - n.pixel.y) * n.by.y;
     let b = n.start + right + down;
     let b_sum = START * abs(n.start) + STEP * (abs(right) + abs(down));
     let b_error = (UNIT * b_sum + n.blur + HOST_PARTS * HOST * l) * INFLATE;

@@ -32,8 +32,8 @@ fn projected_weigh(s: Slopes, f: Projected, more: ProjectedDetail) -> ProjectedW
     let half = 1i << (projection.shift - 1u);
     let column = (f.x + half) >> projection.shift;
     let row = (f.y + half) >> projection.shift;
-    let dx = (f32(s.column - column) - more.subpixel_offset.x) * projection.step_x;
-    let dy = (f32(row - s.row) - more.subpixel_offset.y) * projection.step_y;
+    let dx = (f32(s.column - column) - more.subpixel_offset.x) * projection.step.x;
+    let dy = (f32(row - s.row) - more.subpixel_offset.y) * projection.step.y;
     let disc = projected_discriminant(s, f.rho, vec2<f32>(dx, dy));
     let slant2 = s.x * s.x + s.y * s.y;
     let o2 = dx * dx + dy * dy;

@@ -2,17 +2,12 @@
 // The direction is (x, y, -1), slopes instead of u, v, d, so that t is the planar depth.
 
 struct Projection {
-    slope_x: f32,    // vw / (2 W d); 0 for parallel rays
-    slope_y: f32,    // vh / (2 H d); 0
-    step_x: f32,     // a pixel's width and height in the unit of rho
-    step_y: f32,
-    fixed_x: f32,    // width and height of a unit of the fixed-point projected centres
-    fixed_y: f32,
+    slope: vec2<f32>, // vw / (2 W d), vh / (2 H d); 0 for parallel rays
+    step: vec2<f32>, // a pixel's width and height in the unit of rho
+    fixed: vec2<f32>, // width and height of a unit of the fixed-point projected centres
     shift: u32,      // a pixel is 2^shift of these units
     unit: f32,       // the unit of rho as a slope: a power of two; 0 for parallel rays
-    error0: f32,     // error bound of a candidate's discriminant: error0 + rho (error1 + rho error2)
-    error1: f32,
-    error2: f32,
+    errors: vec3<f32>, // error bound of a candidate's discriminant, by powers of rho
     edge: f32,       // error of a winner's projected centre, in the unit of rho
     depth: f32,      // the frame's reference depth: depths of projected spheres are relative to it
     tolerance: f32,  // promised relative error of t
@@ -76,15 +71,14 @@ struct Answer {
 }
 
 fn slopes(i: u32, j: u32) -> Slopes {
-    let x = f32(2 * i32(j) + 1 - i32(view.width)) * projection.slope_x;
-    let y = f32(i32(view.height) - 1 - 2 * i32(i)) * projection.slope_y;
+    let x = f32(2 * i32(j) + 1 - i32(view.width)) * projection.slope.x;
+    let y = f32(i32(view.height) - 1 - 2 * i32(i)) * projection.slope.y;
     let a = 1.0 + x * x + y * y;
     let row = i32(i);
     let column = i32(j);
-    let fixed = vec2<f32>(projection.fixed_x, projection.fixed_y);
-    let error = vec3<f32>(projection.error0, projection.error1, projection.error2);
     let shift = projection.shift;
     return Slopes(
-        x, y, a, 1.0 / a, row, column, row << shift, column << shift, fixed, error, projection.unit, projection.size,
+        x, y, a, 1.0 / a, row, column, row << shift, column << shift, projection.fixed, projection.errors, projection.unit,
+        projection.size,
     );
 }

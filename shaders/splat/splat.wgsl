@@ -28,8 +28,7 @@ struct Frame {
 
 fn frame_constants() -> Frame {
     return Frame(
-        vec2<f32>(projection.slope_x, projection.slope_y), vec2<f32>(projection.fixed_x, projection.fixed_y),
-        vec2<i32>(i32(view.width) - 1, i32(view.height) - 1), vec3<f32>(projection.error0, projection.error1, projection.error2),
+        projection.slope, projection.fixed, vec2<i32>(i32(view.width) - 1, i32(view.height) - 1), projection.errors,
         projection.unit, projection.size, projection.shift, vec2<u32>(view.first_column, view.first_row), view.columns,
         view.columns * view.rows, block_pass.mode,
     );

@@ -13,6 +13,7 @@
 mod tests;
 
 use crate::double_double as dd;
+use crate::number::larger;
 use crate::number::vector::LANES;
 use crate::view::View;
 use crate::view::ray::NONE;
@@ -287,12 +288,6 @@ fn pairs() -> impl Iterator<Item = [isize; 2]> {
 fn ramp(x: f64, [low, high]: [f64; 2]) -> f64 {
     let y = (x - low) / (high - low);
     if x > low { if y < 1.0 { y } else { 1.0 } } else { 0.0 }
-}
-
-/// The larger; of NaN the second. Without the treatment of NaN of `max`, which compilers make no vectors of.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 #[inline(always)]

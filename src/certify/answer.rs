@@ -6,23 +6,20 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct ProjectionRecord {
-    pub(crate) slope_x: f32,
-    pub(crate) slope_y: f32,
-    pub(crate) step_x: f32,
-    pub(crate) step_y: f32,
-    pub(crate) fixed_x: f32,
-    pub(crate) fixed_y: f32,
+    pub(crate) slope: [f32; 2],
+    pub(crate) step: [f32; 2],
+    pub(crate) fixed: [f32; 2],
     pub(crate) shift: u32,
     pub(crate) unit: f32,
-    pub(crate) error0: f32,
-    pub(crate) error1: f32,
-    pub(crate) error2: f32,
+    pub(crate) errors: [f32; 3],
     pub(crate) edge: f32,
     pub(crate) depth: f32,
     pub(crate) tolerance: f32,
     pub(crate) generals: u32,
     pub(crate) cull_margin: f32,
     pub(crate) size: f32,
+    /// WGSL rounds the size up to the alignment of errors.
+    pub(crate) unused: [f32; 3],
 }
 
 /// The quantities of one ray: slopes, |d|^2 and its reciprocal, the pixel.
@@ -34,8 +31,6 @@ pub(crate) struct Slopes<R> {
     pub(crate) inverse: R,
     pub(crate) row: i32,
     pub(crate) column: i32,
-    pub(crate) fixed_row: i32,
-    pub(crate) fixed_column: i32,
 }
 
 /// The answer for a winner. The depth is the centre's depth (0 for a general sphere) plus the offset; it lies between

@@ -10,7 +10,7 @@ use super::projection::ProjectionBounds;
 use super::projection::cover::Coverage;
 use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
-use super::records::{RecordMaker, SphereOrder};
+use super::records::{RecordMaker, SPHERES_PER_JOB, SphereOrder};
 use super::reference::{joined, reference};
 use super::terms::{TERMS, Terms};
 use super::tiles::Lists;
@@ -40,9 +40,6 @@ impl BinnedScene {
         self.lists.put_back(pool);
     }
 }
-
-/// Spheres per binning job.
-const SPHERES_PER_JOB: usize = 1 << 14;
 
 /// Spheres that are in so many lists on average are projected once for all lists.
 const PROJECTION_MIN_LISTS: u64 = 3;
@@ -137,9 +134,9 @@ impl Binning<'_> {
         let Self { scene, view, tolerance, level, pool, .. } = *self;
         let SphereBins { bins, generals, seen, entries, .. } = bins;
         let size = [scene.image.width, scene.image.height];
-        let record = ProjectionRecord { generals: generals.len() as u32, ..projection.record(reference, tolerance) };
+        let record = projection.record(reference, tolerance, generals.len());
         let reference = reference.into();
-        let coverage = Coverage::new(projection, size, reference, tolerance);
+        let coverage = Coverage::new(projection, size, reference, tolerance, projection.per_pixel);
         let mut maker = RecordMaker { projection, order, coverage, reference, ready: Vec::new() };
         if entries >= PROJECTION_MIN_LISTS * bins.len() as u64 {
             maker.project_all(pool);
@@ -203,35 +200,27 @@ impl NullaryFnOnce for Batch<'_> {
         for (first, bins) in (first..).step_by(LANES).zip(bins.chunks_mut(LANES)) {
             let batch = LaneBatch::fill(first..end, |n| order.sphere(n));
             let eight = projection.eight(&batch, reference);
-            if let Some(bins) = bins.first_chunk_mut()
-                && eight.other == [0; LANES]
-            {
-                *bins = eight.bins();
-                for l in 0..LANES {
-                    let seen = eight.projected[l] != 0;
-                    sums.add(l, seen, eight.depth[l], if seen { eight.entries(l) } else { 0 });
-                }
+            let own = eight.bins();
+            match bins.first_chunk_mut() {
+                Some(bins) => *bins = own,
+                None => bins.copy_from_slice(&own[..bins.len()]),
+            }
+            for l in 0..LANES {
+                let seen = (eight.projected[l] != 0) & (l < batch.count);
+                sums.add(l, seen, eight.depth[l], if seen { eight.entries(l) } else { 0 });
+            }
+            if eight.other == [0; LANES] {
                 continue;
             }
-            for (l, bin) in bins.iter_mut().enumerate() {
-                let (depth, own) = if eight.projected[l] != 0 {
-                    (eight.depth[l], eight.bin(l))
-                } else {
-                    *bin = Bin::NOWHERE;
-                    if eight.other[l] == 0 {
-                        continue;
+            for (l, bin) in bins.iter_mut().enumerate().filter(|(l, _)| eight.other[*l] != 0) {
+                match projection.stage(batch.ids[l], batch.centers[l], batch.radii[l], reference) {
+                    Staged::Projected(landed) => {
+                        *bin = landed.bin;
+                        sums.add(l, true, landed.placed.depth, bin.entries(0));
                     }
-                    match projection.stage(batch.ids[l], batch.centers[l], batch.radii[l], reference) {
-                        Staged::Projected(landed) => (landed.placed.depth, landed.bin),
-                        Staged::General(record) => {
-                            generals.push(record);
-                            continue;
-                        }
-                        Staged::Unseen => continue,
-                    }
-                };
-                *bin = own;
-                sums.add(l, true, depth, own.entries(0));
+                    Staged::General(record) => generals.push(record),
+                    Staged::Unseen => {}
+                }
             }
         }
         (sums, generals)

@@ -16,11 +16,9 @@ pub(crate) struct GeneralRecord {
     pub(crate) scale: f32,
     pub(crate) form: u32,
     pub(crate) id: u32,
-    pub(crate) column: i32,
-    pub(crate) row: i32,
+    pub(crate) pixel: [i32; 2],
+    pub(crate) by: [f32; 2],
     pub(crate) start: f32,
-    pub(crate) by_column: f32,
-    pub(crate) by_row: f32,
     pub(crate) blur: f32,
     /// WGSL rounds the size up to the alignment of center_radius.
     pub(crate) unused: [f32; 2],
@@ -48,9 +46,9 @@ impl<R: Number> General<R> {
             scale: R::from_f32(n.scale),
             form: n.form,
             id: n.id,
-            pixel: [n.column, n.row],
+            pixel: n.pixel,
             start: R::from_f32(n.start),
-            by: [n.by_column, n.by_row].map(R::from_f32),
+            by: n.by.map(R::from_f32),
             blur: R::from_f32(n.blur),
         }
     }

@@ -4,11 +4,11 @@
 
 mod cell;
 
-use super::general::GeneralRecord;
+use super::general::{General, GeneralRecord};
 use super::projection::{ProjectionBounds, host_cull_margin};
 use super::tiles::Grid;
 use crate::tile::TILE;
-use cell::{GeneralSphere, TileBlock};
+use cell::TileBlock;
 use rayon::prelude::*;
 
 /// Slots of one level of cells beyond eight per sphere: 8 MiB. A cell whose list is longer than its share of them is not
@@ -38,7 +38,7 @@ pub(in crate::certify) struct GeneralTree<'a> {
     projection: &'a ProjectionBounds,
     /// Columns and rows of tiles of the image.
     tiles: [u32; 2],
-    spheres: Vec<GeneralSphere>,
+    spheres: Vec<General<f64>>,
     /// Relative depth behind what covers a cell from which a sphere is left out.
     margin: f64,
 }
@@ -51,7 +51,7 @@ impl<'a> GeneralTree<'a> {
         size: [u32; 2],
         tolerance: f64,
     ) -> Self {
-        let spheres = generals.iter().map(GeneralSphere::new).collect();
+        let spheres = generals.iter().map(General::new).collect();
         let margin = host_cull_margin(tolerance);
         Self { projection, tiles: size.map(|n| n.div_ceil(TILE)), spheres, margin }
     }

@@ -2,7 +2,10 @@
 //! derives them.
 
 use crate::double_double::{self as dd, Dd};
+use crate::number::power_of_two;
+use crate::scene::Ball;
 use crate::view::placement::{PLACED, Placement};
+use crate::view::ray::dot3;
 
 /// Half an ulp of 1: what one rounding to nearest may change, relatively.
 pub(crate) const EPS: f64 = power_of_two(-53);
@@ -47,11 +50,6 @@ pub(crate) const SLACK: f64 = 1.0 + power_of_two(-7);
 const TINY: f64 = power_of_two(-900);
 pub(crate) const SHORT: f64 = power_of_two(-500);
 
-/// 2^k for normal results.
-const fn power_of_two(k: i64) -> f64 {
-    f64::from_bits(((k + 1023) as u64) << 52)
-}
-
 /// A ray in the tree's unit; its direction is scaled by 2^-f, so that its largest component is in [1, 2). It starts at
 /// `origin`, an exact point of the world, or beside it.
 #[derive(Debug, Clone, Copy)]
@@ -65,9 +63,9 @@ pub(crate) struct CertifiedRay {
     /// From `origin` to the start, in the tree's unit.
     offset: [f64; 3],
     /// What `offset` is off by, and an ulp of itself.
-    blur: f64,
+    pub(crate) blur: f64,
     /// What the direction is off by, of its length.
-    tilt: f64,
+    pub(crate) tilt: f64,
     /// The caller's t is t 2^shift.
     pub(crate) shift: i32,
     /// The caller's limit lies between these.
@@ -89,7 +87,7 @@ pub(crate) struct Bounds {
 }
 
 /// What a hit is given out as.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HitNumbers {
     pub(crate) t: f64,
     pub(crate) distance: f64,
@@ -99,6 +97,27 @@ pub(crate) struct HitNumbers {
     pub(crate) error: f64,
     /// The error of the normal as an angle.
     pub(crate) tilt: f64,
+}
+
+/// The answer to whether one ray hits anything.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AnyHit {
+    Free,
+    Blocked,
+    Unsure,
+}
+
+impl AnyHit {
+    /// What a sphere does to a ray: blocked where it is hit for certain before the limit.
+    #[inline(always)]
+    pub(crate) fn of(ray: &CertifiedRay, ball: Ball) -> Self {
+        match ray.meet(ball) {
+            Some(bounds) if bounds.low >= ray.limit[1] => Self::Free,
+            Some(bounds) if bounds.sure && bounds.high < ray.limit[0] => Self::Blocked,
+            Some(_) => Self::Unsure,
+            None => Self::Free,
+        }
+    }
 }
 
 impl CertifiedRay {
@@ -119,7 +138,7 @@ impl CertifiedRay {
             placement: *placement,
             origin,
             direction,
-            a: dot(direction, direction),
+            a: dot3(direction, direction),
             offset: [0.0; 3],
             blur: 0.0,
             tilt: 0.0,
@@ -133,7 +152,7 @@ impl CertifiedRay {
     #[inline(always)]
     pub(crate) fn beside(self, offset: [f64; 3], blur: f64, tilt: f64) -> Self {
         // An ulp of the offset is lost where it is subtracted from a centre's, docs/certificate.md, section 10.
-        let blur = (blur + 2.0 * EPS * dot(offset, offset).sqrt()) * SLACK + SHORT;
+        let blur = (blur + 2.0 * EPS * dot3(offset, offset).sqrt()) * SLACK + SHORT;
         Self { offset, blur, tilt: tilt * SLACK, ..self }
     }
 
@@ -147,18 +166,6 @@ impl CertifiedRay {
     /// The ray the other way.
     pub(crate) fn turned(self) -> Self {
         Self { direction: self.direction.map(|x| -x), ..self }
-    }
-
-    /// What the direction is off by, of its length.
-    #[inline(always)]
-    pub(crate) fn tilt(&self) -> f64 {
-        self.tilt
-    }
-
-    /// What the start is off by.
-    #[inline(always)]
-    pub(crate) fn blur(&self) -> f64 {
-        self.blur
     }
 
     /// What boxes have to be larger by on all sides beside what a given ray needs: its start and its direction, over the
@@ -177,20 +184,20 @@ impl CertifiedRay {
     /// Bounds of the hit of a sphere; `None` if the ray certainly misses it. Numbers beyond f64 give bounds that decide
     /// nothing.
     #[inline(always)]
-    pub(crate) fn meet(&self, center: [f64; 3], radius: f64) -> Option<Bounds> {
-        self.meet_by(&GIVEN_TERMS, center, radius)
+    pub(crate) fn meet(&self, ball: Ball) -> Option<Bounds> {
+        self.meet_by(&GIVEN_TERMS, ball)
     }
 
     /// The same with other terms, for tests.
     #[inline(always)]
-    pub(crate) fn meet_by(&self, terms: &GivenTerms, center: [f64; 3], radius: f64) -> Option<Bounds> {
-        let p = self.to(center);
-        let radius_scaled = self.placement.radius(radius);
+    pub(crate) fn meet_by(&self, terms: &GivenTerms, ball: Ball) -> Option<Bounds> {
+        let p = self.to(ball.center);
+        let radius_scaled = self.placement.radius(ball.radius);
         let d = self.direction;
-        let (p2, r2) = (dot(p, p), radius_scaled * radius_scaled);
-        let b = dot(p, d);
+        let (p2, r2) = (dot3(p, p), radius_scaled * radius_scaled);
+        let b = dot3(p, d);
         let g = [p[1] * d[2] - p[2] * d[1], p[2] * d[0] - p[0] * d[2], p[0] * d[1] - p[1] * d[0]];
-        let (g2, ar2) = (dot(g, g), self.a * r2);
+        let (g2, ar2) = (dot3(g, g), self.a * r2);
         let n = (p2 * self.a).sqrt();
         // |d| is at most 4, and at least 1, so that |p| is at most n.
         let e = terms.cross * (n + SHORT) + (terms.tilt[0] * self.tilt * n + terms.blur[0] * self.blur);
@@ -204,12 +211,12 @@ impl CertifiedRay {
             if power > power_error {
                 return None;
             }
-            (power, power_error) = self.power(terms, center, radius, blurred);
+            (power, power_error) = self.power(terms, ball, blurred);
             if power > power_error {
                 return None;
             }
         } else if power.abs() * FAINT < rounding {
-            (power, power_error) = self.power(terms, center, radius, blurred);
+            (power, power_error) = self.power(terms, ball, blurred);
         }
         let root = |x: f64| if x > 0.0 { x.sqrt() } else { 0.0 };
         let (root_low, root_mid, root_high) = (root(disc - error), root(disc), root(disc + error));
@@ -244,11 +251,11 @@ impl CertifiedRay {
 
     /// |p|^2 - R^2 in double-double, and its error.
     #[cold]
-    fn power(&self, terms: &GivenTerms, center: [f64; 3], radius: f64, blurred: f64) -> (f64, f64) {
+    fn power(&self, terms: &GivenTerms, ball: Ball, blurred: f64) -> (f64, f64) {
         let p: [Dd; 3] = std::array::from_fn(|n| {
-            self.placement.exact_difference(center[n], self.origin[n]) - Dd::from(self.offset[n])
+            self.placement.exact_difference(ball.center[n], self.origin[n]) - Dd::from(self.offset[n])
         });
-        let radius = self.placement.radius(radius);
+        let radius = self.placement.radius(ball.radius);
         let (p2, r2) = (dd::dot(p, p), Dd::product(radius, radius));
         let power = (p2 - r2).value();
         (power, (terms.power_dd * (p2.hi + r2.hi) + EPS * power.abs() + blurred + TINY) * ROUNDED)
@@ -256,17 +263,17 @@ impl CertifiedRay {
 
     /// What the hit of a sphere is given out as.
     #[inline(always)]
-    pub(crate) fn numbers(&self, center: [f64; 3], radius: f64, bounds: &Bounds) -> HitNumbers {
+    pub(crate) fn numbers(&self, ball: Ball, bounds: &Bounds) -> HitNumbers {
         let length = self.a.sqrt();
-        let r = self.placement.radius(radius);
-        let p = self.to(center);
+        let r = self.placement.radius(ball.radius);
+        let p = self.to(ball.center);
         let outward: [f64; 3] = std::array::from_fn(|n| bounds.t * self.direction[n] - p[n]);
-        let size = dot(outward, outward).sqrt();
+        let size = dot3(outward, outward).sqrt();
         let sign = if bounds.outside { 1.0 / size } else { -1.0 / size };
         let along = bounds.t * length;
         let width = bounds.high - bounds.low;
         // The point is off by its t and by roundings of t d and p; scaling to unit length at most doubles the angle.
-        let shift = width * length + 8.0 * EPS * (along + dot(p, p).sqrt());
+        let shift = width * length + 8.0 * EPS * (along + dot3(p, p).sqrt());
         HitNumbers {
             t: dd::ldexp(bounds.t, self.shift),
             distance: dd::ldexp(along, self.placement.k),
@@ -280,11 +287,6 @@ impl CertifiedRay {
 impl Bounds {
     /// Anything may be.
     const UNKNOWN: Self = Self { low: 0.0, high: f64::INFINITY, t: 0.0, sure: false, outside: false };
-}
-
-#[inline(always)]
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// `limit` 2^k between two numbers, which differ where f64 cannot hold it.

@@ -4,8 +4,8 @@ pub(crate) use super::placing_record::PlacingRecord;
 
 use super::binned::BinnedScene;
 use super::general_lists::GeneralTree;
-use super::projection::ProjectionBounds;
 use super::projection::stage::Staged;
+use super::projection::{ProjectionBounds, WIDEST};
 use super::reference::{joined, reference};
 use super::tiles::{Lists, Placed};
 use super::{TERMS, answer::ProjectionRecord};
@@ -39,7 +39,6 @@ pub(crate) struct ByHost {
 pub(crate) struct Placer {
     projection: ProjectionBounds,
     image: [u32; 2],
-    fine: u32,
     tolerance: f64,
 }
 
@@ -51,8 +50,8 @@ impl Placer {
     pub(crate) fn new(scene: &Scene, view: &View, tolerance: f64) -> Result<Option<Self>> {
         let image = [scene.image.width, scene.image.height];
         let projection = ProjectionBounds::new(&scene.camera, view, image, &TERMS)?;
-        let fits = projection.is_bounded() && projection.is_placed_by_devices();
-        Ok(fits.then_some(Self { projection, image, fine: view.record.fine(), tolerance }))
+        let fits = projection.is_bounded() && projection.widest <= WIDEST;
+        Ok(fits.then_some(Self { projection, image, tolerance }))
     }
 
     /// As [`ProjectionBounds::is_same_in_units`].
@@ -62,17 +61,12 @@ impl Placer {
 
     /// What the kernel takes from the frame but for the spheres.
     pub(crate) fn lens(&self) -> ProjectionRecord {
-        self.projection_record(0.0, 0)
+        self.projection.record(0.0, self.tolerance, 0)
     }
 
     /// The uniform, with depths relative to `reference`.
     pub(crate) fn record(&self, reference: f32) -> PlacingRecord {
-        self.projection.placing_record(reference, self.image, self.fine)
-    }
-
-    /// What the kernel takes from all spheres.
-    fn projection_record(&self, reference: f32, generals: usize) -> ProjectionRecord {
-        ProjectionRecord { generals: generals as u32, ..self.projection.record(reference, self.tolerance) }
+        self.projection.placing_record(reference, self.image)
     }
 
     /// Places what a device left, and decides the reference depth: that of [`BinnedScene::new`].
@@ -109,7 +103,7 @@ impl Placer {
         }
         let tiles = view.record.tiles();
         let general_lists = GeneralTree::new(&self.projection, &generals, self.image, self.tolerance).lists(tiles, 0);
-        let projection = self.projection_record(reference, generals.len());
+        let projection = self.projection.record(reference, self.tolerance, generals.len());
         let lists = Lists::of_tiles(tiles, &[]);
         ByHost { binned: BinnedScene { projection, lists, generals, general_lists, seen: 0 }, guests, reference }
     }

@@ -67,12 +67,10 @@ pub(super) fn projected_discriminant<R: Number>(s: &Slopes<R>, rho: R, o: [R; 2]
 #[inline(always)]
 pub(crate) fn projected_low<R: Number>(s: &Slopes<R>, projection: &ProjectionRecord, f: &Projected<R>) -> R {
     let c = R::from_f32;
-    let o = [
-        R::from_i32(s.fixed_column - f.x) * c(projection.fixed_x),
-        R::from_i32(f.y - s.fixed_row) * c(projection.fixed_y),
-    ];
+    let (column, row) = (s.column << projection.shift, s.row << projection.shift);
+    let o = [R::from_i32(column - f.x) * c(projection.fixed[0]), R::from_i32(f.y - row) * c(projection.fixed[1])];
     let disc = projected_discriminant(s, f.rho, o);
-    let error = c(projection.error0) + f.rho * (c(projection.error1) + f.rho * c(projection.error2));
+    let error = c(projection.errors[0]) + f.rho * (c(projection.errors[1]) + f.rho * c(projection.errors[2]));
     // Slope along the offset plus root, in the order in which Mesa's compiler evaluates a sum that is used once.
     let total = s.x * o[0] + (s.y * o[1] + positive(disc + error).sqrt());
     let size = f.low * c(projection.unit) + c(projection.size);
@@ -100,8 +98,8 @@ pub(super) fn projected_weigh<R: Number>(
     let c = R::from_f32;
     let half = 1 << (projection.shift - 1);
     let [column, row] = [f.x, f.y].map(|fixed| (fixed + half) >> projection.shift);
-    let dx = (R::from_i32(s.column - column) - f.subpixel_offset[0]) * c(projection.step_x);
-    let dy = (R::from_i32(row - s.row) - f.subpixel_offset[1]) * c(projection.step_y);
+    let dx = (R::from_i32(s.column - column) - f.subpixel_offset[0]) * c(projection.step[0]);
+    let dy = (R::from_i32(row - s.row) - f.subpixel_offset[1]) * c(projection.step[1]);
     let disc = projected_discriminant(s, f.rho, [dx, dy]);
     let slant2 = s.x * s.x + s.y * s.y;
     let o2 = dx * dx + dy * dy;

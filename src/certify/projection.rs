@@ -25,7 +25,7 @@ const U64: f64 = 1.0 / (1u64 << 53) as f64;
 /// Error of c - e after rotation in f64, per component, relative to |c - e|_1: subtraction, basis, product, two sums.
 const ROTATED: f64 = 5.0 * U64;
 /// Largest |d|^2 for which the constants of a projected sphere's bound are derived (176 degrees).
-const WIDEST: f64 = 1024.0;
+pub(super) const WIDEST: f64 = 1024.0;
 /// Largest |d|^2 whose squares fit a general sphere's bound; wider fields of view are decided exactly.
 const UNBOUNDED: f64 = (1u64 << 40) as f64;
 /// Smallest slope whose square does not underflow.
@@ -71,41 +71,6 @@ const SUBNORMAL: f64 = 1.0 / (1u128 << 120) as f64 / (1u64 << 20) as f64;
 /// host's f64 (2^-27 pixels, 2^-43), and too small to lengthen lists.
 const WIDEN: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 + 1.0 / (1u64 << 30) as f64];
 
-/// The transformation from world to camera space, in f64 and in the frame's unit.
-///
-/// The axes include the unit as a factor. So sums and products are of numbers within 2^122 of 1 for any unit of the
-/// scene, and their rounding is relative to them. (Axes that underflow lose 2^-75 of the largest axis, less than their
-/// own rounding of 2^-53.)
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Rotation {
-    eye: DVec3,
-    /// Right, up and forward.
-    axes: [DVec3; 3],
-}
-
-impl Rotation {
-    /// The transformation for a frame with the unit 2^`frame`.
-    pub(super) fn new(basis: &Basis, frame: i32) -> Self {
-        let scaled = |axis: DVec3| DVec3::from_array(axis.to_array().map(|x| dd::ldexp(x, -frame)));
-        Self { eye: basis.e, axes: [basis.u, basis.v, -basis.w].map(scaled) }
-    }
-
-    /// c - e in world space, and its right, up and forward components in the frame's unit.
-    #[inline(always)]
-    pub(super) fn of(&self, center: [f64; 3]) -> (DVec3, [f64; 3]) {
-        let p = DVec3::from_array(center) - self.eye;
-        (p, self.axes.map(|axis| p.dot(axis)))
-    }
-}
-
-/// Bounds of the slopes of all rays of the image: |(x, y)|, |d| and |d|^2.
-#[derive(Clone)]
-struct Steepness {
-    slant: f64,
-    length: f64,
-    square: f64,
-}
-
 /// The bound of all errors of a candidate's depth, as devices compute it too: per unit of |slope along the offset| + root
 /// and of the root alone in rho's unit, constant and by rho and by `blurred`; and per unit of a centre's depth and coordinates.
 #[repr(C)]
@@ -129,14 +94,17 @@ pub(crate) struct LowTerms {
 #[derive(Clone)]
 pub(super) struct ProjectionBounds {
     basis: Basis,
-    rotation: Rotation,
+    /// Right, up and forward with the frame's unit as a factor. So sums and products are of numbers within 2^122 of 1 for any
+    /// unit of the scene, and their rounding is relative to them. (Axes that underflow lose 2^-75 of the largest axis, less than
+    /// their own rounding of 2^-53.)
+    scaled_axes: [DVec3; 3],
     /// [`ROTATED`] in the frame's unit.
     rotated: f64,
     /// Right, up and forward in double-double.
     axes: [Dd3; 3],
     size: [f64; 2],
     /// Whether all rays are parallel. Slopes are then lengths in the frame's unit, and the rays themselves have none.
-    parallel: bool,
+    pub(super) parallel: bool,
     pub(super) slope: [f64; 2],
     step: [f64; 2],
     /// Slope per unit of rho: a power of two.
@@ -147,7 +115,9 @@ pub(super) struct ProjectionBounds {
     shift: u32,
     /// Largest |d|^2 of the image.
     pub(super) widest: f64,
-    all: Steepness,
+    /// Bounds of |(x, y)| and of |d| of all rays.
+    slant: f64,
+    steep: f64,
     /// 1 / (2 slope): pixels per unit of slope.
     per_slope: [f64; 2],
     /// Largest slopes of the image.
@@ -162,7 +132,7 @@ pub(super) struct ProjectionBounds {
     to_frame: f64,
     /// Pixels of the view's frame per side of an image pixel, tiles per pixel of the view's frame, and column and row of
     /// the image's corner in that frame.
-    per_pixel: f64,
+    pub(super) per_pixel: f64,
     per_tile: f64,
     corner: [f64; 2],
     /// One past the last column and row of the image in the view's frame.
@@ -179,7 +149,7 @@ pub(super) struct ProjectionBounds {
     /// Depths in the frame's unit, from the first to below the second, at which f32 holds the length of rho's unit.
     depths: [f64; 2],
     /// Exponent of the frame's unit.
-    frame: i32,
+    pub(super) frame: i32,
 }
 
 impl ProjectionBounds {
@@ -207,6 +177,8 @@ impl ProjectionBounds {
             false => (1.0 + edge[0] * edge[0] + edge[1] * edge[1]) * (1.0 + 2f64.powi(-20)),
         };
         let to_frame = dd::ldexp(1.0, -view.unit);
+        let scaled = |axis: DVec3| DVec3::from_array(axis.to_array().map(|x| dd::ldexp(x, -view.unit)));
+        let scaled_axes = [view.basis.u, view.basis.v, -view.basis.w].map(scaled);
         let host = f64::from(terms.host);
         let diagonal = step[0].hypot(step[1]) * host * (1.0 + 2f64.powi(-20));
         // Rounding to fixed point, and the remaining error of the host: half a unit each.
@@ -225,16 +197,16 @@ impl ProjectionBounds {
         ];
         let [whole, each, along, of_root, of_center] = terms.depth.map(f64::from);
         let scale = if parallel { [0.0, unit] } else { [unit, 0.0] };
-        let all = Steepness { slant: (m - 1.0).sqrt(), length: m.sqrt(), square: m };
+        let (slant, steep) = ((m - 1.0).sqrt(), m.sqrt());
         // R and T of a candidate by powers of rho; T has `blurred` besides.
-        let reach = [16.0 * m * coarse, std::f64::consts::SQRT_2 * all.length];
-        let total = [all.slant * reach[0], all.slant * reach[1] + all.length];
+        let reach = [16.0 * m * coarse, std::f64::consts::SQRT_2 * steep];
+        let total = [slant * reach[0], slant * reach[1] + steep];
         let whole = whole + each * (m - 1.0);
-        let offset = |k: usize, root: f64| U * (whole * total[k] + along * all.slant * reach[k] + of_root * root);
+        let offset = |k: usize, root: f64| U * (whole * total[k] + along * slant * reach[k] + of_root * root);
         let bound = |x: f64| not_below(INFLATE * x);
         let low = LowTerms {
             blurred: errors.map(|x| bound(2.0 * x)),
-            offset: [offset(0, 0.0) + all.slant * coarse, offset(1, all.length), U * (whole + of_root)].map(bound),
+            offset: [offset(0, 0.0) + slant * coarse, offset(1, steep), U * (whole + of_root)].map(bound),
             total: total.map(bound),
             scale: scale.map(|x| x as f32),
             // Its rounding to f32, and that of the difference.
@@ -252,7 +224,7 @@ impl ProjectionBounds {
         let wider = (2.0 * (errors[0] + few * (errors[1] + few * errors[2]))).sqrt() + errors[1];
         Ok(Self {
             basis: view.basis,
-            rotation: Rotation::new(&view.basis, view.unit),
+            scaled_axes,
             rotated: ROTATED * to_frame,
             axes: [right, up, back.map(|x| -x)],
             size,
@@ -263,7 +235,8 @@ impl ProjectionBounds {
             scale,
             shift,
             widest: m,
-            all,
+            slant,
+            steep,
             per_slope: slope.map(|s| 0.5 / s),
             edge,
             farthest: (dd::ldexp(1.0, (FIXED_BITS - shift) as i32) - 1.0).min(FARTHEST),
@@ -285,47 +258,38 @@ impl ProjectionBounds {
         })
     }
 
-    pub(super) fn record(&self, reference: f32, tolerance: f64) -> ProjectionRecord {
+    pub(super) fn record(&self, reference: f32, tolerance: f64, generals: usize) -> ProjectionRecord {
         let fixed = self.step.map(|step| dd::ldexp(step, -(self.shift as i32)));
         let of_rays = if self.parallel { [0.0; 2] } else { self.slope };
         let [unit, alone] = self.scale;
         ProjectionRecord {
-            slope_x: of_rays[0] as f32,
-            slope_y: of_rays[1] as f32,
-            step_x: self.step[0] as f32,
-            step_y: self.step[1] as f32,
-            fixed_x: fixed[0] as f32,
-            fixed_y: fixed[1] as f32,
+            slope: of_rays.map(|slope| slope as f32),
+            step: self.step.map(|step| step as f32),
+            fixed: fixed.map(|step| step as f32),
             shift: self.shift,
             unit: unit as f32,
-            error0: not_below(self.errors[0]),
-            error1: not_below(self.errors[1]),
-            error2: not_below(self.errors[2]),
+            errors: self.errors.map(not_below),
             edge: not_below(self.fine),
             depth: reference,
             // The width and the comparison are rounded too.
             tolerance: (tolerance.min(1.0) * (1.0 - 2f64.powi(-10))) as f32,
-            generals: 0,
+            generals: generals as u32,
             cull_margin: cull_margin(tolerance) as f32,
             size: (f64::from(reference) * unit + alone) as f32,
+            unused: [0.0; 3],
         }
     }
 
-    /// Whether devices can place spheres: their lens is not too wide for any projected sphere.
-    pub(super) fn is_placed_by_devices(&self) -> bool {
-        self.widest <= WIDEST
-    }
-
     /// The numbers from which devices place the spheres of an image, with depths relative to `reference`: of f64 those that a record
-    /// is computed from, of f32 those that decide where it lies. `fine` pixels of the view's frame are a pixel's side.
-    pub(super) fn placing_record(&self, reference: f32, image: [u32; 2], fine: u32) -> PlacingRecord {
+    /// is computed from, of f32 those that decide where it lies.
+    pub(super) fn placing_record(&self, reference: f32, image: [u32; 2]) -> PlacingRecord {
         let LowTerms { blurred, offset, total, scale, center, coordinates } = self.low;
         let of_rays = if self.parallel { [0.0; 2] } else { self.slope };
         let above = |x: f64| not_below(x * INFLATE);
         let middle = self.size.map(|size| 0.5 * (size - 1.0));
         PlacingRecord {
-            eye: self.rotation.eye.to_array().map(words),
-            axes: self.rotation.axes.map(|axis| axis.to_array().map(words)),
+            eye: self.basis.e.to_array().map(words),
+            axes: self.scaled_axes.map(|axis| axis.to_array().map(words)),
             per_slope: self.per_slope.map(words),
             middle: middle.map(words),
             reference: words(reference.into()),
@@ -338,7 +302,7 @@ impl ProjectionBounds {
             per_step: self.per_step.map(not_below),
             slope: of_rays.map(|slope| above(2.0 * slope)),
             edge: self.edge.map(not_below),
-            reach: [16.0 * self.all.square * self.coarse, std::f64::consts::SQRT_2 * self.all.length].map(above),
+            reach: [16.0 * self.widest * self.coarse, std::f64::consts::SQRT_2 * self.steep].map(above),
             per_slope_f32: self.per_slope.map(|x| x as f32),
             middle_f32: middle.map(|x| x as f32),
             corner: self.corner.map(|x| x as f32),
@@ -349,18 +313,13 @@ impl ProjectionBounds {
             per_unit: -dd::exponent(self.unit),
             to_frame: -self.frame,
             shift: self.shift,
-            fine,
+            fine: self.per_pixel as u32,
             parallel: u32::from(self.parallel),
             columns: image[0],
             rows: image[1],
             unused_a: 0,
             unused_b: 0,
         }
-    }
-
-    /// Exponent of the frame's unit.
-    pub(super) fn unit_exponent(&self) -> i32 {
-        self.frame
     }
 
     /// First and last column and row, in the view's frame, of the pixels of the tiles from `first` up to `ends`; the
@@ -374,13 +333,8 @@ impl ProjectionBounds {
     /// Whether f32 can represent depths of this size and the length of rho's unit there. No other condition on a sphere depends on the
     /// frame's unit.
     #[inline(always)]
-    fn is_in_range(&self, depth: f64) -> bool {
+    pub(super) fn is_in_range(&self, depth: f64) -> bool {
         (depth >= self.depths[0]) & (depth < self.depths[1])
-    }
-
-    /// The same of a depth in the world and the unit 2^`unit`. True for parallel rays, of which a frame that is not bounded is exact.
-    pub(super) fn is_in_range_of(&self, depth: f64, unit: i32) -> bool {
-        self.parallel || self.is_in_range(dd::ldexp(depth, -unit))
     }
 
     /// Whether spheres whose sizes have exponents from -`span` to `span` in the frame's unit are the same to the bounds in every unit

@@ -62,7 +62,7 @@ pub(super) struct RecordMaker<'a> {
 }
 
 /// Spheres that one job projects.
-const SPHERES_PER_JOB: usize = 1 << 14;
+pub(super) const SPHERES_PER_JOB: usize = 1 << 14;
 
 impl RecordMaker<'_> {
     /// Projects all spheres, those that are in no list too.

@@ -11,6 +11,7 @@ use super::projection::stage::Staged;
 use super::terms::TERMS;
 use crate::error::Result;
 use crate::memory::check;
+use crate::number::ldexp;
 use crate::number::vector::LANES;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::{NumberedBall, Scene, Spheres};
@@ -110,7 +111,7 @@ impl Sieve {
         let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
         check(DepthPyramid::bytes(pixels, &view.record), || format!("the depths that {pixels} pixels show"))?;
         let pyramid = DepthPyramid::new(&projection, size, raster.window, tolerance);
-        Ok(Some(Self { pyramid: pyramid.of_samples(&projection, &view.record), projection }))
+        Ok(Some(Self { pyramid: pyramid.of_samples(&projection, &view.record, tolerance), projection }))
     }
 
     /// Takes over what the spheres since the last refresh cover.
@@ -204,14 +205,15 @@ impl Sieve {
         matches!(self.projection.enclose(bounds), Enclosed::Missed | Enclosed::Unknown)
     }
 
-    /// Whether a sphere that is projected at this depth of the world has a form that f32 holds in the unit 2^`unit` too.
+    /// Whether a sphere that is projected at this depth of the world has a form that f32 holds in the unit 2^`unit` too. True for
+    /// parallel rays, of which a frame that is not bounded is exact.
     pub(crate) fn holds(&self, depth: f64, unit: i32) -> bool {
-        self.projection.is_in_range_of(depth, unit)
+        self.projection.parallel || self.projection.is_in_range(ldexp(depth, -unit))
     }
 
     /// The exponent of the unit of depths.
     pub(crate) fn unit(&self) -> i32 {
-        self.projection.unit_exponent()
+        self.projection.frame
     }
 }
 

@@ -3,12 +3,13 @@
 //! A point is its sphere's centre, an exact point of the world, and an offset of known error. So a scene far from the
 //! origin of the world loses nothing, and the sphere of the hit is decided by the side of its surface: no epsilon.
 
-use super::given::{Bounds, CertifiedRay, EPS, SHORT, SLACK, dot};
+use super::given::{AnyHit, Bounds, CertifiedRay, EPS, SHORT, SLACK};
 use crate::double_double as dd;
 use crate::exact::{Root, Toward, Truth};
 use crate::scene::{Ball, NumberedBall};
 use crate::view::View;
 use crate::view::placement::Placement;
+use crate::view::ray::dot3;
 use glam::DVec3;
 
 /// Bound of the error of a viewing ray's direction in f64, of its length: two roundings of u and v, and in each sum over
@@ -66,10 +67,10 @@ impl Away {
     #[inline(always)]
     fn new(k: i32, from_center: [f64; 3], aside: [f64; 3], Offset { offset, size, blur }: Offset) -> Self {
         let vector: [f64; 3] = std::array::from_fn(|n| (from_center[n] + aside[n]) - offset[n]);
-        let length = dot(vector, vector).sqrt();
+        let length = dot3(vector, vector).sqrt();
         // One rounding each of the difference from the centre, of the sum with `aside`, which is no longer than the vector
         // and the offset, and of the vector.
-        let first = if aside == [0.0; 3] { 0.0 } else { dot(from_center, from_center).sqrt() };
+        let first = if aside == [0.0; 3] { 0.0 } else { dot3(from_center, from_center).sqrt() };
         Self { vector, k, error: EPS * first + 2.0 * EPS * (length + size) + blur + SHORT }
     }
 }
@@ -85,28 +86,20 @@ pub(crate) struct Shining {
     pub(crate) inside: Option<bool>,
 }
 
-/// Whether the sphere of a point hides a light from it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum SelfOcclusion {
-    Blocked,
-    Clear,
-    Unsure,
-}
-
 impl SurfacePoint {
     /// The hit of the viewing ray of row `i` and column `j` on this sphere, which it does hit. The point may be too blurred,
     /// see [`Self::is_sharp`].
     pub(crate) fn seen(view: &View, placement: &Placement, [i, j]: [u32; 2], sphere: NumberedBall) -> Self {
         let direction = view.to_world(view.direction(i, j)).to_array();
         let start = view.to_world(view.origin(i, j)).to_array().map(|x| placement.radius(x));
-        let blur = START * dot(start, start).sqrt();
+        let blur = START * dot3(start, start).sqrt();
         let ray = CertifiedRay::new(placement, view.basis.e.to_array(), direction, f64::INFINITY)
             .beside(start, blur, DIRECTION);
-        match ray.meet(sphere.ball.center, sphere.ball.radius) {
+        match ray.meet(sphere.ball) {
             Some(bounds) => Self::met(&ray, &bounds, sphere),
             None => {
                 let p = ray.to(sphere.ball.center);
-                let nearest = dot(p, ray.direction) / ray.a;
+                let nearest = dot3(p, ray.direction) / ray.a;
                 let offset = std::array::from_fn(|n| nearest * ray.direction[n] - p[n]);
                 Self::new(sphere, offset, f64::NAN, true)
             }
@@ -117,14 +110,14 @@ impl SurfacePoint {
     #[inline(always)]
     pub(crate) fn met(ray: &CertifiedRay, bounds: &Bounds, sphere: NumberedBall) -> Self {
         let p = ray.to(sphere.ball.center);
-        let (size, length) = (dot(p, p).sqrt(), ray.a.sqrt());
+        let (size, length) = (dot3(p, p).sqrt(), ray.a.sqrt());
         let offset: [f64; 3] = std::array::from_fn(|n| bounds.t * ray.direction[n] - p[n]);
         let along = bounds.t * length;
         // p, t d and their difference take four roundings beside what the start and the direction are off by.
         let blur = (bounds.high - bounds.low) * length
-            + (ray.tilt() + 3.0 * EPS) * along
-            + 4.0 * EPS * (size + dot(offset, offset).sqrt())
-            + ray.blur();
+            + (ray.tilt + 3.0 * EPS) * along
+            + 4.0 * EPS * (size + dot3(offset, offset).sqrt())
+            + ray.blur;
         Self::new(sphere, offset, blur * (1.0 + BLURRED), bounds.outside)
     }
 
@@ -148,7 +141,7 @@ impl SurfacePoint {
     #[inline(always)]
     pub(crate) fn chord(&self, ray: &CertifiedRay) -> Bounds {
         let (along, doubt) = (-2.0 * self.along(ray), 2.0 * self.doubt(ray));
-        let relative = 4.0 * EPS + 3.0 * ray.tilt();
+        let relative = 4.0 * EPS + 3.0 * ray.tilt;
         let low = ((along - doubt) / ray.a * (1.0 - relative)).max(0.0);
         let high = ((along + doubt) / ray.a * (1.0 + relative)).max(low);
         Bounds { low, high, t: (along / ray.a).max(low).min(high), sure: along > doubt, outside: false }
@@ -163,7 +156,7 @@ impl SurfacePoint {
     }
 
     pub(super) fn new(NumberedBall { id, ball }: NumberedBall, offset: [f64; 3], blur: f64, outside: bool) -> Self {
-        let size = dot(offset, offset).sqrt();
+        let size = dot3(offset, offset).sqrt();
         let sign = if outside { 1.0 / size } else { -1.0 / size };
         Self { id, ball, offset, size, blur, outside, normal: offset.map(|x| x * sign) }
     }
@@ -191,7 +184,7 @@ impl SurfacePoint {
     /// Whether the direction of a ray from here is known well enough for answers.
     #[inline(always)]
     pub(crate) fn is_known(ray: &CertifiedRay) -> bool {
-        ray.tilt() <= TILTED * SLACK
+        ray.tilt <= TILTED * SLACK
     }
 
     /// The ray from here, however well its direction is known; `None` for a light at the very point.
@@ -210,7 +203,7 @@ impl SurfacePoint {
     #[inline(always)]
     fn segment(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3]) -> Option<CertifiedRay> {
         let Away { vector, k, error } = self.away(placement, to, beside, 0.0);
-        let length = dot(vector, vector).sqrt();
+        let length = dot3(vector, vector).sqrt();
         if length.is_nan() || length <= 0.0 {
             return None;
         }
@@ -252,21 +245,21 @@ impl SurfacePoint {
         let Ball { center, radius } = ball;
         let Away { vector, k, error } = self.away(placement, center, [0.0; 3], radius);
         let r = if k == 0 { placement.radius(radius) } else { dd::ldexp(radius, k - placement.k) };
-        let (a2, r2) = (dot(vector, vector), r * r);
+        let (a2, r2) = (dot3(vector, vector), r * r);
         // The squares, their sum and the difference take four roundings.
         let doubt = 8.0 * EPS * (a2 + r2) + 2.0 * error * (a2.sqrt() + error) * (1.0 + BLURRED) + SHORT * SHORT;
         let inside = match sign(a2 - r2, doubt) {
             _ if ball == self.ball => Some(true),
-            SelfOcclusion::Blocked => Some(false),
-            SelfOcclusion::Clear => Some(true),
-            SelfOcclusion::Unsure => None,
+            AnyHit::Blocked => Some(false),
+            AnyHit::Free => Some(true),
+            AnyHit::Unsure => None,
         };
         Shining { away: vector.into(), radius: r, inside }
     }
 
     /// The cosine between the normal and a ray from here, and whether it is positive for certain, or negative.
     #[inline(always)]
-    pub(crate) fn cosine(&self, ray: &CertifiedRay) -> (f64, SelfOcclusion) {
+    pub(crate) fn cosine(&self, ray: &CertifiedRay) -> (f64, AnyHit) {
         let along = self.along(ray);
         let side = if self.outside { along } else { -along };
         (side / (self.size * ray.a.sqrt()), sign(-side, self.doubt(ray)))
@@ -274,43 +267,43 @@ impl SurfacePoint {
 
     /// Whether the point's own sphere blocks the ray.
     #[inline(always)]
-    pub(crate) fn own(&self, ray: &CertifiedRay) -> SelfOcclusion {
+    pub(crate) fn own(&self, ray: &CertifiedRay) -> AnyHit {
         let (along, doubt) = (self.along(ray), self.doubt(ray));
         if self.outside {
             return sign(-along, doubt);
         }
         if ray.limit[0] == f64::INFINITY {
-            return SelfOcclusion::Blocked;
+            return AnyHit::Blocked;
         }
         let [low, high] = ray.limit.map(|limit| limit.min(BEYOND));
         // The power of the light: positive where the ray ends outside.
         let power = |limit: f64| limit * ray.a + 2.0 * along;
-        let doubt = 2.0 * doubt + high * ray.a * (8.0 * EPS + 3.0 * ray.tilt());
+        let doubt = 2.0 * doubt + high * ray.a * (8.0 * EPS + 3.0 * ray.tilt);
         match (sign(power(low), doubt), sign(power(high), doubt)) {
             (a, b) if a == b => a,
-            _ => SelfOcclusion::Unsure,
+            _ => AnyHit::Unsure,
         }
     }
 
     /// The product of offset and direction.
     #[inline(always)]
     fn along(&self, ray: &CertifiedRay) -> f64 {
-        dot(self.offset, ray.direction)
+        dot3(self.offset, ray.direction)
     }
 
     /// What [`Self::along`] is off by: the blur, the tilt, and five roundings.
     #[inline(always)]
     fn doubt(&self, ray: &CertifiedRay) -> f64 {
-        ((ray.tilt() + 5.0 * EPS) * self.size + self.blur + SHORT) * ray.a.sqrt() * (1.0 + BLURRED)
+        ((ray.tilt + 5.0 * EPS) * self.size + self.blur + SHORT) * ray.a.sqrt() * (1.0 + BLURRED)
     }
 }
 
-/// Hidden where x > 0 for certain, open where x < 0.
+/// Blocked where x > 0 for certain, free where x < 0.
 #[inline(always)]
-fn sign(x: f64, doubt: f64) -> SelfOcclusion {
+fn sign(x: f64, doubt: f64) -> AnyHit {
     match x {
-        x if x > doubt => SelfOcclusion::Blocked,
-        x if x < -doubt => SelfOcclusion::Clear,
-        _ => SelfOcclusion::Unsure,
+        x if x > doubt => AnyHit::Blocked,
+        x if x < -doubt => AnyHit::Free,
+        _ => AnyHit::Unsure,
     }
 }

@@ -109,14 +109,14 @@ impl Lists {
     /// Level: squares of 2^level tiles share a list.
     #[cfg(test)]
     pub(crate) fn level(&self) -> u32 {
-        self.grid.level()
+        self.grid.level
     }
 
     /// Creates the lists of every row of cells and concatenates them.
     fn gather(grid: Grid, keys: &Keys, maker: &RecordMaker<'_>, pool: &Pool) -> Self {
         let arch = pulp::Arch::new();
         let row = |own: &mut Vec<u64>, i: usize| arch.dispatch(Cells { grid, keys, i, maker, own, pool });
-        let rows: Vec<Self> = (0..grid.rows() as usize).into_par_iter().map_init(Vec::new, row).collect();
+        let rows: Vec<Self> = (0..grid.rows as usize).into_par_iter().map_init(Vec::new, row).collect();
         let mut ends = Vec::with_capacity(grid.cells());
         let mut first = 0;
         for row in &rows {
@@ -164,7 +164,7 @@ impl Lists {
         self.depths.extend(chunk.map(|p| p.depth));
     }
 
-    /// Appends the list of these keys: in order, as far as needed, padded.
+    /// Appends the entries of these keys: in order, as far as needed, padded.
     #[inline(always)]
     fn fill(&mut self, keys: &mut [u64], mut records: ListRecords<'_>) {
         let mut rest = keys;
@@ -184,7 +184,6 @@ impl Lists {
                 for (n, chunk) in group.chunks(CHUNK).enumerate() {
                     let chunk_min_depth = number((chunk[0] >> 32) as u32);
                     if records.limit().is_some_and(|limit| f64::from(chunk_min_depth) > limit) {
-                        self.ends.push(self.projected.len() as u32);
                         return;
                     }
                     let mut placed = [PADDING; CHUNK];
@@ -195,7 +194,6 @@ impl Lists {
             rest = later;
             batch *= 2;
         }
-        self.ends.push(self.projected.len() as u32);
     }
 }
 
@@ -233,17 +231,16 @@ impl NullaryFnOnce for Cells<'_> {
     #[inline(always)]
     fn call(self) -> Lists {
         let Self { grid, keys, i, maker, own, pool } = self;
-        let columns = grid.columns() as usize;
+        let columns = grid.columns as usize;
         let starts = keys.of_row(i, columns, own);
         let mut row = Lists::with_capacity(grid, own.len() + columns * CHUNK, pool);
         for (j, pair) in starts.windows(2).enumerate() {
             let own = &mut own[pair[0] as usize..pair[1] as usize];
-            if own.is_empty() {
-                row.ends.push(row.projected.len() as u32);
-                continue;
+            if !own.is_empty() {
+                let tile = (grid.level == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
+                row.fill(own, maker.begin(tile));
             }
-            let tile = (grid.level() == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
-            row.fill(own, maker.begin(tile));
+            row.ends.push(row.projected.len() as u32);
         }
         row
     }

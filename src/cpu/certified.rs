@@ -7,6 +7,7 @@ mod strip;
 mod triples;
 
 use crate::answers::raw::Raw;
+use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::kernel::Kernel;
 use crate::number::vector::{LANES, WIDE};
@@ -28,21 +29,18 @@ pub(crate) fn certified(
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    each_strip(&StripFrame::new(kernel, view, binned, colors), raw, go_on);
-}
-
-/// Strips are as wide as the processor's vectors.
-fn each_strip(frame: &StripFrame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync)) {
+    let frame = StripFrame { certify: Certify::new(&view.record, binned), kernel, colors };
+    // Strips are as wide as the processor's vectors.
     match pulp::Arch::new() {
         #[cfg(target_arch = "x86_64")]
-        pulp::Arch::V4(lanes) => each_strip_of::<WIDE>(frame, lanes, raw, go_on),
-        _ => each_strip_of::<LANES>(frame, Portable, raw, go_on),
+        pulp::Arch::V4(lanes) => each_strip::<WIDE>(&frame, lanes, raw, go_on),
+        _ => each_strip::<LANES>(&frame, Portable, raw, go_on),
     }
 }
 
-/// The same in strips of `N` lanes, which are whole rows of tiles of the full frame, whichever part of it the window shows.
+/// Fills `raw` in strips of `N` lanes, which are whole rows of tiles of the full frame, whichever part of it the window shows.
 /// Pixels beyond the window are computed but not written.
-fn each_strip_of<const N: usize>(
+fn each_strip<const N: usize>(
     frame: &StripFrame<'_>,
     triples: impl Triples,
     raw: &mut Raw,
@@ -92,8 +90,8 @@ impl<const N: usize, T: Triples> NullaryFnOnce for Strips<'_, '_, N, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certify::Answer;
     use crate::certify::binned::Binning;
-    use crate::certify::{Answer, Certify};
     use crate::kernel::Certificate;
     use crate::memory::Pool;
     use crate::scene::Scene;
@@ -137,10 +135,12 @@ mod tests {
                     let k = certify.nearest_two(&s);
                     assert_eq!((k.low, k.second, k.slot), (two.low[l], two.second[l], two.slot[l]));
                     if k.slot != NONE {
-                        let (answer, single) = (answers.get(l), certify.certify_winner(&s, &k));
-                        // A strip keeps no bound of normals.
-                        let single = Answer { turn: 0.0, ..single };
-                        assert_eq!(format!("{answer:?}"), format!("{single:?}"), "row {i}, column {first} + {l}");
+                        let single = certify.certify_winner(&s, &k);
+                        let certain = certify.certain(&single, [k.low, k.second]);
+                        let Answer { id, offset, depth_interval, normal: [x, y, z], .. } = single;
+                        let numbers = [offset, depth_interval, x, y, z].map(f32::to_bits);
+                        let own = (answers.id[l], answers.certain[l] != 0, answers.numbers.map(|n| n[l].to_bits()));
+                        assert_eq!(own, (id, certain, numbers), "row {i}, column {first} + {l}");
                         hits += 1;
                     }
                 }
@@ -169,16 +169,19 @@ mod tests {
             let pool = Pool::default();
             let binned =
                 BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &pool)).expect("a stage").expect("a projection");
-            let frame = StripFrame::new(&kernel, &view, &binned, None);
+            let frame = StripFrame { certify: Certify::new(&view.record, &binned), kernel: &kernel, colors: None };
             let raw = |render: &dyn Fn(&mut Raw)| {
                 let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
                 render(&mut raw);
                 raw
             };
-            let narrow = raw(&|raw| each_strip_of::<LANES>(&frame, Portable, raw, &|| true));
+            let narrow = raw(&|raw| each_strip::<LANES>(&frame, Portable, raw, &|| true));
             assert!(narrow.id.iter().any(|id| *id < 500), "the window shows something");
-            assert!(narrow == raw(&|raw| each_strip_of::<WIDE>(&frame, Portable, raw, &|| true)));
-            assert!(narrow == raw(&|raw| each_strip(&frame, raw, &|| true)), "with the processor's vectors");
+            assert!(narrow == raw(&|raw| each_strip::<WIDE>(&frame, Portable, raw, &|| true)));
+            assert!(
+                narrow == raw(&|raw| certified(&kernel, &view, &binned, None, raw, &|| true)),
+                "with the processor's vectors"
+            );
         }
     }
 }

@@ -2,7 +2,7 @@
 //! the few spheres that are left.
 
 use super::foremost::Foremost;
-use crate::certify::given::{Bounds, CertifiedRay, HitNumbers};
+use crate::certify::given::{AnyHit, Bounds, CertifiedRay, HitNumbers};
 use crate::search::tree::lanes::{Lanes, Portable, TASK, Work, dispatch};
 use crate::search::tree::walk::{Test, may_meet, may_pass, walk};
 use crate::search::tree::{BoxRay, Tree, order};
@@ -10,32 +10,11 @@ use crate::view::given::{GivenRay, Rays};
 use rayon::prelude::*;
 
 /// The answer to the nearest hit of one ray.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum NearestHit {
     Miss,
     Hit { id: u32, numbers: HitNumbers },
     Unsure,
-}
-
-/// The answer to whether one ray hits anything.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum AnyHit {
-    Free,
-    Blocked,
-    Unsure,
-}
-
-impl AnyHit {
-    /// What a sphere does to a ray: blocked where it is hit for certain before the limit.
-    #[inline(always)]
-    pub(super) fn of(ray: &CertifiedRay, [x, y, z, radius]: [f64; 4]) -> Self {
-        match ray.meet([x, y, z], radius) {
-            Some(bounds) if bounds.low >= ray.limit[1] => Self::Free,
-            Some(bounds) if bounds.sure && bounds.high < ray.limit[0] => Self::Blocked,
-            Some(_) => Self::Unsure,
-            None => Self::Free,
-        }
-    }
 }
 
 /// Rays and the spheres that they may hit.
@@ -95,8 +74,7 @@ impl Given<'_> {
     /// The answer where the nearest hit is that of the sphere at `place`.
     #[inline(always)]
     fn hit(&self, ray: &CertifiedRay, place: usize, bounds: &Bounds) -> NearestHit {
-        let [x, y, z, radius] = self.tree.spheres[place];
-        let numbers = ray.numbers([x, y, z], radius, bounds);
+        let numbers = ray.numbers(self.tree.ball(place), bounds);
         let good = bounds.sure && numbers.error <= self.tolerance && numbers.tilt <= TILT;
         if good { NearestHit::Hit { id: self.tree.ids[place], numbers } } else { NearestHit::Unsure }
     }
@@ -145,12 +123,6 @@ impl Given<'_> {
         }
         order(count, |n| self.ray(&self.rays.ray(n as usize)).map(|(_, boxes)| boxes))
     }
-
-    #[inline(always)]
-    fn meet(&self, ray: &CertifiedRay, place: usize) -> Option<Bounds> {
-        let [x, y, z, radius] = self.tree.spheres[place];
-        ray.meet([x, y, z], radius)
-    }
 }
 
 /// The search for the nearest hit of a ray, among the spheres whose places count.
@@ -168,9 +140,8 @@ impl<L: Lanes, F: Fn(usize) -> bool> Test for NearestSearch<'_, L, F> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
         for place in may_meet(self.lanes, self.tree, block, self.boxes, self.limit) {
-            let [x, y, z, radius] = self.tree.spheres[place];
             if (self.counts)(place)
-                && let Some(bounds) = self.ray.meet([x, y, z], radius)
+                && let Some(bounds) = self.ray.meet(self.tree.ball(place))
                 && self.foremost.keep(self.tree, self.ray, place, bounds)
             {
                 self.limit = self.boxes.limit(bounds.high);
@@ -203,7 +174,7 @@ impl<L: Lanes, F: Fn(usize) -> bool> Test for AnySearch<'_, L, F> {
             if !(self.counts)(place) {
                 continue;
             }
-            match AnyHit::of(self.ray, self.tree.spheres[place]) {
+            match AnyHit::of(self.ray, self.tree.ball(place)) {
                 AnyHit::Free => {}
                 AnyHit::Unsure => self.found = AnyHit::Unsure,
                 AnyHit::Blocked => {
@@ -229,7 +200,7 @@ struct NearestCandidates<'a, 'b> {
 impl Test for NearestCandidates<'_, '_> {
     fn test(&mut self, block: u32) -> f32 {
         for place in self.given.tree.places(block) {
-            if let Some(bounds) = self.given.meet(self.ray, place) {
+            if let Some(bounds) = self.ray.meet(self.given.tree.ball(place)) {
                 self.all.push((bounds.low, self.given.tree.ids[place]));
                 if bounds.sure {
                     self.nearest = self.nearest.min(bounds.high);
@@ -241,7 +212,7 @@ impl Test for NearestCandidates<'_, '_> {
 }
 
 /// A question to a ray, by its answer.
-pub(crate) trait Query: Copy + Send + Sync {
+pub(crate) trait Query: Copy + PartialEq + Send + Sync {
     /// Whether any hit is an answer.
     const ANY: bool;
     /// The answer of a ray that hits nothing.
@@ -251,8 +222,6 @@ pub(crate) trait Query: Copy + Send + Sync {
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self;
     /// The answer of a ray for which a device has proved what it hits: the sphere at `place` in the order of the tree.
     fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self;
-    /// Whether the ray is not decided.
-    fn is_unsure(&self) -> bool;
 }
 
 impl Query for NearestHit {
@@ -264,11 +233,8 @@ impl Query for NearestHit {
         given.nearest_of(lanes, ray)
     }
     fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self {
-        let known = given.ray(ray).and_then(|(ray, _)| Some((given.meet(&ray, place)?, ray)));
+        let known = given.ray(ray).and_then(|(ray, _)| Some((ray.meet(given.tree.ball(place))?, ray)));
         known.map_or(Self::Unsure, |(bounds, ray)| given.hit(&ray, place, &bounds))
-    }
-    fn is_unsure(&self) -> bool {
-        matches!(self, Self::Unsure)
     }
 }
 
@@ -282,9 +248,6 @@ impl Query for AnyHit {
     }
     fn hit(_: &Given<'_>, _: &GivenRay, _: usize) -> Self {
         Self::Blocked
-    }
-    fn is_unsure(&self) -> bool {
-        *self == Self::Unsure
     }
 }
 

@@ -1,9 +1,9 @@
 //! Spheres between points of surfaces and lights: rays that leave a sphere, which is left out because the side of its
 //! surface decides about it.
 
-use super::given_certified::{AnyHit, AnySearch};
-use crate::certify::given::CertifiedRay;
-use crate::certify::surface::{SelfOcclusion, SurfacePoint};
+use super::given_certified::AnySearch;
+use crate::certify::given::{AnyHit, CertifiedRay};
+use crate::certify::surface::SurfacePoint;
 use crate::scene::Ball;
 use crate::search::tree::lanes::{Lanes, Portable, Work, dispatch};
 use crate::search::tree::walk::{Test, walk};
@@ -23,9 +23,9 @@ impl LightRay<'_> {
     /// Whether the light is hidden, by the sphere of the point or by another.
     pub(crate) fn answer(&self) -> AnyHit {
         match self.point.own(self.ray) {
-            SelfOcclusion::Blocked => AnyHit::Blocked,
-            SelfOcclusion::Clear => self.others(),
-            SelfOcclusion::Unsure => match self.others() {
+            AnyHit::Blocked => AnyHit::Blocked,
+            AnyHit::Free => self.others(),
+            AnyHit::Unsure => match self.others() {
                 AnyHit::Free => AnyHit::Unsure,
                 answer => answer,
             },
@@ -94,7 +94,7 @@ impl Test for HidingSpheres<'_> {
     fn test(&mut self, block: u32) -> f32 {
         let LightRay { tree, ray, .. } = *self.light_ray;
         for place in tree.places(block).filter(|place| self.light_ray.counts(*place)) {
-            if AnyHit::of(ray, tree.spheres[place]) != AnyHit::Free {
+            if AnyHit::of(ray, tree.ball(place)) != AnyHit::Free {
                 self.all.push(tree.ball(place));
             }
         }

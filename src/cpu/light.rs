@@ -14,7 +14,7 @@ use crate::search::tree::lanes::TASK;
 use crate::view::directions::PixelSample;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
-use bounce::Bounces;
+use bounce::{Onward, follow};
 use colors::Colors;
 use glam::DVec3;
 pub(crate) use lighting::{LightOutputs, LightingContext};
@@ -65,7 +65,8 @@ struct PixelShader<'a> {
     lighting: &'a LightingContext<'a>,
     rays: PictureRays<'a>,
     at_point: PointLight<'a>,
-    bounces: Bounces,
+    /// Rays that go on.
+    onward: Vec<Onward>,
     /// The colour is requested, and needs no rays.
     rayless: bool,
     /// Nothing but the colour is requested.
@@ -80,7 +81,7 @@ impl<'a> PixelShader<'a> {
             lighting,
             rays: PictureRays::new(lighting.view),
             at_point: PointLight::new(lighting),
-            bounces: Bounces::default(),
+            onward: Vec::new(),
             rayless: color && lighting.is_rayless(),
             color_alone: color && !shadow && !occlusion && !sky,
             shadow: Vec::new(),
@@ -89,7 +90,7 @@ impl<'a> PixelShader<'a> {
 
     /// The light of a pixel that shows this sphere.
     fn shade_pixel(&mut self, pixel: u32, id: u32) -> PixelLight<'_> {
-        let Self { lighting, rays, at_point, bounces, rayless, color_alone, shadow } = self;
+        let Self { lighting, rays, at_point, onward, rayless, color_alone, shadow } = self;
         let LightOutputs { color, .. } = lighting.outputs;
         let record = &lighting.view.record;
         let [row, column] = record.place(pixel);
@@ -141,7 +142,7 @@ impl<'a> PixelShader<'a> {
         if color && !*rayless {
             light.color = at_point.color(&surface, along);
             if let Some(point) = point.get().filter(|_| lighting.bounces > 0) {
-                let (more, proved) = bounces.follow(at_point, *point, along, at);
+                let (more, proved) = follow(onward, at_point, *point, along, at);
                 light.color += more;
                 if !proved {
                     light.certainty = Some(NOT_CERTIFIED);

@@ -92,7 +92,7 @@ impl<T: Fused> Quick<T> {
         if let Some([x, y]) = from {
             (offset[0], offset[1]) = (x, y);
         }
-        let (r, [p, q, s]) = (Dd::of(radius), splat(body.p));
+        let (r, [p, q, s]) = (Dd::from(radius), splat(body.p));
         let [x, y, z] = basis.world([(offset[0] - p) / r, (offset[1] - q) / r, (offset[2] - s) / r]);
         let mut normal = [x.value(), y.value(), z.value()];
         if root == Root::Far {
@@ -100,9 +100,9 @@ impl<T: Fused> Quick<T> {
         }
         let offset = basis.world(offset);
         let place = [
-            offset[0].ldexp(body.k) + Dd::of(T::splat(eye[0])),
-            offset[1].ldexp(body.k) + Dd::of(T::splat(eye[1])),
-            offset[2].ldexp(body.k) + Dd::of(T::splat(eye[2])),
+            offset[0].ldexp(body.k) + Dd::from(T::splat(eye[0])),
+            offset[1].ldexp(body.k) + Dd::from(T::splat(eye[1])),
+            offset[2].ldexp(body.k) + Dd::from(T::splat(eye[2])),
         ];
         Self {
             good,

@@ -26,7 +26,7 @@ use super::decide::{ExactFrame, Root, power, root};
 use super::field::FieldBasis;
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::dyadic::{self, Dyadic};
-use crate::number::{Fused, Mask};
+use crate::number::{Fused, Mask, power_of_two};
 use crate::scene::Ball;
 use crate::scene::camera::ExactViewport;
 use std::cmp::Ordering;
@@ -48,11 +48,6 @@ const SCREEN: f64 = 8.0 * power_of_two(-53);
 /// The f64 pass compares |dir x p|^2 (three squares and two sums) with a reach^2 (rounded a and reach, their square
 /// and product): fewer than 16 roundings between them.
 const COMPARE: f64 = 1.0 + 16.0 * power_of_two(-53);
-
-/// 2^k for normal results.
-const fn power_of_two(k: i64) -> f64 {
-    f64::from_bits(((k + 1023) as u64) << 52)
-}
 
 /// A frame's basis for [`Body::new`]: unit vectors, every component within 2^-104 of itself.
 pub(crate) struct AxesDd(pub(crate) [Dd3; 3]);
@@ -236,17 +231,17 @@ impl<T: Fused> FilterRay<T> {
         let right = Self::part(columns, [dd::ldexp(lens.vw, -k), 1.0, 1.0], width);
         let up = Self::part(rows, lens.height(k), height);
         if lens.is_parallel() {
-            let ahead = [Dd::of(T::ZERO), Dd::of(T::ZERO), Dd::of(T::splat(1.0))];
+            let ahead = [Dd::from(T::ZERO), Dd::from(T::ZERO), Dd::from(T::splat(1.0))];
             return Self { from: Some(([right, up], k)), ..Self::new(ahead, 0) };
         }
-        Self::new([right, up, Dd::of(T::splat(dd::ldexp(lens.d, -k)))], k)
+        Self::new([right, up, Dd::from(T::splat(dd::ldexp(lens.d, -k)))], k)
     }
 
     /// n x y / (2 z count)
     #[inline(always)]
     fn part(n: T, [x, y, z]: [f64; 3], count: u32) -> Dd<T> {
         let by: Dd = Dd::product(z, 2.0 * f64::from(count));
-        Dd::product(n, T::splat(x)) * Dd::of(T::splat(y)) / Dd::splat(by)
+        Dd::product(n, T::splat(x)) * Dd::from(T::splat(y)) / Dd::splat(by)
     }
 
     /// The origin of a parallel ray in the plane of the eye, times 2^-k.

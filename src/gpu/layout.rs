@@ -251,11 +251,11 @@ mod tests {
             low_coordinates low_total low_scale per_step slope edge reach per_slope_f32 middle_f32 corner end rotated wider
             farthest per_unit to_frame shift fine parallel columns rows unused_a unused_b);
         same!(place "BlockPass", BlockPass, first count mode pieces groups unused_a unused_b unused_c);
-        same!(certified "Projection", ProjectionRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1
-            error2 edge depth tolerance generals cull_margin size);
+        same!(certified "Projection", ProjectionRecord, slope step fixed shift unit errors edge depth tolerance generals
+            cull_margin size);
         same!(certified "Projected", ProjectedRecord, x y rho low);
         same!(certified "ProjectedDetail", ProjectedDetailRecord, subpixel_offset center id);
-        same!(certified "General", GeneralRecord, center_radius power scale form id column row start by_column by_row blur);
+        same!(certified "General", GeneralRecord, center_radius power scale form id pixel by start blur);
         assert_eq!(constant(&certified, "GENERAL"), f64::from(crate::certify::GENERAL));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::view::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres

@@ -1,5 +1,4 @@
-//! The perpendicular form in unevaluated sums of two f32, about 48 bits: the code of [`Stable`] with another number
-//! type, which is the twin of number/double_float.wgsl, operation for operation. Every f32 operation in Rust rounds
+//! The perpendicular form in unevaluated sums of two f32, about 48 bits: a number type, which is the twin of number/double_float.wgsl, operation for operation. Every f32 operation in Rust rounds
 //! once, so the shader's barrier is not needed here.
 //!
 //! Sources: Knuth (TwoSum), Dekker 1971 (FastTwoSum, split and product); Joldes, Muller, Popescu, *Tight and rigorous
@@ -8,28 +7,9 @@
 //! Muller, Picot, Rideau, *Accurate calculation of Euclidean norms using double-word arithmetic*, ACM TOMS 49 (2023)
 //! (square root, 25/8 u^2); u = 2^-24.
 
-use super::Intersect;
-use super::stable::Stable;
 use crate::number::vector::{LANES, Laned, Vector};
 use crate::number::{Arithmetic, Mask, Number};
-use crate::view::Sphere;
-use crate::view::ray::Ray;
 use std::ops::{Add, Div, Mul, Neg, Sub};
-
-pub(crate) struct DoubleFloat;
-
-impl Intersect for DoubleFloat {
-    type Number = Pair<f32>;
-
-    #[inline(always)]
-    fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
-        Stable::intersect(ray, s)
-    }
-
-    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
-        Stable::normal_at(ray, s, t)
-    }
-}
 
 /// `hi + lo` with |lo| <= ulp(hi)/2, in f32 or in vectors of it.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -166,13 +146,7 @@ where
 }
 
 impl Number for Pair<f32> {
-    const HALF: Self = Self { hi: 0.5, lo: 0.0 };
     const ONE: Self = Self { hi: 1.0, lo: 0.0 };
-
-    fn from_i32(x: i32) -> Self {
-        let hi = x as f32;
-        Self { hi, lo: (f64::from(x) - f64::from(hi)) as f32 }
-    }
 
     fn from_hi_lo(hi: f32, lo: f32) -> Self {
         Self { hi, lo }

@@ -2,16 +2,14 @@
 //! Computed for d of unit length; the result t/|d| belongs to the given ray.
 
 use super::Intersect;
-use super::roots::{closest, normal_from_point};
-use crate::number::{Arithmetic, Mask, Number, TruthValue};
+use super::roots::closest;
+use crate::number::{Arithmetic, Mask, TruthValue};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, negated, radius};
 
 pub(crate) struct Geometric;
 
 impl Intersect for Geometric {
-    type Number = f32;
-
     #[inline(always)]
     fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
@@ -26,9 +24,5 @@ impl Intersect for Geometric {
         }
         let delta_t = (r2 - l_m2).sqrt();
         misses.pick(R::MISS, closest((t_m - delta_t) / length, (t_m + delta_t) / length))
-    }
-
-    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
-        normal_from_point(ray, s, t)
     }
 }

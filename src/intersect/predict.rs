@@ -43,6 +43,9 @@ const VANISH: f64 = HOST * HOST * HOST * HOST * HOST / 4.0;
 /// where an error is so large that its square matters.
 const INFLATE: f64 = 1.0 + 1.0 / 1024.0;
 
+/// Outline errors above this give a warning: a fiftieth of a radius is visible.
+const VISIBLE: f64 = 0.02;
+
 /// A-priori bounds of one method on one scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prediction {
@@ -63,36 +66,19 @@ impl Prediction {
     /// Those of [`View::new`]; [`Error::Settings`] for an orthographic camera, which uncertified methods do not
     /// support.
     pub fn of(scene: &Scene, method: Method) -> Result<Option<Self>> {
-        Ok(Self::each(scene, &[method])?.map(|each| each[0]))
-    }
-
-    /// The predictions for each of `methods`, in one pass over the spheres.
-    pub(crate) fn each(scene: &Scene, methods: &[Method]) -> Result<Option<Vec<Self>>> {
         if scene.camera.lens.is_orthographic() {
             let problem =
                 "uncertified methods do not support orthographic cameras, and certified answers need no prediction";
             return Err(Error::settings(problem, "render without a prediction, or give the camera a vfov"));
         }
-        let view = View::without_spheres(scene)?;
-        Ok(Self::among(view.moved(&scene.spheres.centers, &scene.spheres.radii), methods))
+        Ok(Self::of_view(&View::without_spheres(scene)?, scene, method))
     }
 
-    /// The prediction for the spheres of `scene`'s view, which may not store their records.
+    /// The prediction for the spheres of `scene`, seen from its view.
     pub(crate) fn of_view(view: &View, scene: &Scene, method: Method) -> Option<Self> {
         let Spheres { centers, radii, .. } = &scene.spheres;
         let one = |(id, s)| Self::of_sphere(&Extent::of(&s), id as u32, method);
-        match view.spheres.is_empty() {
-            true => view.moved(centers, radii).enumerate().map(one).reduce_with(Self::and),
-            false => view.spheres.par_iter().copied().enumerate().map(one).reduce_with(Self::and),
-        }
-    }
-
-    fn among(spheres: impl IndexedParallelIterator<Item = SphereRecord>, methods: &[Method]) -> Option<Vec<Self>> {
-        let each = spheres.enumerate().map(|(id, s)| {
-            let extent = Extent::of(&s);
-            methods.iter().map(|method| Self::of_sphere(&extent, id as u32, *method)).collect::<Vec<_>>()
-        });
-        each.reduce_with(|a, b| a.into_iter().zip(b).map(|(a, b)| a.and(b)).collect())
+        view.moved(centers, radii).enumerate().map(one).reduce_with(Self::and)
     }
 
     fn of_sphere(extent: &Extent, sphere: u32, method: Method) -> Self {
@@ -118,12 +104,7 @@ impl Prediction {
     pub fn worst(&self) -> f64 {
         self.outline.max(self.distance)
     }
-}
 
-/// Outline errors above this give a warning: a fiftieth of a radius is visible.
-const VISIBLE: f64 = 0.02;
-
-impl Prediction {
     /// Whether outlines or distances may be off by so much that a picture shows it.
     pub(crate) fn is_visible(&self) -> bool {
         self.worst() > VISIBLE

@@ -19,8 +19,6 @@ fn discriminant<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>, g: [R; 3]) -> R {
 }
 
 impl Intersect for Stable {
-    type Number = f32;
-
     #[inline(always)]
     fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = center(s);

@@ -1,16 +1,14 @@
 //! The general quadratic: |p + t d|^2 = r^2 with p from the centre to the ray's origin, d of any length.
 
 use super::Intersect;
-use super::roots::{closest, normal_from_point};
-use crate::number::{Arithmetic, Mask, Number, TruthValue};
+use super::roots::closest;
+use crate::number::{Arithmetic, Mask, TruthValue};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, negated, radius};
 
 pub(crate) struct Textbook;
 
 impl Intersect for Textbook {
-    type Number = f32;
-
     #[inline(always)]
     fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
@@ -24,9 +22,5 @@ impl Intersect for Textbook {
         }
         let root = discriminant.sqrt();
         misses.pick(R::MISS, closest((-b - root) / a, (-b + root) / a))
-    }
-
-    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
-        normal_from_point(ray, s, t)
     }
 }

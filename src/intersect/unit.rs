@@ -2,16 +2,14 @@
 //! ray.
 
 use super::Intersect;
-use super::roots::{closest, normal_from_point};
-use crate::number::{Arithmetic, Mask, Number, TruthValue};
+use super::roots::closest;
+use crate::number::{Arithmetic, Mask, TruthValue};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, negated, radius};
 
 pub(crate) struct Unit;
 
 impl Intersect for Unit {
-    type Number = f32;
-
     #[inline(always)]
     fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
@@ -25,9 +23,5 @@ impl Intersect for Unit {
         }
         let root = discriminant.sqrt();
         misses.pick(R::MISS, closest((-b - root) / length, (-b + root) / length))
-    }
-
-    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
-        normal_from_point(ray, s, t)
     }
 }

@@ -5,6 +5,8 @@
 //! to compile this crate. Masks of bits instead of truth values: of `bool` the compiler makes scalar code.
 
 use super::{Arithmetic, Fused, Mask, Number, TruthValue, ldexp};
+use bytemuck::Pod;
+use pulp::cast;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
@@ -20,8 +22,7 @@ pub struct Vector<T>(pub [T; LANES]);
 
 /// The bits of a number, as wide as the number.
 pub trait Bits:
-    Copy
-    + Default
+    Pod
     + BitAnd<Output = Self>
     + BitOr<Output = Self>
     + BitXor<Output = Self>
@@ -30,7 +31,6 @@ pub trait Bits:
     + Debug
     + Send
     + Sync
-    + 'static
 {
     /// All of them where `yes`, else none.
     fn all_if(yes: bool) -> Self;
@@ -38,8 +38,18 @@ pub trait Bits:
     fn narrow(self) -> u32;
 }
 
-macro_rules! bits {
-    ($bits:ty) => {
+/// A number that fits into a lane.
+pub trait Lane: Number + Debug + Pod {
+    /// Its bits.
+    type Bits: Bits;
+}
+
+macro_rules! lane {
+    ($number:ty, $bits:ty) => {
+        impl Lane for $number {
+            type Bits = $bits;
+        }
+
         impl Bits for $bits {
             #[inline(always)]
             fn all_if(yes: bool) -> Self {
@@ -48,34 +58,6 @@ macro_rules! bits {
             #[inline(always)]
             fn narrow(self) -> u32 {
                 self as u32
-            }
-        }
-    };
-}
-bits!(u32);
-bits!(u64);
-
-/// A number that fits into a lane.
-pub trait Lane: Number + Debug {
-    /// Its bits.
-    type Bits: Bits;
-    /// Its bits.
-    fn bits(self) -> Self::Bits;
-    /// The number with these bits.
-    fn of_bits(bits: Self::Bits) -> Self;
-}
-
-macro_rules! lane {
-    ($number:ty, $bits:ty) => {
-        impl Lane for $number {
-            type Bits = $bits;
-            #[inline(always)]
-            fn bits(self) -> $bits {
-                self.to_bits()
-            }
-            #[inline(always)]
-            fn of_bits(bits: $bits) -> Self {
-                Self::from_bits(bits)
             }
         }
     };
@@ -146,8 +128,8 @@ impl<B: Bits> TruthValue for Vector<B> {
 /// `yes` where the bits are set, else `no`.
 #[inline(always)]
 pub fn pick<T: Lane>(bits: T::Bits, yes: T, no: T) -> T {
-    let other = no.bits();
-    T::of_bits(other ^ ((other ^ yes.bits()) & bits))
+    let (yes, other): (T::Bits, T::Bits) = (cast(yes), cast(no));
+    cast(other ^ ((other ^ yes) & bits))
 }
 
 impl<T: Lane> Mask<Vector<T>> for Vector<T::Bits> {

@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use crate::answers::settle::Settled;
 use crate::certify::binned::BinnedScene;
-use crate::certify::general::GeneralRecord;
+use crate::certify::general::{General, GeneralRecord};
 use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
@@ -21,9 +21,9 @@ use crate::window::Window;
 /// than a tile have about 1.1 entries. Spheres that no ray hits have none, but that is not known at this point.
 const STAGED: u64 = 126;
 
-/// Bytes per general sphere while its lists are made: its record in the list of a job and in that of all, its numbers in f64 (104),
+/// Bytes per general sphere while its lists are made: its record in the list of a job and in that of all, its numbers in f64,
 /// its place among all (4), and its place and lower bound in the list of the whole image (12).
-const GENERAL: u64 = 2 * size_of::<GeneralRecord>() as u64 + 104 + 4 + 12;
+const GENERAL: u64 = (2 * size_of::<GeneralRecord>() + size_of::<General<f64>>() + 4 + 12) as u64;
 
 /// Bytes per tile of the lists of general spheres: the tile's list while they are laid out (4), and its range (8).
 const NEAR_TILE: u64 = 12;

@@ -399,7 +399,7 @@ impl Renderer {
             }
             None => {
                 let row = || doing.next(u64::from(view.record.columns));
-                timings.time("trace", || cpu::render(&plan.kernel, view, colors, raw, &row));
+                timings.time("trace", || cpu::render(&plan.kernel, view, None, colors, raw, &row));
             }
         }
         doing.end()

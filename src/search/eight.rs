@@ -1,4 +1,4 @@
-//! The closest hits of eight rays, each that of [`super::nearest`] bit for bit.
+//! The closest hits of eight rays among all spheres: the twin of search/all.wgsl, each bit for bit as alone.
 
 use crate::intersect::Intersect;
 use crate::number::vector::{LANES, Laned, Vector};
@@ -21,6 +21,13 @@ pub(crate) fn together<N: Laned>(rays: &[Ray<N>; LANES]) -> Ray<N::Vector> {
     Ray { d: [0, 1, 2].map(|k| N::gather(rays.map(|ray| ray.d[k]))) }
 }
 
+/// A sphere for each of eight rays, by components.
+#[inline(always)]
+pub(crate) fn spheres_together<N: Laned>(own: &[Sphere<N>; LANES]) -> Sphere<N::Vector> {
+    let center_radius = [0, 1, 2, 3].map(|k| N::gather(own.map(|s| s.center_radius[k])));
+    Sphere { center_radius, power: N::gather(own.map(|s| s.power)), scale: N::gather(own.map(|s| s.scale)) }
+}
+
 /// `yes` where the mask is set, else `no`.
 #[inline(always)]
 fn pick(mask: Vector<u32>, yes: u32, no: Vector<u32>) -> Vector<u32> {
@@ -31,12 +38,14 @@ impl<N: Laned> EightHits<N> {
     /// No hit.
     pub(crate) const NONE: Self = Self { t: <N::Vector as Arithmetic>::MISS, id: Vector([NONE; LANES]) };
 
-    /// The closest hits of the rays among `spheres`, which are in the order of their ids.
+    /// The closest hits of the rays among `spheres`, each for all rays, in the order of their ids.
     #[inline(always)]
-    pub(crate) fn among_all<V: Intersect<Number = N>>(ray: &Ray<N::Vector>, spheres: &[Sphere<N>]) -> Self {
+    pub(crate) fn among_all<V: Intersect>(
+        ray: &Ray<N::Vector>,
+        spheres: impl Iterator<Item = Sphere<N::Vector>>,
+    ) -> Self {
         let mut hits = Self::NONE;
         for (id, s) in (0..).zip(spheres) {
-            let s = s.map(N::splat);
             let t = V::intersect(ray, &s);
             let met = t.less(N::Vector::MISS);
             if met.any() {
@@ -123,21 +132,21 @@ mod tests {
     impl Visit for Compare {
         type Output = [usize; 2];
 
-        fn visit<V: Intersect>(self) -> [usize; 2] {
+        fn visit<V: Intersect, N: Laned>(self) -> [usize; 2] {
             let mut rng = self.0;
             let mut seen = [0; 2];
             for n in 0..3000 {
-                let (spheres, rays) = world::<V::Number>(&mut rng, 1 + n % 9);
+                let (spheres, rays) = world::<N>(&mut rng, 1 + n % 9);
                 let eight = together(&rays);
-                let all = EightHits::among_all::<V>(&eight, &spheres);
+                let all = EightHits::<N>::among_all::<V>(&eight, spheres.iter().map(|s| s.map(N::splat)));
                 for (l, ray) in rays.iter().enumerate() {
                     let what = format!("world {n}, ray {l}");
                     let one = nearest_of::<V, _>(ray, spheres.len(), |id| spheres[id]);
                     assert_eq!(all.id.0[l], one.id, "{what}");
-                    assert_eq!(bits(V::Number::lane(&all.t, l)), bits(one.t), "{what}");
+                    assert_eq!(bits(N::lane(&all.t, l)), bits(one.t), "{what}");
                     if one.id != NONE {
                         seen[0] += 1;
-                        seen[1] += usize::from(spheres[one.id as usize].power < V::Number::ZERO);
+                        seen[1] += usize::from(spheres[one.id as usize].power < N::ZERO);
                     }
                 }
             }

@@ -1,4 +1,4 @@
-//! The closest hit among all spheres: the twin of search/all.wgsl.
+//! The closest hit of one ray among all spheres: what eight at once are compared with.
 
 use crate::intersect::Intersect;
 use crate::number::Number;

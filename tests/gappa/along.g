@@ -1,4 +1,4 @@
-# b = p.d of a general sphere (section 3): start + columns * by_column + rows * by_row. The error of a step; start has
+# b = p.d of a general sphere (section 3): start + columns * by[0] + rows * by[1]. The error of a step; start has
 # one unit less.
 #: bound 3.5
 #: too small 3

@@ -4,47 +4,16 @@
 use crate::certify::constants::{
     AC, AC_A, AR2, AR2_A, B2, FAR, G, GG, HOST, HOST_PARTS, INFLATE, START, STEP, SUM, SUM_A, UNIT, VANISH,
 };
-use crate::certify::general::GeneralRecord;
+use crate::certify::general::General;
 use crate::certify::projection::ProjectionBounds;
-use crate::certify::projection::project::{larger, smaller};
 use crate::number::vector::LANES;
+use crate::number::{Mask, larger, smaller};
+use crate::view::ray::positive;
 use pulp::NullaryFnOnce;
 
 /// The relative rounding of a lower bound as the kernel computes it, and of the quotients here: the kernel's is within
 /// 2 x 15 u < 2^-18.
 const ROUNDED: f64 = 1.0 / (1 << 16) as f64;
-
-/// A general sphere's record in f64.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct GeneralSphere {
-    center: [f64; 3],
-    square: f64,
-    power: f64,
-    scale: f64,
-    start: f64,
-    by: [f64; 2],
-    pixel: [f64; 2],
-    blur: f64,
-    /// 1 if the kernel takes the discriminant b^2 - a c, 0 if a r^2 - |p x d|^2.
-    form: f64,
-}
-
-impl GeneralSphere {
-    pub(super) fn new(record: &GeneralRecord) -> Self {
-        let [x, y, z, r] = record.center_radius.map(f64::from);
-        Self {
-            center: [x, y, z],
-            square: r * r,
-            power: record.power.into(),
-            scale: record.scale.into(),
-            start: record.start.into(),
-            by: [record.by_column, record.by_row].map(f64::from),
-            pixel: [record.column, record.row].map(f64::from),
-            blur: record.blur.into(),
-            form: record.form.into(),
-        }
-    }
-}
 
 /// The rays through a rectangle of pixels of the view's frame.
 #[derive(Debug, Clone, Copy)]
@@ -60,10 +29,6 @@ pub(super) struct TileBlock {
     /// Least and largest |d|^2.
     square: [f64; 2],
 }
-
-/// Bounds of depth: below all lower bounds that the kernel computes, infinite for a certain miss of all rays; and, if all
-/// rays certainly hit, above the depths of the hits, else infinite.
-type Depths = [f64; 2];
 
 impl TileBlock {
     /// The rays of the tiles from `first` up to `ends`, by column and row.
@@ -82,7 +47,7 @@ impl TileBlock {
 
     /// The spheres of `slots` that rays of the cell may hit first: those that no sphere which covers the cell is in front
     /// of by `margin` of its depth.
-    pub(super) fn kept(&self, spheres: &[GeneralSphere], slots: &[u32], margin: f64) -> Vec<u32> {
+    pub(super) fn kept(&self, spheres: &[General<f64>], slots: &[u32], margin: f64) -> Vec<u32> {
         let mut lows = Vec::with_capacity(slots.len());
         let mut least = f64::INFINITY;
         pulp::Arch::new().dispatch(Weigh { cell: self, spheres, slots, lows: &mut lows, least: &mut least });
@@ -93,19 +58,22 @@ impl TileBlock {
 
     /// The bounds of all spheres.
     #[cfg(test)]
-    pub(super) fn all_depths(&self, spheres: &[GeneralSphere]) -> Vec<Depths> {
+    pub(super) fn all_depths(&self, spheres: &[General<f64>]) -> Vec<[f64; 2]> {
         spheres.iter().map(|near| self.depths(near)).collect()
     }
 
-    /// Bounds of the depths at which the rays of the cell hit one sphere, without branches.
+    /// Bounds of the depths at which the rays of the cell hit one sphere, without branches: below all lower bounds that the
+    /// kernel computes, infinite for a certain miss of all rays; and, if all rays certainly hit, above the depths of the hits,
+    /// else infinite.
     #[inline(always)]
-    fn depths(&self, n: &GeneralSphere) -> Depths {
+    fn depths(&self, n: &General<f64>) -> [f64; 2] {
         let c = |constant: f32| f64::from(constant);
         let ([x, y], [hx, hy], [wide, high]) = (self.slope, self.reach, self.most);
-        let ([px, py, pz], [least_a, most_a]) = (n.center, self.square);
+        let ([px, py, pz, r], [least_a, most_a]) = (n.center_radius, self.square);
+        let square = r * r;
         let hosts = c(HOST_PARTS) * c(HOST) * (wide + high + 1.0);
         // b = p.d is linear in the pixel; b_error is what the kernel's bound is at most.
-        let [right, down] = [0, 1].map(|k| (self.middle[k] - n.pixel[k]) * n.by[k]);
+        let [right, down] = [0, 1].map(|k| (self.middle[k] - f64::from(n.pixel[k])) * n.by[k]);
         let [beside, below] = [0, 1].map(|k| n.by[k].abs() * self.half[k]);
         let steps = right.abs() + beside + down.abs() + below;
         let b_error = (c(UNIT) * (c(START) * n.start.abs() + c(STEP) * steps) + n.blur + hosts) * c(INFLATE);
@@ -125,7 +93,7 @@ impl TileBlock {
         }
         // The discriminant by both forms; the error of the form that the kernel takes comes twice on top.
         let flushed = most_a * c(VANISH);
-        let ball = most_a * n.square;
+        let ball = most_a * square;
         let of_cross = c(UNIT) * ((c(AR2_A) * most_a + c(AR2)) * ball + c(GG) * most_gg) + mixed;
         let of_cross = of_cross * c(INFLATE) + flushed;
         let largest_b = larger(most_b, -least_b);
@@ -135,11 +103,11 @@ impl TileBlock {
             + c(UNIT) * (c(B2) * largest_b * largest_b + (c(AC_A) * most_a + c(AC)) * ac);
         let of_square = of_square * c(INFLATE) + flushed;
         let outside = n.power > 0.0;
-        let [nearer, farther] = [n.power * pick(outside, least_a, most_a), n.power * pick(outside, most_a, least_a)];
-        let error = 2.0 * pick(n.form == 1.0, of_square, of_cross);
+        let [nearer, farther] = [n.power * outside.pick(least_a, most_a), n.power * outside.pick(most_a, least_a)];
+        let error = 2.0 * (n.form == 1).pick(of_square, of_cross);
         let most = smaller(ball - least_gg + of_cross, largest_b * largest_b - nearer + of_square) + error;
         let least =
-            larger(least_a * n.square - most_gg - of_cross, smallest_b * smallest_b - farther - of_square) - error;
+            larger(least_a * square - most_gg - of_cross, smallest_b * smallest_b - farther - of_square) - error;
         let (most_root, least_root) = (positive(most).sqrt(), positive(least).sqrt());
         // The eye outside: the near root c / (b + root).
         let near = smaller(n.power / (most_b + most_root) * (1.0 - ROUNDED), c(FAR));
@@ -148,24 +116,24 @@ impl TileBlock {
         let sum_rounded = 1.0 - (2.0 * c(UNIT) * (c(SUM) + c(SUM_A) * most_a) + ROUNDED);
         let by_sum = (positive(least_b) + least_root) / most_a * sum_rounded;
         let by_quotient = n.power.abs() / (most_root - least_b) * (1.0 - ROUNDED);
-        let far = pick(least_b > 0.0, by_sum, pick(most_b < 0.0, by_quotient, smaller(by_sum, by_quotient)));
+        let far = (least_b > 0.0).pick(by_sum, (most_b < 0.0).pick(by_quotient, smaller(by_sum, by_quotient)));
         let sum_high = (most_b + most_root) / least_a;
         let rest = least_root - most_b;
-        let far_high = pick(rest > 0.0, smaller(sum_high, n.power.abs() / rest), sum_high);
+        let far_high = (rest > 0.0).pick(smaller(sum_high, n.power.abs() / rest), sum_high);
         let missed = (n.power >= 0.0) & ((most < 0.0) | (most_b < 0.0));
-        let low = pick(outside, near, far) * n.scale;
+        let low = outside.pick(near, far) * n.scale;
         // A smaller bound of the kernel may have been flushed to zero.
-        let low = pick(low < c(VANISH), f64::NEG_INFINITY, low);
+        let low = (low < c(VANISH)).pick(f64::NEG_INFINITY, low);
         let sure = (n.power < 0.0) | ((least_b > 0.0) & ((n.power == 0.0) | (least > 0.0)));
-        let high = pick(outside, near_high, far_high) * n.scale * (1.0 + ROUNDED);
-        [pick(missed, f64::INFINITY, low), pick(sure, high, f64::INFINITY)]
+        let high = outside.pick(near_high, far_high) * n.scale * (1.0 + ROUNDED);
+        [missed.pick(f64::INFINITY, low), sure.pick(high, f64::INFINITY)]
     }
 }
 
 /// The spheres of a list, eight at a time.
 struct Weigh<'a> {
     cell: &'a TileBlock,
-    spheres: &'a [GeneralSphere],
+    spheres: &'a [General<f64>],
     slots: &'a [u32],
     /// The lower bounds of depth of all of them.
     lows: &'a mut Vec<f64>,
@@ -180,7 +148,7 @@ impl NullaryFnOnce for Weigh<'_> {
     fn call(self) {
         let Self { cell, spheres, slots, lows, least } = self;
         for slots in slots.chunks(LANES) {
-            let mut eight = [GeneralSphere::default(); LANES];
+            let mut eight = [spheres[slots[0] as usize]; LANES];
             for (near, slot) in eight.iter_mut().zip(slots) {
                 *near = spheres[*slot as usize];
             }
@@ -195,14 +163,4 @@ impl NullaryFnOnce for Weigh<'_> {
             }
         }
     }
-}
-
-#[inline(always)]
-fn positive(x: f64) -> f64 {
-    larger(x, 0.0)
-}
-
-#[inline(always)]
-fn pick(yes: bool, a: f64, b: f64) -> f64 {
-    if yes { a } else { b }
 }

@@ -1,8 +1,9 @@
 //! Coverage of a tile's pixels from front to back: a sphere behind full coverage cannot be the nearest hit of any ray.
 
-use super::project::{floor, larger, smaller, whole};
+use super::project::{floor, whole};
 use super::{ProjectionBounds, host_cull_margin};
 use crate::certify::entry::Placed;
+use crate::number::{larger, smaller};
 use crate::tile::TILE;
 
 /// The margin that a disc is shrunk by, in pixels and relative to its radius. With one unit of the fixed point it far
@@ -16,7 +17,7 @@ const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
 #[derive(Debug, Clone, Copy)]
 pub(in crate::certify) struct Coverage {
     /// The size of the image.
-    size: [u32; 2],
+    pub(super) size: [u32; 2],
     reference: f64,
     /// Pixels per fixed-point unit: a power of two. Units of rho per pixel of the image, and their inverse.
     per_fixed: f64,
@@ -35,13 +36,15 @@ pub(in crate::certify) struct Coverage {
 
 impl Coverage {
     /// The coverage of an image of `size` pixels, with depths relative to `reference`, for answers within `tolerance`.
+    /// `per_pixel` pixels of the view's frame are a pixel's side, or 1 for the places of rays one by one.
     pub(in crate::certify) fn new(
         projection: &ProjectionBounds,
         size: [u32; 2],
         reference: f64,
         tolerance: f64,
+        per_pixel: f64,
     ) -> Self {
-        let ProjectionBounds { step, fixed, per_pixel, corner, scale, .. } = *projection;
+        let ProjectionBounds { step, fixed, corner, scale, .. } = *projection;
         let widest = step[0].max(step[1]);
         // The disc has to cover every sample of a pixel: none is farther from the centre than this.
         let aside = 0.5 * (per_pixel - 1.0) * step[0].hypot(step[1]);
@@ -57,19 +60,6 @@ impl Coverage {
             margin: widest * (SHRINK[0] + 1.0 / fixed) + aside,
             rise: 0.5 * scale[0],
             behind: host_cull_margin(tolerance),
-        }
-    }
-
-    /// The same with the pixels of the view's frame in place of those of the image: each has one place for a ray.
-    pub(super) fn finer(self, projection: &ProjectionBounds) -> Self {
-        let ProjectionBounds { step, fixed, corner, .. } = *projection;
-        Self {
-            step,
-            per_step: step.map(|step| 1.0 / step),
-            per_fine: 1.0,
-            middle: corner,
-            margin: step[0].max(step[1]) * (SHRINK[0] + 1.0 / fixed),
-            ..self
         }
     }
 

@@ -2,8 +2,9 @@
 //! project.rs at the ends of their operands: f64 rounds monotonically, so they bound the rounded numbers of every sphere.
 //! docs/certificate.md, section 11, derives what follows.
 
-use super::project::{Pixels, below, floor, larger, smaller};
+use super::project::{Pixels, below, floor};
 use super::{INFLATE, LONGEST, ProjectionBounds, RANGE, STEEPEST, U, U64, WIDEST};
+use crate::number::{larger, smaller};
 use crate::scene::instances::enclosure::Enclosure;
 
 /// The projections of the spheres in a box.
@@ -32,13 +33,13 @@ const MOVED: f64 = 1.0 / (1 << 20) as f64;
 impl ProjectionBounds {
     /// The least and the largest depth of the centres, in the frame's unit, as they are computed.
     pub(in crate::certify) fn depths(&self, around: &Enclosure) -> [f64; 2] {
-        around.along(self.rotation.axes[2], self.rotation.eye)
+        around.along(self.scaled_axes[2], self.basis.e)
     }
 
     /// The sum of the largest |c - e| along each axis of the world.
     #[inline(always)]
     fn away(&self, around: &Enclosure) -> f64 {
-        let most = around.away(self.rotation.eye)[0];
+        let most = around.away(self.basis.e)[0];
         most.x + most.y + most.z
     }
 
@@ -54,7 +55,7 @@ impl ProjectionBounds {
     /// The same without comparing the box with the sides of the image.
     #[inline(always)]
     fn project_box(&self, around: &Enclosure) -> Enclosed {
-        let [x, y, [near, far]] = self.rotation.axes.map(|axis| around.along(axis, self.rotation.eye));
+        let [x, y, [near, far]] = self.scaled_axes.map(|axis| around.along(axis, self.basis.e));
         let [least_r, most_r] = around.radii.map(|radius| radius * self.to_frame);
         let error = self.rotated * self.away(around);
         let size = |[low, high]: [f64; 2]| larger(high.abs(), low.abs());
@@ -120,11 +121,11 @@ impl ProjectionBounds {
         }
         let radius = around.radii[1] * self.to_frame;
         let distance = self.away(around) * self.to_frame + radius;
-        let [right, up, ahead] = self.rotation.axes;
+        let [right, up, ahead] = self.scaled_axes;
         [right, up].into_iter().zip(self.edge).any(|(axis, edge)| {
             // Points of rays are within |axis| <= edge ahead. Projected spheres are widened by no more than this.
             let apart = radius * (1.0 + 0.5 * edge * edge) * (1.0 + ASIDE) + ASIDE * distance * edge.hypot(1.0);
-            [axis, -axis].into_iter().any(|side| around.along(side - edge * ahead, self.rotation.eye)[0] > apart)
+            [axis, -axis].into_iter().any(|side| around.along(side - edge * ahead, self.basis.e)[0] > apart)
         })
     }
 }

@@ -9,7 +9,10 @@ use crate::certify::entry::{Bin, Placed};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::number::vector::LANES;
+use crate::number::{larger, smaller};
 use crate::scene::NumberedBall;
+use bytemuck::Zeroable;
+use glam::DVec3;
 use std::ops::Range;
 
 /// Largest relative error of f64 in the depth of a projected sphere under parallel projection: half of the kernel's
@@ -87,6 +90,7 @@ impl LaneBatch {
 }
 
 /// Eight projected spheres, one array per component.
+#[derive(Zeroable)]
 pub(in crate::certify) struct Eight {
     /// Nonzero if the sphere is in front and seen; nonzero if it is neither that nor unseen.
     pub(in crate::certify) projected: [u32; LANES],
@@ -104,7 +108,7 @@ impl Eight {
         Bin { chunk_min_depth: self.chunk_min_depth[l], tiles: [[left, right], [top, bottom]] }
     }
 
-    /// The bins of all, where each is projected or unseen.
+    /// The bins of all; nowhere those that are not projected.
     #[inline(always)]
     pub(in crate::certify) fn bins(&self) -> [Bin; LANES] {
         let Bin { chunk_min_depth, tiles: [[left, right], [top, bottom]] } = Bin::NOWHERE;
@@ -155,15 +159,7 @@ impl ProjectionBounds {
         reference: f64,
         mut and: impl FnMut(usize, &Landed),
     ) -> Eight {
-        let mut e = Eight {
-            projected: [0; LANES],
-            other: [0; LANES],
-            depth: [0.0; LANES],
-            chunk_min_depth: [0.0; LANES],
-            tiles: [[0; LANES]; 4],
-            fixed: [[0; LANES]; 2],
-            numbers: [[0.0; LANES]; 5],
-        };
+        let mut e = Eight::zeroed();
         for l in 0..LANES {
             let aim = self.aim(batch.centers[l], batch.radii[l]);
             let landed = self.land(&aim, aim.place, [0.0; 2], reference);
@@ -230,7 +226,8 @@ impl ProjectionBounds {
     /// The centre in camera space, in f64 and the frame's unit, and its error bound.
     #[inline(always)]
     fn aim(&self, center: [f64; 3], radius: f64) -> Aim {
-        let (away, [x, y, z]) = self.rotation.of(center);
+        let away = DVec3::from_array(center) - self.basis.e;
+        let [x, y, z] = self.scaled_axes.map(|axis| away.dot(axis));
         let radius = radius * self.to_frame;
         let error = self.rotated * (away.x.abs() + away.y.abs() + away.z.abs());
         let length2 = x * x + y * y + z * z;
@@ -340,13 +337,13 @@ impl ProjectionBounds {
     /// The offset from the projected centre beyond which a miss is certain with any rounding.
     #[inline(always)]
     pub(super) fn reach(&self, rho: f64) -> f64 {
-        std::f64::consts::SQRT_2 * self.all.length * rho + 16.0 * self.all.square * self.coarse
+        std::f64::consts::SQRT_2 * self.steep * rho + 16.0 * self.widest * self.coarse
     }
 
     /// An upper bound of |slope along the offset| + root of a candidate.
     #[inline(always)]
     pub(super) fn total(&self, rho: f64, blurred: f32) -> f64 {
-        self.all.slant * self.reach(rho) + self.all.length * rho + f64::from(blurred)
+        self.slant * self.reach(rho) + self.steep * rho + f64::from(blurred)
     }
 }
 
@@ -375,17 +372,6 @@ impl LowTerms {
         let total = self.total[0] + rho * self.total[1] + blurred;
         error / (1.0 - total * self.scale[0]) + FLUSHED as f32
     }
-}
-
-/// Comparisons as in vector instructions, without special treatment of NaN.
-#[inline(always)]
-pub(in crate::certify) fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-pub(in crate::certify) fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 /// The largest integer not above x, for |x| < 2^51. Without an instruction for it, `floor` would be a function call.

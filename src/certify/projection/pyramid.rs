@@ -2,15 +2,16 @@
 //! bounds. docs/certificate.md, section 11, derives that a frame without the culled spheres has the same bits.
 
 use super::cover::{Coverage, Outline};
-use super::project::{Landed, Pixels, floor, larger, smaller, whole};
+use super::project::{Landed, Pixels, floor, whole};
 use super::{ProjectionBounds, not_below};
 use crate::certify::entry::{Placed, number, ordered};
 use crate::number::vector::LANES;
+use crate::number::{larger, smaller};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
 use crate::window::Window;
 use rayon::prelude::*;
-use std::ops::RangeInclusive;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Tiles along a side from which on only squares are compared.
@@ -20,9 +21,8 @@ const COMPARED: u32 = 8;
 pub(in crate::certify) struct DepthPyramid {
     coverage: Coverage,
     window: Window,
-    /// The image's corner in the view's frame, and pixels of the image per pixel of that frame.
+    /// The image's corner in the view's frame.
     corner: [f64; 2],
-    per_fine: f64,
     /// Per sample of every pixel of the window, row by row: spheres that lie behind cannot change it. Bits of f32 as ordered
     /// integers. Without places of samples one per pixel, for all rays through it.
     limits: Vec<AtomicU32>,
@@ -75,18 +75,23 @@ impl DepthPyramid {
         window: Window,
         tolerance: f64,
     ) -> Self {
-        let coverage = Coverage::new(projection, size, 0.0, tolerance);
+        let coverage = Coverage::new(projection, size, 0.0, tolerance, projection.per_pixel);
         let pixels = window.width() as usize * window.height() as usize;
         let limits = (0..pixels).map(|_| AtomicU32::new(ordered(f32::INFINITY))).collect();
-        let (corner, per_fine) = (projection.corner, coverage.per_fine);
-        let mut pyramid = Self { coverage, window, corner, per_fine, limits, samples: None, levels: Vec::new() };
+        let corner = projection.corner;
+        let mut pyramid = Self { coverage, window, corner, limits, samples: None, levels: Vec::new() };
         pyramid.refresh();
         pyramid
     }
 
     /// The same for the rays of `record` one by one, so that spheres smaller than a pixel hide others, unless there are too
     /// many.
-    pub(in crate::certify) fn of_samples(mut self, projection: &ProjectionBounds, record: &ViewRecord) -> Self {
+    pub(in crate::certify) fn of_samples(
+        mut self,
+        projection: &ProjectionBounds,
+        record: &ViewRecord,
+        tolerance: f64,
+    ) -> Self {
         let (fine, count) = (record.fine(), record.strata as usize * record.strata as usize);
         let all = self.limits.len() as u64 * count as u64;
         if record.is_plain() || fine > 1 << 16 || all > MAX_SAMPLES {
@@ -102,7 +107,8 @@ impl DepthPyramid {
         };
         let row = |row: u32| (x0..x1).flat_map(move |column| pixel(row, column));
         let places = (y0..y1).into_par_iter().flat_map_iter(row).collect();
-        self.samples = Some(SamplePlaces { coverage: self.coverage.finer(projection), fine, count, places });
+        let coverage = Coverage::new(projection, self.coverage.size, 0.0, tolerance, 1.0);
+        self.samples = Some(SamplePlaces { coverage, fine, count, places });
         self.limits = (0..all).map(|_| AtomicU32::new(ordered(f32::INFINITY))).collect();
         self
     }
@@ -115,9 +121,9 @@ impl DepthPyramid {
 
     /// Limits of pixels of a row that follow each other.
     #[inline(always)]
-    fn limits(&self, row: u32, columns: RangeInclusive<u32>) -> &[AtomicU32] {
+    fn limits(&self, row: u32, columns: Range<u32>) -> &[AtomicU32] {
         let count = self.per_pixel();
-        &self.limits[self.place(*columns.start(), row) * count..(self.place(*columns.end(), row) + 1) * count]
+        &self.limits[self.place(columns.start, row) * count..self.place(columns.end, row) * count]
     }
 
     /// Takes over what the spheres since the last refresh cover.
@@ -131,7 +137,7 @@ impl DepthPyramid {
         let row = |row: u32| {
             let mut most = vec![0; columns as usize];
             for y in (row * TILE).max(y0)..((row + 1) * TILE).min(y1) {
-                let (lead, rest) = this.limits(y, x0..=x1 - 1).split_at(lead);
+                let (lead, rest) = this.limits(y, x0..x1).split_at(lead);
                 for (most, limits) in most.iter_mut().zip(std::iter::once(lead).chain(rest.chunks(tile * count))) {
                     *most = limits.iter().fold(*most, |most, limit| limit.load(Ordering::Relaxed).max(most));
                 }
@@ -177,19 +183,16 @@ impl DepthPyramid {
         if left >= right || top >= bottom {
             return true;
         }
-        let (right, bottom) = (right - 1, bottom - 1);
-        let [columns, rows] = [[left, right], [top, bottom]].map(|ends| ends.map(|n| n / TILE));
-        if (columns[1] - columns[0]).max(rows[1] - rows[0]) >= COMPARED {
-            return self.hides_squares([columns, rows], least);
+        let [columns, rows] = [[left, right], [top, bottom]].map(|[first, end]| [first / TILE, end.div_ceil(TILE)]);
+        if (columns[1] - columns[0]).max(rows[1] - rows[0]) > COMPARED {
+            return self.hides_squares([columns, rows].map(|[first, end]| [first, end - 1]), least);
         }
         let tiles = &self.levels[0];
-        let mut row = rows[0];
-        while row <= rows[1] {
-            let mut column = columns[0];
-            while column <= columns[1] {
+        for row in rows[0]..rows[1] {
+            for column in columns[0]..columns[1] {
                 if tiles.at(column, row) >= least {
-                    let across = [left.max(column * TILE), right.min(column * TILE + TILE - 1)];
-                    let down = [top.max(row * TILE), bottom.min(row * TILE + TILE - 1)];
+                    let across = [left.max(column * TILE), right.min(column * TILE + TILE)];
+                    let down = [top.max(row * TILE), bottom.min(row * TILE + TILE)];
                     let is_hidden = match &self.samples {
                         None => self.hides_pixels(across, down, least),
                         Some(samples) => self.hides_samples(samples, across, down, pixels, least),
@@ -198,9 +201,7 @@ impl DepthPyramid {
                         return false;
                     }
                 }
-                column += 1;
             }
-            row += 1;
         }
         true
     }
@@ -219,14 +220,12 @@ impl DepthPyramid {
     #[inline(always)]
     fn hides_pixels(&self, [left, right]: [u32; 2], [top, bottom]: [u32; 2], least: f32) -> bool {
         let least = ordered(least);
-        let mut y = top;
-        while y <= bottom {
-            for limit in self.limits(y, left..=right) {
+        for y in top..bottom {
+            for limit in self.limits(y, left..right) {
                 if limit.load(Ordering::Relaxed) >= least {
                     return false;
                 }
             }
-            y += 1;
         }
         true
     }
@@ -243,8 +242,8 @@ impl DepthPyramid {
         let (least, fine) = (ordered(least), f64::from(samples.fine));
         // Counted from the image's corner.
         let [across, down] = [0, 1].map(|k| pixels[k].map(|pixel| pixel - self.corner[k]));
-        (top..=bottom).all(|y| {
-            let limits = self.limits(y, left..=right).chunks_exact(samples.count);
+        (top..bottom).all(|y| {
+            let limits = self.limits(y, left..right).chunks_exact(samples.count);
             let pixels = limits.zip(samples.of(self.place(left, y)));
             pixels.zip(left..).all(|((limits, places), x)| {
                 // Most limits are nearer, so places are compared last.
@@ -267,7 +266,7 @@ impl DepthPyramid {
         let mut found = [[0; 2]; 2];
         for k in 0..2 {
             // Half a pixel more keeps the product far from integers, so its rounding does not matter.
-            let pixel = |fine: f64| floor((fine - self.corner[k] + 0.5) * self.per_fine);
+            let pixel = |fine: f64| floor((fine - self.corner[k] + 0.5) * self.coverage.per_fine);
             let [low, end] = window[k].map(f64::from);
             let first = smaller(larger(pixel(pixels[k][0]), low), end);
             // One past the last, so that no number is negative.
@@ -295,7 +294,7 @@ impl DepthPyramid {
             let (left, right) = outline.columns(row);
             let (left, right) = (left.max(f64::from(x0)), right.min(f64::from(x1) - 1.0));
             if left <= right {
-                lower(self.limits(row as u32, left as u32..=right as u32), limit);
+                lower(self.limits(row as u32, left as u32..right as u32 + 1), limit);
             }
             row += 1.0;
         }
@@ -308,7 +307,7 @@ impl DepthPyramid {
         let ends = |(first, last): (f64, f64), from: u32, end: u32| {
             let first = floor(first / fine).max(f64::from(from));
             let last = floor(last / fine).min(f64::from(end) - 1.0);
-            (first <= last).then_some(first as u32..=last as u32)
+            (first <= last).then_some(first as u32..last as u32 + 1)
         };
         let (top, bottom) = outline.rows();
         let (Some(rows), Some(columns)) = (ends((top, bottom), y0, y1), ends(outline.widest(), x0, x1)) else { return };
@@ -318,7 +317,7 @@ impl DepthPyramid {
             let (inner_left, inner_right) = (first.0.max(last.0), first.1.min(last.1));
             let is_inner = top <= ends[0] && ends[1] <= bottom;
             let limits = self.limits(y, columns.clone()).chunks_exact(samples.count);
-            let places = samples.of(self.place(*columns.start(), y));
+            let places = samples.of(self.place(columns.start, y));
             for ((limits, places), x) in limits.zip(places).zip(columns.clone()) {
                 let start = f64::from(x) * fine;
                 // The outline is convex: it contains a pixel of which it contains the corners.

@@ -4,6 +4,7 @@ use super::project::Landed;
 use super::{FARTHEST, ProjectionBounds, SMALLEST, UNKNOWN, not_below};
 use crate::certify::general::GeneralRecord;
 use crate::view::FromEye;
+use bytemuck::Zeroable;
 use glam::DVec3;
 
 /// A sphere after binning.
@@ -23,7 +24,15 @@ impl ProjectionBounds {
                 landed.placed.detail.id = id;
                 Staged::Projected(landed)
             }
-            Err(()) if self.parallel => Staged::General(GeneralRecord { id, ..UNKNOWN_SPHERE }),
+            // Possibly a hit, at any depth from 0, for every ray.
+            Err(()) if self.parallel => Staged::General(GeneralRecord {
+                center_radius: [0.0, 0.0, 0.0, 1.0],
+                scale: 1.0,
+                form: 1,
+                id,
+                blur: UNKNOWN,
+                ..GeneralRecord::zeroed()
+            }),
             Err(()) => Staged::General(self.general(id, center, radius)),
         }
     }
@@ -37,7 +46,7 @@ impl ProjectionBounds {
         let away = DVec3::from_array(offset.map(|x| x.hi));
         // The camera looks along -z.
         let p = [self.basis.u, self.basis.v, self.basis.w].map(|axis| away.dot(axis));
-        // p.d at a pixel is start + by_column columns + by_row rows, counted from the pixel nearest to its zero.
+        // p.d at a pixel is start + by[0] columns + by[1] rows, counted from the pixel nearest to its zero.
         let by = [2.0 * self.slope[0] * p[0], -2.0 * self.slope[1] * p[1]];
         let middle = self.size.map(|n| (n - 1.0) / 2.0);
         let back = p[2] / (by[0] * by[0] + by[1] * by[1]).max(f64::MIN_POSITIVE);
@@ -51,30 +60,12 @@ impl ProjectionBounds {
             scale: f32::from_bits(((k - self.frame + 127) as u32) << 23),
             form: u32::from(power.abs() <= r * r),
             id,
-            column: pixel[0] as i32,
-            row: pixel[1] as i32,
+            pixel: pixel.map(|pixel| pixel as i32),
+            by: by.map(|by| by as f32),
             start: start as f32,
-            by_column: by[0] as f32,
-            by_row: by[1] as f32,
             // 2^-48 of p in every component, and the rounding of start.
             blur: if unknown { UNKNOWN } else { not_below(2f64.powi(-46) * (1.0 + slopes[0] + slopes[1])) },
             unused: [0.0; 2],
         }
     }
 }
-
-/// A record that means "possibly a hit, at any depth from 0" for every ray.
-const UNKNOWN_SPHERE: GeneralRecord = GeneralRecord {
-    center_radius: [0.0, 0.0, 0.0, 1.0],
-    power: 0.0,
-    scale: 1.0,
-    form: 1,
-    id: 0,
-    column: 0,
-    row: 0,
-    start: 0.0,
-    by_column: 0.0,
-    by_row: 0.0,
-    blur: UNKNOWN,
-    unused: [0.0; 2],
-};

@@ -104,8 +104,7 @@ impl OrderedShot<'_> {
         };
         let s = twin.slopes(*i, *j);
         let mut given = Given::default();
-        given.set_known(binned.projection.slope_x, ONCE);
-        given.set_known(binned.projection.slope_y, ONCE);
+        binned.projection.slope.into_iter().for_each(|slope| given.set_known(slope, ONCE));
         if self.staged.is_near() {
             return if OF_NEAR.contains(&check) { self.near(check, given, &s) } else { f64::NAN };
         }
@@ -140,7 +139,7 @@ impl OrderedShot<'_> {
         lens: &ProjectionRecord,
         f: &Projected<Traced>,
     ) -> f64 {
-        [lens.step_x, lens.step_y].into_iter().for_each(|step| given.set_known(step, ONCE));
+        lens.step.into_iter().for_each(|step| given.set_known(step, ONCE));
         let w = projected::projected_weigh(s, lens, f, self.terms);
         let (a, inflate, e) = (s.a.real(), f64::from(INFLATE), f64::from(lens.edge));
         let [dx, dy] = w.o.map(Traced::real);
@@ -205,17 +204,17 @@ impl OrderedShot<'_> {
         f: &Projected<Traced>,
     ) -> f64 {
         let c = Traced::from_f32;
-        [lens.fixed_x, lens.fixed_y].into_iter().for_each(|step| given.set_known(step, ONCE));
-        let right = Traced::from_i32(s.fixed_column - f.x) * c(lens.fixed_x);
-        let up = Traced::from_i32(f.y - s.fixed_row) * c(lens.fixed_y);
+        lens.fixed.into_iter().for_each(|step| given.set_known(step, ONCE));
+        let right = Traced::from_i32((s.column << lens.shift) - f.x) * c(lens.fixed[0]);
+        let up = Traced::from_i32(f.y - (s.row << lens.shift)) * c(lens.fixed[1]);
         let disc = projected::projected_discriminant(s, f.rho, [right, up]);
-        let error = c(lens.error0) + f.rho * (c(lens.error1) + f.rho * c(lens.error2));
+        let error = c(lens.errors[0]) + f.rho * (c(lens.errors[1]) + f.rho * c(lens.errors[2]));
         let most = disc + error;
         let (a, rho) = (s.a.real(), f.rho.real());
-        let (o, e) = (right.real().hypot(up.real()), f64::from(lens.fixed_x).hypot(f64::from(lens.fixed_y)));
+        let (o, e) = (right.real().hypot(up.real()), f64::from(lens.fixed[0]).hypot(f64::from(lens.fixed[1])));
         let record = &self.staged.view.record;
         let edge = |slope: f32, n: u32| f64::from(slope) * f64::from(n);
-        let widest = 1.0 + edge(lens.slope_x, record.width).powi(2) + edge(lens.slope_y, record.height).powi(2);
+        let widest = 1.0 + edge(lens.slope[0], record.width).powi(2) + edge(lens.slope[1], record.height).powi(2);
         // Farther out, the margin of a miss is much larger than its rounding.
         if o > (2.0 * widest).sqrt() * rho + 16.0 * widest * e {
             return f64::NAN;
@@ -248,9 +247,9 @@ impl OrderedShot<'_> {
             scale: Traced::from_f32(record.scale),
             form: record.form,
             id: record.id,
-            pixel: [record.column, record.row],
+            pixel: record.pixel,
             start: Traced::input(record.start),
-            by: [record.by_column, record.by_row].map(Traced::input),
+            by: record.by.map(Traced::input),
             blur: Traced::from_f32(record.blur),
         };
         let rounded = n.center_radius.into_iter().chain(n.by).chain([n.start, n.power]);

@@ -4,7 +4,7 @@
 use crate::certify::given::{CertifiedRay, GIVEN_TERMS, GivenTerms};
 use crate::double_double as dd;
 use crate::exact::{Root, judge_ray};
-use crate::scene::Spheres;
+use crate::scene::{Ball, Spheres};
 use crate::testing::Rng;
 use crate::view::placement::Placement;
 use glam::DVec3;
@@ -68,7 +68,7 @@ fn false_claims(terms: &GivenTerms, kind: usize, count: usize, [blur, tilt]: Off
         let offset = (vector(random).normalize() * (0.99 * blur)).to_array();
         let ray = CertifiedRay::new(&placement, origin, moved, f64::INFINITY);
         let ray = if blur + tilt > 0.0 { ray.beside(offset, blur, tilt) } else { ray };
-        let claim = ray.meet_by(terms, center, radius);
+        let claim = ray.meet_by(terms, Ball { center, radius });
         let right = match (&truth, &claim) {
             (Some(_), None) => false,
             (None, Some(bounds)) => !bounds.sure,

@@ -105,8 +105,8 @@ impl Sight {
         let ImagePlane { width, height, .. } = self.scene.image;
         let [column, row] = [rng.below(width), rng.below(height)].map(f64::from);
         let [x, y] = self.slopes(column, row);
-        let [across, down] = [column - f64::from(record.column), row - f64::from(record.row)];
-        let steps = [f64::from(record.start), across * f64::from(record.by_column), down * f64::from(record.by_row)];
+        let [pixel, by] = [record.pixel.map(f64::from), record.by.map(f64::from)];
+        let steps = [f64::from(record.start), (column - pixel[0]) * by[0], (row - pixel[1]) * by[1]];
         let b = Dd::sum(steps[0], steps[1]) + steps[2].into();
         let real = self.p[0] * x + self.p[1] * y - self.p[2];
         let length = x.hi.abs() + y.hi.abs() + 1.0;
@@ -118,7 +118,7 @@ impl Sight {
     fn front(&self, view: &View, lens: &ProjectionBounds, reference: f64, staged: &Staged) -> f64 {
         let Staged::Projected(landed) = staged else { return 0.0 };
         let (front, more) = (&landed.placed.record, &landed.placed.detail);
-        let record = lens.record(reference as f32, 1e-5);
+        let record = lens.record(reference as f32, 1e-5, 0);
         let [px, py, pz] = self.p;
         let ahead = -pz;
         let parallel = self.scene.camera.lens.is_orthographic();

@@ -1,6 +1,6 @@
 //! What is derived of mirrors and of weights in docs/certificate.md, section 10, against exact numbers.
 
-use crate::certify::given::{EPS, dot};
+use crate::certify::given::EPS;
 use crate::certify::surface::SurfacePoint;
 use crate::dyadic::{self, Dyadic, Dyadic3};
 use crate::exact::Toward;
@@ -8,6 +8,7 @@ use crate::scene::{Ball, NumberedBall};
 use crate::shade::optics::reflected;
 use crate::testing::Rng;
 use crate::view::placement::Placement;
+use crate::view::ray::dot3;
 use glam::DVec3;
 
 /// A point that is off by up to `blur` of its radius, which is that of the tree's unit, and the exact one.
@@ -99,7 +100,7 @@ fn a_cosine_is_within_its_bound() {
         let lengths = (&dyadic::dot(&q, &q) * &dyadic::dot(&l, &l)).sqrt(128);
         let expected = dyadic::dot(&q, &l).over(&lengths, 128);
         let error = (&Dyadic::of(point.cosine(&ray).0) - &expected).abs().to_f64();
-        let bound = ray.tilt() + ray.blur() / dot(point.offset, point.offset).sqrt() + 12.0 * EPS;
+        let bound = ray.tilt + ray.blur / dot3(point.offset, point.offset).sqrt() + 12.0 * EPS;
         worst[n % 2] = worst[n % 2].max(error / bound);
     }
     println!("cosines are off by {worst:.2?} of their bound at most");

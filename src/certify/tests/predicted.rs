@@ -6,6 +6,7 @@ use crate::double_double as dd;
 use crate::exact::Judge;
 use crate::intersect::predict::Prediction;
 use crate::intersect::{Intersect, Method, Visit};
+use crate::number::vector::Laned;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::testing::Rng;
@@ -26,7 +27,7 @@ struct Shot<'a> {
 impl Visit for Shot<'_> {
     type Output = Option<f64>;
 
-    fn visit<V: Intersect>(self) -> Option<f64> {
+    fn visit<V: Intersect, N: Laned>(self) -> Option<f64> {
         let record = &self.view.spheres[0];
         let [i, j] = self.pixel;
         let t = under(self.mode, self.seed, || {

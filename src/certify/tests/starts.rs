@@ -74,8 +74,8 @@ impl<R: Value> Start<R> {
         let normal = to_world(view, a.normal);
         let less = c((SURFACE - terms.surface) * UNIT);
         let turn = (a.turn - less) * c(terms.turn);
-        let depth = c(depth) + R::HALF * (a.low + a.high);
-        let doubt = R::HALF * a.depth_interval + c(UNIT * terms.way) * depth;
+        let depth = c(depth) + c(0.5) * (a.low + a.high);
+        let doubt = c(0.5) * a.depth_interval + c(UNIT * terms.way) * depth;
         let along = to_world(view, [s.x, s.y, -R::ONE]);
         let way = along.map(|x| depth * x);
         let spread = s.a.sqrt() * doubt * c(INFLATE) * c(terms.doubt);

@@ -47,8 +47,7 @@ thread_local! {
 pub(super) struct Traced(u32);
 
 /// The indices of the constants of [`Number`].
-const CONSTANTS: [(u32, f32); 4] =
-    [(u32::MAX, f32::MAX), (u32::MAX - 1, 0.0), (u32::MAX - 2, 0.5), (u32::MAX - 3, 1.0)];
+const CONSTANTS: [(u32, f32); 3] = [(u32::MAX, f32::MAX), (u32::MAX - 1, 0.0), (u32::MAX - 2, 1.0)];
 
 /// Clears the tape.
 pub(super) fn rewind() {
@@ -155,8 +154,7 @@ impl Arithmetic for Traced {
 }
 
 impl Number for Traced {
-    const HALF: Self = Self(CONSTANTS[2].0);
-    const ONE: Self = Self(CONSTANTS[3].0);
+    const ONE: Self = Self(CONSTANTS[2].0);
     fn from_hi_lo(hi: f32, _: f32) -> Self {
         Self::from_f32(hi)
     }

@@ -192,7 +192,6 @@ impl Arithmetic for Wild {
 }
 
 impl Number for Wild {
-    const HALF: Self = Self(0.5);
     const ONE: Self = Self(1.0);
     fn from_hi_lo(hi: f32, _: f32) -> Self {
         Self(hi)

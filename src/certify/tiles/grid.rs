@@ -9,14 +9,14 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 /// Squares of 2^level tiles that share a list, called cells, as far as they overlap the window.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::certify) struct Grid {
-    level: u32,
+    pub(super) level: u32,
     /// First and last column of the window's tiles.
     tiles: [u32; 2],
     /// First column and row of cells.
     first: [u32; 2],
     /// Number of columns and rows of cells.
-    columns: u32,
-    rows: u32,
+    pub(super) columns: u32,
+    pub(super) rows: u32,
 }
 
 impl Grid {
@@ -25,18 +25,6 @@ impl Grid {
         let cells = tiles.map(|range| range.map(|tile| tile >> level));
         let [columns, rows] = cells.map(|[first, last]| last - first + 1);
         Self { level, tiles: tiles[0], first: cells.map(|[first, _]| first), columns, rows }
-    }
-
-    pub(super) fn level(&self) -> u32 {
-        self.level
-    }
-
-    pub(super) fn columns(&self) -> u32 {
-        self.columns
-    }
-
-    pub(super) fn rows(&self) -> u32 {
-        self.rows
     }
 
     /// Number of cells.
@@ -59,9 +47,12 @@ impl Grid {
     }
 
     /// Every cell of the grid that the square of 2^`level` tiles at this column and row of such squares overlaps.
-    pub(in crate::certify) fn each_of_square(&self, at: [u32; 2], level: u32, each: impl FnMut(usize)) {
+    pub(in crate::certify) fn each_of_square(&self, at: [u32; 2], level: u32, mut each: impl FnMut(usize)) {
         let tiles = at.map(|n| [n << level, (n << level) + ((1 << level) - 1)]);
-        self.each_cell(&Bin { chunk_min_depth: 0.0, tiles }, each);
+        let [[left, right], [top, bottom]] = self.part(tiles);
+        for row in top..bottom {
+            (left..right).for_each(|column| each((row * self.columns + column) as usize));
+        }
     }
 
     /// Column and row in the image of the cell at this column and row of the grid.
@@ -69,24 +60,13 @@ impl Grid {
         [self.first[0] + column as u32, self.first[1] + row as u32]
     }
 
-    /// Every cell of the grid that `bin` overlaps.
+    /// The columns and rows of the grid that these tiles overlap, first and last column and row, each with the one past the last; none if they are not in order.
     #[inline(always)]
-    fn each_cell(&self, bin: &Bin, mut each: impl FnMut(usize)) {
-        let [[left, right], [top, bottom]] = self.part(bin);
-        let mut row = top;
-        while row < bottom {
-            (left..right).for_each(|column| each((row * self.columns + column) as usize));
-            row += 1;
-        }
-    }
-
-    /// The columns and rows of the grid that `bin` overlaps, each with the one past the last; none if they are not in order.
-    #[inline(always)]
-    fn part(&self, bin: &Bin) -> [[u32; 2]; 2] {
+    fn part(&self, tiles: [[u32; 2]; 2]) -> [[u32; 2]; 2] {
         let size = [self.columns, self.rows];
         let mut part = [[0; 2]; 2];
         for k in 0..2 {
-            let [first, last] = bin.tiles[k].map(|tile| tile >> self.level);
+            let [first, last] = tiles[k].map(|tile| tile >> self.level);
             let start = self.first[k];
             part[k] = [first.saturating_sub(start), (last + 1).saturating_sub(start).min(size[k])];
         }
@@ -102,7 +82,7 @@ impl Grid {
         let count = |bins: &[Bin]| {
             let mut counts = vec![0u32; self.rows as usize];
             for bin in bins {
-                let [[left, right], [top, bottom]] = self.part(bin);
+                let [[left, right], [top, bottom]] = self.part(bin.tiles);
                 (top..bottom).for_each(|row| counts[row as usize] += right.saturating_sub(left));
             }
             counts
@@ -122,7 +102,7 @@ impl Grid {
         bins.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (bins, places))| {
             for (id, bin) in (n * group..).zip(bins) {
                 let key = u64::from(ordered(bin.chunk_min_depth)) << 32 | id as u64;
-                let [[left, right], [top, bottom]] = self.part(bin);
+                let [[left, right], [top, bottom]] = self.part(bin.tiles);
                 for row in top..bottom {
                     let place = &mut places[row as usize];
                     for column in left..right {

@@ -5,38 +5,21 @@
 use super::strip::{NearestTwos, Strip, StripAnswers};
 use super::triples::Triples;
 use crate::answers::raw::Piece;
-use crate::certify::binned::BinnedScene;
 use crate::certify::{Certify, GENERAL};
 use crate::kernel::{Kernel, Unproved};
 use crate::number::vector::{Bits, pick};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::{Shade, color_of, to_world};
 use crate::tile::TILE;
+use crate::view::ViewRecord;
 use crate::view::ray::{NONE, UNSURE};
-use crate::view::{View, ViewRecord};
 use std::ops::Range;
 
 /// What the strips of a frame share.
 pub(super) struct StripFrame<'a> {
     pub(super) certify: Certify<'a, f32>,
-    shade: Option<Shade>,
-    normal: bool,
-    depth: bool,
-    colors: Option<&'a [[f32; 3]]>,
-    unproved: Unproved,
-}
-
-impl<'a> StripFrame<'a> {
-    pub(super) fn new(
-        kernel: &Kernel,
-        view: &'a View,
-        binned: &'a BinnedScene,
-        colors: Option<&'a [[f32; 3]]>,
-    ) -> Self {
-        let certify = Certify::new(&view.record, binned);
-        let unproved = kernel.certificate().map_or(Unproved::Unsure, |certificate| certificate.unproved);
-        Self { certify, shade: kernel.shade, normal: kernel.normal, depth: kernel.has_depths(), colors, unproved }
-    }
+    pub(super) kernel: &'a Kernel,
+    pub(super) colors: Option<&'a [[f32; 3]]>,
 }
 
 /// What is written of a strip, one array per component; anything where a buffer is not requested.
@@ -69,13 +52,15 @@ impl<const N: usize> Pixels<N> {
         }
         let answers = strip.certify_winners(&frame.certify, two);
         pixels.answer(frame, &answers, two);
-        if frame.depth {
-            pixels.depth = two.depths(&frame.certify);
+        if frame.kernel.has_depths() {
+            for l in 0..N {
+                pixels.depth[l] = frame.certify.center_depth(two.slot[l]);
+            }
         }
-        if frame.normal {
+        if frame.kernel.normal {
             pixels.turn(frame.certify.view, &answers, two);
         }
-        if let Some(shade) = frame.shade {
+        if let Some(shade) = frame.kernel.shade {
             pixels.shade(frame, shade, strip, &answers, two);
         }
         pixels
@@ -85,26 +70,25 @@ impl<const N: usize> Pixels<N> {
 
     #[inline(always)]
     fn answer(&mut self, frame: &StripFrame<'_>, answers: &StripAnswers<N>, two: &NearestTwos<N>) {
-        let (two, id, numbers) = (*two, answers.id, answers.numbers);
+        let (slot, id, certain, [offset, interval, ..]) = (two.slot, answers.id, answers.certain, answers.numbers);
         // certify/take_nearest.wgsl.
-        let nearest = frame.unproved == Unproved::Nearest;
+        let nearest = frame.kernel.certificate().is_some_and(|of| of.unproved == Unproved::Nearest);
         for l in 0..N {
-            let certain = frame.certify.certain(&answers.get(l), [two.low[l], two.second[l]]);
-            let in_front = (two.slot[l] & GENERAL == 0) | (numbers[0][l] > 0.0);
-            let taken = u32::all_if((two.slot[l] == NONE) | certain | (nearest & in_front));
+            let in_front = (slot[l] & GENERAL == 0) | (offset[l] > 0.0);
+            let taken = u32::all_if((slot[l] == NONE) | (nearest & in_front)) | certain[l];
             self.id[l] = (id[l] & taken) | (UNSURE & !taken);
         }
         for l in 0..N {
-            let hit = u32::all_if(two.slot[l] != NONE);
-            self.t[l] = pick(hit, numbers[0][l], f32::MAX);
-            self.depth_interval[l] = pick(hit, numbers[3][l], 0.0);
+            let hit = u32::all_if(slot[l] != NONE);
+            self.t[l] = pick(hit, offset[l], f32::MAX);
+            self.depth_interval[l] = pick(hit, interval[l], 0.0);
         }
     }
 
     /// World normals.
     #[inline(always)]
     fn turn(&mut self, view: &ViewRecord, answers: &StripAnswers<N>, two: &NearestTwos<N>) {
-        let (view, slot, [_, _, _, _, x, y, z]) = (*view, two.slot, answers.numbers);
+        let (view, slot, [_, _, x, y, z]) = (*view, two.slot, answers.numbers);
         let mut normal = [[0.0; N]; 3];
         for l in 0..N {
             let [a, b, c] = to_world(&view, [x[l], y[l], z[l]]);
@@ -183,10 +167,10 @@ fn shaded<const N: usize>(
     answers: &StripAnswers<N>,
     own: &[[f32; N]; 3],
 ) -> [[f32; N]; 3] {
-    let (view, [_, _, _, _, x, y, z]) = (*view, answers.numbers);
+    let (view, [_, _, x, y, z]) = (*view, answers.numbers);
     let mut color = [[0.0; N]; 3];
     for l in 0..N {
-        let s = strip.slopes(0, l);
+        let s = strip.slopes(l);
         let rgb = shade.of(&view, [s.x, s.y, -1.0], [x[l], y[l], z[l]], [own[0][l], own[1][l], own[2][l]]);
         (color[0][l], color[1][l], color[2][l]) = (rgb[0], rgb[1], rgb[2]);
     }

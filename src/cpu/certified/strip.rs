@@ -52,10 +52,9 @@ impl<const N: usize> Strip<N> {
     }
 
     #[inline(always)]
-    pub(super) fn slopes(&self, shift: u32, l: usize) -> Slopes<f32> {
+    pub(super) fn slopes(&self, l: usize) -> Slopes<f32> {
         let (x, y, a, inverse) = (self.x[l], self.y[l], self.a[l], self.inverse[l]);
-        let (row, column) = (self.row[l], self.column[l]);
-        Slopes { x, y, a, inverse, row, column, fixed_row: row << shift, fixed_column: column << shift }
+        Slopes { x, y, a, inverse, row: self.row[l], column: self.column[l] }
     }
 
     /// The two smallest lower bounds of depth among the general spheres and the lists of a tile, nearest first. On a device spheres
@@ -69,7 +68,7 @@ impl<const N: usize> Strip<N> {
             let general = certify.generals[slot as usize];
             let mut lows = [0.0; N];
             for (l, low) in lows.iter_mut().enumerate() {
-                *low = general_low(&self.slopes(projection.shift, l), &general, &terms);
+                *low = general_low(&self.slopes(l), &general, &terms);
             }
             for (l, low) in lows.into_iter().enumerate() {
                 k.keep(l, low, GENERAL | slot);
@@ -96,7 +95,7 @@ impl<const N: usize> Strip<N> {
                 }
                 let sphere = Projected::<f32>::new(projected, &NO_DETAIL);
                 for l in 0..N {
-                    now.keep(l, projected_low(&self.slopes(projection.shift, l), projection, &sphere), slot as u32);
+                    now.keep(l, projected_low(&self.slopes(l), projection, &sphere), slot as u32);
                 }
             }
             k = now;
@@ -113,7 +112,7 @@ impl<const N: usize> Strip<N> {
         }
         let mut left = k.slot;
         while let Some(slot) = left.into_iter().find(|slot| slot & GENERAL != 0 && *slot != NONE) {
-            self.certify_general(certify, &left, slot, &mut answers);
+            self.certify_general(certify, k, slot, &mut answers);
             for other in &mut left {
                 *other = if *other == slot { NONE } else { *other };
             }
@@ -127,17 +126,17 @@ impl<const N: usize> Strip<N> {
     fn certify_general(
         &self,
         certify: &Certify<'_, f32>,
-        winners: &[u32; N],
+        k: &NearestTwos<N>,
         slot: u32,
         answers: &mut StripAnswers<N>,
     ) {
         let (general, terms) = (certify.generals[(slot & !GENERAL) as usize], *certify.terms);
-        let shift = certify.projection.shift;
         let mut found = StripAnswers::default();
         for l in 0..N {
-            found.set(l, &general_answer(&self.slopes(shift, l), &general, &terms));
+            let answer = general_answer(&self.slopes(l), &general, &terms);
+            found.set(l, &answer, certify.certain(&answer, [k.low[l], k.second[l]]));
         }
-        answers.take(&found, |l| winners[l] == slot);
+        answers.take(&found, |l| k.slot[l] == slot);
     }
 
     #[inline(always)]
@@ -162,8 +161,8 @@ impl<const N: usize> Strip<N> {
             let detail =
                 ProjectedDetailRecord { subpixel_offset: [offset[0][l], offset[1][l]], center: center[l], id: 0 };
             let sphere = Projected::<f32>::new(&sphere, &detail);
-            let slopes = self.slopes(projection.shift, l);
-            answers.set(l, &projected_answer(&slopes, &projection, &sphere, &terms));
+            let answer = projected_answer(&self.slopes(l), &projection, &sphere, &terms);
+            answers.set(l, &answer, certify.certain(&answer, [k.low[l], k.second[l]]));
         }
         for l in 0..N {
             answers.id[l] = winners[l].1.id;
@@ -175,48 +174,29 @@ impl<const N: usize> Strip<N> {
 pub(super) struct StripAnswers<const N: usize> {
     /// [`NONE`] where nothing is hit.
     pub(super) id: [u32; N],
-    flags: [[u32; N]; 2],
-    /// Offset, low, high, the depth's interval and the normal of [`Answer`].
-    pub(super) numbers: [[f32; N]; 7],
+    /// All bits where the answer is certified.
+    pub(super) certain: [u32; N],
+    /// Offset, the depth's interval and the normal of [`Answer`].
+    pub(super) numbers: [[f32; N]; 5],
 }
 
 impl<const N: usize> Default for StripAnswers<N> {
     #[inline(always)]
     fn default() -> Self {
-        Self { id: [NONE; N], flags: [[0; N]; 2], numbers: [[0.0; N]; 7] }
+        Self { id: [NONE; N], certain: [0; N], numbers: [[0.0; N]; 5] }
     }
 }
 
 impl<const N: usize> StripAnswers<N> {
     #[inline(always)]
-    fn set(&mut self, l: usize, a: &Answer<f32>) {
+    fn set(&mut self, l: usize, a: &Answer<f32>, certain: bool) {
         self.id[l] = a.id;
-        self.flags[0][l] = u32::from(a.sure);
-        self.flags[1][l] = u32::from(a.hits);
+        self.certain[l] = u32::all_if(certain);
         self.numbers[0][l] = a.offset;
-        self.numbers[1][l] = a.low;
-        self.numbers[2][l] = a.high;
-        self.numbers[3][l] = a.depth_interval;
-        self.numbers[4][l] = a.normal[0];
-        self.numbers[5][l] = a.normal[1];
-        self.numbers[6][l] = a.normal[2];
-    }
-
-    #[inline(always)]
-    pub(super) fn get(&self, l: usize) -> Answer<f32> {
-        let n = &self.numbers;
-        Answer {
-            sure: self.flags[0][l] != 0,
-            hits: self.flags[1][l] != 0,
-            id: self.id[l],
-            offset: n[0][l],
-            low: n[1][l],
-            high: n[2][l],
-            depth_interval: n[3][l],
-            normal: [n[4][l], n[5][l], n[6][l]],
-            #[cfg(test)]
-            turn: 0.0,
-        }
+        self.numbers[1][l] = a.depth_interval;
+        self.numbers[2][l] = a.normal[0];
+        self.numbers[3][l] = a.normal[1];
+        self.numbers[4][l] = a.normal[2];
     }
 
     /// Takes over the answers of some lanes.
@@ -226,13 +206,9 @@ impl<const N: usize> StripAnswers<N> {
         for l in 0..N {
             lanes[l] = u32::all_if(lane(l));
             self.id[l] ^= (self.id[l] ^ other.id[l]) & lanes[l];
+            self.certain[l] ^= (self.certain[l] ^ other.certain[l]) & lanes[l];
         }
-        for k in 0..2 {
-            for l in 0..N {
-                self.flags[k][l] ^= (self.flags[k][l] ^ other.flags[k][l]) & lanes[l];
-            }
-        }
-        for k in 0..7 {
+        for k in 0..5 {
             for l in 0..N {
                 self.numbers[k][l] = pick(lanes[l], other.numbers[k][l], self.numbers[k][l]);
             }
@@ -242,16 +218,6 @@ impl<const N: usize> StripAnswers<N> {
 
 impl<const N: usize> NearestTwos<N> {
     pub(super) const NONE: Self = Self { low: [BEYOND; N], second: [BEYOND; N], slot: [NONE; N] };
-
-    /// The depths of the winners' centres, to which their answers are relative.
-    #[inline(always)]
-    pub(super) fn depths(&self, certify: &Certify<'_, f32>) -> [f64; N] {
-        let mut depths = [0.0; N];
-        for l in 0..N {
-            depths[l] = certify.center_depth(self.slot[l]);
-        }
-        depths
-    }
 
     #[inline(always)]
     fn keep(&mut self, l: usize, low: f32, slot: u32) {

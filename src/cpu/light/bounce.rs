@@ -20,7 +20,7 @@ const NEGLIGIBLE: f64 = 1.0 / 512.0;
 
 /// A ray that goes on.
 #[derive(Debug, Clone, Copy)]
-struct Onward {
+pub(super) struct Onward {
     from: SurfacePoint,
     /// Of length 1, off by `tilt`.
     along: DVec3,
@@ -34,112 +34,107 @@ struct Onward {
     proved: bool,
 }
 
-/// The rays of one pixel that are still to be followed.
-#[derive(Default)]
-pub(super) struct Bounces {
-    waiting: Vec<Onward>,
+/// The light that reaches a point over mirrors and glass, toward where a ray in the unit direction `along` comes from,
+/// and whether every ray of it is proved. `waiting` holds the rays that are still to be followed; it is empty before and after.
+pub(super) fn follow(
+    waiting: &mut Vec<Onward>,
+    at_point: &mut PointLight<'_>,
+    point: SurfacePoint,
+    along: DVec3,
+    at: PixelSample,
+) -> (DVec3, bool) {
+    let lighting = at_point.lighting;
+    let (mut sum, mut proved) = (DVec3::ZERO, true);
+    let first = Onward {
+        from: point,
+        along,
+        tilt: SurfacePoint::VIEWING_TILT,
+        within: false,
+        weight: DVec3::ONE,
+        depth: 0,
+        proved: true,
+    };
+    push(waiting, lighting, &first, &point, at);
+    while let Some(ray) = waiting.pop() {
+        let (hit, sure) = ray.nearest(lighting.tree);
+        let known = ray.proved && sure;
+        proved &= known;
+        let Some(hit) = hit else {
+            sum += ray.weight * lighting.backdrop.toward(ray.along);
+            continue;
+        };
+        let (hit, sharp) = match lighting.judge {
+            Some(_) if hit.is_sharp(&lighting.tree.placement) => (hit, true),
+            _ => (hit.trusted(&lighting.tree.placement), false),
+        };
+        proved &= sharp || lighting.judge.is_none();
+        if hit.outside || !lighting.material(hit.id).is_clear() {
+            let surface = Surface::from(&hit);
+            at_point.begin(&surface, ray.along, DVec3::ONE);
+            at_point.trace_lights(&hit, at);
+            at_point.trace_sky(&hit, &surface, at);
+            proved &= !at_point.assume_blocked();
+            sum += ray.weight * at_point.color(&surface, ray.along);
+        }
+        if ray.depth < lighting.bounces {
+            push(waiting, lighting, &Onward { proved: known && sharp, ..ray }, &hit, at);
+        }
+    }
+    (sum, proved)
 }
 
-impl Bounces {
-    /// The light that reaches a point over mirrors and glass, toward where a ray in the unit direction `along` comes from,
-    /// and whether every ray of it is proved.
-    pub(super) fn follow(
-        &mut self,
-        at_point: &mut PointLight<'_>,
-        point: SurfacePoint,
-        along: DVec3,
-        at: PixelSample,
-    ) -> (DVec3, bool) {
-        let lighting = at_point.lighting;
-        let (mut sum, mut proved) = (DVec3::ZERO, true);
-        let first = Onward {
-            from: point,
-            along,
-            tilt: SurfacePoint::VIEWING_TILT,
-            within: false,
-            weight: DVec3::ONE,
-            depth: 0,
-            proved: true,
-        };
-        self.push(lighting, &first, &point, at);
-        while let Some(ray) = self.waiting.pop() {
-            let (hit, sure) = ray.nearest(lighting.tree);
-            let known = ray.proved && sure;
-            proved &= known;
-            let Some(hit) = hit else {
-                sum += ray.weight * lighting.backdrop.toward(ray.along);
-                continue;
-            };
-            let (hit, sharp) = match lighting.judge {
-                Some(_) if hit.is_sharp(&lighting.tree.placement) => (hit, true),
-                _ => (hit.trusted(&lighting.tree.placement), false),
-            };
-            proved &= sharp || lighting.judge.is_none();
-            if hit.outside || !lighting.material(hit.id).is_clear() {
-                let surface = Surface::from(&hit);
-                at_point.begin(&surface, ray.along, DVec3::ONE);
-                at_point.trace_lights(&hit, at);
-                at_point.trace_sky(&hit, &surface, at);
-                proved &= !at_point.assume_blocked();
-                sum += ray.weight * at_point.color(&surface, ray.along);
+/// Adds the rays that go on where `ray` meets a point.
+fn push(
+    waiting: &mut Vec<Onward>,
+    lighting: &LightingContext<'_>,
+    ray: &Onward,
+    point: &SurfacePoint,
+    at: PixelSample,
+) {
+    let (normal, along) = (DVec3::from_array(point.normal), ray.along);
+    let depth = ray.depth + 1;
+    let mirror = |weight: DVec3| Onward {
+        from: *point,
+        along: reflected(along, normal),
+        tilt: point.mirrored_tilt(&lighting.tree.placement, ray.tilt),
+        within: !point.outside,
+        weight: ray.weight * weight,
+        depth,
+        ..*ray
+    };
+    let through = |weight: DVec3, index: f64| {
+        let eta = if point.outside { 1.0 / index } else { index };
+        match refracted(along, normal, eta) {
+            // What is refracted is not proved.
+            Some(along) => {
+                let within = point.outside;
+                Onward { along, tilt: 0.0, within, proved: false, ..mirror(weight) }
             }
-            if ray.depth < lighting.bounces {
-                self.push(lighting, &Onward { proved: known && sharp, ..ray }, &hit, at);
-            }
+            None => mirror(weight),
         }
-        (sum, proved)
-    }
-
-    /// Adds the rays that go on where `ray` meets a point.
-    fn push(&mut self, lighting: &LightingContext<'_>, ray: &Onward, point: &SurfacePoint, at: PixelSample) {
-        let (normal, along) = (DVec3::from_array(point.normal), ray.along);
-        let depth = ray.depth + 1;
-        let mirror = |weight: DVec3| Onward {
-            from: *point,
-            along: reflected(along, normal),
-            tilt: point.mirrored_tilt(&lighting.tree.placement, ray.tilt),
-            within: !point.outside,
-            weight: ray.weight * weight,
-            depth,
-            ..*ray
-        };
-        let through = |weight: DVec3, index: f64| {
-            let eta = if point.outside { 1.0 / index } else { index };
-            match refracted(along, normal, eta) {
-                // What is refracted is not proved.
-                Some(along) => {
-                    let within = point.outside;
-                    Onward { along, tilt: 0.0, within, proved: false, ..mirror(weight) }
-                }
-                None => mirror(weight),
-            }
-        };
-        match lighting.material(point.id) {
-            Material::Phong { specular, transmission, index, .. } => {
-                self.add((specular > 0.0 && point.outside).then(|| mirror(DVec3::splat(specular.into()))));
-                self.add((transmission > 0.0).then(|| through(DVec3::splat(transmission.into()), index)));
-            }
-            Material::Metal { fuzz } => {
-                let mut ray = mirror(lighting.own_color(point.id));
-                if fuzz > 0.0 {
-                    let scattered = lighting.scattered.of(at, depth)[0].map(f64::from);
-                    let aside = DVec3::from_array(scattered) * f64::from(fuzz);
-                    let along = ray.along + aside;
-                    ray = Onward { along: along.normalize(), proved: false, ..ray };
-                }
-                // What is scattered into the metal is lost.
-                self.add((ray.along.dot(normal) > 0.0).then_some(ray));
-            }
-            Material::Glass { index } => {
-                let share = schlick(-along.dot(normal), if point.outside { 1.0 / index } else { index });
-                self.add(Some(mirror(DVec3::splat(share))));
-                self.add(Some(through(DVec3::splat(1.0 - share), index)));
-            }
+    };
+    let mut add = |ray: Option<Onward>| waiting.extend(ray.filter(|ray| ray.weight.max_element() >= NEGLIGIBLE));
+    match lighting.material(point.id) {
+        Material::Phong { specular, transmission, index, .. } => {
+            add((specular > 0.0 && point.outside).then(|| mirror(DVec3::splat(specular.into()))));
+            add((transmission > 0.0).then(|| through(DVec3::splat(transmission.into()), index)));
         }
-    }
-
-    fn add(&mut self, ray: Option<Onward>) {
-        self.waiting.extend(ray.filter(|ray| ray.weight.max_element() >= NEGLIGIBLE));
+        Material::Metal { fuzz } => {
+            let mut ray = mirror(lighting.own_color(point.id));
+            if fuzz > 0.0 {
+                let scattered = lighting.scattered.of(at, depth)[0].map(f64::from);
+                let aside = DVec3::from_array(scattered) * f64::from(fuzz);
+                let along = ray.along + aside;
+                ray = Onward { along: along.normalize(), proved: false, ..ray };
+            }
+            // What is scattered into the metal is lost.
+            add((ray.along.dot(normal) > 0.0).then_some(ray));
+        }
+        Material::Glass { index } => {
+            let share = schlick(-along.dot(normal), if point.outside { 1.0 / index } else { index });
+            add(Some(mirror(DVec3::splat(share))));
+            add(Some(through(DVec3::splat(1.0 - share), index)));
+        }
     }
 }
 

@@ -4,10 +4,12 @@
 
 use super::lighting::LightingContext;
 use crate::answers::lit::Chunk;
+use crate::number::larger;
 use crate::number::vector::LANES;
 use crate::scene::Material;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use pulp::NullaryFnOnce;
 
@@ -19,24 +21,14 @@ pub(super) struct Colors<'a, 'b, 'c> {
     pub(super) chunk: &'b mut Chunk<'c>,
 }
 
-/// What is known of some pixels before their colours, one array per component.
+/// What is known of some pixels before their colours, one array per component. Lanes that show no sphere are not read.
+#[derive(Zeroable)]
 struct Lanes {
     position: [[u32; LANES]; 2],
     center: [[f64; LANES]; 3],
     radius: [f64; LANES],
     own: [[f64; LANES]; 3],
     sky: [[f64; LANES]; 3],
-}
-
-impl Lanes {
-    /// What fills lanes that show no sphere.
-    const NONE: Self = Self {
-        position: [[0; LANES]; 2],
-        center: [[0.0; LANES]; 3],
-        radius: [1.0; LANES],
-        own: [[0.0; LANES]; 3],
-        sky: [[1.0; LANES]; 3],
-    };
 }
 
 /// The components of a vector in one lane.
@@ -55,7 +47,7 @@ impl Colors<'_, '_, '_> {
     fn gathered(&self, first: usize) -> Lanes {
         let (lighting, record) = (self.lighting, &self.lighting.view.record);
         let spheres = &lighting.scene.spheres;
-        let mut lanes = Lanes::NONE;
+        let mut lanes = Lanes::zeroed();
         for (l, &id) in self.ids[first..].iter().take(LANES).enumerate() {
             if id == NONE {
                 continue;
@@ -143,10 +135,4 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
         }
         left
     }
-}
-
-/// The larger, without the treatment of NaN of `max`, which compilers make no vectors of.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }

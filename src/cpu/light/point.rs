@@ -1,16 +1,16 @@
 //! Light that reaches one point from lights and sky.
 
-use super::super::given_certified::AnyHit;
 use super::super::hidden::LightRay;
 use super::lighting::LightingContext;
 use super::surface::Surface;
-use crate::certify::given::{CertifiedRay, dot};
-use crate::certify::surface::{SelfOcclusion, SurfacePoint};
+use crate::certify::given::{AnyHit, CertifiedRay};
+use crate::certify::surface::SurfacePoint;
 use crate::exact::{LightQuestion, Toward};
 use crate::scene::{Ball, LightSource, Material, Sky};
 use crate::shade::lit::Cap;
 use crate::shade::optics::reflected;
 use crate::view::directions::PixelSample;
+use crate::view::ray::dot3;
 use glam::{DVec3, Vec3};
 
 /// The rays of one light from one point.
@@ -44,10 +44,6 @@ impl LightShare {
     fn response(&self) -> [f64; 2] {
         let rays = f64::from(self.rays.max(1));
         if self.inside { [1.0, 0.0] } else { [self.reflected / rays, self.gloss / rays] }
-    }
-
-    fn see_rim(&mut self, hidden: bool) {
-        self.rim[usize::from(!hidden)] = true;
     }
 
     /// The share that is hidden. Where the rim differs from all points within, it is nearly 0 or 1: the light is neither
@@ -189,7 +185,7 @@ impl<'a> PointLight<'a> {
     fn response(&self, point: &SurfacePoint, ray: Option<&CertifiedRay>) -> [f64; 2] {
         let cosine = ray.map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
         let highlight =
-            |ray: &CertifiedRay| self.highlight(dot(self.mirrored.to_array(), ray.direction) / ray.a.sqrt());
+            |ray: &CertifiedRay| self.highlight(dot3(self.mirrored.to_array(), ray.direction) / ray.a.sqrt());
         [cosine, ray.filter(|_| cosine > 0.0).map_or(0.0, highlight)]
     }
 
@@ -303,7 +299,7 @@ impl<'a> PointLight<'a> {
             let (answer, question) = self.ask(point, &toward, ray.as_ref(), Some(ball));
             match question {
                 Some(question) => self.unsure.push((PendingRay::Rim(n), question)),
-                None => self.lights[n].see_rim(answer == AnyHit::Blocked),
+                None => self.lights[n].rim[usize::from(answer != AnyHit::Blocked)] = true,
             }
         }
     }
@@ -377,15 +373,16 @@ impl<'a> PointLight<'a> {
             };
             let Some(ray) = point.ray(&tree.placement, &toward(direction)) else { continue };
             let (weight, outward) = self.weigh(surface, direction);
-            let (toward, ray) = match point.cosine(&ray).1 {
-                SelfOcclusion::Clear if !self.lighting.exact => (toward(direction), ray),
-                SelfOcclusion::Blocked if !self.lighting.exact => (toward(direction.map(|x| -x)), ray.turned()),
-                _ => {
+            let pending = PendingRay::Sky(weight, outward);
+            let (toward, ray) = match if self.lighting.exact { AnyHit::Unsure } else { point.cosine(&ray).1 } {
+                AnyHit::Free => (toward(direction), ray),
+                AnyHit::Blocked => (toward(direction.map(|x| -x)), ray.turned()),
+                AnyHit::Unsure => {
                     let both =
                         [ray, ray.turned()].map(|ray| LightRay { tree, point, ray: &ray, light: None }.candidates());
                     let question =
                         LightQuestion::Hidden { toward: toward(direction), turned: true, among: both.concat() };
-                    self.unsure.push((PendingRay::Sky(weight, outward), question));
+                    self.unsure.push((pending, question));
                     continue;
                 }
             };
@@ -395,11 +392,8 @@ impl<'a> PointLight<'a> {
                 AnyHit::Free => self.see_sky(weight, outward),
                 AnyHit::Blocked => {}
                 AnyHit::Unsure => {
-                    let among = ray.candidates();
-                    self.unsure.push((
-                        PendingRay::Sky(weight, outward),
-                        LightQuestion::Hidden { toward, turned: false, among },
-                    ));
+                    let question = LightQuestion::Hidden { toward, turned: false, among: ray.candidates() };
+                    self.unsure.push((pending, question));
                 }
             }
         }
@@ -444,7 +438,7 @@ impl<'a> PointLight<'a> {
             (PendingRay::Light(n, seen), false) => self.lights[n].add(seen),
             (PendingRay::Far(n), true) => self.hide_far(n),
             (PendingRay::Far(_), false) => {}
-            (PendingRay::Rim(n), hidden) => self.lights[n].see_rim(hidden),
+            (PendingRay::Rim(n), hidden) => self.lights[n].rim[usize::from(!hidden)] = true,
             (PendingRay::Inside(n), outside) => self.lights[n].inside = !outside,
             (PendingRay::Sky(..), true) => {}
             (PendingRay::Sky(weight, outward), false) => self.see_sky(weight, outward),

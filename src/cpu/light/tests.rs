@@ -3,8 +3,8 @@
 
 pub(crate) mod families;
 
-use super::super::given_certified::AnyHit;
 use super::super::hidden::LightRay;
+use crate::certify::given::AnyHit;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::{Judge, LightQuestion, Toward};
 use crate::scene::{Ball, NumberedBall};

@@ -70,7 +70,7 @@ impl Gpu {
                 cpu::certified(&kernel, &frame.view, &frame.binned, None, &mut host, &|| true);
             } else {
                 let view = View::new(&scene)?;
-                cpu::render(&kernel, &view, None, &mut host, &|| true);
+                cpu::render(&kernel, &view, None, None, &mut host, &|| true);
                 let input = Input { view: &view, colors: None, rays: KernelRays::Viewing };
                 let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
                 self.run(&kernel, &input, &mut output, &|_| true)?;

@@ -110,7 +110,8 @@ fn cheapest(scene: &Scene, tolerance: f64, admits: &mut dyn FnMut(Method) -> boo
     let mut methods: Vec<_> = Method::ALL.iter().copied().filter(|method| method.cost() < CERTIFIED).collect();
     methods.retain(|method| admits(*method));
     methods.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-    let Some(predicted) = Prediction::each(scene, &methods)? else {
+    let each = methods.iter().map(|method| Prediction::of(scene, *method));
+    let Some(predicted) = each.collect::<Result<Option<Vec<_>>>>()? else {
         let method = methods.first().copied().unwrap_or(Method::Stable);
         let reason = "there are no spheres, so there is no error".into();
         return Ok(Choice { accuracy: Accuracy::Fast, method: Some(method), reason, predicted: None });

@@ -46,7 +46,7 @@ impl Tracer<'_> {
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.renderer.watch.goes_on())?;
                 }
-                None => cpu::given_rays(&kernel, &view, &records, &mut raw),
+                None => cpu::render(&kernel, &view, Some(&records), None, &mut raw, &|| true),
             }
             let there = |(k, n): (usize, &u32)| {
                 let d = directions[*n as usize];

@@ -1,7 +1,8 @@
 //! Certified and exact answers of given rays.
 
 use super::{Hits, Occlusion, Rays, Tracer};
-use crate::cpu::given_certified::{AnyHit, Given, NearestHit, Query};
+use crate::certify::given::AnyHit;
+use crate::cpu::given_certified::{Given, NearestHit, Query};
 use crate::error::{Error, Result};
 use crate::exact::{Truth, judge_ray_among};
 use crate::progress::Watch;
@@ -55,13 +56,13 @@ impl Tracer<'_> {
                 (Some(gpu), Some(device)) => device.answers(gpu, &given, numbers, &renderer.watch)?,
                 _ => given.each(numbers),
             };
-            let is_unsure = |(answer, n): (&Q, &u32)| answer.is_unsure().then_some(*n);
+            let is_unsure = |(answer, n): (&Q, &u32)| (*answer == Q::UNSURE).then_some(*n);
             let unsure: Vec<u32> = answers.par_iter().zip(numbers).filter_map(is_unsure).collect();
             let mut settled = settle(spheres, &given, &unsure, &renderer.watch).into_iter();
             // Rays that were left out have no truth.
             renderer.watch.check()?;
             for (answer, &n) in answers.into_iter().zip(numbers) {
-                let truth = if answer.is_unsure() { settled.next().flatten() } else { None };
+                let truth = if answer == Q::UNSURE { settled.next().flatten() } else { None };
                 write(n, answer, truth);
             }
         }

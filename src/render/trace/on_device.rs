@@ -62,10 +62,10 @@ impl OnDevice {
         };
         let mut answers: Vec<Q> = raw.id.par_iter().zip(&records).zip(numbers).map(decide).collect();
         let left: Vec<u32> =
-            answers.iter().zip(numbers).filter_map(|(answer, &n)| answer.is_unsure().then_some(n)).collect();
+            answers.iter().zip(numbers).filter_map(|(answer, &n)| (*answer == Q::UNSURE).then_some(n)).collect();
         self.refined += left.len() as u64;
         let again = given.each(&left);
-        let unsure = answers.iter_mut().filter(|answer| answer.is_unsure());
+        let unsure = answers.iter_mut().filter(|answer| **answer == Q::UNSURE);
         unsure.zip(again).for_each(|(answer, again)| *answer = again);
         Ok(answers)
     }

@@ -49,10 +49,7 @@ impl Tree {
             let nodes = &mut nodes[firsts[level] as usize..firsts[level + 1] as usize];
             let join = |(node, children): (&mut Node, &[[[f32; 3]; 2]])| {
                 *node = Node::of(children.iter().copied());
-                children.iter().fold([[ABSENT; 3], [-ABSENT; 3]], |all, one| {
-                    let [low, high] = [one[0], one[1]];
-                    [std::array::from_fn(|n| all[0][n].min(low[n])), std::array::from_fn(|n| all[1][n].max(high[n]))]
-                })
+                children.iter().fold(NOTHING, |all, one| union(all, *one))
             };
             boxes = nodes.par_iter_mut().zip(boxes.par_chunks(WIDE)).map(join).collect();
         }
@@ -73,11 +70,7 @@ fn halve(items: &mut [Item], full: usize) {
     }
     let middle = items.len().div_ceil(run).div_ceil(2) * run;
     let axis = longest(items);
-    let key = |item: &Item| (item.at[axis], item.id);
-    items.select_nth_unstable_by(middle, |a, b| {
-        let ((x, i), (y, j)) = (key(a), key(b));
-        x.total_cmp(&y).then(i.cmp(&j))
-    });
+    items.select_nth_unstable_by(middle, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.id.cmp(&b.id)));
     let (a, b) = items.split_at_mut(middle);
     if a.len() < ALONE {
         halve(a, run * WIDE);
@@ -89,15 +82,19 @@ fn halve(items: &mut [Item], full: usize) {
 
 /// The axis along which the items extend the farthest.
 fn longest(items: &[Item]) -> usize {
-    let none = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    let join = |a: ([f32; 3], [f32; 3]), b: ([f32; 3], [f32; 3])| -> ([f32; 3], [f32; 3]) {
-        (std::array::from_fn(|n| least(a.0[n], b.0[n])), std::array::from_fn(|n| -least(-a.1[n], -b.1[n])))
-    };
-    let one = |items: &[Item]| items.iter().fold(none, |all, item| join(all, (item.at, item.at)));
-    let (low, high) =
-        if items.len() < ALONE { one(items) } else { items.par_chunks(ALONE).map(one).reduce(|| none, join) };
+    let one = |items: &[Item]| items.iter().fold(NOTHING, |all, item| union(all, [item.at; 2]));
+    let [low, high] =
+        if items.len() < ALONE { one(items) } else { items.par_chunks(ALONE).map(one).reduce(|| NOTHING, union) };
     let extent: [f32; 3] = std::array::from_fn(|n| high[n] - low[n]);
     (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0)
+}
+
+/// The box around no place.
+const NOTHING: [[f32; 3]; 2] = [[ABSENT; 3], [-ABSENT; 3]];
+
+/// The box around two.
+fn union(a: [[f32; 3]; 2], b: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
+    [std::array::from_fn(|n| least(a[0][n], b[0][n])), std::array::from_fn(|n| -least(-a[1][n], -b[1][n]))]
 }
 
 /// The lesser; of NaN the other.
@@ -119,14 +116,12 @@ fn reach(placement: &Placement, radius: f64) -> f64 {
 /// A block and the box of its spheres.
 fn block(placement: &Placement, spheres: &[[f64; 4]]) -> (Block, [[f32; 3]; 2]) {
     let mut block = Block { center: [[0.0; WIDE]; 3], radius: [-ABSENT; WIDE] };
-    let mut all = [[ABSENT; 3], [-ABSENT; 3]];
+    let mut all = NOTHING;
     for (lane, sphere) in spheres.iter().enumerate() {
         let at = placement.point([sphere[0], sphere[1], sphere[2]]);
-        let [low, high] = bounds(placement, sphere);
+        all = union(all, bounds(placement, sphere));
         for n in 0..3 {
             block.center[n][lane] = at[n] as f32;
-            all[0][n] = all[0][n].min(low[n]);
-            all[1][n] = all[1][n].max(high[n]);
         }
         block.radius[lane] = (reach(placement, sphere[3]) as f32).next_up();
     }
