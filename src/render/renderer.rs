@@ -171,14 +171,6 @@ impl Renderer {
         matches!(&self.place, Executor::Gpu(gpu) if gpu.has_clock())
     }
 
-    /// Kernel time since the last call.
-    pub(super) fn kernel_ms(&mut self) -> Option<f64> {
-        match &mut self.place {
-            Executor::Gpu(gpu) => gpu.kernel_ms(),
-            Executor::Cpu => None,
-        }
-    }
-
     /// What the device did since the last call; `None` for the reference path.
     pub(super) fn traffic(&mut self) -> Option<Traffic> {
         match &mut self.place {
