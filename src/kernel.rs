@@ -207,25 +207,10 @@ impl Kernel {
     }
 }
 
-macro_rules! output {
-    ($name:literal, $number:literal, $channels:literal, $value:literal, $is_written:expr) => {
-        KernelOutput {
-            name: $name,
-            staging: concat!("read ", $name),
-            number: $number,
-            channels: $channels,
-            value: $value,
-            is_written: $is_written,
-        }
-    };
-}
-
 /// A buffer that kernels write, with one entry per pixel or given ray.
 pub(crate) struct KernelOutput {
     /// Its binding's name in WGSL.
     pub(crate) name: &'static str,
-    /// The buffer from which the host reads it where the binding's own buffer cannot be mapped.
-    pub(crate) staging: &'static str,
     /// The WGSL type of its values, 4 bytes each.
     pub(crate) number: &'static str,
     /// Values per pixel.
@@ -238,14 +223,24 @@ pub(crate) struct KernelOutput {
 
 /// All output buffers. `gpu/compose.rs` declares, computes and stores only those that a kernel writes.
 pub(crate) const OUTPUTS: [KernelOutput; 7] = [
-    output!("frame_id", "u32", 1, "written_id(hit)", |_| true),
-    output!("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
-    output!("frame_t_low", "f32", 1, "to_lo(hit.t)", |kernel| kernel.t && kernel.is_wide()),
-    output!("frame_depth_interval", "f32", 1, "answer.depth_interval", Kernel::has_depth_interval),
-    output!("frame_depth", "u32", 2, "center_depth()", Kernel::has_depths),
-    output!("frame_normal", "f32", 3, "world_normal(ray, hit)", |kernel| kernel.normal),
-    output!("frame_color", "f32", 3, "hit_color(ray, hit)", |kernel| kernel.shade.is_some()),
+    output("frame_id", "u32", 1, "written_id(hit)", |_| true),
+    output("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
+    output("frame_t_low", "f32", 1, "to_lo(hit.t)", |kernel| kernel.t && kernel.is_wide()),
+    output("frame_depth_interval", "f32", 1, "answer.depth_interval", Kernel::has_depth_interval),
+    output("frame_depth", "u32", 2, "center_depth()", Kernel::has_depths),
+    output("frame_normal", "f32", 3, "world_normal(ray, hit)", |kernel| kernel.normal),
+    output("frame_color", "f32", 3, "hit_color(ray, hit)", |kernel| kernel.shade.is_some()),
 ];
+
+const fn output(
+    name: &'static str,
+    number: &'static str,
+    channels: usize,
+    value: &'static str,
+    is_written: fn(&Kernel) -> bool,
+) -> KernelOutput {
+    KernelOutput { name, number, channels, value, is_written }
+}
 
 impl KernelOutput {
     /// The outputs that `kernel` writes.

@@ -145,12 +145,8 @@ pub(crate) fn open_first<T>(
 ) -> Option<T> {
     found.iter().find_map(|found| match open(found) {
         Ok(opened) => Some(opened),
-        Err(Error::Adapter { problem, .. }) => {
-            passed_over.push(problem);
-            None
-        }
         Err(error) => {
-            passed_over.push(error.to_string());
+            passed_over.push(if let Error::Adapter { problem, .. } = error { problem } else { error.to_string() });
             None
         }
     })

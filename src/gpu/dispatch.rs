@@ -2,18 +2,18 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
-use crate::gpu::compose::{Source, compose};
+use crate::gpu::compose::{Source, Step, compose, compose_step};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
-use crate::gpu::layout::{Binding, Kind, bindings, kind};
-use crate::gpu::resident::held::Resident;
+use crate::gpu::layout::{Binding, bindings, capabilities};
+use crate::gpu::resident::held::{BLOCK, Held, Starts};
 use crate::gpu::selftest::verdict::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::traffic::Traffic;
-use crate::gpu::transfers::{Band, Bands, BindingLimits, uploads};
+use crate::gpu::transfers::{Band, Bands, largest_binding, most_spheres, uploads};
 use crate::gpu::validate::{compile, validate};
 use crate::intersect::Method;
-use crate::kernel::{Kernel, KernelOutput};
+use crate::kernel::{Kernel, OUTPUTS};
 use crate::quote::setting::{ADAPTER, BACKEND, SIZE};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
@@ -27,8 +27,10 @@ pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
     pub(super) open: device::Open,
     pub(crate) limits: wgpu::Limits,
-    pub(super) pipelines: HashMap<Kernel, Pipeline>,
+    pub(super) programs: HashMap<Program, Pipeline>,
     pub(super) buffers: HashMap<&'static str, wgpu::Buffer>,
+    /// Copies of buffers for the host to read, by the same names.
+    pub(super) staging: HashMap<&'static str, wgpu::Buffer>,
     /// The last contents of small buffers, to skip equal uploads.
     filled: HashMap<&'static str, Vec<u8>>,
     pub(super) textures: HashMap<&'static str, (wgpu::Texture, wgpu::TextureView)>,
@@ -39,20 +41,34 @@ pub(crate) struct Gpu {
     /// The budget for kernels that have not run yet.
     pub(super) budget: SubmissionBudget,
     pub(super) verdict: Option<Verdict>,
-    pub(super) resident: Resident,
+    pub(super) held: Option<Held>,
+    /// The frame whose hits lie on the device, for rays from there, or why they do not.
+    pub(super) starts: Option<Result<Starts, &'static str>>,
+    /// Spheres of a block.
+    pub(super) block: usize,
+    /// Blocks leave their minima in the reverse order.
+    #[cfg(test)]
+    pub(super) reversed: bool,
 }
 
+/// A shader of frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Program {
+    Kernel(Kernel),
+    Step(Step),
+}
+
+/// A compiled shader and what it binds.
 pub(super) struct Pipeline {
-    pub(super) compute: wgpu::ComputePipeline,
-    pub(super) bindings: Vec<Binding>,
-    budget: SubmissionBudget,
+    compute: wgpu::ComputePipeline,
+    bindings: Vec<Binding>,
+    pub(super) budget: SubmissionBudget,
 }
 
 impl Gpu {
     pub(crate) fn new(open: device::Open, summary: AdapterSummary) -> Self {
         let limits = open.device.limits();
         let clock = Clock::new(&open);
-        let (pipelines, buffers, textures) = (HashMap::new(), HashMap::new(), HashMap::new());
         let direct = open.is_direct(&summary);
         Self {
             clock,
@@ -60,14 +76,19 @@ impl Gpu {
             summary,
             open,
             limits,
-            pipelines,
-            buffers,
+            programs: HashMap::new(),
+            buffers: HashMap::new(),
+            staging: HashMap::new(),
             filled: HashMap::new(),
-            textures,
+            textures: HashMap::new(),
             direct,
             budget: SubmissionBudget::default(),
             verdict: None,
-            resident: Resident::default(),
+            held: None,
+            starts: None,
+            block: BLOCK,
+            #[cfg(test)]
+            reversed: false,
         }
     }
 
@@ -80,7 +101,39 @@ impl Gpu {
         output: &mut Output<'_>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<()> {
-        self.guarded(|gpu| gpu.run_unguarded(kernel, input, output, go_on))
+        let record = input.view.record;
+        self.guarded(|gpu| {
+            let Output { raw, timings } = output;
+            gpu.share_buffers();
+            gpu.check_limits(kernel, input)?;
+            let program = Program::Kernel(*kernel);
+            timings.time("pipeline", || gpu.compile(program))?;
+            timings.time("upload", || gpu.upload(kernel, input))?;
+            let mut bands = Bands::new(kernel, input, gpu.limits.clone());
+            while let Some(band) = bands.next(&gpu.programs[&program].budget) {
+                if !go_on(band.before(kernel, &record)) {
+                    return Err(Error::Interrupted);
+                }
+                let (tests, start) = (bands.tests(&band), Instant::now());
+                timings.time("trace", || gpu.dispatch_band(kernel, &record, &band))?;
+                // Wall time includes the uploads before the submission, and for the first band the driver's compile time.
+                let seconds = gpu.seconds(start);
+                tracing::debug!(band.first, band.count, tests, seconds, "submitted");
+                if let Some(pipeline) = gpu.programs.get_mut(&program) {
+                    pipeline.budget.took(tests, seconds);
+                }
+                timings.time("readback", || gpu.read_back(kernel, &record, &band, raw))?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Invalidates what lies in the buffers of colours, lists and ids, which all kernels share.
+    fn share_buffers(&mut self) {
+        if let Some(held) = &mut self.held {
+            (held.has_colors, held.has_lists) = (false, false);
+        }
+        self.starts = None;
     }
 
     /// Whether kernel times are measured.
@@ -88,14 +141,9 @@ impl Gpu {
         self.clock.is_some()
     }
 
-    /// Kernel time since the last call, in milliseconds by the device's clock, if it has one.
-    pub(crate) fn kernel_ms(&mut self) -> Option<f64> {
-        self.clock.as_mut().map(Clock::take)
-    }
-
     /// What the device did since the last call.
     pub(crate) fn traffic(&mut self) -> Traffic {
-        std::mem::take(&mut self.traffic)
+        Traffic { kernel_ms: self.clock.as_mut().map(Clock::take), ..std::mem::take(&mut self.traffic) }
     }
 
     /// Runs `work` and converts errors that the device reports meanwhile.
@@ -124,41 +172,10 @@ impl Gpu {
         }
     }
 
-    fn run_unguarded(
-        &mut self,
-        kernel: &Kernel,
-        input: &Input<'_>,
-        output: &mut Output<'_>,
-        go_on: &dyn Fn(u64) -> bool,
-    ) -> Result<()> {
-        let Output { raw, timings } = output;
-        self.resident.share_buffers();
-        let record = input.view.record;
-        self.check_limits(kernel, input)?;
-        timings.time("pipeline", || self.pipeline(kernel))?;
-        timings.time("upload", || self.upload(kernel, input))?;
-        let mut bands = Bands::new(kernel, input, BindingLimits::from(&self.limits));
-        while let Some(band) = bands.next(&self.pipelines[kernel].budget) {
-            if !go_on(band.before(kernel, &record)) {
-                return Err(Error::Interrupted);
-            }
-            let (tests, start) = (bands.tests(&band), Instant::now());
-            timings.time("trace", || self.dispatch(kernel, &record, &band))?;
-            // Wall time includes the uploads before the submission, and for the first band the driver's compile time.
-            let seconds = self.seconds(start);
-            tracing::debug!(band.first, band.count, tests, seconds, "submitted");
-            if let Some(pipeline) = self.pipelines.get_mut(kernel) {
-                pipeline.budget.took(tests, seconds);
-            }
-            timings.time("readback", || self.read_back(kernel, &record, &band, raw))?;
-        }
-        Ok(())
-    }
-
     /// Checks the adapter's limits before any work.
     fn check_limits(&self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        let (record, reach) = (&input.view.record, BindingLimits::from(&self.limits));
-        let (largest, fit) = (reach.binding, reach.spheres(kernel));
+        let record = &input.view.record;
+        let (largest, fit) = (largest_binding(&self.limits), most_spheres(&self.limits, kernel));
         if u64::from(record.spheres) > fit {
             return Err(Error::Limits {
                 problem: format!(
@@ -182,38 +199,37 @@ impl Gpu {
         Ok(())
     }
 
-    pub(super) fn pipeline(&mut self, kernel: &Kernel) -> Result<()> {
-        if self.pipelines.contains_key(kernel) {
-            return Ok(());
+    /// Makes the pipeline of a program, unless it is known.
+    pub(super) fn compile(&mut self, program: Program) -> Result<()> {
+        if !self.programs.contains_key(&program) {
+            let pipeline = match &program {
+                Program::Kernel(kernel) => {
+                    let label = kernel.method().map_or("certified", Method::name);
+                    self.built(&compose(kernel), capabilities(kernel), label)
+                }
+                Program::Step(step) => self.built(&compose_step(*step), Capabilities::empty(), "resident"),
+            };
+            self.programs.insert(program, pipeline?);
         }
-        let capabilities = crate::gpu::layout::capabilities(kernel);
-        let (compute, bindings) =
-            self.built(&compose(kernel), capabilities, kernel.method().map_or("certified", Method::name))?;
-        self.pipelines.insert(*kernel, Pipeline { compute, bindings, budget: self.budget });
         Ok(())
     }
 
-    /// A pipeline and what it binds. They are compiled one after the other: side by side, eight renderers of a process hung on
-    /// NVIDIA's driver.
-    pub(super) fn built(
-        &self,
-        source: &Source,
-        capabilities: Capabilities,
-        label: &str,
-    ) -> Result<(wgpu::ComputePipeline, Vec<Binding>)> {
+    /// A pipeline with the budget of new ones. They are compiled one after the other: side by side, eight renderers of a process hung
+    /// on NVIDIA's driver.
+    pub(super) fn built(&self, source: &Source, capabilities: Capabilities, label: &str) -> Result<Pipeline> {
         let (module, info) = validate(source, capabilities)?;
         let bindings = bindings(&module, &info);
-        Ok((compile(&self.open.device, label, module), bindings))
+        Ok(Pipeline { compute: compile(&self.open.device, label, module), bindings, budget: self.budget })
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| match kind(name) {
-            Kind::Texture => self.fill_texture(name, bytes),
-            Kind::Uniform | Kind::Storage => self.fill(name, bytes),
+        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| match name {
+            "nodes" | "placed" => self.fill_texture(name, bytes),
+            _ => self.fill(name, bytes),
         })
     }
 
-    fn dispatch(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
+    fn dispatch_band(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
         let (record, pixels, groups) = match kernel.has_pixels() {
             true => {
                 let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
@@ -227,59 +243,53 @@ impl Gpu {
         };
         self.fill("view", bytemuck::bytes_of(&record))?;
         self.reserve_outputs(kernel, pixels);
-        self.submit(kernel, pixels, groups)
+        let mut encoder = self.encoder();
+        let program = &self.programs[&Program::Kernel(*kernel)];
+        self.dispatch(&mut self.pass(&mut encoder), program, |name| self.bound(name, pixels), groups);
+        self.copy_outputs(&mut encoder, kernel, pixels);
+        self.finish(encoder, true, |gpu| gpu.ask_outputs(kernel, pixels))
     }
 
-    /// One dispatch, with copies of the outputs to buffers that can be mapped.
-    pub(super) fn submit(&mut self, kernel: &Kernel, pixels: u64, groups: (u32, u32)) -> Result<()> {
-        let pipeline = &self.pipelines[kernel];
-        let entries: Vec<_> = pipeline
-            .bindings
-            .iter()
-            .map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: self.bound(b.name, kernel, pixels) })
-            .collect();
-        let mut encoder = self.record(&pipeline.compute, &entries, groups, self.times());
-        for output in KernelOutput::of(kernel).filter(|_| !self.direct) {
-            let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
-            encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes());
-        }
-        self.finish(encoder, true, |gpu| gpu.ask(kernel, pixels))
+    pub(super) fn encoder(&self) -> wgpu::CommandEncoder {
+        self.open.device.create_command_encoder(&Default::default())
     }
 
-    /// A dispatch that is recorded and not yet submitted.
-    pub(super) fn record(
+    /// A pass that the clock times, if the device has one.
+    pub(super) fn pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::ComputePass<'a> {
+        let timestamp_writes = self.clock.as_ref().map(Clock::writes);
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes })
+    }
+
+    /// Adds a dispatch to a pass, with what `bound` has for each name.
+    pub(super) fn dispatch<'a>(
         &self,
-        pipeline: &wgpu::ComputePipeline,
-        entries: &[wgpu::BindGroupEntry<'_>],
-        groups: (u32, u32),
-        times: Option<wgpu::ComputePassTimestampWrites<'_>>,
-    ) -> wgpu::CommandEncoder {
-        let layout = &pipeline.get_bind_group_layout(0);
-        let bound = wgpu::BindGroupDescriptor { label: None, layout, entries };
-        let group = self.open.device.create_bind_group(&bound);
-        let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        let described = wgpu::ComputePassDescriptor { label: None, timestamp_writes: times };
-        let mut pass = encoder.begin_compute_pass(&described);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(groups.0, groups.1, 1);
-        drop(pass);
-        encoder
+        pass: &mut wgpu::ComputePass<'_>,
+        program: &Pipeline,
+        bound: impl Fn(&'static str) -> wgpu::BindingResource<'a>,
+        (columns, rows): (u32, u32),
+    ) {
+        let entry = |b: &Binding| wgpu::BindGroupEntry { binding: b.binding, resource: bound(b.name) };
+        let entries: Vec<_> = program.bindings.iter().map(entry).collect();
+        let layout = &program.compute.get_bind_group_layout(0);
+        let group = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
+        pass.set_pipeline(&program.compute);
+        pass.set_bind_group(0, &self.open.device.create_bind_group(&group), &[]);
+        pass.dispatch_workgroups(columns, rows, 1);
     }
 
-    /// A texture, or the part of a buffer that this dispatch uses. Buffers are kept between frames, so they may be larger.
-    pub(super) fn bound(&self, name: &'static str, kernel: &Kernel, pixels: u64) -> wgpu::BindingResource<'_> {
+    /// A texture or a buffer; of an output what so many pixels use, since a buffer that is kept between frames may be larger.
+    pub(super) fn bound(&self, name: &'static str, pixels: u64) -> wgpu::BindingResource<'_> {
         if let Some((_, view)) = self.textures.get(name) {
             return wgpu::BindingResource::TextureView(view);
         }
         let buffer = &self.buffers[name];
-        let size = KernelOutput::of(kernel).find(|o| o.name == name).and_then(|o| NonZeroU64::new(pixels * o.bytes()));
+        let size = OUTPUTS.iter().find(|o| o.name == name).and_then(|o| NonZeroU64::new(pixels * o.bytes()));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
     }
 
     /// Checks that the adapter can bind a buffer of this size.
     pub(super) fn check_size(&self, name: &str, bytes: u64) -> Result<()> {
-        let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
+        let largest = largest_binding(&self.limits);
         if bytes <= largest {
             return Ok(());
         }
@@ -309,15 +319,11 @@ impl Gpu {
     /// Writes the parts one after the other; each is a multiple of four bytes.
     pub(super) fn fill_parts(&mut self, name: &'static str, parts: &[&[u8]]) -> Result<()> {
         self.filled.remove(name);
-        let usage = match kind(name) {
-            Kind::Uniform => wgpu::BufferUsages::UNIFORM,
-            Kind::Storage | Kind::Texture => wgpu::BufferUsages::STORAGE,
-        };
         // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never
         // read.
         let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(SMALLEST);
         self.check_size(name, size)?;
-        self.reserve(name, size, usage | wgpu::BufferUsages::COPY_DST);
+        self.reserve(name, size, FILLED);
         let mut offset = 0;
         for part in parts {
             self.open.queue.write_buffer(&self.buffers[name], offset, part);
@@ -328,12 +334,27 @@ impl Gpu {
     }
 
     pub(super) fn reserve(&mut self, name: &'static str, size: u64, usage: wgpu::BufferUsages) {
-        if self.buffers.get(name).is_none_or(|buffer| buffer.size() < size) {
-            let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
-            self.buffers.insert(name, self.open.device.create_buffer(&descriptor));
-        }
+        reserve(&self.open, &mut self.buffers, name, size, usage);
+    }
+}
+
+/// Keeps a buffer that is large enough, or makes one.
+pub(super) fn reserve(
+    open: &device::Open,
+    buffers: &mut HashMap<&'static str, wgpu::Buffer>,
+    name: &'static str,
+    size: u64,
+    usage: wgpu::BufferUsages,
+) {
+    if buffers.get(name).is_none_or(|buffer| buffer.size() < size) {
+        let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
+        buffers.insert(name, open.device.create_buffer(&descriptor));
     }
 }
 
 /// Size of the smallest buffer in bytes: enough for one record of any kind.
 const SMALLEST: u64 = 64;
+
+/// The usage of buffers that the host fills: shaders bind them as either.
+const FILLED: wgpu::BufferUsages =
+    wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::UNIFORM).union(wgpu::BufferUsages::COPY_DST);

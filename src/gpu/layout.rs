@@ -13,55 +13,41 @@ pub(crate) struct Binding {
     pub(crate) binding: u32,
 }
 
-/// What a shader binds an input as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Uniform,
-    Storage,
-    /// See texture.rs.
-    Texture,
-}
-
 /// The inputs of kernels by their WGSL names; the last two belong to the self-test.
-const INPUTS: [(&str, Kind); 28] = [
-    ("view", Kind::Uniform),
-    ("spheres", Kind::Storage),
-    ("residuals", Kind::Storage),
-    ("colors", Kind::Storage),
-    ("rays", Kind::Storage),
-    ("nodes", Kind::Texture),
-    ("boxes", Kind::Storage),
-    ("placed", Kind::Texture),
-    ("certified_rays", Kind::Storage),
-    ("projection", Kind::Uniform),
-    ("projected", Kind::Storage),
-    ("generals_storage", Kind::Storage),
-    ("generals_uniform", Kind::Uniform),
-    ("lists", Kind::Storage),
-    ("placing", Kind::Uniform),
-    ("block_pass", Kind::Uniform),
-    ("resident", Kind::Storage),
-    ("summary", Kind::Storage),
-    ("pieces", Kind::Storage),
-    ("minima", Kind::Storage),
-    ("pairs", Kind::Storage),
-    ("starts", Kind::Storage),
-    ("sky", Kind::Uniform),
-    ("places", Kind::Storage),
-    ("directions", Kind::Storage),
-    ("open", Kind::Storage),
-    ("cases", Kind::Storage),
-    ("answers", Kind::Storage),
+const INPUTS: [&str; 28] = [
+    "view",
+    "spheres",
+    "residuals",
+    "colors",
+    "rays",
+    "nodes",
+    "boxes",
+    "placed",
+    "certified_rays",
+    "projection",
+    "projected",
+    "generals_storage",
+    "generals_uniform",
+    "lists",
+    "placing",
+    "block_pass",
+    "resident",
+    "summary",
+    "pieces",
+    "minima",
+    "pairs",
+    "starts",
+    "sky",
+    "places",
+    "directions",
+    "open",
+    "cases",
+    "answers",
 ];
-
-/// What the shaders bind this input as.
-pub(super) fn kind(input: &str) -> Kind {
-    INPUTS.iter().find(|(name, _)| *name == input).map_or(Kind::Storage, |(_, kind)| *kind)
-}
 
 /// Every buffer that a shader binds, by its WGSL name. The binding number is the index in this list.
 pub(crate) fn buffers() -> impl Iterator<Item = &'static str> {
-    INPUTS.into_iter().map(|(name, _)| name).chain(OUTPUTS.iter().map(|output| output.name))
+    INPUTS.into_iter().chain(OUTPUTS.iter().map(|output| output.name))
 }
 
 /// The bindings that the entry point uses.

@@ -10,9 +10,10 @@ mod tests;
 
 use super::Gpu;
 use super::compose::Step;
+use super::dispatch::Program;
 use super::input::{Input, KernelRays, Output};
 use super::sizes::{HOST_SPHERES, PAIRS, PIECES};
-use super::transfers::{Band, GeneralListsOfBand, few_generals, uploads};
+use super::transfers::{Band, few_generals, general_lists, largest_binding, uploads};
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{ByHost, Placer};
 use crate::certify::tiles::Placed;
@@ -39,12 +40,6 @@ pub(crate) enum Rendered {
     Left(String),
 }
 
-/// What the host binned of the spheres once a device has placed them, or why the device cannot.
-enum Placing {
-    Done(Box<BinnedScene>),
-    Refused(String),
-}
-
 /// Bytes of a pixel in the largest binding of a frame: three minima, or two vectors of a ray's start.
 const MINIMA: u64 = 12;
 const START: u64 = 32;
@@ -65,17 +60,18 @@ impl Gpu {
         if !can_hold(spheres) {
             return Ok(None);
         }
-        if self.resident.held.as_ref().is_none_or(|held| !held.is_of(spheres, frame)) {
-            self.resident.held = None;
+        if self.held.as_ref().is_none_or(|held| !held.is_of(spheres, frame)) {
+            self.held = None;
+            self.forget_tree();
             self.guarded(|gpu| {
-                gpu.check_size("spheres", Held::largest(spheres.len().min(gpu.resident.block)))?;
-                let (held, bytes) = Held::new(&gpu.open, spheres, frame, gpu.resident.block);
-                gpu.resident.held = Some(held);
+                gpu.check_size("spheres", Held::largest(spheres.len().min(gpu.block)))?;
+                let (held, bytes) = Held::new(&gpu.open, spheres, frame, gpu.block);
+                gpu.held = Some(held);
                 gpu.traffic.up += bytes;
                 Ok(())
             })?;
         }
-        Ok(self.resident.held.as_ref().map(|held| held.reach))
+        Ok(self.held.as_ref().map(|held| held.reach))
     }
 
     /// What [`Gpu::hold`] returns, without sending a sphere.
@@ -86,7 +82,7 @@ impl Gpu {
         if !can_hold(spheres) {
             return Ok(None);
         }
-        self.check_size("spheres", Held::largest(spheres.len().min(self.resident.block)))?;
+        self.check_size("spheres", Held::largest(spheres.len().min(self.block)))?;
         Ok(Some(Reach::of(spheres)))
     }
 
@@ -102,49 +98,41 @@ impl Gpu {
         output: &mut Output<'_>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Rendered> {
-        self.guarded(|gpu| gpu.render_resident_unguarded(kernel, frame, output, go_on))
-    }
-
-    fn render_resident_unguarded(
-        &mut self,
-        kernel: &Kernel,
-        frame: ResidentFrame<'_>,
-        output: &mut Output<'_>,
-        go_on: &dyn Fn(u64) -> bool,
-    ) -> Result<Rendered> {
         let ResidentFrame { scene, view, placer, .. } = frame;
-        self.forget_hits();
-        let mut binned = match output.timings.time("place", || self.place(frame))? {
-            Placing::Done(binned) => binned,
-            Placing::Refused(reason) => return Ok(Rendered::Left(reason)),
-        };
-        let asked_for_starts = kernel.leaves_starts();
-        let kernel = match self.kernel_of_frame(kernel, &binned) {
-            Ok(kernel) => kernel,
-            Err(reason) => return Ok(Rendered::Left(reason)),
-        };
-        output.timings.time("pipeline", || self.pipelines_of_frame(&kernel))?;
-        output.timings.time("upload", || self.upload_resident(&kernel, scene, view, &binned))?;
         let record = view.record;
-        let rows = self.rows_of_band(&kernel, &record);
-        let Some(mut pairs) = self.trace_bands(&kernel, &record, rows, &binned, output, go_on)? else {
-            return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
-        };
-        if asked_for_starts {
-            self.resident.starts = Some(if !kernel.leaves_starts() {
-                Err("the adapter binds too few buffers to keep the hits")
-            } else if rows < record.rows + record.first_row % TILE {
-                Err("the adapter holds the hits of a part of the image only")
-            } else {
-                Ok(Starts { record, unit: view.unit })
-            });
-        }
-        if !pairs.is_empty() {
-            let held = self.resident.held.as_ref();
-            pairs.iter_mut().for_each(|[_, slot]| *slot = held.map_or(*slot, |held| held.id(*slot)));
-            output.timings.time("settle", || placer.list(scene, view, &mut binned, pairs));
-        }
-        Ok(Rendered::Frame(binned))
+        self.forget_hits();
+        self.guarded(|gpu| {
+            let mut binned = match output.timings.time("place", || gpu.place(frame))? {
+                Rendered::Frame(binned) => binned,
+                left => return Ok(left),
+            };
+            let asked_for_starts = kernel.leaves_starts();
+            let kernel = match gpu.kernel_of_frame(kernel, &binned) {
+                Ok(kernel) => kernel,
+                Err(reason) => return Ok(Rendered::Left(reason)),
+            };
+            output.timings.time("pipeline", || gpu.compile_for_frame(&kernel))?;
+            output.timings.time("upload", || gpu.upload_resident(&kernel, scene, view, &binned))?;
+            let rows = gpu.rows_of_band(&kernel, &record);
+            let Some(mut pairs) = gpu.trace_bands(&kernel, &record, rows, &binned, output, go_on)? else {
+                return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
+            };
+            if asked_for_starts {
+                gpu.starts = Some(if !kernel.leaves_starts() {
+                    Err("the adapter binds too few buffers to keep the hits")
+                } else if rows < record.rows + record.first_row % TILE {
+                    Err("the adapter holds the hits of a part of the image only")
+                } else {
+                    Ok(Starts { record, unit: view.unit })
+                });
+            }
+            if !pairs.is_empty() {
+                let held = gpu.held.as_ref();
+                pairs.iter_mut().for_each(|[_, slot]| *slot = held.map_or(*slot, |held| held.id(*slot)));
+                output.timings.time("settle", || placer.list(scene, view, &mut binned, pairs));
+            }
+            Ok(Rendered::Frame(binned))
+        })
     }
 
     /// The kernel for a frame with these general spheres, with starts of rays from the hits where the adapter binds one buffer
@@ -161,13 +149,13 @@ impl Gpu {
         Ok(kernel.certified_by(|of| Certificate { generals, starts: of.starts && bound < most, ..of }))
     }
 
-    fn pipelines_of_frame(&mut self, kernel: &Kernel) -> Result<()> {
+    fn compile_for_frame(&mut self, kernel: &Kernel) -> Result<()> {
         let samples = kernel.samples;
-        self.step(Step::Small { samples })?;
-        if self.resident.held.as_ref().is_some_and(|held| held.pieces > 0) {
-            self.step(Step::Large { samples })?;
+        self.compile(Program::Step(Step::Small { samples }))?;
+        if self.held.as_ref().is_some_and(|held| held.pieces > 0) {
+            self.compile(Program::Step(Step::Large { samples }))?;
         }
-        self.pipeline(kernel)
+        self.compile(Program::Kernel(*kernel))
     }
 
     /// Traces the frame in bands of so many rows: the spheres at pixels that are not proved, as pixel and slot; `None` where
@@ -204,13 +192,13 @@ impl Gpu {
     fn upload_general_lists(&mut self, record: &ViewRecord, band: &Band, binned: &BinnedScene) -> Result<()> {
         let has_lists = Generals::of(binned.generals.len()) == Generals::Lists;
         let is_whole = has_lists && band.count == record.rows;
-        let known = self.resident.held.as_ref().is_some_and(|held| held.has_lists);
+        let known = self.held.as_ref().is_some_and(|held| held.has_lists);
         if has_lists && !(is_whole && known) {
-            let lists = GeneralListsOfBand::new(binned, band);
+            let (tiles, slots) = general_lists(binned, band);
             self.fill("generals_storage", bytemuck::cast_slice(&binned.generals))?;
-            self.fill_parts("lists", &lists.parts(binned))?;
+            self.fill_parts("lists", &[bytemuck::cast_slice(&tiles), bytemuck::cast_slice(slots)])?;
         }
-        if let Some(held) = &mut self.resident.held {
+        if let Some(held) = &mut self.held {
             held.has_lists = is_whole;
         }
         Ok(())
@@ -218,24 +206,24 @@ impl Gpu {
 
     /// Runs `work` with the spheres that the device holds; `None` where it holds none.
     fn with_held<T>(&mut self, work: impl FnOnce(&mut Self, &mut Held) -> Result<T>) -> Result<Option<T>> {
-        let Some(mut held) = self.resident.held.take() else { return Ok(None) };
+        let Some(mut held) = self.held.take() else { return Ok(None) };
         let done = work(self, &mut held);
-        self.resident.held = Some(held);
+        self.held = Some(held);
         done.map(Some)
     }
 
     /// Places the spheres; what was placed for the same view is kept.
-    fn place(&mut self, frame: ResidentFrame<'_>) -> Result<Placing> {
-        let placing = self.with_held(|gpu, held| gpu.place_held(held, frame))?;
-        Ok(placing.unwrap_or_else(|| Placing::Refused("the device holds no spheres".into())))
+    fn place(&mut self, frame: ResidentFrame<'_>) -> Result<Rendered> {
+        let placed = self.with_held(|gpu, held| gpu.place_held(held, frame))?;
+        Ok(placed.unwrap_or_else(|| Rendered::Left("the device holds no spheres".into())))
     }
 
-    fn place_held(&mut self, held: &mut Held, frame: ResidentFrame<'_>) -> Result<Placing> {
+    fn place_held(&mut self, held: &mut Held, frame: ResidentFrame<'_>) -> Result<Rendered> {
         let ResidentFrame { scene, view, placer, pool } = frame;
         let record = placer.record(0.0);
         let key = PlacedFor { camera: scene.camera, placing: record, lens: placer.lens(), tiles: view.record.tiles() };
         if let Some((_, binned)) = held.placed.as_ref().filter(|(known, _)| *known == key) {
-            return Ok(Placing::Done(Box::new(binned.clone())));
+            return Ok(Rendered::Frame(Box::new(binned.clone())));
         }
         (held.placed, held.has_lists) = (None, false);
         self.refill("placing", bytemuck::bytes_of(&record))?;
@@ -243,7 +231,7 @@ impl Gpu {
         let mut counts = self.place_blocks(held)?;
         if counts.host > HOST_SPHERES {
             let reason = format!("{} spheres lie around the eye or too near, more than {HOST_SPHERES}", counts.host);
-            return Ok(Placing::Refused(reason));
+            return Ok(Rendered::Left(reason));
         }
         let ByHost { binned, guests, reference } = placer.by_host(scene, view, &counts.summary, pool);
         if reference > 0.0 {
@@ -256,11 +244,11 @@ impl Gpu {
             counts.pieces = self.cut_guests(block)?;
         }
         if counts.pieces > u64::from(PIECES) {
-            return Ok(Placing::Refused(format!("more than {PIECES} pieces of large spheres")));
+            return Ok(Rendered::Left(format!("more than {PIECES} pieces of large spheres")));
         }
         held.pieces = counts.pieces as u32;
         held.placed = Some((key, binned.clone()));
-        Ok(Placing::Done(Box::new(binned)))
+        Ok(Rendered::Frame(Box::new(binned)))
     }
 
     /// The records of all spheres as placed last; `None` for those that have none.
@@ -282,12 +270,12 @@ impl Gpu {
             self.refill("generals_uniform", bytemuck::cast_slice(&few_generals(binned)))?;
         }
         // Colours are sent once, with the spheres.
-        let known = self.resident.held.as_ref().is_some_and(|held| held.has_colors);
+        let known = self.held.as_ref().is_some_and(|held| held.has_colors);
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing };
         if !known {
             uploads(kernel, &input).into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))?;
         }
-        if let Some(held) = self.resident.held.as_mut().filter(|_| kernel.colors) {
+        if let Some(held) = self.held.as_mut().filter(|_| kernel.colors) {
             held.has_colors = true;
         }
         Ok(())
@@ -295,9 +283,8 @@ impl Gpu {
 
     /// Rows of pixels whose minima and outputs fit a binding, a multiple of a tile's.
     fn rows_of_band(&self, kernel: &Kernel, record: &ViewRecord) -> u32 {
-        let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
         let bytes = if kernel.leaves_starts() { START } else { MINIMA };
-        let rows = largest / (bytes * u64::from(record.columns));
+        let rows = largest_binding(&self.limits) / (bytes * u64::from(record.columns));
         ((rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE).max(TILE)
     }
 

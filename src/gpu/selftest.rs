@@ -16,8 +16,6 @@ use crate::error::{Error, Result};
 use crate::frame::report::milliseconds;
 use crate::gpu::Gpu;
 use crate::gpu::compose::{Part, Source, Step, binding_numbers, compose, compose_step, files};
-use crate::gpu::layout::buffers;
-use crate::gpu::validate::{compile, validate};
 use crate::intersect::Method;
 use crate::quote::setting::{BACKEND, METHOD};
 use crate::view::ViewRecord;
@@ -71,14 +69,10 @@ impl Gpu {
     /// # Errors
     /// Errors of the device. A failed check is not an error but part of the verdict.
     pub(crate) fn verdict(&mut self) -> Result<&Verdict> {
-        if self.verdict.is_none() {
-            let key = self.key();
-            match cache::read(cache::folder(), &self.summary, &key) {
-                Some(verdict) => self.verdict = Some(verdict),
-                None => return self.retest(),
-            }
+        match self.verdict.take().or_else(|| cache::read(cache::folder(), &self.summary, &self.key())) {
+            Some(verdict) => Ok(self.verdict.insert(verdict)),
+            None => self.retest(),
         }
-        self.verdict.as_ref().ok_or_else(nothing_measured)
     }
 
     /// Checks that `method` can be used here. A method that needs more than WGSL guarantees requires a passed
@@ -124,6 +118,10 @@ impl Gpu {
             let answers = self.guarded(|gpu| gpu.answer(&trial))?;
             checks.extend((trial.judge)(&trial.cases, &answers));
         }
+        for name in ["cases", "answers"] {
+            self.buffers.remove(name);
+            self.staging.remove(name);
+        }
         checks.push(self.compare_places()?);
         checks.push(self.compare_twins()?);
         Ok(Verdict { milliseconds: milliseconds(start), ..conclude(checks, self.has_f64()) })
@@ -136,16 +134,11 @@ impl Gpu {
     /// Everything that the verdict depends on.
     fn key(&self) -> String {
         let mut text = blake3::Hasher::new();
-        for trial in trials(true) {
-            for part in trial.parts {
-                text.update(part.text.as_bytes());
-            }
-        }
-        for kernel in self.twin_kernels() {
-            text.update(compose(&kernel).text.as_bytes());
-        }
-        for step in [Step::Place, Step::Small { samples: false }, Step::Large { samples: false }] {
-            text.update(compose_step(step).text.as_bytes());
+        let trials = trials(true).into_iter().map(|trial| Source::new(trial.parts));
+        let kernels = self.twin_kernels().into_iter().map(|kernel| compose(&kernel));
+        let steps = [Step::Place, Step::Small { samples: false }, Step::Large { samples: false }].map(compose_step);
+        for source in trials.chain(kernels).chain(steps) {
+            text.update(source.text.as_bytes());
         }
         let (adapter, text) = (&self.summary, text.finalize().to_hex());
         format!(
@@ -162,42 +155,18 @@ impl Gpu {
     /// Runs a trial's shader on its cases.
     fn answer(&mut self, trial: &Trial) -> Result<Vec<u32>> {
         let source = Source::new(trial.parts.iter().cloned());
-        let (module, _) = validate(&source, trial.capabilities)?;
-        let device = &self.open.device;
+        let program = self.built(&source, trial.capabilities, trial.name)?;
         let count = trial.cases.len() / trial.words[0];
         let size = (count * trial.words[1] * size_of::<u32>()) as u64;
-        let buffer = |label, size, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
-        };
         let record = ViewRecord { spheres: count as u32, ..ViewRecord::zeroed() };
-        let (input, record) = (bytemuck::cast_slice(&trial.cases), bytemuck::bytes_of(&record));
-        let upload = wgpu::BufferUsages::COPY_DST;
-        let view = buffer("view", record.len() as u64, wgpu::BufferUsages::UNIFORM | upload);
-        let cases = buffer("cases", input.len() as u64, wgpu::BufferUsages::STORAGE | upload);
-        let answers = buffer("answers", size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-        let staging = buffer("read answers", size, wgpu::BufferUsages::MAP_READ | upload);
-        self.open.queue.write_buffer(&view, 0, record);
-        self.open.queue.write_buffer(&cases, 0, input);
-        let pipeline = compile(device, trial.name, module);
-        let entries = [("view", &view), ("cases", &cases), ("answers", &answers)].map(|(name, buffer)| {
-            let binding = buffers().position(|buffer| buffer == name).unwrap_or_default() as u32;
-            wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
-        });
+        self.fill("view", bytemuck::bytes_of(&record))?;
+        self.fill("cases", bytemuck::cast_slice(&trial.cases))?;
+        self.reserve("answers", size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+        let mut encoder = self.encoder();
         let groups = (count as u32).div_ceil(super::input::GROUP);
-        let mut encoder = self.record(&pipeline, &entries, (groups, 1), None);
-        encoder.copy_buffer_to_buffer(&answers, 0, &staging, 0, size);
-        self.open.queue.submit([encoder.finish()]);
-        staging.map_async(wgpu::MapMode::Read, .., |_| {});
-        self.wait()?;
-        let mapped = staging
-            .get_mapped_range(..)
-            .map_err(|e| Error::DeviceLost(format!("the self-test cannot be read back: {e}")))?;
-        Ok(bytemuck::pod_collect_to_vec(&mapped))
+        self.dispatch(&mut self.pass(&mut encoder), &program, |name| self.bound(name, 0), (groups, 1));
+        self.fetch(encoder, true, "answers", size)
     }
-}
-
-fn nothing_measured() -> Error {
-    Error::Adapter { problem: "the self-test measured nothing".into(), mend: "report this as a bug".into() }
 }
 
 fn no_f64() -> Usable {

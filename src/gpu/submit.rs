@@ -4,6 +4,7 @@ use super::Gpu;
 use crate::answers::raw::Raw;
 use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
+use crate::gpu::dispatch::reserve;
 use crate::gpu::transfers::Band;
 use crate::kernel::{Kernel, KernelOutput};
 use crate::view::ViewRecord;
@@ -13,12 +14,22 @@ impl Gpu {
     /// The buffers of the kernel's outputs.
     pub(super) fn reserve_outputs(&mut self, kernel: &Kernel, pixels: u64) {
         for output in KernelOutput::of(kernel) {
-            let bytes = pixels * output.bytes();
             let reading = if self.direct { wgpu::BufferUsages::MAP_READ } else { wgpu::BufferUsages::COPY_SRC };
-            self.reserve(output.name, bytes, wgpu::BufferUsages::STORAGE | reading);
-            if !self.direct {
-                self.reserve(output.staging, bytes, READING);
-            }
+            self.reserve(output.name, pixels * output.bytes(), wgpu::BufferUsages::STORAGE | reading);
+        }
+    }
+
+    /// Copies the first bytes of a buffer to where the host can read them.
+    pub(super) fn copy(&mut self, encoder: &mut wgpu::CommandEncoder, name: &'static str, size: u64) {
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        reserve(&self.open, &mut self.staging, name, size, usage);
+        encoder.copy_buffer_to_buffer(&self.buffers[name], 0, &self.staging[name], 0, size);
+    }
+
+    /// The same for all outputs, unless the host reads them in place.
+    pub(super) fn copy_outputs(&mut self, encoder: &mut wgpu::CommandEncoder, kernel: &Kernel, pixels: u64) {
+        if !self.direct {
+            KernelOutput::of(kernel).for_each(|output| self.copy(encoder, output.name, pixels * output.bytes()));
         }
     }
 
@@ -49,30 +60,31 @@ impl Gpu {
         Ok(())
     }
 
-    /// Submits commands that leave `size` bytes in a buffer for reading; its numbers.
+    /// Submits commands and reads the first `size` bytes of a buffer after them, as numbers.
     pub(super) fn fetch(
         &mut self,
-        encoder: wgpu::CommandEncoder,
+        mut encoder: wgpu::CommandEncoder,
         timed: bool,
         name: &'static str,
         size: u64,
     ) -> Result<Vec<u32>> {
-        self.finish(encoder, timed, |gpu| gpu.buffers[name].map_async(wgpu::MapMode::Read, 0..size, |_| {}))?;
+        self.copy(&mut encoder, name, size);
+        self.finish(encoder, timed, |gpu| gpu.ask(name, size))?;
         self.take(name, size)
     }
 
-    /// The first numbers of a buffer whose mapping was asked for before the last wait.
+    /// Requests the mapping of a copy, which completes with the next wait.
+    pub(super) fn ask(&self, name: &'static str, size: u64) {
+        self.staging[name].map_async(wgpu::MapMode::Read, 0..size, |_| {});
+    }
+
+    /// The first numbers of a copy whose mapping was asked for before the last wait.
     pub(super) fn take(&mut self, name: &'static str, size: u64) -> Result<Vec<u32>> {
-        let buffer = &self.buffers[name];
+        let buffer = &self.staging[name];
         let numbers = bytemuck::pod_collect_to_vec(&mapped(buffer, size)?);
         buffer.unmap();
         self.traffic.down += size;
         Ok(numbers)
-    }
-
-    /// Where a pass writes its timestamps, if the device has a clock.
-    pub(super) fn times(&self) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        self.clock.as_ref().map(Clock::writes)
     }
 
     /// Seconds of the last timed pass, by the device's clock if it has one, else since `start`.
@@ -83,17 +95,17 @@ impl Gpu {
 
     /// The buffer in which the host reads an output.
     fn read_from(&self, output: &KernelOutput) -> &wgpu::Buffer {
-        &self.buffers[if self.direct { output.name } else { output.staging }]
+        &(if self.direct { &self.buffers } else { &self.staging })[output.name]
     }
 
     /// Requests the mapping of the outputs, which completes with the next wait.
-    pub(super) fn ask(&self, kernel: &Kernel, pixels: u64) {
+    pub(super) fn ask_outputs(&self, kernel: &Kernel, pixels: u64) {
         for output in KernelOutput::of(kernel) {
             self.read_from(output).map_async(wgpu::MapMode::Read, 0..pixels * output.bytes(), |_| {});
         }
     }
 
-    /// Takes the outputs that [`Gpu::ask`] mapped.
+    /// Takes the outputs that [`Gpu::ask_outputs`] mapped.
     pub(super) fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
         let row = if kernel.has_pixels() { record.columns as usize } else { 1 };
         let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
@@ -107,16 +119,13 @@ impl Gpu {
         Ok(())
     }
 
-    pub(super) fn wait(&self) -> Result<()> {
+    fn wait(&self) -> Result<()> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
         self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
     }
 }
 
 /// The first `size` bytes of a buffer that was mapped for reading.
-pub(super) fn mapped(buffer: &wgpu::Buffer, size: u64) -> Result<wgpu::BufferView> {
+fn mapped(buffer: &wgpu::Buffer, size: u64) -> Result<wgpu::BufferView> {
     buffer.get_mapped_range(0..size).map_err(|e| Error::DeviceLost(format!("a buffer cannot be read back: {e}")))
 }
-
-/// The usage of buffers that the host reads.
-pub(super) const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);

@@ -7,6 +7,8 @@ use std::time::Duration;
 pub(crate) struct Traffic {
     /// The time in which the device had work and the host waited for it.
     pub(crate) busy: Duration,
+    /// Milliseconds of kernels by the device's clock, if it has one.
+    pub(crate) kernel_ms: Option<f64>,
     /// Bytes that were written to buffers and textures.
     pub(crate) up: u64,
     /// Bytes that were read back.

@@ -7,41 +7,23 @@ use crate::certify::general::GeneralRecord;
 use crate::kernel::{Generals, Kernel, Task};
 use crate::tile::TILE;
 use crate::view::{SphereRecord, ViewRecord};
-use std::ops::Range;
 
 /// Assumed tests per ray that traverses a tree: far more than for disjoint spheres, far fewer than if all overlap.
 const TREE_TESTS: f64 = (1 << 12) as f64;
 
-/// The limits of an adapter's bindings and dispatches.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct BindingLimits {
-    /// Largest binding in bytes.
-    pub(crate) binding: u64,
-    /// Largest number of workgroups along one dimension of a dispatch.
-    pub(crate) groups: u32,
+/// The largest binding of an adapter in bytes.
+pub(crate) fn largest_binding(limits: &wgpu::Limits) -> u64 {
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
 }
 
-impl From<&wgpu::Limits> for BindingLimits {
-    fn from(limits: &wgpu::Limits) -> Self {
-        Self {
-            binding: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
-            groups: limits.max_compute_workgroups_per_dimension,
-        }
-    }
-}
-
-impl BindingLimits {
-    /// The largest number of spheres for this kernel: the records of a form, and the colours, must fit one binding. Spheres of
-    /// certified given rays are a texture.
-    pub(crate) fn spheres(&self, kernel: &Kernel) -> u64 {
-        let colors = if kernel.colors { self.binding / size_of::<[f32; 3]>() as u64 } else { u64::MAX };
-        let records = match kernel.task {
-            Task::Method { .. } => self.binding / size_of::<SphereRecord>() as u64,
-            _ => u64::MAX,
-        };
-        // Frames store ids as i32.
-        colors.min(records).min(i32::MAX as u64)
-    }
+/// The largest number of spheres for this kernel: the records of a form, and the colours, must fit one binding. Spheres of
+/// certified given rays are a texture.
+pub(crate) fn most_spheres(limits: &wgpu::Limits, kernel: &Kernel) -> u64 {
+    let fit = |bytes: usize| largest_binding(limits) / bytes as u64;
+    let colors = if kernel.colors { fit(size_of::<[f32; 3]>()) } else { u64::MAX };
+    let records = if kernel.method().is_some() { fit(size_of::<SphereRecord>()) } else { u64::MAX };
+    // Frames store ids as i32.
+    colors.min(records).min(i32::MAX as u64)
 }
 
 /// A band of the window: rows of pixels, counted in the full frame, or a run of given rays in one row.
@@ -65,7 +47,7 @@ impl Band {
 pub(crate) struct Bands<'a> {
     kernel: &'a Kernel,
     record: ViewRecord,
-    limits: BindingLimits,
+    limits: wgpu::Limits,
     /// The first row or ray of all. Bands begin at multiples of the smallest band, so the first one may be shorter.
     start: u32,
     /// The first row or ray that is in no band yet, and the one past the last.
@@ -74,7 +56,7 @@ pub(crate) struct Bands<'a> {
 }
 
 impl<'a> Bands<'a> {
-    pub(crate) fn new(kernel: &'a Kernel, input: &Input<'_>, limits: BindingLimits) -> Self {
+    pub(crate) fn new(kernel: &'a Kernel, input: &Input<'_>, limits: wgpu::Limits) -> Self {
         let record = input.view.record;
         let (start, end) = match kernel.has_pixels() {
             true => (record.first_row, record.first_row + record.rows),
@@ -92,7 +74,8 @@ impl<'a> Bands<'a> {
             return None;
         }
         let (unit, pixels) = self.unit();
-        let fit = (self.limits.binding / (12 * pixels)).clamp(1, u64::from(self.limits.groups));
+        let fit = (largest_binding(&self.limits) / (12 * pixels))
+            .clamp(1, self.limits.max_compute_workgroups_per_dimension.into());
         let each = self.tests(&Band { first, count: unit });
         let paid = (budget.next(self.tests(&Band { first, count: left })) / each).max(1.0) as u64;
         let count = (fit.min(paid) * u64::from(unit)).min(u64::from(left)) as u32;
@@ -122,35 +105,18 @@ impl<'a> Bands<'a> {
     }
 }
 
-/// The lists of general spheres of a band's tiles, as general_lists.wgsl reads them.
-pub(crate) struct GeneralListsOfBand {
-    /// Where the list of each tile begins and ends in the buffer, behind all of these.
-    tiles: Vec<[u32; 2]>,
-    /// The range in the lists of the whole frame.
-    all: Range<usize>,
-}
-
-impl GeneralListsOfBand {
-    pub(crate) fn new(binned: &BinnedScene, band: &Band) -> Self {
-        let mut tiles: Vec<[u32; 2]> = binned.general_lists.rows(band.first, band.count).collect();
-        let some = tiles.iter().filter(|[first, end]| first < end);
-        let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
-        let all = first.min(end) as usize..end as usize;
-        let before = 2 * tiles.len();
-        for tile in &mut tiles {
-            *tile = match tile[0] < tile[1] {
-                true => tile.map(|n| (n as usize - all.start + before) as u32),
-                false => [0; 2],
-            };
-        }
-        Self { tiles, all }
+/// The lists of general spheres of a band's tiles, as general_lists.wgsl reads them: where that of each tile begins and ends, behind
+/// all of these, and what is in them.
+pub(crate) fn general_lists<'a>(binned: &'a BinnedScene, band: &Band) -> (Vec<[u32; 2]>, &'a [u32]) {
+    let lists = &binned.general_lists;
+    let mut tiles: Vec<[u32; 2]> = lists.rows(band.first, band.count).collect();
+    let some = tiles.iter().filter(|[first, end]| first < end);
+    let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
+    let (first, before) = (first.min(end), 2 * tiles.len() as u32);
+    for tile in &mut tiles {
+        *tile = if tile[0] < tile[1] { tile.map(|n| n - first + before) } else { [0; 2] };
     }
-
-    /// The parts of the binding `lists`.
-    pub(crate) fn parts<'a>(&'a self, binned: &'a BinnedScene) -> [&'a [u8]; 2] {
-        let slots = &binned.general_lists.slots[self.all.clone()];
-        [bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(slots)]
-    }
+    (tiles, &lists.slots[first as usize..end as usize])
 }
 
 /// General spheres as a uniform buffer of constant size holds them.

@@ -4,7 +4,7 @@ use super::Gpu;
 use super::compose::{Source, shaders};
 use super::input::{Input, KernelRays};
 use super::submission_budget::SubmissionBudget;
-use super::transfers::{Band, Bands, BindingLimits, GeneralListsOfBand, few_generals, uploads};
+use super::transfers::{Band, Bands, few_generals, general_lists, most_spheres, uploads};
 use crate::certify::ProjectionRecord;
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::PlacingRecord;
@@ -29,7 +29,6 @@ impl Gpu {
     /// The work of `kernel` for a view of a scene; `binned` as the host would bin it, for a certified kernel.
     pub(crate) fn work(&self, kernel: &Kernel, view: &View, scene: &Scene, binned: Option<&BinnedScene>) -> Work {
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing };
-        let limits = BindingLimits::from(&self.limits);
         let mut uploaded = vec![("view", size_of::<ViewRecord>() as u64)];
         if kernel.is_certified() {
             uploaded.push(("projection", size_of::<ProjectionRecord>() as u64));
@@ -40,7 +39,7 @@ impl Gpu {
         uploaded.extend(uploads(kernel, &input).into_iter().map(|(name, bytes)| (name, bytes.len() as u64)));
         let pixels = view.record.pixels() as u64;
         let bands = || {
-            let mut bands = Bands::new(kernel, &input, limits);
+            let mut bands = Bands::new(kernel, &input, self.limits.clone());
             std::iter::from_fn(|| bands.next(&SubmissionBudget::default())).count() as u64
         };
         Work {
@@ -49,7 +48,7 @@ impl Gpu {
             written: KernelOutput::of(kernel).map(|output| (output.name, pixels * output.bytes())).collect(),
             // The spheres are placed, go over the pixels and are certified in two submissions.
             dispatches: if kernel.is_certified() { 2 } else { bands() },
-            spheres: limits.spheres(kernel),
+            spheres: most_spheres(&self.limits, kernel),
         }
     }
 }
@@ -61,9 +60,9 @@ fn generals(view: &View, binned: &BinnedScene) -> Vec<(&'static str, u64)> {
         Generals::Few => vec![("generals_uniform", size_of_val(&few_generals(binned)) as u64)],
         Generals::Lists => {
             let band = Band { first: view.record.first_row, count: view.record.rows };
-            let lists = GeneralListsOfBand::new(binned, &band);
-            let bytes = lists.parts(binned).iter().map(|part| part.len() as u64).sum();
-            vec![("generals_storage", size_of_val(&binned.generals[..]) as u64), ("lists", bytes)]
+            let (tiles, slots) = general_lists(binned, &band);
+            let lists = size_of_val(&tiles[..]) + size_of_val(slots);
+            vec![("generals_storage", size_of_val(&binned.generals[..]) as u64), ("lists", lists as u64)]
         }
     }
 }

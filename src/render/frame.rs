@@ -140,7 +140,6 @@ impl Renderer {
         watch.check()?;
         let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
         // Discards what was done before, for example by a self-test.
-        self.kernel_ms();
         self.traffic();
         self.frames += 1;
         // Of a frame that was interrupted.
@@ -172,7 +171,6 @@ impl Renderer {
             }
             _ => None,
         };
-        let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
             timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
         }
@@ -202,7 +200,7 @@ impl Renderer {
         report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
         report.stages_ms = timings.into_map();
         report.frame_ms = vec![milliseconds(start)];
-        let Traffic { busy, up, down } = self.traffic().unwrap_or_default();
+        let Traffic { busy, kernel_ms, up, down } = self.traffic().unwrap_or_default();
         report.host_ms = report.frame_ms.iter().map(|whole| (whole - busy.as_secs_f64() * 1e3).max(0.0)).collect();
         (report.bytes_up, report.bytes_down) = (up, down);
         report.kernel_ms = kernel_ms.into_iter().collect();

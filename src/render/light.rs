@@ -6,7 +6,7 @@ use crate::answers::lit::{LightBuffers, OpenSky, Traced};
 use crate::cpu::light::{LightOutputs, LightingContext};
 use crate::error::Result;
 use crate::exact::Judge;
-use crate::gpu::resident::sky::{SkyRays, SkyTraced};
+use crate::gpu::resident::sky::{SkyRays, SkyRecord, SkyTraced};
 use crate::memory::Pool;
 use crate::progress::Step;
 use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight};
@@ -106,16 +106,17 @@ impl Renderer {
         }
         let turned = directions.turned().iter().map(DirectionRecord::of_unit);
         let directions: Vec<DirectionRecord> = turned.chain(all).collect();
-        let asked = SkyRays {
-            tree,
-            view,
-            directions: &directions,
+        let [sure_limit, limit] = limits(tree, sky.map_or(f64::INFINITY, |sky| sky.reach));
+        let record = SkyRecord {
             rays: count.rays as u32,
             lights: count.lights as u32,
             seed: settings.seed,
-            chessboard: request.chessboard,
-            limit: limits(tree, sky.map_or(f64::INFINITY, |sky| sky.reach)),
+            chessboard: request.chessboard.into(),
+            sure_limit,
+            limit,
+            ..bytemuck::Zeroable::zeroed()
         };
+        let asked = SkyRays { tree, view, directions: &directions, record };
         let pixels = view.record.pixels() as u64;
         let doing = self.watch.begin(Step::Light, pixels);
         match gpu.trace_sky(&asked, &|done| doing.reached(done))? {

@@ -142,11 +142,6 @@ impl Renderer {
         self.device.gpu.as_ref().is_some_and(|gpu| gpu.has_clock())
     }
 
-    /// Kernel time since the last call.
-    pub(super) fn kernel_ms(&mut self) -> Option<f64> {
-        self.device.gpu.as_mut().and_then(|gpu| gpu.kernel_ms())
-    }
-
     /// What the device did since the last call; `None` for the reference path.
     pub(super) fn traffic(&mut self) -> Option<Traffic> {
         self.device.gpu.as_mut().map(|gpu| gpu.traffic())

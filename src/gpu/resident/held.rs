@@ -6,11 +6,8 @@ use crate::certify::placing::{PlacedSummary, PlacingRecord};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::Placed;
 use crate::double_double as dd;
-use crate::gpu::compose::Step;
 use crate::gpu::device::Open;
-use crate::gpu::layout::Binding;
 use crate::gpu::sizes::{HOST_SPHERES, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MORE, SUMMARY_PIECES};
-use crate::gpu::submission_budget::SubmissionBudget;
 use crate::scene::Spheres;
 use crate::scene::camera::Camera;
 use crate::scene::list::List;
@@ -18,61 +15,17 @@ use crate::scene::same::SameSpheres;
 use crate::view::ViewRecord;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
-
-/// The pipelines of the steps.
-#[derive(Default)]
-pub(super) struct Steps(pub(super) HashMap<Step, (wgpu::ComputePipeline, Vec<Binding>)>);
-
-/// What the device holds from frame to frame.
-pub(crate) struct Resident {
-    pub(super) held: Option<Held>,
-    pub(super) steps: Steps,
-    /// The frame whose hits lie on the device, for rays from there, or why they do not.
-    pub(super) starts: Option<Result<Starts, &'static str>>,
-    /// Spheres of a block.
-    pub(super) block: usize,
-    /// For rays from hits.
-    pub(super) sky: SubmissionBudget,
-    /// Blocks leave their minima in the reverse order.
-    #[cfg(test)]
-    pub(super) reversed: bool,
-}
-
-impl Resident {
-    /// Another kernel writes the buffers of colours, lists and ids, which all kernels share.
-    pub(in crate::gpu) fn share_buffers(&mut self) {
-        if let Some(held) = &mut self.held {
-            (held.has_colors, held.has_lists) = (false, false);
-        }
-        self.starts = None;
-    }
-}
 
 /// The hits of a frame on the device.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Starts {
+pub(crate) struct Starts {
     pub(super) record: ViewRecord,
     /// The exponent of the unit in which the ways from the eye are. Another view of the same pixels may have another.
     pub(super) unit: i32,
 }
 
 /// Spheres of a block: 64 MiB, and 80 MiB of records.
-pub(super) const BLOCK: usize = 1 << 21;
-
-impl Default for Resident {
-    fn default() -> Self {
-        Self {
-            held: None,
-            steps: Steps::default(),
-            starts: None,
-            block: BLOCK,
-            sky: SubmissionBudget::default(),
-            #[cfg(test)]
-            reversed: false,
-        }
-    }
-}
+pub(crate) const BLOCK: usize = 1 << 21;
 
 /// Spheres that one job brings into the layout of a device.
 const TOGETHER: usize = 1 << 14;
@@ -138,15 +91,8 @@ pub(super) struct PlacedFor {
     pub(super) tiles: [[u32; 2]; 2],
 }
 
-/// A tree on a device, with the spheres that it holds and the places of all ids.
-pub(super) struct HeldTree {
-    pub(super) nodes: wgpu::TextureView,
-    pub(super) placed: wgpu::TextureView,
-    pub(super) places: wgpu::Buffer,
-}
-
 /// The spheres of a scene on a device.
-pub(super) struct Held {
+pub(crate) struct Held {
     of: SameSpheres,
     count: u32,
     pub(super) reach: Reach,
@@ -156,10 +102,8 @@ pub(super) struct Held {
     pub(super) pieces: u32,
     /// The last view for which they were placed, its tiles, and what the host found.
     pub(super) placed: Option<(PlacedFor, BinnedScene)>,
-    /// For rays from hits.
-    pub(super) tree: Option<HeldTree>,
-    pub(super) has_colors: bool,
-    pub(super) has_lists: bool,
+    pub(in crate::gpu) has_colors: bool,
+    pub(in crate::gpu) has_lists: bool,
     /// The colours where no one can change them; their address, and the frame in which they were sent.
     colors: (Option<List<[f32; 3]>>, Option<usize>, u64),
 }
@@ -194,7 +138,6 @@ impl Held {
             guests: Vec::new(),
             pieces: 0,
             placed: None,
-            tree: None,
             has_colors: false,
             has_lists: false,
             colors: (spheres.colors.as_ref().and_then(List::kept), address_of_colors(spheres), frame),

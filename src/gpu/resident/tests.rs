@@ -3,7 +3,7 @@
 //! agrees.
 
 use super::held::BLOCK;
-use super::sky::{SkyRays, SkyTraced};
+use super::sky::{SkyRays, SkyRecord, SkyTraced};
 use super::*;
 use crate::answers::raw::Raw;
 use crate::certify::binned::Binning;
@@ -22,6 +22,7 @@ use crate::view::middle;
 use crate::view::raster::Raster;
 use crate::view::ray::UNSURE;
 use crate::window::Window;
+use bytemuck::Zeroable;
 
 /// A device of the pinned adapter.
 fn open() -> Option<Gpu> {
@@ -112,7 +113,7 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
                 (64, true, 3, 26 << 10),
             ] {
                 let gpu = if reversed { &mut far } else { &mut near_by };
-                (gpu.resident.block, gpu.resident.reversed) = (block, reversed);
+                (gpu.block, gpu.reversed) = (block, reversed);
                 gpu.limits.max_compute_workgroups_per_dimension = groups;
                 gpu.limits.max_storage_buffer_binding_size = binding;
                 number += 1;
@@ -148,7 +149,8 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
     let raster = Raster::centres(Window::full(scene.image.width, scene.image.height));
     let (mut found, rays) = (Vec::new(), 70);
     for (number, (block, groups)) in [(BLOCK, 65_535), (7, 65_535), (7, 2)].into_iter().enumerate() {
-        (gpu.resident.block, gpu.resident.sky) = (block, SubmissionBudget::starting(1e6));
+        (gpu.block, gpu.budget) = (block, SubmissionBudget::starting(1e6));
+        gpu.programs.remove(&Program::Step(Step::Sky));
         gpu.limits.max_compute_workgroups_per_dimension = groups;
         let reach = gpu.hold(&scene, number as u64).expect("a device").expect("spheres");
         let view =
@@ -165,11 +167,7 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
             tree: &tree,
             view: &view,
             directions: &directions,
-            rays,
-            lights: 0,
-            seed: 1,
-            chessboard: false,
-            limit: [f32::MAX; 2],
+            record: SkyRecord { rays, seed: 1, sure_limit: f32::MAX, limit: f32::MAX, ..Zeroable::zeroed() },
         };
         let submissions = std::cell::Cell::new(0);
         let count = |_: u64| {
@@ -188,7 +186,9 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         let other = View::in_unit(&scene, raster, view.unit + 3).expect("a view");
         let again = gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device");
         assert!(again == SkyTraced::Words(words.clone()));
-        let most = gpu.trace_sky(&SkyRays { rays: 5000, ..asked }, &count).expect("a device");
+        let most = gpu
+            .trace_sky(&SkyRays { record: SkyRecord { rays: 5000, ..asked.record }, ..asked }, &count)
+            .expect("a device");
         assert!(matches!(most, SkyTraced::Refused(reason) if reason.contains("5000 rays")));
         gpu.forget_hits();
         assert!(gpu.trace_sky(&asked, &count).expect("a device") == SkyTraced::NoHits);

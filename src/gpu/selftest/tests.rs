@@ -1,5 +1,6 @@
 use super::*;
 use crate::gpu::device;
+use crate::gpu::validate::validate;
 use crate::testing::adapter_or_skip;
 
 /// The pinned adapter, opened.
