@@ -6,7 +6,6 @@
 //! (the largest of |p_x|, |p_y|, |p_z|, r lies in [1, 2)).
 
 pub(crate) mod backdrop;
-mod clearance;
 pub(crate) mod directions;
 pub(crate) mod given;
 mod moved;
@@ -16,7 +15,6 @@ pub(crate) mod raster;
 pub mod ray;
 mod records;
 
-pub use clearance::Clearance;
 pub(crate) use moved::FromEye;
 pub use raster::strata_of;
 pub use records::{Sphere, SphereRecord, SphereResiduals, ViewRecord};
