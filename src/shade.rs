@@ -55,13 +55,11 @@ impl<R: Number> Surface<'_, R> {
     pub(crate) fn shade<V: Intersect>(&self, shade: Shade, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
         match shade {
             Shade::Flat => color_of(self.colors, hit.id),
-            _ => self.shade_normal(shade, ray, self.surface_normal::<V>(ray, hit), hit.id),
+            _ => {
+                let normal = self.surface_normal::<V>(ray, hit);
+                shade.of(self.view, ray.d.map(|x| x.to_hi_lo().0), normal, color_of(self.colors, hit.id))
+            }
         }
-    }
-
-    /// Linear RGB of a hit with a known normal in the canonical camera.
-    pub(crate) fn shade_normal(&self, shade: Shade, ray: &Ray<R>, normal: [f32; 3], id: u32) -> [f32; 3] {
-        shade.of(self.view, ray.d.map(|x| x.to_hi_lo().0), normal, color_of(self.colors, id))
     }
 }
 

@@ -83,9 +83,7 @@ impl View {
     /// The errors of [`Scene::check`]; [`Error::Scene`] for numbers so far apart that c - e overflows or that the sizes
     /// span more than 2^240.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let mut view = Self::without_spheres(scene)?;
-        view.move_world(&scene.spheres.centers, &scene.spheres.radii);
-        Ok(view)
+        Self::for_rays(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)), Records::Rounded)
     }
 
     /// The view for the rays of `raster`, with these sphere records.
@@ -93,9 +91,9 @@ impl View {
     /// # Errors
     /// As [`View::new`].
     pub(crate) fn for_rays(scene: &Scene, raster: Raster, records: Records) -> Result<Self> {
-        let mut view = Self::of_raster(scene, raster, None)?;
+        let mut view = Self::in_unit(scene, raster, None)?;
         if records != Records::None {
-            view.move_world(&scene.spheres.centers, &scene.spheres.radii);
+            view.spheres = view.moved(&scene.spheres.centers, &scene.spheres.radii).collect();
         }
         if records == Records::WithResiduals {
             view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
@@ -105,20 +103,16 @@ impl View {
 
     /// Camera, pixels and the frame's unit, without spheres.
     pub(crate) fn without_spheres(scene: &Scene) -> Result<Self> {
-        Self::of_raster(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)), None)
+        Self::in_unit(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)), None)
     }
 
-    /// The same for the rays of `raster` in the unit 2^`unit`. The unit is a power of two: results do not depend on it, as
-    /// far as no number leaves the range of f32.
+    /// The same for the rays of `raster` in the unit 2^`unit`, or in that of the spheres. The window selects the rays; no
+    /// other number depends on it. The unit is a power of two: results do not depend on it, as far as no number leaves the
+    /// range of f32.
     ///
     /// # Errors
-    /// As [`View::new`], but for what depends on the spheres.
-    pub(crate) fn in_unit(scene: &Scene, raster: Raster, unit: i32) -> Result<Self> {
-        Self::of_raster(scene, raster, Some(unit))
-    }
-
-    /// The same for the rays of `raster`. The window selects the rays; no other number depends on it.
-    fn of_raster(scene: &Scene, raster: Raster, unit: Option<i32>) -> Result<Self> {
+    /// As [`View::new`]; with a unit but for what depends on the spheres.
+    pub(crate) fn in_unit(scene: &Scene, raster: Raster, unit: Option<i32>) -> Result<Self> {
         scene.check()?;
         let size = [scene.image.width, scene.image.height];
         let CentredFrame { viewport, size: [width, height], step, shift } =
@@ -179,7 +173,7 @@ impl View {
         let basis = Basis { e: eye, u: DVec3::X, v: DVec3::Y, w: DVec3::Z };
         let unit = unit(eye, centers, radii)?;
         let mut view = Self::of_basis(basis, ViewRecord::zeroed(), [0.0; 3], radii.len(), unit);
-        view.move_world(centers, radii);
+        view.spheres = view.moved(centers, radii).collect();
         Ok(view)
     }
 
@@ -236,10 +230,6 @@ impl View {
     #[inline(always)]
     pub(crate) fn to_world(&self, d: [f64; 3]) -> DVec3 {
         self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
-    }
-
-    fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
-        self.spheres = self.moved(centers, radii).collect();
     }
 
     /// The records of these spheres, one after the other.

@@ -59,8 +59,7 @@ impl Answers<'_> {
                 Aov::Depth => Data::F64(self.fill(inf, |_, _, depth| [depth], |t| [t.depth])?),
                 Aov::Position => {
                     let point = |pixel: usize, d, depth| {
-                        let [row, column] = self.view.record.place(pixel as u32);
-                        let [row, column] = self.view.record.sample_position(row, column);
+                        let [row, column] = self.view.record.position(pixel as u32);
                         self.view.point(self.view.origin(row, column), d, depth)
                     };
                     Data::F64(self.fill(f64::NAN, point, |t| t.position)?)
@@ -91,11 +90,8 @@ impl Answers<'_> {
             };
             buffers.push(Buffer::new(aov, w, h, data)?);
         }
-        self.pool.put_back(self.raw.depth);
-        for unused in [self.raw.t, self.raw.t_low, self.raw.depth_interval] {
-            self.pool.put_back(unused);
-        }
-        let ids = bytemuck::allocation::cast_vec(self.raw.id);
+        let ids = bytemuck::allocation::cast_vec(std::mem::take(&mut self.raw.id));
+        self.raw.put_back(self.pool);
         buffers.push(Buffer::new(Aov::Id, w, h, Data::I32(ids))?);
         buffers.sort_by_key(|b| b.aov);
         Ok(buffers)
@@ -114,8 +110,7 @@ impl Answers<'_> {
         let mut out: Vec<f64> = self.pool.values(N * self.raw.id.len())?;
         // Rays of pixels' centres: of a column all have the same x, of a row the same y.
         let direction = |row: usize, column: usize| {
-            let [row, column] = self.view.record.place((row * width + column) as u32);
-            let [row, column] = self.view.record.sample_position(row, column);
+            let [row, column] = self.view.record.position((row * width + column) as u32);
             let [u, v, w] = self.view.direction(row, column);
             ([u / -w, v / -w], w)
         };

@@ -76,31 +76,26 @@ impl Settler<'_> {
         (end - first) as usize + self.twin.general_lists.of(row, column).len()
     }
 
-    /// The spheres that may be the nearest hit of each pixel.
+    /// The spheres that may be the nearest hit of each pixel, in the scene's order.
     fn candidates(&self, pixels: &[u32]) -> Lists {
         let (mut lists, mut all) = (Lists::default(), Vec::new());
+        let twin = &self.twin;
         for pixel in pixels {
-            self.add_candidates(&mut lists, &mut all, *pixel);
+            if !(self.go_on)() {
+                lists.add(std::iter::empty());
+                continue;
+            }
+            let [row, column] = twin.view.position(*pixel);
+            let slopes = twin.slopes(row, column);
+            all.clear();
+            all.extend(twin.candidates(&slopes));
+            // An upper bound of the depth of the nearest hit.
+            let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
+            let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
+            lists.add(all.iter().filter(|(low, _)| *low <= limit).map(|(_, slot)| twin.id(*slot)));
         }
         lists
-    }
-
-    /// The same for one pixel, in the scene's order; `all` is room for its candidates.
-    fn add_candidates(&self, lists: &mut Lists, all: &mut Vec<(f32, u32)>, pixel: u32) {
-        let twin = &self.twin;
-        if !(self.go_on)() {
-            return lists.add(std::iter::empty());
-        }
-        let [row, column] = twin.view.place(pixel);
-        let [row, column] = twin.view.sample_position(row, column);
-        let slopes = twin.slopes(row, column);
-        all.clear();
-        all.extend(twin.candidates(&slopes));
-        // An upper bound of the depth of the nearest hit.
-        let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
-        let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
-        lists.add(all.iter().filter(|(low, _)| *low <= limit).map(|(_, slot)| twin.id(*slot)));
     }
 
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
@@ -221,10 +216,6 @@ impl NullaryFnOnce for Decisions<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { judge, view, lists, settled } = self;
-        let at = |pixel: u32| {
-            let [row, column] = view.place(pixel);
-            view.sample_position(row, column)
-        };
         let count = |n: &usize| lists.of(*n).len();
         let mut alone: Vec<usize> = (0..settled.len()).filter(|n| count(n) == 1).collect();
         alone.sort_by_key(|n| lists.of(*n)[0]);
@@ -237,7 +228,7 @@ impl NullaryFnOnce for Decisions<'_> {
                 }
                 let mut places = [[0; 2]; LANES];
                 for (l, place) in places.iter_mut().enumerate() {
-                    *place = at(settled[some[l.min(some.len() - 1)]].pixel);
+                    *place = view.position(settled[some[l.min(some.len() - 1)]].pixel);
                 }
                 for (n, truth) in some.iter().zip(judge.surely_hit(&places, lists.of(some[0])[0])) {
                     settled[*n].truth = truth;
@@ -248,7 +239,7 @@ impl NullaryFnOnce for Decisions<'_> {
             }
         }
         for n in left {
-            let [row, column] = at(settled[n].pixel);
+            let [row, column] = view.position(settled[n].pixel);
             settled[n].truth = judge.among(row, column, lists.of(n));
         }
     }
@@ -261,8 +252,7 @@ pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync
     let row = |i: u32| {
         let pixels = if go_on() { i * record.columns..(i + 1) * record.columns } else { 0..0 };
         let decide = |pixel: u32| {
-            let [row, column] = record.place(pixel);
-            let [row, column] = record.sample_position(row, column);
+            let [row, column] = record.position(pixel);
             Settled { pixel, truth: judge.pixel(row, column) }
         };
         pixels.map(decide).collect::<Vec<_>>()
@@ -281,8 +271,7 @@ pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled
                     Shade::Flat => own(),
                     Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
                     Shade::Headlight => {
-                        let [row, column] = view.record.place(s.pixel);
-                        let [row, column] = view.record.sample_position(row, column);
+                        let [row, column] = view.record.position(s.pixel);
                         let direction = view.direction(row, column);
                         let along = view.to_world(direction);
                         let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();

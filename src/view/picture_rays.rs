@@ -42,7 +42,7 @@ impl<'a> PictureRays<'a> {
     /// nearest to the ray.
     #[inline(always)]
     pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
-        let position = self.position(pixel);
+        let position = self.view.record.position(pixel);
         match self.view.parallel {
             true => self.hit_at::<true>(position, center, radius),
             false => self.hit_at::<false>(position, center, radius),
@@ -65,18 +65,12 @@ impl<'a> PictureRays<'a> {
 
     /// The depth of that point along the view axis, in the scene's unit.
     pub(crate) fn depth(&self, pixel: u32, center: [f64; 3], radius: f64) -> f64 {
-        let position = self.position(pixel);
+        let position = self.view.record.position(pixel);
         let Meeting { forward, t, .. } = match self.view.parallel {
             true => self.meeting::<true>(position, center, radius),
             false => self.meeting::<false>(position, center, radius),
         };
         dd::ldexp(forward * t, self.view.unit)
-    }
-
-    /// The row and column of the ray of a pixel in the view's frame.
-    fn position(&self, pixel: u32) -> [u32; 2] {
-        let [row, column] = self.view.record.place(pixel);
-        self.view.record.sample_position(row, column)
     }
 
     #[inline(always)]

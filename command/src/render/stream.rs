@@ -287,13 +287,11 @@ impl<'a> Source<'a> {
             return frame.scene.fit_to(&framing, &reach).map(|()| true);
         }
         let mut reach = Reach::about(middle);
+        let image = frame.scene.image;
         self.each(|block| {
-            let mut part = Scene { spheres: block, ..frame.scene.clone() };
-            if let Some(more) = part.reach(&framing, Some(&reach))? {
+            if let Some(more) = frame.scene.camera.reach(image, &block, &framing, Some(&reach))? {
                 reach = reach.with(&more);
             }
-            // A point to look at has become a direction.
-            frame.scene.camera = part.camera;
             Ok(())
         })?;
         frame.scene.fit_to(&framing, &reach).map(|()| true)
