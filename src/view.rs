@@ -23,13 +23,13 @@ use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::exact::Judge;
 use crate::number::Number;
+use crate::number::vector::vectorized;
 use crate::scene::Scene;
 use crate::scene::camera::{Basis, CentredFrame, ExactViewport};
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::DVec3;
 use moved::Moved;
-use pulp::NullaryFnOnce;
 use raster::Raster;
 use rayon::prelude::*;
 
@@ -245,9 +245,8 @@ impl View {
 
 /// The middle of the exponents of all sizes and of all distances from `eye`: the exponent of the frame's unit.
 pub(crate) fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
-    let arch = pulp::Arch::new();
     let jobs = centers.par_chunks(TOGETHER).zip(radii.par_chunks(TOGETHER));
-    let jobs = jobs.map(|(centers, radii)| arch.dispatch(Sizes { eye, centers, radii }));
+    let jobs = jobs.map(|(centers, radii)| vectorized!(sizes(eye, centers, radii)));
     let Some(range) = jobs.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
         return Ok(0);
     };
@@ -267,23 +266,13 @@ pub(crate) fn middle([least, most]: [i32; 2]) -> i32 {
 }
 
 /// The least and the largest size of some spheres, as bits.
-struct Sizes<'a> {
-    eye: DVec3,
-    centers: &'a [[f64; 3]],
-    radii: &'a [f64],
-}
-
-impl NullaryFnOnce for Sizes<'_> {
-    type Output = [i64; 2];
-
-    #[inline(always)]
-    fn call(self) -> [i64; 2] {
-        // Bits of positive numbers are in their order, and compilers make vectors of integers' minima alone.
-        self.centers.iter().zip(self.radii).fold([i64::MAX, 0], |[least, most], (center, radius)| {
-            let size = size_from(self.eye, *center, *radius).to_bits() as i64;
-            [least.min(size), most.max(size)]
-        })
-    }
+#[inline(always)]
+fn sizes(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> [i64; 2] {
+    // Bits of positive numbers are in their order, and compilers make vectors of integers' minima alone.
+    centers.iter().zip(radii).fold([i64::MAX, 0], |[least, most], (center, radius)| {
+        let size = size_from(eye, *center, *radius).to_bits() as i64;
+        [least.min(size), most.max(size)]
+    })
 }
 
 /// What must be in the range of a frame's unit: the radius, or the largest coordinate of the centre relative to the eye.

@@ -6,13 +6,12 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
-use crate::number::vector::LANES;
+use crate::number::vector::{LANES, vectorized};
 use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
 use crate::shade::Shade;
 use crate::view::ray::{UNSURE, positive};
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// A pixel that was settled.
@@ -110,16 +109,16 @@ impl Settler<'_> {
             spheres.push(scene.spheres.centers[id as usize], scene.spheres.radii[id as usize], None);
         }
         let few = Scene { spheres, ..scene.bare() };
-        let judge = self.view.judge(&few)?;
+        let (judge, view) = (&self.view.judge(&few)?, self.twin.view);
         let is_long = lists.iter().any(|lists| (0..lists.ends.len()).any(|n| lists.of(n).len() > LONG));
         let firsts = if is_long { firsts(&few.spheres) } else { None };
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let mut settled: Vec<Settled> = pixels.par_iter().map(|&pixel| Settled { pixel, truth: None }).collect();
-        let arch = pulp::Arch::new();
         let decide = |(settled, lists): (&mut [Settled], &mut Lists)| {
             lists.ids.iter_mut().for_each(|id| *id = local(id));
             firsts.iter().for_each(|firsts| lists.keep(firsts));
-            arch.dispatch(Decisions { judge: &judge, view: self.twin.view, lists, settled });
+            let (lists, some) = (&*lists, &mut *settled);
+            vectorized!(decide_lists(judge, view, lists, some));
             for truth in settled.iter_mut().filter_map(|settled| settled.truth.as_mut()) {
                 truth.id = ids[truth.id as usize];
             }
@@ -200,48 +199,35 @@ const TOGETHER: usize = 256;
 /// Rays of one sphere that are decided together; fewer take less time one by one.
 const SEVERAL: usize = 3;
 
-/// The decisions of some pixels, compiled for processors with vectors and a fused multiply-add, which would be a function call
-/// elsewhere.
-struct Decisions<'a> {
-    judge: &'a Judge,
-    view: &'a ViewRecord,
-    /// The candidates of each pixel.
-    lists: &'a Lists,
-    settled: &'a mut [Settled],
-}
-
-impl NullaryFnOnce for Decisions<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { judge, view, lists, settled } = self;
-        let count = |n: &usize| lists.of(*n).len();
-        let mut alone: Vec<usize> = (0..settled.len()).filter(|n| count(n) == 1).collect();
-        alone.sort_by_key(|n| lists.of(*n)[0]);
-        let mut left: Vec<usize> = (0..settled.len()).filter(|n| count(n) > 1).collect();
-        for same in alone.chunk_by(|a, b| lists.of(*a) == lists.of(*b)) {
-            for some in same.chunks(LANES) {
-                if some.len() < SEVERAL {
-                    left.extend(some);
-                    continue;
-                }
-                let mut places = [[0; 2]; LANES];
-                for (l, place) in places.iter_mut().enumerate() {
-                    *place = view.position(settled[some[l.min(some.len() - 1)]].pixel);
-                }
-                for (n, truth) in some.iter().zip(judge.surely_hit(&places, lists.of(some[0])[0])) {
-                    settled[*n].truth = truth;
-                    if truth.is_none() {
-                        left.push(*n);
-                    }
+/// Decides some pixels among the candidates of each, compiled for processors with vectors and a fused multiply-add, which would be
+/// a function call elsewhere.
+#[inline(always)]
+fn decide_lists(judge: &Judge, view: &ViewRecord, lists: &Lists, settled: &mut [Settled]) {
+    let count = |n: &usize| lists.of(*n).len();
+    let mut alone: Vec<usize> = (0..settled.len()).filter(|n| count(n) == 1).collect();
+    alone.sort_by_key(|n| lists.of(*n)[0]);
+    let mut left: Vec<usize> = (0..settled.len()).filter(|n| count(n) > 1).collect();
+    for same in alone.chunk_by(|a, b| lists.of(*a) == lists.of(*b)) {
+        for some in same.chunks(LANES) {
+            if some.len() < SEVERAL {
+                left.extend(some);
+                continue;
+            }
+            let mut places = [[0; 2]; LANES];
+            for (l, place) in places.iter_mut().enumerate() {
+                *place = view.position(settled[some[l.min(some.len() - 1)]].pixel);
+            }
+            for (n, truth) in some.iter().zip(judge.surely_hit(&places, lists.of(some[0])[0])) {
+                settled[*n].truth = truth;
+                if truth.is_none() {
+                    left.push(*n);
                 }
             }
         }
-        for n in left {
-            let [row, column] = view.position(settled[n].pixel);
-            settled[n].truth = judge.among(row, column, lists.of(n));
-        }
+    }
+    for n in left {
+        let [row, column] = view.position(settled[n].pixel);
+        settled[n].truth = judge.among(row, column, lists.of(n));
     }
 }
 

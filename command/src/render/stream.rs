@@ -271,7 +271,12 @@ impl<'a> Source<'a> {
         let (way, middle, mut spread) = (way(frame), middle(bounds), Spread::about(bounds));
         if let Way::Axes = way {
             match copied {
-                Some(Copied { instances, .. }) => instances.each_block(&watch, |block| spread.add(&block.centers))?,
+                Some(Copied { instances, .. }) => {
+                    for block in instances.blocks() {
+                        watch.check()?;
+                        spread.add(&block.centers);
+                    }
+                }
                 None => drop(self.each(|block| {
                     spread.add(&block.centers);
                     Ok(())

@@ -110,7 +110,7 @@ impl Instances {
     }
 
     /// All spheres in blocks, in the order of their ids.
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = Spheres> + Send + '_ {
+    pub fn blocks(&self) -> impl Iterator<Item = Spheres> + Send + '_ {
         let mut runs = self.runs();
         let (mut run, mut at): (Option<Run>, [u64; 2]) = (None, [0; 2]);
         std::iter::from_fn(move || {
