@@ -19,6 +19,7 @@ pub(crate) struct Dyadic {
 impl Dyadic {
     /// 0.
     pub(crate) const ZERO: Self = Self { m: IBig::ZERO, e: 0 };
+    pub(crate) const ONE: Self = Self { m: IBig::ONE, e: 0 };
 
     /// The finite f64 `x`, exactly.
     pub(crate) fn of(x: f64) -> Self {

@@ -189,13 +189,23 @@ pub fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'s
     })
 }
 
-/// The list of a type's variants and their names on the command line, and the variant of a name; `$kind` is what an unknown
-/// name is said to be none of.
+/// The list of a type's variants and their names on the command line; with `$kind`, which an unknown name is said to be none
+/// of, also the variant of a name.
 macro_rules! named {
     ($type:ident, $kind:literal, $($variant:ident $name:literal)*) => {
+        crate::error::named! { $type, $($variant $name)* }
+
+        impl std::str::FromStr for $type {
+            type Err = crate::error::Error;
+            fn from_str(name: &str) -> crate::error::Result<Self> {
+                crate::error::by_name($kind, name, &Self::ALL, Self::name)
+            }
+        }
+    };
+    ($type:ident, $($variant:ident $name:literal)*) => {
         impl $type {
             /// All of them.
-            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
 
             /// The name on the command line.
             #[must_use]
@@ -203,13 +213,6 @@ macro_rules! named {
                 match self {
                     $(Self::$variant => $name,)*
                 }
-            }
-        }
-
-        impl std::str::FromStr for $type {
-            type Err = crate::error::Error;
-            fn from_str(name: &str) -> crate::error::Result<Self> {
-                crate::error::by_name($kind, name, Self::ALL, Self::name)
             }
         }
     };

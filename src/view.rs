@@ -6,7 +6,6 @@
 //! (the largest of |p_x|, |p_y|, |p_z|, r lies in [1, 2)).
 
 pub(crate) mod backdrop;
-mod clearance;
 pub(crate) mod directions;
 pub(crate) mod given;
 mod moved;
@@ -16,7 +15,6 @@ pub(crate) mod raster;
 pub mod ray;
 mod records;
 
-pub use clearance::Clearance;
 pub(crate) use moved::FromEye;
 pub use raster::strata_of;
 pub use records::{Sphere, SphereRecord, SphereResiduals, ViewRecord};
@@ -25,13 +23,13 @@ use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::exact::Judge;
 use crate::number::Number;
+use crate::number::vector::vectorized;
 use crate::scene::Scene;
 use crate::scene::camera::{Basis, CentredFrame, ExactViewport};
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::DVec3;
 use moved::Moved;
-use pulp::NullaryFnOnce;
 use raster::Raster;
 use rayon::prelude::*;
 
@@ -85,9 +83,7 @@ impl View {
     /// The errors of [`Scene::check`]; [`Error::Scene`] for numbers so far apart that c - e overflows or that the sizes
     /// span more than 2^240.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let mut view = Self::without_spheres(scene)?;
-        view.move_world(&scene.spheres.centers, &scene.spheres.radii);
-        Ok(view)
+        Self::for_rays(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)), Records::Rounded)
     }
 
     /// The view for the rays of `raster`, with these sphere records.
@@ -95,9 +91,9 @@ impl View {
     /// # Errors
     /// As [`View::new`].
     pub(crate) fn for_rays(scene: &Scene, raster: Raster, records: Records) -> Result<Self> {
-        let mut view = Self::of_raster(scene, raster, None)?;
+        let mut view = Self::in_unit(scene, raster, None)?;
         if records != Records::None {
-            view.move_world(&scene.spheres.centers, &scene.spheres.radii);
+            view.spheres = view.moved(&scene.spheres.centers, &scene.spheres.radii).collect();
         }
         if records == Records::WithResiduals {
             view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
@@ -107,20 +103,16 @@ impl View {
 
     /// Camera, pixels and the frame's unit, without spheres.
     pub(crate) fn without_spheres(scene: &Scene) -> Result<Self> {
-        Self::of_raster(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)), None)
+        Self::in_unit(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)), None)
     }
 
-    /// The same for the rays of `raster` in the unit 2^`unit`. The unit is a power of two: results do not depend on it, as
-    /// far as no number leaves the range of f32.
+    /// The same for the rays of `raster` in the unit 2^`unit`, or in that of the spheres. The window selects the rays; no
+    /// other number depends on it. The unit is a power of two: results do not depend on it, as far as no number leaves the
+    /// range of f32.
     ///
     /// # Errors
-    /// As [`View::new`], but for what depends on the spheres.
-    pub(crate) fn in_unit(scene: &Scene, raster: Raster, unit: i32) -> Result<Self> {
-        Self::of_raster(scene, raster, Some(unit))
-    }
-
-    /// The same for the rays of `raster`. The window selects the rays; no other number depends on it.
-    fn of_raster(scene: &Scene, raster: Raster, unit: Option<i32>) -> Result<Self> {
+    /// As [`View::new`]; with a unit but for what depends on the spheres.
+    pub(crate) fn in_unit(scene: &Scene, raster: Raster, unit: Option<i32>) -> Result<Self> {
         scene.check()?;
         let size = [scene.image.width, scene.image.height];
         let CentredFrame { viewport, size: [width, height], step, shift } =
@@ -181,7 +173,7 @@ impl View {
         let basis = Basis { e: eye, u: DVec3::X, v: DVec3::Y, w: DVec3::Z };
         let unit = unit(eye, centers, radii)?;
         let mut view = Self::of_basis(basis, ViewRecord::zeroed(), [0.0; 3], radii.len(), unit);
-        view.move_world(centers, radii);
+        view.spheres = view.moved(centers, radii).collect();
         Ok(view)
     }
 
@@ -240,10 +232,6 @@ impl View {
         self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
     }
 
-    fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
-        self.spheres = self.moved(centers, radii).collect();
-    }
-
     /// The records of these spheres, one after the other.
     pub(crate) fn moved<'a>(
         &self,
@@ -257,9 +245,8 @@ impl View {
 
 /// The middle of the exponents of all sizes and of all distances from `eye`: the exponent of the frame's unit.
 pub(crate) fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
-    let arch = pulp::Arch::new();
     let jobs = centers.par_chunks(TOGETHER).zip(radii.par_chunks(TOGETHER));
-    let jobs = jobs.map(|(centers, radii)| arch.dispatch(Sizes { eye, centers, radii }));
+    let jobs = jobs.map(|(centers, radii)| vectorized!(sizes(eye, centers, radii)));
     let Some(range) = jobs.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
         return Ok(0);
     };
@@ -279,23 +266,13 @@ pub(crate) fn middle([least, most]: [i32; 2]) -> i32 {
 }
 
 /// The least and the largest size of some spheres, as bits.
-struct Sizes<'a> {
-    eye: DVec3,
-    centers: &'a [[f64; 3]],
-    radii: &'a [f64],
-}
-
-impl NullaryFnOnce for Sizes<'_> {
-    type Output = [i64; 2];
-
-    #[inline(always)]
-    fn call(self) -> [i64; 2] {
-        // Bits of positive numbers are in their order, and compilers make vectors of integers' minima alone.
-        self.centers.iter().zip(self.radii).fold([i64::MAX, 0], |[least, most], (center, radius)| {
-            let size = size_from(self.eye, *center, *radius).to_bits() as i64;
-            [least.min(size), most.max(size)]
-        })
-    }
+#[inline(always)]
+fn sizes(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> [i64; 2] {
+    // Bits of positive numbers are in their order, and compilers make vectors of integers' minima alone.
+    centers.iter().zip(radii).fold([i64::MAX, 0], |[least, most], (center, radius)| {
+        let size = size_from(eye, *center, *radius).to_bits() as i64;
+        [least.min(size), most.max(size)]
+    })
 }
 
 /// What must be in the range of a frame's unit: the radius, or the largest coordinate of the centre relative to the eye.

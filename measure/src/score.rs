@@ -32,7 +32,6 @@ use halfline::intersect::predict::Prediction;
 use halfline::progress::{Step, Watch};
 use halfline::scene::Scene;
 use halfline::scene::camera::Lens;
-use halfline::view::Clearance;
 use rayon::prelude::*;
 
 /// The most cells along the longer side of a map.
@@ -53,7 +52,6 @@ struct ExactAnswer {
 pub struct Truths<'a> {
     scene: &'a Scene,
     judge: Judge,
-    clearance: Clearance,
     answers: Vec<Option<ExactAnswer>>,
 }
 
@@ -143,8 +141,7 @@ impl<'a> Truths<'a> {
         let answers: Vec<_> = (0..height).into_par_iter().flat_map_iter(row).collect();
         doing.end()?;
         one_eye(scene)?;
-        let clearance = Clearance::of(scene)?;
-        Ok(Self { scene, judge, clearance, answers })
+        Ok(Self { scene, judge, answers })
     }
 
     /// The number of rays that hit.
@@ -227,13 +224,13 @@ impl<'a> Truths<'a> {
     /// The relative growth at which the ray would hit a sphere.
     fn grow(&self, k: usize, id: u32) -> f64 {
         let [i, j] = self.place(k);
-        self.clearance.excess(self.scene, i, j, id).max(0.0)
+        self.judge.excess(i, j, id).max(0.0)
     }
 
     /// The relative shrinkage at which the ray would miss it.
     fn shrink(&self, k: usize, id: u32) -> f64 {
         let [i, j] = self.place(k);
-        (-self.clearance.excess(self.scene, i, j, id)).max(0.0)
+        (-self.judge.excess(i, j, id)).max(0.0)
     }
 
     /// Row and column.

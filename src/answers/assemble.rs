@@ -9,9 +9,9 @@ use crate::error::Result;
 use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};
 use crate::memory::Pool;
+use crate::number::vector::vectorized;
 use crate::view::View;
 use crate::view::ray::NONE;
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// The answers of a finished frame: the kernel's, and the settled pixels over them.
@@ -59,8 +59,7 @@ impl Answers<'_> {
                 Aov::Depth => Data::F64(self.fill(inf, |_, _, depth| [depth], |t| [t.depth])?),
                 Aov::Position => {
                     let point = |pixel: usize, d, depth| {
-                        let [row, column] = self.view.record.place(pixel as u32);
-                        let [row, column] = self.view.record.sample_position(row, column);
+                        let [row, column] = self.view.record.position(pixel as u32);
                         self.view.point(self.view.origin(row, column), d, depth)
                     };
                     Data::F64(self.fill(f64::NAN, point, |t| t.position)?)
@@ -91,11 +90,8 @@ impl Answers<'_> {
             };
             buffers.push(Buffer::new(aov, w, h, data)?);
         }
-        self.pool.put_back(self.raw.depth);
-        for unused in [self.raw.t, self.raw.t_low, self.raw.depth_interval] {
-            self.pool.put_back(unused);
-        }
-        let ids = bytemuck::allocation::cast_vec(self.raw.id);
+        let ids = bytemuck::allocation::cast_vec(std::mem::take(&mut self.raw.id));
+        self.raw.put_back(self.pool);
         buffers.push(Buffer::new(Aov::Id, w, h, Data::I32(ids))?);
         buffers.sort_by_key(|b| b.aov);
         Ok(buffers)
@@ -114,33 +110,33 @@ impl Answers<'_> {
         let mut out: Vec<f64> = self.pool.values(N * self.raw.id.len())?;
         // Rays of pixels' centres: of a column all have the same x, of a row the same y.
         let direction = |row: usize, column: usize| {
-            let [row, column] = self.view.record.place((row * width + column) as u32);
-            let [row, column] = self.view.record.sample_position(row, column);
+            let [row, column] = self.view.record.position((row * width + column) as u32);
             let [u, v, w] = self.view.direction(row, column);
             ([u / -w, v / -w], w)
         };
         let xs: Vec<f64> = (0..width).map(|j| direction(0, j).0[0]).collect();
         // What was not requested is 0.
         let (none, nowhere) = (vec![0.0; width], vec![0.0; width]);
-        let raw = &self.raw;
-        let arch = pulp::Arch::new();
+        let (raw, xs, hit, certify) = (&self.raw, &xs[..], &hit, self.certify);
         out.par_chunks_mut(N * width).enumerate().for_each(|(i, out)| {
             let ([_, y], w) = direction(i, 0);
             let first = i * width;
+            let ids = &raw.id[first..first + width];
+            // In the frame's unit: t in two parts, and the depths of centres.
             let [high, low] = [&raw.t, &raw.t_low].map(|t| t.get(first..first + width).unwrap_or(&none));
-            arch.dispatch(Row {
-                first,
-                out,
-                missed,
-                hit: &hit,
-                ids: &raw.id[first..first + width],
-                t: [high, low],
-                centers: raw.depth.get(first..first + width).unwrap_or(&nowhere),
-                certify: self.certify,
-                w,
-                unit,
-                xs: &xs,
-                y,
+            let centers = raw.depth.get(first..first + width).unwrap_or(&nowhere);
+            vectorized!({
+                let (high, low, centers) = (&high[..width], &low[..width], &centers[..width]);
+                let (ids, xs, out) = (&ids[..width], &xs[..width], &mut out.as_chunks_mut::<N>().0[..width]);
+                for j in 0..width {
+                    let t = (f64::from(high[j]) + f64::from(low[j])) * unit;
+                    // A certified depth is relative to its centre's depth; the other methods give t along (u, v, -d).
+                    let depth = if certify { centers[j] * unit + t } else { -w * t };
+                    let values = hit(first + j, [xs[j], y, -1.0], depth);
+                    for k in 0..N {
+                        out[j][k] = if ids[j] == NONE { missed } else { values[k] };
+                    }
+                }
             });
         });
         for s in self.settled {
@@ -148,45 +144,6 @@ impl Answers<'_> {
             out[N * s.pixel as usize..][..N].copy_from_slice(&values);
         }
         Ok(out)
-    }
-}
-
-/// A row of a buffer of `N` numbers per pixel, and what it is computed from.
-struct Row<'a, const N: usize, H> {
-    /// The first pixel.
-    first: usize,
-    out: &'a mut [f64],
-    missed: f64,
-    hit: &'a H,
-    ids: &'a [u32],
-    /// t in two parts, and the depths of centres, in the frame's unit.
-    t: [&'a [f32]; 2],
-    centers: &'a [f64],
-    certify: bool,
-    w: f64,
-    unit: f64,
-    xs: &'a [f64],
-    y: f64,
-}
-
-impl<const N: usize, H: Fn(usize, [f64; 3], f64) -> [f64; N]> NullaryFnOnce for Row<'_, N, H> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { first, out, missed, hit, ids, t: [high, low], centers, certify, w, unit, xs, y } = self;
-        let count = ids.len();
-        let (high, low, centers, xs) = (&high[..count], &low[..count], &centers[..count], &xs[..count]);
-        let out = &mut out.as_chunks_mut::<N>().0[..count];
-        for j in 0..count {
-            let t = (f64::from(high[j]) + f64::from(low[j])) * unit;
-            // A certified depth is relative to its centre's depth; the other methods give t along (u, v, -d).
-            let depth = if certify { centers[j] * unit + t } else { -w * t };
-            let values = hit(first + j, [xs[j], y, -1.0], depth);
-            for k in 0..N {
-                out[j][k] = if ids[j] == NONE { missed } else { values[k] };
-            }
-        }
     }
 }
 

@@ -116,7 +116,7 @@ pub(crate) struct Chunk<'a> {
 }
 
 impl Chunk<'_> {
-    /// Fills what is requested of a pixel that shows a sphere.
+    /// Fills what is requested of a pixel.
     pub(crate) fn write(&mut self, n: usize, light: &PixelLight<'_>) {
         let lights = light.shadow.len();
         if let Some(color) = self.color.get_mut(3 * n..3 * n + 3) {
@@ -130,22 +130,6 @@ impl Chunk<'_> {
         }
         if let Some(sky) = self.sky.get_mut(3 * n..3 * n + 3) {
             sky.copy_from_slice(&light.sky.as_vec3().to_array());
-        }
-    }
-
-    /// Fills what is requested of a pixel that shows no sphere.
-    pub(crate) fn miss(&mut self, n: usize, lights: usize, background: impl FnOnce() -> [f32; 3]) {
-        if let Some(color) = self.color.get_mut(3 * n..3 * n + 3) {
-            color.copy_from_slice(&background());
-        }
-        if let Some(shadow) = self.shadow.get_mut(n * lights..(n + 1) * lights) {
-            shadow.fill(0.0);
-        }
-        if let Some(occlusion) = self.occlusion.get_mut(n) {
-            *occlusion = 1.0;
-        }
-        if let Some(sky) = self.sky.get_mut(3 * n..3 * n + 3) {
-            sky.fill(0.0);
         }
     }
 }

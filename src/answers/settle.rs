@@ -6,13 +6,12 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
-use crate::number::vector::LANES;
+use crate::number::vector::{LANES, vectorized};
 use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
 use crate::shade::Shade;
 use crate::view::ray::{UNSURE, positive};
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// A pixel that was settled.
@@ -76,31 +75,26 @@ impl Settler<'_> {
         (end - first) as usize + self.twin.general_lists.of(row, column).len()
     }
 
-    /// The spheres that may be the nearest hit of each pixel.
+    /// The spheres that may be the nearest hit of each pixel, in the scene's order.
     fn candidates(&self, pixels: &[u32]) -> Lists {
         let (mut lists, mut all) = (Lists::default(), Vec::new());
+        let twin = &self.twin;
         for pixel in pixels {
-            self.add_candidates(&mut lists, &mut all, *pixel);
+            if !(self.go_on)() {
+                lists.add(std::iter::empty());
+                continue;
+            }
+            let [row, column] = twin.view.position(*pixel);
+            let slopes = twin.slopes(row, column);
+            all.clear();
+            all.extend(twin.candidates(&slopes));
+            // An upper bound of the depth of the nearest hit.
+            let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
+            let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
+            lists.add(all.iter().filter(|(low, _)| *low <= limit).map(|(_, slot)| twin.id(*slot)));
         }
         lists
-    }
-
-    /// The same for one pixel, in the scene's order; `all` is room for its candidates.
-    fn add_candidates(&self, lists: &mut Lists, all: &mut Vec<(f32, u32)>, pixel: u32) {
-        let twin = &self.twin;
-        if !(self.go_on)() {
-            return lists.add(std::iter::empty());
-        }
-        let [row, column] = twin.view.place(pixel);
-        let [row, column] = twin.view.sample_position(row, column);
-        let slopes = twin.slopes(row, column);
-        all.clear();
-        all.extend(twin.candidates(&slopes));
-        // An upper bound of the depth of the nearest hit.
-        let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
-        let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
-        lists.add(all.iter().filter(|(low, _)| *low <= limit).map(|(_, slot)| twin.id(*slot)));
     }
 
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
@@ -115,16 +109,16 @@ impl Settler<'_> {
             spheres.push(scene.spheres.centers[id as usize], scene.spheres.radii[id as usize], None);
         }
         let few = Scene { spheres, ..scene.bare() };
-        let judge = self.view.judge(&few)?;
+        let (judge, view) = (&self.view.judge(&few)?, self.twin.view);
         let is_long = lists.iter().any(|lists| (0..lists.ends.len()).any(|n| lists.of(n).len() > LONG));
         let firsts = if is_long { firsts(&few.spheres) } else { None };
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let mut settled: Vec<Settled> = pixels.par_iter().map(|&pixel| Settled { pixel, truth: None }).collect();
-        let arch = pulp::Arch::new();
         let decide = |(settled, lists): (&mut [Settled], &mut Lists)| {
             lists.ids.iter_mut().for_each(|id| *id = local(id));
             firsts.iter().for_each(|firsts| lists.keep(firsts));
-            arch.dispatch(Decisions { judge: &judge, view: self.twin.view, lists, settled });
+            let (lists, some) = (&*lists, &mut *settled);
+            vectorized!(decide_lists(judge, view, lists, some));
             for truth in settled.iter_mut().filter_map(|settled| settled.truth.as_mut()) {
                 truth.id = ids[truth.id as usize];
             }
@@ -205,52 +199,35 @@ const TOGETHER: usize = 256;
 /// Rays of one sphere that are decided together; fewer take less time one by one.
 const SEVERAL: usize = 3;
 
-/// The decisions of some pixels, compiled for processors with vectors and a fused multiply-add, which would be a function call
-/// elsewhere.
-struct Decisions<'a> {
-    judge: &'a Judge,
-    view: &'a ViewRecord,
-    /// The candidates of each pixel.
-    lists: &'a Lists,
-    settled: &'a mut [Settled],
-}
-
-impl NullaryFnOnce for Decisions<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { judge, view, lists, settled } = self;
-        let at = |pixel: u32| {
-            let [row, column] = view.place(pixel);
-            view.sample_position(row, column)
-        };
-        let count = |n: &usize| lists.of(*n).len();
-        let mut alone: Vec<usize> = (0..settled.len()).filter(|n| count(n) == 1).collect();
-        alone.sort_by_key(|n| lists.of(*n)[0]);
-        let mut left: Vec<usize> = (0..settled.len()).filter(|n| count(n) > 1).collect();
-        for same in alone.chunk_by(|a, b| lists.of(*a) == lists.of(*b)) {
-            for some in same.chunks(LANES) {
-                if some.len() < SEVERAL {
-                    left.extend(some);
-                    continue;
-                }
-                let mut places = [[0; 2]; LANES];
-                for (l, place) in places.iter_mut().enumerate() {
-                    *place = at(settled[some[l.min(some.len() - 1)]].pixel);
-                }
-                for (n, truth) in some.iter().zip(judge.surely_hit(&places, lists.of(some[0])[0])) {
-                    settled[*n].truth = truth;
-                    if truth.is_none() {
-                        left.push(*n);
-                    }
+/// Decides some pixels among the candidates of each, compiled for processors with vectors and a fused multiply-add, which would be
+/// a function call elsewhere.
+#[inline(always)]
+fn decide_lists(judge: &Judge, view: &ViewRecord, lists: &Lists, settled: &mut [Settled]) {
+    let count = |n: &usize| lists.of(*n).len();
+    let mut alone: Vec<usize> = (0..settled.len()).filter(|n| count(n) == 1).collect();
+    alone.sort_by_key(|n| lists.of(*n)[0]);
+    let mut left: Vec<usize> = (0..settled.len()).filter(|n| count(n) > 1).collect();
+    for same in alone.chunk_by(|a, b| lists.of(*a) == lists.of(*b)) {
+        for some in same.chunks(LANES) {
+            if some.len() < SEVERAL {
+                left.extend(some);
+                continue;
+            }
+            let mut places = [[0; 2]; LANES];
+            for (l, place) in places.iter_mut().enumerate() {
+                *place = view.position(settled[some[l.min(some.len() - 1)]].pixel);
+            }
+            for (n, truth) in some.iter().zip(judge.surely_hit(&places, lists.of(some[0])[0])) {
+                settled[*n].truth = truth;
+                if truth.is_none() {
+                    left.push(*n);
                 }
             }
         }
-        for n in left {
-            let [row, column] = at(settled[n].pixel);
-            settled[n].truth = judge.among(row, column, lists.of(n));
-        }
+    }
+    for n in left {
+        let [row, column] = view.position(settled[n].pixel);
+        settled[n].truth = judge.among(row, column, lists.of(n));
     }
 }
 
@@ -261,8 +238,7 @@ pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync
     let row = |i: u32| {
         let pixels = if go_on() { i * record.columns..(i + 1) * record.columns } else { 0..0 };
         let decide = |pixel: u32| {
-            let [row, column] = record.place(pixel);
-            let [row, column] = record.sample_position(row, column);
+            let [row, column] = record.position(pixel);
             Settled { pixel, truth: judge.pixel(row, column) }
         };
         pixels.map(decide).collect::<Vec<_>>()
@@ -281,8 +257,7 @@ pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled
                     Shade::Flat => own(),
                     Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
                     Shade::Headlight => {
-                        let [row, column] = view.record.place(s.pixel);
-                        let [row, column] = view.record.sample_position(row, column);
+                        let [row, column] = view.record.position(s.pixel);
                         let direction = view.direction(row, column);
                         let along = view.to_world(direction);
                         let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();

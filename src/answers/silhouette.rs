@@ -14,11 +14,10 @@ mod tests;
 
 use crate::double_double as dd;
 use crate::number::larger;
-use crate::number::vector::LANES;
+use crate::number::vector::{LANES, vectorized};
 use crate::view::View;
 use crate::view::ray::NONE;
 use crate::window::Window;
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// How far the neighbours of a pixel reach. A pixel's line depends on no others.
@@ -107,10 +106,24 @@ impl Shown<'_> {
     pub(crate) fn draw(&self, part: Window, between: bool, color: &mut [f32]) {
         let width = part.width() as usize;
         let pairs: Vec<_> = pairs().map(|offset| (offset, unit(offset))).collect();
-        let arch = pulp::Arch::new();
+        let pairs = &pairs[..];
         color.par_chunks_mut((3 * width).max(1)).zip(part.y0..part.y1).for_each(|(row, y)| {
-            arch.dispatch(Row { shown: self, pairs: &pairs, between, at: [part.x0 as isize, y as isize], row });
+            vectorized!(self.draw_row(pairs, between, [part.x0 as isize, y as isize], row));
         });
+    }
+
+    /// Draws the lines of a row of pixels from this column and row on.
+    #[inline(always)]
+    fn draw_row(&self, pairs: &[([isize; 2], [f64; 2])], between: bool, [x, y]: [isize; 2], row: &mut [f32]) {
+        for (n, pixels) in row.chunks_mut(3 * LANES).enumerate() {
+            let dark = self.darkness([x + (n * LANES) as isize, y], pairs, between);
+            for (rgb, dark) in pixels.chunks_exact_mut(3).zip(dark) {
+                let light = 1.0 - dark as f32;
+                if light < 1.0 {
+                    rgb.iter_mut().for_each(|value| *value *= light);
+                }
+            }
+        }
     }
 
     /// The rows of the rectangle.
@@ -184,33 +197,6 @@ impl Shown<'_> {
             dark[l] = if own.id[l] == NONE { 0.0 } else { darkness };
         }
         dark
-    }
-}
-
-/// A row of pixels from column and row `at` on, whose lines are drawn.
-struct Row<'a, 'b> {
-    shown: &'a Shown<'b>,
-    pairs: &'a [([isize; 2], [f64; 2])],
-    between: bool,
-    at: [isize; 2],
-    row: &'a mut [f32],
-}
-
-impl NullaryFnOnce for Row<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { shown, pairs, between, at: [x, y], row } = self;
-        for (n, pixels) in row.chunks_mut(3 * LANES).enumerate() {
-            let dark = shown.darkness([x + (n * LANES) as isize, y], pairs, between);
-            for (rgb, dark) in pixels.chunks_exact_mut(3).zip(dark) {
-                let light = 1.0 - dark as f32;
-                if light < 1.0 {
-                    rgb.iter_mut().for_each(|value| *value *= light);
-                }
-            }
-        }
     }
 }
 

@@ -102,7 +102,7 @@ impl Sieve {
     /// # Errors
     /// Errors of the camera; [`Error::Limits`](crate::Error::Limits) where memory is short.
     pub(crate) fn new(scene: &Scene, raster: Raster, unit: i32, tolerance: f64) -> Result<Option<Self>> {
-        let view = View::in_unit(scene, raster, unit)?;
+        let view = View::in_unit(scene, raster, Some(unit))?;
         let size = [scene.image.width, scene.image.height];
         let projection = ProjectionBounds::new(&scene.camera, &view, size, &TERMS)?;
         if !projection.is_bounded() {

@@ -16,7 +16,7 @@ use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use bounce::{Onward, follow};
 use colors::Colors;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 pub(crate) use lighting::{LightOutputs, LightingContext};
 use point::PointLight;
 use rayon::prelude::*;
@@ -38,7 +38,6 @@ impl LightingContext<'_> {
 
     /// Fills some pixels of one row or more. Returns those that are less than certain.
     fn fill_chunk(&self, ids: &[u32], chunk: &mut Chunk<'_>) -> Vec<(u32, u8)> {
-        let lights = self.scene.lighting.lights.len();
         let mut unsure = Vec::new();
         let mut shader = PixelShader::new(self);
         let left: Vec<usize> = if shader.rayless && shader.color_alone && Colors::fit(self) {
@@ -48,11 +47,7 @@ impl LightingContext<'_> {
         };
         for n in left {
             let pixel = (chunk.first + n) as u32;
-            if ids[n] == NONE {
-                chunk.miss(n, lights, || self.backdrop.at(pixel));
-                continue;
-            }
-            let light = shader.shade_pixel(pixel, ids[n]);
+            let light = if ids[n] == NONE { shader.background(pixel) } else { shader.shade_pixel(pixel, ids[n]) };
             chunk.write(n, &light);
             unsure.extend(light.certainty.map(|certainty| (pixel, certainty)));
         }
@@ -86,6 +81,16 @@ impl<'a> PixelShader<'a> {
             color_alone: color && !shadow && !occlusion && !sky,
             shadow: Vec::new(),
         }
+    }
+
+    /// The light of a pixel that shows no sphere.
+    fn background(&mut self, pixel: u32) -> PixelLight<'_> {
+        let LightingContext { scene, backdrop, outputs, .. } = self.lighting;
+        let lights = if outputs.shadow { scene.lighting.lights.len() } else { 0 };
+        self.shadow.clear();
+        self.shadow.resize(lights, 0.0);
+        let color = if outputs.color { Vec3::from_array(backdrop.at(pixel)).as_dvec3() } else { DVec3::ZERO };
+        PixelLight { color, shadow: &self.shadow, occlusion: 1.0, ..PixelLight::default() }
     }
 
     /// The light of a pixel that shows this sphere.

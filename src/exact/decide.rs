@@ -22,7 +22,7 @@
 //!
 //! is not a binary number any more, but still an element of the field.
 
-use super::field::{Field, FieldBasis, FieldElement};
+use super::field::{Field, FieldBasis, FieldElement, resolve};
 use crate::dyadic::{self, Dyadic, Dyadic3};
 use crate::scene::Ball;
 use crate::scene::camera::{Camera, ExactViewport, Look};
@@ -138,8 +138,8 @@ pub(crate) struct ExactLens {
     tall: Dyadic,
     /// `None` for parallel rays.
     deep: Option<Dyadic>,
-    /// The factor from u, v and d.
-    stretch: Dyadic,
+    /// The factor from u, v and d: 2 W H, or 2 W H fy.
+    pub(super) stretch: Dyadic,
     size: [i64; 2],
 }
 
@@ -161,13 +161,8 @@ impl ExactLens {
         let [u, v] = [&columns * &self.wide, &rows * &self.tall];
         match &self.deep {
             Some(deep) => Line { dir: [u, v, deep.clone()], from: None },
-            None => Line { dir: [Dyadic::ZERO, Dyadic::ZERO, self.stretch()], from: Some([u, v]) },
+            None => Line { dir: [Dyadic::ZERO, Dyadic::ZERO, self.stretch.clone()], from: Some([u, v]) },
         }
-    }
-
-    /// 2 W H, or 2 W H fy.
-    pub(crate) fn stretch(&self) -> Dyadic {
-        self.stretch.clone()
     }
 }
 
@@ -265,13 +260,11 @@ pub(crate) fn before(field: &Field, ray: &ExactRay, meeting: &Meeting, root: Roo
     let mut at_limit = FieldElement::ZERO;
     at_limit.add(FieldBasis::One, &(&ray.a * limit));
     let gap = meeting.b.minus(&at_limit);
+    // 0 only where D' is.
+    let s = field.sign(&meeting.disc);
+    let s = if root == Root::Far { s } else { s.reverse() };
     let squares = || field.sign(&field.times(&gap, &gap).minus(&meeting.disc));
-    match (root, field.sign(&gap)) {
-        (Root::Near, Ordering::Less) => true,
-        (Root::Near, _) => squares() == Ordering::Less,
-        (Root::Far, Ordering::Less) => squares() == Ordering::Greater,
-        (Root::Far, _) => false,
-    }
+    resolve(field.sign(&gap), s, squares) == Ordering::Less
 }
 
 /// The exact order of t between two hits of one ray, each by the root that counts.
@@ -287,39 +280,17 @@ pub(crate) fn order(field: &Field, first: &Meeting, second: &Meeting) -> Orderin
         (true, true) => field.sign(&d1.minus(d2)),
         (false, false) => field.sign(&d2.minus(d1)),
         // A sum of two roots, both not negative: 0 only if both are.
-        (far, _) => match (field.sign(d1), field.sign(d2)) {
-            (Ordering::Equal, Ordering::Equal) => Ordering::Equal,
-            _ if far => Ordering::Greater,
-            _ => Ordering::Less,
-        },
+        (true, false) => field.sign(d1).max(field.sign(d2)),
+        (false, true) => field.sign(d1).max(field.sign(d2)).reverse(),
     };
-    match (field.sign(&gap), roots) {
-        (b, Ordering::Equal) => b,
-        (Ordering::Equal, x) => x,
-        (b, x) if b == x => b,
-        (b, _) => {
-            let squares = compare_squares(field, &gap, d1, d2, far1 == far2);
-            if b == Ordering::Greater { squares } else { squares.reverse() }
-        }
-    }
+    resolve(field.sign(&gap), roots, || compare_squares(field, &gap, d1, d2, far1 == far2))
 }
 
 /// The sign of B^2 - (sqrt(D1) -+ sqrt(D2))^2, minus where the roots are `alike`.
 fn compare_squares(field: &Field, gap: &FieldElement, d1: &FieldElement, d2: &FieldElement, alike: bool) -> Ordering {
     let g = field.times(gap, gap).minus(&d1.plus(d2));
     let product = field.times(d1, d2);
-    let mixed = match field.sign(&product) {
-        Ordering::Greater if alike => Ordering::Greater,
-        Ordering::Greater => Ordering::Less,
-        _ => Ordering::Equal,
-    };
-    match (field.sign(&g), mixed) {
-        (g, Ordering::Equal) => g,
-        (Ordering::Equal, m) => m,
-        (g, m) if g == m => g,
-        (sign, _) => {
-            let squares = field.sign(&field.times(&g, &g).minus(&product.ldexp(2)));
-            if sign == Ordering::Greater { squares } else { squares.reverse() }
-        }
-    }
+    let mixed = field.sign(&product);
+    let mixed = if alike { mixed } else { mixed.reverse() };
+    resolve(field.sign(&g), mixed, || field.sign(&field.times(&g, &g).minus(&product.ldexp(2))))
 }

@@ -10,7 +10,6 @@ pub(super) struct RayForms<'a> {
     pub(super) quick: FilterRay,
     course: Course<'a>,
     exact: OnceCell<Box<ExactRay>>,
-    stretch: OnceCell<Box<Dyadic>>,
 }
 
 /// What the exact ray is made from.
@@ -24,13 +23,12 @@ impl<'a> RayForms<'a> {
     /// The ray through the centre of this row and column.
     #[inline(always)]
     pub(super) fn through(lens: &'a ExactLens, at: [u32; 2], quick: FilterRay) -> Self {
-        Self { quick, course: Course::Pixel(lens, at), exact: OnceCell::new(), stretch: OnceCell::new() }
+        Self { quick, course: Course::Pixel(lens, at), exact: OnceCell::new() }
     }
 
     /// A ray with a given direction; finite and not zero.
     pub(super) fn along(direction: [f64; 3]) -> Self {
-        let (quick, course) = (FilterRay::along(direction), Course::Given(direction));
-        Self { quick, course, exact: OnceCell::new(), stretch: OnceCell::new() }
+        Self { quick: FilterRay::along(direction), course: Course::Given(direction), exact: OnceCell::new() }
     }
 
     /// Whether the third component is a depth.
@@ -40,10 +38,11 @@ impl<'a> RayForms<'a> {
 
     /// The factor from the real direction to the exact one.
     pub(super) fn stretch(&self) -> &Dyadic {
-        self.stretch.get_or_init(|| match self.course {
-            Course::Pixel(lens, _) => Box::new(lens.stretch()),
-            Course::Given(_) => Box::new(Dyadic::from(1)),
-        })
+        static ONE: Dyadic = Dyadic::ONE;
+        match self.course {
+            Course::Pixel(lens, _) => &lens.stretch,
+            Course::Given(_) => &ONE,
+        }
     }
 
     pub(super) fn exact(&self, frame: &ExactFrame) -> &ExactRay {

@@ -1,8 +1,7 @@
 //! The buffers that a frame can hold, by name.
 
-use crate::error::{Error, Result};
+use crate::error::named;
 use std::fmt;
-use std::str::FromStr;
 
 /// The most lights of a `shadow` buffer.
 pub const MOST_LIGHTS: usize = 1 << 12;
@@ -37,41 +36,13 @@ pub enum Aov {
     Occlusion,
 }
 
+named! {
+    Aov, "buffer",
+    Color "color" Distance "distance" Depth "depth" Normal "normal" Position "position" Id "id" Mask "mask"
+    Certainty "certainty" Bound "bound" Alpha "alpha" Shadow "shadow" Occlusion "occlusion"
+}
+
 impl Aov {
-    /// Every buffer, in the order of the documentation.
-    pub const ALL: [Self; 12] = [
-        Self::Color,
-        Self::Distance,
-        Self::Depth,
-        Self::Normal,
-        Self::Position,
-        Self::Id,
-        Self::Mask,
-        Self::Certainty,
-        Self::Bound,
-        Self::Alpha,
-        Self::Shadow,
-        Self::Occlusion,
-    ];
-
-    /// The name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Color => "color",
-            Self::Distance => "distance",
-            Self::Depth => "depth",
-            Self::Normal => "normal",
-            Self::Position => "position",
-            Self::Id => "id",
-            Self::Mask => "mask",
-            Self::Certainty => "certainty",
-            Self::Bound => "bound",
-            Self::Alpha => "alpha",
-            Self::Shadow => "shadow",
-            Self::Occlusion => "occlusion",
-        }
-    }
-
     /// Components per pixel in the frame of a scene with that many lights, of which only `shadow` depends.
     pub fn channels(self, lights: usize) -> usize {
         match self {
@@ -100,17 +71,5 @@ impl Aov {
 impl fmt::Display for Aov {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl FromStr for Aov {
-    type Err = Error;
-
-    /// The buffer with this name; [`Error::Settings`] lists the names.
-    fn from_str(name: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|aov| aov.name() == name).ok_or_else(|| {
-            let names = Self::ALL.map(Self::name).join(", ");
-            Error::settings(format!("there is no buffer named {name:?}"), format!("choose from {names}"))
-        })
     }
 }

@@ -2,7 +2,7 @@
 //! (matplotlib's and ColorBrewer's by d3-scale-chromatic).
 
 use super::srgb::linear;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, named};
 use std::str::FromStr;
 
 /// A colour map.
@@ -33,42 +33,15 @@ pub enum ColorMap {
     Category,
 }
 
-impl ColorMap {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[
-        Self::Viridis,
-        Self::Inferno,
-        Self::Magma,
-        Self::Plasma,
-        Self::Cividis,
-        Self::Cubehelix,
-        Self::Turbo,
-        Self::RedYellowBlue,
-        Self::BlueWhiteRed,
-        Self::Grays,
-        Self::Category,
-    ];
+named! {
+    ColorMap,
+    Viridis "viridis" Inferno "inferno" Magma "magma" Plasma "plasma" Cividis "cividis" Cubehelix "cubehelix"
+    Turbo "turbo" RedYellowBlue "rdylbu" BlueWhiteRed "bwr" Grays "grays" Category "category"
+}
 
+impl ColorMap {
     /// The number of different category colours.
     pub const CATEGORIES: u64 = 30;
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Viridis => "viridis",
-            Self::Inferno => "inferno",
-            Self::Magma => "magma",
-            Self::Plasma => "plasma",
-            Self::Cividis => "cividis",
-            Self::Cubehelix => "cubehelix",
-            Self::Turbo => "turbo",
-            Self::RedYellowBlue => "rdylbu",
-            Self::BlueWhiteRed => "bwr",
-            Self::Grays => "grays",
-            Self::Category => "category",
-        }
-    }
 
     /// 8-bit sRGB of `x` in [0, 1]; of a category, by its integer part.
     #[must_use]
@@ -124,14 +97,13 @@ impl FromStr for ColorMap {
                 "{known} is not among the colour maps: its lightness goes up and down, which shows edges where the numbers have \
                  none, and not all people can tell its colours apart"
             );
-            let names: Vec<_> = Self::ALL.iter().map(|map| map.name()).collect();
             let mend = format!(
                 "use turbo, which has the same colours with smoother lightness, or viridis, whose lightness is even; the maps are {}",
-                names.join(", ")
+                Self::ALL.map(Self::name).join(", ")
             );
             return Err(Error::settings(problem, mend));
         }
-        crate::error::by_name("colour map", name, Self::ALL, Self::name)
+        crate::error::by_name("colour map", name, &Self::ALL, Self::name)
     }
 }
 

@@ -16,6 +16,24 @@ pub const LANES: usize = 8;
 /// Numbers in a vector of f32 where the processor has vectors of 512 bits.
 pub const WIDE: usize = 2 * LANES;
 
+/// Evaluates an expression with the processor's widest vectors. What it calls must be inlined into it.
+macro_rules! vectorized {
+    ($work:expr) => {
+        crate::number::vector::dispatch(
+            #[inline(always)]
+            move || $work,
+        )
+    };
+}
+pub(crate) use vectorized;
+
+/// Calls `work` with these vectors. `FnOnce` in the bound makes the closure one that is called once; else it would be called by
+/// a function between, compiled without them.
+#[inline(always)]
+pub(crate) fn dispatch<R>(work: impl FnOnce() -> R) -> R {
+    pulp::Arch::new().dispatch(work)
+}
+
 /// Eight numbers, or their bits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vector<T>(pub [T; LANES]);

@@ -54,7 +54,7 @@ impl FrameSetup {
         sizes: [i32; 2],
     ) -> Result<ResidentSetup> {
         let (unit, tolerance) = (middle(sizes), settings.promise().relative());
-        let mut view = View::in_unit(scene, raster, unit)?;
+        let mut view = View::in_unit(scene, raster, Some(unit))?;
         let mut placer = Placer::new(scene, &view, tolerance)?;
         if placer.as_ref().is_some_and(|placer| !placer.is_same_in_units(sizes[1] + 1 - unit)) {
             // What is projected depends on the unit: here it is that of the CPU path, which looks at every sphere.

@@ -156,7 +156,6 @@ impl Camera {
     /// to 106. Double-double arithmetic would lose 2^-105 / sin(up, view) of u, which is visible with a field of view
     /// of 1e-17 rad where `up` is almost parallel to the view.
     pub(crate) fn axes(&self) -> Result<[Dd3; 3]> {
-        let name = |field: &str| format!("camera.{field}");
         let (look, target) = match self.look {
             Look::At(p) => ("at", p),
             Look::View(p) => ("view", p),
@@ -164,7 +163,7 @@ impl Camera {
         for (field, vector) in [("eye", self.eye), (look, target), ("up", self.up)] {
             if !vector.is_finite() {
                 let problem = format!("({}, {}, {}) is not finite", vector.x, vector.y, vector.z);
-                return Err(Error::scene(Place::field(name(field)), problem, "give three finite numbers"));
+                return Err(wrong(field, problem, "give three finite numbers"));
             }
         }
         let view = match self.look {
@@ -174,15 +173,14 @@ impl Camera {
         let up = dyadic::vector(self.up.to_array());
         let square = |a: &Dyadic3| dyadic::dot(a, a);
         let (view2, up2) = (square(&view), square(&up));
-        let zero = |field: &str, problem: &str, mend: &str| Err(Error::scene(Place::field(name(field)), problem, mend));
         if view2.is_zero() {
-            return match self.look {
-                Look::At(_) => zero("at", "eye and at are the same point", "move at or eye, or use view"),
-                Look::View(_) => zero("view", "the view has length zero", "use a vector with a direction"),
-            };
+            return Err(match self.look {
+                Look::At(_) => wrong("at", "eye and at are the same point", "move at or eye, or use view"),
+                Look::View(_) => wrong("view", "the view has length zero", "use a vector with a direction"),
+            });
         }
         if up2.is_zero() {
-            return zero("up", "the up vector has length zero", "use a vector with a direction");
+            return Err(wrong("up", "the up vector has length zero", "use a vector with a direction"));
         }
         let back = view.map(|x| -x);
         let right = dyadic::cross(&up, &back);
@@ -193,7 +191,7 @@ impl Camera {
                 number(sine, 2),
                 number(PARALLEL, 2)
             );
-            return Err(Error::scene(Place::field(name("up")), problem, "use an up vector in another direction"));
+            return Err(wrong("up", problem, "use an up vector in another direction"));
         }
         let unit = |a: Dyadic3| -> Dd3 {
             let length = square(&a).sqrt(128);
@@ -232,14 +230,12 @@ impl Camera {
             if x > 0.0 && x.is_finite() {
                 return Ok(x);
             }
-            let problem = format!("expected a positive finite number, found {x}");
-            Err(Error::scene(Place::field(format!("camera.{field}")), problem, "use a positive number"))
+            Err(wrong(field, format!("expected a positive finite number, found {x}"), "use a positive number"))
         };
         let tall = |field: &str, degrees: f64, distance: f64| {
             if !(degrees > 0.0 && degrees < 180.0) {
                 let problem = format!("the angle is {degrees} degrees");
-                let place = Place::field(format!("camera.{field}"));
-                return Err(Error::scene(place, problem, "use an angle between 0 and 180, ends excluded"));
+                return Err(wrong(field, problem, "use an angle between 0 and 180, ends excluded"));
             }
             Ok(2.0 * distance * (degrees.to_radians() / 2.0).tan())
         };
@@ -255,19 +251,12 @@ impl Camera {
                 for (field, x) in [("cx", cx), ("cy", cy)] {
                     if x.is_nan() || x.abs() > FARTHEST_CENTER {
                         let problem = format!("the principal point is {x}");
-                        let place = Place::field(format!("camera.{field}"));
-                        return Err(Error::scene(
-                            place,
-                            problem,
-                            "give it in pixels, at most 2^18 from the image's corner",
-                        ));
+                        return Err(wrong(field, problem, "give it in pixels, at most 2^18 from the image's corner"));
                     }
                 }
                 let vh = f64::from(height) * (fx / fy);
                 if !(vh > 0.0 && vh.is_finite()) {
-                    let problem = format!("fx is {fx:?} and fy is {fy:?}, whose quotient is beyond f64");
-                    let mend = "give both focal lengths in pixels, such as 525";
-                    return Err(Error::scene(Place::field("camera.fx"), problem, mend));
+                    return Err(too_unlike(fx, fy));
                 }
                 (f64::from(width), vh, fx)
             }
@@ -284,6 +273,17 @@ impl Camera {
         };
         Ok(Viewport { vw: positive("viewport", vw)?, vh: positive("viewport", vh)?, d: positive("distance", d)? })
     }
+}
+
+/// The error of a camera whose field of this name is wrong.
+fn wrong(field: &str, problem: impl Into<String>, mend: &str) -> Error {
+    Error::scene(Place::field(format!("camera.{field}")), problem, mend)
+}
+
+/// The error of focal lengths whose quotient is no f64.
+fn too_unlike(fx: f64, fy: f64) -> Error {
+    let problem = format!("fx is {fx:?} and fy is {fy:?}, whose quotient is beyond f64");
+    wrong("fx", problem, "give both focal lengths in pixels, such as 525")
 }
 
 /// The viewport of the lecture: vw x vh at distance d.

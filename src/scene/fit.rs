@@ -46,7 +46,7 @@ impl Scene {
     /// all else as by [`Scene::frame_all`].
     ///
     /// # Errors
-    /// As [`Scene::fit`].
+    /// As [`Camera::fit`].
     pub fn frame_by_default(&mut self, is_molecule: bool, framing: &Framing) -> Result<()> {
         let is_tall = self.image.height > self.image.width;
         let facing = if is_molecule { Spread::of(&self.spheres).facing(is_tall) } else { Facing::FRONT };
@@ -56,15 +56,36 @@ impl Scene {
     /// Gives the scene a camera with the default lens, which looks in this direction and shows all spheres.
     ///
     /// # Errors
-    /// As [`Scene::fit`].
+    /// As [`Camera::fit`].
     pub fn frame_from(&mut self, facing: Facing, framing: &Framing) -> Result<()> {
         facing.turn(&mut self.camera);
         self.camera.lens = Lens::Vfov { degrees: VFOV, distance: 1.0 };
-        self.fit(framing)
+        self.camera.fit(self.image, &self.spheres, framing)
     }
 
-    /// Moves the eye so that all spheres are completely visible within the viewport less its margin. The direction, the
-    /// up vector and the angles of the lens are kept.
+    /// The reach of copies to the sides of the view, relative to `middle`, as [`Camera::reach`] gives it; for the spheres themselves also where the framing is of the ball around them.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`]; [`Error::Interrupted`].
+    pub fn reach_of(&mut self, framing: &Framing, all: &Instances, middle: DVec3, watch: &Watch) -> Result<Reach> {
+        let (basis, viewport) = self.camera.sides(self.image)?;
+        Reach::new(framing, basis, viewport, middle, |normal| all.least_along(watch, normal, middle))
+    }
+
+    /// Moves the eye so that everything within this reach is completely visible, as [`Camera::fit`] does; the direction
+    /// of the view and the angles of the lens are those for which the reach was taken.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`].
+    pub fn fit_to(&mut self, framing: &Framing, reach: &Reach) -> Result<()> {
+        self.camera.place(self.image, framing, reach)?;
+        self.camera.framed(&self.spheres)
+    }
+}
+
+impl Camera {
+    /// Moves the eye so that all of these spheres, which may be some of a scene's, are completely visible within the
+    /// viewport less its margin, for an image of this size. The direction, the up vector and the angles of the lens are kept.
     ///
     /// A sphere is within the pyramid of a viewport if its centre is at least a radius inside of each of the four
     /// planes through the eye. The planes' directions are known, so each plane is placed to touch the extreme sphere on
@@ -74,47 +95,8 @@ impl Scene {
     /// its height, and the eye lies in front of the nearest sphere by the scene's own size.
     ///
     /// # Errors
-    /// Those of [`crate::Camera::basis`] and [`crate::Camera::viewport`]; [`Error::Scene`] for spheres so near the
-    /// limits of f64 that no eye is far enough.
-    pub fn fit(&mut self, framing: &Framing) -> Result<()> {
-        self.camera.fit(self.image, &self.spheres, framing)
-    }
-
-    /// How far the spheres reach to the sides of the view, relative to a point: that of another reach, so that both can
-    /// be joined, or the middle of the spheres. `None` without spheres. An `at` of the camera becomes its view.
-    ///
-    /// # Errors
-    /// As [`Scene::fit`].
-    pub fn reach(&mut self, framing: &Framing, like: Option<&Reach>) -> Result<Option<Reach>> {
-        self.camera.reach(self.image, &self.spheres, framing, like)
-    }
-
-    /// The same for copies, relative to `middle`; for the spheres themselves also where the framing is of the ball around them.
-    ///
-    /// # Errors
-    /// As [`Scene::fit`]; [`Error::Interrupted`].
-    pub fn reach_of(&mut self, framing: &Framing, all: &Instances, middle: DVec3, watch: &Watch) -> Result<Reach> {
-        let (basis, viewport) = self.camera.sides(self.image)?;
-        Reach::new(framing, basis, viewport, middle, |normal| all.least_along(watch, normal, middle))
-    }
-
-    /// Moves the eye so that everything within this reach is completely visible, as [`Scene::fit`] does; the direction
-    /// of the view and the angles of the lens are those for which the reach was taken.
-    ///
-    /// # Errors
-    /// As [`Scene::fit`].
-    pub fn fit_to(&mut self, framing: &Framing, reach: &Reach) -> Result<()> {
-        self.camera.place(self.image, framing, reach)?;
-        self.camera.framed(&self.spheres)
-    }
-}
-
-impl Camera {
-    /// Moves the eye as [`Scene::fit`] does, for an image of this size and for these spheres, which may be some of a
-    /// scene's.
-    ///
-    /// # Errors
-    /// As [`Scene::fit`].
+    /// Those of [`Camera::basis`] and [`Camera::viewport`]; [`Error::Scene`] for spheres so near the limits of f64 that no
+    /// eye is far enough.
     pub fn fit(&mut self, image: ImagePlane, spheres: &Spheres, framing: &Framing) -> Result<()> {
         match self.reach(image, spheres, framing, None)? {
             Some(reach) => {
@@ -125,10 +107,11 @@ impl Camera {
         }
     }
 
-    /// As [`Scene::reach`].
+    /// The reach of these spheres to the sides of the view, relative to a point: that of another reach, so that both can be
+    /// joined, or the middle of the spheres. `None` without spheres. An `at` becomes the view.
     ///
     /// # Errors
-    /// As [`Scene::fit`].
+    /// As [`Camera::fit`].
     pub fn reach(
         &mut self,
         image: ImagePlane,
@@ -144,12 +127,7 @@ impl Camera {
         let framed = around.as_ref().unwrap_or(spheres);
         // Coordinates are relative to the middle, so that distant scenes lose no precision.
         let middle = like.map_or_else(|| framed.middle(), |like| like.middle);
-        let to = |normal: DVec3| {
-            let each = framed.centers.par_iter().zip(&framed.radii);
-            let least = each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - middle) - r);
-            Ok(least.reduce(|| f64::INFINITY, f64::min))
-        };
-        Reach::new(framing, basis, viewport, middle, to).map(Some)
+        Reach::new(framing, basis, viewport, middle, |normal| Ok(framed.least_along(normal, middle))).map(Some)
     }
 
     /// The directions of the view's sides. An `at` becomes the view.
@@ -303,6 +281,13 @@ impl Spheres {
     pub fn middle(&self) -> DVec3 {
         middle(self.bounds())
     }
+
+    /// The least n.(c - p) - r of all spheres; infinite without any.
+    pub(super) fn least_along(&self, normal: DVec3, from: DVec3) -> f64 {
+        let each = self.centers.par_iter().zip(&self.radii);
+        let least = each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - from) - r);
+        least.reduce(|| f64::INFINITY, f64::min)
+    }
 }
 
 /// The ball that contains all spheres, about a point or the middle of their box.
@@ -344,7 +329,7 @@ mod tests {
                 Camera { eye: DVec3::ZERO, look: Look::View(view), up: DVec3::new(random(), random(), 1.0), lens };
             let image = ImagePlane { width: 1 + case as u32 * 7, height: 100, background: [0.0; 3] };
             let mut scene = Scene { camera, image, spheres, lighting: Default::default() };
-            scene.fit(&Framing { margin: 0.0, ..Framing::default() }).expect("framed");
+            scene.camera.fit(image, &scene.spheres, &Framing { margin: 0.0, ..Framing::default() }).expect("framed");
             let (basis, v) =
                 (scene.camera.basis().expect("a basis"), scene.camera.viewport(image.width, 100).expect("one"));
             let mut least = [f64::INFINITY; 4];
@@ -372,7 +357,7 @@ mod tests {
         let camera = Camera { lens: Lens::Orthographic { height: 1.0 }, ..Camera::CANONICAL };
         let image = ImagePlane { width: 200, height: 100, background: [0.0; 3] };
         let mut scene = Scene { camera, image, spheres, lighting: Default::default() };
-        scene.fit(&Framing { margin: 0.0, ..Framing::default() }).expect("framed");
+        scene.camera.fit(image, &scene.spheres, &Framing { margin: 0.0, ..Framing::default() }).expect("framed");
         let Lens::Orthographic { height } = scene.camera.lens else { panic!("still parallel") };
         // From 0 to 4.5 across, half as high; from 1 to 3 down is less.
         assert!((height - 2.25).abs() < 1e-8, "{height}");

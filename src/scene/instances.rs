@@ -191,32 +191,27 @@ impl Instances {
         }
         let part = &self.parts[group.part as usize];
         let cluster = &part.clusters.nodes[group.cluster as usize];
-        match group.copies {
-            Copies::Numbers([first, end]) if end - first > 1 => {
-                to.extend((first..end).map(|n| Group { copies: Copies::Numbers([n, n + 1]), ..*group }));
-            }
-            Copies::Places(places) if group.copies.count() > 1 => {
-                // The copies are divided along the edge that they extend farthest along.
-                let CopyRule::Lattice(Lattice { edges, .. }) = &part.placement else { return false };
-                let lengths = [0, 1, 2].map(|k| f64::from(places[k][1] - places[k][0] - 1) * edges[k].length());
-                let longest = longest(DVec3::from_array(lengths));
-                // Edges of no length are divided too.
-                let axis = if places[longest][1] - places[longest][0] > 1 {
-                    longest
-                } else {
-                    (0..3).find(|k| places[*k][1] - places[*k][0] > 1).unwrap_or(longest)
-                };
-                let [first, end] = places[axis];
-                for range in [[first, first.midpoint(end)], [first.midpoint(end), end]] {
-                    let mut places = places;
-                    places[axis] = range;
-                    to.push(Group { copies: Copies::Places(places), ..*group });
+        let copies = &group.copies;
+        if copies.count() > 1 {
+            match &part.placement {
+                CopyRule::Operators(_) => {
+                    let [first, end] = copies.0[0];
+                    let one = |n: u32| Group { copies: part.placement.one(n.into()), ..*group };
+                    to.extend((first..end).map(one));
+                }
+                CopyRule::Lattice(Lattice { edges, .. }) => {
+                    // The copies are divided along the edge that they extend farthest along. Edges of no length are divided
+                    // too.
+                    let lengths = [0, 1, 2].map(|k| f64::from(copies.side(k) - 1) * edges[k].length());
+                    let longest = longest(DVec3::from_array(lengths));
+                    let axis = [longest].into_iter().chain(0..3).find(|k| copies.side(*k) > 1).unwrap_or(longest);
+                    to.extend(copies.halved(axis).map(|copies| Group { copies, ..*group }));
                 }
             }
-            _ if cluster.halves > 0 => {
-                to.extend([0, 1].map(|n| Group { cluster: cluster.halves + n, ..*group }));
-            }
-            _ => return false,
+        } else if cluster.halves > 0 {
+            to.extend([0, 1].map(|n| Group { cluster: cluster.halves + n, ..*group }));
+        } else {
+            return false;
         }
         true
     }

@@ -270,7 +270,7 @@ mod tests {
 
     #[test]
     fn named_views_have_a_picture_of_their_own() {
-        for &view in NamedView::ALL {
+        for view in NamedView::ALL {
             assert_eq!(view.name().parse::<NamedView>().expect("a name"), view);
             let Some(Facing { view, up }) = view.facing() else { continue };
             let camera = Camera { look: Look::View(view), up, ..Camera::CANONICAL };

@@ -124,11 +124,7 @@ impl<'a> Surroundings<'a> {
         if found.lens.is_orthographic() {
             // Rays start on the plane of the eye, which lies in front of all.
             let back = -facing.view.normalize();
-            let front = |spheres: &Spheres| {
-                let each = spheres.centers.par_iter().zip(&spheres.radii);
-                let ahead = each.map(|(c, r)| back.dot(DVec3::from_array(*c) - found.eye) + r);
-                ahead.reduce(|| f64::NEG_INFINITY, f64::max)
-            };
+            let front = |spheres: &Spheres| -spheres.least_along(-back, found.eye);
             let extent = front(self.all) - front(self.part);
             found.eye += back * extent.max(0.0);
         } else {

@@ -26,9 +26,7 @@ impl<'a> Backdrop<'a> {
     /// Linear RGB of a pixel of the view.
     pub(crate) fn at(&self, pixel: u32) -> [f32; 3] {
         let Some(sky) = self.sky else { return self.flat.as_vec3().to_array() };
-        let record = &self.view.record;
-        let [row, column] = record.place(pixel);
-        let [i, j] = record.sample_position(row, column);
+        let [i, j] = self.view.record.position(pixel);
         sky.toward(self.view.to_world(self.view.direction(i, j)).normalize()).as_vec3().to_array()
     }
 }

@@ -42,17 +42,14 @@ impl<'a> PictureRays<'a> {
     /// nearest to the ray.
     #[inline(always)]
     pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
-        let position = self.position(pixel);
-        match self.view.parallel {
-            true => self.hit_at::<true>(position, center, radius),
-            false => self.hit_at::<false>(position, center, radius),
-        }
+        self.hit_at(self.view.parallel, self.view.record.position(pixel), center, radius)
     }
 
-    /// The same for a row and a column of the view's frame. Without branches, so that compilers make vectors of loops over it.
+    /// The same for a row and a column of the view's frame. Without branches where it is known whether rays are parallel, so that
+    /// compilers make vectors of loops over it.
     #[inline(always)]
-    pub(crate) fn hit_at<const PARALLEL: bool>(&self, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
-        let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting::<PARALLEL>(position, center, radius);
+    pub(crate) fn hit_at(&self, parallel: bool, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
+        let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting(parallel, position, center, radius);
         let outward = (d * t - p).normalize_or(-d);
         PictureHit {
             along: d / a.sqrt(),
@@ -65,28 +62,19 @@ impl<'a> PictureRays<'a> {
 
     /// The depth of that point along the view axis, in the scene's unit.
     pub(crate) fn depth(&self, pixel: u32, center: [f64; 3], radius: f64) -> f64 {
-        let position = self.position(pixel);
-        let Meeting { forward, t, .. } = match self.view.parallel {
-            true => self.meeting::<true>(position, center, radius),
-            false => self.meeting::<false>(position, center, radius),
-        };
+        let position = self.view.record.position(pixel);
+        let Meeting { forward, t, .. } = self.meeting(self.view.parallel, position, center, radius);
         dd::ldexp(forward * t, self.view.unit)
     }
 
-    /// The row and column of the ray of a pixel in the view's frame.
-    fn position(&self, pixel: u32) -> [u32; 2] {
-        let [row, column] = self.view.record.place(pixel);
-        self.view.record.sample_position(row, column)
-    }
-
     #[inline(always)]
-    fn meeting<const PARALLEL: bool>(&self, [i, j]: [u32; 2], center: [f64; 3], radius: f64) -> Meeting {
+    fn meeting(&self, parallel: bool, [i, j]: [u32; 2], center: [f64; 3], radius: f64) -> Meeting {
         let view = self.view;
-        let direction = if PARALLEL { [0.0, 0.0, -1.0] } else { view.aside(i, j) };
+        let direction = if parallel { [0.0, 0.0, -1.0] } else { view.aside(i, j) };
         let d = view.to_world(direction);
         let mut p = (DVec3::from_array(center) - view.basis.e) * self.scale;
         let mut aside = 0.0;
-        if PARALLEL {
+        if parallel {
             let origin = view.to_world(view.origin(i, j)) * self.scale;
             (p, aside) = (p - origin, p.length_squared() + origin.length_squared());
         }

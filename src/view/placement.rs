@@ -1,6 +1,7 @@
 //! Where a set of spheres stands in the world: its own origin and unit.
 
 use crate::double_double::{self as dd, Dd};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// The middle of the scene, and a power of two that brings every sphere into [-1, 1] in each coordinate.
@@ -20,26 +21,24 @@ pub(crate) const PLACED: f64 = 1.0 / (1u64 << 51) as f64;
 
 impl Placement {
     pub(crate) fn new(centers: &[[f64; 3]], radii: &[f64]) -> Self {
-        let span = centers.par_iter().map(|c| (*c, *c));
-        let join = |a: ([f64; 3], [f64; 3]), b: ([f64; 3], [f64; 3])| {
-            (std::array::from_fn(|n| a.0[n].min(b.0[n])), std::array::from_fn(|n| a.1[n].max(b.1[n])))
-        };
-        let (low, high) = span.reduce(|| ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), join);
+        let span = centers.par_iter().map(|c| [DVec3::from_array(*c); 2]);
+        let join = |[low, high]: [DVec3; 2], other: [DVec3; 2]| [low.min(other[0]), high.max(other[1])];
+        let [low, high] = span.reduce(|| [DVec3::INFINITY, DVec3::NEG_INFINITY], join);
         let largest = radii.par_iter().copied().reduce(|| 0.0, f64::max);
         if centers.is_empty() {
             return Self { middle: [0.0; 3], k: 0, half: 1.0, shrink: [1.0; 2] };
         }
-        let middle = std::array::from_fn(|n| low[n] * 0.5 + high[n] * 0.5);
+        let middle = low * 0.5 + high * 0.5;
         let reach = |half: f64| {
-            let far = |n: usize| (high[n] * half - middle[n] * half).max(middle[n] * half - low[n] * half);
-            far(0).max(far(1)).max(far(2)) + largest * half
+            let far = (high * half - middle * half).max(middle * half - low * half);
+            far.max_element() + largest * half
         };
         let half = if (reach(1.0) * 2.0).is_finite() { 1.0 } else { 0.5 };
         // One more, so that rounding leaves nothing outside.
         let exponent = dd::exponent(reach(half)) + 1;
         let first = -exponent / 2;
         Self {
-            middle,
+            middle: middle.to_array(),
             k: exponent + i32::from(half < 1.0),
             half,
             shrink: [dd::ldexp(1.0, first), dd::ldexp(1.0, -exponent - first)],

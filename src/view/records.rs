@@ -75,6 +75,13 @@ impl ViewRecord {
         [self.first_row + pixel / self.columns, self.first_column + pixel % self.columns]
     }
 
+    /// Row and column in the finer frame of the ray of a pixel of the window, by its index in the buffers.
+    #[inline(always)]
+    pub(crate) fn position(&self, pixel: u32) -> [u32; 2] {
+        let [row, column] = self.place(pixel);
+        self.sample_position(row, column)
+    }
+
     /// The window in the image.
     pub(crate) fn window(&self) -> Window {
         let (x0, y0) = (self.first_column, self.first_row);
@@ -173,11 +180,7 @@ pub struct Sphere<R> {
 
 impl<R: Number> From<&SphereRecord> for Sphere<R> {
     fn from(s: &SphereRecord) -> Self {
-        Self {
-            center_radius: s.center_radius.map(R::from_f32),
-            power: R::from_f32(s.power),
-            scale: R::from_f32(s.scale),
-        }
+        Sphere { center_radius: s.center_radius, power: s.power, scale: s.scale }.map(R::from_f32)
     }
 }
 

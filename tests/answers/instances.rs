@@ -190,7 +190,7 @@ fn framing_finds_the_extremes_of_all_copies() {
         let middle = halfline::scene::middle(bounds);
         let reach = bare.reach_of(&framing, &instances, middle, &Watch::default()).expect("a reach");
         bare.fit_to(&framing, &reach).expect("framed");
-        whole.fit(&framing).expect("framed");
+        whole.camera.fit(whole.image, &whole.spheres, &framing).expect("framed");
         assert_eq!((bounds, bare.camera), (all.bounds(), whole.camera));
     }
 }

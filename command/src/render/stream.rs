@@ -273,7 +273,12 @@ impl<'a> Source<'a> {
         let (way, middle, mut spread) = (way(frame), middle(bounds), Spread::about(bounds));
         if let Way::Axes = way {
             match copied {
-                Some(Copied { instances, .. }) => instances.each_block(&watch, |block| spread.add(&block.centers))?,
+                Some(Copied { instances, .. }) => {
+                    for block in instances.blocks() {
+                        watch.check()?;
+                        spread.add(&block.centers);
+                    }
+                }
                 None => drop(self.each(|block| {
                     spread.add(&block.centers);
                     Ok(())
@@ -289,13 +294,11 @@ impl<'a> Source<'a> {
             return frame.scene.fit_to(&framing, &reach).map(|()| true);
         }
         let mut reach = Reach::about(middle);
+        let image = frame.scene.image;
         self.each(|block| {
-            let mut part = Scene { spheres: block, ..frame.scene.clone() };
-            if let Some(more) = part.reach(&framing, Some(&reach))? {
+            if let Some(more) = frame.scene.camera.reach(image, &block, &framing, Some(&reach))? {
                 reach = reach.with(&more);
             }
-            // A point to look at has become a direction.
-            frame.scene.camera = part.camera;
             Ok(())
         })?;
         frame.scene.fit_to(&framing, &reach).map(|()| true)

@@ -93,7 +93,7 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
             let mut normal = [[0.0; LANES]; 3];
             for l in 0..LANES {
                 let position = [lanes.position[0][l], lanes.position[1][l]];
-                let hit = rays.hit_at::<false>(position, lane(&lanes.center, l).to_array(), lanes.radius[l]);
+                let hit = rays.hit_at(false, position, lane(&lanes.center, l).to_array(), lanes.radius[l]);
                 near[l] = u64::from(hit.near);
                 facing[l] = larger(-hit.along.dot(hit.normal), 0.0);
                 (normal[0][l], normal[1][l], normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
@@ -125,7 +125,7 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
                 let n = first + l;
                 if id == NONE {
                     let pixel = (self.chunk.first + n) as u32;
-                    self.chunk.miss(n, lighted.lights.len(), || lighting.backdrop.at(pixel));
+                    self.chunk.color[3 * n..3 * n + 3].copy_from_slice(&lighting.backdrop.at(pixel));
                 } else if near[l] != 0 {
                     self.chunk.color[3 * n..3 * n + 3].copy_from_slice(&[rgb[0][l], rgb[1][l], rgb[2][l]]);
                 } else {

@@ -42,7 +42,8 @@ const TOLERANCE: f64 = 1e-5;
 fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Option<String>, View) {
     let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
     let reach = gpu.hold(scene, number).expect("a device").expect("spheres");
-    let mut view = View::in_unit(scene, raster, middle(reach.sizes(scene.camera.eye).expect("sizes"))).expect("a view");
+    let mut view =
+        View::in_unit(scene, raster, Some(middle(reach.sizes(scene.camera.eye).expect("sizes")))).expect("a view");
     view.record.sample = raster.count() / 2;
     let placer = Placer::new(scene, &view, TOLERANCE).expect("a lens").expect("a projection");
     let mut device = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
@@ -154,7 +155,7 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         gpu.limits.max_compute_workgroups_per_dimension = groups;
         let reach = gpu.hold(&scene, number as u64).expect("a device").expect("spheres");
         let view =
-            View::in_unit(&scene, raster, middle(reach.sizes(scene.camera.eye).expect("sizes"))).expect("a view");
+            View::in_unit(&scene, raster, Some(middle(reach.sizes(scene.camera.eye).expect("sizes")))).expect("a view");
         let placer = Placer::new(&scene, &view, 1e-5).expect("a lens").expect("a projection");
         let kernel = Kernel::certified().certified_by(|of| Certificate { starts: true, ..of });
         let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
@@ -179,11 +180,11 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         let open: u32 = words.iter().map(|word| word.count_ones()).sum();
         println!("blocks of {block}: {open} rays of {} pixels are open", raw.id.len());
         // The rays of another window are not those of this frame.
-        let mut other = View::in_unit(&scene, raster, view.unit).expect("a view");
+        let mut other = View::in_unit(&scene, raster, Some(view.unit)).expect("a view");
         other.record.rows = 1;
         assert!(gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device") == SkyTraced::NoHits);
         // Another view of the same pixels in another unit changes nothing.
-        let other = View::in_unit(&scene, raster, view.unit + 3).expect("a view");
+        let other = View::in_unit(&scene, raster, Some(view.unit + 3)).expect("a view");
         let again = gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device");
         assert!(again == SkyTraced::Words(words.clone()));
         let most = gpu
@@ -239,7 +240,7 @@ fn places_have_the_bits_of_the_host() {
         let Some(sizes) = gpu.hold(&scene, number).expect("a device").and_then(|reach| reach.sizes(camera.eye)) else {
             continue;
         };
-        let view = View::in_unit(&scene, raster, middle(sizes)).expect("a view");
+        let view = View::in_unit(&scene, raster, Some(middle(sizes))).expect("a view");
         let Some(placer) = Placer::new(&scene, &view, 1e-5).expect("a lens") else { continue };
         let binned =
             BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &Pool::default())).expect("a stage").expect("a lens");

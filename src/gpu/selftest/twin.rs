@@ -90,7 +90,7 @@ impl Gpu {
         let Some(sizes) = self.hold(scene, u64::MAX)?.and_then(|reach| reach.sizes(scene.camera.eye)) else {
             return Ok(None);
         };
-        let view = View::in_unit(scene, raster, middle(sizes))?;
+        let view = View::in_unit(scene, raster, Some(middle(sizes)))?;
         let tolerance = Tolerance::default().relative();
         let (Some(placer), Some(binned)) =
             (Placer::new(scene, &view, tolerance)?, BinnedScene::new(&Binning::of(scene, &view, tolerance, &pool))?)

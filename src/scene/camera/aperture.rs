@@ -6,8 +6,8 @@
 //! number of the places that rays go through, rounded to the nearest, so that every ray is that of a pixel of a frame whose
 //! numbers are exact.
 
-use super::{Basis, Camera, CentredFrame, Look, Viewport};
-use crate::error::{Error, Place, Result};
+use super::{Basis, Camera, CentredFrame, Look, Viewport, wrong};
+use crate::error::Result;
 
 /// A round lens around the eye, perpendicular to the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,30 +26,27 @@ impl Aperture {
     /// The distance of the plane in focus.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a diameter or a distance that is not positive and finite, for parallel rays, and where neither a
+    /// [`Error::Scene`](crate::Error::Scene) for a diameter or a distance that is not positive and finite, for parallel rays, and where neither a
     /// distance nor a point to look at is given.
     pub fn distance(&self, camera: &Camera) -> Result<f64> {
-        let wrong = |field: &str, problem: String, mend: &str| {
-            Err(Error::scene(Place::field(format!("camera.{field}")), problem, mend))
-        };
         if camera.lens.is_orthographic() {
-            let problem = "an orthographic camera has no lens, as its rays do not meet".into();
-            return wrong("aperture", problem, "remove the aperture, or use vfov");
+            let problem = "an orthographic camera has no lens, as its rays do not meet";
+            return Err(wrong("aperture", problem, "remove the aperture, or use vfov"));
         }
         if !(self.diameter > 0.0 && self.diameter.is_finite()) {
             let problem = format!("the diameter of the lens is {}", self.diameter);
-            return wrong("aperture", problem, "use a positive length, or remove it");
+            return Err(wrong("aperture", problem, "use a positive length, or remove it"));
         }
         let focus = match (self.focus, camera.look) {
             (Some(focus), _) => focus,
             (None, Look::At(at)) => (at - camera.eye).length(),
             (None, Look::View(_)) => {
-                let problem = "the camera has an aperture and looks at no point, so no plane is in focus".into();
-                return wrong("focus", problem, "give the distance in focus, or a point `at` to look at");
+                let problem = "the camera has an aperture and looks at no point, so no plane is in focus";
+                return Err(wrong("focus", problem, "give the distance in focus, or a point `at` to look at"));
             }
         };
         if !(focus > 0.0 && focus.is_finite()) {
-            return wrong("focus", format!("the distance in focus is {focus}"), "use a positive length");
+            return Err(wrong("focus", format!("the distance in focus is {focus}"), "use a positive length"));
         }
         Ok(focus)
     }

@@ -2,9 +2,9 @@
 //! image is a part of a larger one whose middle is the principal point, and its pixels are pixels of that frame, or of a
 //! finer one if the principal point lies between the middles and the borders of pixels.
 
-use super::{Camera, Lens, Viewport};
+use super::{Camera, Lens, Viewport, too_unlike};
 use crate::double_double::{self as dd, Dd};
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Result};
 use crate::quote::setting::{APERTURE, SAMPLES};
 
 /// The most columns and rows of a frame, 2^20: twice as many odd numbers are exact in f32.
@@ -143,9 +143,7 @@ impl Camera {
         let pitch = if fx == fy { [1.0; 2] } else { [fx, fy] };
         let viewport = ExactViewport { vw: w, d: fx, tall: h, pitch };
         if !viewport.height_over(0, 1.0).is_finite() {
-            let problem = format!("fx is {fx:?} and fy is {fy:?}, whose quotient is beyond f64");
-            let mend = "give both focal lengths in pixels, such as 525";
-            return Err(Error::scene(Place::field("camera.fx"), problem, mend));
+            return Err(too_unlike(fx, fy));
         }
         Ok(CentredFrame { viewport, size: [columns as u32, rows as u32], step, shift: [left as u32, top as u32] })
     }

@@ -86,21 +86,30 @@ pub(crate) enum CopyRule {
     Operators(Vec<Operator>),
 }
 
-/// Some of the copies of a placement; the ends of ranges are excluded.
+/// Some of the copies of a placement: ranges along each edge, the ends excluded. Operators count along the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Copies {
-    Places([[u32; 2]; 3]),
-    Numbers([u32; 2]),
-}
+pub(crate) struct Copies(pub(crate) [[u32; 2]; 3]);
 
 impl Copies {
-    /// How many.
+    /// Their number along an edge.
+    pub(crate) fn side(&self, edge: usize) -> u32 {
+        self.0[edge][1] - self.0[edge][0]
+    }
+
+    /// Their number.
     pub(crate) fn count(&self) -> u64 {
-        let length = |[first, end]: [u32; 2]| u64::from(end - first);
-        match self {
-            Self::Places(places) => places.iter().map(|range| length(*range)).product(),
-            Self::Numbers(range) => length(*range),
-        }
+        (0..3).map(|edge| u64::from(self.side(edge))).product()
+    }
+
+    /// The two halves along an edge.
+    pub(crate) fn halved(&self, edge: usize) -> [Self; 2] {
+        let [first, end] = self.0[edge];
+        let middle = first.midpoint(end);
+        [[first, middle], [middle, end]].map(|range| {
+            let mut places = self.0;
+            places[edge] = range;
+            Self(places)
+        })
     }
 }
 
@@ -113,53 +122,60 @@ impl CopyRule {
         }
     }
 
-    /// All copies.
-    pub(crate) fn all(&self) -> Copies {
+    /// The number of copies along each edge.
+    fn sides(&self) -> [u32; 3] {
         match self {
-            Self::Lattice(lattice) => Copies::Places(lattice.copies.map(|n| [0, n])),
-            Self::Operators(operators) => Copies::Numbers([0, operators.len() as u32]),
+            Self::Lattice(lattice) => lattice.copies,
+            Self::Operators(operators) => [operators.len() as u32, 1, 1],
         }
     }
 
-    /// What encloses these copies of everything in `enclosure`.
+    /// All copies.
+    pub(crate) fn all(&self) -> Copies {
+        Copies(self.sides().map(|n| [0, n]))
+    }
+
+    /// The number of the copy at this place.
+    pub(crate) fn number(&self, place: [u32; 3]) -> u64 {
+        let ([na, nb, _], [i, j, k]) = (self.sides().map(u64::from), place.map(u64::from));
+        (k * nb + j) * na + i
+    }
+
+    /// The copy with this number.
+    pub(crate) fn one(&self, copy: u64) -> Copies {
+        let place = match self {
+            Self::Lattice(lattice) => lattice.place(copy),
+            Self::Operators(_) => [copy as u32, 0, 0],
+        };
+        Copies(place.map(|n| [n, n + 1]))
+    }
+
+    /// A box around these copies of everything in `enclosure`.
     pub(crate) fn image(&self, copies: &Copies, enclosure: &Enclosure) -> Enclosure {
-        match (self, copies) {
-            (Self::Lattice(lattice), Copies::Places(places)) => lattice.image(places, enclosure),
-            (Self::Operators(operators), Copies::Numbers([first, end])) => {
-                let images = operators[*first as usize..*end as usize].iter().map(|operator| operator.image(enclosure));
+        match self {
+            Self::Lattice(lattice) => lattice.image(&copies.0, enclosure),
+            Self::Operators(operators) => {
+                let [first, end] = copies.0[0];
+                let images = operators[first as usize..end as usize].iter().map(|operator| operator.image(enclosure));
                 images.fold(Enclosure::NOTHING, |all, image| all.with(&image))
             }
-            _ => Enclosure::NOTHING,
         }
     }
 
     /// Calls `each` with the number of every one of these copies, in order, and the function that places its centres.
     pub(crate) fn each(&self, copies: &Copies, mut each: impl FnMut(u64, &dyn Fn([f64; 3]) -> [f64; 3])) {
-        match (self, copies) {
-            (Self::Lattice(lattice), Copies::Places([columns, rows, layers])) => {
-                let [na, nb, _] = lattice.copies.map(u64::from);
-                for (k, j) in (layers[0]..layers[1]).flat_map(|k| (rows[0]..rows[1]).map(move |j| (k, j))) {
-                    for i in columns[0]..columns[1] {
+        let [columns, rows, layers] = copies.0.map(|[first, end]| first..end);
+        for (k, j) in layers.flat_map(|k| rows.clone().map(move |j| (k, j))) {
+            for i in columns.clone() {
+                let number = self.number([i, j, k]);
+                match self {
+                    Self::Lattice(lattice) => {
                         let shift = lattice.shift([i, j, k]);
-                        let number = (u64::from(k) * nb + u64::from(j)) * na + u64::from(i);
                         each(number, &|center| (DVec3::from_array(center) + shift).to_array());
                     }
+                    Self::Operators(operators) => each(number, &|center| operators[i as usize].apply(center)),
                 }
             }
-            (Self::Operators(operators), Copies::Numbers([first, end])) => {
-                for n in *first..*end {
-                    each(n.into(), &|center| operators[n as usize].apply(center));
-                }
-            }
-            _ => {}
-        }
-    }
-
-    /// The copy with this number.
-    pub(crate) fn one(&self, copy: u64) -> Copies {
-        match self {
-            Self::Lattice(lattice) => Copies::Places(lattice.place(copy).map(|n| [n, n + 1])),
-            Self::Operators(_) => Copies::Numbers([copy as u32, copy as u32 + 1]),
         }
     }
 }
@@ -184,8 +200,8 @@ mod tests {
             let lattice = Lattice { copies: [5, 4, 3], edges: [vector(), vector(), vector()].map(DVec3::from_array) };
             let rows = [vector(), vector(), vector()].map(|[a, b, c]| [a, b, c, a + b]);
             let placements = [
-                (CopyRule::Lattice(lattice), Copies::Places([[1, 5], [0, 3], [1, 3]])),
-                (CopyRule::Operators(vec![Operator(rows); 3]), Copies::Numbers([1, 3])),
+                (CopyRule::Lattice(lattice), Copies([[1, 5], [0, 3], [1, 3]])),
+                (CopyRule::Operators(vec![Operator(rows); 3]), Copies([[1, 3], [0, 1], [0, 1]])),
             ];
             for (placement, copies) in placements {
                 let image = placement.image(&copies, &around);

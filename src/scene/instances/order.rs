@@ -1,6 +1,6 @@
 //! Copies in the order of their ids: ids without what clip planes remove, and blocks of spheres.
 
-use super::operator::{Copies, CopyRule};
+use super::operator::Copies;
 use super::{Instances, NumberedSpheres, Part};
 use crate::error::Result;
 use crate::progress::Watch;
@@ -37,7 +37,7 @@ impl Iterator for Runs<'_> {
                 (Some(false), _) => {}
                 (None, Some([first, second])) => self.open.extend([(n, second), (n, first)]),
                 (kept, _) => {
-                    let first = part.placement.first(&copies);
+                    let first = part.placement.number(copies.0.map(|[first, _]| first));
                     return Some(Run { part: n, copies: [first, first + copies.count()], is_whole: kept.is_some() });
                 }
             }
@@ -49,33 +49,7 @@ impl Iterator for Runs<'_> {
 /// The two halves of more than one copy. Halves of layers, else of rows, else of columns keep copies together that follow each
 /// other.
 fn halves(copies: &Copies) -> Option<[Copies; 2]> {
-    let halves = |[first, end]: [u32; 2]| [[first, first.midpoint(end)], [first.midpoint(end), end]];
-    match copies {
-        Copies::Numbers(range) if range[1] - range[0] > 1 => Some(halves(*range).map(Copies::Numbers)),
-        Copies::Numbers(_) => None,
-        Copies::Places(places) => {
-            let edge = (0..3).rev().find(|edge| places[*edge][1] - places[*edge][0] > 1)?;
-            Some(halves(places[edge]).map(|range| {
-                let mut places = *places;
-                places[edge] = range;
-                Copies::Places(places)
-            }))
-        }
-    }
-}
-
-impl CopyRule {
-    /// The number of the first of these copies.
-    fn first(&self, copies: &Copies) -> u64 {
-        match (self, copies) {
-            (Self::Lattice(lattice), Copies::Places(places)) => {
-                let ([na, nb, _], [i, j, k]) = (lattice.copies.map(u64::from), places.map(|range| u64::from(range[0])));
-                (k * nb + j) * na + i
-            }
-            (_, Copies::Numbers([first, _])) => u64::from(*first),
-            (Self::Operators(_), Copies::Places(_)) => 0,
-        }
-    }
+    (0..3).rev().find(|edge| copies.side(*edge) > 1).map(|edge| copies.halved(edge))
 }
 
 impl Instances {
@@ -136,7 +110,7 @@ impl Instances {
     }
 
     /// All spheres in blocks, in the order of their ids.
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = Spheres> + Send + '_ {
+    pub fn blocks(&self) -> impl Iterator<Item = Spheres> + Send + '_ {
         let mut runs = self.runs();
         let (mut run, mut at): (Option<Run>, [u64; 2]) = (None, [0; 2]);
         std::iter::from_fn(move || {

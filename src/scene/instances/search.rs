@@ -3,7 +3,6 @@
 use super::{Group, Instances, NumberedSpheres};
 use crate::error::Result;
 use crate::progress::Watch;
-use crate::scene::Spheres;
 use crate::scene::instances::enclosure::Enclosure;
 use glam::DVec3;
 
@@ -60,18 +59,6 @@ impl Instances {
             -least
         })?;
         Ok(least)
-    }
-
-    /// Visits all spheres in blocks, in the order of their ids.
-    ///
-    /// # Errors
-    /// [`Error::Interrupted`](crate::Error::Interrupted).
-    pub fn each_block(&self, watch: &Watch, mut each: impl FnMut(Spheres)) -> Result<()> {
-        for block in self.blocks() {
-            watch.check()?;
-            each(block);
-        }
-        Ok(())
     }
 
     /// The corners of the box around all spheres; not finite for none. The same numbers as
