@@ -18,17 +18,8 @@ fn projected_low(s: Slopes, f: Projected) -> f32 {
     return select(low, MISS, disc < -error);
 }
 
-// The offset, its square, the square of the slopes; the discriminant and its error bound.
-struct ProjectedWeighed {
-    o: vec2<f32>,
-    o2: f32,
-    slant2: f32,
-    disc: f32,
-    error: f32,
-}
-
-// The same test with the sphere's detail record and an error bound for this ray: docs/certificate.md, section 2.
-fn projected_weigh(s: Slopes, f: Projected, more: ProjectedDetail) -> ProjectedWeighed {
+// The winner's answer and its bounds: docs/certificate.md, section 2.
+fn projected_answer(s: Slopes, f: Projected, more: ProjectedDetail) -> Answer {
     let half = 1i << (projection.shift - 1u);
     let column = (f.x + half) >> projection.shift;
     let row = (f.y + half) >> projection.shift;
@@ -40,20 +31,7 @@ fn projected_weigh(s: Slopes, f: Projected, more: ProjectedDetail) -> ProjectedW
     let e = projection.edge;
     let roundings = (RHO2 + RHO2_SLANT * slant2) * (f.rho * f.rho) + (OFFSET2 + OFFSET2_SLANT * slant2) * o2;
     let error = (UNIT * roundings + s.a * e * (2.0 * sqrt(o2) + e)) * INFLATE + VANISH * s.a;
-    return ProjectedWeighed(vec2<f32>(dx, dy), o2, slant2, disc, error);
-}
-
-// The winner's answer and its bounds.
-fn projected_answer(s: Slopes, f: Projected, more: ProjectedDetail) -> Answer {
-    let w = projected_weigh(s, f, more);
-    let dx = w.o.x;
-    let dy = w.o.y;
-    let o2 = w.o2;
-    let slant2 = w.slant2;
-    let disc = w.disc;
-    let error = w.error;
     let slant = sqrt(slant2);
-    let e = projection.edge;
     let crosses = disc > error;
     let root = sqrt(positive(disc));
     let most = sqrt(positive(disc + error));

@@ -69,16 +69,3 @@ struct Answer {
     normal: vec3<f32>,
     turn: f32,       // bound of the normal's error, in world space too; 0 where the eye is not outside of the sphere
 }
-
-fn slopes(i: u32, j: u32) -> Slopes {
-    let x = f32(2 * i32(j) + 1 - i32(view.width)) * projection.slope.x;
-    let y = f32(i32(view.height) - 1 - 2 * i32(i)) * projection.slope.y;
-    let a = 1.0 + x * x + y * y;
-    let row = i32(i);
-    let column = i32(j);
-    let shift = projection.shift;
-    return Slopes(
-        x, y, a, 1.0 / a, row, column, row << shift, column << shift, projection.fixed, projection.errors, projection.unit,
-        projection.size,
-    );
-}

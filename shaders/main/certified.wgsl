@@ -46,7 +46,7 @@ fn main(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index)
     let pixel = pixel_index(at);
     let pixels = view.columns * view.rows;
     let to = sample_position(at);
-    let s = slopes(to.y, to.x);
+    let s = slopes_of(frame_constants(), to);
     let found = NearestTwo(depth_of(minima[pixel]), depth_of(minima[2u * pixels + pixel]), ~minima[pixels + pixel]);
     let k = nearest_two_generals(s, found, tile);
     // The block of the winner has its record; the first one has those of no block.

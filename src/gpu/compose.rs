@@ -30,14 +30,14 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 71] = files![
+const FILES: [(&str, &str); 72] = files![
     "view.wgsl" "math.wgsl" "hash.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
     "search/closer_hit.wgsl" "search/residuals.wgsl" "search/no_residuals.wgsl" "search/fixed_origin.wgsl"
     "search/moved_origin.wgsl" "search/all.wgsl" "search/tree.wgsl"
     "place/float64.wgsl" "place/placing.wgsl" "place/low.wgsl" "place/rectangle.wgsl" "place/place.wgsl" "place/cut.wgsl" "place/guests.wgsl"
-    "splat/order.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
+    "splat/order.wgsl" "splat/frame.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
     "certify/nearest_general.wgsl" "certify/general_few.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
     "certify/nearest_two.wgsl" "certify/certify_winner.wgsl" "certify/take_proved.wgsl" "certify/take_nearest.wgsl"
@@ -206,7 +206,7 @@ fn certify(Certificate { generals, unproved, starts, .. }: Certificate, parts: &
         Unproved::Unsure => "certify/take_proved.wgsl",
         Unproved::Nearest => "certify/take_nearest.wgsl",
     };
-    parts.extend(files(["place/placing.wgsl", "splat/order.wgsl", "certify/nearest_two.wgsl"]));
+    parts.extend(files(["place/placing.wgsl", "splat/order.wgsl", "splat/frame.wgsl", "certify/nearest_two.wgsl"]));
     parts.extend(files(["certify/certify_winner.wgsl", take, start, "main/certified.wgsl"]));
 }
 
@@ -288,7 +288,7 @@ pub(crate) fn compose_step(step: Step) -> Source {
     parts.extend(files(["main/window.wgsl"]));
     parts.extend(position(samples));
     parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl"]));
-    parts.extend(files(["certify/projected.wgsl", "splat/order.wgsl", "splat/splat.wgsl", main]));
+    parts.extend(files(["certify/projected.wgsl", "splat/order.wgsl", "splat/frame.wgsl", "splat/splat.wgsl", main]));
     Source::new(parts)
 }
 
