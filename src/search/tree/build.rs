@@ -120,8 +120,8 @@ fn block(placement: &Placement, spheres: &[[f64; 4]]) -> (Block, [[f32; 3]; 2]) 
     for (lane, sphere) in spheres.iter().enumerate() {
         let at = placement.point([sphere[0], sphere[1], sphere[2]]);
         all = union(all, bounds(placement, sphere));
-        for n in 0..3 {
-            block.center[n][lane] = at[n] as f32;
+        for (n, x) in at.into_iter().enumerate() {
+            block.center[n][lane] = x as f32;
         }
         block.radius[lane] = (reach(placement, sphere[3]) as f32).next_up();
     }
