@@ -46,7 +46,7 @@ pub(crate) fn render(
     kernel.arithmetic().dispatch(Frame { kernel, view, rays, colors, raw, go_on });
 }
 
-/// What becomes of the hit of a sphere: three numbers per pixel.
+/// Three numbers per pixel, from the hit of a sphere.
 type Value<'a, R> = &'a (dyn Fn(&Ray<R>, &Sphere<R>, Hit<R>) -> [f32; 3] + Sync);
 
 struct Frame<'a> {
@@ -113,7 +113,7 @@ impl Visit for Frame<'_> {
 struct Traced<'a, N> {
     view: &'a View,
     spheres: Vec<Sphere<N>>,
-    /// Those that are given; else the rays of the window.
+    /// Given rays; else those of the window.
     rays: Option<&'a [RayRecord]>,
     /// The spheres are moved to the origin of each ray.
     spread: bool,

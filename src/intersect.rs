@@ -37,7 +37,7 @@ pub(crate) trait Visit {
 }
 
 macro_rules! variants {
-    ($($name:ident $file:ident::$code:ident $number:ty, $command:literal $form:ident $cost:literal $about:literal)*) => {
+    ($($name:ident $file:ident $code:ident $number:ty, $command:literal $form:ident $cost:literal $about:literal)*) => {
         /// The form of the quadratic, by its name on the command line.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Method {
@@ -74,12 +74,12 @@ macro_rules! variants {
 // The costs are steady kernel times for balls_s4.nff (7,382 spheres), 256 x 256, ids alone, by the clock of lavapipe
 // (Mesa 22.3.6, LLVM 15, 2 cores), least of nine. Other adapters order them alike but for f64, which few do faster.
 variants! {
-    Textbook textbook::Textbook f32, "textbook" General 0.75 "the general quadratic with d.d"
-    Unit unit::Unit f32, "unit" Normalised 0.86 "the quadratic for d of unit length"
-    Geometric geometric::Geometric f32, "geometric" Normalised 0.86 "closest approach t_m, its distance l_m, half the chord delta t"
-    Stable stable::Stable f32, "stable" Perpendicular 1.0 "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
-    Native64 stable::Stable f64, "f64" Perpendicular 3.4 "the perpendicular form in the adapter's f64"
-    DoubleFloat stable::Stable double_float::Pair<f32>, "double-float" Perpendicular 24.0 "the perpendicular form in sums of two f32, where the adapter's arithmetic was measured to allow it"
+    Textbook textbook Textbook f32, "textbook" General 0.75 "the general quadratic with d.d"
+    Unit unit Unit f32, "unit" Normalised 0.86 "the quadratic for d of unit length"
+    Geometric geometric Geometric f32, "geometric" Normalised 0.86 "closest approach t_m, its distance l_m, half the chord delta t"
+    Stable stable Stable f32, "stable" Perpendicular 1.0 "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
+    Native64 stable Stable f64, "f64" Perpendicular 3.4 "the perpendicular form in the adapter's f64"
+    DoubleFloat stable Stable double_float::Pair<f32>, "double-float" Perpendicular 24.0 "the perpendicular form in sums of two f32, where the adapter's arithmetic was measured to allow it"
 }
 
 /// How a variant makes its discriminant and its roots; what rounding does to them follows from that.

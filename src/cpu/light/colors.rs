@@ -21,7 +21,7 @@ pub(super) struct Colors<'a, 'b, 'c> {
     pub(super) chunk: &'b mut Chunk<'c>,
 }
 
-/// What is known of some pixels before their colours, one array per component. Lanes that show no sphere are not read.
+/// Numbers of some pixels before their colours, one array per component. Lanes that show no sphere are not read.
 #[derive(Zeroable)]
 struct Lanes {
     position: [[u32; LANES]; 2],
