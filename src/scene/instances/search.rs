@@ -67,21 +67,11 @@ impl Instances {
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn bounds(&self, watch: &Watch) -> Result<[DVec3; 2]> {
-        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        for axis in 0..3 {
-            for end in 0..2 {
-                let bound = |around: &Enclosure| match end {
-                    0 => -(around.low[axis] - around.radii[1]),
-                    _ => around.high[axis] + around.radii[1],
-                };
-                self.search(watch, bound, |found| {
-                    let [low, high] = found.spheres.bounds();
-                    bounds = [bounds[0].min(low), bounds[1].max(high)];
-                    if end == 0 { -bounds[0][axis] } else { bounds[1][axis] }
-                })?;
-            }
-        }
-        Ok(bounds)
+        let least = |normal: DVec3| self.least_along(watch, normal, DVec3::ZERO);
+        let low = DVec3::new(least(DVec3::X)?, least(DVec3::Y)?, least(DVec3::Z)?);
+        // Not a negation, which has -0 where a sphere ends at 0.
+        let high = DVec3::ZERO - DVec3::new(least(DVec3::NEG_X)?, least(DVec3::NEG_Y)?, least(DVec3::NEG_Z)?);
+        Ok([low, high])
     }
 }
 
