@@ -19,11 +19,11 @@ pub enum Error {
     /// The scene cannot be rendered as written: malformed text, a negative radius, a degenerate camera.
     #[error("{place}: {}; {}", printable(problem), printable(mend))]
     Scene {
-        /// Where in the scene: file, line, column, field.
+        /// The place in the scene: file, line, column, field.
         place: Box<Place>,
-        /// What is wrong with it.
+        /// The problem at this place.
         problem: String,
-        /// What to write instead.
+        /// The remedy: a valid value or a correct spelling.
         mend: String,
         /// The parser's own error, if there was one.
         #[source]
@@ -32,25 +32,25 @@ pub enum Error {
     /// The settings name something that does not exist, or contradict each other.
     #[error("{}; {}", printable(problem), printable(mend))]
     Settings {
-        /// The setting and what is wrong with it.
+        /// The setting and its problem.
         problem: String,
-        /// What to set instead.
+        /// The remedy: a setting to change or to remove.
         mend: String,
     },
     /// No adapter fits the request.
     #[error("{}; {}", printable(problem), printable(mend))]
     Adapter {
-        /// What was searched for and what was found.
+        /// The request, and the adapters that were found.
         problem: String,
-        /// What to install or select.
+        /// The remedy: a driver to install or an adapter to select.
         mend: String,
     },
     /// The work does not fit the adapter or the memory.
     #[error("{}; {}", printable(problem), printable(mend))]
     Limits {
-        /// What is too large, with the numbers.
+        /// The quantity that is too large, with the numbers.
         problem: String,
-        /// The largest size that fits.
+        /// The remedy, such as the largest size that fits.
         mend: String,
     },
     /// The device was lost during the work.

@@ -51,7 +51,8 @@ impl Judge {
     /// Sets up camera and spheres: about a microsecond per sphere.
     ///
     /// # Errors
-    /// Those of [`Scene::check`].
+    /// Errors of [`Scene::check`]; [`Error::Limits`](crate::Error::Limits) for an off-centre lens whose frame has more
+    /// than 2^20 columns or rows.
     pub fn new(scene: &Scene) -> Result<Self> {
         scene.check()?;
         let frame = scene.camera.centred([scene.image.width, scene.image.height], 1, 1)?;
@@ -65,7 +66,8 @@ impl Judge {
         Ok(Self { bench, lens, frame })
     }
 
-    /// The same for rays through the pixels of a frame with this viewport and size: rows and columns then refer to it.
+    /// The judge of the same spheres for the pixels of a frame with this viewport and size. Rows and columns then refer
+    /// to this frame.
     pub(crate) fn in_frame(self, viewport: ExactViewport, size: [u32; 2]) -> Self {
         let frame = CentredFrame { viewport, size, step: 1, shift: [0; 2] };
         Self { lens: ExactLens::of(viewport, size), frame, ..self }
@@ -76,7 +78,7 @@ impl Judge {
         self.bench.nearest(&self.ray(i, j), 0..self.bench.bodies.len() as u32, f64::INFINITY)
     }
 
-    /// The same over some spheres; indices beyond the scene's are ignored.
+    /// [`Self::pixel`] among the spheres with these indices. Indices beyond the scene's are ignored.
     #[inline(always)]
     pub fn among(&self, i: u32, j: u32, candidates: &[u32]) -> Option<Truth> {
         self.bench.nearest(&self.ray(i, j), candidates.iter().copied(), f64::INFINITY)
@@ -188,7 +190,7 @@ pub fn judge_ray(origin: [f64; 3], direction: [f64; 3], spheres: &Spheres) -> Op
     judge_ray_among(origin, direction, f64::INFINITY, spheres, 0..spheres.len() as u32)
 }
 
-/// The same among the spheres with these indices, in ascending order, if its exact t is below `limit`.
+/// [`judge_ray`] among the spheres with these indices, in ascending order. `None` unless the exact t is below `limit`.
 pub(crate) fn judge_ray_among(
     origin: [f64; 3],
     direction: [f64; 3],

@@ -15,7 +15,7 @@ pub(crate) enum RaySource {
     Spread,
 }
 
-/// How a certified kernel reads the spheres that are not entirely in front of the eye plane.
+/// The source of the general spheres, those not entirely in front of the eye plane, for a certified kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Generals {
     /// There are none.
@@ -30,7 +30,7 @@ impl Generals {
     /// The most general spheres that every ray tests without lists.
     pub(crate) const FEW: usize = 4;
 
-    /// For so many.
+    /// The source for `count` general spheres.
     pub(crate) fn of(count: usize) -> Self {
         match count {
             0 => Self::None,
@@ -40,16 +40,16 @@ impl Generals {
     }
 }
 
-/// What a pixel takes whose answer f32 does not prove.
+/// The answer of a pixel that f32 does not prove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Unproved {
-    /// Nothing yet: the judge decides.
+    /// None yet: the judge decides the pixel.
     Unsure,
-    /// Its nearest candidate.
+    /// Its nearest candidate, without a proof.
     Nearest,
 }
 
-/// How a kernel answers its rays.
+/// The task of a kernel: its rays, and the way it finds their hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Task {
     /// By one form of the quadratic, among all spheres.
@@ -78,7 +78,7 @@ pub(crate) struct Certificate {
 }
 
 impl Certificate {
-    /// Without general spheres, without further outputs; the judge decides what is not proved.
+    /// The certificate without general spheres and further outputs; the judge decides the unproved pixels.
     pub(crate) const PLAIN: Self =
         Self { generals: Generals::None, unproved: Unproved::Unsure, depth_interval: false, starts: false };
 }

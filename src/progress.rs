@@ -36,7 +36,7 @@ impl Step {
         }
     }
 
-    /// What the step counts, in the plural.
+    /// The plural noun of the step's count: `spheres`, `pixels` or `rays`.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -53,7 +53,7 @@ impl Step {
 pub struct Progress {
     /// The current step.
     pub step: Step,
-    /// How many are done; rows that threads are working on count as done.
+    /// The number of spheres, pixels or rays that are done; rows that threads are working on count as done.
     pub done: u64,
     /// The total number of spheres, pixels or rays, as [`Step::unit`] says.
     pub total: u64,
@@ -175,7 +175,7 @@ impl Watch {
     /// thread runs on until its work or the process ends.
     ///
     /// # Errors
-    /// Those of the work, [`Error::Interrupted`], and [`Error::Limits`] where no thread can be started.
+    /// Errors of `work`, [`Error::Interrupted`], and [`Error::Limits`] where no thread can be started.
     pub fn wait_for<T: Send + 'static>(&self, work: impl FnOnce() -> Result<T> + Send + 'static) -> Result<T> {
         let worker = thread::Builder::new().name("halfline work".into()).spawn(work).map_err(|e| Error::Limits {
             problem: format!("no thread could be started: {e}"),

@@ -64,7 +64,8 @@ pub fn count(n: u64, noun: &str) -> String {
     }
 }
 
-/// What opens the name of a [`setting`]. The second character has no width, and [`quote`] escapes it in text of files.
+/// The opening mark of a [`setting`]'s name. Its second character has no width, and [`quote`] escapes it in text of
+/// files.
 const OPEN: &str = "`\u{2060}";
 
 /// The message with a front end's word in place of each [`setting`], its backticks included: an option, a keyword.
@@ -80,7 +81,7 @@ pub fn reworded(message: &str, word: impl Fn(&str) -> String) -> String {
     words
 }
 
-/// The name of a setting and what follows it, behind what opens it.
+/// The name of a setting, and the text behind it, from the text behind the opening mark.
 fn named(text: &str) -> Option<(&str, &str)> {
     let is_name = |name: &str| !name.is_empty() && name.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
     text.split_once('`').filter(|(name, _)| is_name(name))

@@ -1,5 +1,5 @@
 //! The scene: spheres, their colours, the camera, the image. Everything geometric is f64 and taken as exact. The
-//! readers of `read/` make scenes.
+//! readers of the crate `halfline-files` make scenes.
 
 pub mod arrange;
 mod ball;
@@ -37,7 +37,7 @@ pub use outlook::{Outlook, Surroundings};
 /// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
 
-/// What is rendered. World coordinates are in any unit of length.
+/// A scene: camera, image plane, spheres and lights. World coordinates are in any unit of length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The camera.
@@ -46,7 +46,7 @@ pub struct Scene {
     pub image: ImagePlane,
     /// The spheres.
     pub spheres: Spheres,
-    /// What lights it.
+    /// Lights, sky and bounces.
     pub lighting: Lighting,
 }
 
@@ -77,7 +77,7 @@ pub struct Spheres {
     pub radii: List<f64>,
     /// Linear RGB per sphere; `None` when no sphere of the scene has a colour, so that none is uploaded.
     pub colors: Option<List<[f32; 3]>>,
-    /// What the spheres are made of; `None` where all of them reflect diffusely only.
+    /// Materials of the spheres; `None` where all of them reflect diffusely only.
     pub materials: Option<Materials>,
 }
 

@@ -15,7 +15,7 @@ use crate::shade::Shade;
 use crate::window::Window;
 use serde::Serialize;
 
-/// Where to render.
+/// The device that renders: a GPU or the CPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
     /// A GPU if there is one, else the CPU path.
@@ -33,7 +33,7 @@ named! { Backend, "backend", Auto "auto" Gpu "gpu" Cpu "cpu" }
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Accuracy {
-    /// What the outputs require.
+    /// The accuracy that the outputs require.
     #[default]
     Auto,
     /// f32 without a certificate.
@@ -49,17 +49,17 @@ named! { Accuracy, "accuracy", Auto "auto" Fast "fast" Certified "certified" Exa
 /// The settings of a rendering, besides its scene.
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
-    /// Where to render.
+    /// The device that renders: a GPU or the CPU.
     pub backend: Backend,
-    /// Which adapter, by index or part of its name; `None` takes WGPU_ADAPTER_NAME or the first.
+    /// The adapter, by index or part of its name; `None` takes WGPU_ADAPTER_NAME or the first.
     pub adapter: Option<String>,
     /// A single intersection method, uncertified; `None` leaves the choice to the plan.
     pub method: Option<Method>,
     /// The accuracy of the answers.
     pub accuracy: Accuracy,
-    /// How given rays find the spheres that they may hit.
+    /// The search of given rays for the spheres that they may hit.
     pub search: Search,
-    /// How a hit is shaded.
+    /// The shading of a hit.
     pub shade: Shade,
     /// The buffers of the frame; ids are always computed.
     pub aovs: Vec<Aov>,
@@ -192,7 +192,7 @@ impl Default for Tolerance {
     }
 }
 
-/// How given rays find the spheres that they may hit. Viewing rays have one way for each engine.
+/// The search of given rays for the spheres that they may hit. Viewing rays have one search for each engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Search {
     /// A tree for certified and exact answers; a method tests all spheres.

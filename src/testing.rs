@@ -1,4 +1,4 @@
-//! What the unit tests of several rooms share.
+//! Helpers that the unit tests of several rooms share: the adapter, random numbers, scenes.
 
 use crate::camera::{Camera, Lens, Look};
 use crate::gpu::device;

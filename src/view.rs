@@ -40,7 +40,7 @@ pub(crate) enum Records {
     None,
     /// Rounded to f32.
     Rounded,
-    /// Rounded to f32, and what rounding took.
+    /// Rounded to f32, with the rounding errors.
     WithResiduals,
 }
 
@@ -101,17 +101,17 @@ impl View {
         Ok(view)
     }
 
-    /// Camera, pixels and the frame's unit, without spheres.
+    /// The view of a scene's full frame, without spheres: camera, pixels and the frame's unit.
     pub(crate) fn without_spheres(scene: &Scene) -> Result<Self> {
         Self::in_unit(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)), None)
     }
 
-    /// The same for the rays of `raster` in the unit 2^`unit`, or in that of the spheres. The window selects the rays; no
-    /// other number depends on it. The unit is a power of two: results do not depend on it, as far as no number leaves the
-    /// range of f32.
+    /// The view of the rays of `raster` without spheres, in the unit 2^`unit`; `None` for the unit of the scene's
+    /// spheres. The window selects the rays; no other number depends on it. The unit is a power of two: results do not
+    /// depend on it, as far as no number leaves the range of f32.
     ///
     /// # Errors
-    /// As [`View::new`]; with a unit but for what depends on the spheres.
+    /// As [`View::new`]; with a given unit, without the error of sizes that span too much.
     pub(crate) fn in_unit(scene: &Scene, raster: Raster, unit: Option<i32>) -> Result<Self> {
         scene.check()?;
         let size = [scene.image.width, scene.image.height];
@@ -158,7 +158,7 @@ impl View {
     /// The judge of a scene for rays by their row and column in the record's frame.
     ///
     /// # Errors
-    /// Those of [`Judge::new`].
+    /// Errors of [`Judge::new`].
     pub(crate) fn judge(&self, scene: &Scene) -> Result<Judge> {
         let judge = Judge::new(scene)?;
         let size = [self.record.width, self.record.height];
@@ -193,7 +193,7 @@ impl View {
         }
     }
 
-    /// Keeps what rounding took from the spheres of this view.
+    /// Keeps the rounding errors of the records of this view's spheres.
     pub(crate) fn keep_residuals(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
         let (basis, spheres) = (self.basis, &self.spheres);
         let moved = centers.par_iter().zip(radii).map(|(c, r)| Moved::new(&basis, *c, *r));
@@ -232,7 +232,7 @@ impl View {
         self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
     }
 
-    /// The records of these spheres, one after the other.
+    /// The records of these spheres, moved into the canonical camera, in their order.
     pub(crate) fn moved<'a>(
         &self,
         centers: &'a [[f64; 3]],
@@ -260,7 +260,7 @@ pub(crate) fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i3
     Ok(middle([least, most]))
 }
 
-/// The exponent of the unit of sizes with exponents from the first to the second.
+/// The exponent of the unit for sizes whose exponents lie between the two given: their middle.
 pub(crate) fn middle([least, most]: [i32; 2]) -> i32 {
     (least + (most - least) / 2).max(LEAST_UNIT)
 }
@@ -275,7 +275,8 @@ fn sizes(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> [i64; 2] {
     })
 }
 
-/// What must be in the range of a frame's unit: the radius, or the largest coordinate of the centre relative to the eye.
+/// The size of a sphere that a frame's unit must cover: the radius or, if larger, the largest coordinate of the centre
+/// relative to the eye, without its sign.
 #[inline(always)]
 pub(crate) fn size_from(eye: DVec3, center: [f64; 3], radius: f64) -> f64 {
     let away = (DVec3::from_array(center) - eye).abs();

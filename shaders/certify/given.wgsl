@@ -4,11 +4,11 @@
 // integers is exact and no compiler may reassociate it with floats.
 struct CertifiedRay {
     steps: vec3<i32>,      // the origin, or a point ahead of it
-    sure_limit: f32,       // what is hit before it counts
+    sure_limit: f32,       // a certain hit before it counts
     rest: vec3<f32>,
-    limit: f32,            // what is hit from here on does not count
+    limit: f32,            // no hit from here on counts
     direction: vec3<f32>,  // its largest component is in [1, 2)
-    blur: f32,             // what the places of ray and sphere are off by, in each component
+    blur: f32,             // bound of the error of the places of ray and sphere, in each component
 }
 
 struct PlacedSphere {
@@ -35,7 +35,7 @@ fn placed_at(n: u32) -> PlacedSphere {
     return PlacedSphere(bitcast<vec3<i32>>(a.xyz), bitcast<f32>(a.w), bitcast<vec3<f32>>(b.xyz));
 }
 
-// The direction is off by `tilt` of its length.
+// Bounds of t for a ray and a sphere. `tilt` is the bound of the direction's error, relative to its length.
 fn meet(ray: CertifiedRay, tilt: f32, s: PlacedSphere) -> Bounds {
     let d = ray.direction;
     let p = vec3<f32>(s.steps - ray.steps) * GIVEN_STEP + (s.rest - ray.rest);

@@ -19,7 +19,7 @@ fn keep(k: Best, ray: CertifiedRay, place: u32, bounds: Bounds) -> Best {
     return Best(UNSURE, k.limit);
 }
 
-// What is left to the host.
+// The state that leaves the ray to the host.
 fn undecided() -> Best {
     return Best(UNSURE, -1.0);
 }

@@ -5,7 +5,7 @@ struct Best {
     high: f32,
     place: u32,
     rival: f32,  // the least t at which any other sphere may be hit
-    limit: f32,  // what is hit from here on is not the nearest
+    limit: f32,  // no hit from here on is the nearest
 }
 
 fn begin(ray: CertifiedRay) -> Best {
@@ -22,7 +22,7 @@ fn keep(k: Best, ray: CertifiedRay, place: u32, bounds: Bounds) -> Best {
     return Best(k.low, k.high, k.place, min(k.rival, bounds.low), k.limit);
 }
 
-// What is left to the host.
+// The state that leaves the ray to the host.
 fn undecided() -> Best {
     return Best(MISS, MISS, NONE, 0.0, 0.0);
 }

@@ -1,4 +1,4 @@
-// A pixel takes what is proved; the host decides the others.
+// A pixel takes a proved answer; the host decides the other pixels.
 fn taken(answer: Answer, k: NearestTwo) -> bool {
     return certain(answer, k);
 }

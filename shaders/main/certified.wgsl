@@ -1,4 +1,5 @@
-// The certified kernel, once per pixel: what spheres left in it (shaders/splat), the winner's certificate, outputs.
+// The certified kernel, once per pixel: it reads the minima that spheres left there (shaders/splat), certifies the
+// winner, and writes the outputs.
 
 // For every pixel of the band the least depth, then the slots, then the second least depths, all inverted, so that 0 is none.
 @group(0) @binding(BIND_MINIMA) var<storage, read_write> minima: array<u32>;

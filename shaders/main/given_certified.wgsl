@@ -1,4 +1,4 @@
-// Certified answers of given rays: one per invocation, only what is hit. The host computes t and the normal.
+// Certified answers of given rays, one ray per invocation: the sphere that is hit. The host computes t and the normal.
 
 @group(0) @binding(BIND_CERTIFIED_RAYS) var<storage, read> certified_rays: array<CertifiedRay>;
 

@@ -1,6 +1,6 @@
-// Rays from the hits of a frame toward the sky and toward lights without a size: docs/certificate.md, section 13.
-// Each leaves a bit if nothing hides what it goes to. Where f32 leaves one ray of a pixel unsure, one more bit leaves all of
-// them to the host.
+// Rays from the hits of a frame toward the sky and toward lights without a size: docs/certificate.md, section 13. A ray
+// sets its bit if nothing hides its target. If f32 leaves one ray of a pixel unsure, one more bit is set, which leaves
+// all rays of the pixel to the host.
 
 struct Sky {
     first: u32,        // pixel of the band, and one past the last
@@ -26,8 +26,9 @@ struct Sky {
 @group(0) @binding(BIND_STARTS) var<storage, read> starts: array<vec4<f32>>;
 // The place of every sphere in the order of the tree.
 @group(0) @binding(BIND_PLACES) var<storage, read> places: array<u32>;
-// Two vectors each: the direction and the reciprocals of its components, of all turns and then of the lights that are infinitely
-// far; other lights have their place, as steps and a rest, and a fourth number of 1.
+// Two vectors each: a direction and the reciprocals of its components, for all turns of the sky and then for the
+// lights. A light that is not infinitely far has its place instead, as steps and a rest, and the fourth number of the
+// first vector is 1.
 @group(0) @binding(BIND_DIRECTIONS) var<storage, read> directions: array<vec4<u32>>;
 @group(0) @binding(BIND_OPEN) var<storage, read_write> open: array<u32>;
 
@@ -40,16 +41,16 @@ const PAD: f32 = 40.0;
 const LEAST: f32 = 2.3283064365386963e-10;
 // The error of two places on the grid, 2^-47.
 const PLACES: f32 = 7.105427357601002e-15;
-// The least error of a start, of the radius, 2^-45: so f64 decides what f32 decides.
+// Least bound of a start's error, relative to the radius, 2^-45: so f64 decides what f32 decides.
 const BLURRED: f32 = 2.842170943040401e-14;
-// The product of normal and direction, in multiples of UNIT.
+// Error of the product of normal and direction, in multiples of UNIT.
 const COSINE: f32 = 8.0;
-// The way to a light, of its length and of the places that it is made of.
+// Error of the way to a light, in multiples of UNIT and of its length and those of the places that it is made of.
 const AIM: f32 = 4.0;
-// A direction that is off by more tells little: 2^-12.
+// Bound of a direction's relative error, 2^-12: with a larger one the ray is unsure.
 const MOST_TILT: f32 = 2.44140625e-4;
 
-// What all rays of a pixel have in common.
+// The start of all rays of a pixel.
 struct Start {
     at: vec2<u32>,     // column and row in the full frame
     normal: vec3<f32>,
@@ -60,10 +61,10 @@ struct Start {
     origin: vec3<f32>, // the same place in f32, for the boxes
 }
 
-// The ray with a number: what hides it may be known without the tree.
+// One ray of a pixel. `found` is the answer as far as it is known without the tree.
 struct Next {
     ray: CertifiedRay,
-    tilt: f32,         // what its direction is off by, of its length
+    tilt: f32,         // bound of its direction's error, relative to its length
     seen: BoxRay,
     found: u32,        // own: the sphere itself hides it; UNSURE: the side of its surface is not known; else NONE
 }
@@ -103,7 +104,7 @@ fn next_ray(start: Start, number: u32) -> Next {
         let way = vec3<f32>(bitcast<vec3<i32>>(first.xyz) - start.steps) * GIVEN_STEP + rest;
         let length = sqrt(dot3(way, way));
         let doubt = AIM * UNIT * (length + sqrt(dot3(rest, rest)) + sqrt(dot3(second, second))) + start.blur;
-        // 1 where it tells too little.
+        // 1, so unsure, where the error is too large.
         tilt = select(1.0, doubt / length * INFLATE, doubt < MOST_TILT * length);
         let size = abs(way);
         let scale = bitcast<u32>(max(max(size.x, size.y), size.z)) & 0x7f800000u;

@@ -1,5 +1,6 @@
-// Where rays leave from a proved hit, two vectors a pixel: the unit normal in world space and the bound of its error, 0 where
-// there is none; the way from the eye, in the frame's unit and the world's axes, and the bound of its length's error.
+// The starts of rays that leave from proved hits, two vectors a pixel: the unit normal in world space and the bound of
+// its error, 0 where the host has to trace them; the way from the eye to the hit, in the frame's unit and the world's
+// axes, and the bound of its error as a length.
 @group(0) @binding(BIND_STARTS) var<storage, read_write> starts: array<vec4<f32>>;
 
 fn keep_start(pixel: u32, s: Slopes) {

@@ -48,7 +48,7 @@ fn times_power(a: Float, k: i32) -> Float {
 fn shifted_right(v: vec2<u32>, by: u32) -> vec2<u32> {
     let n = by & 31u;
     let up = (32u - n) & 31u;
-    // What leaves a word on the right, in the high bits of the next; nothing for n = 0.
+    // The bits that the high word loses on the right, as high bits of the low word; 0 for n = 0.
     let carried = select(v.y << up, 0u, n == 0u);
     let lost = select(v.x << up, 0u, n == 0u);
     let near = vec2<u32>((v.x >> n) | carried | u32(lost != 0u), v.y >> n);

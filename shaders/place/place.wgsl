@@ -1,8 +1,8 @@
-// Places a sphere in the image, once per invocation: its record, or that the host has to look at it.
+// Places one sphere per invocation in the image: writes its record, or leaves the sphere to the host.
 
 // Centre and radius in f64, eight words a sphere.
 @group(0) @binding(BIND_RESIDENT) var<storage, read> resident: array<vec4<u32>>;
-// The records of a block, then what only winners need, then the depths of the centres in f64.
+// The records of a block, then the details that only winners need, then the depths of the centres in f64.
 @group(0) @binding(BIND_PROJECTED) var<storage, read_write> projected: array<vec4<i32>>;
 
 fn widen(at: u32, depth: f32) {
@@ -52,7 +52,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let r = f32_of_float(radius);
     let far = abs(f32_of_float(times_power(p[0], placing.to_frame))) + abs(f32_of_float(times_power(p[1], placing.to_frame)))
         + abs(f32_of_float(times_power(p[2], placing.to_frame)));
-    // What f32 leaves of these numbers is below 2^-20 of far + r: conditions are met with that to spare, or the host decides.
+    // The error of these numbers in f32 is below 2^-20 of far + r. The conditions hold with that to spare, or the host
+    // decides.
     let spare = (far + r) * 1e-6;
     if (c.z + r < -spare) {
         return;

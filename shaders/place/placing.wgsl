@@ -1,4 +1,4 @@
-// How spheres are placed in the image: the camera in f64, and the bounds of the host.
+// The uniform from which spheres are placed in the image: the camera in f64, and the constants of the host's bounds.
 
 struct Placing {
     eye: array<vec4<u32>, 3>,       // numbers of f64 as in float64.wgsl
@@ -22,7 +22,7 @@ struct Placing {
     corner: vec2<f32>,              // the image's first column and row in the frame, and one past the last
     end: vec2<f32>,
     rotated: f32,                   // error of a coordinate per |c - e|_1 in the frame's unit
-    wider: f32,                     // what a rectangle is wider than rho
+    wider: f32,                     // added to rho for a rectangle, in the unit of rho
     farthest: f32,                  // pixels beyond which there is no fixed point
     per_unit: i32,                  // exponent of the unit of rho, negated
     to_frame: i32,                  // exponent of the frame's unit, negated
@@ -51,10 +51,10 @@ struct BlockPass {
 
 @group(0) @binding(BIND_BLOCK_PASS) var<uniform> block_pass: BlockPass;
 
-// What the blocks of a frame have in common: SUMMARY_DEPTHS, the least and the largest depth of spheres that some ray meets, as
-// bits of f32; SUMMARY_PERHAPS, those of spheres of which f32 does not tell; then the numbers of spheres for the host, of pieces of
-// large spheres and of pairs of unsure pixels; SUMMARY_MORE, above 0 where the pieces are too many to be counted; then the slots of
-// spheres for the host.
+// The results of placing a frame, over all of its blocks. SUMMARY_DEPTHS: least and largest depth of the spheres whose
+// rectangle certainly contains a pixel, as bits of f32. SUMMARY_PERHAPS: the same of the spheres for which f32 cannot
+// tell that. Then the numbers of spheres for the host, of pieces of large spheres and of pairs of unsure pixels.
+// SUMMARY_MORE: above 0 where the pieces are too many to be counted. Then the slots of the spheres for the host.
 @group(0) @binding(BIND_SUMMARY) var<storage, read_write> summary: array<atomic<u32>>;
 
 // The number of an invocation in the block.
@@ -62,8 +62,8 @@ fn place_in_block(group: vec3<u32>, index: u32) -> u32 {
     return (group.y * block_pass.groups + group.x) * GROUP + index;
 }
 
-// The rectangle of a sphere is computed in f32, whose last bits may differ from kernel to kernel, so one kernel alone decides whether a sphere is
-// cut, and says so by the sign of rho.
+// Whether a sphere is cut into pieces, which the sign of rho tells. Rectangles are computed in f32, whose last bits may
+// differ from kernel to kernel, so one kernel alone decides.
 fn is_cut(record: vec4<i32>) -> bool {
     return record.z < 0;
 }

@@ -1,10 +1,11 @@
 // The pixels of the image whose rays may hit a projected sphere; docs/certificate.md, section 4.
 
 const NOWHERE: i32 = 0x40000000; // a coordinate of no projected sphere
-const FLUSHED: f32 = 4.70197740328915e-38; // 2^-124: what f32 may lose below its normal numbers
+const FLUSHED: f32 = 4.70197740328915e-38; // 2^-124: above the loss of f32 below its normal numbers
 
-// Half the sides of a projected sphere's rectangle, in pixels of the frame. `aside` is the distance of its projected centre
-// from the middle of the frame. The host's are smaller by what f32 may be off by; what lies between is a certain miss.
+// Half the sides of a projected sphere's rectangle, in pixels of the frame. `aside` is the distance of its projected
+// centre from the middle of the frame. The sides exceed the host's by the error of f32; the pixels between are certain
+// misses.
 fn half_sides(rho: f32, aside: vec2<f32>) -> vec2<f32> {
     let reach = (placing.reach.x + rho * placing.reach.y) * placing.per_step;
     let steepest = min((abs(aside) + reach) * placing.slope, placing.edge);

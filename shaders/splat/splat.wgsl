@@ -1,5 +1,6 @@
-// What a projected sphere is to a pixel. Two passes leave for every pixel the two smallest lower bounds of depth and the slot of
-// the smallest: minima, in any order. A third finds the spheres among which the host decides an unsure pixel.
+// Adds a projected sphere to a pixel. Two passes leave in every pixel the two smallest lower bounds of depth and the
+// slot of the smallest. They take minima, so the order of the spheres does not matter. A third pass finds the spheres
+// among which the host decides an unsure pixel.
 
 // For every pixel of the band the least depth, then the slots, then the second least depths, all inverted, so that 0 is none.
 @group(0) @binding(BIND_MINIMA) var<storage, read_write> minima: array<atomic<u32>>;

@@ -27,7 +27,7 @@ pub(crate) struct Answers<'a> {
     pub(crate) settled: &'a [Settled],
     /// Colour and coverage, with several samples per pixel.
     pub(crate) sampled: Option<Means>,
-    /// What lights and the sky give.
+    /// The buffers of lights and sky.
     pub(crate) lit: LightBuffers,
 }
 

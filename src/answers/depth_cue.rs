@@ -1,4 +1,4 @@
-//! Depth cue: what is farther looks more like the background.
+//! Depth cue: the colour of a hit fades toward the background with its depth.
 
 use crate::scene::Scene;
 use crate::scene::camera::Basis;

@@ -1,4 +1,4 @@
-//! What is drawn over the colours of a frame or of a sample of it: silhouettes and depth cue.
+//! Silhouettes and depth cue: drawn over the colours of a frame or of a sample of it.
 
 use super::depth_cue::DepthCue;
 use super::silhouette::{MARGIN, PixelSize, Shown};
@@ -11,7 +11,7 @@ use crate::view::ray::NONE;
 use crate::window::Window;
 use rayon::prelude::*;
 
-/// What is drawn.
+/// The effects that are drawn over the colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Finish {
     pub(crate) silhouette: bool,
@@ -21,7 +21,7 @@ pub(crate) struct Finish {
 }
 
 impl Finish {
-    /// How many pixels around a window its lines depend on.
+    /// The width, in pixels, of the border around a window on which the window's lines depend; 0 without silhouettes.
     pub(crate) fn margin(self) -> u32 {
         if self.silhouette { MARGIN } else { 0 }
     }
@@ -31,7 +31,7 @@ impl Finish {
         if self.depth_cue { DepthCue::of(scene, basis) } else { None }
     }
 
-    /// Draws the lines of `part` over its colours, from what the pixels' centres of the whole view show.
+    /// Draws silhouettes over the colours of `part`, from the spheres `ids` at the centres of the whole view's pixels.
     pub(crate) fn draw(self, scene: &Scene, view: &View, ids: &[u32], part: Window, color: &mut [f32]) {
         if self.silhouette {
             let (depths, width) = (depths(scene, view, ids), view.record.columns as usize);

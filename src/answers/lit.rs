@@ -1,4 +1,4 @@
-//! Light of the pixels of a frame: buffers, and what devices and samples know of it.
+//! Light of the pixels of a frame: its buffers, the answers of devices, and the sky that samples share.
 
 use crate::view::ray::NONE;
 use crate::window::Window;
@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// The certainty of a pixel of which the judge decided a ray.
 pub(crate) const SETTLED: u8 = 1;
-/// That of a pixel of which a ray is not proved.
+/// The certainty of a pixel of which a ray is not proved.
 pub(crate) const NOT_CERTIFIED: u8 = 255;
 
 /// The buffers of lights and sky in row order; those that were not requested are empty.
@@ -33,40 +33,42 @@ pub(crate) struct OpenSky {
     pub(crate) light: Vec<f32>,
 }
 
-/// What a device found of rays from the hits of a window's pixels, in a fixed number of words for each: a bit for each ray,
-/// set where nothing hides its end, and one more where the device does not know all of them.
+/// A device's answers to the rays from the hits of a window's pixels. Every pixel has the same number of words, and a
+/// bit for each ray, which is set where nothing hides the end of the ray. One more bit is set where the device did not
+/// decide all rays of the pixel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Traced<'a> {
     pub(crate) words: &'a [u32],
-    /// Rays toward the sky, and behind them those to lights.
+    /// The numbers of rays of a pixel toward the sky and toward lights, in the order of their bits.
     pub(crate) rays: usize,
     pub(crate) lights: usize,
 }
 
 impl<'a> Traced<'a> {
-    /// Words of a pixel with so many rays.
+    /// The number of words of a pixel with `rays` rays.
     pub(crate) fn words_of(rays: usize) -> usize {
         rays / 32 + 1
     }
 
-    /// The part of one pixel, if the device knows all its rays.
+    /// The words of one pixel; `None` if the device did not decide all its rays.
     pub(crate) fn of(&self, pixel: u32) -> Option<Self> {
         let count = Self::words_of(self.rays + self.lights);
         let words = &self.words[pixel as usize * count..][..count];
         Some(Self { words, ..*self }).filter(|own| !own.is_open(self.rays + self.lights))
     }
 
-    /// Whether nothing hides the end of a ray of a pixel.
+    /// Whether nothing hides the end of a ray, of the pixel that the words are of.
     pub(crate) fn is_open(&self, ray: usize) -> bool {
         self.words[ray / 32] >> (ray % 32) & 1 == 1
     }
 }
 
-/// How many pixels around a sample [`OpenSky`] needs.
+/// Pixels on each side of a sample over which [`OpenSky::around`] takes the mean.
 pub(crate) const AROUND: u32 = 1;
 
 impl OpenSky {
-    /// The mean light over the pixels around this one that show the sphere, or over all that show any.
+    /// The mean light over the pixels around this one that show the sphere, else over all that show any; 1 where none
+    /// shows one.
     pub(crate) fn around(&self, row: u32, column: u32, id: u32) -> DVec3 {
         let Window { x0, y0, x1, y1 } = self.window;
         let near = |at: u32, first: u32, end: u32| at.saturating_sub(AROUND).max(first)..(at + AROUND + 1).min(end);
@@ -116,7 +118,7 @@ pub(crate) struct Chunk<'a> {
 }
 
 impl Chunk<'_> {
-    /// Fills what is requested of a pixel.
+    /// Writes the light of pixel `n` of the run into the buffers that were requested.
     pub(crate) fn write(&mut self, n: usize, light: &PixelLight<'_>) {
         let lights = light.shadow.len();
         if let Some(color) = self.color.get_mut(3 * n..3 * n + 3) {
@@ -135,7 +137,7 @@ impl Chunk<'_> {
 }
 
 impl LightBuffers {
-    /// The buffers where no pixel shows a sphere.
+    /// The buffers of a frame in which no pixel shows a sphere: the background, no shadow, an open sky without light.
     pub(crate) fn of_nothing(mut self, background: impl Fn(u32) -> [f32; 3]) -> Self {
         (0..).zip(self.color.chunks_exact_mut(3)).for_each(|(pixel, color)| color.copy_from_slice(&background(pixel)));
         self.shadow.fill(0.0);

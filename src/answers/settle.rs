@@ -19,7 +19,7 @@ use rayon::prelude::*;
 pub(crate) struct Settled {
     /// Its index in the buffers: row times columns plus column, in the window.
     pub(crate) pixel: u32,
-    /// What its ray hits.
+    /// The exact hit of its ray; `None` on a miss.
     pub(crate) truth: Option<Truth>,
 }
 
@@ -149,7 +149,7 @@ impl Lists {
         &self.ids[n.checked_sub(1).map_or(0, |n| self.ends[n])..self.ends[n]]
     }
 
-    /// Keeps of equal spheres the first one.
+    /// Replaces every candidate by the first sphere that is equal to it, and removes duplicates.
     fn keep(&mut self, firsts: &[u32]) {
         let (mut kept, mut own) = (Self::default(), Vec::new());
         for n in 0..self.ends.len() {
@@ -175,7 +175,8 @@ impl Lists {
 /// Candidates of a pixel from which on it is worth while to look for equal spheres.
 const LONG: usize = 64;
 
-/// The first of the spheres that are equal to each, which is hit where they are; `None` where all differ.
+/// For each sphere, the index of the first sphere with the same centre and radius: of equal spheres the first is hit.
+/// `None` where all differ.
 fn firsts(spheres: &Spheres) -> Option<Vec<u32>> {
     // -0.0 + 0.0 is 0.0.
     let key = |n: &u32| {

@@ -20,7 +20,7 @@ use crate::view::ray::NONE;
 use crate::window::Window;
 use rayon::prelude::*;
 
-/// How far the neighbours of a pixel reach. A pixel's line depends on no others.
+/// Columns and rows around a pixel that its line depends on, in pixels.
 pub(crate) const MARGIN: u32 = 2;
 
 const REACH: isize = MARGIN as isize;
@@ -30,7 +30,8 @@ const REACH: isize = MARGIN as isize;
 /// straight edge the line appears from 14.4 to 20.8 pixels.
 const GAP: [f64; 2] = [8.0, 24.0];
 
-/// Where two spheres meet with a smaller gap, in pixels, it may change its sign from one pixel to the next.
+/// Gap in depth, in pixels, above which the nearer of two touching spheres has the line between them. At a smaller gap
+/// the sphere with the lower id has it, since the sign of a small gap may change from one pixel to the next.
 const CLOSE: f64 = 4.0;
 
 /// A surface that descends evenly has equal steps before and behind a pixel. A step counts by what it exceeds this many
@@ -38,9 +39,10 @@ const CLOSE: f64 = 4.0;
 /// plane in perspective, two steps in line differ by a factor below 2 but for the last six rows before the horizon.
 const DESCENT: f64 = 2.0;
 
-/// Of the neighbours behind, the length of the sum of unit vectors toward them: where lines begin and are full. Behind a
-/// straight edge it is 7.5 for the first row of pixels, 4.2 for the second and 0 for the third, and nearly the same in
-/// every other direction; if half of the pixels around are behind at random, it is 2.2 in the mean.
+/// Length of the sum of the unit vectors toward the neighbours behind: a line begins at the first number and is full at
+/// the second. Behind a straight edge the length is 7.5 for the first row of pixels, 4.2 for the second and 0 for the
+/// third, and nearly the same in every other direction; if half of the pixels around are behind at random, it is 2.2 in
+/// the mean.
 const ASIDE: [f64; 2] = [3.0, 6.0];
 
 /// The length of that sum behind a straight edge.
@@ -59,14 +61,14 @@ const COMPANY: [f64; 2] = [6.0, 12.0];
 /// The size of a pixel in the scene's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum PixelSize {
-    /// Times the depth.
+    /// The size at depth 1; it grows in proportion to the depth.
     Perspective(f64),
-    /// The same at all depths.
+    /// The size, the same at all depths.
     Parallel(f64),
 }
 
 impl PixelSize {
-    /// That of the view's pixels: the longer side.
+    /// The size of the view's pixels: their longer side.
     pub(crate) fn of(view: &View) -> Self {
         let [across, down, distance] = view.pitch;
         let side = 2.0 * across.max(down) * f64::from(view.record.fine());
@@ -85,7 +87,7 @@ impl PixelSize {
     }
 }
 
-/// What the pixels of a rectangle show, row by row.
+/// The spheres and depths of a rectangle of pixels, row by row: the input of the lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shown<'a> {
     /// Pixels in a row.
@@ -131,7 +133,8 @@ impl Shown<'_> {
         (self.ids.len() / self.width.max(1)) as isize
     }
 
-    /// What the pixels from this column on show, in a row that exists.
+    /// The spots of [`LANES`] pixels of row `y`, which must exist, from column `x` on. A pixel beside the rectangle is
+    /// a miss.
     #[inline(always)]
     fn spots(&self, [x, y]: [isize; 2]) -> Spots {
         let mut spots = Spots { id: [NONE; LANES], depth: [f64::INFINITY; LANES], within: [0; LANES] };
@@ -162,8 +165,8 @@ impl Shown<'_> {
         spots
     }
 
-    /// How dark the lines are at the pixels from column `x` of row `y` on: 0 for none, 1 for black. `pairs` are [`pairs`] with
-    /// their unit vectors.
+    /// The darkness of the lines at [`LANES`] pixels from column `x` of row `y` on: 0 for none, 1 for black; 0 on a
+    /// miss. `pairs` are [`pairs`] with their unit vectors.
     #[inline(always)]
     fn darkness(&self, [x, y]: [isize; 2], pairs: &[([isize; 2], [f64; 2])], between: bool) -> [f64; LANES] {
         let own = self.spots([x, y]);
@@ -200,7 +203,7 @@ impl Shown<'_> {
     }
 }
 
-/// What neighbouring pixels of a row show.
+/// The spheres and depths of [`LANES`] neighbouring pixels of a row.
 struct Spots {
     /// [`NONE`] on a miss.
     id: [u32; LANES],
@@ -213,18 +216,21 @@ struct Spots {
 /// Sums over the neighbours of some pixels.
 #[derive(Default)]
 struct Sums {
-    /// Their number, and of the unit vectors toward them the sum over half of them, on one side of each axis.
+    /// The number of neighbours that lie, like their opposites, in the rectangle; and for each axis the sum of the unit
+    /// vectors toward those on one side of it.
     count: [f64; LANES],
     straight: [[f64; LANES]; 2],
-    /// Unit vectors toward those behind, and toward those behind or of another sphere.
+    /// Sums of unit vectors toward the neighbours behind; and toward these and, where lines are drawn between touching
+    /// spheres, the neighbours that leave the line to this pixel. A neighbour counts by its share of being behind.
     behind: [[f64; LANES]; 2],
     beside: [[f64; LANES]; 2],
-    /// Those that are not behind and show another sphere.
+    /// The number of neighbours of another sphere, each less its share of being behind.
     company: [f64; LANES],
 }
 
 impl Sums {
-    /// Adds the neighbours `other`, in this direction, beside those on the `opposite` side; what does not count adds 0.
+    /// Adds the neighbours `other`, which lie in the direction `toward`, with the neighbours on the `opposite` side; a
+    /// neighbour that does not count adds 0.
     #[inline(always)]
     fn add(
         &mut self,
@@ -256,7 +262,8 @@ impl Sums {
         }
     }
 
-    /// How dark a sum of unit vectors makes a pixel. At the edge of the frame it is scaled up, as there are fewer.
+    /// The darkness, 0 to 1, that a sum of unit vectors gives a pixel. At the edge of the frame the sum is scaled up,
+    /// since there are fewer neighbours.
     #[inline(always)]
     fn ramp(&self, l: usize, sum: &[[f64; LANES]; 2]) -> f64 {
         ramp(length([sum[0][l], sum[1][l]]) * STRAIGHT / larger(self.straight[0][l], self.straight[1][l]), ASIDE)

@@ -1,4 +1,4 @@
-//! What the certificate of a pixel is computed from, and its answer.
+//! Inputs and answer of a pixel's certificate: the projection uniform, the quantities of a ray, the bounds of its hit.
 
 use bytemuck::{Pod, Zeroable};
 

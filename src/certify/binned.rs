@@ -28,7 +28,7 @@ pub(crate) struct BinnedScene {
     pub(crate) projection: ProjectionRecord,
     pub(crate) lists: Lists,
     pub(crate) generals: Vec<GeneralRecord>,
-    /// Which of them the rays of a tile may hit first.
+    /// The general spheres that the rays of each tile may hit first.
     pub(crate) general_lists: GeneralLists,
     /// Projected spheres that some ray may hit.
     pub(crate) seen: u64,
@@ -107,7 +107,7 @@ impl Binning<'_> {
         self.list(projection, bins, order, reference)
     }
 
-    /// Bins those that may be hit first.
+    /// Bins the spheres of the groups that some ray may hit first.
     fn bin_groups(&self, projection: &ProjectionBounds, groups: Grouped<'_>) -> BinnedScene {
         let size = [self.scene.image.width, self.scene.image.height];
         let found = projection.foremost(groups, size, self.view.record.window(), self.tolerance);

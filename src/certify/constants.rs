@@ -45,22 +45,22 @@ constants! {
     const OFFSET2 = 10.0;
     /// The same per unit of |d|^2 - 1.
     const OFFSET2_SLANT = 17.2;
-    /// The depth of a projected sphere: the total.
+    /// The depth of a projected sphere, by the total: |slope along the offset| + root.
     const TOTAL = 12.0;
     /// The same per unit of |d|^2 - 1.
     const TOTAL_SLANT = 6.0;
-    /// Its slope along the offset.
+    /// The depth of a projected sphere, by the slope along the offset, as the sum of the sizes of its two products.
     const ALONG = 6.0;
-    /// Its root.
+    /// The depth of a projected sphere, by the root.
     const ROOT = 6.2;
-    /// Its centre.
+    /// The depth of a projected sphere, by the size of its centre's depth relative to the reference.
     const CENTER = 3.5;
     /// The normal of a projected sphere.
     const TURN = 4.0;
     /// A normal from which rays leave: its parts, the unit vector, its rotation into the world; and a point from there.
     #[cfg(test)]
     const SURFACE = 40.0;
-    /// The way from the eye to a point from which rays leave, of its length.
+    /// The way from the eye to a point from which rays leave, relative to its length.
     #[cfg(test)]
     const WAY = 18.0;
     /// p.d of a general sphere: the start value.
@@ -89,23 +89,24 @@ constants! {
     const SUM = 11.0;
 }
 
-/// Those of given rays on devices; only tests use them on the host. shaders/certify/given_constants.wgsl has the same names.
+/// The constants for given rays on devices. On the host only tests use them. shaders/certify/given_constants.wgsl has
+/// the same names.
 #[cfg(test)]
 pub(crate) mod given {
     constants! {
-        /// A component of g = p x d of a given ray, and p.d, of |p| |d|.
+        /// Error of p.d and of the components of g = p x d of a given ray, relative to |p| |d|.
         const GIVEN_CROSS = 8.0;
-        /// The same, of the blur of places times |d|, without UNIT.
+        /// The same by the blur of places, in multiples of blur times |d|, not of UNIT.
         const GIVEN_BLURS = 2.0;
         /// a r^2 in the discriminant a r^2 - g.g of a given ray.
         const GIVEN_AR2 = 11.0;
         /// g.g in that discriminant.
         const GIVEN_GG = 5.0;
-        /// The power |p|^2 - r^2, of |p|^2 + r^2.
+        /// Error of the power |p|^2 - r^2, relative to |p|^2 + r^2.
         const GIVEN_POWER = 11.0;
         /// t as a quotient, with the root and the sums in it.
         const GIVEN_QUOTIENT = 18.0;
-        /// |d|^2 in the discriminant and in t, of what the direction is off by, without UNIT.
+        /// Relative error of |d|^2 in the discriminant and in t, in multiples of the direction's tilt, not of UNIT.
         const GIVEN_TILTS = 3.0;
         /// 2^-28, the step of the grid on which places of given rays and of their spheres are stated.
         const GIVEN_STEP = 3.725_290_3e-9;

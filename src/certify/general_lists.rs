@@ -1,5 +1,5 @@
-//! The general spheres that the rays of a tile may hit first, from a quadtree of tiles: every cell keeps those of its
-//! parent that may be hit in front of what certainly covers the cell. cell.rs bounds their depths; docs/certificate.md,
+//! The general spheres that the rays of a tile may hit first, from a quadtree of tiles. A cell drops the spheres of its
+//! parent that lie behind a sphere which certainly covers the cell. cell.rs bounds their depths; docs/certificate.md,
 //! section 3b, shows that the frame keeps its bits.
 
 mod cell;
@@ -33,18 +33,19 @@ struct Node {
     slots: Vec<u32>,
 }
 
-/// What all cells of a frame share.
+/// The data of a frame from which the list of every cell is made.
 pub(in crate::certify) struct GeneralTree<'a> {
     projection: &'a ProjectionBounds,
     /// Columns and rows of tiles of the image.
     tiles: [u32; 2],
     spheres: Vec<General<f64>>,
-    /// Relative depth behind what covers a cell from which a sphere is left out.
+    /// The cull margin: a sphere is left out where it lies farther than this behind one that covers the cell, relative
+    /// to that one's depth.
     margin: f64,
 }
 
 impl<'a> GeneralTree<'a> {
-    /// For an image of `size` pixels and distances that are promised to `tolerance`.
+    /// The tree for an image of `size` pixels and distances that are promised to `tolerance`.
     pub(in crate::certify) fn new(
         projection: &'a ProjectionBounds,
         generals: &[GeneralRecord],

@@ -7,29 +7,30 @@ use crate::scene::Ball;
 use crate::view::placement::{PLACED, Placement};
 use crate::view::ray::dot3;
 
-/// Half an ulp of 1: what one rounding to nearest may change, relatively.
+/// Half an ulp of 1: the relative error of one rounding to nearest.
 pub(crate) const EPS: f64 = power_of_two(-53);
 
 /// The terms of the bounds: docs/certificate.md, "Given rays".
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct GivenTerms {
-    /// Errors of the components of p x d and of b = p.d, of |p| |d|.
+    /// Errors of the components of p x d and of b = p.d, relative to |p| |d|.
     pub(crate) cross: f64,
-    /// Relative errors of a R^2, of |p x d|^2 beside those of p x d, and of their difference.
+    /// Relative errors of a R^2, of |p x d|^2 as a square of computed numbers, and of their difference.
     pub(crate) squares: f64,
-    /// Error of |p|^2 - R^2, of the sum of both.
+    /// Error of |p|^2 - R^2, relative to |p|^2 + R^2.
     pub(crate) power: f64,
-    /// The same in double-double.
+    /// The same where |p|^2 - R^2 is computed in double-double.
     pub(crate) power_dd: f64,
     /// Relative error of the last sums, products and quotients.
     pub(crate) quotient: f64,
-    /// How often the blur of the start counts in p x d and b, and how often in |p|^2, of the length of p.
+    /// Factors of the start's blur: in the errors of p x d and b, and, times |p| |d|, in that of |p|^2.
     pub(crate) blur: [f64; 2],
-    /// How often the tilt of the direction counts in p x d and b, and how often in |d|^2 and its quotients.
+    /// Factors of the direction's tilt: times |p| |d| in the errors of p x d and b, and in the relative errors of |d|^2
+    /// and of its quotients.
     pub(crate) tilt: [f64; 2],
 }
 
-/// Those that hold.
+/// The derived terms. Tests take others, to show that each is needed.
 pub(crate) const GIVEN_TERMS: GivenTerms = GivenTerms {
     cross: 6.0 * EPS,
     squares: 8.0 * EPS,
@@ -42,12 +43,13 @@ pub(crate) const GIVEN_TERMS: GivenTerms = GivenTerms {
 
 /// A power whose relative error is larger is computed again in double-double.
 const FAINT: f64 = power_of_two(-20);
-/// A few roundings of the bounds themselves.
+/// Factor for a few roundings of the bounds themselves.
 const ROUNDED: f64 = 1.0 + power_of_two(-48);
-/// Products of the bounds of a start beside the origin.
+/// Factor for products of two errors, of rays that start beside their origin.
 pub(crate) const SLACK: f64 = 1.0 + power_of_two(-7);
-/// Far above what underflow may change in a product of two squares, and in a length.
+/// Far above the error of underflow in a product of two squares.
 const TINY: f64 = power_of_two(-900);
+/// Far above the error of underflow in a length.
 pub(crate) const SHORT: f64 = power_of_two(-500);
 
 /// A ray in the tree's unit; its direction is scaled by 2^-f, so that its largest component is in [1, 2). It starts at
@@ -55,20 +57,20 @@ pub(crate) const SHORT: f64 = power_of_two(-500);
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CertifiedRay {
     placement: Placement,
-    /// In the world, exact.
+    /// Exact, in the world's coordinates.
     pub(crate) origin: [f64; 3],
     pub(crate) direction: [f64; 3],
     /// |direction|^2
     pub(crate) a: f64,
-    /// From `origin` to the start, in the tree's unit.
+    /// The start minus `origin`, in the tree's unit.
     offset: [f64; 3],
-    /// What `offset` is off by, and an ulp of itself.
+    /// Bound of the error of `offset`, and one ulp of it, in the tree's unit.
     pub(crate) blur: f64,
-    /// What the direction is off by, of its length.
+    /// Bound of the direction's error, relative to its length.
     pub(crate) tilt: f64,
     /// The caller's t is t 2^shift.
     pub(crate) shift: i32,
-    /// The caller's limit lies between these.
+    /// Lower and upper bound of the caller's limit, as t of this ray.
     pub(crate) limit: [f64; 2],
 }
 
@@ -86,7 +88,7 @@ pub(crate) struct Bounds {
     pub(crate) outside: bool,
 }
 
-/// What a hit is given out as.
+/// The numbers reported for a hit: t in the caller's unit, the distance in the world's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HitNumbers {
     pub(crate) t: f64,
@@ -108,7 +110,8 @@ pub(crate) enum AnyHit {
 }
 
 impl AnyHit {
-    /// What a sphere does to a ray: blocked where it is hit for certain before the limit.
+    /// Whether a sphere blocks a ray: `Blocked` if the ray certainly hits it before the limit, `Free` if it certainly
+    /// does not.
     #[inline(always)]
     pub(crate) fn of(ray: &CertifiedRay, ball: Ball) -> Self {
         match ray.meet(ball) {
@@ -127,7 +130,7 @@ impl CertifiedRay {
         Self::in_unit(placement, origin, direction, limit, placement.k)
     }
 
-    /// The same with t in units of a `direction` whose unit is 2^-k of the tree's.
+    /// The same for a `direction` in a unit of 2^-k of the tree's. The caller's t counts lengths of this direction.
     #[inline(always)]
     pub(crate) fn in_unit(placement: &Placement, origin: [f64; 3], direction: [f64; 3], limit: f64, k: i32) -> Self {
         let largest = direction[0].abs().max(direction[1].abs()).max(direction[2].abs());
@@ -147,8 +150,8 @@ impl CertifiedRay {
         }
     }
 
-    /// The ray that starts at `offset` from the origin, in the tree's unit, which is off by at most `blur`, as the
-    /// direction is by `tilt` of its length.
+    /// The ray that starts at `offset` from the origin, in the tree's unit. The offset has an error of at most `blur`,
+    /// and the direction one of at most `tilt` of its length.
     #[inline(always)]
     pub(crate) fn beside(self, offset: [f64; 3], blur: f64, tilt: f64) -> Self {
         // An ulp of the offset is lost where it is subtracted from a centre's, docs/certificate.md, section 10.
@@ -163,13 +166,13 @@ impl CertifiedRay {
         std::array::from_fn(|n| origin[n] + self.offset[n])
     }
 
-    /// The ray the other way.
+    /// The ray in the opposite direction.
     pub(crate) fn turned(self) -> Self {
         Self { direction: self.direction.map(|x| -x), ..self }
     }
 
-    /// What boxes have to be larger by on all sides beside what a given ray needs: its start and its direction, over the
-    /// longest way through the scene.
+    /// Extra padding of boxes for this ray, in the tree's unit: the errors of its start, of its direction over the
+    /// longest way through the scene, and of its place.
     #[inline(always)]
     pub(crate) fn doubt(&self) -> f64 {
         self.blur + 8.0 * self.tilt + 4.0 * PLACED
@@ -188,7 +191,7 @@ impl CertifiedRay {
         self.meet_by(&GIVEN_TERMS, ball)
     }
 
-    /// The same with other terms, for tests.
+    /// [`Self::meet`] with other terms, for tests.
     #[inline(always)]
     pub(crate) fn meet_by(&self, terms: &GivenTerms, ball: Ball) -> Option<Bounds> {
         let p = self.to(ball.center);
@@ -261,7 +264,7 @@ impl CertifiedRay {
         (power, (terms.power_dd * (p2.hi + r2.hi) + EPS * power.abs() + blurred + TINY) * ROUNDED)
     }
 
-    /// What the hit of a sphere is given out as.
+    /// The numbers reported for the hit of a sphere, from the bounds of its t.
     #[inline(always)]
     pub(crate) fn numbers(&self, ball: Ball, bounds: &Bounds) -> HitNumbers {
         let length = self.a.sqrt();
@@ -285,7 +288,7 @@ impl CertifiedRay {
 }
 
 impl Bounds {
-    /// Anything may be.
+    /// Bounds that decide nothing: a hit at any t, or none.
     const UNKNOWN: Self = Self { low: 0.0, high: f64::INFINITY, t: 0.0, sure: false, outside: false };
 }
 

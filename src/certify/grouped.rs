@@ -135,7 +135,7 @@ impl Grouped<'_> {
         boxes[group.start / size]
     }
 
-    /// The places of the spheres of a group of so many.
+    /// The places of the spheres of this group, where a group has `size` spheres.
     fn places(&self, group: usize, size: usize) -> Range<usize> {
         group * size..self.ids.len().min((group + 1) * size)
     }
@@ -195,7 +195,7 @@ impl NullaryFnOnce for Job<'_> {
 }
 
 impl Job<'_> {
-    /// Whether a group is left out as a whole; then it is noted why.
+    /// Whether a group is left out as a whole. A hidden or missed one is noted in `found`.
     #[inline(always)]
     fn is_decided(&self, places: Range<usize>, found: &mut GroupedBins) -> bool {
         match self.sieve.settle_group(&self.groups.bounds(&places)) {

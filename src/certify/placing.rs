@@ -1,4 +1,5 @@
-//! What a device needs to place spheres as the host does (shaders/place), and what the host does for those that it leaves.
+//! The host's part where a device places the spheres (shaders/place): the uniform, and the spheres that the device
+//! leaves to the host.
 
 pub(crate) use super::placing_record::PlacingRecord;
 
@@ -16,13 +17,14 @@ use crate::tile::TILE;
 use crate::view::View;
 use rayon::prelude::*;
 
-/// What a device found out about all spheres.
+/// The result of placing all spheres on a device.
 #[derive(Debug, Default)]
 pub(crate) struct PlacedSummary {
-    /// Least and largest depth of the spheres that some ray meets, and of those of which f32 does not tell.
+    /// Least and largest depth of the spheres whose rectangle certainly contains a pixel of the image.
     pub(crate) depths: Option<[f64; 2]>,
+    /// The same of the spheres for which f32 cannot tell that.
     pub(crate) perhaps: Option<[f64; 2]>,
-    /// The spheres that the host has to look at, in order.
+    /// The ids of the spheres that the host has to place, in order.
     pub(crate) for_host: Vec<u32>,
 }
 
@@ -30,7 +32,7 @@ pub(crate) struct PlacedSummary {
 pub(crate) struct ByHost {
     /// The scene without lists, with its general spheres.
     pub(crate) binned: BinnedScene,
-    /// Those that are projected, with the depths of their centres.
+    /// The records of the projected ones, with the depths of their centres.
     pub(crate) guests: Vec<Placed>,
     pub(crate) reference: f32,
 }
@@ -43,10 +45,11 @@ pub(crate) struct Placer {
 }
 
 impl Placer {
-    /// For the rays of a view. `None` where the field of view is too wide or too narrow for the bounds of projected spheres.
+    /// The host's part for the rays of a view. `None` where the field of view is too wide or too narrow for the bounds
+    /// of projected spheres.
     ///
     /// # Errors
-    /// Those of the camera.
+    /// Errors of the camera.
     pub(crate) fn new(scene: &Scene, view: &View, tolerance: f64) -> Result<Option<Self>> {
         let image = [scene.image.width, scene.image.height];
         let projection = ProjectionBounds::new(&scene.camera, view, image, &TERMS)?;
@@ -59,7 +62,8 @@ impl Placer {
         self.projection.is_same_in_units(span)
     }
 
-    /// What the kernel takes from the frame but for the spheres.
+    /// The kernel's projection uniform of a frame without spheres: the reference depth is 0, and there are no general
+    /// spheres.
     pub(crate) fn lens(&self) -> ProjectionRecord {
         self.projection.record(0.0, self.tolerance, 0)
     }
@@ -69,7 +73,8 @@ impl Placer {
         self.projection.placing_record(reference, self.image)
     }
 
-    /// Places what a device left, and decides the reference depth: that of [`BinnedScene::new`].
+    /// Places the spheres that a device left, and decides the reference depth, which equals that of
+    /// [`BinnedScene::new`].
     pub(crate) fn by_host(&self, scene: &Scene, view: &View, summary: &PlacedSummary, pool: &Pool) -> ByHost {
         let sphere = |id: u32| (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
         let stage = |reference: f64| -> Vec<Staged> {

@@ -45,25 +45,27 @@ const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
 const UNKNOWN: f32 = (1u64 << 60) as f32;
 /// The least promised tolerance that margins depend on: four units of roundoff.
 const LEAST_TOLERANCE: f64 = 1.0 / (1 << 21) as f64;
-/// How much more hosts leave a sphere behind what they cover: the rounding of f32, 2^-23, many times over.
+/// Factor from the kernel's cull margin to the host's. Its excess over 1 is many times the rounding of f32, 2^-23.
 const WIDER: f64 = 1.0 + 1.0 / (1u64 << 8) as f64;
 /// Factor for the rounding of the bounds themselves, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
 /// Range of projected radii that f32 squares without underflow or overflow: 2^-60 to 2^60.
 const RANGE: [f64; 2] = [1.0 / (1u64 << 60) as f64, (1u64 << 60) as f64];
-/// Range of the lengths of rho's unit in the frame's unit, 2^-80 to 2^80: what f32 flushes of a product with one is 2^-46 of it, less
-/// than a depth is off by.
+/// Range of the length of rho's unit in the frame's unit, 2^-80 to 2^80. The part of a product with such a length that
+/// f32 flushes is at most 2^-46 of it, which is less than the error of a depth.
 const LENGTHS: [f64; 2] = [1.0 / (1u128 << 80) as f64, (1u128 << 80) as f64];
 /// The largest depth in the frame's unit, 2^122. Depths of spheres that the unit is chosen for are below 2^121.
 const DEEPEST: f64 = (1u128 << 122) as f64;
 /// Columns run along u, rows against v.
 const SIGNS: [f64; 2] = [1.0, -1.0];
-/// Pixels of error that f64 may leave in a projected centre, and from which double-double may start: 2^40 times that.
+/// Largest error of a projected centre in f64, in pixels. Beyond it the centre is computed in double-double.
 const LONG: f64 = 1.0 / (1u64 << 27) as f64;
+/// Largest error of f64, in pixels, that double-double reduces to [`LONG`]: 2^40 times as large.
 const LONGEST: f64 = (1 << 13) as f64;
 /// 1.5 * 2^52: adding it rounds to an integer, which the last bits of the sum hold.
 const ROUND: f64 = 6_755_399_441_055_744.0;
-/// Above what f32 loses below its normal numbers in a few operations, 2^-124: far below `VANISH`, so in no certain depth.
+/// 2^-124, above the loss of f32 below its normal numbers in a few operations. It is far below `VANISH`, so no certain
+/// depth has it.
 const FLUSHED: f64 = 16.0 / (1u128 << 127) as f64 / 2.0;
 /// An upper bound of the rounding of f32 subnormals.
 const SUBNORMAL: f64 = 1.0 / (1u128 << 120) as f64 / (1u64 << 20) as f64;
@@ -71,22 +73,22 @@ const SUBNORMAL: f64 = 1.0 / (1u128 << 120) as f64 / (1u64 << 20) as f64;
 /// host's f64 (2^-27 pixels, 2^-43), and too small to lengthen lists.
 const WIDEN: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 + 1.0 / (1u64 << 30) as f64];
 
-/// The bound of all errors of a candidate's depth, as devices compute it too: per unit of |slope along the offset| + root
-/// and of the root alone in rho's unit, constant and by rho and by `blurred`; and per unit of a centre's depth and coordinates.
+/// The coefficients of the bound of all errors of a candidate's depth. [`Self::error`] combines them; devices do the
+/// same (shaders/place/low.wgsl).
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct LowTerms {
     /// The square of `blurred`, by powers of rho.
     pub(crate) blurred: [f32; 3],
-    /// The share of the length of rho's unit: constant, by rho, by `blurred`.
+    /// The error in the unit of rho: constant, by rho, by `blurred`.
     pub(crate) offset: [f32; 3],
-    /// |slope along the offset| + root, likewise, but for `blurred`, whose factor is 1.
+    /// Upper bound of |slope along the offset| + root: constant, and by rho. `blurred` has the factor 1.
     pub(crate) total: [f32; 2],
     /// The length of rho's unit: per unit of depth, and constant.
     pub(crate) scale: [f32; 2],
-    /// Of the depth relative to the reference.
+    /// Factor of the size of the depth relative to the reference.
     pub(crate) center: f32,
-    /// Of the sum of the coordinates' sizes.
+    /// Factor of |x| + |y| + |z| of the centre.
     pub(crate) coordinates: f32,
 }
 
@@ -142,7 +144,8 @@ pub(super) struct ProjectionBounds {
     fine: f64,
     /// Bound of the discriminant's error, by powers of rho.
     errors: [f64; 3],
-    /// Of the unit of rho, what a sphere's rectangle is wider than rho: where the kernel's discriminant may be no certain miss.
+    /// Added to rho for a sphere's rectangle, in the unit of rho. Outside the rectangle the kernel's discriminant is a
+    /// certain miss.
     wider: f64,
     /// The error of a candidate's depth in f32.
     pub(super) low: LowTerms,
@@ -153,7 +156,7 @@ pub(super) struct ProjectionBounds {
 }
 
 impl ProjectionBounds {
-    /// For the rays of a view of an image of this size.
+    /// The bounds for the rays of a view of an image of this size.
     pub(super) fn new(camera: &Camera, view: &View, image: [u32; 2], terms: &Terms) -> Result<Self> {
         let viewport =
             view.viewport.map_or_else(|| camera.viewport(image[0], image[1]).map(ExactViewport::from), Ok)?;
@@ -280,8 +283,9 @@ impl ProjectionBounds {
         }
     }
 
-    /// The numbers from which devices place the spheres of an image, with depths relative to `reference`: of f64 those that a record
-    /// is computed from, of f32 those that decide where it lies.
+    /// The uniform from which devices place the spheres of an image, with depths relative to `reference`. Records are
+    /// computed from its numbers of f64. Its numbers of f32 decide whether the device places a sphere, and in which
+    /// pixels.
     pub(super) fn placing_record(&self, reference: f32, image: [u32; 2]) -> PlacingRecord {
         let LowTerms { blurred, offset, total, scale, center, coordinates } = self.low;
         let of_rays = if self.parallel { [0.0; 2] } else { self.slope };
@@ -337,8 +341,8 @@ impl ProjectionBounds {
         (depth >= self.depths[0]) & (depth < self.depths[1])
     }
 
-    /// Whether spheres whose sizes have exponents from -`span` to `span` in the frame's unit are the same to the bounds in every unit
-    /// between the least and the largest size.
+    /// Whether the choice of the unit decides nothing: spheres whose sizes have exponents from -`span` to `span` in the
+    /// frame's unit are in the range of the bounds in every unit between the least and the largest size.
     pub(super) fn is_same_in_units(&self, span: i32) -> bool {
         // The depth of a projected centre is at least 2^-7 of its largest coordinate.
         let most = 2 * span + 8;
@@ -355,15 +359,16 @@ impl ProjectionBounds {
     }
 }
 
-/// The distance behind a hit, relative to its depth, beyond which spheres are left out: of lists and of blocks, and for a
-/// ray the rest of its list. No answer that reaches farther back is certified, so whether one is does not depend on what
-/// is left out. Eight times the promised tolerance: answers within the tolerance lie in front of it, as far as the lower
-/// bound of the search is not much coarser than theirs.
+/// The cull margin: the distance behind a hit, relative to its depth, beyond which spheres are left out of lists and of
+/// blocks, and beyond which a ray skips the rest of its list. An answer whose bounds reach farther back is not
+/// certified. So no certificate depends on the spheres that are left out. The margin is eight times the promised
+/// tolerance: answers within the tolerance lie in front of it, unless the lower bound of the search is much coarser
+/// than theirs.
 fn cull_margin(tolerance: f64) -> f64 {
     8.0 * tolerance.clamp(LEAST_TOLERANCE, 0.125)
 }
 
-/// The same where the host leaves spheres out.
+/// The cull margin of the host, which is larger than the kernel's by the factor [`WIDER`].
 pub(super) fn host_cull_margin(tolerance: f64) -> f64 {
     cull_margin(tolerance) * WIDER
 }

@@ -1,4 +1,4 @@
-//! Makes the records of lists from front to back, with what they cover.
+//! Makes the records of lists from front to back, and tracks the pixels that they cover.
 
 use super::entry::Placed;
 use super::grouped::Grouped;
@@ -65,7 +65,7 @@ pub(super) struct RecordMaker<'a> {
 pub(super) const SPHERES_PER_JOB: usize = 1 << 14;
 
 impl RecordMaker<'_> {
-    /// Projects all spheres, those that are in no list too.
+    /// Projects all spheres, also spheres that are in no list.
     pub(super) fn project_all(&mut self, pool: &Pool) {
         let mut ready: Vec<Placed> = pool.sized(self.order.len());
         let (maker, arch) = (&*self, pulp::Arch::new());
@@ -80,7 +80,7 @@ impl RecordMaker<'_> {
         ListRecords { maker: self, cover, numbers: [0; AHEAD], batches: [LaneBatch::NONE; AHEAD / LANES] }
     }
 
-    /// The records of the spheres of a batch; as they are for those that have none.
+    /// Writes the records of the spheres of a batch to `to`. Spheres without one leave theirs unchanged.
     #[inline(always)]
     fn project(&self, batch: &LaneBatch, to: &mut [Placed]) {
         let Self { projection, reference, .. } = *self;
@@ -119,9 +119,9 @@ impl NullaryFnOnce for Ready<'_> {
 /// The records of one list, from front to back.
 pub(super) struct ListRecords<'a> {
     maker: &'a RecordMaker<'a>,
-    /// Of the pixels of the tile, where the list serves one.
+    /// The coverage of the tile's pixels, if the list serves one tile.
     cover: Option<Cover>,
-    /// The numbers of the spheres that were read last; where no records are ready, the spheres.
+    /// The numbers of the spheres that were read last, and, where no records are ready, the spheres themselves.
     numbers: [u32; AHEAD],
     batches: [LaneBatch; AHEAD / LANES],
 }
@@ -139,7 +139,8 @@ impl ListRecords<'_> {
         }
     }
 
-    /// The records of a chunk of those spheres.
+    /// Writes the records of a chunk of the spheres that [`Self::fetch`] read, and marks the pixels of the tile that
+    /// they cover.
     #[inline(always)]
     pub(super) fn place(&mut self, chunk: usize, to: &mut [Placed]) {
         let ready = &self.maker.ready;

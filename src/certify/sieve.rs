@@ -1,5 +1,5 @@
-//! Sifts spheres: what no ray of a frame can hit first is left out, of the blocks of a stream, of copies, and of the groups of a scene:
-//! docs/certificate.md, section 11.
+//! Leaves out spheres that no ray of a frame can hit first: of the blocks of a stream, of copies, and of the groups of
+//! a scene. docs/certificate.md, section 11.
 
 use super::entry::Bin;
 use super::general::GeneralRecord;
@@ -24,7 +24,7 @@ use std::ops::Range;
 /// Spheres that one job sifts.
 const SPHERES_PER_JOB: usize = 1 << 13;
 
-/// The rays of a frame, and what the spheres so far cover.
+/// The rays of a frame, and the depths behind which the spheres so far hide others.
 pub(crate) struct Sieve {
     pub(super) projection: ProjectionBounds,
     pub(super) pyramid: DepthPyramid,
@@ -64,16 +64,16 @@ pub(super) enum GroupFate {
 pub(crate) struct Sifted {
     /// Whether some ray may hit a sphere first, by its index.
     pub(crate) kept: Vec<bool>,
-    /// For each sieve.
+    /// The marks of every sieve, in their order.
     pub(crate) marks: Vec<Marks>,
 }
 
-/// Spheres of a block that a frame takes numbers from, whether they are kept or not.
+/// Facts of a block that a frame needs of all spheres, whether they are kept or not.
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Marks {
     /// The least and the largest depth of the centres of all spheres that the frame would project, with their indices.
     pub(crate) depths: Option<[(f64, u32); 2]>,
-    /// One that would be general.
+    /// The index of a sphere that the frame would treat as general; `None` without one.
     pub(crate) general: Option<u32>,
 }
 
@@ -88,7 +88,7 @@ impl Marks {
         }
     }
 
-    /// Adds those of later spheres.
+    /// Adds the marks of later spheres.
     fn join(&mut self, next: &Self) {
         next.depths.into_iter().flatten().for_each(|(depth, n)| self.see(depth, n));
         self.general = self.general.or(next.general);
@@ -96,8 +96,8 @@ impl Marks {
 }
 
 impl Sieve {
-    /// For the rays of `raster` in the unit 2^`unit`, without a sphere. `None` where the field of view is too wide or too narrow for
-    /// the bounds.
+    /// The sieve for the rays of `raster` in the unit 2^`unit`, before any sphere. `None` where the field of view is
+    /// too wide or too narrow for the bounds.
     ///
     /// # Errors
     /// Errors of the camera; [`Error::Limits`](crate::Error::Limits) where memory is short.
@@ -114,13 +114,13 @@ impl Sieve {
         Ok(Some(Self { pyramid: pyramid.of_samples(&projection, &view.record, tolerance), projection }))
     }
 
-    /// Takes over what the spheres since the last refresh cover.
+    /// Brings the levels of the depth pyramid up to date with the spheres since the last refresh.
     pub(crate) fn refresh(&mut self) {
         self.pyramid.refresh();
     }
 
-    /// The fates of the spheres of a range, which `sphere` gives; spheres that are behind the eye plane or outside of the image have
-    /// none. What open ones cover hides later ones, if `covers`.
+    /// Decides the fates of the spheres of a range, which `sphere` gives. Spheres behind the eye plane or outside of
+    /// the image have none. If `covers`, open spheres hide later ones.
     #[inline(always)]
     pub(super) fn settle(
         &self,
@@ -189,7 +189,7 @@ impl Sieve {
         }
     }
 
-    /// Whether no sphere in a box changes the frame, but by the numbers that it takes from all.
+    /// Whether no sphere in a box changes the frame, apart from the facts in [`Marks`].
     pub(crate) fn hides(&self, bounds: &Enclosure) -> bool {
         self.settle_group(bounds) != GroupFate::Open
     }
@@ -217,8 +217,8 @@ impl Sieve {
     }
 }
 
-/// The spheres of a block that some ray of a sieve may hit first; all of them without sieves. What they cover hides later ones, if
-/// `covers`.
+/// The spheres of a block that some ray of a sieve may hit first; all of them without sieves. If `covers`, they hide
+/// later ones.
 pub(crate) fn sift(sieves: &[Sieve], block: &Spheres, covers: bool) -> Sifted {
     let (centers, radii) = (&block.centers[..], &block.radii[..]);
     let mut kept = vec![sieves.is_empty(); radii.len()];

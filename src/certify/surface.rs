@@ -12,16 +12,17 @@ use crate::view::placement::Placement;
 use crate::view::ray::dot3;
 use glam::DVec3;
 
-/// Bound of the error of a viewing ray's direction in f64, of its length: two roundings of u and v, and in each sum over
-/// three axes one of the axis, one of the product, two of sums; the three components add up to sqrt 3 of that.
+/// Bound of the error of a viewing ray's direction in f64, relative to its length: two roundings of u and v, and in
+/// each sum over three axes one of the axis, one of the product, two of sums; the three components add up to sqrt 3 of
+/// that.
 const DIRECTION: f64 = 12.0 * EPS;
-/// The same of a parallel ray's start.
+/// Bound of the error of a parallel ray's start in f64, relative to its distance from the eye.
 const START: f64 = 14.0 * EPS;
-/// The error of a point that the judge gives, of the radius: three components of the normal, and a product.
+/// Error of a point that the judge gives, relative to the radius: three components of the normal, and a product.
 const JUDGED: f64 = 4.0 * EPS;
-/// A point whose error is larger, of the radius, is not good enough: too many of its rays would be unsure.
+/// Largest error of a sharp point, relative to the radius. With a larger one too many of its rays would be unsure.
 const BLURRED: f64 = 1.0 / (1u64 << 30) as f64;
-/// A direction that is off by more is not good enough: 2^-12, whose square [`SLACK`] has room for.
+/// Largest error of a direction that is known well enough: 2^-12, whose square [`SLACK`] has room for.
 const TILTED: f64 = 1.0 / (1u64 << 12) as f64;
 
 /// In the tree's unit, the longest way whose square is within f64 beside others.
@@ -34,11 +35,11 @@ const BEYOND: f64 = LONG * LONG;
 pub(crate) struct SurfacePoint {
     pub(crate) id: u32,
     pub(crate) ball: Ball,
-    /// From the centre, in the tree's unit.
+    /// The point minus the centre, in the tree's unit.
     pub(crate) offset: [f64; 3],
-    /// Its length.
+    /// The length of `offset`.
     pub(crate) size: f64,
-    /// What the offset is off by.
+    /// Bound of the error of `offset`, as a length in the tree's unit.
     pub(crate) blur: f64,
     /// The camera sees the sphere from outside.
     pub(crate) outside: bool,
@@ -46,24 +47,25 @@ pub(crate) struct SurfacePoint {
     pub(crate) normal: [f64; 3],
 }
 
-/// A point from the centre of its sphere, with the length of that and its error.
+/// The vector from a sphere's centre to a point on it, its length, and the bound of its error, in one unit.
 struct Offset {
     offset: [f64; 3],
     size: f64,
     blur: f64,
 }
 
-/// A way from a point.
+/// The vector from a point to another.
 struct Away {
     /// In a unit of 2^-k of the tree's.
     vector: [f64; 3],
     k: i32,
-    /// What the vector is off by, in that unit.
+    /// Bound of the error of `vector`, as a length in the same unit.
     error: f64,
 }
 
 impl Away {
-    /// From a point of a sphere; the end is at `from_center + aside`.
+    /// The vector from the point at `offset` to the one at `from_center + aside`, both measured from the centre of the
+    /// point's sphere.
     #[inline(always)]
     fn new(k: i32, from_center: [f64; 3], aside: [f64; 3], Offset { offset, size, blur }: Offset) -> Self {
         let vector: [f64; 3] = std::array::from_fn(|n| (from_center[n] + aside[n]) - offset[n]);
@@ -78,11 +80,11 @@ impl Away {
 /// A sphere that shines, as a point sees it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shining {
-    /// Toward its centre.
+    /// The vector to its centre.
     pub(crate) away: DVec3,
     /// In the same unit.
     pub(crate) radius: f64,
-    /// Whether the point is in the sphere or on it, where f64 knows.
+    /// Whether the point is in the sphere or on it; `None` where f64 cannot tell.
     pub(crate) inside: Option<bool>,
 }
 
@@ -121,23 +123,24 @@ impl SurfacePoint {
         Self::new(sphere, offset, blur * (1.0 + BLURRED), bounds.outside)
     }
 
-    /// What the direction of a viewing ray of length 1 is off by.
+    /// Bound of the error of a viewing ray's direction that is scaled to length 1.
     pub(crate) const VIEWING_TILT: f64 = DIRECTION + 4.0 * EPS;
 
-    /// What the mirrored direction of a ray of length 1 is off by, if that of the ray is off by `tilt`: a mirror turns a
-    /// direction twice as far as its normal is turned, once in each factor, and takes ten roundings.
+    /// Bound of the error of a mirrored direction of length 1, if that of the ray has an error of `tilt`. The
+    /// reflection d - 2 (d.n) n doubles the normal's error in each of its two factors, and takes ten roundings.
     pub(crate) fn mirrored_tilt(&self, placement: &Placement, tilt: f64) -> f64 {
         let normal = self.blur / placement.radius(self.ball.radius) + 5.0 * EPS;
         (tilt + 4.0 * normal + 10.0 * EPS) * (1.0 + BLURRED)
     }
 
-    /// The ray from here in a direction of length 1 that is off by `tilt`.
+    /// The ray from here in a direction of length 1 that has an error of up to `tilt`.
     #[inline(always)]
     pub(crate) fn onward(&self, placement: &Placement, along: [f64; 3], tilt: f64) -> CertifiedRay {
         CertifiedRay::in_unit(placement, self.ball.center, along, f64::INFINITY, 0).beside(self.offset, self.blur, tilt)
     }
 
-    /// Where a ray from here leaves the sphere of the point, which it goes through: the power of its start is 0.
+    /// Bounds of the t > 0 at which a ray from here, which goes through the sphere of the point, leaves that sphere.
+    /// The power of its start is taken as exactly 0.
     #[inline(always)]
     pub(crate) fn chord(&self, ray: &CertifiedRay) -> Bounds {
         let (along, doubt) = (-2.0 * self.along(ray), 2.0 * self.doubt(ray));
@@ -199,7 +202,8 @@ impl SurfacePoint {
         Some(ray.beside(self.offset, self.blur, 0.0))
     }
 
-    /// The ray from here to the exact sum of two vectors of the world; `None` if f64 does not tell it from here.
+    /// The ray from here to the exact sum of two vectors of the world; `None` if f64 cannot tell that point from this
+    /// one.
     #[inline(always)]
     fn segment(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3]) -> Option<CertifiedRay> {
         let Away { vector, k, error } = self.away(placement, to, beside, 0.0);
@@ -223,7 +227,7 @@ impl SurfacePoint {
         self.far_away(placement, to, beside, extent)
     }
 
-    /// The same where the tree's unit is too short.
+    /// [`Self::away`] where squares of lengths in the tree's unit would overflow.
     #[cold]
     fn far_away(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3], extent: f64) -> Away {
         // The difference of halves is within f64. One of the numbers is above 2^500 of the tree's unit, so that what halving
@@ -240,7 +244,7 @@ impl SurfacePoint {
         Away::new(k, scaled(from_center), scaled(aside), point)
     }
 
-    /// What is seen from here of a sphere that shines.
+    /// The sphere `ball`, which shines, as it is seen from here.
     pub(crate) fn shining(&self, placement: &Placement, ball: Ball) -> Shining {
         let Ball { center, radius } = ball;
         let Away { vector, k, error } = self.away(placement, center, [0.0; 3], radius);
@@ -257,7 +261,8 @@ impl SurfacePoint {
         Shining { away: vector.into(), radius: r, inside }
     }
 
-    /// The cosine between the normal and a ray from here, and whether it is positive for certain, or negative.
+    /// The cosine between the normal and a ray from here, and its sign: `Free` if it is certainly positive, `Blocked`
+    /// if it is certainly negative.
     #[inline(always)]
     pub(crate) fn cosine(&self, ray: &CertifiedRay) -> (f64, AnyHit) {
         let along = self.along(ray);
@@ -291,14 +296,14 @@ impl SurfacePoint {
         dot3(self.offset, ray.direction)
     }
 
-    /// What [`Self::along`] is off by: the blur, the tilt, and five roundings.
+    /// Bound of the error of [`Self::along`]: the blur, the tilt, and five roundings.
     #[inline(always)]
     fn doubt(&self, ray: &CertifiedRay) -> f64 {
         ((ray.tilt + 5.0 * EPS) * self.size + self.blur + SHORT) * ray.a.sqrt() * (1.0 + BLURRED)
     }
 }
 
-/// Blocked where x > 0 for certain, free where x < 0.
+/// The sign of x, which has an error of up to `doubt`: `Blocked` if certainly positive, `Free` if certainly negative.
 #[inline(always)]
 fn sign(x: f64, doubt: f64) -> AnyHit {
     match x {

@@ -149,7 +149,8 @@ mod tests {
         }
     }
 
-    /// What is written of windows whose edges lie anywhere in strips, by every width and from every processor's shuffles.
+    /// Windows with edges anywhere in strips get the same bits from strips of either width, and with the processor's
+    /// vectors.
     #[test]
     fn strips_of_every_width_write_the_same_bits() {
         let scene = crate::testing::weekend([136, 77]);

@@ -3,7 +3,7 @@
 use crate::certify::given::{Bounds, CertifiedRay};
 use crate::search::tree::Tree;
 
-/// The nearest certain hit so far, and what may be nearer.
+/// The nearest certain hit so far, and a lower bound of t of all others.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Foremost {
     /// The place of the sphere in the tree, and its hit.
@@ -13,12 +13,12 @@ pub(super) struct Foremost {
 }
 
 impl Foremost {
-    /// With one hit that is known before the search, or none.
+    /// The state before the search, with a hit that is known already or with none.
     pub(super) fn of(best: Option<(usize, Bounds)>) -> Self {
         Self { best, rival: f64::INFINITY }
     }
 
-    /// Adds what may be a hit of the sphere at `place`; whether it is the nearest certain one now.
+    /// Adds a possible hit of the sphere at `place`. Returns whether it is now the nearest certain hit.
     #[inline(always)]
     pub(super) fn keep(&mut self, tree: &Tree, ray: &CertifiedRay, place: usize, bounds: Bounds) -> bool {
         if bounds.low >= ray.limit[1] {

@@ -28,7 +28,7 @@ pub(crate) struct Given<'a> {
     pub(crate) tolerance: f64,
 }
 
-/// The error of a normal that is certified, in radians: less than the promised 1e-3 by what f32 rounds.
+/// Largest error of a certified normal, in radians: the promised 1e-3, less the rounding to f32.
 const TILT: f64 = 0.97e-3;
 
 impl Given<'_> {
@@ -158,7 +158,8 @@ pub(super) struct AnySearch<'a, L, F> {
     pub(super) ray: &'a CertifiedRay,
     pub(super) boxes: &'a BoxRay,
     pub(super) counts: F,
-    /// What is hit before the first counts; what is hit from the second on does not.
+    /// Lower and upper bound of the ray's limit, in the boxes' t: a certain hit before the first blocks the ray, a hit
+    /// from the second on does not count.
     pub(super) limits: [f32; 2],
     pub(super) found: AnyHit,
 }
@@ -192,7 +193,7 @@ struct NearestCandidates<'a, 'b> {
     given: &'a Given<'b>,
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
-    /// t of the nearest sure hit is at most this.
+    /// Upper bound of t of the nearest hit: that of the nearest sure hit so far, or of the ray's limit.
     nearest: f64,
     all: Vec<(f64, u32)>,
 }
@@ -211,16 +212,16 @@ impl Test for NearestCandidates<'_, '_> {
     }
 }
 
-/// A question to a ray, by its answer.
+/// The answer to a ray; its type tells the question: the nearest hit, or any hit.
 pub(crate) trait Query: Copy + PartialEq + Send + Sync {
-    /// Whether any hit is an answer.
+    /// Whether any hit is an answer, not only the nearest.
     const ANY: bool;
     /// The answer of a ray that hits nothing.
     const NONE: Self;
     /// The answer of a ray that is not decided.
     const UNSURE: Self;
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self;
-    /// The answer of a ray for which a device has proved what it hits: the sphere at `place` in the order of the tree.
+    /// The answer of a ray that certainly hits the sphere at `place` in the order of the tree, as a device has proved.
     fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self;
 }
 

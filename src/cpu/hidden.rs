@@ -1,5 +1,5 @@
-//! Spheres between points of surfaces and lights: rays that leave a sphere, which is left out because the side of its
-//! surface decides about it.
+//! Spheres between points of surfaces and lights. A ray does not test the sphere that it leaves: the side of the
+//! surface decides whether that one hides the light.
 
 use super::given_certified::AnySearch;
 use crate::certify::given::{AnyHit, CertifiedRay};
@@ -60,7 +60,8 @@ impl LightRay<'_> {
     }
 }
 
-/// The search of one ray. The choice of vectors is made here, for every ray: what surrounds it is compiled once.
+/// The search of one ray among the other spheres. It is dispatched ray by ray, so that only the search itself is
+/// compiled for every kind of vector.
 struct Others<'a> {
     light_ray: &'a LightRay<'a>,
     boxes: &'a BoxRay,

@@ -1,4 +1,4 @@
-//! Lights and sky at the pixels of a frame: which of them the hit points see, and the colours that follow.
+//! Lights and sky at the pixels of a frame: the shares of them that the hit points see, and the colours that follow.
 
 #[cfg(test)]
 pub(crate) mod tests;
@@ -36,7 +36,7 @@ impl LightingContext<'_> {
         lit.unsure = chunks.into_par_iter().flat_map_iter(work).collect();
     }
 
-    /// Fills some pixels of one row or more. Returns those that are less than certain.
+    /// Fills some pixels of one row or more. Returns the pixels that are not certain, each with its certainty.
     fn fill_chunk(&self, ids: &[u32], chunk: &mut Chunk<'_>) -> Vec<(u32, u8)> {
         let mut unsure = Vec::new();
         let mut shader = PixelShader::new(self);
@@ -60,7 +60,7 @@ struct PixelShader<'a> {
     lighting: &'a LightingContext<'a>,
     rays: PictureRays<'a>,
     at_point: PointLight<'a>,
-    /// Rays that go on.
+    /// Buffer of [`follow`], empty between pixels.
     onward: Vec<Onward>,
     /// The colour is requested, and needs no rays.
     rayless: bool,

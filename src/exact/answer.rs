@@ -51,7 +51,7 @@ pub(crate) struct DecidedHit {
 
 /// The answers to a ray, or to a vector of them, in double-double.
 pub(crate) struct Quick<T: Fused = f64> {
-    /// Where they are precise enough.
+    /// Whether the answer is within the errors of [`Truth`], for each ray.
     pub(crate) good: T::Mask,
     t: T,
     distance: T,

@@ -114,7 +114,7 @@ impl ExactFrame {
         ac
     }
 
-    /// Where a parallel ray leaves from, minus the eye, times a' over the direction's length: component n.
+    /// Component n of a parallel ray's origin minus the eye, times a' over the direction's length; 0 for other rays.
     pub(crate) fn aside(&self, ray: &ExactRay, n: usize) -> FieldElement {
         let mut sum = FieldElement::ZERO;
         if let Some([u, v]) = &ray.from {
@@ -171,8 +171,8 @@ pub(crate) fn odds([width, height]: [i64; 2], i: u32, j: u32) -> [i64; 2] {
     [2 * i64::from(j) + 1 - width, height - 1 - 2 * i64::from(i)]
 }
 
-/// A direction along the axes of a frame, and where a parallel ray leaves the plane of the eye: right and up, as many times
-/// as long as the direction is.
+/// A ray by its components along the axes of a frame: its direction, and for a parallel ray its start in the plane of
+/// the eye, right and up, times the length of the direction.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) dir: Dyadic3,

@@ -31,9 +31,9 @@ use crate::scene::Ball;
 use crate::scene::camera::ExactViewport;
 use std::cmp::Ordering;
 
-/// See the module's head.
+/// Error of dir x p and of dir.p, relative to |dir| |p|. The module's documentation derives it.
 const CROSS: f64 = power_of_two(-96);
-/// See the module's head.
+/// Error of the squares in D and of their difference, relative to their sum. The module's documentation derives it.
 const SQUARES: f64 = power_of_two(-96);
 /// A handful of operations in f64, each within 2^-53, on numbers that are all positive.
 const ROUNDED: f64 = 1.0 + power_of_two(-40);
@@ -180,7 +180,7 @@ impl Screen {
     /// A sphere that no ray hits.
     pub(crate) const NEVER: Self = Self { p: [0.0; 3], reach2: f64::NEG_INFINITY };
 
-    /// The same for parallel rays whose origins, times 2^-`k`, have components up to 1: in that unit.
+    /// Converts the data to a unit of 2^`k`, for parallel rays whose origins have components up to 1 in it.
     pub(crate) fn aside(&mut self, body: &Body, k: i32) {
         if self.reach2 < 0.0 {
             return;
@@ -258,7 +258,8 @@ impl<T: Fused> FilterRay<T> {
         (dd::dot(self.dir, splat(s.p)), e)
     }
 
-    /// Where the ray of a perspective camera surely hits the sphere at the root of its side, and the hit if it does.
+    /// Whether the ray of a perspective camera surely hits the sphere, and the hit: the near root from outside, else
+    /// the far one.
     #[inline(always)]
     pub(crate) fn hit(&self, s: &Body) -> (T::Mask, FilterHit<T>) {
         let (b, e) = self.along_body(s);

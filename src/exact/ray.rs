@@ -12,7 +12,7 @@ pub(super) struct RayForms<'a> {
     exact: OnceCell<Box<ExactRay>>,
 }
 
-/// What the exact ray is made from.
+/// The source of the exact ray: a pixel of a lens, or a given direction.
 enum Course<'a> {
     /// Row and column.
     Pixel(&'a ExactLens, [u32; 2]),

@@ -1,4 +1,4 @@
-//! Exact decisions about what lies between a hit and a light.
+//! Exact decisions whether a sphere lies between a hit and a light.
 //!
 //! A ray of the frame meets sphere h at e + offset with a' offset = q (b' -+ s) + aside, s = sqrt(D'): its coordinates are
 //! x + y s with x and y of the frame's field. With l from the hit to the light (l = L - hit, or a direction) and, for each
@@ -78,16 +78,16 @@ impl TowerField<'_> {
     }
 }
 
-/// Where a light is.
+/// The position of a light, or the direction to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Toward {
-    /// A point; what lies behind it does not count.
+    /// A point. Spheres behind it hide nothing.
     Point([f64; 3]),
-    /// The same for a point that f64 need not hold: the exact sum of both.
+    /// A point as the exact sum of two vectors, which f64 need not hold. Spheres behind it hide nothing.
     Beside {
         /// A point.
         center: [f64; 3],
-        /// From there.
+        /// From `center` to the light.
         offset: [f64; 3],
     },
     /// A direction of any length but zero, without end.

@@ -1,8 +1,8 @@
-//! The legend of a picture: what its colours mean.
+//! The legend of a picture: quantity, colour map, range and categories.
 
 use super::color_map::ColorMap;
 
-/// What the colours of a picture mean.
+/// The meaning of a picture's colours: the coloured quantity with its map and range, or categories.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
     /// The coloured quantity: `speed`, or `|vx, vy, vz|`.
@@ -22,7 +22,7 @@ pub struct Legend {
 }
 
 impl Legend {
-    /// The numbers of [`Legend::ticks`].
+    /// The number of ticks that [`Legend::ticks`] gives.
     pub const TICKS: i32 = 5;
 
     /// The legend of colours of selections only.

@@ -183,7 +183,7 @@ impl Provenance {
         self
     }
 
-    /// The first keyword that differs, except those of the part, and both texts.
+    /// The first keyword that differs, apart from the window and the hash of the samples, and its two texts.
     pub fn foreign(&self, other: &Self) -> Option<[String; 3]> {
         let keys = self.0.iter().chain(&other.0).map(|(key, _)| key);
         let keys = keys.filter(|key| !OF_THE_PART.contains(&key.as_str()));

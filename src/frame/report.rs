@@ -37,8 +37,8 @@ pub struct Report {
     /// The look of the picture: `plain`, `soft` or `figure`, given or by the file; `None` without a picture, or where the
     /// caller chose settings without a look.
     pub look: Option<&'static str>,
-    /// Where the camera, default radii and the range of colours of a sequence come from: `first`, `all` or `none`;
-    /// `None` for a single picture.
+    /// The frames of a sequence that set the camera, default radii and the range of colours: `first` or `all`, and
+    /// `none` where each frame sets its own; `None` for a single picture.
     pub hold: Option<&'static str>,
     /// Lights of the scene; without any, and without a sky, the light is at the eye.
     pub lights: u64,
@@ -59,17 +59,17 @@ pub struct Report {
     pub driver: String,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
-    /// Why there: what was requested, found or measured.
+    /// The reason for the backend: requested, found or measured.
     pub backend_reason: String,
     /// The intersection method: the form of the quadratic.
     pub method: &'static str,
     /// `fast`, `certified` or `exact`.
     pub accuracy: &'static str,
-    /// Why this method and this accuracy.
+    /// The reason for this method and this accuracy.
     pub reason: String,
     /// The shading; `None` if colour is not requested.
     pub shade: Option<&'static str>,
-    /// How candidates were found.
+    /// The search for candidates, as the engine's name: `all`, `tiles`, `splat` or `exact`.
     pub search: &'static str,
     /// Share of the pixels whose answer is certified in f32.
     pub certified: f64,

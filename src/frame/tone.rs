@@ -44,7 +44,7 @@ impl Toning {
         Err(Error::settings(format!("the exposure is {stops}"), mend))
     }
 
-    /// Whether the levels of a picture are those of its light.
+    /// Whether the picture shows the light as it is, without exposure and curve.
     fn is_plain(self) -> bool {
         self == Self::default()
     }

@@ -39,7 +39,7 @@ impl Clock {
         })
     }
 
-    /// Where a pass writes its timestamps.
+    /// The timestamps that a pass writes: query 0 at its beginning, query 1 at its end.
     pub(super) fn writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
         wgpu::ComputePassTimestampWrites {
             query_set: &self.queries,

@@ -191,7 +191,7 @@ fn search(method: Method, rays: RaySource, parts: &mut Vec<Part>) {
     parts.extend(files([form, "search/closer_hit.wgsl", residuals, origin, "search/all.wgsl", main]));
 }
 
-/// The certificate of what the spheres of a device left in the pixels.
+/// The parts that certify each pixel's nearest sphere, from the minima that the spheres left in the pixels.
 fn certify(Certificate { generals, unproved, starts, .. }: Certificate, parts: &mut Vec<Part>) {
     parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl", "certify/projected.wgsl"]));
     let some = |of: &'static str| files(["certify/general.wgsl", "certify/nearest_general.wgsl", of]);
@@ -210,7 +210,7 @@ fn certify(Certificate { generals, unproved, starts, .. }: Certificate, parts: &
     parts.extend(files(["certify/certify_winner.wgsl", take, start, "main/certified.wgsl"]));
 }
 
-/// The search for what a given ray hits, with its certificate.
+/// The parts that search for a given ray's hit and certify it.
 fn certify_given(any: bool, tree: bool, parts: &mut Vec<Part>) {
     let query = if any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
     parts.extend(files(["main/given_certified.wgsl", "certify/constants.wgsl", "certify/given_constants.wgsl"]));
@@ -230,25 +230,25 @@ fn certify_given(any: bool, tree: bool, parts: &mut Vec<Part>) {
 /// A step of a certified frame whose spheres a device holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Step {
-    /// Spheres become records.
+    /// The device places spheres: each becomes a record.
     Place,
-    /// The large ones among the spheres that the host placed are cut into pieces.
+    /// The large spheres among those that the host placed are cut into pieces.
     Guests,
-    /// Spheres of few pixels go through theirs.
+    /// Each sphere of few pixels visits its pixels.
     Small {
-        /// The rays go through samples of the pixels.
+        /// Whether rays go through samples of the pixels, not through their centres.
         samples: bool,
     },
-    /// Pieces of large spheres go through theirs.
+    /// Each piece of a large sphere visits its pixels.
     Large {
-        /// The rays go through samples of the pixels.
+        /// Whether rays go through samples of the pixels, not through their centres.
         samples: bool,
     },
     /// Rays leave from the hits toward the sky and lights.
     Sky,
 }
 
-/// The place of a pixel's ray: its centre, or a sample.
+/// The parts that give the place of a pixel's ray: its centre, or a sample.
 fn position(samples: bool) -> Vec<Part> {
     match samples {
         true => files(["hash.wgsl", "main/sample.wgsl"]).collect(),

@@ -137,7 +137,8 @@ pub(crate) fn choose(mut found: Vec<FoundAdapter>, asked: Option<&str>) -> Resul
     })
 }
 
-/// What `open` makes of the first adapter that it opens. The errors of those before it are added to `passed_over`.
+/// The result of `open` for the first adapter that opens; `None` where none does. The errors of adapters that do not
+/// open are added to `passed_over`.
 pub(crate) fn open_first<T>(
     found: &[FoundAdapter],
     open: impl Fn(&FoundAdapter) -> Result<T>,

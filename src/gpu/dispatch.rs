@@ -42,9 +42,10 @@ pub(crate) struct Gpu {
     pub(super) budget: SubmissionBudget,
     pub(super) verdict: Option<Verdict>,
     pub(super) held: Option<Held>,
-    /// The frame whose hits lie on the device, for rays from there, or why they do not.
+    /// The frame whose hits the device keeps, as starts of rays, or the reason why it keeps none; `None` where the last
+    /// hits are invalid.
     pub(super) starts: Option<Result<Starts, &'static str>>,
-    /// Spheres of a block.
+    /// The number of spheres in a block.
     pub(super) block: usize,
     /// Blocks leave their minima in the reverse order.
     #[cfg(test)]
@@ -58,7 +59,7 @@ pub(super) enum Program {
     Step(Step),
 }
 
-/// A compiled shader and what it binds.
+/// A compiled shader, its bindings and its budget.
 pub(super) struct Pipeline {
     compute: wgpu::ComputePipeline,
     bindings: Vec<Binding>,
@@ -141,7 +142,7 @@ impl Gpu {
         self.clock.is_some()
     }
 
-    /// What the device did since the last call.
+    /// Takes the device's times and bytes since the last call.
     pub(crate) fn traffic(&mut self) -> Traffic {
         Traffic { kernel_ms: self.clock.as_mut().map(Clock::take), ..std::mem::take(&mut self.traffic) }
     }
@@ -214,8 +215,8 @@ impl Gpu {
         Ok(())
     }
 
-    /// A pipeline with the budget of new ones. They are compiled one after the other: side by side, eight renderers of a process hung
-    /// on NVIDIA's driver.
+    /// The pipeline of a shader that has not run yet. Pipelines are compiled one after the other: side by side, eight
+    /// renderers of a process hung on NVIDIA's driver.
     pub(super) fn built(&self, source: &Source, capabilities: Capabilities, label: &str) -> Result<Pipeline> {
         let (module, info) = validate(source, capabilities)?;
         let bindings = bindings(&module, &info);
@@ -260,7 +261,7 @@ impl Gpu {
         encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes })
     }
 
-    /// Adds a dispatch to a pass, with what `bound` has for each name.
+    /// Adds a dispatch to a pass. `bound` gives the resource of each binding by its name.
     pub(super) fn dispatch<'a>(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
@@ -277,7 +278,8 @@ impl Gpu {
         pass.dispatch_workgroups(columns, rows, 1);
     }
 
-    /// A texture or a buffer; of an output what so many pixels use, since a buffer that is kept between frames may be larger.
+    /// The binding of a texture or a buffer. Of an output it is the part that `pixels` pixels use, since a buffer that
+    /// is kept between frames may be larger.
     pub(super) fn bound(&self, name: &'static str, pixels: u64) -> wgpu::BindingResource<'_> {
         if let Some((_, view)) = self.textures.get(name) {
             return wgpu::BindingResource::TextureView(view);
@@ -306,7 +308,7 @@ impl Gpu {
         self.fill_parts(name, &[bytes])
     }
 
-    /// The same, unless the buffer was filled with these bytes last; for small ones.
+    /// Fills a small buffer like [`Gpu::fill`], unless these bytes filled it last.
     pub(super) fn refill(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {
         if self.filled.get(name).is_some_and(|known| known == bytes) {
             return Ok(());

@@ -1,4 +1,4 @@
-//! What a dispatch reads and where its results go.
+//! Inputs and results of a dispatch.
 
 use crate::answers::raw::Raw;
 use crate::frame::report::Timings;
@@ -21,11 +21,11 @@ pub(crate) struct Input<'a> {
 /// The rays of a dispatch.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum KernelRays<'a> {
-    /// Those of the view.
+    /// The viewing rays of the view; they need no buffer.
     Viewing,
-    /// For a method.
+    /// Given rays for a method.
     Given(&'a [RayRecord]),
-    /// To be certified, also as the boxes of a tree see them.
+    /// Given rays to be certified, each also in the form that the tests of a tree's boxes read.
     Certified {
         rays: &'a [CertifiedRayRecord],
         boxes: &'a [BoxRayRecord],

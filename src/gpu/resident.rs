@@ -34,7 +34,7 @@ pub(crate) struct ResidentFrame<'a> {
     pub(crate) pool: &'a Pool,
 }
 
-/// A frame on the device, or why the device leaves it to the host.
+/// A frame on the device, or the reason why the device leaves it to the host.
 pub(crate) enum Rendered {
     Frame(Box<BinnedScene>),
     Left(String),
@@ -50,11 +50,12 @@ fn can_hold(spheres: &Spheres) -> bool {
 }
 
 impl Gpu {
-    /// Holds the spheres of a scene from now on; what it holds already is not sent again. `frame` is a number for which
-    /// spheres that others may change stay the same. `None` where the device cannot hold them.
+    /// Holds the spheres of a scene from now on; spheres that it holds already are not sent again. Lists that others
+    /// may change count as unchanged only within one number `frame`. `None` where the device cannot hold the spheres.
     ///
     /// # Errors
-    /// Those of the device.
+    /// [`Error::Limits`] where a block exceeds a binding or the device is out of memory, [`Error::DeviceLost`],
+    /// [`Error::Adapter`].
     pub(crate) fn hold(&mut self, scene: &Scene, frame: u64) -> Result<Option<Reach>> {
         let spheres = &scene.spheres;
         if !can_hold(spheres) {
@@ -74,10 +75,10 @@ impl Gpu {
         Ok(self.held.as_ref().map(|held| held.reach))
     }
 
-    /// What [`Gpu::hold`] returns, without sending a sphere.
+    /// The reach that [`Gpu::hold`] would return, without sending a sphere.
     ///
     /// # Errors
-    /// Those of [`Gpu::hold`] that are known before.
+    /// [`Error::Limits`] where a block exceeds a binding.
     pub(crate) fn reach(&self, spheres: &Spheres) -> Result<Option<Reach>> {
         if !can_hold(spheres) {
             return Ok(None);
@@ -86,11 +87,11 @@ impl Gpu {
         Ok(Some(Reach::of(spheres)))
     }
 
-    /// Fills `output` by `kernel` for the spheres that it holds. `go_on` is called before every band with the number of
-    /// completed pixels.
+    /// Fills `output` by `kernel` for the spheres that the device holds. `go_on` is called before every band with the
+    /// number of completed pixels.
     ///
     /// # Errors
-    /// Those of [`Gpu::run`].
+    /// As [`Gpu::run`]: errors of the device, and [`Error::Interrupted`] where `go_on` returns false.
     pub(crate) fn render_resident(
         &mut self,
         kernel: &Kernel,
@@ -135,8 +136,8 @@ impl Gpu {
         })
     }
 
-    /// The kernel for a frame with these general spheres, with starts of rays from the hits where the adapter binds one buffer
-    /// more. The error is why the adapter cannot bind it.
+    /// The kernel for a frame with these general spheres. It writes starts of rays from the hits only where the adapter
+    /// binds one buffer more. The error is the reason why the adapter cannot bind the kernel.
     fn kernel_of_frame(&self, kernel: &Kernel, binned: &BinnedScene) -> std::result::Result<Kernel, String> {
         let generals = Generals::of(binned.generals.len());
         let lists = if generals == Generals::Lists { 2 } else { 0 };
@@ -158,8 +159,8 @@ impl Gpu {
         self.compile(Program::Kernel(*kernel))
     }
 
-    /// Traces the frame in bands of so many rows: the spheres at pixels that are not proved, as pixel and slot; `None` where
-    /// there are too many.
+    /// Traces the frame in bands of `rows` rows. Returns the pairs of an unproved pixel and a sphere's slot; `None`
+    /// where there are too many.
     fn trace_bands(
         &mut self,
         kernel: &Kernel,
@@ -188,7 +189,8 @@ impl Gpu {
         Ok(Some(pairs))
     }
 
-    /// Sends the lists of general spheres of a band, unless those of the whole frame were sent after the spheres were placed.
+    /// Sends the lists of general spheres of a band, unless the device holds those of the whole frame since the spheres
+    /// were placed.
     fn upload_general_lists(&mut self, record: &ViewRecord, band: &Band, binned: &BinnedScene) -> Result<()> {
         let has_lists = Generals::of(binned.generals.len()) == Generals::Lists;
         let is_whole = has_lists && band.count == record.rows;
@@ -212,7 +214,7 @@ impl Gpu {
         done.map(Some)
     }
 
-    /// Places the spheres; what was placed for the same view is kept.
+    /// Places the spheres, unless the device holds their records for the same view.
     fn place(&mut self, frame: ResidentFrame<'_>) -> Result<Rendered> {
         let placed = self.with_held(|gpu, held| gpu.place_held(held, frame))?;
         Ok(placed.unwrap_or_else(|| Rendered::Left("the device holds no spheres".into())))
@@ -251,10 +253,10 @@ impl Gpu {
         Ok(Rendered::Frame(Box::new(binned)))
     }
 
-    /// The records of all spheres as placed last; `None` for those that have none.
+    /// The records of all spheres from the last placing; `None` for spheres without a record.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub(crate) fn records(&mut self) -> Result<Vec<Option<Placed>>> {
         let all = self.with_held(|gpu, held| {
             let blocks = held.blocks.iter().filter(|block| block.spheres.is_some());
@@ -263,7 +265,7 @@ impl Gpu {
         Ok(all.into_iter().flatten().flatten().collect())
     }
 
-    /// The inputs of the kernel besides what each band has.
+    /// Uploads the kernel's inputs, except those that each band has.
     fn upload_resident(&mut self, kernel: &Kernel, scene: &Scene, view: &View, binned: &BinnedScene) -> Result<()> {
         self.refill("projection", bytemuck::bytes_of(&binned.projection))?;
         if Generals::of(binned.generals.len()) == Generals::Few {
@@ -281,14 +283,14 @@ impl Gpu {
         Ok(())
     }
 
-    /// Rows of pixels whose minima and outputs fit a binding, a multiple of a tile's.
+    /// Rows of a band whose minima and outputs fit a binding: a multiple of a tile's rows.
     fn rows_of_band(&self, kernel: &Kernel, record: &ViewRecord) -> u32 {
         let bytes = if kernel.leaves_starts() { START } else { MINIMA };
         let rows = largest_binding(&self.limits) / (bytes * u64::from(record.columns));
         ((rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE).max(TILE)
     }
 
-    /// Minima and the certificate of a band.
+    /// Runs the passes of minima, the certifying kernel and the pass of pairs for a band.
     fn trace_band(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
         let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
         let pixels = record.pixels() as u64;

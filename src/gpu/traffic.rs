@@ -1,8 +1,8 @@
-//! What the device did for a frame: how long it worked, and what went to it and came back.
+//! Traffic of the device: its working time, and the bytes sent to it and read back.
 
 use std::time::Duration;
 
-/// Sums since they were taken last.
+/// Sums since they were last taken.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Traffic {
     /// The time in which the device had work and the host waited for it.

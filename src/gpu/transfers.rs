@@ -105,8 +105,8 @@ impl<'a> Bands<'a> {
     }
 }
 
-/// The lists of general spheres of a band's tiles, as general_lists.wgsl reads them: where that of each tile begins and ends, behind
-/// all of these, and what is in them.
+/// The lists of general spheres of a band's tiles, as general_lists.wgsl reads them: for each tile the first index and
+/// the end of its list, counted from the beginning of the ranges; then the slots of the lists.
 pub(crate) fn general_lists<'a>(binned: &'a BinnedScene, band: &Band) -> (Vec<[u32; 2]>, &'a [u32]) {
     let lists = &binned.general_lists;
     let mut tiles: Vec<[u32; 2]> = lists.rows(band.first, band.count).collect();
@@ -124,7 +124,7 @@ pub(crate) fn few_generals(binned: &BinnedScene) -> [GeneralRecord; Generals::FE
     std::array::from_fn(|n| binned.generals.get(n).copied().unwrap_or(bytemuck::Zeroable::zeroed()))
 }
 
-/// The inputs of a kernel besides the view and those of a resident frame, by binding name.
+/// The inputs of a kernel by binding name, without the view and the inputs of a resident frame.
 pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static str, &'a [u8])> {
     let mut all: Vec<(&'static str, &'a [u8])> = Vec::new();
     if kernel.method().is_some() {

@@ -16,12 +16,12 @@ use crate::view::{View, ViewRecord};
 pub(crate) struct Work {
     /// The shaders, in the order in which they run.
     pub(crate) shaders: Vec<Source>,
-    /// What the first frame uploads, by binding name, in bytes.
+    /// The uploads of the first frame: binding name and bytes.
     pub(crate) uploaded: Vec<(&'static str, u64)>,
-    /// What the kernel writes and the host reads, for all pixels.
+    /// The buffers that the kernel writes and the host reads, for all pixels: binding name and bytes.
     pub(crate) written: Vec<(&'static str, u64)>,
     pub(crate) dispatches: u64,
-    /// How many spheres the adapter can bind.
+    /// The most spheres that the adapter can bind.
     pub(crate) spheres: u64,
 }
 
@@ -53,7 +53,7 @@ impl Gpu {
     }
 }
 
-/// What is uploaded of general spheres.
+/// The uploads of general spheres: binding name and bytes.
 fn generals(view: &View, binned: &BinnedScene) -> Vec<(&'static str, u64)> {
     match Generals::of(binned.generals.len()) {
         Generals::None => Vec::new(),

@@ -1,7 +1,7 @@
 //! Predicts the worst-case rounding error of a method before anything is rendered: a bound from the spheres' extents
 //! alone, for every ray of every picture from this eye. docs/prediction.md derives it line by line.
 //!
-//! Two numbers, each the exact counterpart of what a score of `halfline-measure` observes:
+//! Two numbers. Each bounds a quantity that a score of `halfline-measure` observes:
 //!
 //! - *outline*: a ray whose distance l from a sphere's centre differs from its radius r by more than outline * r has
 //!   the right answer: no false hit, no false miss;
@@ -63,7 +63,7 @@ impl Prediction {
     /// The prediction for `method` on `scene`; `None` without spheres.
     ///
     /// # Errors
-    /// Those of [`View::new`]; [`Error::Settings`] for an orthographic camera, which uncertified methods do not
+    /// Errors of [`View::new`]; [`Error::Settings`] for an orthographic camera, which uncertified methods do not
     /// support.
     pub fn of(scene: &Scene, method: Method) -> Result<Option<Self>> {
         if scene.camera.lens.is_orthographic() {
@@ -154,10 +154,10 @@ impl Extent {
 
 /// Relative errors of an arithmetic: of its inputs and of its operations.
 struct Roundings {
-    /// Of p, as a vector.
+    /// Error of p, as a vector.
     center: f64,
     radius: f64,
-    /// Of d, as a vector: viewport and distance rounded, times an exact odd integer.
+    /// Error of d, as a vector: viewport and distance rounded, times an exact odd integer.
     direction: f64,
     power: f64,
     add: f64,
@@ -242,13 +242,13 @@ fn perpendicular(a: &Roundings, s: &Extent) -> [f64; 2] {
     [outline, if y < 1.0 { lost / (1.0 - y) - 1.0 } else { f64::INFINITY }]
 }
 
-/// The errors in which the lecture's forms differ, in r^2, r and the like.
+/// The errors in which the lecture's forms differ.
 struct Quadratic {
-    /// Of D, in a r^2, by its arithmetic alone.
+    /// Error of D over a r^2, by its arithmetic alone.
     squares: f64,
-    /// Of b, in |p||d|, with its inputs.
+    /// Error of b over |p||d|, with that of its inputs.
     b: f64,
-    /// Of what t is divided by.
+    /// Relative error of the divisor of t.
     scale: f64,
 }
 

@@ -25,7 +25,8 @@ fn machine() -> Option<u64> {
     Some(kib << 10)
 }
 
-/// What the limit of the control group (version 1 or 2) leaves; the cache of files counts as free.
+/// The bytes left below the limit of the control group (version 1 or 2), where inactive cache of files counts as free;
+/// `None` without a limit.
 fn group() -> Option<u64> {
     let left = |limit: &str, used: &str, stat: &str, files: &str| {
         let of = |path: &str| read(&format!("/sys/fs/cgroup/{path}"))?.trim().parse::<u64>().ok();
@@ -38,7 +39,7 @@ fn group() -> Option<u64> {
     })
 }
 
-/// What `ulimit -v` leaves.
+/// The bytes of address space left below `ulimit -v`; `None` without a limit.
 fn addresses() -> Option<u64> {
     let most = number(&read("/proc/self/limits")?, "Max address space ")?;
     let used = number(&read("/proc/self/status")?, "VmSize:")? << 10;

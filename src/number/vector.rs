@@ -16,7 +16,7 @@ pub const LANES: usize = 8;
 /// Numbers in a vector of f32 where the processor has vectors of 512 bits.
 pub const WIDE: usize = 2 * LANES;
 
-/// Evaluates an expression with the processor's widest vectors. What it calls must be inlined into it.
+/// Evaluates an expression with the processor's widest vectors. Functions that it calls must be inlined into it.
 macro_rules! vectorized {
     ($work:expr) => {
         crate::number::vector::dispatch(

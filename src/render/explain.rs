@@ -51,7 +51,7 @@ impl Renderer {
     /// self-test of the adapter's arithmetic, and traces no ray.
     ///
     /// # Errors
-    /// Those of [`Renderer::render`] that need no ray.
+    /// Errors of [`Renderer::render`] that occur before a ray is traced.
     pub fn explain(&mut self, scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let explained = |this: &mut Self, plan: Plan, rays: FrameRays| this.explanation(plan, rays, scene, settings);
         let (mut explanation, blocker) = self.planned(scene, settings, explained)?;
@@ -63,7 +63,7 @@ impl Renderer {
     /// above it and the name of its file above each part.
     ///
     /// # Errors
-    /// Those of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
+    /// Errors of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
         let composed = |_: &mut Self, plan: Plan, rays: FrameRays| {
             let raster = Raster::centres(rays.window);
@@ -211,7 +211,7 @@ fn shading(plan: &Plan) -> Option<Shade> {
     if plan.wanted.color { Some(Shade::Headlight) } else { plan.shade() }
 }
 
-/// How often a ray of the picture goes on.
+/// The most bounces of a ray of the picture; 0 where the stage of lights does not compute the colour.
 fn bounces(plan: &Plan, scene: &Scene) -> u32 {
     if plan.wanted.color { lights::bounces(scene) } else { 0 }
 }
@@ -241,7 +241,7 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
     PixelRays { viewing, lights, sky, onward: viewing.saturating_mul(each) }
 }
 
-/// What is left out of the light and of the lines of the picture.
+/// Calls `leave` with each part of the light and of the lines that the picture does without, and the reason.
 fn leave_light(plan: &Plan, scene: &Scene, settings: &Settings, leave: &mut impl FnMut(&'static str, &str)) {
     let (lighting, shade) = (&scene.lighting, shading(plan));
     if !has_shadows(plan, scene, settings) {
@@ -279,7 +279,7 @@ fn leave_light(plan: &Plan, scene: &Scene, settings: &Settings, leave: &mut impl
     }
 }
 
-/// What is left out because it is not requested or not in the scene.
+/// The parts of the renderer that this frame does without, each with the reason.
 fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, device: bool) -> Vec<LeftOut> {
     let mut out = Vec::new();
     let mut leave = |what, why: &str| out.push(LeftOut { what, why: why.to_owned() });

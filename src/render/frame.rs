@@ -64,10 +64,10 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// The report of a frame before it is rendered: what would compute it and how. No ray is traced.
+    /// The report of a frame before it is rendered: the plan, the device and the settings. No ray is traced.
     ///
     /// # Errors
-    /// Those of [`Renderer::render`] that do not depend on rays.
+    /// Errors of [`Renderer::render`] that do not depend on rays.
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
         let known = |this: &mut Self, plan: Plan, rays: FrameRays| {
             let plan = this.as_set_up(plan, scene, settings, Raster::centres(rays.window))?;
@@ -208,7 +208,7 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// The report of a frame before it is computed: what the plan decides; counts and times are 0 or empty.
+    /// The report of a frame before it is computed: the decisions of the plan; counts and times are 0 or empty.
     fn report(&self, plan: &Plan, scene: &Scene, settings: &Settings, samples: Option<Raster>) -> Report {
         let on_device = self.is_gpu() && self.refused.is_none();
         Report {

@@ -10,10 +10,10 @@ use crate::view::directions::lens_point;
 use crate::view::raster::Raster;
 use crate::window::Window;
 
-/// The scene as the points of a lens see it.
+/// A scene and its rays as seen from the points of a lens, one point for each sample.
 pub(super) struct LensPasses {
     aperture: Aperture,
-    /// The eye at the middle of the lens, and its frame.
+    /// The camera whose eye is the middle of the lens, and its frame.
     camera: Camera,
     frame: CentredFrame,
     raster: Raster,
@@ -21,10 +21,10 @@ pub(super) struct LensPasses {
 }
 
 impl LensPasses {
-    /// `None` for a pinhole.
+    /// The passes of a frame over the points of the lens; `None` for a pinhole.
     ///
     /// # Errors
-    /// Those of [`Camera::viewport`].
+    /// Errors of [`Camera::viewport`].
     pub(super) fn new(scene: &Scene, settings: &Settings, raster: Raster) -> Result<Option<Self>> {
         let Some(aperture) = settings.aperture else { return Ok(None) };
         let frame = scene.camera.centred([scene.image.width, scene.image.height], raster.strata, raster.jitter)?;
@@ -36,7 +36,7 @@ impl LensPasses {
     /// The scene whose eye is the point of the lens that this sample leaves from, and its rays of a window.
     ///
     /// # Errors
-    /// Those of [`Aperture::distance`].
+    /// Errors of [`Aperture::distance`].
     pub(super) fn pass(&mut self, sample: u32, window: Window) -> Result<(&Scene, Raster)> {
         let point = lens_point(self.raster.strata, sample, self.raster.seed);
         let (camera, aside) = self.aperture.at(point, &self.camera, &self.frame)?;
@@ -45,10 +45,10 @@ impl LensPasses {
     }
 }
 
-/// The samples, with room for the frames of a lens.
+/// The samples, with room in their frame for the offsets of a lens's points.
 ///
 /// # Errors
-/// [`Error::Settings`] for a lens with a size and one sample per pixel; those of [`Aperture::distance`] and of
+/// [`Error::Settings`] for a lens with a size and one sample per pixel; errors of [`Aperture::distance`] and of
 /// [`Raster::with_margin`].
 pub(super) fn raster(samples: Option<Raster>, scene: &Scene, settings: &Settings) -> Result<Option<Raster>> {
     let Some(aperture) = settings.aperture else { return Ok(samples) };

@@ -30,43 +30,45 @@ pub(super) struct FrameContext<'a> {
 pub(super) struct LightRequest<'a> {
     pub(super) outputs: LightOutputs,
     pub(super) sky: Option<Sky>,
-    /// The spheres of the pixels from whose hits rays leave.
+    /// The sphere that each pixel shows; rays leave from its hits.
     pub(super) ids: &'a [u32],
-    /// Only every second pixel is requested, as on a chessboard.
+    /// Whether only every second pixel is requested, as on a chessboard.
     pub(super) chessboard: bool,
-    /// The light of the open sky, where it is known.
+    /// The light of the open sky at the pixels' centres, if it was computed before; then no ray is traced toward the
+    /// sky.
     pub(super) open_sky: Option<&'a OpenSky>,
 }
 
 impl<'a> LightRequest<'a> {
-    /// The light of all pixels, under a sky that is not known.
+    /// A request for the light of all pixels, with rays toward the sky.
     pub(super) fn of(outputs: LightOutputs, sky: Option<Sky>, ids: &'a [u32]) -> Self {
         Self { outputs, sky, ids, chessboard: false, open_sky: None }
     }
 
-    /// The sky that rays are needed for.
+    /// The sky toward which rays are traced; `None` where its light is known.
     fn unknown_sky(&self) -> Option<Sky> {
         self.sky.filter(|_| self.open_sky.is_none())
     }
 }
 
-/// What the lights of one scene need, for the pixels' centres and for all samples.
+/// Data for the lights of one scene, shared by the pixels' centres and all samples.
 pub(super) struct LightSetup {
-    /// `None` without spheres.
+    /// The tree over the spheres; `None` without spheres.
     tree: Option<Arc<Tree>>,
     accuracy: Accuracy,
 }
 
 impl LightSetup {
-    /// Decides what f64 leaves unsure, where the answers are certified. It has no spheres: those of a question come with
-    /// it.
+    /// The judge of rays that f64 leaves unsure; `None` where answers are not certified. It holds no spheres: each
+    /// question brings its own.
     fn judge(&self, scene: &Scene, view: &View) -> Result<Option<Judge>> {
         let certified = matches!(self.accuracy, Accuracy::Certified | Accuracy::Exact);
         certified.then(|| view.judge(&scene.bare())).transpose()
     }
 }
 
-/// Where a ray toward the sky ends, in the tree's unit over the length of its direction: at most, and at least.
+/// The limit of a ray toward the sky, in the tree's unit over the length of its direction: a lower bound and an upper
+/// bound.
 fn limits(tree: &Tree, reach: f64) -> [f32; 2] {
     let limit = tree.placement.radius(reach) / DirectionRecord::UNIT;
     match limit < f64::from(f32::MAX) {
@@ -80,8 +82,9 @@ impl Renderer {
         LightSetup { tree: self.order.tree(&scene.spheres, self.frames), accuracy }
     }
 
-    /// Traces rays from the hits that are still on the device: toward the sky in these directions, and one to each light, where
-    /// lights cast shadows and none has a size. Their numbers, and the words of all pixels.
+    /// Traces rays from the hits that are still on the device: toward the sky in these directions, and one to each
+    /// light, where lights cast shadows and none has a size. Returns the numbers of rays, and the words of all pixels;
+    /// `None` where the host has to trace.
     fn trace_from_hits(
         &mut self,
         tree: &Tree,

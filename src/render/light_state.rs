@@ -1,10 +1,10 @@
-//! What a renderer keeps of lights within a frame: what a device did.
+//! The part of a device in the light of a frame.
 
 use crate::answers::lit::Traced;
 use crate::view::ray::NONE;
 use rayon::prelude::*;
 
-/// Hits of which a device traced the rays, and those of them that it decided.
+/// The number of hits of which a device traced the rays, and of those hits that it decided.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct LightOnDevice {
     hits: usize,
@@ -12,7 +12,7 @@ pub(super) struct LightOnDevice {
 }
 
 impl LightOnDevice {
-    /// `None` without hits.
+    /// The share of these hits that the device decided; `None` without hits.
     pub(super) fn share(self) -> Option<f64> {
         (self.hits > 0).then(|| self.decided as f64 / self.hits as f64)
     }

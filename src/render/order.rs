@@ -26,9 +26,9 @@ pub(super) struct LastOrder(Option<Known>);
 
 struct Known {
     same: SameSpheres,
-    /// The frame that saw them first.
+    /// The frame in which they were seen first.
     since: u64,
-    /// The end of the channel through which it comes while it is built beside the frames.
+    /// The receiver of the order while another thread builds it.
     built: Option<Receiver<Ordered>>,
     order: Option<Ordered>,
 }
@@ -64,8 +64,8 @@ impl LastOrder {
         known.order.as_ref().map(|order| Arc::clone(&order.tree))
     }
 
-    /// The spheres in groups for a frame of so many pixels, where it has many spheres for each. The tree is built beside the
-    /// frames.
+    /// The spheres in groups for a frame of `pixels` pixels; `None` for few spheres for each pixel, and until the tree
+    /// is built, which another thread does.
     pub(super) fn groups(&mut self, spheres: &Spheres, frame: u64, pixels: u64) -> Option<Ordered> {
         if spheres.len() < GROUPING_MIN_SPHERES || (spheres.len() as u64) < GROUPING_MIN_SPHERES_PER_PIXEL * pixels {
             return None;

@@ -1,4 +1,4 @@
-//! Where frames are rendered: on an adapter or on the CPU path, and why there.
+//! The place of rendering: an adapter or the CPU path, and the reason.
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -6,13 +6,13 @@ use crate::gpu::device::{self, FoundAdapter};
 use crate::quote::setting::{ADAPTER, BACKEND};
 use crate::settings::{Backend, Settings};
 
-/// The device of a renderer, and why it was chosen.
+/// The device of a renderer, and the reason for it.
 pub(super) struct ChosenDevice {
     /// `None` for the CPU path.
     pub(super) gpu: Option<Box<Gpu>>,
-    /// Why this one, in words.
+    /// The reason for this device, in words.
     pub(super) reason: String,
-    /// Why adapters that were found are not used although the settings allow them.
+    /// The reasons why adapters that were found are not used although the settings allow them.
     pub(super) passed_over: Vec<String>,
     /// Whether the settings left the choice and there was no adapter.
     pub(super) has_no_adapter: bool,

@@ -25,15 +25,15 @@ pub struct Plan {
     pub method: &'static str,
     /// The accuracy of the answers: fast, certified or exact.
     pub accuracy: Accuracy,
-    /// Why this accuracy and this method.
+    /// The reason for this accuracy and this method.
     pub reason: String,
     /// The predicted worst-case rounding error, where it was computed for the choice.
     pub predicted: Option<Prediction>,
     /// The engine that finds the first hits.
     pub engine: Engine,
-    /// What is computed of lights and sky.
+    /// The outputs of lights and sky that are computed.
     pub(crate) wanted: LightOutputs,
-    /// What is drawn over the colours.
+    /// The effects that are drawn over the colours; `None` without any.
     pub(crate) finish: Option<Finish>,
     pub(crate) kernel: Kernel,
     /// The kernel of the samples, with several samples per pixel or where something is drawn over the colours; `kernel` then
@@ -47,7 +47,7 @@ impl Plan {
         self.sampled.unwrap_or(self.kernel).shade
     }
 
-    /// Its name: `lights` where the scene's lights or its sky light the picture.
+    /// The name of the shading: `lights` where the scene's lights or its sky light the picture.
     pub(crate) fn shade_name(&self) -> Option<&'static str> {
         if self.wanted.color { Some("lights") } else { self.shade().map(Shade::name) }
     }
@@ -106,7 +106,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// What the settings alone decide: a kernel that writes only ids.
+    /// The plan that follows from the settings alone: their method, or `stable`, with a kernel that writes only ids.
     pub(crate) fn for_method(settings: &Settings) -> Result<Self> {
         let promised = matches!(settings.accuracy, Accuracy::Certified | Accuracy::Exact);
         if let (Some(method), true) = (settings.method, promised) {
@@ -145,12 +145,13 @@ pub(crate) struct GivenPlan {
     pub(crate) method: &'static str,
     /// Tree or all.
     pub(crate) search: Search,
-    /// What a method computes; normals are requested of certified answers too.
+    /// The kernel of a method. Its flag of normals also applies to certified answers.
     pub(crate) kernel: Kernel,
 }
 
 impl GivenPlan {
-    /// Without a method answers are certified unless the accuracy is fast: what rays hit is data, not a picture.
+    /// The plan for given rays. Without a method answers are certified unless the accuracy is fast, since the hits of
+    /// given rays are data, not a picture.
     ///
     /// # Errors
     /// [`Error::Settings`] for a method together with a certificate, and for a search that does not apply;

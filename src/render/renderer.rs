@@ -1,4 +1,4 @@
-//! A device, or the CPU path, with what it keeps from frame to frame.
+//! A renderer: a device or the CPU path, with its caches between frames.
 
 use super::light_state::LightOnDevice;
 use super::order::LastOrder;
@@ -25,15 +25,15 @@ pub struct Renderer {
     pub(super) setup_ms: f64,
     pub(super) watch: Watch,
     pub(super) pool: Arc<Pool>,
-    /// Frames so far: within one, spheres do not change.
+    /// The number of frames so far. Within one frame spheres do not change.
     pub(super) frames: u64,
-    /// Why the CPU path renders the current frame in place of the device.
+    /// The reason why the CPU path renders the current frame in place of the device.
     pub(super) refused: Option<String>,
-    /// Why the host traces rays from the hits of the current frame in place of the device.
+    /// The reason why the host traces rays from the hits of the current frame in place of the device.
     pub(super) left_to_host: Option<String>,
-    /// For rays from hits, and for hidden groups.
+    /// The spheres in tree order, cached between frames, for rays from hits and for groups of hidden spheres.
     pub(super) order: LastOrder,
-    /// Of the current frame.
+    /// The device's share of the light of the current frame.
     pub(super) light_on_device: LightOnDevice,
 }
 
@@ -61,7 +61,7 @@ impl Renderer {
         Self::on(ChosenDevice::adapter(Gpu::new(open, summary), "the caller opened the device"), 0.0)
     }
 
-    /// Nothing is rendered yet.
+    /// A renderer on this device, before its first frame.
     fn on(device: ChosenDevice, setup_ms: f64) -> Self {
         Self {
             device,
@@ -76,13 +76,14 @@ impl Renderer {
         }
     }
 
-    /// Why adapters that were found are not used although the settings allow them; these are warnings of every report.
+    /// The reasons why adapters that were found are not used although the settings allow them; they are warnings of
+    /// every report.
     #[must_use]
     pub fn passed_over(&self) -> &[String] {
         &self.device.passed_over
     }
 
-    /// Why frames are rendered in this place, in words: what was requested, found or measured.
+    /// The reason for the place of rendering, in words: requested, found or measured.
     #[must_use]
     pub fn backend_reason(&self) -> &str {
         &self.device.reason
@@ -142,7 +143,7 @@ impl Renderer {
         self.device.gpu.as_ref().is_some_and(|gpu| gpu.has_clock())
     }
 
-    /// What the device did since the last call; `None` for the reference path.
+    /// Takes the device's times and bytes since the last call; `None` for the reference path.
     pub(super) fn traffic(&mut self) -> Option<Traffic> {
         self.device.gpu.as_mut().map(|gpu| gpu.traffic())
     }

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// What the samples of a frame have in common.
+/// The inputs that all samples of a frame share.
 #[derive(Clone, Copy)]
 pub(super) struct Sampling<'a> {
     pub(super) plan: &'a Plan,
@@ -41,7 +41,7 @@ pub(super) struct Sampling<'a> {
 }
 
 impl Sampling<'_> {
-    /// What is drawn over the colours.
+    /// The effects that are drawn over the colours; `None` where colour is not requested.
     fn finish(&self) -> Option<Finish> {
         self.plan.finish.filter(|_| self.settings.asks(&[Aov::Color]))
     }

@@ -1,4 +1,4 @@
-//! The setup of one frame: the view, and what the plan's engine needs.
+//! The setup of one frame: the view, and the data of the plan's engine.
 
 use super::plan::Plan;
 use super::plan::engine::Engine;
@@ -22,19 +22,19 @@ pub(crate) struct FrameSetup {
     pub(crate) stage: Stage,
 }
 
-/// What an engine needs besides the view.
+/// The data of an engine besides the view.
 pub(crate) enum Stage {
-    /// A method tests the spheres of the view.
+    /// None: a method tests the spheres of the view.
     Method,
     /// The spheres, binned into tiles by the host.
     Binned(Box<BinnedScene>),
     /// The host's part in placing the spheres that a device holds.
     Placed(Box<Placer>),
-    /// The judge needs nothing.
+    /// None: the judge decides every pixel.
     Judge,
 }
 
-/// A setup for a device, or the plan back.
+/// A setup for a device, or the plan where the device cannot render it.
 pub(crate) enum ResidentSetup {
     Ready(Box<FrameSetup>),
     /// The camera does not allow it.
@@ -45,7 +45,7 @@ impl FrameSetup {
     /// The setup where a device holds the spheres, whose sizes and distances have exponents within `sizes`.
     ///
     /// # Errors
-    /// Those of [`View::new`] but for the spheres.
+    /// Errors of [`View::new`], except those of the spheres.
     pub(crate) fn resident(
         plan: Plan,
         scene: &Scene,
@@ -71,7 +71,7 @@ impl FrameSetup {
     /// cannot bound the projection of the lens, the judge is the engine.
     ///
     /// # Errors
-    /// Those of [`View::new`] and of [`BinnedScene::new`].
+    /// Errors of [`View::new`] and of [`BinnedScene::new`].
     pub(crate) fn new(
         plan: Plan,
         (scene, groups): (&Scene, Option<Grouped<'_>>),
@@ -92,7 +92,7 @@ impl FrameSetup {
     /// Leaves the frame to the CPU path, where a device has refused it.
     ///
     /// # Errors
-    /// Those of [`BinnedScene::new`].
+    /// Errors of [`BinnedScene::new`].
     pub(crate) fn move_to_host(
         &mut self,
         scene: &Scene,

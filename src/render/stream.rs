@@ -27,7 +27,8 @@ use digests::Digests;
 use rayon::prelude::*;
 use witness::Witnesses;
 
-/// Spheres after which the sieves take over what they cover: as many as make that cost little.
+/// The number of spheres after which the sieves take over the depths that these cover: often enough to hide spheres,
+/// and seldom enough to cost little.
 const REFRESH_SPHERES: usize = 1 << 18;
 
 /// Candidates collected before they are culled again.
@@ -42,13 +43,13 @@ pub struct Stream {
     /// One for the rays of each raster, from the first block on; none where the field of view has no bounds, so that all
     /// spheres are kept.
     sieves: Vec<Sieve>,
-    /// The id of the first sphere.
+    /// The id of the stream's first sphere.
     first: u64,
-    /// Spheres so far, and those since the last refresh.
+    /// The numbers of spheres so far, and since the last refresh.
     count: u64,
     fresh: usize,
     kept: NumberedSpheres,
-    /// The number of kept spheres at which they are compared again.
+    /// The number of kept spheres at which hidden ones among them are removed again.
     limit: usize,
     witnesses: Witnesses,
     digests: Digests,
@@ -76,7 +77,8 @@ impl Stream {
     /// A frame of `scene`, whose own spheres are not used.
     ///
     /// # Errors
-    /// [`Error::Settings`] for what needs all spheres at once: lights and a sky, and answers without a certificate; those of the camera and the image.
+    /// [`Error::Settings`] for what needs all spheres at once: lights and a sky, and answers without a certificate;
+    /// errors of the camera and the image.
     pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
         let scene = Scene { spheres: Spheres::default(), ..scene.clone() };
         scene.check()?;
@@ -163,7 +165,7 @@ impl Stream {
         self.sieves.first().map_or(0, Sieve::unit)
     }
 
-    /// The sieves take over what is covered.
+    /// Adds the depths that spheres have covered since the last refresh to the sieves.
     fn refresh(&mut self) {
         self.fresh = 0;
         self.sieves.iter_mut().for_each(Sieve::refresh);

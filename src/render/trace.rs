@@ -29,12 +29,12 @@ pub struct Hits {
     pub certainty: Vec<u8>,
     /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`crate::Aov::Normal`] is requested.
     pub normal: Option<Vec<[f32; 3]>>,
-    /// How candidates were found; never `auto`. The answers do not depend on it.
+    /// The search that found candidates, never `auto`. The answers do not depend on it.
     pub search: Search,
 }
 
 impl Hits {
-    /// As many misses, certain ones.
+    /// Misses of `count` rays, with certainty 0.
     fn none(count: usize, plan: &GivenPlan) -> Self {
         Self {
             id: vec![-1; count],
@@ -52,7 +52,7 @@ impl Hits {
 pub struct Occlusion {
     /// 1 where some sphere is hit at 0 < t < limit, else 0.
     pub hit: Vec<u8>,
-    /// As that of [`Hits`].
+    /// The certainty of the answer, as [`Hits::certainty`].
     pub certainty: Vec<u8>,
 }
 
@@ -75,7 +75,7 @@ impl Tracer<'_> {
     /// the promised relative error, the normal within 1e-3 rad.
     ///
     /// # Errors
-    /// [`Error::Settings`] for invalid rays, [`Error::Interrupted`], and those of the device.
+    /// [`Error::Settings`] for invalid rays, [`Error::Interrupted`], and errors of the device.
     pub fn hits(&mut self, rays: &Rays) -> Result<Hits> {
         rays.check()?;
         if self.plan.certifies() {
@@ -109,13 +109,13 @@ impl Tracer<'_> {
         self.device.as_ref().map_or(0, |device| device.refined)
     }
 
-    /// Why an adapter does not certify although the settings allow it.
+    /// The reason why an adapter does not certify although the settings allow it.
     #[must_use]
     pub fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
     }
 
-    /// What traces: the adapter's name, or `cpu`.
+    /// The name of the adapter that traces, or `cpu`.
     #[must_use]
     pub fn adapter(&self) -> &str {
         if self.is_gpu() { self.renderer.adapter() } else { cpu::NAME }
@@ -139,7 +139,7 @@ impl Tracer<'_> {
         self.plan.method
     }
 
-    /// How the spheres of a ray are found: all or tree; by a method all.
+    /// The search for the spheres of a ray: all or tree; by a method all.
     #[must_use]
     pub fn search(&self) -> Search {
         self.plan.search
@@ -185,7 +185,7 @@ impl Renderer {
     /// one for all. Directions have any length but zero. Settings as for [`Renderer::tracer`].
     ///
     /// # Errors
-    /// Those of [`Renderer::tracer`] and [`Tracer::hits`].
+    /// Errors of [`Renderer::tracer`] and [`Tracer::hits`].
     pub fn trace(
         &mut self,
         spheres: &Spheres,

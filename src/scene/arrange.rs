@@ -99,12 +99,13 @@ impl Arrangement {
     /// memory. The outline is left out.
     ///
     /// # Errors
-    /// [`Error::Settings`] where copies need a cell and there is none; those of [`Instances`].
+    /// [`Error::Settings`] where copies need a cell and there is none; errors of [`Instances`].
     pub fn copies(&self, spheres: &Spheres, cell: Option<&Cell>) -> Result<Instances> {
         Instances::along(spheres.clone(), self.lattice(cell)?, &self.clip)
     }
 
-    /// Where the copies lie.
+    /// The lattice of the copies: their number along each edge, and the edges of the cell; edges of length 0 for a
+    /// single copy without a cell.
     fn lattice(&self, cell: Option<&Cell>) -> Result<Lattice> {
         let edges = match cell {
             Some(cell) => cell.edges.map(DVec3::from_array),

@@ -53,7 +53,7 @@ pub enum Look {
     View(DVec3),
 }
 
-/// How the viewport is given. It lies at `distance` in front of the eye, in any unit: only ratios matter.
+/// The viewport as specified. It lies at `distance` in front of the eye, in any unit: only ratios matter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Lens {
     /// The lecture's numbers: vw x vh at distance d.
@@ -201,12 +201,13 @@ impl Camera {
         Ok([unit(right), unit(above), unit(back)])
     }
 
-    /// Magnifies the image of `width` x `height` pixels by `factor` about its principal point, the middle for most lenses: its viewport is narrower by that
-    /// factor, and the eye stays, so that the perspective does too. The viewport's numbers are rounded here, once, and are
-    /// exact from here on. The width of an orthographic view still follows from its height.
+    /// Magnifies the image of `width` x `height` pixels by `factor` about its principal point, the middle for most
+    /// lenses: its viewport is narrower by that factor, and the eye stays, so that the perspective does too. The
+    /// viewport's numbers are rounded here, once, and are exact from here on. The width of an orthographic view still
+    /// follows from its height.
     ///
     /// # Errors
-    /// Those of [`Camera::viewport`], before and after.
+    /// Errors of [`Camera::viewport`], for the viewport before and after.
     pub fn zoom(&mut self, factor: f64, width: u32, height: u32) -> Result<()> {
         let Viewport { vw, vh, d } = self.viewport(width, height)?;
         self.lens = match self.lens {

@@ -10,7 +10,7 @@ use crate::quote::setting;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How a scene is framed.
+/// The rules of framing: the free margins, the framed shape and the aim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Framing {
     /// Share of the image's height and width that stays free around the spheres, in total.
@@ -20,7 +20,7 @@ pub struct Framing {
     /// Whether an orthographic camera keeps the height of its view and only the eye moves; otherwise the height is
     /// fitted.
     pub keep_height: bool,
-    /// Shares of the image's width that stay free at its left and right side, besides the margin: there is a legend.
+    /// Shares of the image's width that stay free at its left and right side, besides the margin, for a legend.
     pub aside: [f64; 2],
     /// The point that is in the middle of the rest of the image; `None` centres the spheres.
     pub aim: Option<DVec3>,
@@ -63,7 +63,8 @@ impl Scene {
         self.camera.fit(self.image, &self.spheres, framing)
     }
 
-    /// The reach of copies to the sides of the view, relative to `middle`, as [`Camera::reach`] gives it; for the spheres themselves also where the framing is of the ball around them.
+    /// The reach of copies to the sides of the view, relative to `middle`, as [`Camera::reach`] gives it; it is the
+    /// reach of the spheres themselves, also where the framing is of the ball around them.
     ///
     /// # Errors
     /// As [`Camera::fit`]; [`Error::Interrupted`].
@@ -95,8 +96,8 @@ impl Camera {
     /// its height, and the eye lies in front of the nearest sphere by the scene's own size.
     ///
     /// # Errors
-    /// Those of [`Camera::basis`] and [`Camera::viewport`]; [`Error::Scene`] for spheres so near the limits of f64 that no
-    /// eye is far enough.
+    /// Errors of [`Camera::basis`] and [`Camera::viewport`]; [`Error::Scene`] for spheres so near the limits of f64
+    /// that no eye is far enough.
     pub fn fit(&mut self, image: ImagePlane, spheres: &Spheres, framing: &Framing) -> Result<()> {
         match self.reach(image, spheres, framing, None)? {
             Some(reach) => {
@@ -204,7 +205,7 @@ impl Camera {
     }
 }
 
-/// How far spheres reach to the sides of a view.
+/// The reach of spheres to the sides of a view: their extreme distances along the normals of the sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
     /// The point that the distances are relative to.

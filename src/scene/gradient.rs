@@ -36,7 +36,7 @@ pub(crate) struct Gradient {
 }
 
 impl Gradient {
-    /// That of a scene; `None` where its sky has no colours.
+    /// The gradient of a scene's sky; `None` where the sky has no colours.
     pub(crate) fn of(scene: &Scene) -> Option<Self> {
         let SkyColors { zenith, horizon, is_shown } = scene.lighting.sky?.colors?;
         let [horizon, zenith] = [horizon, zenith].map(|color| DVec3::from_array(color.map(f64::from)));
@@ -67,8 +67,8 @@ const CELLS: usize = 32;
 const ELEVATIONS: usize = 64;
 const ANGLES: usize = 16;
 
-/// What an open sky gives to a surface: the mean of its colours over the half space of the normal, weighted by the cosine.
-/// Only the share that is hidden is left to rays then, and where nothing hides the sky there is no noise.
+/// The light of an open sky on a surface: the mean of its colours over the half space of the normal, weighted by the
+/// cosine. Rays have to find only the hidden share, and where nothing hides the sky there is no noise.
 #[derive(Debug, Clone)]
 pub(crate) struct SkyLight {
     pub(crate) gradient: Gradient,

@@ -1,6 +1,6 @@
-//! Copies as operators over one set of spheres: what is in memory is the set and its operators, not the copies. Groups of
-//! copies have enclosing boxes, so that what no ray can hit, or what cannot be an extreme, is passed without making its
-//! spheres.
+//! Copies as operators over one set of spheres: memory holds the set and its operators, not the copies. Groups of
+//! copies have enclosing boxes, so that groups that no ray can hit, or that cannot be an extreme, are passed without
+//! making their spheres.
 
 mod clusters;
 pub(crate) mod enclosure;
@@ -66,7 +66,7 @@ impl Instances {
     /// Copies of one set along the edges of a cell.
     ///
     /// # Errors
-    /// Those of [`Instances::of`].
+    /// As [`Instances::by_operators`].
     pub(crate) fn along(spheres: Spheres, lattice: Lattice, clip: &[[f64; 4]]) -> Result<Self> {
         Self::of(vec![(spheres, CopyRule::Lattice(lattice), None)], clip)
     }

@@ -1,4 +1,4 @@
-//! What lights a scene.
+//! Lights and sky of a scene.
 
 use super::camera::{Basis, Camera};
 use super::check::check_color;
@@ -8,7 +8,8 @@ use glam::DVec3;
 use serde::Serialize;
 use std::fmt;
 
-/// What lights a scene. The default is the light at the eye alone, which casts no shadow that the camera sees.
+/// The lights, shadows, sky and bounces of a scene. The default is the light at the eye alone, which casts no shadow
+/// that the camera sees.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Lighting {
     /// The lights, in the order of the scene file. Without any, and without a sky, the light is at the eye.
@@ -17,8 +18,8 @@ pub struct Lighting {
     pub shadows: bool,
     /// A sky, of which other spheres hide a part (ambient occlusion); `None` for no light from the sky.
     pub sky: Option<Sky>,
-    /// How often a ray goes on from mirrors and through glass, up to [`MOST_BOUNCES`]; `None` for [`BOUNCES`] where a
-    /// material asks for it.
+    /// The most times that a ray goes on from mirrors and through glass, up to [`MOST_BOUNCES`]; `None` for [`BOUNCES`]
+    /// where a material asks for it.
     pub bounces: Option<u32>,
 }
 
@@ -31,7 +32,7 @@ pub const MOST_BOUNCES: u32 = 64;
 /// A light. A surface that faces it reflects its own colour times `color` times `intensity`, at any distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    /// Where it is.
+    /// The position or the direction of the light.
     pub source: LightSource,
     /// Linear RGB.
     pub color: [f32; 3],
@@ -39,7 +40,7 @@ pub struct Light {
     pub intensity: f32,
 }
 
-/// Where a light is. All numbers are taken as exact.
+/// The position or the direction of a light. All numbers are taken as exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LightSource {
     /// Infinitely far in this direction, which points toward the light and has any length but zero.
@@ -65,8 +66,9 @@ pub struct Sky {
     /// A sphere farther than this from a point, in the scene's unit of length, hides nothing from it; +inf for any
     /// distance.
     pub reach: f64,
-    /// The rays leave only from the hits of the centres of every second pixel, as on a chessboard, and a sample takes the mean of the pixels around it that show its sphere: little noise from few rays.
-    /// Else rays leave from every sample.
+    /// Whether rays leave only from the hits of the centres of every second pixel, as on a chessboard, and a sample
+    /// takes the mean of the pixels around it that show its sphere: little noise from few rays. Otherwise rays leave
+    /// from every sample.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub at_centers: bool,
     /// Its colours; `None` for white.
@@ -125,7 +127,7 @@ impl Light {
     /// direction -0.6 u + 0.9 v + w of the camera's basis, about 31 degrees to the left and 38 degrees up.
     ///
     /// # Errors
-    /// Those of [`Camera::basis`].
+    /// Errors of [`Camera::basis`].
     pub fn above_left(camera: &Camera) -> Result<Self> {
         let Basis { u, v, w, .. } = camera.basis()?;
         Ok(Self::white(LightSource::Direction((-0.6 * u + 0.9 * v + w).normalize())))
@@ -173,7 +175,7 @@ impl Light {
 }
 
 impl fmt::Display for Light {
-    /// Where it is, with colour and intensity unless it is white with intensity 1.
+    /// The position or direction in words, the colour unless it is white, and the intensity unless it is 1.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.source {
             LightSource::Direction(DVec3 { x, y, z }) => write!(f, "infinitely far in the direction {x}, {y}, {z}")?,

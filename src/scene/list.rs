@@ -13,9 +13,9 @@ pub struct List<T>(Store<T>);
 
 enum Store<T> {
     Own(Vec<T>),
-    /// Of clones. No one can change them.
+    /// Values shared by clones. No one can change them.
     Kept(Arc<Kept<T>>),
-    /// Of others, who may change them between frames.
+    /// Values of others, who may change them between frames.
     Foreign(Arc<dyn AsRef<[T]> + Send + Sync>),
 }
 

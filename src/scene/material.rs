@@ -1,9 +1,10 @@
-//! What spheres are made of.
+//! Materials of spheres.
 
 use super::List;
 use crate::error::{Error, Place, Result};
 
-/// How a sphere reflects light and lets it through. Its colour is that of its diffuse reflection, and of a metal's mirror.
+/// The reflection and transmission of light by a sphere. The sphere's colour is that of its diffuse reflection, and of
+/// a metal's mirror image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Material {
     /// Plastic and mirrors as NFF describes them: the shares of light by kind.
@@ -14,7 +15,7 @@ pub enum Material {
         specular: f32,
         /// The exponent of the cosine in a highlight; 0 for no highlights.
         shine: f32,
-        /// What passes through, T.
+        /// The share of light that passes through, T.
         transmission: f32,
         /// Index of refraction.
         index: f64,

@@ -1,5 +1,5 @@
-//! Where to look at some spheres of a scene from: an eye outside of every sphere, and the direction from which the others
-//! hide them least.
+//! Cameras for some spheres of a scene: an eye outside of every sphere, in the direction from which the others hide
+//! them least.
 
 use super::camera::{Camera, Viewport};
 use super::{Facing, Framing, ImagePlane, Spheres, Spread};
@@ -13,7 +13,7 @@ use std::collections::HashSet;
 pub struct Outlook {
     /// The camera.
     pub camera: Camera,
-    /// The share of their picture that no other sphere covers, 0 to 1, estimated from a coarse grid.
+    /// The share of their picture that no other sphere covers, 0 to 1, estimated on a coarse grid.
     pub seen: f64,
     /// The number of squares of the grid in which they are seen.
     area: u32,
@@ -25,7 +25,7 @@ const GRID: f64 = 96.0;
 /// The eye keeps a tenth of a sphere's radius away from it.
 const CLEAR: f64 = 1.1;
 
-/// How much the lens narrows in a step, and the most steps: 2^16 in all.
+/// The factor by which the lens narrows in a step, 2^(1/4), and the most steps: 2^16 in all.
 const NARROWER: f64 = 1.189_207_115_002_721;
 const STEPS: usize = 64;
 
@@ -68,7 +68,7 @@ pub struct Surroundings<'a> {
     framing: &'a Framing,
     part: &'a Spheres,
     all: &'a Spheres,
-    /// The numbers of the other spheres.
+    /// The indices of the scene's spheres that are not in the part.
     others: Vec<usize>,
 }
 
@@ -86,10 +86,10 @@ impl<'a> Surroundings<'a> {
         Self { image, framing, part, all, others }
     }
 
-    /// The camera that shows the part from the direction in which most of it is seen, as [`Self::look`]. Candidates are its largest face from both
-    /// sides ([`Spread::facing`]), and 98 directions over the sphere. A face is taken if it shows at least 0.9 of what the
-    /// best direction does, else the best one, the first of equals. The longest axis of the part lies across the image, or
-    /// upright in a tall one.
+    /// The camera that shows the part from the direction in which most of it is seen, as [`Self::look`]. Candidates are
+    /// its largest face from both sides ([`Spread::facing`]), and 98 directions over the sphere. A face is taken if it
+    /// shows at least 0.9 of the area that the best direction shows, else the best direction, the first of equals. The
+    /// longest axis of the part lies across the image, or upright in a tall one.
     ///
     /// # Errors
     /// As [`Camera::fit`].

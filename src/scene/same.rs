@@ -1,18 +1,19 @@
-//! Whether the spheres of a scene are those of an earlier one, without reading them.
+//! Identity of a scene's spheres between frames, without reading them.
 
 use super::Spheres;
 use super::list::List;
 
-/// The positions and radii that something was made of.
+/// The identity of the positions and radii of some spheres.
 pub(crate) struct SameSpheres {
-    /// The lists themselves where no one can change them; else the frame in which they were read, and their addresses.
+    /// The lists themselves where no one can change them; otherwise the frame in which they were read, and their
+    /// addresses.
     kept: Option<(List<[f64; 3]>, List<f64>)>,
     read: (u64, [usize; 2]),
     count: usize,
 }
 
 impl SameSpheres {
-    /// `frame` is a number for which spheres that others may change stay the same.
+    /// The identity of these spheres. Lists that others may change count as unchanged only within one number `frame`.
     pub(crate) fn of(spheres: &Spheres, frame: u64) -> Self {
         let kept = spheres.centers.kept().zip(spheres.radii.kept());
         Self { kept, read: (frame, addresses(spheres)), count: spheres.len() }

@@ -126,7 +126,8 @@ mod tests {
         [high.to_bits(), low.to_bits()]
     }
 
-    /// How many hits, and how many from inside, were compared.
+    /// Compares the hits of eight rays together with those of each ray alone. Returns the number of hits, and of hits
+    /// from inside.
     struct Compare(Rng);
 
     impl Visit for Compare {

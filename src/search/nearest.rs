@@ -1,4 +1,4 @@
-//! The closest hit of one ray among all spheres: what eight at once are compared with.
+//! The closest hit of one ray among all spheres. Tests compare eight rays at once with it.
 
 use crate::intersect::Intersect;
 use crate::number::Number;

@@ -90,7 +90,7 @@ impl Tree {
         self.firsts.len() - 1
     }
 
-    /// All spheres but those that are equal to this one.
+    /// All spheres but `than` and those equal to it; all for `None`.
     pub(crate) fn others(&self, than: Option<Ball>) -> Vec<Ball> {
         (0..self.spheres.len()).map(|place| self.ball(place)).filter(|ball| Some(*ball) != than).collect()
     }

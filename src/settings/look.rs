@@ -9,10 +9,10 @@ use glam::DVec3;
 /// Samples per pixel of the look `soft`.
 const SOFT_SAMPLES: u32 = 4;
 
-/// A name for several options.
+/// A preset: one name for shading, lines, depth cue, sky and samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Look {
-    /// Nothing.
+    /// No preset.
     #[default]
     Plain,
     /// For particles: a sky, lines, and a light from above left of the camera where the scene has none.
@@ -55,7 +55,7 @@ impl Look {
     }
 }
 
-/// What a file says about the look of its picture.
+/// The look and the samples that a file asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FileLook {
     /// The file holds particles, not a scene.
@@ -100,7 +100,7 @@ impl FileLook {
     }
 }
 
-/// What options add to the light of a scene.
+/// The lights, sky and bounces that options add to a scene.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AddedLight {
     /// The look of the picture.
@@ -124,7 +124,7 @@ impl AddedLight {
     /// is an added sky's where there are lights. The lights and the sky of the scene are as bright as it says.
     ///
     /// # Errors
-    /// Those of [`Light::above_left`].
+    /// Errors of [`Light::above_left`].
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
         if let Some(bounces) = self.bounces.filter(|_| bounces_at_all(scene)) {
             scene.lighting.bounces = Some(bounces);

@@ -1,4 +1,4 @@
-//! What a surface reflects of lights and the sky, in linear RGB.
+//! The visible cap of a sphere: points of a light with a size, toward which rays are traced.
 
 use crate::double_double as dd;
 use glam::DVec3;
@@ -6,7 +6,7 @@ use glam::DVec3;
 /// The cap of a sphere that a point outside of it sees, in the sphere's radius. docs/certificate.md, section 10.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cap {
-    /// From the point toward the centre, and across: of length 1.
+    /// Unit vectors: from the point toward the centre, and two across.
     axes: [DVec3; 3],
     /// Sine and cosine of the angle at which the rim is seen from the axis.
     sine: f64,
@@ -14,8 +14,8 @@ pub(crate) struct Cap {
 }
 
 impl Cap {
-    /// As a point sees it from which the centre lies at `away`, in the unit of `radius`. The point is outside; if it is
-    /// inside, all of the cap is where it is nearest.
+    /// The cap as seen from a point from which the centre lies at `away`, in the unit of `radius`. The point must be
+    /// outside of the sphere; for a point inside, the cap shrinks to the nearest point of the sphere.
     pub(crate) fn new(away: DVec3, radius: f64) -> Self {
         // A power of two brings the larger of both into [1, 2), so that their squares are within f64.
         let e = -dd::exponent(away.abs().max_element().max(radius));

@@ -1,4 +1,4 @@
-//! What rays that hit nothing show.
+//! The background: the colours of rays that hit nothing.
 
 use super::View;
 use crate::scene::{Gradient, Scene};

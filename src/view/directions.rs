@@ -1,9 +1,10 @@
 //! Directions toward the sky and points of a disc, for rays from a hit: evenly spread sets, of which each sample of a pixel
 //! takes its part, and which are turned at random for each pixel.
 //!
-//! A set is made once per frame. The turn of a disc is a hash of the pixel's row and column in the full frame and the seed, so
-//! that crops, tiles and frames agree; the same hash chooses one of the turns of a sky, which are made with the set. All arithmetic is + - * / and square roots of f64 in a fixed order, which
-//! IEEE 754 determines to the last bit: the numbers are the same on every machine, and are taken as exact afterwards.
+//! A set is made once per frame. The turn of a disc is a hash of the pixel's row and column in the full frame and the
+//! seed, so that crops, tiles and frames agree; the same hash chooses one of the turns of a sky, which are made with
+//! the set. All arithmetic is + - * / and square roots of f64 in a fixed order, which IEEE 754 determines to the last
+//! bit: the numbers are the same on every machine, and are taken as exact afterwards.
 
 #[cfg(test)]
 mod tests;
@@ -132,16 +133,18 @@ fn at_turn(share: f64) -> [f64; 2] {
 /// white surfaces vary.
 #[derive(Debug, Clone)]
 pub(crate) struct SkyDirections {
-    /// The lattice in every turn.
+    /// The directions of every turn, one turn after the other.
     turned: Vec<[f32; 3]>,
     /// Directions of one turn.
     count: usize,
 }
 
-/// The least and the most turns; as many between them as have so many directions together.
+/// The least and the most turns. Between them, the number of turns is [`TURNED`] over the number of directions, rounded
+/// up to a power of two.
 const TURNS: [u32; 2] = [1 << 8, 1 << 12];
 const TURNED: u32 = 1 << 14;
-/// The most directions in all turns but one, which so many rays do not need.
+/// The most directions in all turns, before the number of turns is rounded up to a power of two; a set has at least one
+/// turn.
 const MOST_TURNED: u32 = 1 << 22;
 
 impl SkyDirections {
@@ -168,7 +171,7 @@ impl SkyDirections {
         Self { turned: Vec::new(), count: 0 }
     }
 
-    /// A lattice in all turns, which are uniform among the rotations.
+    /// The directions of a lattice in all turns, which are uniform among the rotations.
     fn turn_all(lattice: Vec<[f64; 3]>) -> Self {
         let that_have = |directions: u32| directions / lattice.len().max(1) as u32;
         let turns = that_have(TURNED).clamp(TURNS[0], TURNS[1]).min(that_have(MOST_TURNED)).max(1).next_power_of_two();
@@ -275,7 +278,7 @@ pub(crate) fn lens_point(strata: u32, sample: u32, seed: u32) -> [f64; 2] {
 /// The purpose of a lens's random numbers: more than any light's.
 const LENS: u32 = u32::MAX;
 
-/// How the points of a light are turned: the same for all samples of a pixel.
+/// The turn of the points of a light, as cosine and sine: the same for all samples of a pixel.
 fn turn(at: PixelSample, light: u32) -> [f64; 2] {
     // The purpose 0 is the sky.
     PixelSample { sample: 0, ..at }.turn(light.wrapping_add(1))

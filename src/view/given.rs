@@ -7,14 +7,14 @@ use crate::error::{Error, Result};
 pub struct Rays<'a> {
     /// One point per direction, or a single one for all.
     pub origins: &'a [[f64; 3]],
-    /// Of any length but zero.
+    /// One direction per ray, of any length but zero.
     pub directions: &'a [[f64; 3]],
     /// One limit per direction, in units of the direction, or none at all. A hit at t counts only if t < limit; +inf
     /// is no limit, and with a limit of 0 or less nothing is hit.
     pub limits: &'a [f64],
 }
 
-/// One of them.
+/// One ray of [`Rays`].
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct GivenRay {
     pub(crate) origin: [f64; 3],

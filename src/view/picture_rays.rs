@@ -1,10 +1,10 @@
-//! Where viewing rays meet spheres, in f64 without bounds: good enough for the colours and lines of a picture.
+//! Hits of viewing rays on spheres, in f64 without bounds: accurate enough for the colours and lines of a picture.
 
 use super::View;
 use crate::double_double as dd;
 use glam::DVec3;
 
-/// Where a sphere is farther away than this many radii, f64 does not know its normals to seven digits.
+/// The distance, in radii, beyond which f64 does not give a sphere's normals to seven digits.
 const FARTHEST: f64 = (1u64 << 30) as f64;
 
 /// A normal is off by at most 2^-29 where the discriminant is at least this part of |d|^2 |p|^2: docs/certificate.md,
@@ -14,22 +14,22 @@ const SHARP: f64 = 1.0 / (1u64 << 35) as f64;
 /// The viewing rays of a view.
 pub(crate) struct PictureRays<'a> {
     view: &'a View,
-    /// From the scene's unit to the frame's, in which squares neither overflow nor vanish.
+    /// The factor from the scene's unit to the frame's, in which squares neither overflow nor vanish.
     scale: f64,
 }
 
-/// Where a viewing ray meets a sphere.
+/// The hit of a viewing ray on a sphere.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PictureHit {
     /// The direction of the ray, of length 1.
     pub(crate) along: DVec3,
     /// Normal of length 1, against the ray; of no use unless `near`.
     pub(crate) normal: DVec3,
-    /// The ray comes from outside.
+    /// Whether the ray comes from outside of the sphere.
     pub(crate) outside: bool,
-    /// The sphere is near enough for its normal to be known.
+    /// Whether the sphere is near enough for its normal to be known.
     pub(crate) near: bool,
-    /// The normal is off by at most 2^-29.
+    /// Whether the normal is off by at most 2^-29.
     pub(crate) sharp: bool,
 }
 
@@ -38,14 +38,14 @@ impl<'a> PictureRays<'a> {
         Self { view, scale: dd::ldexp(1.0, -view.unit) }
     }
 
-    /// Where the viewing ray of this pixel meets a sphere. A ray that f64 lets pass beside it meets the point that is
-    /// nearest to the ray.
+    /// The hit of this pixel's viewing ray on a sphere. Where the ray passes beside the sphere in f64, the point of the
+    /// sphere that is nearest to the ray is the hit.
     #[inline(always)]
     pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
         self.hit_at(self.view.parallel, self.view.record.position(pixel), center, radius)
     }
 
-    /// The same for a row and a column of the view's frame. Without branches where it is known whether rays are parallel, so that
+    /// The hit for a row and a column of the view's frame. It has no branches where `parallel` is a constant, so that
     /// compilers make vectors of loops over it.
     #[inline(always)]
     pub(crate) fn hit_at(&self, parallel: bool, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
@@ -60,7 +60,7 @@ impl<'a> PictureRays<'a> {
         }
     }
 
-    /// The depth of that point along the view axis, in the scene's unit.
+    /// The depth of the hit along the view axis, in the scene's unit.
     pub(crate) fn depth(&self, pixel: u32, center: [f64; 3], radius: f64) -> f64 {
         let position = self.view.record.position(pixel);
         let Meeting { forward, t, .. } = self.meeting(self.view.parallel, position, center, radius);

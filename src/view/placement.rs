@@ -1,4 +1,4 @@
-//! Where a set of spheres stands in the world: its own origin and unit.
+//! Placement of a set of spheres: its own origin and unit.
 
 use crate::double_double::{self as dd, Dd};
 use glam::DVec3;

@@ -21,7 +21,8 @@ pub(crate) struct Raster {
     /// J: finer pixels along a side of a stratum, a power of two.
     pub(crate) jitter: u32,
     pub(crate) seed: u32,
-    /// How far the frame of a point of a lens lies beside that of the eye: columns to the right and rows down.
+    /// The offset of the frame of a point of a lens from the frame of the eye: columns to the right and rows down; 0
+    /// for a pinhole.
     pub(crate) aside: [f64; 2],
 }
 

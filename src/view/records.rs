@@ -20,7 +20,7 @@ pub struct ViewRecord {
     /// W of the frame whose middle is the principal point and whose pixels are the places of rays: the image; with several
     /// samples per pixel, or another principal point, a finer or larger frame.
     pub width: u32,
-    /// H likewise.
+    /// H of the same frame.
     pub height: u32,
     /// First row, in the full frame, of the window or of the band that a dispatch renders.
     pub first_row: u32,
@@ -58,7 +58,7 @@ pub struct ViewRecord {
     pub step: u32,
     /// Column in the finer frame of the first place of the image; 0 unless the principal point is not its middle.
     pub shift_column: u32,
-    /// Row likewise.
+    /// Row in the finer frame of the first place of the image.
     pub shift_row: u32,
     /// WGSL rounds the size up to the alignment of the vectors.
     pub unused: [u32; 3],
@@ -159,9 +159,9 @@ pub struct SphereRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub struct SphereResiduals {
-    /// Of centre and radius.
+    /// Rounding errors of centre and radius.
     pub center_radius: [f32; 4],
-    /// Of the power.
+    /// Rounding error of the power.
     pub power: f32,
     /// WGSL rounds the size up to the alignment of center_radius.
     pub unused: [f32; 3],
@@ -185,7 +185,7 @@ impl<R: Number> From<&SphereRecord> for Sphere<R> {
 }
 
 impl<R: Copy> Sphere<R> {
-    /// Every number by `f`.
+    /// The sphere with `f` applied to every number.
     #[inline(always)]
     pub(crate) fn map<S>(&self, f: impl Fn(R) -> S) -> Sphere<S> {
         Sphere { center_radius: self.center_radius.map(&f), power: f(self.power), scale: f(self.scale) }

@@ -57,7 +57,7 @@ impl Picture {
         Shown { width: self.width, ids: &self.ids, depths: &self.depths, radii: &self.radii, pixel }
     }
 
-    /// How dark each pixel becomes.
+    /// The darkness of each pixel, 0 to 1, drawn over white.
     fn lines(&self, between: bool) -> Vec<f32> {
         let mut color = vec![1.0; 3 * self.ids.len()];
         self.shown(PixelSize::Parallel(1.0)).draw(self.full(), between, &mut color);

@@ -21,7 +21,7 @@ pub(super) struct TileBlock {
     /// The middle and half of the extent, in pixels.
     middle: [f64; 2],
     half: [f64; 2],
-    /// The same of the slopes.
+    /// Middle and half of the extent in slopes.
     slope: [f64; 2],
     reach: [f64; 2],
     /// Largest |slope|.
@@ -45,8 +45,8 @@ impl TileBlock {
         Self { middle, half, slope, reach, most, square }
     }
 
-    /// The spheres of `slots` that rays of the cell may hit first: those that no sphere which covers the cell is in front
-    /// of by `margin` of its depth.
+    /// The spheres of `slots` that rays of the cell may hit first. A sphere is dropped if all rays certainly miss it,
+    /// or if another certainly covers the cell and is nearer by more than `margin` of its own depth.
     pub(super) fn kept(&self, spheres: &[General<f64>], slots: &[u32], margin: f64) -> Vec<u32> {
         let mut lows = Vec::with_capacity(slots.len());
         let mut least = f64::INFINITY;
@@ -62,9 +62,9 @@ impl TileBlock {
         spheres.iter().map(|near| self.depths(near)).collect()
     }
 
-    /// Bounds of the depths at which the rays of the cell hit one sphere, without branches: below all lower bounds that the
-    /// kernel computes, infinite for a certain miss of all rays; and, if all rays certainly hit, above the depths of the hits,
-    /// else infinite.
+    /// Bounds of the depths at which the rays of the cell hit one sphere, without branches. The first is below all
+    /// lower bounds that the kernel computes, and infinite if all rays certainly miss. The second is above the depths
+    /// of all hits if all rays certainly hit, else infinite.
     #[inline(always)]
     fn depths(&self, n: &General<f64>) -> [f64; 2] {
         let c = |constant: f32| f64::from(constant);

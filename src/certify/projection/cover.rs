@@ -30,7 +30,8 @@ pub(in crate::certify) struct Coverage {
     margin: f64,
     /// Half of the length of the unit of rho, per unit of depth.
     rise: f64,
-    /// The distance behind a hit from which on spheres are left out, relative to the hit's depth.
+    /// The cull margin of the host: the distance behind a hit from which on spheres are left out, relative to the hit's
+    /// depth.
     behind: f64,
 }
 
@@ -94,8 +95,8 @@ pub(super) struct Outline {
     inner: f64,
     steps: [f64; 2],
     per_step: [f64; 2],
-    /// Upper bound of the hit's depth, relative to the reference like the minima of chunks.
-    /// The least depth from which on a sphere cannot change the pixels.
+    /// The least depth from which on a sphere cannot change these pixels: the upper bound of the hit's depth, and the
+    /// cull margin behind it. Relative to the reference, like the minima of chunks.
     pub(super) limit: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Bounds of the projections of all spheres in a box, so that the group passes without them. Every bound is the operations of
 //! project.rs at the ends of their operands: f64 rounds monotonically, so they bound the rounded numbers of every sphere.
-//! docs/certificate.md, section 11, derives what follows.
+//! docs/certificate.md, section 11, derives them.
 
 use super::project::{Pixels, below, floor};
 use super::{INFLATE, LONGEST, ProjectionBounds, RANGE, STEEPEST, U, U64, WIDEST};
@@ -52,7 +52,7 @@ impl ProjectionBounds {
         }
     }
 
-    /// The same without comparing the box with the sides of the image.
+    /// [`Self::enclose`] without the comparison of the box with the sides of the image.
     #[inline(always)]
     fn project_box(&self, around: &Enclosure) -> Enclosed {
         let [x, y, [near, far]] = self.scaled_axes.map(|axis| around.along(axis, self.basis.e));

@@ -30,11 +30,11 @@ pub(super) struct Aim {
     pub(super) behind: bool,
     /// Entirely in front of it, with every number in the range of the bounds, in the frame's unit or another.
     pub(super) projected: bool,
-    /// In the frame's.
+    /// The numbers are in the range of the bounds in the frame's unit.
     pub(super) in_range: bool,
     /// Depth of the centre in the frame's unit.
     pub(super) depth: f64,
-    /// The sizes of its coordinates, one after the other, summed in f32.
+    /// |x| + |y| + |z| of the centre in the frame's unit, summed in f32 in this order.
     pub(super) coordinates: f32,
     /// The near root is always the hit, and the depth in f64 is as accurate as the kernel assumes.
     pub(super) plain: bool,
@@ -92,8 +92,9 @@ impl LaneBatch {
 /// Eight projected spheres, one array per component.
 #[derive(Zeroable)]
 pub(in crate::certify) struct Eight {
-    /// Nonzero if the sphere is in front and seen; nonzero if it is neither that nor unseen.
+    /// Nonzero if the sphere has a projected record, and some pixel's ray may hit it.
     pub(in crate::certify) projected: [u32; LANES],
+    /// Nonzero if [`ProjectionBounds::stage`] has to classify the sphere.
     pub(in crate::certify) other: [u32; LANES],
     pub(in crate::certify) depth: [f64; LANES],
     chunk_min_depth: [f32; LANES],
@@ -108,7 +109,7 @@ impl Eight {
         Bin { chunk_min_depth: self.chunk_min_depth[l], tiles: [[left, right], [top, bottom]] }
     }
 
-    /// The bins of all; nowhere those that are not projected.
+    /// The bins of all eight; [`Bin::NOWHERE`] for spheres that are not projected.
     #[inline(always)]
     pub(in crate::certify) fn bins(&self) -> [Bin; LANES] {
         let Bin { chunk_min_depth, tiles: [[left, right], [top, bottom]] } = Bin::NOWHERE;
@@ -151,7 +152,7 @@ impl ProjectionBounds {
         self.eight_and(batch, reference, |_, _| ())
     }
 
-    /// The same; `and` takes the lane of each and its place in the image.
+    /// [`Self::eight`], which calls `and` with each lane and its projection.
     #[inline(always)]
     pub(in crate::certify) fn eight_and(
         &self,
@@ -278,7 +279,7 @@ impl ProjectionBounds {
         larger(blur[0], blur[1])
     }
 
-    /// The sphere at `place`; `low` is added to it.
+    /// The record, the bin and the pixels of a sphere whose projected centre is at `place` + `low`, in pixels.
     #[inline(always)]
     fn land(&self, aim: &Aim, place: [f64; 2], low: [f64; 2], reference: f64) -> Landed {
         let mut seen = true;
@@ -362,7 +363,7 @@ impl LowTerms {
         (self.blurred[0] + rho * (self.blurred[1] + rho * self.blurred[2])).sqrt()
     }
 
-    /// That bound, which grows with every argument.
+    /// The bound of all errors of that depth. It grows with every argument.
     #[inline(always)]
     pub(super) fn error(&self, rho: f32, blurred: f32, depth: f32, center: f32, coordinates: f32) -> f32 {
         let size = depth * self.scale[0] + self.scale[1];

@@ -14,7 +14,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Tiles along a side from which on only squares are compared.
+/// Most tiles along a side of a rectangle that is compared tile by tile. A larger one is compared by squares of tiles
+/// alone.
 const COMPARED: u32 = 8;
 
 /// Depths behind which a sphere cannot change a pixel, per pixel and per square of tiles, in the frame's unit.
@@ -23,8 +24,8 @@ pub(in crate::certify) struct DepthPyramid {
     window: Window,
     /// The image's corner in the view's frame.
     corner: [f64; 2],
-    /// Per sample of every pixel of the window, row by row: spheres that lie behind cannot change it. Bits of f32 as ordered
-    /// integers. Without places of samples one per pixel, for all rays through it.
+    /// A depth for every sample of every pixel of the window, row by row: a sphere behind it cannot change the sample.
+    /// Bits of f32 as ordered integers. Without `samples`, one depth for all rays through a pixel.
     limits: Vec<AtomicU32>,
     samples: Option<SamplePlaces>,
     /// The largest limits in squares of 2^k tiles, as of the last refresh.
@@ -84,8 +85,8 @@ impl DepthPyramid {
         pyramid
     }
 
-    /// The same for the rays of `record` one by one, so that spheres smaller than a pixel hide others, unless there are too
-    /// many.
+    /// Gives every sample of `record` a limit of its own, so that spheres smaller than a pixel hide others. Leaves the
+    /// pyramid unchanged for one ray through each pixel's centre, and for too many samples.
     pub(in crate::certify) fn of_samples(
         mut self,
         projection: &ProjectionBounds,
@@ -113,20 +114,20 @@ impl DepthPyramid {
         self
     }
 
-    /// Limits of a pixel.
+    /// Number of limits of a pixel.
     #[inline(always)]
     fn per_pixel(&self) -> usize {
         self.samples.as_ref().map_or(1, |samples| samples.count)
     }
 
-    /// Limits of pixels of a row that follow each other.
+    /// The limits of the pixels of some columns of a row.
     #[inline(always)]
     fn limits(&self, row: u32, columns: Range<u32>) -> &[AtomicU32] {
         let count = self.per_pixel();
         &self.limits[self.place(columns.start, row) * count..self.place(columns.end, row) * count]
     }
 
-    /// Takes over what the spheres since the last refresh cover.
+    /// Computes the levels anew from the limits of the pixels.
     pub(in crate::certify) fn refresh(&mut self) {
         let this = &*self;
         let Window { x0, y0, x1, y1 } = self.window;
@@ -170,7 +171,7 @@ impl DepthPyramid {
         self.hides_within(self.within(pixels), pixels, least)
     }
 
-    /// The same of one of eight spheres.
+    /// [`Self::hides`] for the rectangle in lane `l`.
     #[inline(always)]
     pub(in crate::certify) fn hides_lane(&self, rectangles: &Rectangles, l: usize, least: f32) -> bool {
         let [left, right, top, bottom] = rectangles.within.map(|end| end[l]);
@@ -206,7 +207,8 @@ impl DepthPyramid {
         true
     }
 
-    /// The same by the squares of a level of which at most two side by side contain these tiles.
+    /// [`Self::hides`] for a rectangle of tiles (columns and rows, first and last), by a level with at most two squares
+    /// along each of its sides.
     fn hides_squares(&self, tiles: [[u32; 2]; 2], least: f32) -> bool {
         let [across, down] = tiles.map(|[first, last]| last - first);
         let level = (across.max(down).max(1) - 1).checked_ilog2().map_or(0, |n| n as usize + 1);
@@ -230,7 +232,7 @@ impl DepthPyramid {
         true
     }
 
-    /// The same of the samples within these pixels of the view's frame.
+    /// [`Self::hides_pixels`] for the samples that lie within `pixels` of the view's frame.
     fn hides_samples(
         &self,
         samples: &SamplePlaces,
@@ -258,8 +260,8 @@ impl DepthPyramid {
         })
     }
 
-    /// The first column and row of those pixels of the window that contain these of the view's frame, and those after the last;
-    /// without any, a first is not below its end.
+    /// The columns and the rows of the window's pixels that contain these pixels of the view's frame: each the first
+    /// and one past the last. If there are none, a first is not below its end.
     #[inline(always)]
     fn within(&self, pixels: &Pixels) -> [[u32; 2]; 2] {
         let window = [[self.window.x0, self.window.x1], [self.window.y0, self.window.y1]];
@@ -350,7 +352,7 @@ pub(in crate::certify) struct Rectangles {
 impl Rectangles {
     pub(in crate::certify) const NONE: Self = Self { pixels: [[0.0; LANES]; 4], within: [[0; LANES]; 4] };
 
-    /// Takes that of one sphere.
+    /// Sets lane `l` to the rectangle of a sphere.
     #[inline(always)]
     pub(in crate::certify) fn set(&mut self, l: usize, landed: &Landed, pyramid: &DepthPyramid) {
         let within = pyramid.within(&landed.pixels);
@@ -362,7 +364,7 @@ impl Rectangles {
 }
 
 impl SamplePlaces {
-    /// The places of every pixel from this one on.
+    /// The places of the samples of each pixel, from this pixel on.
     fn of(&self, pixel: usize) -> impl Iterator<Item = &[[u16; 2]]> {
         self.places[pixel * self.count..].chunks_exact(self.count)
     }

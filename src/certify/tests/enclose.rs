@@ -1,4 +1,4 @@
-//! Groups of spheres: what a box is to a frame holds for every sphere in it.
+//! Groups of spheres: each claim about a box holds for every sphere in it.
 
 use crate::certify::TERMS;
 use crate::certify::projection::ProjectionBounds;

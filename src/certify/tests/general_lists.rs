@@ -234,7 +234,7 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
     }
 }
 
-/// One list for the whole image holds what any of its rays may hit first.
+/// One list for the whole image holds every sphere that some ray may hit first.
 #[test]
 fn one_list_serves_the_whole_image() {
     let scene = world("crowd", degrees(40.0), &mut Rng(10));

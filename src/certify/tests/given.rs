@@ -20,8 +20,8 @@ fn vector(random: &mut Rng) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|_| random.between(-1.0, 1.0)))
 }
 
-/// One ray and one sphere of family `kind`: far and tangent but for roundings, or for `off` of the radius; from points that
-/// near to the surface; from the middle; from anywhere.
+/// One ray and one sphere of family `kind`: from afar and tangent but for roundings, or for `off` of the radius; from
+/// points on the surface or just beside it; from near the middle; from anywhere.
 fn case(random: &mut Rng, kind: usize, off: f64) -> Case {
     let center = vector(random) * 10.0;
     let radius = random.between(0.5, 2.0);
@@ -48,11 +48,11 @@ fn case(random: &mut Rng, kind: usize, off: f64) -> Case {
     Case { center: center.to_array(), radius, origin: origin.to_array(), direction: (direction * scale).to_array() }
 }
 
-/// How far the start and the direction of a ray are off: the first in the tree's unit, the second of its length.
+/// Errors of a ray: of its start, in the tree's unit, and of its direction, relative to its length.
 type Off = [f64; 2];
 
-/// What bounds with these terms claim of rays that are off by this much, compared with exact arithmetic: the number of
-/// false claims among `count` cases of a family, and the largest error of a t over its bound.
+/// Compares the bounds with these terms with exact arithmetic, for rays with errors of `blur` and `tilt`. Returns the
+/// number of false claims among `count` cases of a family, and the largest error of a t over its bound.
 fn false_claims(terms: &GivenTerms, kind: usize, count: usize, [blur, tilt]: Off) -> (usize, f64) {
     let random = &mut Rng(5 + kind as u64);
     let (mut wrong, mut worst) = (0, 0.0f64);
@@ -92,7 +92,7 @@ fn false_claims(terms: &GivenTerms, kind: usize, count: usize, [blur, tilt]: Off
 
 const COUNT: usize = 20_000;
 
-/// Rays from points of a surface are off by a few roundings. More, so that nothing else counts.
+/// Errors far larger than the few roundings of rays from surfaces, so that no other error counts.
 const BLURRED: Off = [1e-9, 0.0];
 const TILTED: Off = [0.0, 1e-9];
 

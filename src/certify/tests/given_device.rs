@@ -45,7 +45,7 @@ pub(super) const TERMS: Terms = Terms {
 };
 
 impl Terms {
-    /// Nothing of the blur.
+    /// The terms without that of the blur.
     pub(super) fn sharp(self) -> Self {
         Self { blurs: 0.0, ..self }
     }
@@ -85,18 +85,18 @@ impl<R: Number> Pair<R> {
     }
 }
 
-/// What `meet` weighs.
+/// The numbers by which `meet` of certify/given.wgsl decides, with bounds of their errors.
 pub(super) struct Weighed<R> {
     a: R,
     b: R,
-    /// Of b and of p x d.
+    /// Bound of the error of b and of p x d.
     e: R,
     g: [R; 3],
     disc: R,
     error: R,
     power: R,
     power_error: R,
-    /// Of |d|^2 in a quotient.
+    /// Relative error of |d|^2 in a quotient, by the direction's tilt.
     tilted: R,
 }
 
@@ -226,8 +226,8 @@ fn staged(random: &mut Rng, kind: usize) -> Option<Staged> {
     Some(Staged { case, exact, ray, start: boxes.start, sphere })
 }
 
-/// What bounds with these terms claim, compared with exact arithmetic: whether a claim is false, and the largest share
-/// of the interval of t that the truth is off from its middle.
+/// Compares the bounds with these terms with exact arithmetic: whether a claim is false, and, for a sure hit, the
+/// distance of the exact t from the middle of its interval, over half the interval.
 fn claim<R: Value>(staged: &Staged, terms: &Terms) -> (bool, f64) {
     let Staged { case, exact, ray, start, sphere } = staged;
     let mut one = Spheres::default();
@@ -302,7 +302,8 @@ const CHECKS: [Check; 8] = [
 /// The relative error of evaluating a bound, which INFLATE covers.
 const OWN: f64 = 1.0 / (1u64 << 16) as f64;
 
-/// What roundings in the kernel leave of the blur, in [`PLACED`]: docs/certificate.md, section 9.
+/// The part of the blur that is for roundings in the kernel, in multiples of [`PLACED`]: docs/certificate.md, section
+/// 9.
 const ROUNDED_PLACES: f64 = 5.25;
 
 /// The largest error of a combination of numbers by all roundings, in some order of its sums.

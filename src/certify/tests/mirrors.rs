@@ -1,4 +1,4 @@
-//! What is derived of mirrors and of weights in docs/certificate.md, section 10, against exact numbers.
+//! The bounds of mirrored directions and of weights in docs/certificate.md, section 10, against exact numbers.
 
 use crate::certify::given::EPS;
 use crate::certify::surface::SurfacePoint;
@@ -27,7 +27,7 @@ fn unit(random: &mut Rng) -> DVec3 {
     }
 }
 
-/// The exact sum of a vector and another that is `by` times as long as 1 and across or along it.
+/// The exact sum of `from` and a vector of a length just below `by`, which is across `from` or has any direction.
 fn moved(random: &mut Rng, from: DVec3, by: f64) -> Dyadic3 {
     let aside = if random.bits().is_multiple_of(2) { unit(random).cross(from).normalize() } else { unit(random) };
     let [from, step] = [from, aside * (by * 0.999)].map(|v| dyadic::vector(v.to_array()));

@@ -2,8 +2,9 @@
 //! exceed its bound, or the sum of all roundings exceed its bound. Every condition of `certain` is left out in the same
 //! way.
 //!
-//! The shots that show it are stored in `sabotage.txt`: such a shot exceeds the reduced bound, and stays within the right one.
-//! The search for them is repeated for what has none, and with `tests/run --all`, which prints the lines of the file anew.
+//! The shots that show it are stored in `sabotage.txt`: such a shot exceeds the reduced bound, and stays within the
+//! right one. Shots are searched for constants without a stored one, and for all with `tests/run --all`, which prints
+//! the lines of the file anew.
 
 use super::bounds::Quantity::{self, *};
 use super::bounds::worst;

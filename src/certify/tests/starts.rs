@@ -1,6 +1,6 @@
-//! What devices claim of rays that leave from the hits of a frame (shaders/main/start.wgsl, sky.wgsl) holds in exact
-//! arithmetic, for every rounding that WGSL allows, and the terms of the start's error are needed. The twins are only here: the
-//! CPU path has f64.
+//! The claims of devices about rays from the hits of a frame (shaders/main/start.wgsl, sky.wgsl) hold in exact
+//! arithmetic, for every rounding that WGSL allows, and the terms of the start's error are needed. The twins are only
+//! here: the CPU path has f64.
 
 use super::claims::{Case, Checks, check};
 use super::given_device::{self, Pair, bounds, weigh};
@@ -27,13 +27,13 @@ use rayon::prelude::*;
 struct Terms {
     surface: f32,
     way: f32,
-    /// Of the product of normal and direction.
+    /// Error of the product of normal and direction, in multiples of UNIT.
     cosine: f32,
-    /// All of the normal's bound.
+    /// Factor of the bound of the normal's error.
     turn: f32,
-    /// All of the way's.
+    /// Factor of the bound of the error of the way from the eye.
     doubt: f32,
-    /// Of the way to a light.
+    /// Error of the way to a light, in multiples of UNIT and of the lengths that it is made of.
     aim: f32,
     given: given_device::Terms,
 }
@@ -41,7 +41,7 @@ struct Terms {
 const STARTS: Terms =
     Terms { surface: SURFACE, way: WAY, cosine: 8.0, turn: 1.0, doubt: 1.0, aim: 4.0, given: given_device::TERMS };
 
-/// The least error of a start, of the radius.
+/// Least bound of a start's error, relative to the radius.
 const BLURRED: f32 = 1.0 / (1u64 << 45) as f32;
 
 /// The error of two places on the grid.
@@ -62,7 +62,7 @@ struct Start<R> {
 }
 
 impl<R: Value> Start<R> {
-    /// The twin of `keep_start` and `start_of`. `none` of [`Answer::turn`] is 0.
+    /// The twin of `keep_start` and `start_of`, for an answer with [`Answer::turn`] above 0.
     fn new(
         terms: &Terms,
         (staged, view): (&Staged<'_>, &ViewRecord),
@@ -102,7 +102,8 @@ impl<R: Value> Start<R> {
 }
 
 impl<R: Value> Start<R> {
-    /// The twin of `next_ray`: a direction, what it is off by, and where a light ends the ray; `None` where it tells too little.
+    /// The twin of `next_ray`: a direction, the bound of its relative error, and t of the light that ends the ray, if
+    /// one does; `None` where the error is too large.
     fn toward(&self, terms: &Terms, record: &DirectionRecord) -> Option<([R; 3], R, Option<f32>)> {
         let c = R::from_f32;
         let three = |of: [u32; 4]| [0, 1, 2].map(|n| f32::from_bits(of[n]));
@@ -131,14 +132,14 @@ struct Staged<'a> {
     eye: Option<(f32, OnGrid)>,
 }
 
-/// A ray from a hit, and what is true of it.
+/// A ray from a hit, with the exact answers about it.
 struct Shot {
     record: DirectionRecord,
     /// The other sphere's place.
     other: usize,
-    /// The sphere of the hit hides what is there.
+    /// Whether the ray goes behind the surface of the hit.
     behind: bool,
-    /// The other sphere hides it, on the side of the normal.
+    /// Whether the other sphere hides the ray's target, with the ray turned to the side of the normal.
     hidden: bool,
 }
 
@@ -157,7 +158,7 @@ fn aim(random: &mut Rng, hit: DVec3, center: DVec3, radius: f64) -> DVec3 {
     (toward + rim * radius * (1.0 + off)).normalize()
 }
 
-/// The claims about some rays of a pixel that are false, and how many were made, in one way to round.
+/// The number of false claims about some rays of a pixel, and the number of all claims, in the number type R.
 fn claims<R: Value>(case: &Case, terms: &Terms, at: [u32; 2], staged: &Staged<'_>, shots: &[Shot]) -> [u32; 2] {
     case.with::<R, _>(&case.binned, &TERMS, |twin| {
         let s = twin.slopes(at[0], at[1]);
@@ -206,7 +207,7 @@ fn claims<R: Value>(case: &Case, terms: &Terms, at: [u32; 2], staged: &Staged<'_
     })
 }
 
-/// False claims and all of them over scenes of a family.
+/// The number of false claims and of all claims, over scenes of a family.
 fn false_claims(terms: &Terms, family: usize, scenes: u64) -> [u32; 2] {
     let random = &mut Rng(0x57a2 + family as u64);
     let mut count = [0, 0];

@@ -15,7 +15,7 @@ use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// How a number was computed, from earlier numbers.
+/// The operation that computed a number, with the indices of its operands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Op {
     /// The bits of a given f32: a constant, or a number of a record.

@@ -6,7 +6,7 @@ use crate::testing::Rng;
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// How the adversary rounds inexact results.
+/// The adversary's rule for rounding inexact results.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mode {
     /// Up, always.

@@ -1,4 +1,5 @@
-//! What is written of a strip: the twin of main/certified.wgsl and of shade/, in loops over lanes.
+//! The outputs of a strip's pixels, from the certified answers to the buffers: the twin of main/certified.wgsl and of
+//! shade/, in loops over lanes.
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
@@ -15,14 +16,14 @@ use crate::view::ViewRecord;
 use crate::view::ray::{NONE, UNSURE};
 use std::ops::Range;
 
-/// What the strips of a frame share.
+/// The inputs of all strips of a frame: the rays and lists, the requested outputs, and the spheres' colours.
 pub(super) struct StripFrame<'a> {
     pub(super) certify: Certify<'a, f32>,
     pub(super) kernel: &'a Kernel,
     pub(super) colors: Option<&'a [[f32; 3]]>,
 }
 
-/// What is written of a strip, one array per component; anything where a buffer is not requested.
+/// The values of a strip's pixels, one array per component. Those of a buffer that is not requested are unspecified.
 pub(super) struct Pixels<const N: usize> {
     id: [u32; N],
     t: [f32; N],
@@ -42,7 +43,7 @@ impl<const N: usize> Pixels<N> {
         color: [[0.0; N]; 3],
     };
 
-    /// Of a strip whose rays end in `two`.
+    /// The pixels of a strip for which the search has ended with `two`.
     #[inline(always)]
     pub(super) fn new(frame: &StripFrame<'_>, strip: &Strip<N>, two: &NearestTwos<N>) -> Self {
         let [red, green, blue, _] = frame.certify.view.background;
@@ -85,7 +86,7 @@ impl<const N: usize> Pixels<N> {
         }
     }
 
-    /// World normals.
+    /// Sets the normals, in world space; 0 on a miss.
     #[inline(always)]
     fn turn(&mut self, view: &ViewRecord, answers: &StripAnswers<N>, two: &NearestTwos<N>) {
         let (view, slot, [_, _, x, y, z]) = (*view, two.slot, answers.numbers);
@@ -98,7 +99,7 @@ impl<const N: usize> Pixels<N> {
         self.normal = normal;
     }
 
-    /// Colours of the hits; the others keep the background.
+    /// Sets the colours of the hits. The other pixels keep the background.
     #[inline(always)]
     fn shade(
         &mut self,
@@ -132,7 +133,7 @@ impl<const N: usize> Pixels<N> {
         self.color = color;
     }
 
-    /// Writes those of these pixels, from the place `at` on, that `band` contains.
+    /// Writes the pixels that `band` contains. The strip begins at row `i` and column `first` of the image.
     #[inline(always)]
     pub(super) fn write(&self, band: &mut Band<'_>, [i, first]: [u32; 2], triples: &impl Triples) {
         let [columns, rows] = [&band.columns, &band.rows];
@@ -187,7 +188,8 @@ pub(super) struct Band<'a> {
 /// Pixels of a row of a tile.
 const ROW: usize = TILE as usize;
 
-/// Writes these lanes of every row of a strip, each from its place on; nothing if the buffer is not requested.
+/// Writes `lanes` of every row of a strip to `out`, from the place of the row on. Writes nothing if the buffer is not
+/// requested.
 #[inline(always)]
 fn put<T: Copy, const N: usize>(
     out: &mut [T],

@@ -1,4 +1,4 @@
-//! Three components per lane become lane after lane: what buffers of normals and colours hold.
+//! Interleaves arrays of components into triples, lane after lane, as buffers of normals and colours hold them.
 
 /// Interleaves components.
 pub(super) trait Triples: Copy + Send + Sync {

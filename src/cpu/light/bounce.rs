@@ -18,24 +18,25 @@ use glam::DVec3;
 /// A ray with less weight than this is not followed: it changes a picture of 8 bits by less than half a level.
 const NEGLIGIBLE: f64 = 1.0 / 512.0;
 
-/// A ray that goes on.
+/// A ray that goes on from a mirror or through glass, or the viewing ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Onward {
     from: SurfacePoint,
-    /// Of length 1, off by `tilt`.
+    /// The direction, of length 1, with an error of up to `tilt`.
     along: DVec3,
     tilt: f64,
     /// It goes through the sphere that it starts from.
     within: bool,
     /// The part of its light that reaches the eye.
     weight: DVec3,
-    /// How many rays came before it.
+    /// Number of rays before it on the path: 0 for the viewing ray.
     depth: u32,
     proved: bool,
 }
 
-/// The light that reaches a point over mirrors and glass, toward where a ray in the unit direction `along` comes from,
-/// and whether every ray of it is proved. `waiting` holds the rays that are still to be followed; it is empty before and after.
+/// The light that `point` reflects or lets through, back along a viewing ray in the unit direction `along`, and whether
+/// every ray that brings it is proved. `waiting` holds the rays that are still to be followed; it is empty before and
+/// after.
 pub(super) fn follow(
     waiting: &mut Vec<Onward>,
     at_point: &mut PointLight<'_>,
@@ -160,17 +161,17 @@ impl Onward {
     }
 }
 
-/// The place of the sphere that the ray starts from.
+/// Stands for the place of the sphere that the ray starts from.
 const OWN: usize = usize::MAX;
 
-/// The search of one ray.
+/// The search for the first hit of one ray.
 struct NearestOf<'a> {
     tree: &'a Tree,
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
     from: &'a SurfacePoint,
     limit: f32,
-    /// The hit of the sphere that the ray starts from.
+    /// The hit of the sphere that the ray starts from, if the ray goes through it.
     own: Foremost,
 }
 

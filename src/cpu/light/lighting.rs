@@ -31,25 +31,25 @@ pub(crate) struct LightingContext<'a> {
     pub(crate) view: &'a View,
     pub(crate) tree: &'a Tree,
     pub(crate) outputs: LightOutputs,
-    /// Decides what f64 leaves unsure; `None` for answers that are not certified.
+    /// Decides the answers that f64 leaves unsure; `None` for answers that are not certified.
     pub(crate) judge: Option<&'a Judge>,
     /// The judge decides every ray.
     pub(crate) exact: bool,
     pub(crate) sky: Option<Sky>,
-    /// The light of its colours; `None` for white.
+    /// The light of the sky's colours; `None` for a white sky.
     pub(crate) colors: Option<SkyLight>,
-    /// What rays that hit nothing show.
+    /// The background, for rays that hit nothing.
     pub(crate) backdrop: Backdrop<'a>,
     pub(crate) directions: &'a SkyDirections,
-    /// The direction in which rough metal scatters a ray.
+    /// Directions in which rough metal scatters rays.
     pub(crate) scattered: &'a SkyDirections,
     pub(crate) disc: &'a DiscPoints,
     pub(crate) seed: u32,
     /// The light of the open sky at the hits of viewing rays, if it is known.
     pub(crate) open: Option<&'a OpenSky>,
-    /// What a device found of the rays from the hits of viewing rays.
+    /// A device's answers to the rays from the hits of viewing rays; `None` if it traced none.
     pub(crate) traced: Option<Traced<'a>>,
-    /// How often a ray goes on; 0 where no material asks for it.
+    /// Most rays that follow each other from mirrors and through glass; 0 if no material asks for any.
     pub(crate) bounces: u32,
 }
 

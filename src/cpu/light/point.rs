@@ -16,13 +16,15 @@ use glam::{DVec3, Vec3};
 /// The rays of one light from one point.
 #[derive(Debug, Clone, Copy, Default)]
 struct LightShare {
-    /// Rays, and those of them that are hidden.
+    /// Number of rays to the light.
     rays: u32,
+    /// Number of them that are hidden.
     hidden: u32,
-    /// The sum of the cosines of the others, and of their highlights.
+    /// The sum of the cosines of the rays whose light counts.
     reflected: f64,
+    /// The sum of their highlights.
     gloss: f64,
-    /// A point of the rim is hidden, or open.
+    /// Whether a point of the rim is hidden, and whether one is open.
     rim: [bool; 2],
     /// The point is on the light.
     shines: bool,
@@ -30,11 +32,11 @@ struct LightShare {
     inside: bool,
 }
 
-/// The share of a light of which only points of the rim are hidden, or seen: so small that it changes no mean.
+/// The share that is hidden, or seen, of a light of which only points of the rim are: so small that it changes no mean.
 const NEARLY: f32 = 1.0 / (1u32 << 16) as f32;
 
 impl LightShare {
-    /// Adds a ray that is not hidden, with its cosine and its highlight.
+    /// Adds the cosine and the highlight of a ray whose light counts.
     fn add(&mut self, [cosine, gloss]: [f64; 2]) {
         self.reflected += cosine;
         self.gloss += gloss;
@@ -60,14 +62,16 @@ impl LightShare {
     }
 }
 
-/// The sky's rays from one point: their cosines, all of them and those that are open.
+/// The sky's rays from one point: the sum of all cosines, and the sum over open rays.
 #[derive(Debug, Clone, Copy, Default)]
 struct SkyShare {
     all: f64,
     open: f64,
-    /// Where the sky has colours: the sums of cosine times colour, and the light of the whole sky.
+    /// The sum of cosine times colour over all rays, for a sky with colours.
     all_light: DVec3,
+    /// The same over the open rays.
     open_light: DVec3,
+    /// The light of the whole sky.
     whole: DVec3,
 }
 
@@ -96,7 +100,7 @@ enum PendingRay {
     Inside(usize),
 }
 
-/// Lights and sky at one point after the other.
+/// The light from all lights and the sky at one point; one value serves point after point.
 pub(super) struct PointLight<'a> {
     pub(super) lighting: &'a LightingContext<'a>,
     /// Toward each light that is infinitely far, of length 1.
@@ -125,8 +129,8 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// Takes the surface that a ray meets in the unit direction `along`, under a sky whose open light is this, and forgets
-    /// the one before. What far lights give it is known without rays, unless something hides them.
+    /// Begins the surface that a ray in the unit direction `along` meets, and forgets the one before. `sky` is the
+    /// light of the open sky there. Infinitely far lights are added at once, without rays, as if nothing hid them.
     pub(super) fn begin(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
         self.unsure.clear();
         // A white sky's light is its open share.
@@ -147,14 +151,15 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// Traces rays to all lights for which the surface alone does not tell.
+    /// Traces rays to all lights for which [`Self::begin`] does not suffice.
     pub(super) fn trace_lights(&mut self, point: &SurfacePoint, at: PixelSample) {
         for n in 0..self.lights.len() {
             self.light(point, n, at);
         }
     }
 
-    /// Takes over for every light whether something hides it; none has a size.
+    /// Applies a device's answers for the lights, none of which has a size. `is_open` tells for each whether nothing
+    /// hides it.
     pub(super) fn apply_traced_lights<'p>(
         &mut self,
         point: impl Fn() -> &'p SurfacePoint,
@@ -189,7 +194,7 @@ impl<'a> PointLight<'a> {
         [cosine, ray.filter(|_| cosine > 0.0).map_or(0.0, highlight)]
     }
 
-    /// Takes over which of the sky's rays are open.
+    /// Sums the sky's rays, whose answers are known. `is_open` tells for each whether nothing hides the sky there.
     pub(super) fn open_sky(&mut self, surface: &Surface, at: PixelSample, is_open: impl Fn(usize) -> bool) {
         self.begin_sky(surface);
         let directions = self.lighting.directions.of(at, 0);
@@ -235,7 +240,7 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// Nothing of a far light arrives.
+    /// Counts an infinitely far light as hidden, and with shadows takes its light away.
     fn hide_far(&mut self, n: usize) {
         self.lights[n].hidden = 1;
         if self.lighting.scene.lighting.shadows {
@@ -399,7 +404,7 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// Counts a ray that is hidden.
+    /// Counts a ray to light `n` as hidden. Without shadows its light counts all the same.
     fn hide(&mut self, n: usize, seen: [f64; 2]) {
         self.lights[n].hidden += 1;
         if !self.lighting.scene.lighting.shadows {
@@ -445,8 +450,8 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// The light that the point reflects of lights and the sky, or shines with, toward where a ray in the unit direction
-    /// `along` comes from.
+    /// The colour of the surface for a ray in the unit direction `along`: the light of lights and sky that it reflects
+    /// back along the ray, and the light that it shines with.
     pub(super) fn color(&self, surface: &Surface, along: DVec3) -> DVec3 {
         let scene = self.lighting.scene;
         // Light passes through the far side of a clear sphere.

@@ -3,7 +3,7 @@
 use crate::certify::surface::SurfacePoint;
 use glam::DVec3;
 
-/// What the colour of a hit depends on beside the light.
+/// The properties of a hit that decide its colour under given light.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
     pub(super) id: u32,

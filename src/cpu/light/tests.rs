@@ -16,7 +16,7 @@ use families::{FAMILIES, Family};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// What was compared.
+/// The numbers of compared points and rays, of undecided rays, and of wrong answers.
 #[derive(Debug, Default)]
 struct Score {
     points: u32,
@@ -82,7 +82,7 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
     score
 }
 
-/// The normals that weigh rays to the sky.
+/// Compares the normals that f64 takes as sharp, which weigh rays to the sky, with those of the judge.
 #[test]
 fn sharp_normals_are_off_by_less_than_2_to_the_minus_29() {
     let of_family = |family: &Family| {
@@ -142,7 +142,8 @@ fn a_million_points_are_exact() {
     assert_eq!((sum(&|s| s.acne), sum(&|s| s.leaks)), (0, 0));
 }
 
-/// What every renderer does that moves the start of a ray off its surface by a thousandth of the radius.
+/// Negative control: rays start a thousandth of the radius off the surface, as in renderers with an epsilon. Some
+/// answers are then wrong.
 #[test]
 fn a_planted_epsilon_is_caught() {
     let wrong = FAMILIES.par_iter().map(|family| {

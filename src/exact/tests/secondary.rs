@@ -73,7 +73,7 @@ fn spheres_that_touch_the_hit_hide_what_they_cover() {
     assert_eq!(hidden(&[beside], &lights), [true, false, false]);
 }
 
-/// From inside, the sphere itself hides the sky and what is outside it.
+/// From inside, the sphere itself hides the sky and everything outside it.
 #[test]
 fn a_hit_from_inside_sees_what_is_inside() {
     let judge = judge(Camera::CANONICAL, [1, 1], &[([0.0, 0.0, 0.0], 4.0), ([0.0, 0.0, -2.0], 0.5)]);

@@ -16,11 +16,12 @@ use crate::view::ViewRecord;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The hits of a frame on the device.
+/// The hits that a frame leaves on the device, from which rays start.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Starts {
     pub(super) record: ViewRecord,
-    /// The exponent of the unit in which the ways from the eye are. Another view of the same pixels may have another.
+    /// The exponent of the unit of the vectors from the eye to the hits. Another view of the same pixels may have
+    /// another.
     pub(super) unit: i32,
 }
 
@@ -69,7 +70,7 @@ impl Reach {
         jobs.map(|(centers, radii)| centers.iter().zip(radii).fold(none, one)).reduce(|| none, both)
     }
 
-    /// Exponents between which those of all sizes and distances from `eye` are; `None` where they may be too far apart.
+    /// Bounds of the exponents of all sizes and of all distances from `eye`; `None` where they may be too far apart.
     pub(crate) fn sizes(&self, eye: DVec3) -> Option<[i32; 2]> {
         let near = (self.low - eye).max(eye - self.high).max_element().max(0.0);
         let far = (self.high - eye).abs().max((eye - self.low).abs()).max_element();
@@ -81,8 +82,8 @@ impl Reach {
     }
 }
 
-/// What records depend on: the camera, the promise and the tiles of the window. The camera's numbers in f64 are not enough: the
-/// host projects in double-double.
+/// Cache key of placed records: camera, tolerance and lens as the device reads them, tiles of the window. The records
+/// hold the camera in f64 only, and the host projects in double-double, so the exact camera is compared too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PlacedFor {
     pub(super) camera: Camera,
@@ -100,11 +101,12 @@ pub(crate) struct Held {
     /// The ids of the spheres that the host placed, in the last block.
     guests: Vec<u32>,
     pub(super) pieces: u32,
-    /// The last view for which they were placed, its tiles, and what the host found.
+    /// The key of the last placing, and the spheres that the host placed or listed for it.
     pub(super) placed: Option<(PlacedFor, BinnedScene)>,
     pub(in crate::gpu) has_colors: bool,
     pub(in crate::gpu) has_lists: bool,
-    /// The colours where no one can change them; their address, and the frame in which they were sent.
+    /// Identity of the colours: their list where no one can change it; their address, and the frame in which they were
+    /// sent.
     colors: (Option<List<[f32; 3]>>, Option<usize>, u64),
 }
 
@@ -118,7 +120,7 @@ impl Held {
         Block::records(count as u32)
     }
 
-    /// Sends the spheres of a scene in blocks of `size`; also the bytes that were sent.
+    /// Sends the spheres of a scene in blocks of `size` spheres; returns also the number of bytes sent.
     pub(super) fn new(open: &Open, spheres: &Spheres, frame: u64, size: usize) -> (Self, u64) {
         let (mut blocks, mut sent) = (Vec::new(), 0);
         let all = spheres.centers.chunks(size).zip(spheres.radii.chunks(size));
@@ -145,7 +147,7 @@ impl Held {
         (held, sent)
     }
 
-    /// Whether these are the spheres of a scene in a frame.
+    /// Whether the held spheres, with their colours, are those of a scene in frame `frame`.
     pub(super) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
         let colors = match (&self.colors, &spheres.colors) {
             ((Some(kept), ..), Some(colors)) => kept.is_same(colors),
@@ -160,7 +162,7 @@ impl Held {
         slot.checked_sub(self.count).map_or(slot, |guest| self.guests[guest as usize])
     }
 
-    /// Takes the spheres that the host placed, in a block of their own; the bytes that were sent.
+    /// Replaces the spheres that the host placed, in a block of their own; returns the number of bytes sent.
     pub(super) fn set_guests(&mut self, open: &Open, guests: &[Placed]) -> u64 {
         self.blocks.retain(|block| block.spheres.is_some());
         self.guests = guests.iter().map(|placed| placed.detail.id).collect();
@@ -189,7 +191,7 @@ impl Held {
 }
 
 impl Block {
-    /// Bytes of the records of so many spheres: two of 16 bytes, and depths in pairs.
+    /// Bytes of the records of `count` spheres: two of 16 bytes, and depths in pairs.
     fn records(count: u32) -> u64 {
         32 * u64::from(count) + 16 * u64::from(count.div_ceil(2))
     }
@@ -210,7 +212,7 @@ impl Block {
     }
 }
 
-/// What the device says after placing.
+/// Counters and the spheres left to the host, read back after the placing pass.
 pub(super) struct Counts {
     pub(super) summary: PlacedSummary,
     pub(super) host: u32,
@@ -223,7 +225,7 @@ pub(super) fn pieces(numbers: &[u32]) -> u64 {
 }
 
 impl Counts {
-    /// From the numbers of the summary.
+    /// The counts in the words of the summary.
     pub(super) fn new(numbers: &[u32]) -> Self {
         let range = |at: usize| {
             let [least, most] = [numbers[at], numbers[at + 1]];

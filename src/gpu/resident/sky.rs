@@ -28,20 +28,20 @@ const SKY: Program = Program::Step(Step::Sky);
 const NODES: &str = "nodes of hits";
 const SPHERES: &str = "spheres of hits";
 
-/// What is traced from the hits of the frame that was rendered last.
+/// A request for rays from the hits of the last frame toward the sky and lights.
 #[derive(Clone, Copy)]
 pub(crate) struct SkyRays<'a> {
-    /// Over the spheres that the device holds.
+    /// The tree over the spheres that the device holds.
     pub(crate) tree: &'a Tree,
-    /// Of the frame's pixels, in any unit.
+    /// The view of the frame's pixels, in any unit.
     pub(crate) view: &'a View,
-    /// Of every turn, and then of the lights.
+    /// The directions toward the sky in every turn of their lattice, then those toward the lights.
     pub(crate) directions: &'a [DirectionRecord],
-    /// All but the numbers of dispatches, of turns and of the eye.
+    /// The parameters, but for the numbers of dispatches, of turns and of the eye, which [`Gpu`] fills in.
     pub(crate) record: SkyRecord,
 }
 
-/// What a device finds of rays from the hits.
+/// The result of tracing rays from the hits on a device.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum SkyTraced {
     /// For each pixel the words of [`Traced`], a bit for each ray whose end nothing hides, and behind them one if the host has to
@@ -49,7 +49,7 @@ pub(crate) enum SkyTraced {
     Words(Vec<u32>),
     /// The last frame was not this one, or left no hits.
     NoHits,
-    /// Why the device cannot trace.
+    /// The reason why the device cannot trace.
     Refused(String),
 }
 
@@ -67,7 +67,7 @@ pub(crate) struct SkyRecord {
     /// 1 for only every second pixel, as on a chessboard.
     pub(crate) chessboard: u32,
     pub(crate) groups: u32,
-    /// Limits of the rays toward the sky between which the exact one lies, in the tree's unit for these directions.
+    /// Bounds below and above the exact limit of rays toward the sky, in the tree's unit for these directions.
     pub(crate) sure_limit: f32,
     pub(crate) limit: f32,
     pub(crate) unit: f32,
@@ -99,7 +99,7 @@ impl Gpu {
     /// Traces rays from the hits of the last frame. `go_on` is called with the number of completed pixels.
     ///
     /// # Errors
-    /// Those of the device, and [`Error::Interrupted`].
+    /// Errors of the device, and [`Error::Interrupted`].
     pub(crate) fn trace_sky(&mut self, rays: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<SkyTraced> {
         let is_of = |starts: &Starts| window(&starts.record) == window(&rays.view.record);
         let starts = match self.starts {

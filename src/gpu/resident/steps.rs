@@ -33,7 +33,8 @@ const LEAST: u32 = 0;
 const SLOTS: u32 = 1;
 const PAIRS_OF_UNSURE: u32 = 2;
 
-/// Spheres for the host, and pairs, that come back with the submission that counts them.
+/// The most spheres for the host, and the most pairs, that are read back together with their numbers; more of them take
+/// one more submission.
 const FIRST: u32 = 1 << 12;
 
 /// Bytes of the summary before its list.
@@ -65,7 +66,7 @@ impl Gpu {
         Ok(Counts::new(&self.summarize(blocks, Step::Place)?))
     }
 
-    /// Cuts the large ones of the spheres that the host placed; the number of pieces of all.
+    /// Cuts the large spheres among those that the host placed; returns the number of pieces of all spheres.
     pub(super) fn cut_guests(&mut self, block: &Block) -> Result<u64> {
         Ok(pieces(&self.summarize([block], Step::Guests)?))
     }
@@ -125,7 +126,8 @@ impl Gpu {
         })
     }
 
-    /// The spheres at pixels that are not proved, after [`Gpu::submit_steps`]: pixel and slot; `None` where there are too many.
+    /// The pairs of an unproved pixel and a sphere's slot, after [`Gpu::submit_steps`]; `None` where there are too
+    /// many.
     pub(super) fn take_pairs(&mut self) -> Result<Option<Vec<[u32; 2]>>> {
         let count = self.take("summary", HEAD)?[SUMMARY_PAIRS as usize];
         let mut numbers = self.take("pairs", 8 * u64::from(FIRST))?;

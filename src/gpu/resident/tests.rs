@@ -38,7 +38,7 @@ fn kernel(samples: bool) -> Kernel {
 /// The tolerance of the frames' distances.
 const TOLERANCE: f64 = 1e-5;
 
-/// What a device makes of the rays of a scene, why it leaves it to the host, and the view.
+/// The device's buffers for a scene, the reason where it leaves the frame to the host, and the view.
 fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Option<String>, View) {
     let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
     let reach = gpu.hold(scene, number).expect("a device").expect("spheres");
@@ -56,7 +56,8 @@ fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw,
     (device, left, view)
 }
 
-/// What a device and the CPU path make of the rays of a scene, and why the device leaves it to the host.
+/// The buffers of a device and of the CPU path for a scene, and the reason where the device leaves the frame to the
+/// host.
 fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw, Option<String>) {
     let (mut device, left, view) = on_device(gpu, scene, raster, number);
     let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
@@ -71,9 +72,9 @@ fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw,
     (device, host, left)
 }
 
-/// What device and host prove agrees: ids; depths within twice the tolerance, normals within twice 1e-3 (certify::NORMAL), and so the
-/// headlight's colours, since both are within the promise. At least nine of ten pixels are proved by both: their share with
-/// spheres around the eye.
+/// Asserts that device and host agree where both prove: ids; depths within twice the tolerance, normals within twice
+/// 1e-3 (certify::NORMAL), and so the headlight's colours, since both are within the promise. At least nine of ten
+/// pixels are proved by both: their share with spheres around the eye.
 fn assert_proved_alike(device: &Raw, host: &Raw, what: &str) {
     let proved: Vec<_> = (0..host.id.len()).filter(|&n| device.id[n] != UNSURE && host.id[n] != UNSURE).collect();
     assert!(10 * proved.len() >= 9 * host.id.len(), "{what}: {} of {} pixels", proved.len(), host.id.len());
@@ -198,14 +199,15 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
     assert!(found[0].iter().any(|word| *word != 0) && found[1..].iter().all(|words| *words == found[0]));
 }
 
-/// How far the `low` of a device may be from that of the host: a part of the error that is subtracted from the depth of the centre,
-/// and a part of the difference. On adapters that do not keep bits, + - * round either way, a root is within 4.6 ulp and a
-/// quotient within 2.5. The error of shaders/place/low.wgsl is then within 48 roundings of 2^-23 of its terms (1 - T unit is at least
-/// 1/4, so the quotient has four times those of T), as is the host's, and each difference within one. `INFLATE` of
-/// certify/projection.rs leaves 2^-9 of the error for these roundings, so the device's `low` is a lower bound as well.
+/// The largest difference between the `low` of a device and that of the host: a part of the error that is subtracted
+/// from the depth of the centre, and a part of the difference. On adapters that do not keep bits, + - * round either
+/// way, a root is within 4.6 ulp and a quotient within 2.5. The error of shaders/place/low.wgsl is then within 48
+/// roundings of 2^-23 of its terms (1 - T unit is at least 1/4, so the quotient has four times those of T), as is the
+/// host's, and each difference within one. `INFLATE` of certify/projection.rs leaves 2^-9 of the error for these
+/// roundings, so the device's `low` is a lower bound as well.
 const LOW: [f64; 2] = [1.0 / 65_536.0, 1.0 / 4_194_304.0];
 
-/// What may be lost of `low` where subnormal numbers are flushed: FLUSHED, 2^-124, twice.
+/// The largest loss of `low` where subnormal numbers are flushed: FLUSHED, 2^-124, twice.
 const LOW_FLUSHED: f64 = 1e-37;
 
 /// Cameras from near to far, through long and wide lenses, for parallel rays too.

@@ -66,7 +66,7 @@ pub(super) const ROUNDING: [[f32; 4]; 4] = {
     ]
 };
 
-/// 2^k, for every f32 including the subnormal ones.
+/// 2^k, for every power of two in f32, subnormal numbers included.
 pub(super) const fn two_to(k: i32) -> f32 {
     if k >= -126 { f32::from_bits(((k + 127) as u32) << 23) } else { f32::from_bits(1 << (k + 149)) }
 }

@@ -15,7 +15,7 @@ pub struct Check {
     pub detail: BTreeMap<String, f64>,
 }
 
-/// How f32 sums round.
+/// The rounding direction of f32 sums.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rounding {
@@ -48,7 +48,7 @@ pub struct Verdict {
     pub places: bool,
     /// Whether the production kernels give the bits of their CPU twins.
     pub strict_twin: bool,
-    /// How sums round.
+    /// The rounding direction of f32 sums.
     pub rounding: Rounding,
     /// Largest error of f32 division, ulp.
     pub div_ulp: f64,

@@ -7,7 +7,7 @@ use crate::scene::camera::CameraRecord;
 use crate::scene::{Material, Scene, Sky};
 use serde::Serialize;
 
-/// What a scene requires; the command line prints it.
+/// The decisions for a scene, its work and its memory; the command line prints it.
 #[derive(Debug, Clone, Serialize)]
 pub struct Explanation {
     /// `halfline-plan`.
@@ -33,7 +33,7 @@ pub struct Explanation {
     pub samples: u32,
     /// The number of lights; without any, and without a sky, the light is at the eye.
     pub lights: u64,
-    /// Where each light is, with its colour and intensity unless it is white with intensity 1.
+    /// The position or direction of each light in words, its colour unless white, and its intensity unless 1.
     pub lit_by: Vec<String>,
     /// Whether shadows of the lights are computed, for the picture or for the buffer `shadow`.
     pub shadows: bool,
@@ -42,7 +42,8 @@ pub struct Explanation {
     pub occlusion: Option<Sky>,
     /// The spheres from which rays go on, by what they are made of.
     pub materials: MaterialCounts,
-    /// How often a ray of the picture goes on from mirrors and through glass; 0 where no material asks for it.
+    /// The most times that a ray of the picture goes on from mirrors and through glass; 0 where no material asks for
+    /// it.
     pub bounces: u32,
     /// The rays of a pixel whose viewing rays all hit.
     pub rays_per_pixel: PixelRays,
@@ -56,7 +57,7 @@ pub struct Explanation {
     pub exposure: f64,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
-    /// Why there: what was requested, found or measured.
+    /// The reason for the backend: requested, found or measured.
     pub backend_reason: String,
     /// The adapter's name; `cpu` for the reference path.
     pub adapter: String,
@@ -64,7 +65,7 @@ pub struct Explanation {
     pub accuracy: &'static str,
     /// The intersection method, `certified` or `exact`.
     pub method: &'static str,
-    /// Why this accuracy and this method.
+    /// The reason for this accuracy and this method.
     pub reason: String,
     /// The allowed relative error; promised where answers are certified.
     pub tolerance: f64,
@@ -72,26 +73,26 @@ pub struct Explanation {
     pub predicted: Option<Prediction>,
     /// The arithmetic of the kernel and the source of its input.
     pub precision: String,
-    /// How candidates are found.
+    /// The search for candidates, as the engine's name: `all`, `tiles`, `splat` or `exact`.
     pub search: &'static str,
-    /// Why this search.
+    /// The reason for this search.
     pub search_reason: String,
-    /// How the spheres are binned into tiles; `None` where every ray tests all of them.
+    /// The numbers of spheres by their place in the candidate lists; `None` where spheres are not binned.
     pub staged: Option<BinnedCounts>,
     /// The shader files of the kernel, in order; empty where no kernel runs.
     pub kernel: Vec<ShaderFile>,
-    /// What is uploaded.
+    /// The buffers that the host uploads for the first frame, over all passes; empty without a device.
     pub uploaded: Vec<DeviceBuffer>,
     /// The buffers that the kernel writes and the host reads back, for all pixels together.
     pub written: Vec<DeviceBuffer>,
     /// The number of dispatches: bands of rows that fit the adapter's bindings and half a second of a software adapter;
     /// a faster adapter takes fewer. 0 where no kernel runs.
     pub dispatches: u64,
-    /// How many spheres fit.
+    /// The number of spheres that fit, and the memory.
     pub room: Room,
     /// The buffers of the finished frame.
     pub frame: Vec<Shown>,
-    /// What this scene does not need, and why.
+    /// The parts of the renderer that this scene does not need, with the reasons.
     pub left_out: Vec<LeftOut>,
     /// The warnings of the frame's report, as far as they are known before a ray is traced.
     pub warnings: Vec<String>,
@@ -113,9 +114,9 @@ pub struct MaterialCounts {
 pub struct PixelRays {
     /// Viewing rays: the samples.
     pub viewing: u64,
-    /// From their hits to lights: one to a light, several to one with a size. 0 without shadows.
+    /// Rays from the hits of viewing rays to lights: one to a light, several to one with a size. 0 without shadows.
     pub lights: u64,
-    /// From their hits to the sky.
+    /// Rays from the hits of viewing rays to the sky.
     pub sky: u64,
     /// Rays that go on from mirrors and through glass, at most: those of little weight are not followed. Lights and sky are
     /// asked at each of their hits too.
@@ -125,9 +126,9 @@ pub struct PixelRays {
 /// Spheres by their place in the candidate lists.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct BinnedCounts {
-    /// In the tiles' lists: wholly in front of the eye.
+    /// Projected spheres, in the tiles' lists: wholly in front of the eye.
     pub front: u64,
-    /// Tested by every ray: around the eye, across its plane, or large and close.
+    /// General spheres: around the eye, across its plane, or large and close.
     pub near: u64,
     /// Not uploaded, because no ray can hit them: behind the eye or outside the image.
     pub unseen: u64,
@@ -185,7 +186,7 @@ pub struct Shown {
 pub struct LeftOut {
     /// The part.
     pub what: &'static str,
-    /// Why.
+    /// The reason.
     pub why: String,
 }
 

@@ -9,7 +9,7 @@ use crate::settings::Search;
 pub enum Engine {
     /// Every ray tests every sphere, by one form of the quadratic.
     Method,
-    /// The CPU path bins the spheres into tiles of pixels, and rays test those of their tile.
+    /// The CPU path bins the spheres into tiles of pixels, and a ray tests the spheres of its tile.
     Strips,
     /// A device holds the spheres, which leave their depths in the pixels that they cover.
     Resident,
@@ -29,7 +29,7 @@ impl Engine {
         }
     }
 
-    /// Why this one.
+    /// The reason for this engine.
     pub(crate) fn reason(self) -> &'static str {
         match self {
             Self::Method => "a method tests every sphere for every ray",
@@ -45,8 +45,8 @@ impl Engine {
 /// The most spheres that a method tests for each viewing ray.
 const MAX_VIEWED: usize = 100_000;
 
-/// The most spheres that a method tests for each given ray: 1e5 rays then take 4 to 14 CPU seconds (docs/performance-log.md),
-/// and as many certified ones less than one.
+/// The most spheres that a method tests for each given ray: 1e5 rays then take 4 to 14 CPU seconds
+/// (docs/performance-log.md), and 1e5 certified rays less than one.
 const MAX_GIVEN: usize = 10_000;
 
 /// Refuses a method for more spheres than it tests for each viewing ray.
@@ -63,8 +63,8 @@ pub(super) fn check_method(spheres: usize) -> Result<()> {
     })
 }
 
-/// How given rays find candidates: certified ones by a tree unless all spheres are requested, those of a method by testing
-/// all spheres.
+/// The search by which given rays find candidates, never `auto`: for certified rays a tree unless all spheres are
+/// requested; for a method all spheres.
 ///
 /// # Errors
 /// [`Error::Settings`] for a tree by a method; [`Error::Limits`] for more than [`MAX_GIVEN`] spheres by a method.

@@ -1,4 +1,4 @@
-//! What the lights and materials of a scene require.
+//! Requirements of the lights and materials of a scene.
 
 use crate::cpu::light::LightOutputs;
 use crate::frame::Aov;
@@ -7,7 +7,7 @@ use crate::settings::Settings;
 use crate::shade::Shade;
 use crate::view::directions::RIM;
 
-/// What the settings request of lights and sky.
+/// The outputs of lights and sky that the settings request.
 pub(super) fn wanted(scene: &Scene, settings: &Settings) -> LightOutputs {
     let lighting = &scene.lighting;
     let lit = lighting.is_lit() || bounces(scene) > 0;
@@ -26,7 +26,7 @@ pub(super) fn leave_hits(wanted: LightOutputs, scene: &Scene) -> bool {
     wanted.shadow || wanted.occlusion || wanted.color && of_picture
 }
 
-/// How often a ray of the picture goes on: not at all where no material asks for it.
+/// The most bounces of a ray of the picture; 0 where no material asks for any.
 pub(crate) fn bounces(scene: &Scene) -> u32 {
     let asked = scene.spheres.materials.as_ref().is_some_and(Materials::bounce);
     if asked { scene.lighting.bounces.unwrap_or(BOUNCES) } else { 0 }
@@ -35,7 +35,7 @@ pub(crate) fn bounces(scene: &Scene) -> u32 {
 /// Points of a light with a size for each pixel, over all its samples.
 const LIGHT_POINTS: u32 = 64;
 
-/// The rays to them for all samples of a pixel; one sample has more rays, to the rim.
+/// The rays of a pixel to one light with a size, over all its samples; one sample has more rays, to the rim.
 pub(crate) fn light_rays(samples: u32) -> u32 {
     light_points(samples) * samples + if samples == 1 { RIM } else { 0 }
 }

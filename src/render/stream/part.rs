@@ -236,7 +236,7 @@ impl Part {
     /// spheres are in memory as the last time.
     ///
     /// # Errors
-    /// The first of the parts, and those of [`Part::combine`].
+    /// The first error of the other parts; errors of [`Part::combine`].
     pub fn combine_all(self, others: impl IntoIterator<Item = Result<Self>>) -> Result<Self> {
         self.combine_from(CULL_MIN_SPHERES, others)
     }

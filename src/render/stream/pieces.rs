@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 const CHUNK: u64 = CHUNK_LEN as u64;
 
-/// What is known of a list of bytes. Equal sets of known bytes give equal values, however they were added.
+/// The known bytes of a list. Equal sets of known bytes give equal values, however they were added.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Record", into = "Record")]
 pub(super) struct Pieces {

@@ -16,12 +16,12 @@ use crate::view::ray::{NONE, UNSURE};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// What a device has done for a tracer.
+/// The state of a tracer's work on a device.
 #[derive(Debug, Default)]
 pub(super) struct OnDevice {
-    /// It holds the tree.
+    /// Whether the device holds the tree.
     is_uploaded: bool,
-    /// Rays that f32 left unsure.
+    /// The number of rays so far that f32 left unsure.
     pub(super) refined: u64,
 }
 

@@ -51,13 +51,13 @@ impl Aperture {
         Ok(focus)
     }
 
-    /// The camera at a point of the lens, which is given in the unit disc, and how far its frame lies beside that of the
-    /// eye: columns to the right and rows down, in places of `frame`.
+    /// The camera at a point of the lens, which is given in the unit disc, and the offset of its frame from the frame
+    /// of the eye: columns to the right and rows down, in places of `frame`.
     ///
     /// The eye is the point rounded to f64, and exact from here on; the move is that of the rounded point.
     ///
     /// # Errors
-    /// Those of [`Aperture::distance`] and of [`Camera::basis`].
+    /// Errors of [`Aperture::distance`] and of [`Camera::basis`].
     pub(crate) fn at(&self, [x, y]: [f64; 2], camera: &Camera, frame: &CentredFrame) -> Result<(Camera, [f64; 2])> {
         let focus = self.distance(camera)?;
         let Basis { e, u, v, .. } = camera.basis()?;
@@ -73,10 +73,11 @@ impl Aperture {
         Ok((Camera { eye, look: Look::View(look), ..*camera }, aside))
     }
 
-    /// How many pixels of an image the frame of a point of the lens lies beside that of the eye, at most.
+    /// The largest offset of the frame of a point of the lens from the frame of the eye, in pixels of an image of
+    /// `width` x `height`.
     ///
     /// # Errors
-    /// Those of [`Aperture::distance`] and of [`Camera::viewport`].
+    /// Errors of [`Aperture::distance`] and of [`Camera::viewport`].
     pub(crate) fn reach(&self, camera: &Camera, [width, height]: [u32; 2]) -> Result<f64> {
         let Viewport { vw, vh, d } = camera.viewport(width, height)?;
         let pitch = (vw / f64::from(width)).min(vh / f64::from(height));

@@ -80,8 +80,8 @@ impl ExactViewport {
 }
 
 impl CentredFrame {
-    /// The frame of an eye that is moved aside: the same places lie so many columns and rows of it farther toward the first
-    /// ones. It is as much larger, on both sides, as that takes.
+    /// The frame of an eye that is moved aside: the same places of rays lie `aside` columns and rows of it farther
+    /// toward the first column and row. The frame is as much larger, on both sides, as that takes.
     ///
     /// # Errors
     /// [`Error::Limits`] for more than 2^20 columns or rows.
@@ -112,7 +112,7 @@ impl Camera {
     /// the image that is n.
     ///
     /// # Errors
-    /// Those of [`Camera::viewport`]; [`Error::Limits`] for more than 2^20 columns or rows.
+    /// Errors of [`Camera::viewport`]; [`Error::Limits`] for more than 2^20 columns or rows.
     pub(crate) fn centred(&self, [width, height]: [u32; 2], strata: u32, jitter: u32) -> Result<CentredFrame> {
         let viewport = self.viewport(width, height)?;
         let Lens::Intrinsics { fx, fy, cx, cy } = self.lens else {

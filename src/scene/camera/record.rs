@@ -49,12 +49,13 @@ pub struct Intrinsics {
 }
 
 impl CameraRecord {
-    /// The record of a camera, and of its lens if it has a size, for an image of so many columns and rows. A principal point beside the middle is the rounded
-    /// one of the rays: to half a pixel where it is given so, else to 1/512 of a pixel, or less finely for images of more
-    /// than 255 pixels: to 2^-20 of eight times the side of the smallest image around it that contains this one.
+    /// The record of a camera, and of its lens if it has a size, for an image of `width` x `height` pixels. A principal
+    /// point beside the middle is recorded as the rays have it, rounded: to half a pixel where it is given so, else to
+    /// 1/512 of a pixel, or less finely for images of more than 255 pixels: to 2^-20 of eight times the side of the
+    /// smallest image around it that contains this one.
     ///
     /// # Errors
-    /// Those of [`Camera::viewport`] and of [`Aperture::distance`].
+    /// Errors of [`Camera::viewport`] and of [`Aperture::distance`].
     pub fn new(camera: &Camera, [width, height]: [u32; 2], aperture: Option<Aperture>) -> Result<Self> {
         let viewport = camera.viewport(width, height)?;
         let (at, view) = match camera.look {

@@ -13,17 +13,17 @@ pub(crate) struct Enclosure {
 }
 
 impl Enclosure {
-    /// That of no spheres.
+    /// The enclosure of no spheres.
     pub(crate) const NOTHING: Self =
         Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, radii: [f64::INFINITY, f64::NEG_INFINITY] };
 
-    /// That of one sphere.
+    /// The enclosure of one sphere.
     pub(crate) fn of(center: [f64; 3], radius: f64) -> Self {
         let center = DVec3::from_array(center);
         Self { low: center, high: center, radii: [radius; 2] }
     }
 
-    /// That of both.
+    /// The enclosure of both.
     pub(crate) fn with(self, other: &Self) -> Self {
         let ([a, b], [c, d]) = (self.radii, other.radii);
         Self { low: self.low.min(other.low), high: self.high.max(other.high), radii: [a.min(c), b.max(d)] }

@@ -1,4 +1,4 @@
-//! How copies of a set of spheres are placed: by whole edges of a cell, or by rotations and translations.
+//! Placement of the copies of a set of spheres: by whole edges of a cell, or by rotations and translations.
 
 use super::enclosure::Enclosure;
 use glam::DVec3;
@@ -23,7 +23,7 @@ impl Operator {
         }))
     }
 
-    /// What encloses the images of everything in `enclosure`, as [`Operator::apply`] rounds them.
+    /// The enclosure of the images of everything in `enclosure`, as [`Operator::apply`] rounds them.
     fn image(&self, enclosure: &Enclosure) -> Enclosure {
         let (low, high) = (enclosure.low.to_array(), enclosure.high.to_array());
         let corner = |row: [f64; 4], ends: [[f64; 3]; 2]| {
@@ -55,13 +55,13 @@ impl Lattice {
         [copy % na, copy / na % nb, copy / na / nb].map(|n| n as u32)
     }
 
-    /// How far the copy at this place is moved.
+    /// The translation of the copy at this place.
     pub(crate) fn shift(&self, place: [u32; 3]) -> DVec3 {
         let ([i, j, k], [a, b, c]) = (place.map(f64::from), self.edges);
         i * a + j * b + k * c
     }
 
-    /// What encloses the copies of everything in `enclosure` at these places; the ends of ranges are excluded.
+    /// The enclosure of the copies of everything in `enclosure` at these places; the ends of ranges are excluded.
     fn image(&self, places: &[[u32; 2]; 3], enclosure: &Enclosure) -> Enclosure {
         // Each coordinate of a shift is monotonic in each of the three numbers.
         let ends = [false, true].map(|most| {
@@ -79,7 +79,7 @@ impl Lattice {
     }
 }
 
-/// The copies of a set of spheres.
+/// The rule by which copies of a set of spheres are placed.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum CopyRule {
     Lattice(Lattice),
@@ -91,12 +91,12 @@ pub(crate) enum CopyRule {
 pub(crate) struct Copies(pub(crate) [[u32; 2]; 3]);
 
 impl Copies {
-    /// Their number along an edge.
+    /// The number of these copies along an edge.
     pub(crate) fn side(&self, edge: usize) -> u32 {
         self.0[edge][1] - self.0[edge][0]
     }
 
-    /// Their number.
+    /// The number of these copies.
     pub(crate) fn count(&self) -> u64 {
         (0..3).map(|edge| u64::from(self.side(edge))).product()
     }

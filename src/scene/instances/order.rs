@@ -19,10 +19,10 @@ struct Run {
     is_whole: bool,
 }
 
-/// The runs of which clip planes may keep something.
+/// The runs of copies of which the clip planes may keep a sphere, in order.
 struct Runs<'a> {
     instances: &'a Instances,
-    /// What comes next is last.
+    /// A stack of copies that are not visited yet, each with its part; the last element comes next.
     open: Vec<(usize, Copies)>,
 }
 

@@ -8,8 +8,8 @@ const U: f64 = 1.0 / (1u64 << 23) as f64;
 /// The roundings of a slab test in u, of the largest number in it: docs/tree.md.
 const SLABS: f64 = 8.0;
 
-/// Smallest component of a direction that the boxes see: smaller ones are replaced, so that nothing is divided by zero.
-/// It moves a point of the ray by less than 2^-32 of its way.
+/// Smallest component of a direction in slab tests. A smaller one is replaced by it, so that nothing is divided by
+/// zero. That moves a point of the ray by less than 2^-32 of its way.
 const LEAST: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// Origins farther than this from the middle, in the tree's unit, are moved along the ray to the scene.
@@ -35,9 +35,10 @@ pub(crate) struct BoxRay {
     pub(crate) direction: [f32; 3],
     /// At least |direction|^2, by no more than a few roundings.
     pub(crate) a: f32,
-    /// The root of it.
+    /// The root of `a`: at least |direction|.
     pub(crate) length: f32,
-    /// How far the line may pass by a point that is on it.
+    /// The padding, rounded up: bound of the distance along each axis between a true point of the ray and the rounded
+    /// line.
     pub(crate) pad: f32,
     /// t of that point on the ray.
     pub(crate) start: f64,
@@ -79,7 +80,8 @@ impl BoxRay {
         direction.map(|d| (1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d }) as f32)
     }
 
-    /// What the start of a ray from `origin` is off by in each component: it is placed, and a way as long is rounded.
+    /// Bound of the error of a ray's start in each component: the origin's place is rounded, and so is a way of the
+    /// same length.
     #[inline(always)]
     pub(crate) fn lost(origin: [f64; 3]) -> f64 {
         origin[0].abs().max(origin[1].abs()).max(origin[2].abs()) * PLACED * 4.0
@@ -98,21 +100,21 @@ impl BoxRay {
         start: 0.0,
     };
 
-    /// `t` of the ray, as a limit in the boxes' f32, which start at [`Self::start`]: rounded up.
+    /// The limit `t` of the ray as a t of the boxes, in f32 and counted from [`Self::start`]; rounded up.
     #[inline(always)]
     pub(crate) fn limit(&self, t: f64) -> f32 {
         let from = ((t - self.start) as f32).next_up();
         if from < f32::MAX { from } else { f32::MAX }
     }
 
-    /// The same, rounded down.
+    /// [`Self::limit`], rounded down.
     #[inline(always)]
     pub(crate) fn limit_below(&self, t: f64) -> f32 {
         ((t - self.start).min(f64::from(f32::MAX)) as f32).next_down()
     }
 }
 
-/// Above what rounding takes from |direction|^2 and from its root.
+/// Factor above the rounding of |direction|^2 and of its root.
 const ROUNDED: f64 = 1.0 + 1.0 / (1u64 << 16) as f64;
 
 /// Beyond the scene, and far from the end of f32.

@@ -89,10 +89,10 @@ fn longest(items: &[Item]) -> usize {
     (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0)
 }
 
-/// The box around no place.
+/// The box that contains nothing; a union with it changes no box.
 const NOTHING: [[f32; 3]; 2] = [[ABSENT; 3], [-ABSENT; 3]];
 
-/// The box around two.
+/// The box around two boxes.
 fn union(a: [[f32; 3]; 2], b: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
     [std::array::from_fn(|n| least(a[0][n], b[0][n])), std::array::from_fn(|n| -least(-a[1][n], -b[1][n]))]
 }
@@ -108,7 +108,8 @@ pub(super) fn bounds(placement: &Placement, &[x, y, z, radius]: &[f64; 4]) -> [[
     [at.map(|x| ((x - reach) as f32).next_down()), at.map(|x| ((x + reach) as f32).next_up())]
 }
 
-/// How far a sphere reaches from its centre as f64 has it.
+/// The radius, in the tree's unit, around a sphere's place in f64 that contains the sphere: it adds the error of the
+/// place.
 fn reach(placement: &Placement, radius: f64) -> f64 {
     placement.radius(radius) + 2.0 * PLACED
 }

@@ -81,11 +81,11 @@ pub(crate) struct PlacedSphereRecord {
 /// Steps of the grid of places in the tree's unit. Spheres are within 2^28 of them from the middle, and rays within 2^30.
 const STEPS: f64 = (1u64 << 28) as f64;
 
-/// So many units from the middle the grid reaches with room for differences.
+/// Largest coordinate of a place on the grid, in the tree's unit: differences of two places fit an i32.
 pub(super) const NEAR: f64 = 3.0;
 
-/// What the difference of two places is off by in each component beside three roundings of itself: docs/certificate.md,
-/// section 9.
+/// Bound of the error of a difference of two places in each component, beside three roundings of the difference:
+/// docs/certificate.md, section 9.
 pub(super) const PLACE: f64 = 8.0 * PLACED;
 
 /// A place as whole steps and a rest.
@@ -102,8 +102,8 @@ pub(crate) fn first(level: usize) -> usize {
 }
 
 impl Tree {
-    /// A unit, of this exponent, in that of the tree, and the eye of a view on the grid of places; `None` where rays have no
-    /// common eye, or it is far away.
+    /// The length 2^`unit` in the tree's unit, and the eye of a view on the grid of places. `None` where rays have no
+    /// common eye, where it is far away, or where the length is not a normal f32.
     pub(crate) fn eye(&self, view: &View, unit: i32) -> Option<(f32, OnGrid)> {
         let unit = dd::ldexp(1.0, unit - self.placement.k);
         let is_normal = (f32::MIN_POSITIVE.into()..=f32::MAX.into()).contains(&unit);

@@ -31,14 +31,14 @@ impl BoxRayRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct DirectionRecord {
-    /// Bits of f32: the direction; with a fourth number of 1 whole steps of a place.
+    /// A direction, as bits of f32, and 0; or the whole steps of a place on the grid, and 1.
     pub(crate) first: [u32; 4],
-    /// Bits of f32: the reciprocals of its components; the rest of a place.
+    /// The reciprocals of the direction's components, or the rest of the place beside its steps; bits of f32.
     pub(crate) second: [u32; 4],
 }
 
 impl DirectionRecord {
-    /// The length of directions of length 1.
+    /// The length to which directions of length 1 are scaled.
     pub(crate) const UNIT: f64 = 2.0;
 
     /// A direction of length 1, doubled: so its longest component is above 1.
@@ -65,7 +65,7 @@ impl DirectionRecord {
         (far < FARTHEST).then_some(Self { first: [i, j, k, 1], second: [x, y, z, 0] })
     }
 
-    /// Rounded to f32.
+    /// The record of `direction`, rounded to f32.
     fn scaled(direction: [f64; 3]) -> Self {
         let [x, y, z] = direction.map(|x| (x as f32).to_bits());
         let [a, b, c] = BoxRay::inverse(direction).map(f32::to_bits);
@@ -73,7 +73,7 @@ impl DirectionRecord {
     }
 }
 
-/// Squares of ways to places within this are within f32.
+/// Bound of a place's coordinates, in the tree's unit: the squares of ways to it are within f32.
 const FARTHEST: f64 = (1u64 << 40) as f64;
 
 /// Beyond the scene.
@@ -85,13 +85,13 @@ const ASIDE: f32 = (1u32 << 20) as f32;
 pub(crate) struct CertifiedRayRecord {
     /// The start: the origin or a point ahead of it, as [`BoxRay`] has it.
     pub(crate) steps: [i32; 3],
-    /// At most the limit, from the start.
+    /// Lower bound of the limit, as t from the start.
     pub(crate) sure_limit: f32,
     pub(crate) rest: [f32; 3],
-    /// At least the limit, from the start.
+    /// Upper bound of the limit, as t from the start.
     pub(crate) limit: f32,
     pub(crate) direction: [f32; 3],
-    /// What the places of the ray and of a sphere are off by, in each component.
+    /// Bound of the error of the places of the ray and of a sphere together, in each component.
     pub(crate) blur: f32,
 }
 
@@ -100,8 +100,9 @@ impl CertifiedRayRecord {
     pub(crate) const NOTHING: Self =
         Self { steps: [0; 3], sure_limit: -1.0, rest: [0.0; 3], limit: -1.0, direction: [1.0; 3], blur: 0.0 };
 
-    /// The ray from `origin` (in the tree's coordinates) along `direction`, whose largest component is in [1, 2), with a limit
-    /// between those of `limit`. `None` if its boxes leave nothing out, since then f32 decides nothing either.
+    /// The ray from `origin` (in the tree's coordinates) along `direction`, whose largest component is in [1, 2), with
+    /// a limit between the two numbers of `limit`. `None` if its boxes leave nothing out, since then f32 decides
+    /// nothing either.
     pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], limit: [f64; 2], boxes: &BoxRay) -> Option<Self> {
         if *boxes == BoxRay::EVERYTHING {
             return None;

@@ -3,8 +3,8 @@
 use super::lanes::{LANE, Lanes, NEVER};
 use super::{Block, BoxRay, LEVELS, Node, Tree, WIDE};
 
-/// What is done with the spheres of a block. A trait, because a closure would not be compiled with
-/// the vector instructions of its caller.
+/// The test of a block's spheres in a traversal. A trait, because a closure would not be compiled with the vector
+/// instructions of its caller.
 pub(crate) trait Test {
     /// Tests the spheres of a block. Returns the new limit, in the boxes' t; a negative one ends the traversal.
     fn test(&mut self, block: u32) -> f32;
@@ -81,7 +81,8 @@ fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> L::Keys {
     l.keys(near, far)
 }
 
-/// Where the ray enters the eight boxes of a node, and where it leaves them or ends.
+/// t at which the ray enters each of the eight boxes of a node, and t at which it leaves them or ends. The first is
+/// larger for a box that it misses.
 #[inline(always)]
 fn slabs<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> (L::Number, L::Number) {
     let (mut near, mut far) = (l.splat(0.0), l.splat(limit));
@@ -121,8 +122,8 @@ pub(crate) fn may_meet<L: Lanes>(l: L, tree: &Tree, block: u32, ray: &BoxRay, li
     Places { first: block as usize * WIDE, mask }
 }
 
-/// The same for a ray that ends at any sphere; `None` if it surely meets one before `certain`. The sphere on whose surface
-/// the ray starts is never sure.
+/// [`may_meet`] for a ray that ends at any sphere. `None` if the ray surely meets a sphere before `certain`. A sphere
+/// on whose surface the ray starts is never surely met.
 #[inline(always)]
 pub(crate) fn may_pass<L: Lanes>(
     l: L,
@@ -137,14 +138,14 @@ pub(crate) fn may_pass<L: Lanes>(
     (!blocked).then_some(Places { first: block as usize * WIDE, mask })
 }
 
-/// How a line passes eight spheres, in f32: docs/certificate.md, section 9.
+/// The numbers that decide whether a ray meets each of eight spheres, in f32: docs/certificate.md, section 9.
 struct Passing<'a, L: Lanes> {
     l: L,
     ray: &'a BoxRay,
     radius: L::Number,
     /// The radius and twice the padding.
     reach: L::Number,
-    /// The same times the length of the direction.
+    /// `reach` times the length of the direction.
     along: L::Number,
     /// From the start to the centre.
     p: [L::Number; 3],
@@ -198,5 +199,5 @@ fn dot<L: Lanes>(l: L, a: [L::Number; 3], b: [L::Number; 3]) -> L::Number {
     l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]))
 }
 
-/// Roundings of the numbers that are compared, of themselves.
+/// Bound of the relative rounding error of the numbers that are compared.
 const ROUNDED: f32 = 1.0 / (1u32 << 16) as f32;

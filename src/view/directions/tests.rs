@@ -222,7 +222,8 @@ fn the_open_share_has_the_standard_error_that_is_stated() {
     }
 }
 
-/// What one sample takes is as good as a lattice of its own, and what all take as one of all. [`SkyDirections`] states it.
+/// The part of one sample is as good as a lattice of its own, and the parts of all samples as one lattice.
+/// [`SkyDirections`] states it.
 #[test]
 fn samples_share_a_lattice_of_which_each_has_an_even_part() {
     const MANY: u32 = 300;

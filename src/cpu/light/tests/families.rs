@@ -16,7 +16,7 @@ pub(crate) struct Family {
     pub(crate) make: fn(&mut Rng) -> (Scene, Vec<Aim>),
 }
 
-/// Where a ray from a hit goes.
+/// The target of a ray from a hit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Aim {
     Fixed(Toward),
