@@ -25,7 +25,7 @@ use std::marker::PhantomData;
 
 pub(crate) use certified::certified;
 
-/// What the reference path is called where an adapter's name is expected.
+/// Name of the CPU path where an adapter's name is expected.
 pub(crate) const NAME: &str = "cpu";
 
 /// The driver's name and version of an adapter: here the reference path and its threads.

@@ -30,7 +30,7 @@ pub trait Intersect {
 
 /// Work to be done with the form and the arithmetic of a variant: how a [`Method`] becomes static dispatch.
 pub(crate) trait Visit {
-    /// What the work gives.
+    /// The result of the work.
     type Output;
     /// The work.
     fn visit<V: Intersect, N: Laned>(self) -> Self::Output;
@@ -59,7 +59,7 @@ macro_rules! variants {
                 match self { $(Self::$name => Form::$form,)* }
             }
 
-            /// What its kernel costs beside that of `stable`.
+            /// Cost of its kernel, as a multiple of that of `stable`.
             pub(crate) fn cost(self) -> f64 {
                 match self { $(Self::$name => $cost,)* }
             }
@@ -82,7 +82,7 @@ variants! {
     DoubleFloat stable Stable double_float::Pair<f32>, "double-float" Perpendicular 24.0 "the perpendicular form in sums of two f32, where the adapter's arithmetic was measured to allow it"
 }
 
-/// How a variant makes its discriminant and its roots; what rounding does to them follows from that.
+/// The formulas of discriminant and roots of a variant, from which the bounds of its rounding errors follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
     /// a r^2 - |p x d|^2, roots of matched sign.
