@@ -64,10 +64,10 @@ impl Bar {
     }
 
     /// The following pictures have so many samples per pixel, and rays that go on from the hits; see [`Tally::expect`].
-    pub(super) fn expect(&self, samples: u32, is_lit: bool) {
+    pub(super) fn expect(&self, samples: u32, has_light: bool) {
         match &self.lines {
-            Some(lines) => lines.lock().unwrap_or_else(PoisonError::into_inner).expect(samples, is_lit),
-            None => self.notes.lock().unwrap_or_else(PoisonError::into_inner).tally.expect(samples, is_lit),
+            Some(lines) => lines.lock().unwrap_or_else(PoisonError::into_inner).expect(samples, has_light),
+            None => self.notes.lock().unwrap_or_else(PoisonError::into_inner).tally.expect(samples, has_light),
         }
     }
 
@@ -102,7 +102,7 @@ impl Bar {
     }
 
     /// Prints a message without drawing over it.
-    pub(super) fn aside<T>(&self, say: impl FnOnce() -> T) -> T {
+    pub(super) fn suspended<T>(&self, say: impl FnOnce() -> T) -> T {
         self.line.suspend(say)
     }
 }

@@ -62,7 +62,7 @@ pub(super) struct PoseArgs {
     /// Point to look at, or an expression such as "resname HEM" for the centre of what it selects. Without --eye, the eye
     /// is placed so that the point is in the middle and all spheres are in view.
     #[arg(long, value_name = "X,Y,Z|EXPR", value_parser = target, allow_hyphen_values = true)]
-    pub(super) at: Option<Aimed>,
+    pub(super) at: Option<CameraTarget>,
     /// Direction to look in: X,Y,Z, or front (along -z, y up), back, left, right, top, bottom, iso, which frame all; auto
     /// turns the largest face to the eye and the longest axis across, the default for molecules.
     #[arg(long, value_name = "X,Y,Z|WORD", value_parser = direction, allow_hyphen_values = true)]
@@ -74,7 +74,7 @@ pub(super) struct PoseArgs {
 
 /// The target of `--at`: a point in scene units, or selected spheres.
 #[derive(Debug, Clone)]
-pub(super) enum Aimed {
+pub(super) enum CameraTarget {
     Point(DVec3),
     /// The centre of the selected spheres.
     Selected(Selection),
@@ -104,7 +104,7 @@ impl CameraArgs {
     /// The selections that are looked at, in the order of a frame's marks.
     pub(super) fn marks(&self) -> Vec<Selection> {
         let at = match &self.pose.at {
-            Some(Aimed::Selected(selection)) => Some(selection),
+            Some(CameraTarget::Selected(selection)) => Some(selection),
             _ => None,
         };
         at.into_iter().chain(&self.focus).cloned().collect()
@@ -160,8 +160,8 @@ impl PoseArgs {
             return Err(Error::settings("--at and --view give two directions", "remove one of them"));
         }
         let up = match (&self.at, self.view) {
-            (Some(Aimed::Selected(_)), _) => return problem("--at EXPR"),
-            (Some(Aimed::Point(at)), _) => {
+            (Some(CameraTarget::Selected(_)), _) => return problem("--at EXPR"),
+            (Some(CameraTarget::Point(at)), _) => {
                 camera.look = Look::At(*at);
                 None
             }
@@ -194,15 +194,15 @@ pub(super) fn upright(look: Look, up: DVec3, has_camera: bool) -> DVec3 {
     }
 }
 
-fn target(text: &str) -> Result<Aimed, String> {
+fn target(text: &str) -> Result<CameraTarget, String> {
     if let Some(point) = numbers(text) {
-        return Ok(Aimed::Point(DVec3::from_array(point)));
+        return Ok(CameraTarget::Point(DVec3::from_array(point)));
     }
     // No expression has a comma between numbers.
     if text.split(',').all(|part| part.trim().parse::<f64>().is_ok()) {
         return Err("expected three finite numbers, such as 1,-2,3.5, or an expression such as `resname HEM`".into());
     }
-    text.parse().map(Aimed::Selected).map_err(|e: Error| e.to_string())
+    text.parse().map(CameraTarget::Selected).map_err(|e: Error| e.to_string())
 }
 
 fn direction(text: &str) -> Result<Direction, String> {

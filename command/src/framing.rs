@@ -1,15 +1,15 @@
 //! Framing: the points and selections that the camera looks at, and the spheres that it brings into view.
 
-use super::camera_args::{Aimed, CameraArgs, Direction, PoseArgs, upright};
+use super::camera_args::{CameraArgs, CameraTarget, Direction, PoseArgs, upright};
 use glam::DVec3;
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::quote::quote;
 use halfline::scene::{Facing, Framing, ImagePlane, NamedView, Outlook, Spheres, Spread, Surroundings};
-use halfline_files::read::{Mark, SceneFrame};
+use halfline_files::read::{Focus, SceneFrame};
 
 /// The source of a camera's direction.
-pub(super) enum Way {
+pub(super) enum DirectionSource {
     /// From the options or from the file.
     Given(Look, DVec3),
     /// From a given eye toward the middle of the spheres.
@@ -29,8 +29,8 @@ impl CameraArgs {
     fn at(&self, frame: &SceneFrame) -> Result<Option<DVec3>> {
         match &self.pose.at {
             None => Ok(None),
-            Some(Aimed::Point(at)) => Ok(Some(*at)),
-            Some(Aimed::Selected(_)) => match chosen("--at", frame.marks.first(), frame)? {
+            Some(CameraTarget::Point(at)) => Ok(Some(*at)),
+            Some(CameraTarget::Selected(_)) => match chosen("--at", frame.marks.first(), frame)? {
                 None => Ok(None),
                 Some(spheres) => Ok(Some(center(spheres))),
             },
@@ -52,7 +52,12 @@ impl CameraArgs {
     ///
     /// # Errors
     /// [`Error::Settings`] for parallel rays without a height from a given eye.
-    pub(super) fn framing(&self, has_camera: bool, at: Option<DVec3>, aside: [f64; 2]) -> Result<Option<Framing>> {
+    pub(super) fn framing(
+        &self,
+        has_camera: bool,
+        at: Option<DVec3>,
+        legend_shares: [f64; 2],
+    ) -> Result<Option<Framing>> {
         let keep_height = !matches!(self.ortho, None | Some(None));
         if self.pose.eye.is_some() {
             return match self.ortho {
@@ -64,40 +69,47 @@ impl CameraArgs {
         let is_placed = looks_at.is_some() && view.is_some() || matches!(view, Some(Direction::Named(_)));
         let is_framed = self.fit || self.ortho == Some(None) || !has_camera || self.focus.is_some() || is_placed;
         let margin = if self.focus.is_some() { FOCUS_MARGIN } else { Framing::default().margin };
-        Ok(is_framed.then(|| Framing { margin, ball: self.spin.is_some(), keep_height, aside, aim: at }))
+        Ok(is_framed.then(|| Framing { margin, ball: self.spin.is_some(), keep_height, aside: legend_shares, aim: at }))
     }
 
     /// The direction of a camera.
-    pub(super) fn way(&self, camera: &Camera, has_camera: bool, is_molecule: bool, at: Option<DVec3>) -> Way {
+    pub(super) fn direction_source(
+        &self,
+        camera: &Camera,
+        has_camera: bool,
+        is_molecule: bool,
+        at: Option<DVec3>,
+    ) -> DirectionSource {
         let own = if has_camera { camera.up } else { Facing::FRONT.up };
         let given = |look: Look, up: Option<DVec3>| {
             let up = self.pose.up.or(up).unwrap_or_else(|| upright(look, own, has_camera));
-            Way::Given(look, up)
+            DirectionSource::Given(look, up)
         };
-        let named =
-            |view: NamedView| view.facing().map_or(Way::Axes, |facing| given(Look::View(facing.view), Some(facing.up)));
+        let named = |view: NamedView| {
+            view.facing().map_or(DirectionSource::Axes, |facing| given(Look::View(facing.view), Some(facing.up)))
+        };
         match (self.pose.view, at) {
             (Some(Direction::Vector(view)), _) => given(Look::View(view), None),
             (Some(Direction::Named(view)), _) => named(view),
             (None, Some(at)) if has_camera || self.pose.eye.is_some() => given(Look::At(at), None),
             (None, None) if has_camera => given(camera.look, None),
-            (None, None) if self.pose.eye.is_some() => Way::Middle(self.pose.up.unwrap_or(own)),
+            (None, None) if self.pose.eye.is_some() => DirectionSource::Middle(self.pose.up.unwrap_or(own)),
             // A lone point is looked at in the default direction.
             (None, _) => named(if is_molecule { NamedView::Auto } else { NamedView::Front }),
         }
     }
 }
 
-/// The spheres of a mark that are drawn; `None` without a mark or in a scene without spheres.
+/// The spheres of a focus that are drawn; `None` without a focus or in a scene without spheres.
 ///
 /// # Errors
-/// [`Error::Settings`] for a mark that selects none of the spheres.
-fn chosen<'a>(option: &str, mark: Option<&'a Mark>, frame: &SceneFrame) -> Result<Option<&'a Spheres>> {
-    let Some(mark) = mark.filter(|_| !frame.scene.spheres.is_empty()) else { return Ok(None) };
-    if !mark.spheres.is_empty() {
-        return Ok(Some(&mark.spheres));
+/// [`Error::Settings`] for a focus that selects none of the spheres.
+fn chosen<'a>(option: &str, focus: Option<&'a Focus>, frame: &SceneFrame) -> Result<Option<&'a Spheres>> {
+    let Some(focus) = focus.filter(|_| !frame.scene.spheres.is_empty()) else { return Ok(None) };
+    if !focus.spheres.is_empty() {
+        return Ok(Some(&focus.spheres));
     }
-    Err(none_selected(option, &mark.text, &mark.notes, frame.scene.spheres.len() as u64))
+    Err(none_selected(option, &focus.text, &focus.notes, frame.scene.spheres.len() as u64))
 }
 
 /// The error for an expression that selects none of so many spheres.
@@ -144,17 +156,17 @@ impl Mean {
 ///
 /// # Errors
 /// [`Error::Settings`] for a selection without spheres, and those of [`Camera::fit`].
-pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, aside: [f64; 2]) -> Result<Option<Framing>> {
+pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares: [f64; 2]) -> Result<Option<Framing>> {
     options.apply_lens(&mut frame.scene.camera);
     let at = options.at(frame)?;
-    let framing = options.framing(frame.has_camera, at, aside)?;
+    let framing = options.framing(frame.has_camera, at, legend_shares)?;
     let mut camera = frame.scene.camera;
-    let way = options.way(&camera, frame.has_camera, frame.is_molecule, at);
+    let source = options.direction_source(&camera, frame.has_camera, frame.is_molecule, at);
     let (image, spheres) = (frame.scene.image, &frame.scene.spheres);
     let mut warning = None;
     match (framing, options.focused(frame)?) {
         (Some(framing), Some(focus)) => {
-            let found = look_at_focus(&way, options, &camera, image, [focus, spheres], &framing)?;
+            let found = look_at_focus(&source, options, &camera, image, [focus, spheres], &framing)?;
             if found.seen < HIDDEN {
                 let percent = (100.0 * found.seen).round();
                 warning = Some(format!(
@@ -165,7 +177,7 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, aside: [f64; 2
             camera = found.camera;
         }
         (framing, _) => {
-            turn(&mut camera, &way, options, || {
+            turn(&mut camera, &source, options, || {
                 (spheres.middle(), Spread::of(spheres).facing(image.height > image.width))
             });
             if let Some(framing) = &framing {
@@ -174,17 +186,22 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, aside: [f64; 2
         }
     }
     frame.scene.camera = camera;
-    let notes = frame.marks.iter().flat_map(|mark| mark.notes.iter().cloned());
+    let notes = frame.marks.iter().flat_map(|focus| focus.notes.iter().cloned());
     frame.skipped.assumed.extend(notes.chain(warning));
     Ok(framing)
 }
 
 /// Gives a camera its direction; `of_spheres` returns their middle and the direction of their axes.
-pub(super) fn turn(camera: &mut Camera, way: &Way, options: &CameraArgs, of_spheres: impl FnOnce() -> (DVec3, Facing)) {
-    match way {
-        Way::Given(look, up) => (camera.look, camera.up) = (*look, *up),
-        Way::Middle(up) => (camera.look, camera.up) = (Look::At(of_spheres().0), *up),
-        Way::Axes => {
+pub(super) fn turn(
+    camera: &mut Camera,
+    source: &DirectionSource,
+    options: &CameraArgs,
+    of_spheres: impl FnOnce() -> (DVec3, Facing),
+) {
+    match source {
+        DirectionSource::Given(look, up) => (camera.look, camera.up) = (*look, *up),
+        DirectionSource::Middle(up) => (camera.look, camera.up) = (Look::At(of_spheres().0), *up),
+        DirectionSource::Axes => {
             of_spheres().1.turn(camera);
             camera.up = options.pose.up.unwrap_or(camera.up);
         }
@@ -193,7 +210,7 @@ pub(super) fn turn(camera: &mut Camera, way: &Way, options: &CameraArgs, of_sphe
 
 /// The camera that shows the focus.
 fn look_at_focus(
-    way: &Way,
+    source: &DirectionSource,
     options: &CameraArgs,
     camera: &Camera,
     image: ImagePlane,
@@ -201,10 +218,10 @@ fn look_at_focus(
     framing: &Framing,
 ) -> Result<Outlook> {
     let around = Surroundings::new(image, focus, all, framing);
-    let facing = match way {
-        Way::Given(Look::View(view), up) => Facing { view: *view, up: *up },
-        Way::Given(Look::At(at), up) => Facing { view: *at - camera.eye, up: *up },
-        Way::Middle(_) | Way::Axes => {
+    let facing = match source {
+        DirectionSource::Given(Look::View(view), up) => Facing { view: *view, up: *up },
+        DirectionSource::Given(Look::At(at), up) => Facing { view: *at - camera.eye, up: *up },
+        DirectionSource::Middle(_) | DirectionSource::Axes => {
             let found = around.least_hidden(camera)?;
             let (Some(up), Look::View(view)) = (options.pose.up, found.camera.look) else { return Ok(found) };
             Facing { view, up }
@@ -218,15 +235,15 @@ fn look_at_focus(
 pub(super) fn words(options: &CameraArgs, frame: &SceneFrame, framing: Option<&Framing>) -> Option<String> {
     let framing = framing?;
     let what = match (&options.focus, frame.marks.last()) {
-        (Some(_), Some(mark)) => format!("{} ({} of the spheres)", quote(&mark.text), mark.spheres.len()),
+        (Some(_), Some(focus)) => format!("{} ({} of the spheres)", quote(&focus.text), focus.spheres.len()),
         _ => "all spheres".to_owned(),
     };
-    let way = match options.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, framing.aim) {
-        Way::Axes if options.focus.is_some() => ", from where least of it is hidden (--view auto)",
-        Way::Axes => ", along its principal axes (--view auto)",
-        Way::Given(..) | Way::Middle(_) => "",
+    let source = match options.direction_source(&frame.scene.camera, frame.has_camera, frame.is_molecule, framing.aim) {
+        DirectionSource::Axes if options.focus.is_some() => ", from where least of it is hidden (--view auto)",
+        DirectionSource::Axes => ", along its principal axes (--view auto)",
+        DirectionSource::Given(..) | DirectionSource::Middle(_) => "",
     };
     let aim = if framing.aim.is_some() { ", with --at in the middle" } else { "" };
-    let beside = if framing.aside == [0.0; 2] { "" } else { ", beside the legend" };
-    Some(format!("{what}{way}{aim}{beside}"))
+    let legend = if framing.aside == [0.0; 2] { "" } else { ", beside the legend" };
+    Some(format!("{what}{source}{aim}{legend}"))
 }

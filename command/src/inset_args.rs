@@ -68,10 +68,10 @@ impl InsetArgs {
     ///
     /// # Errors
     /// [`Error::Settings`] for a picture that is too small for its legend.
-    pub(super) fn aside(&self, frame: &SceneFrame) -> Result<[f64; 2]> {
+    pub(super) fn legend_shares(&self, frame: &SceneFrame) -> Result<[f64; 2]> {
         let (Some(corner), Some(legend)) = (self.legend_in, &frame.legend) else { return Ok([0.0; 2]) };
         let insets = Insets { legend: Some((legend.clone(), corner)), ..Insets::default() };
-        insets.aside(frame.scene.image.width, frame.scene.image.height)
+        insets.legend_shares(frame.scene.image.width, frame.scene.image.height)
     }
 
     /// The panels to draw into one picture of the scene file: legend, label, scale bar. `None` if no option asks for

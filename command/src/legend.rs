@@ -31,8 +31,8 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Settings`] for spheres without elements, a column and colours of selections.
 pub(super) fn check_content(args: &SceneArgs, picture: &mut PictureScene) -> Result<()> {
-    let asked = [("--legend-in", args.insets.legend_in.is_some()), ("--legend", args.color.legend.is_some())];
-    let Some((option, _)) = asked.into_iter().find(|(_, is_asked)| *is_asked) else { return Ok(()) };
+    let requests = [("--legend-in", args.insets.legend_in.is_some()), ("--legend", args.color.legend.is_some())];
+    let Some((option, _)) = requests.into_iter().find(|(_, is_requested)| *is_requested) else { return Ok(()) };
     if picture.legend.is_some() {
         return Ok(());
     }

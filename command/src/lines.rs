@@ -61,8 +61,8 @@ impl ProgressLines {
     }
 
     /// Sets the samples per pixel of the pictures that follow, and whether they are lit; see [`Tally::expect`].
-    pub(super) fn expect(&mut self, samples: u32, is_lit: bool) {
-        self.tally.expect(samples, is_lit);
+    pub(super) fn expect(&mut self, samples: u32, has_light: bool) {
+        self.tally.expect(samples, has_light);
     }
 
     /// Prints a line unless one was printed just before. A closed output is not an error.

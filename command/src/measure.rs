@@ -124,7 +124,7 @@ impl Measure {
         };
         let subject = self.subject()?;
         let bar = Bar::with_output(ProgressOutput::Auto, 1);
-        measure(&subject, &options, &bar.watch(), &mut |line| bar.aside(|| note(format_args!("{line}"))))
+        measure(&subject, &options, &bar.watch(), &mut |line| bar.suspended(|| note(format_args!("{line}"))))
     }
 
     fn subject(&self) -> Result<Subject> {

@@ -22,7 +22,7 @@ pub(super) struct PictureScene {
     /// The ids in the stream of the spheres that are left of it; `None` for a scene that is read as a whole.
     pub(super) ids: Option<StreamIds>,
     /// The frame that the parts were made for; `None` for a scene that is not of parts.
-    pub(super) seen: Option<PartView>,
+    pub(super) part_view: Option<PartView>,
 }
 
 impl PictureScene {
@@ -38,7 +38,7 @@ impl PictureScene {
             when: FrameTime::default(),
             framed: None,
             ids: None,
-            seen: None,
+            part_view: None,
         }
     }
 }

@@ -186,8 +186,8 @@ impl PlanText<'_> {
             writeln!(f, "sky        {} {each}, {reach}{share}", count(rays.into(), "ray"))?;
             if let Some(SkyColors { zenith, horizon, is_shown }) = colors {
                 let rgb = |color: [f32; 3]| color.map(|c| c.to_string()).join(", ");
-                let seen = if is_shown { "" } else { "; the background is seen in its place" };
-                writeln!(f, "           zenith {}, horizon {}{seen}", rgb(zenith), rgb(horizon))?;
+                let hidden = if is_shown { "" } else { "; the background is seen in its place" };
+                writeln!(f, "           zenith {}, horizon {}{hidden}", rgb(zenith), rgb(horizon))?;
             }
         }
         let PixelRays { viewing, lights, sky, onward } = e.rays_per_pixel;

@@ -267,8 +267,8 @@ fn color_rule(text: &str) -> Result<Rule<[f32; 3]>, String> {
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
-    let wanted = "expected two different finite numbers with a comma between them, such as --range 0,1.5";
-    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| wanted.into())
+    let expected = "expected two different finite numbers with a comma between them, such as --range 0,1.5";
+    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| expected.into())
 }
 
 /// Refuses a range of two words, of which clap would take the second one for a file.

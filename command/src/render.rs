@@ -98,7 +98,7 @@ All options: halfline render --help
 
 /// The scenes that are in memory besides the picture that is rendered.
 #[derive(Clone, Copy)]
-enum Room {
+enum Concurrency {
     /// Nothing.
     Alone,
     /// The next scene.
@@ -107,7 +107,7 @@ enum Room {
     Pictures(usize),
 }
 
-impl Room {
+impl Concurrency {
     /// The number of pictures that are rendered together. The serial parts of one run beside the others; a device does
     /// the rest of one picture at a time.
     fn lanes(self, is_gpu: bool) -> usize {
@@ -134,9 +134,9 @@ impl Render {
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress.progress, self.repeat.get().saturating_mul(self.args.expected()));
         note_fallback(&renderer);
-        let room = picture.as_ref().map_or(Room::Alone, |first| self.room(first, &targets));
+        let concurrency = picture.as_ref().map_or(Concurrency::Alone, |first| self.concurrency(first, &targets));
         let mut renderers = vec![renderer.watched_by(bar.watch())];
-        let lanes = room.lanes(renderers[0].is_gpu());
+        let lanes = concurrency.lanes(renderers[0].is_gpu());
         while renderers.len() < lanes {
             // Progress is that of the first.
             renderers.push(Renderer::new(&settings)?.watched_by(watch()));
@@ -170,8 +170,8 @@ impl Render {
                 }
                 if self.json { print_json(&picture.report) } else { Ok(()) }
             };
-            match room {
-                Room::Alone => {
+            match concurrency {
+                Concurrency::Alone => {
                     while let Some(numbered) = next()? {
                         let image = numbered.scene.image;
                         let pixels = image.width as usize * image.height as usize;
@@ -180,7 +180,7 @@ impl Render {
                         let is_whole = numbered.ids.is_none() && !self.args.is_many() && has_many;
                         let made = match each(&mut renderers[0], numbered) {
                             Err(Error::Limits { problem, mend }) if is_whole => {
-                                let picture = self.smaller((problem, mend), (&settings, &targets), &cancel)?;
+                                let picture = self.as_stream((problem, mend), (&settings, &targets), &cancel)?;
                                 each(&mut renderers[0], picture)
                             }
                             made => made,
@@ -203,19 +203,19 @@ impl Render {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// The room in memory besides the first picture, by its spheres and pixels. Pictures that are shown, piped or timed
+    /// What is in memory besides the first picture, by its spheres and pixels. Pictures that are shown, piped or timed
     /// are rendered one after the other.
-    fn room(&self, first: &PictureScene, targets: &[Target]) -> Room {
+    fn concurrency(&self, first: &PictureScene, targets: &[Target]) -> Concurrency {
         let image = first.scene.image;
         let size = first.scene.spheres.len().max(image.width as usize * image.height as usize).max(1);
         let is_piped = targets.iter().any(|target| target.is_standard() || is_special(target.path()));
         let in_turn = self.preview.is_some() || self.repeat.get() > 1 || self.progress.progress.is_lines() || is_piped;
         match TOGETHER / size {
-            _ if !self.args.is_many() => Room::Alone,
-            0 => Room::Alone,
-            1 => Room::Next,
-            _ if in_turn => Room::Next,
-            most => Room::Pictures(most),
+            _ if !self.args.is_many() => Concurrency::Alone,
+            0 => Concurrency::Alone,
+            1 => Concurrency::Next,
+            _ if in_turn => Concurrency::Next,
+            most => Concurrency::Pictures(most),
         }
     }
 
@@ -241,14 +241,14 @@ impl Render {
         };
         match in_memory() {
             Err(Error::Limits { problem, mend }) => {
-                self.smaller((problem, mend), (settings, targets), cancel).map(|picture| (None, Some(picture)))
+                self.as_stream((problem, mend), (settings, targets), cancel).map(|picture| (None, Some(picture)))
             }
             opened => opened,
         }
     }
 
     /// The picture as a stream, where memory or its frame is too small for all spheres at once, as these words say.
-    fn smaller(
+    fn as_stream(
         &self,
         (problem, mend): (String, String),
         (settings, targets): (&Settings, &[Target]),

@@ -229,11 +229,11 @@ impl SceneArgs {
             .map(|target| target.memory(columns, scene.lighting.lights.len()))
             .fold(0, u64::saturating_add);
         let own = Settings { window, reserve, ..picture.look.settings(settings) };
-        let Some(seen) = &picture.seen else { return Ok(own) };
+        let Some(view) = &picture.part_view else { return Ok(own) };
         Ok(Settings {
-            window: Some(seen.window),
-            seed: if is_typed("--seed") { own.seed } else { seen.seed },
-            tolerance: if is_typed("--tolerance") { own.tolerance } else { parts::tolerance(seen)? },
+            window: Some(view.window),
+            seed: if is_typed("--seed") { own.seed } else { view.seed },
+            tolerance: if is_typed("--tolerance") { own.tolerance } else { parts::tolerance(view)? },
             ..own
         })
     }

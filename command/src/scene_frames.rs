@@ -19,7 +19,7 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
 use halfline_files::read::style::Coloring;
-use halfline_files::read::{FrameRange, HeldCamera, Hold, Keep, ReadOptions, SceneFrame, Sequence, read_once};
+use halfline_files::read::{FixedCamera, FrameRange, Hold, Keep, ReadOptions, SceneFrame, Sequence, read_once};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub(super) struct SceneFrames<'a> {
     /// The scene that `--spin` shows from all sides.
     standing: Option<SceneFrame>,
     /// The camera that all frames have, and the point that it turns about.
-    common: HeldCamera,
+    common: FixedCamera,
     /// Whether the colour of pictures is computed.
     has_picture: bool,
     /// The camera and the size of the picture that they are taken from.
@@ -59,9 +59,9 @@ impl<'a> SceneFrames<'a> {
     pub(super) fn open(args: &'a SceneArgs, settings: &Settings, cancel: &Cancel) -> Result<Self> {
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        let mut common = HeldCamera::new(args.read.frames.is_some() && args.read.hold != Hold::None);
-        let (sequence, held) = sequence(args, Keep::Nothing, None, cancel)?;
-        if let Some((camera, middle)) = held {
+        let mut common = FixedCamera::new(args.read.frames.is_some() && args.read.hold != Hold::None);
+        let (sequence, fixed) = sequence(args, Keep::Nothing, None, cancel)?;
+        if let Some((camera, middle)) = fixed {
             common.set_camera(camera);
             common.set_middle(middle);
         }
@@ -133,8 +133,8 @@ impl<'a> SceneFrames<'a> {
         if !is_listed {
             self.common.see(frame, &args.read.arrangement(), &watch(), |whole| {
                 size(image, args, whole);
-                let aside = args.insets.aside(whole)?;
-                framing::point(&args.camera, whole, aside).map(drop)
+                let legend_shares = args.insets.legend_shares(whole)?;
+                framing::point(&args.camera, whole, legend_shares).map(drop)
             })?;
         }
         arrange(&args.read, frame)?;
@@ -150,8 +150,8 @@ impl<'a> SceneFrames<'a> {
             }
             let framed = &mut self.framed;
             self.common.apply(frame, |frame| {
-                let aside = args.insets.aside(frame)?;
-                let framing = framing::point(&args.camera, frame, aside)?;
+                let legend_shares = args.insets.legend_shares(frame)?;
+                let framing = framing::point(&args.camera, frame, legend_shares)?;
                 *framed = framing::words(&args.camera, frame, framing.as_ref());
                 Ok(())
             })?;
@@ -176,11 +176,11 @@ pub(super) fn sequence(
         options.frames = format!("{from}-").parse()?;
     }
     let holds_all = options.hold == Hold::All && args.read.frames.is_some();
-    let held = if holds_all { hold_all(args, &mut options)? } else { None };
-    Ok((Sequence::open(args.path(), &options)?, held))
+    let fixed = if holds_all { hold_all(args, &mut options)? } else { None };
+    Ok((Sequence::open(args.path(), &options)?, fixed))
 }
 
-/// The picture of a frame that was arranged, with its size and a camera: that of `record`, `held` by all frames, or by the
+/// The picture of a frame that was arranged, with its size and a camera: that of `record`, or `fixed` of all frames, or by the
 /// options.
 ///
 /// # Errors
@@ -189,14 +189,14 @@ pub(super) fn framed(
     args: &SceneArgs,
     mut frame: SceneFrame,
     record: Option<&CameraRecord>,
-    held: Option<Camera>,
+    fixed: Option<Camera>,
 ) -> Result<PictureScene> {
     size(args.image.size.or(record.map(|record| record.size.into())), args, &mut frame);
-    match record.map(|record| camera_file::resized(record, args.image.size)).or(held) {
+    match record.map(|record| camera_file::resized(record, args.image.size)).or(fixed) {
         Some(camera) => frame.scene.camera = camera,
         None => {
-            let aside = args.insets.aside(&frame)?;
-            framing::point(&args.camera, &mut frame, aside)?;
+            let legend_shares = args.insets.legend_shares(&frame)?;
+            framing::point(&args.camera, &mut frame, legend_shares)?;
         }
     }
     args.camera.zoom(&mut frame.scene)?;
@@ -245,10 +245,10 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
         scale.range = scale.range.or(all.range);
         scale.names = std::mem::take(&mut all.names);
     }
-    if all.aside != [0.0; 2] {
+    if all.legend_shares != [0.0; 2] {
         // The legend of all frames is known only now, and the spheres are framed beside it.
-        let aside = all.aside;
-        all = AllFrames::read(args, options, aside)?;
+        let legend_shares = all.legend_shares;
+        all = AllFrames::read(args, options, legend_shares)?;
     }
     let Some((mut first, framing)) = all.first else { return Ok(None) };
     if let (Some(framing), Some(reach)) = (framing, all.reach) {
@@ -267,12 +267,12 @@ struct AllFrames {
     range: Option<[f64; 2]>,
     names: Vec<String>,
     /// The shares of the image's width that the widest legend takes at the left and at the right.
-    aside: [f64; 2],
+    legend_shares: [f64; 2],
 }
 
 impl AllFrames {
     /// Reads all frames, to be framed with this part of the width free.
-    fn read(args: &SceneArgs, options: &ReadOptions, aside: [f64; 2]) -> Result<Self> {
+    fn read(args: &SceneArgs, options: &ReadOptions, legend_shares: [f64; 2]) -> Result<Self> {
         let each = ReadOptions { frames: "1-".parse()?, ..options.clone() };
         let mut sequence = Sequence::open(args.path(), &each)?;
         let (mut all, mut known) = (Self::default(), HashSet::new());
@@ -296,23 +296,23 @@ impl AllFrames {
                     all.range = Some(legend.range);
                 }
             }
-            let beside = args.insets.aside(&frame)?;
-            all.aside.iter_mut().zip(beside).for_each(|(widest, beside)| *widest = widest.max(beside));
+            let shares = args.insets.legend_shares(&frame)?;
+            all.legend_shares.iter_mut().zip(shares).for_each(|(widest, share)| *widest = widest.max(share));
             arrange(&args.read, &mut frame)?;
             if !frame.scene.spheres.is_empty() {
-                all.add(args, frame, aside)?;
+                all.add(args, frame, legend_shares)?;
             }
         }
         Ok(all)
     }
 
-    fn add(&mut self, args: &SceneArgs, mut frame: SceneFrame, aside: [f64; 2]) -> Result<()> {
+    fn add(&mut self, args: &SceneArgs, mut frame: SceneFrame, legend_shares: [f64; 2]) -> Result<()> {
         let framing = match &self.first {
             Some((first, framing)) => {
                 frame.scene.camera = first.scene.camera;
                 *framing
             }
-            None => framing::point(&args.camera, &mut frame, aside)?,
+            None => framing::point(&args.camera, &mut frame, legend_shares)?,
         };
         let (image, mut camera) = (frame.scene.image, frame.scene.camera);
         if let Some(framing) = &framing {

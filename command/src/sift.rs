@@ -118,7 +118,8 @@ struct Report<'a> {
     /// The spheres that are left.
     kept: usize,
     warnings: Vec<String>,
-    seen: &'a PartView,
+    #[serde(rename = "seen")]
+    view: &'a PartView,
 }
 
 impl Sift {
@@ -149,9 +150,9 @@ impl Sift {
         parts::write(&part, output)?;
         note(format_args!("{}: {part}", output.display()));
         if self.json {
-            let (ids, spheres, kept, seen) = (part.all_ids(), part.count(), part.ids().len(), part.view());
+            let (ids, spheres, kept, view) = (part.all_ids(), part.count(), part.ids().len(), part.view());
             let halfline = env!("CARGO_PKG_VERSION");
-            print_json(&Report { halfline, output, ids, spheres, kept, warnings, seen })?;
+            print_json(&Report { halfline, output, ids, spheres, kept, warnings, view })?;
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -13,16 +13,16 @@ pub(super) struct Tally {
     pass: u32,
     /// The samples of a picture, and whether rays go on from its hits.
     pub(super) samples: u32,
-    is_lit: bool,
+    has_light: bool,
     /// Whether the picture began with staging, as all do but exact ones of `measure` and given rays.
     is_staged: bool,
 }
 
 impl Tally {
-    /// Sets the samples per pixel of the pictures that follow, rounded up to a square number. `is_lit` says whether
+    /// Sets the samples per pixel of the pictures that follow, rounded up to a square number. `has_light` says whether
     /// rays go on from the hits, which takes most of the time.
-    pub(super) fn expect(&mut self, samples: u32, is_lit: bool) {
-        self.is_lit = is_lit;
+    pub(super) fn expect(&mut self, samples: u32, has_light: bool) {
+        self.has_light = has_light;
         self.samples = strata_of(samples).saturating_pow(2);
     }
 
@@ -55,7 +55,7 @@ impl Tally {
     /// The share of the picture that is done, by estimated shares of the steps; it never falls.
     pub(super) fn share(&self) -> f64 {
         let Some(progress) = self.latest else { return 0.0 };
-        let (begin, end) = match (progress.step, self.is_lit) {
+        let (begin, end) = match (progress.step, self.has_light) {
             (Step::Rays, _) => (0.0, 0.95),
             (Step::Stage, _) => (0.0, 0.05),
             (Step::Trace, false) => (0.05, 0.75),
@@ -75,11 +75,11 @@ mod tests {
     use super::*;
 
     /// The progress of pictures as renderers report it: staged, then a pass for the centres and one for each sample.
-    fn picture(passes: u32, is_lit: bool) -> Vec<Progress> {
+    fn picture(passes: u32, has_light: bool) -> Vec<Progress> {
         let of =
             |step, done: &[u64]| done.iter().map(|done| Progress { step, done: *done, total: 40 }).collect::<Vec<_>>();
         let pass = || {
-            let light = of(Step::Light, if is_lit { &[0, 20, 40] } else { &[] });
+            let light = of(Step::Light, if has_light { &[0, 20, 40] } else { &[] });
             [of(Step::Trace, &[0, 10, 40]), of(Step::Settle, &[0, 40]), light].concat()
         };
         [of(Step::Stage, &[0, 40])].into_iter().chain((0..passes).map(|_| pass())).flatten().collect()
@@ -87,12 +87,13 @@ mod tests {
 
     #[test]
     fn a_picture_is_one_frame_whatever_its_samples() {
-        for (samples, passes, is_lit) in [(1, 1, false), (1, 1, true), (4, 5, true), (16, 17, false), (10, 17, true)] {
+        for (samples, passes, has_light) in [(1, 1, false), (1, 1, true), (4, 5, true), (16, 17, false), (10, 17, true)]
+        {
             let mut tally = Tally::default();
-            tally.expect(samples, is_lit);
+            tally.expect(samples, has_light);
             let (mut last, mut begun) = (0.0, 0);
             for frame in 1..=3 {
-                for progress in picture(passes, is_lit) {
+                for progress in picture(passes, has_light) {
                     begun += u32::from(tally.record(progress));
                     assert_eq!((tally.frame, begun), (frame, frame), "{samples} samples");
                     let share = f64::from(frame - 1) + tally.share();

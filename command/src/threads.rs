@@ -16,11 +16,11 @@ const MOST: usize = 256;
 /// Starts the threads. Rayon would start them itself, but panics where the system refuses one.
 pub(super) fn start() {
     let cores = available_parallelism().map_or(1, usize::from);
-    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok()).filter(|n| *n > 0);
-    let wanted = asked.unwrap_or(cores);
-    let most = wanted.min(MOST.max(cores));
-    if most < wanted {
-        say(format_args!("warning: RAYON_NUM_THREADS is {wanted}, but {most} threads are used"));
+    let given = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok()).filter(|n| *n > 0);
+    let requested = given.unwrap_or(cores);
+    let most = requested.min(MOST.max(cores));
+    if most < requested {
+        say(format_args!("warning: RAYON_NUM_THREADS is {requested}, but {most} threads are used"));
     }
     // Threads are started before the pool, which cannot be made twice; each waits for its work.
     let waiting: Vec<_> = (0..most).map_while(|number| waiting_thread(number).ok()).collect();
@@ -42,14 +42,14 @@ pub(super) fn start() {
     };
 }
 
-/// Runs both, `beside` on another thread where the system allows one.
-pub(super) fn both<A, B: Send>(own: impl FnOnce() -> A, beside: impl Fn() -> B + Sync) -> (A, B) {
+/// Runs both, `background` on another thread where the system allows one.
+pub(super) fn both<A, B: Send>(own: impl FnOnce() -> A, background: impl Fn() -> B + Sync) -> (A, B) {
     std::thread::scope(|scope| {
-        let other = (!is_alone()).then(|| Builder::new().spawn_scoped(scope, &beside));
+        let other = (!is_alone()).then(|| Builder::new().spawn_scoped(scope, &background));
         let first = own();
         match other {
             Some(Ok(running)) => (first, running.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))),
-            _ => (first, beside()),
+            _ => (first, background()),
         }
     })
 }

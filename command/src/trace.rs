@@ -131,12 +131,12 @@ impl Trace {
             }
         };
         if let Some(cloud) = &cloud {
-            bar.aside(|| note(format_args!("{}", cloud.words())));
+            bar.suspended(|| note(format_args!("{}", cloud.words())));
         }
         let tally = work.tally;
         let mut more = tally.warnings(&spheres);
         more.extend(cloud.as_ref().and_then(Cloud::warning));
-        bar.aside(|| warn(&more));
+        bar.suspended(|| warn(&more));
         warnings.extend(more);
         let report = TraceReport {
             spheres: spheres.len() as u64,

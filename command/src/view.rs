@@ -1,8 +1,8 @@
 //! `halfline view FILE`: a page that finds the camera.
 
-mod desk;
 mod frames;
 mod given;
+mod handler;
 mod lens;
 mod moving;
 mod parse;
@@ -21,11 +21,11 @@ use super::scene_args::SceneArgs;
 use super::signals::go_on;
 use super::standard::print;
 use clap::{Arg, Args, Command};
-use desk::Desk;
 use given::Given;
 use halfline::error::{Error, Result};
 use halfline_files::read::read_once;
 use halfline_viewer::{Server, open_browser, ssh_line};
+use handler::ViewHandler;
 use std::fs::File;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -103,11 +103,11 @@ impl View {
         // A file that is not there is an error before a page is shown.
         File::open(self.args.path()).map_err(|e| Error::read(self.args.path(), e))?;
         let server = Server::bind(self.port).map_err(|error| self.not_bound(&error))?;
-        let desk = Arc::new(Desk::new(given)?);
+        let handler = Arc::new(ViewHandler::new(given)?);
         let (url, port, stop) = (server.url(), server.port(), Arc::new(AtomicBool::new(false)));
         let serve = {
-            let (desk, stop, idle) = (Arc::clone(&desk), Arc::clone(&stop), self.idle);
-            thread::Builder::new().name("server".into()).spawn(move || server.run(desk, idle, &stop))
+            let (handler, stop, idle) = (Arc::clone(&handler), Arc::clone(&stop), self.idle);
+            thread::Builder::new().name("server".into()).spawn(move || server.run(handler, idle, &stop))
         };
         let serving = serve.map_err(|error| Error::Limits {
             problem: format!("the system allows no more threads: {error}"),
@@ -120,7 +120,7 @@ impl View {
         if !self.no_open && !open_browser(&url) {
             note(format_args!("open the address in a browser; ctrl-C ends"));
         }
-        let loaded = desk.load();
+        let loaded = handler.load();
         while loaded.is_ok() && go_on() && !serving.is_finished() {
             thread::sleep(Duration::from_millis(50));
         }
@@ -160,15 +160,15 @@ impl View {
 }
 
 fn duration(text: &str) -> Result<Duration, String> {
-    let wanted = "expected a time such as 30m, 90s or 2h";
+    let expected = "expected a time such as 30m, 90s or 2h";
     let (number, unit) = text.split_at(text.trim_end_matches(char::is_alphabetic).len());
     let scale = match unit {
         "s" | "" => 1.0,
         "m" | "min" => 60.0,
         "h" => 3600.0,
-        _ => return Err(wanted.into()),
+        _ => return Err(expected.into()),
     };
     let seconds = number.parse::<f64>().ok().map(|number| number * scale);
-    let seconds = seconds.filter(|seconds| (0.1..=1e9).contains(seconds)).ok_or(wanted)?;
+    let seconds = seconds.filter(|seconds| (0.1..=1e9).contains(seconds)).ok_or(expected)?;
     Ok(Duration::from_secs_f64(seconds))
 }

@@ -30,20 +30,20 @@ pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target])
     check_inputs(targets.iter().map(Target::path), &args.visible)?;
     targets.iter().try_for_each(Target::check)?;
     let part = combined(args)?;
-    let seen = part.view().clone();
-    let mut frame = SceneFrame::new(1, seen.scene());
+    let view = part.view().clone();
+    let mut frame = SceneFrame::new(1, view.scene());
     if let Some((width, height)) = args.image.size.filter(|_| is_typed("--size"))
-        && [width, height] != seen.size
+        && [width, height] != view.size
     {
-        let [w, h] = seen.size;
+        let [w, h] = view.size;
         let problem = format!("--size {width}x{height}: the parts are of a frame of {w}x{h}");
         return Err(Error::settings(problem, "remove --size, or sift again"));
     }
     args.files.apply(&mut frame.scene);
-    let file = FileLook { samples: Some(seen.samples), ..FileLook::default() };
+    let file = FileLook { samples: Some(view.samples), ..FileLook::default() };
     let request = args.look_request(file, settings.aovs.contains(&Aov::Color));
     let look = args.light.apply(&mut frame, &args.files.buffers(), request, PictureLens::default())?;
-    let mut picture = PictureScene { seen: Some(seen), ..PictureScene::bare(frame.scene, look) };
+    let mut picture = PictureScene { part_view: Some(view), ..PictureScene::bare(frame.scene, look) };
     picture.skipped.assumed.extend(part.gaps());
     note(format_args!("{}: {part}", count(args.visible.len() as u64, "part")));
     let settings = args.settings_for(&picture, settings, targets)?;

@@ -114,7 +114,7 @@ impl Insets {
     ///
     /// # Errors
     /// [`Error::Settings`] if the picture is too small for the legend.
-    pub fn aside(&self, width: u32, height: u32) -> Result<[f64; 2]> {
+    pub fn legend_shares(&self, width: u32, height: u32) -> Result<[f64; 2]> {
         let Some((legend, corner)) = &self.legend else { return Ok([0.0; 2]) };
         let page = Page::new(width, height);
         let (pixels, _) = page.legend(legend)?;

@@ -51,8 +51,8 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Part> {
         Error::Scene { place, problem, source, .. } => Error::Scene { place, problem, mend: MEND.into(), source },
         other => other,
     })?;
-    let mut found = |wanted: &str| {
-        let at = arrays.iter().position(|(found, _)| found.as_deref() == Some(wanted))?;
+    let mut found = |field: &str| {
+        let at = arrays.iter().position(|(found, _)| found.as_deref() == Some(field))?;
         Some(arrays.swap_remove(at).1)
     };
     let fail = |field: &str, problem: &str| Error::scene(Place::file(name).named(field), problem, MEND);

@@ -51,9 +51,9 @@ fn processor_time() -> f64 {
 
 fuzz_target!(init: command(), |data: &[u8]| {
     let target = &*TARGET;
-    let (held, began) = (counting::begin(), processor_time());
+    let (memory, began) = (counting::begin(), processor_time());
     let allowed = target.run(data);
-    let (held, seconds) = (counting::most_since(held), processor_time() - began);
-    assert!(held <= allowed.bytes, "{held} bytes were held where {} are allowed", allowed.bytes);
+    let (memory, seconds) = (counting::most_since(memory), processor_time() - began);
+    assert!(memory <= allowed.bytes, "{memory} bytes were held where {} are allowed", allowed.bytes);
     assert!(seconds <= allowed.seconds, "{seconds} s were worked where {} are allowed", allowed.seconds);
 });

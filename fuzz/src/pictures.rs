@@ -124,7 +124,7 @@ pub(crate) fn resume(data: &[u8]) -> Allowed {
     let settings = settings(WINDOWS[0], aovs);
     let target = Target::new(aovs, &found, FormatOptions::default()).expect("a target");
     let taken = target.is_there(&origin(&desk.scene, &settings, &desk.reports[format], WINDOWS[0]), &|| true);
-    let wanted = fs::read(&desk.left[format]).expect("there");
-    assert_eq!(taken, content == wanted, "the wanted file and no other is taken");
+    let expected = fs::read(&desk.left[format]).expect("there");
+    assert_eq!(taken, content == expected, "the wanted file and no other is taken");
     allowed(content.len(), PER_BYTE)
 }

@@ -83,11 +83,11 @@ pub(super) fn requests(data: &[u8]) -> Allowed {
     assert_eq!(converse(Pieces::new(data), TOKEN, &routes), answers, "in pieces");
     assert!(answers.is_empty() || answers.starts_with(b"HTTP/1.1 "));
     assert!(!contains(&answers, b"Access-Control") && !contains(&answers, b"HTTP/1.1 500"));
-    let is_asked = stage.0.load(Ordering::Relaxed) > 0;
+    let is_reached = stage.0.load(Ordering::Relaxed) > 0;
     let lower = data.to_ascii_lowercase();
     let needed = [&b"host:"[..], b"authorization:", b"content-length:"];
     let is_shown = contains(data, TOKEN.as_bytes()) && needed.iter().all(|name| contains(&lower, name));
-    assert!(is_shown || !is_asked, "a request without the token reached the stage");
+    assert!(is_shown || !is_reached, "a request without the token reached the stage");
     for name in ["scene", "frame", "pick", "select", "command", "progress"] {
         let Reply { status, halfline, body, .. } = routes.answer(name, data);
         assert!([200, 400].contains(&status), "{name}: {status}");

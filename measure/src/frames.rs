@@ -27,15 +27,15 @@ pub struct MatchedBuffers<'a> {
 }
 
 impl<'a> MatchedBuffers<'a> {
-    /// Matches the buffers of two files: those of the same name, or those in `wanted`. If each file has a single
+    /// Matches the buffers of two files: those of the same name, or those in `requested`. If each file has a single
     /// buffer, they are matched whatever their names.
     ///
     /// # Errors
     /// [`Error::Settings`] for a name that a file does not have, and for an unnamed buffer beside several.
-    pub fn of(a: &'a FrameFile, b: &'a FrameFile, wanted: &'a [String]) -> Result<Self> {
-        if !wanted.is_empty() {
+    pub fn of(a: &'a FrameFile, b: &'a FrameFile, requested: &'a [String]) -> Result<Self> {
+        if !requested.is_empty() {
             let pair = |name: &'a String| Ok(BufferPair { name: Some(name), a: buffer(a, name)?, b: buffer(b, name)? });
-            return Ok(Self { common: wanted.iter().map(pair).collect::<Result<_>>()?, missing: Vec::new() });
+            return Ok(Self { common: requested.iter().map(pair).collect::<Result<_>>()?, missing: Vec::new() });
         }
         if let ([one], [other]) = (&a.buffers[..], &b.buffers[..]) {
             let name = one.name.as_deref().or(other.name.as_deref());

@@ -273,8 +273,8 @@ fn hit(truth: &ExactAnswer, radius: f64, distance: f64, normal: [f64; 3]) -> Pix
     // t* / 2^e is its significand, of which f32 has 23 bits after the point.
     let ulps = relative * (truth.t / 2f64.powi(halfline::number::exponent(truth.t))) * f64::from(1u32 << 23);
     // Where f32 cannot distinguish the roots, the right one may round towards the other.
-    let aside = ulps > 1.0 && (distance - truth.other).abs() < (distance - truth.distance).abs();
-    let wrong = !distance.is_finite() || aside;
+    let is_other_root = ulps > 1.0 && (distance - truth.other).abs() < (distance - truth.distance).abs();
+    let wrong = !distance.is_finite() || is_other_root;
     let verdict = if wrong { PixelVerdict::WrongRoot } else { PixelVerdict::Right };
     let fine = [ulps, (distance - truth.distance).abs() / radius, degrees(normal, truth.normal)];
     Pixel {

@@ -23,11 +23,11 @@ pub fn broken(run: &Run) -> Vec<String> {
     if let Some(share) = run.of_bound.filter(|share| *share > 1.0) {
         reasons.push(format!("an error {share:.3} times its stated bound"));
     }
-    let mut exceeds = |what: &str, unit: &str, seen: Option<f64>, predicted: Option<f64>| {
+    let mut exceeds = |what: &str, unit: &str, measured: Option<f64>, predicted: Option<f64>| {
         // An unbounded prediction promises nothing; an unbounded error exceeds every finite promise.
-        if let Some(predicted) = predicted.filter(|predicted| seen.is_none_or(|seen| seen > *predicted)) {
-            let seen = seen.map_or("without bound".into(), |seen| format!("{seen:.1e}{unit}"));
-            reasons.push(format!("{what} off {seen}, {predicted:.1e}{unit} predicted"));
+        if let Some(predicted) = predicted.filter(|predicted| measured.is_none_or(|measured| measured > *predicted)) {
+            let measured = measured.map_or("without bound".into(), |measured| format!("{measured:.1e}{unit}"));
+            reasons.push(format!("{what} off {measured}, {predicted:.1e}{unit} predicted"));
         }
     };
     exceeds("outlines", " radii", run.errors.outline, run.predicted.outline);

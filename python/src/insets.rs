@@ -69,8 +69,8 @@ impl Insets {
     }
 
     /// The shares of the width of this scene's picture that its legend takes at the left and the right.
-    pub(crate) fn aside(&self, scene: &Scene, image: ImagePlane) -> Result<[f64; 2]> {
-        CoreInsets { legend: self.shown(scene)?, ..CoreInsets::default() }.aside(image.width, image.height)
+    pub(crate) fn legend_shares(&self, scene: &Scene, image: ImagePlane) -> Result<[f64; 2]> {
+        CoreInsets { legend: self.shown(scene)?, ..CoreInsets::default() }.legend_shares(image.width, image.height)
     }
 
     /// The legend in the picture and its corner.

@@ -134,8 +134,8 @@ impl Picture {
     pub(crate) fn scene(&self, scene: &Scene, camera: Option<&Camera>) -> Result<halfline::Scene> {
         let mut exact = scene.sized(camera, self.size, self.background())?;
         if camera.is_none() {
-            let aside = self.insets.aside(scene, exact.image)?;
-            scene.frame_beside(&mut exact, aside)?;
+            let legend_shares = self.insets.legend_shares(scene, exact.image)?;
+            scene.frame_with_legend(&mut exact, legend_shares)?;
         }
         let (light, aovs) = (self.light(scene)?, self.aovs()?);
         if light.lacks_light(&exact, &aovs) {

@@ -22,9 +22,9 @@ impl Paint {
     ) -> halfline::Result<(Self, Vec<String>)> {
         let (mut paint, mut notes) = (vec![0; spheres.len()], Vec::new());
         for (number, (selection, _)) in (1..).zip(rules) {
-            let (mask, said) = columns.select(selection, spheres)?;
+            let (mask, messages) = columns.select(selection, spheres)?;
             paint.par_iter_mut().zip(&mask).filter(|(_, flag)| **flag).for_each(|(paint, _)| *paint = number);
-            notes.extend(said);
+            notes.extend(messages);
         }
         Ok((Self(paint), notes))
     }

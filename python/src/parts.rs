@@ -101,16 +101,16 @@ impl Part {
 
     /// The settings of a frame of the part; those that are given must be its own.
     pub(crate) fn settings(&self, size: Option<(u32, u32)>, settings: Settings) -> Result<Settings> {
-        let seen = self.0.view();
-        let own = (seen.size[0], seen.size[1]);
+        let view = self.0.view();
+        let own = (view.size[0], view.size[1]);
         if let Some(size) = size.filter(|size| *size != own) {
             let problem = format!("size is {size:?}, and the part is of a frame of {own:?}");
             return Err(Error::settings(problem, "remove size, or sift again"));
         }
         // 0 is the default of the keyword.
-        let seed = if settings.seed == 0 { seen.seed } else { settings.seed };
-        let tolerance = settings.tolerance.or(parts::tolerance(seen)?);
-        Ok(Settings { seed, tolerance, window: settings.window.or(Some(seen.window)), ..settings })
+        let seed = if settings.seed == 0 { view.seed } else { settings.seed };
+        let tolerance = settings.tolerance.or(parts::tolerance(view)?);
+        Ok(Settings { seed, tolerance, window: settings.window.or(Some(view.window)), ..settings })
     }
 }
 

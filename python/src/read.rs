@@ -7,7 +7,7 @@ use halfline::error::{Error, Result};
 use halfline::scene::arrange::Arrangement;
 use halfline_files::read::style::{self, Coloring, Scale};
 use halfline_files::read::{
-    Altloc, ColumnNames, Format, FrameRange, HeldCamera, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection,
+    Altloc, ColumnNames, FixedCamera, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection,
     Style,
 };
 use pyo3::prelude::*;
@@ -145,7 +145,7 @@ struct Opened {
     file: Option<String>,
     job: Job,
     size: Option<(u32, u32)>,
-    held: HeldCamera,
+    fixed_camera: FixedCamera,
     any: bool,
 }
 
@@ -167,13 +167,13 @@ fn point(frame: &mut SceneFrame) -> Result<()> {
 impl Opened {
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
         let (image, watch) = (self.size, self.job.watch());
-        self.held.see(frame, &self.arrangement, &watch, |whole| {
+        self.fixed_camera.see(frame, &self.arrangement, &watch, |whole| {
             size(image, whole);
             point(whole)
         })?;
         frame.arrange(&self.arrangement, &watch)?;
         size(image, frame);
-        self.held.apply(frame, point)
+        self.fixed_camera.apply(frame, point)
     }
 
     fn next(&mut self) -> Result<Option<Scene>> {
@@ -185,8 +185,8 @@ impl Opened {
         };
         self.any = true;
         self.prepare(&mut frame)?;
-        let held = frame.has_camera || self.held.camera().is_some();
-        Ok(Some(Scene::of_file(frame, self.file.clone(), &self.arrangement, held)))
+        let is_fixed = frame.has_camera || self.fixed_camera.camera().is_some();
+        Ok(Some(Scene::of_file(frame, self.file.clone(), &self.arrangement, is_fixed)))
     }
 }
 
@@ -201,11 +201,11 @@ impl Sequence {
             let mend = "use hold='first', or give the camera, the radius and the range yourself";
             return Err(Error::settings("hold='all' is an option of the command only", mend)).or_raise();
         }
-        let held = HeldCamera::new(holds && read.hold != Hold::None);
+        let fixed_camera = FixedCamera::new(holds && read.hold != Hold::None);
         let sequence = job.run(py, None, || halfline_files::read::Sequence::open(&path, &read))?;
         let arrangement = options.arrangement();
         let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
-        Ok(Self(Mutex::new(Opened { sequence, arrangement, file, job, size, held, any: false })))
+        Ok(Self(Mutex::new(Opened { sequence, arrangement, file, job, size, fixed_camera, any: false })))
     }
 
     fn __iter__(this: Bound<'_, Self>) -> Bound<'_, Self> {

@@ -92,17 +92,17 @@ impl Renderer {
         let job = Job::default();
         let rendered = job.run(py, progress.as_ref(), || {
             picture.begin(scene)?;
-            let mut seen = None;
+            let mut shown = None;
             let mut rendered = picture.render(scene, None, scene.number, |exact| {
                 let Visible { scene: left, ids } = part.0.clone().visible(exact, &settings)?;
                 let mut frame = self.shared.render(&job, &left, &settings, &scene.skipped)?;
                 ids.restore(&mut frame);
                 frame.report.warnings.extend(part.0.gaps());
-                seen = Some(left);
+                shown = Some(left);
                 Ok(frame)
             })?;
             // Provenance is that of all spheres.
-            rendered.scene = seen.unwrap_or(rendered.scene);
+            rendered.scene = shown.unwrap_or(rendered.scene);
             Ok(rendered)
         })?;
         Ok(Frame::new(rendered, picture.single, settings, self.shared.clone()))

@@ -28,7 +28,7 @@ pub(crate) struct Scene {
     /// The size of the lens of its file's camera; `None` for a pinhole.
     pub(crate) aperture: Option<Aperture>,
     /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
-    held: bool,
+    is_fixed: bool,
     /// The kind of its file, and the look and the samples that it asks for.
     pub(crate) look: FileLook,
     /// Whether its default camera is that of a molecule.
@@ -61,14 +61,14 @@ pub(crate) struct Scene {
 
 impl Scene {
     /// The scene of a file.
-    pub(crate) fn of_file(frame: SceneFrame, file: Option<String>, arrangement: &Arrangement, held: bool) -> Self {
+    pub(crate) fn of_file(frame: SceneFrame, file: Option<String>, arrangement: &Arrangement, is_fixed: bool) -> Self {
         let mut scene = frame.scene;
         scene.spheres.share();
         Self {
             scene: Arc::new(scene),
             skipped: frame.skipped,
             aperture: frame.aperture,
-            held,
+            is_fixed,
             look: frame.look,
             is_molecule: frame.is_molecule,
             number: frame.number,
@@ -87,7 +87,7 @@ impl Scene {
     /// The camera and the image of a part, which stay as they are; `samples` are its own.
     pub(crate) fn of_part(scene: CoreScene, samples: u32) -> Self {
         let look = FileLook { samples: Some(samples), ..FileLook::default() };
-        Self { held: true, look, ..Self::of_arrays(scene) }
+        Self { is_fixed: true, look, ..Self::of_arrays(scene) }
     }
 
     /// A scene of which nothing but this is known.
@@ -96,7 +96,7 @@ impl Scene {
             scene: Arc::new(scene),
             skipped: Skipped::default(),
             aperture: None,
-            held: false,
+            is_fixed: false,
             is_molecule: false,
             look: FileLook::default(),
             number: 1,
@@ -143,11 +143,11 @@ impl Scene {
     }
 
     /// Frames the spheres beside a legend that takes these shares of the picture's width, unless the file has a camera.
-    pub(crate) fn frame_beside(&self, exact: &mut CoreScene, aside: [f64; 2]) -> halfline::Result<()> {
-        if self.held {
+    pub(crate) fn frame_with_legend(&self, exact: &mut CoreScene, legend_shares: [f64; 2]) -> halfline::Result<()> {
+        if self.is_fixed {
             return Ok(());
         }
-        exact.frame_by_default(self.is_molecule, &Framing { aside, ..Framing::default() })
+        exact.frame_by_default(self.is_molecule, &Framing { aside: legend_shares, ..Framing::default() })
     }
 
     /// The same spheres in other colours, one for each.
@@ -176,7 +176,7 @@ impl Scene {
     }
 
     /// The same spheres without lights, sky and mirrors.
-    pub(crate) fn lit_from_the_eye(&self) -> Self {
+    pub(crate) fn with_light_at_the_eye(&self) -> Self {
         self.with(CoreScene { lighting: Lighting::from_the_eye(), ..(*self.scene).clone() })
     }
 
@@ -199,7 +199,7 @@ impl Scene {
     pub(crate) fn exact(&self, camera: Option<&Camera>, size: Option<(u32, u32)>) -> halfline::Result<CoreScene> {
         let mut exact = self.sized(camera, size, None)?;
         if camera.is_none() {
-            self.frame_beside(&mut exact, [0.0; 2])?;
+            self.frame_with_legend(&mut exact, [0.0; 2])?;
         }
         Ok(exact)
     }
@@ -227,7 +227,7 @@ impl Scene {
         }
         match camera {
             Some(camera) => scene.camera = camera.camera,
-            None if self.held => {}
+            None if self.is_fixed => {}
             // A size without pixels has no shape; it is refused before the camera is.
             None => {
                 let size = [scene.image.width.into(), scene.image.height.into()];
@@ -276,9 +276,9 @@ impl Scene {
         step: Option<i64>,
         cell: Option<([f64; 3], [[f64; 3]; 3])>,
     ) -> Self {
-        let mut told = Self { number, time, step, cell, ..self.with((*self.scene).clone()) };
-        told.skipped.assumed.extend(warnings);
-        told
+        let mut scene = Self { number, time, step, cell, ..self.with((*self.scene).clone()) };
+        scene.skipped.assumed.extend(warnings);
+        scene
     }
 
     /// The names of the columns.

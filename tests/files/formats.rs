@@ -142,13 +142,13 @@ fn random_parts_of_random_frames_are_read_back() {
                     assert_eq!((image_file.head.window, image_file.head.full), (window, full));
                     let found = samples(&image_file, 0);
                     let what = format!("{aov} as {format:?} of {window} in {full:?} with {style:?}");
-                    let wanted = expected(part, aov, format, &style);
+                    let reference = expected(part, aov, format, &style);
                     // A level of the normal may fall between two: n + 1 is rounded once, in f32.
                     let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1.0;
                     let whole = if (format, aov) == (FileFormat::Png, Aov::Normal) {
-                        found.len() == wanted.len() && found.iter().zip(&wanted).all(near)
+                        found.len() == reference.len() && found.iter().zip(&reference).all(near)
                     } else {
-                        same(&found, &wanted)
+                        same(&found, &reference)
                     };
                     assert!(whole, "{what}");
                     assert_eq!(written(part, &target).0, bytes, "{what}: the same bytes");
@@ -200,8 +200,8 @@ fn one_file_holds_all_buffers() {
         let (bytes, image_file) = written(frame, &target);
         assert_eq!(image_file.head.forms.iter().map(|form| form.aov).collect::<Vec<_>>(), Aov::ALL);
         for (layer, aov) in Aov::ALL.into_iter().enumerate() {
-            let wanted = expected(frame, aov, format, &FormatOptions::default());
-            assert!(same(&samples(&image_file, layer), &wanted), "{aov} as {format:?}");
+            let reference = expected(frame, aov, format, &FormatOptions::default());
+            assert!(same(&samples(&image_file, layer), &reference), "{aov} as {format:?}");
         }
         assert_eq!(written(frame, &target).0, bytes, "the same bytes");
     }

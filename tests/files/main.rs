@@ -19,7 +19,7 @@ mod skip;
 mod broken;
 mod formats;
 mod frames;
-mod lit;
+mod light_buffers;
 mod molecules;
 mod people;
 mod readers;

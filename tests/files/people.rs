@@ -136,8 +136,8 @@ fn text_that_nobody_uses_may_hold_any_bytes() {
     // In a scene a text that is used is none.
     let scene = [CAMERA.as_bytes(), b"# d\xe9but\n[[spheres]]\nfile = 'a.csv'\nselect = \"name ", b"\xe9\"\n"].concat();
     let folder = folder(&[("a.csv", b"x,y,z,name\n1,2,3,b\n"), ("scene.toml", &scene)]);
-    let told = read::scene(&folder.path().join("scene.toml"), &ReadOptions::default()).map(drop).expect_err("a text");
-    assert!(told.to_string().contains("is not UTF-8 text"), "{told}");
+    let error = read::scene(&folder.path().join("scene.toml"), &ReadOptions::default()).map(drop).expect_err("a text");
+    assert!(error.to_string().contains("is not UTF-8 text"), "{error}");
     // NumPy writes headers in ISO 8859-1 before version 3.0.
     let header = b"{'descr': [('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('d\xe9', '<f4')], 'fortran_order': False, 'shape': (1,), }\n";
     let npy = [b"\x93NUMPY\x01\0", &(header.len() as u16).to_le_bytes()[..], header, &points, &points[..4]].concat();
@@ -156,7 +156,7 @@ fn text_that_nobody_uses_may_hold_any_bytes() {
 }
 
 #[test]
-fn extended_xyz_has_atomic_numbers_beside_coordinates() {
+fn extended_xyz_has_atomic_numbers_and_coordinates() {
     let mut rng = Rng::new(48);
     let parts = [
         ("species:S:1", ["O", "H"]),
@@ -230,7 +230,7 @@ fn sites_without_coordinates_are_left_out_and_counted() {
 
 #[test]
 fn angles_of_a_cell_are_right_ones_where_none_are_given() {
-    for (given, said) in [
+    for (given, message) in [
         ("", "alpha, beta, gamma"),
         ("_cell_angle_beta 90\n", "alpha, gamma"),
         ("_cell_angle_alpha .\n_cell_angle_beta ?\n", "alpha, beta, gamma"),
@@ -239,8 +239,8 @@ fn angles_of_a_cell_are_right_ones_where_none_are_given() {
         let frame = alike("a.cif", format!("data_a\n{CELL}{given}{ATOMS}").as_bytes());
         assert_eq!(frame.scene.spheres.centers, [[1.0, 2.0, 3.0]]);
         let note = frame.skipped.assumed.iter().find(|note| note.contains("90 degrees"));
-        assert_eq!(note.is_some(), !said.is_empty(), "{:?}", frame.skipped);
-        assert!(note.is_none_or(|note| note.contains(said)), "{note:?}");
+        assert_eq!(note.is_some(), !message.is_empty(), "{:?}", frame.skipped);
+        assert!(note.is_none_or(|note| note.contains(message)), "{note:?}");
     }
     let sheared = alike("a.cif", format!("data_a\n{CELL}_cell_angle_gamma 60\n{ATOMS}").as_bytes());
     assert!((sheared.scene.spheres.centers[0][0] - 2.0).abs() < 1e-12, "{:?}", sheared.scene.spheres.centers);
@@ -288,8 +288,8 @@ fn a_chemical_component_is_read() {
         let frame = alike("a.cif", text.as_bytes());
         assert_eq!(frame.scene.spheres.centers[..], centers[..], "{text}");
         assert_eq!(frame.scene.spheres.radii[0], radius, "{text}");
-        let is_told = frame.skipped.assumed.iter().any(|said| said.contains("several data blocks"));
-        assert_eq!(is_told, text.contains("data_B"), "{text}");
+        let is_reported = frame.skipped.assumed.iter().any(|warning| warning.contains("several data blocks"));
+        assert_eq!(is_reported, text.contains("data_B"), "{text}");
     }
     let text = format!("data_HOH\n{both}HOH O O 0 1 2 3 9 9 9\nHOH H1 H 0 4 5 6 9 9 9\n");
     let hydrogen = read_frame("a.cif", text.as_bytes(), &selecting("name H1 and resname HOH")).expect("an atom");
@@ -453,21 +453,24 @@ fn tables_of_scanners_are_read() {
         ["1 2 3\n4 5 6\n", "2\n1 2 3\n4 5 6\n", "1.5 2 3 9 9\n4 5 6 9 9\n", "2\n1 2 3 9 9 9 9\n4.0 5 6 9 9 9 9\n"]
     {
         for name in ["a.pts", "a.xyz", "a.asc"] {
-            let told = refusal(name, text.as_bytes(), &ReadOptions::default());
+            let error = refusal(name, text.as_bytes(), &ReadOptions::default());
             let is_count = text.starts_with("2\n") && name == "a.xyz";
-            assert!(is_count || told.contains("csv `\u{2060}columns` x=1,y=2,z=3"), "{name}: {told}");
+            assert!(is_count || error.contains("csv `\u{2060}columns` x=1,y=2,z=3"), "{name}: {error}");
             // What the mend says works.
             let frame =
                 read_alike(name, text.as_bytes(), &named("x=1,y=2,z=3")).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(frame.scene.spheres.centers[1], [4.0, 5.0, 6.0], "{text}");
             assert_eq!(frame.scene.spheres.len(), 2, "{text}");
-            assert!(!frame.skipped.assumed.iter().any(|said| said.contains("alone")), "{:?}", frame.skipped);
+            assert!(!frame.skipped.assumed.iter().any(|warning| warning.contains("alone")), "{:?}", frame.skipped);
             let cut = text.replacen("2\n", "3\n", 1);
             let frame =
                 read_alike(name, cut.as_bytes(), &named("x=1,y=2,z=3")).unwrap_or_else(|error| panic!("{error}"));
-            let told =
-                frame.skipped.assumed.iter().any(|said| said.contains("a") && said.contains(":1:1: 3 stands alone"));
-            assert_eq!(told, text.starts_with("2\n"), "{:?}", frame.skipped);
+            let is_reported = frame
+                .skipped
+                .assumed
+                .iter()
+                .any(|warning| warning.contains("a") && warning.contains(":1:1: 3 stands alone"));
+            assert_eq!(is_reported, text.starts_with("2\n"), "{:?}", frame.skipped);
         }
     }
 }
@@ -570,13 +573,13 @@ fn info_counts_the_frames_that_can_be_read() {
         if name != "a.xtc" {
             cases.push(([&whole[..], b"made by hand\n\nin a day\n"].concat(), 2, true));
         }
-        for (content, frames, is_told) in cases {
+        for (content, frames, is_reported) in cases {
             let folder = folder(&[(name, &content)]);
             let path = folder.path().join(name);
             let info = read::info(&path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
             assert_eq!((info.frames, info.spheres), (frames, 1), "{name}: {:?}", info.warnings);
-            let told = info.warnings.iter().any(|warning| warning.contains("cannot be read"));
-            assert_eq!(told, is_told, "{name}: {:?}", info.warnings);
+            let is_found = info.warnings.iter().any(|warning| warning.contains("cannot be read"));
+            assert_eq!(is_found, is_reported, "{name}: {:?}", info.warnings);
             assert_eq!(read::scene(&path, &ReadOptions::default()).expect(name).scene.spheres.len(), 1);
         }
     }
@@ -628,11 +631,11 @@ fn what_is_not_read_is_named_with_a_way_to_it() {
         (utf16, "UTF-16", "UTF-8"),
     ] {
         for name in ["a.xyz", "a.pdb", "a.csv", "a.npz", "a.toml", "a"] {
-            let told = refusal(name, &content, &ReadOptions::default());
-            assert!(told.contains(what) && told.contains(mend) && told.contains(name), "{name}: {told}");
+            let error = refusal(name, &content, &ReadOptions::default());
+            assert!(error.contains(what) && error.contains(mend) && error.contains(name), "{name}: {error}");
             let columns_named = "x=1,y=2,z=3".parse().expect("columns");
-            let told = refusal(name, &content, &ReadOptions { columns_named, ..ReadOptions::default() });
-            assert!(told.contains(what), "{name}: {told}");
+            let error = refusal(name, &content, &ReadOptions { columns_named, ..ReadOptions::default() });
+            assert!(error.contains(what), "{name}: {error}");
         }
     }
     for name in ["a.xyz", "a.toml", "a", "a.nff", "a.csv"] {
@@ -644,7 +647,7 @@ fn what_is_not_read_is_named_with_a_way_to_it() {
 }
 
 #[test]
-fn numbers_that_are_none_are_told_how_to_be_written() {
+fn errors_of_numbers_that_are_none_say_how_to_write_them() {
     let skip = "skip_invalid";
     for (name, text, place, mend) in [
         ("a.csv", "x,y,z\n1,1.5D+03,3\n", ":2:3: y: `1.5D+03` is not a number", "with E, as in 1.5E+03"),
@@ -675,8 +678,8 @@ fn numbers_that_are_none_are_told_how_to_be_written() {
             "with E, as in 1.0E0",
         ),
     ] {
-        let told = refusal(name, text.as_bytes(), &ReadOptions::default());
-        assert!(told.contains(place) && told.contains(mend), "{told}");
+        let error = refusal(name, text.as_bytes(), &ReadOptions::default());
+        assert!(error.contains(place) && error.contains(mend), "{error}");
         // Where it is said, it works.
         if mend == skip {
             let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
@@ -692,10 +695,10 @@ fn numbers_that_are_none_are_told_how_to_be_written() {
         ("a.pcd", "FIELDS x y z r\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 1\nPOINTS 1\nDATA ascii\n1 2 3 4\n"),
     ] {
         let frame = alike(name, text.as_bytes());
-        assert!(frame.skipped.assumed.iter().any(|said| said.contains("radius=r")), "{:?}", frame.skipped);
+        assert!(frame.skipped.assumed.iter().any(|warning| warning.contains("radius=r")), "{:?}", frame.skipped);
     }
     let frame = alike("a.csv", b"x,y,z,Radii,r\n1,2,3,4,5\n");
     assert_eq!((frame.scene.spheres.radii[0], &frame.skipped.assumed[..]), (4.0, &[][..]));
     let frame = alike("a.csv", b"x,y,z,r,g,b\n1,2,3,1,0,0\n");
-    assert!(!frame.skipped.assumed.iter().any(|said| said.contains("radius=r")), "{:?}", frame.skipped);
+    assert!(!frame.skipped.assumed.iter().any(|warning| warning.contains("radius=r")), "{:?}", frame.skipped);
 }

@@ -99,7 +99,7 @@ fn csv_and_npy_have_their_exact_values() {
 }
 
 #[test]
-fn ids_begin_with_inline_spheres_and_files_are_found_beside_the_scene() {
+fn ids_begin_with_inline_spheres_and_files_are_found_next_to_the_scene() {
     let scene = format!(
         "{CAMERA}[[spheres]]\nfile = 'a.csv'\n[[sphere]]\ncenter = [9, 9, 9]\nradius = 9\n[[spheres]]\nfile = \"b.npy\"\n"
     );
@@ -452,7 +452,7 @@ fn colored(descr: &str, scale: f64, names: [&str; 3]) -> Vec<ColoredFile> {
     let positions = npy_of("<f8", "False", "(3, 3)", &little(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0]));
     let radii = npy_of("<i2", "False", "(3,)", &[4, 0, 4, 0, 4, 0]);
     let channel = |k: usize| array("(3,)", &records(&|n| number(scaled(n)[k])));
-    let beside = |n: usize| [xyz(n), bytes(n), 2i16.to_le_bytes().to_vec()].concat();
+    let full_record = |n: usize| [xyz(n), bytes(n), 2i16.to_le_bytes().to_vec()].concat();
     let pcd = format!(
         "VERSION 0.7\nFIELDS x y z {r} {g} {b} radius\nSIZE 4 4 4 {size} {size} {size} 2\nTYPE F F F {0} {0} {0} I\nWIDTH 3\n",
         letter.to_uppercase()
@@ -473,7 +473,10 @@ fn colored(descr: &str, scale: f64, names: [&str; 3]) -> Vec<ColoredFile> {
     let line = |n: usize| format!("{n} 0 0 {} 2\n", shown(n).join(" "));
     let fields = |colors: String| {
         let descr = format!("[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), {colors}, ('radius', '<i2')]");
-        crate::numpy::npy(&format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (3,), }}"), &records(&beside))
+        crate::numpy::npy(
+            &format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (3,), }}"),
+            &records(&full_record),
+        )
     };
     let dump =
         "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\nITEM: ATOMS x y z";
@@ -511,12 +514,12 @@ fn colored(descr: &str, scale: f64, names: [&str; 3]) -> Vec<ColoredFile> {
         ),
         (
             "a.pcd",
-            [pcd.clone() + "DATA binary\n"].concat().into_bytes().into_iter().chain(records(&beside)).collect(),
+            [pcd.clone() + "DATA binary\n"].concat().into_bytes().into_iter().chain(records(&full_record)).collect(),
             has_red,
         ),
         ("a.pcd", [(pcd + "DATA ascii\n").into_bytes(), rows(&line)].concat(), has_red),
         ("a.ply", [ply("ascii"), rows(&line)].concat(), has_red),
-        ("a.ply", [ply("binary_little_endian"), records(&beside)].concat(), has_red),
+        ("a.ply", [ply("binary_little_endian"), records(&full_record)].concat(), has_red),
     ];
     // Numbers in text have no type.
     if letter == "f" || scale > 1.0 || descr == "|u1" {
@@ -567,7 +570,7 @@ fn colours_and_radii_have_one_rule_in_all_formats() {
 
 /// A name that is known and not taken is told; a colour of floats that are linear stays so.
 #[test]
-fn what_is_called_like_a_colour_or_a_radius_and_is_none_is_told() {
+fn what_is_called_like_a_colour_or_a_radius_and_is_none_is_reported() {
     let numbers = little(&[0.0; 3]);
     let fields = |more: &str, bytes: &[u8]| {
         let descr = format!("[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), {more}]");
@@ -575,7 +578,7 @@ fn what_is_called_like_a_colour_or_a_radius_and_is_none_is_told() {
         crate::numpy::npy(&header, &[&numbers[..], bytes].concat())
     };
     let xyz = "1\nProperties=species:S:1:pos:R:3";
-    for (name, content, told) in [
+    for (name, content, message) in [
         ("a.npy", fields("('red', '|S1'), ('green', '|S1'), ('blue', '|S1')", b"abc"), "red"),
         ("a.npy", fields("('radius', '<f2')", &[0, 0]), "radius"),
         ("a.npy", fields("('rgb', '<f8')", &[0; 8]), "rgb"),
@@ -593,9 +596,12 @@ fn what_is_called_like_a_colour_or_a_radius_and_is_none_is_told() {
         ),
     ] {
         let frame =
-            read_frame(name, &content, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name} {told}: {e}"));
-        let said =
-            frame.skipped.warnings().into_iter().filter(|said| said.contains("not taken") && said.contains(told));
-        assert_eq!(said.count(), 1, "{name} {told}: {:?}", frame.skipped.warnings());
+            read_frame(name, &content, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name} {message}: {e}"));
+        let warnings = frame
+            .skipped
+            .warnings()
+            .into_iter()
+            .filter(|warning| warning.contains("not taken") && warning.contains(message));
+        assert_eq!(warnings.count(), 1, "{name} {message}: {:?}", frame.skipped.warnings());
     }
 }

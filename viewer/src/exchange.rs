@@ -11,7 +11,7 @@ pub(crate) const BUSY: Refused = Refused { status: 503, message: "8 other reques
 
 /// The state of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Moment {
+pub(crate) enum Phase {
     /// It waits for a request.
     Idle,
     /// A request has begun to arrive.
@@ -22,18 +22,18 @@ pub(crate) enum Moment {
     Writing(usize),
 }
 
-/// Answers the requests of a connection until it ends, or until `goes_on` says at a moment that it must.
+/// Answers the requests of a connection until it ends, or until `goes_on` says in a phase that it must.
 pub(crate) fn converse(
     reader: impl Read,
     mut writer: impl Write,
     (routes, token): (&Routes, &str),
-    goes_on: &dyn Fn(Moment) -> bool,
+    goes_on: &dyn Fn(Phase) -> bool,
 ) {
     let mut input = Input::new(reader);
-    while goes_on(Moment::Idle) && input.wait() && goes_on(Moment::Reading) {
+    while goes_on(Phase::Idle) && input.wait() && goes_on(Phase::Reading) {
         let (reply, keeps_alive): (Reply, bool) = match request(&mut input, token) {
             Ok((Route::File(file), _, keeps_alive)) => (file, keeps_alive),
-            Ok((Route::Ask(question), body, keeps_alive)) if goes_on(Moment::Working) => {
+            Ok((Route::Ask(question), body, keeps_alive)) if goes_on(Phase::Working) => {
                 (routes.ask(question, &body), keeps_alive)
             }
             Ok((Route::Ask(..), ..)) => (BUSY.into(), false),
@@ -41,7 +41,7 @@ pub(crate) fn converse(
             Err(Trouble::Refused(refused)) => (refused.into(), false),
             _ => return,
         };
-        let goes_on = goes_on(Moment::Writing(reply.body.len()));
+        let goes_on = goes_on(Phase::Writing(reply.body.len()));
         if !goes_on || reply.write(&mut writer, keeps_alive).is_err() || !keeps_alive {
             return;
         }

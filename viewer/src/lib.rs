@@ -8,11 +8,11 @@ mod http;
 pub mod jpeg;
 mod open;
 mod page;
-mod places;
 mod queue;
 mod reply;
 mod routes;
 mod server;
+mod slots;
 pub mod stage;
 mod timed;
 

@@ -15,21 +15,21 @@ pub(crate) struct Queue {
 #[derive(Default)]
 struct State {
     /// In the order of arrival, with the one that is rendered.
-    asked: Vec<Arc<Asked>>,
+    requests: Vec<Arc<Request>>,
     is_rendering: bool,
     arrived: u64,
 }
 
 /// A request.
-struct Asked {
+struct Request {
     seq: u64,
     is_needless: AtomicBool,
 }
 
 /// A request from its arrival to its end.
-pub(crate) struct Turn<'a> {
+pub(crate) struct Ticket<'a> {
     queue: &'a Queue,
-    asked: Arc<Asked>,
+    request: Arc<Request>,
     is_rendering: bool,
 }
 
@@ -39,16 +39,16 @@ impl Queue {
     }
 
     /// A request arrives.
-    pub(crate) fn arrive(&self, seq: u64) -> Turn<'_> {
-        let asked = Arc::new(Asked { seq, is_needless: AtomicBool::new(false) });
+    pub(crate) fn arrive(&self, seq: u64) -> Ticket<'_> {
+        let request = Arc::new(Request { seq, is_needless: AtomicBool::new(false) });
         let mut state = self.lock();
-        for other in state.asked.iter().filter(|other| other.seq < seq) {
+        for other in state.requests.iter().filter(|other| other.seq < seq) {
             other.is_needless.store(true, Ordering::Relaxed);
         }
-        state.asked.push(asked.clone());
+        state.requests.push(request.clone());
         state.arrived += 1;
         self.changed.notify_all();
-        Turn { queue: self, asked, is_rendering: false }
+        Ticket { queue: self, request, is_rendering: false }
     }
 
     /// The number of requests that have arrived so far.
@@ -58,29 +58,29 @@ impl Queue {
 
     /// Makes all requests superseded.
     pub(crate) fn clear(&self) {
-        self.lock().asked.iter().for_each(|asked| asked.is_needless.store(true, Ordering::Relaxed));
+        self.lock().requests.iter().for_each(|request| request.is_needless.store(true, Ordering::Relaxed));
         self.changed.notify_all();
     }
 }
 
-impl Turn<'_> {
+impl Ticket<'_> {
     /// Whether a newer request has arrived.
     pub(crate) fn is_needless(&self) -> bool {
-        self.asked.is_needless.load(Ordering::Relaxed)
+        self.request.is_needless.load(Ordering::Relaxed)
     }
 
     /// Whether no newer request has arrived, for work that is not done here.
     pub(crate) fn go_on(&self) -> GoOn {
-        let asked = Arc::clone(&self.asked);
-        Arc::new(move || !asked.is_needless.load(Ordering::Relaxed))
+        let request = Arc::clone(&self.request);
+        Arc::new(move || !request.is_needless.load(Ordering::Relaxed))
     }
 
-    /// Waits for the turn; `false` if a newer request arrives before.
+    /// Waits until no earlier request is rendered; `false` if a newer request arrives before.
     pub(crate) fn wait(&mut self) -> bool {
         let mut state = self.queue.lock();
         while !self.is_needless() {
-            let first = state.asked.iter().find(|asked| !asked.is_needless.load(Ordering::Relaxed));
-            if !state.is_rendering && first.is_some_and(|first| Arc::ptr_eq(first, &self.asked)) {
+            let first = state.requests.iter().find(|request| !request.is_needless.load(Ordering::Relaxed));
+            if !state.is_rendering && first.is_some_and(|first| Arc::ptr_eq(first, &self.request)) {
                 state.is_rendering = true;
                 self.is_rendering = true;
                 return true;
@@ -91,10 +91,10 @@ impl Turn<'_> {
     }
 }
 
-impl Drop for Turn<'_> {
+impl Drop for Ticket<'_> {
     fn drop(&mut self) {
         let mut state = self.queue.lock();
-        state.asked.retain(|asked| !Arc::ptr_eq(asked, &self.asked));
+        state.requests.retain(|request| !Arc::ptr_eq(request, &self.request));
         state.is_rendering &= !self.is_rendering;
         self.queue.changed.notify_all();
     }
@@ -132,12 +132,12 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_ends_with_its_thread() {
+    fn a_ticket_ends_with_its_thread() {
         let queue = Queue::default();
         let result = std::panic::catch_unwind(|| {
             assert!(queue.arrive(1).wait());
-            let mut turn = queue.arrive(2);
-            assert!(turn.wait());
+            let mut ticket = queue.arrive(2);
+            assert!(ticket.wait());
             std::panic::resume_unwind(Box::new("the renderer fails"));
         });
         assert!(result.is_err() && queue.arrive(3).wait());

@@ -20,7 +20,7 @@ const TARGET: usize = 1024;
 const MESSAGE: usize = 300;
 
 /// The longest time for which a question for progress is held open.
-const HELD: Duration = Duration::from_secs(20);
+const PROGRESS_WAIT: Duration = Duration::from_secs(20);
 
 /// The target of a request.
 #[derive(Debug)]
@@ -134,19 +134,19 @@ impl Routes {
                 Ok(Reply::json(&value))
             }
             Question::Progress => {
-                read::<Nothing>(body).and_then(|_| self.stage.progress(HELD)).map(|value| Reply::json(&value))
+                read::<Nothing>(body).and_then(|_| self.stage.progress(PROGRESS_WAIT)).map(|value| Reply::json(&value))
             }
         }
     }
 
     fn frame(&self, request: &FrameRequest) -> Answer<Reply> {
         let picture = {
-            let mut turn = self.queue.arrive(request.seq);
-            if self.is_closed.load(Ordering::Relaxed) || !turn.wait() {
+            let mut ticket = self.queue.arrive(request.seq);
+            if self.is_closed.load(Ordering::Relaxed) || !ticket.wait() {
                 return Ok(Reply::EMPTY);
             }
             // A move that has begun is finished: else a page that asks while it waits would see none.
-            let go_on: GoOn = if request.mode == Mode::Move { Arc::new(|| true) } else { turn.go_on() };
+            let go_on: GoOn = if request.mode == Mode::Move { Arc::new(|| true) } else { ticket.go_on() };
             self.stage.frame(request, &go_on)?
         };
         let Some(picture) = picture else { return Ok(Reply::EMPTY) };

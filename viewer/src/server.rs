@@ -1,9 +1,9 @@
 //! The server: the port, a thread for each connection, and the end.
 
-use crate::exchange::{BUSY, Moment, converse};
-use crate::places::{Doing, Places};
+use crate::exchange::{BUSY, Phase, converse};
 use crate::reply::Reply;
 use crate::routes::Routes;
+use crate::slots::{ConnectionState, Slots};
 use crate::stage::Stage;
 use crate::timed::Timed;
 use std::collections::VecDeque;
@@ -51,7 +51,7 @@ struct Shared {
     routes: Routes,
     token: String,
     times: Times,
-    places: Places,
+    slots: Slots,
     has_ended: AtomicBool,
 }
 
@@ -95,26 +95,26 @@ impl Server {
             routes: Routes::new(stage),
             token,
             times,
-            places: Places::new(),
+            slots: Slots::new(),
             has_ended: AtomicBool::new(false),
         });
-        let doorman = {
+        let acceptor = {
             let shared = shared.clone();
-            thread::Builder::new().name("doorman".into()).spawn(move || shared.accept(&listener))?
+            thread::Builder::new().name("acceptor".into()).spawn(move || shared.accept(&listener))?
         };
         while !stop.load(Ordering::Relaxed)
-            && !idle.is_some_and(|idle| shared.places.are_unused_for(idle))
-            && !doorman.is_finished()
+            && !idle.is_some_and(|idle| shared.slots.are_unused_for(idle))
+            && !acceptor.is_finished()
         {
             thread::sleep(TICK);
         }
         shared.has_ended.store(true, Ordering::Relaxed);
         shared.routes.close();
         let end = Instant::now() + PATIENCE;
-        while Instant::now() < end && !(doorman.is_finished() && shared.places.is_empty()) {
+        while Instant::now() < end && !(acceptor.is_finished() && shared.slots.is_empty()) {
             // A connection of its own wakes the thread that waits for one.
             drop(TcpStream::connect_timeout(&address, TICK));
-            shared.places.close();
+            shared.slots.close();
             thread::sleep(TICK / 10);
         }
         Ok(())
@@ -139,9 +139,9 @@ impl Shared {
         }
     }
 
-    /// Gives a connection a place and a thread, or returns it refused.
+    /// Gives a connection a slot and a thread, or returns it refused.
     fn receive(self: &Arc<Self>, stream: Arc<TcpStream>) -> Option<Arc<TcpStream>> {
-        let Some(number) = self.places.take(stream.clone(), CONNECTIONS) else {
+        let Some(number) = self.slots.take(stream.clone(), CONNECTIONS) else {
             let _ = stream.set_nonblocking(true);
             let _ = Reply::from(BUSY).write(&mut &*stream, false);
             let _ = stream.shutdown(Shutdown::Write);
@@ -150,10 +150,10 @@ impl Shared {
         let shared = self.clone();
         let serve = move || {
             shared.serve(&stream, number);
-            shared.places.leave(number);
+            shared.slots.leave(number);
         };
         if thread::Builder::new().name("connection".into()).spawn(serve).is_err() {
-            self.places.leave(number);
+            self.slots.leave(number);
         }
         None
     }
@@ -162,20 +162,20 @@ impl Shared {
     fn serve(&self, stream: &TcpStream, number: u64) {
         let timed = Timed::new(stream);
         let _ = stream.set_nodelay(true);
-        let goes_on = |moment| {
-            let (doing, time) = match moment {
-                Moment::Idle => (Some(Doing::Waiting), self.times.idle),
-                Moment::Reading => (Some(Doing::Reading), self.times.request),
-                Moment::Working => (Some(Doing::Working), self.times.request),
-                Moment::Writing(bytes) => (None, self.times.request + Duration::from_secs((bytes / SLOWEST) as u64)),
+        let goes_on = |phase| {
+            let (state, time) = match phase {
+                Phase::Idle => (Some(ConnectionState::Waiting), self.times.idle),
+                Phase::Reading => (Some(ConnectionState::Reading), self.times.request),
+                Phase::Working => (Some(ConnectionState::Working), self.times.request),
+                Phase::Writing(bytes) => (None, self.times.request + Duration::from_secs((bytes / SLOWEST) as u64)),
             };
             timed.allow(time);
-            let is_here = doing.is_none_or(|doing| self.places.set(number, doing));
+            let is_here = state.is_none_or(|state| self.slots.set(number, state));
             is_here && !self.has_ended.load(Ordering::Relaxed)
         };
         converse(&timed, &timed, (&self.routes, &self.token), &goes_on);
         // With unread bytes the last answer would be lost: the other side gets a while to stop.
-        if self.places.set(number, Doing::Waiting) && stream.shutdown(Shutdown::Write).is_ok() {
+        if self.slots.set(number, ConnectionState::Waiting) && stream.shutdown(Shutdown::Write).is_ok() {
             timed.allow(self.times.request.min(Duration::from_secs(1)));
             let mut reader = (&timed).take(1 << 20);
             let _ = io::copy(&mut reader, &mut io::sink());

@@ -59,7 +59,7 @@ impl<'a> Messages<'a> {
         let (first, all) = printed.entry(hash(&kind)).or_insert_with(|| (number, BTreeSet::new()));
         if *first == number && all.len() < KINDS && all.insert(hash(&words)) {
             let print = || print(format_args!("{words}"));
-            self.bar.map_or_else(print, |bar| bar.aside(print));
+            self.bar.map_or_else(print, |bar| bar.suspended(print));
         }
     }
 }
@@ -159,8 +159,8 @@ impl PictureWriter<'_> {
         if let Some(bar) = self.messages.bar {
             let is_sampled = settings.aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha));
             let light = &scene.lighting;
-            let is_lit = light.sky.is_some() || light.shadows && !light.lights.is_empty();
-            bar.expect(if is_sampled { settings.samples } else { 1 }, is_lit);
+            let has_light = light.sky.is_some() || light.shadows && !light.lights.is_empty();
+            bar.expect(if is_sampled { settings.samples } else { 1 }, has_light);
         }
         let mut frame = renderer.render(scene, settings)?;
         let mut times = frame.report.frame_ms.clone();

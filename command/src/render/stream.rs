@@ -1,9 +1,9 @@
 //! A scene that is read in blocks: for `--stream` because it does not fit in memory, for `halfline sift` because it is a part.
 
-use crate::camera_args::Aimed;
+use crate::camera_args::CameraTarget;
 use crate::camera_file;
 use crate::clash::check_inputs;
-use crate::framing::{Mean, Way, center, none_selected, turn};
+use crate::framing::{DirectionSource, Mean, center, none_selected, turn};
 use crate::legend;
 use crate::lens_args::PictureLens;
 use crate::messages::note;
@@ -24,7 +24,7 @@ use halfline::scene::{Facing, Framing, ImagePlane, LightSource, Lighting, Reach,
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::Coloring;
 use halfline_files::read::{
-    FrameTime, Mark, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped, read_once,
+    Focus, FrameTime, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped, read_once,
 };
 use halfline_files::write::file::Target;
 use std::cell::Cell;
@@ -47,24 +47,24 @@ pub(crate) struct Source<'a> {
 }
 
 /// A scene that is copies of spheres in memory.
-struct Copied {
+struct InstancedScene {
     instances: Instances,
     /// The number of spheres of the file.
     whole: u64,
-    about: About,
+    facts: SceneFacts,
     /// The spheres of the file, not their copies, that are looked at.
-    marks: Vec<Mark>,
+    marks: Vec<Focus>,
 }
 
 /// Facts about a scene that are known after its last sphere was read.
-struct About {
+struct SceneFacts {
     skipped: Skipped,
     legend: Option<Legend>,
     when: FrameTime,
     is_molecule: bool,
 }
 
-impl About {
+impl SceneFacts {
     /// The facts from blocks that were read to the end, without the time and the step.
     fn of(blocks: &SphereBlocks) -> Self {
         let (skipped, legend) = (blocks.skipped().clone(), blocks.legend());
@@ -144,20 +144,20 @@ impl<'a> Source<'a> {
         self.args.camera.zoom(&mut frame.scene)?;
         let (mut picture, own) = self.begin(frame, settings, targets)?;
         let mut stream = Stream::new(&picture.scene, &own)?;
-        let (visible, mut about) = match copied {
-            Some(Copied { instances, whole, mut about, .. }) => {
+        let (visible, mut facts) = match copied {
+            Some(InstancedScene { instances, whole, mut facts, .. }) => {
                 if self.arrangement.clip.is_empty() {
                     targets.iter().try_for_each(|target| target.check_ids(instances.total()))?;
                 }
                 let visible = Stream::of_instances(&picture.scene, &own, &instances, &self.options.watch)?;
                 if visible.ids.count == 0 && whole > 0 {
-                    about.skipped.assumed.push(all_clipped(whole));
+                    facts.skipped.assumed.push(all_clipped(whole));
                 }
-                (visible, about)
+                (visible, facts)
             }
             None => {
-                let about = self.each(|block| stream.add(&block))?;
-                (stream.finish()?, about)
+                let facts = self.each(|block| stream.add(&block))?;
+                (stream.finish()?, facts)
             }
         };
         let Visible { scene, ids } = visible;
@@ -173,10 +173,10 @@ impl<'a> Source<'a> {
                 "look plain: a stream is lit from the eye, because lights and a sky need all spheres in memory"
             ));
         }
-        about.skipped.assumed.append(&mut self.notes);
-        (picture.legend, picture.when) = (about.legend, about.when);
+        facts.skipped.assumed.append(&mut self.notes);
+        (picture.legend, picture.when) = (facts.legend, facts.when);
         let framed = framed.then(|| "all spheres".to_owned());
-        let mut picture = PictureScene { scene, skipped: about.skipped, framed, ids: Some(ids), ..picture };
+        let mut picture = PictureScene { scene, skipped: facts.skipped, framed, ids: Some(ids), ..picture };
         legend::check_content(self.args, &mut picture)?;
         Ok(picture)
     }
@@ -204,8 +204,8 @@ impl<'a> Source<'a> {
         self.args.camera.zoom(&mut frame.scene)?;
         let (picture, settings) = self.begin(frame, settings, &[])?;
         let mut stream = Stream::of_part(&picture.scene, &settings, first_id)?;
-        let about = self.each(|block| stream.add(&block))?;
-        Ok((stream.part()?, about.skipped.warnings(), framed))
+        let facts = self.each(|block| stream.add(&block))?;
+        Ok((stream.part()?, facts.skipped.warnings(), framed))
     }
 
     /// The picture of a scene whose spheres are still to come, and the settings of its frame.
@@ -245,35 +245,36 @@ impl<'a> Source<'a> {
 
     /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
     /// twice more, and once more for its principal axes. Returns whether they are framed.
-    fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<bool> {
+    fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&InstancedScene>) -> Result<bool> {
         let (camera, at) = (&self.args.camera, self.looked_at(copied)?);
         // The passes that follow need not look for them.
         self.options.marks.clear();
         let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
-        let way = |frame: &SceneFrame| camera.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
-        let given = way(frame);
-        if let (None, Way::Given(..)) = (framing, &given) {
+        let source =
+            |frame: &SceneFrame| camera.direction_source(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
+        let given = source(frame);
+        if let (None, DirectionSource::Given(..)) = (framing, &given) {
             turn(&mut frame.scene.camera, &given, camera, || (DVec3::ZERO, Facing::FRONT));
             return Ok(false);
         }
         let watch = self.options.watch.clone();
         let bounds = match copied {
-            Some(Copied { instances, about, .. }) => {
-                (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend.clone());
+            Some(InstancedScene { instances, facts, .. }) => {
+                (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend.clone());
                 instances.bounds(&watch)?
             }
             None => {
                 self.check_repeatable("the camera depends on all spheres", "give --eye and --at, or --view")?;
                 let why = "the camera depends on all spheres, so the file is read for it first (see --eye and --at)";
-                let (bounds, about) = self.survey(why)?;
-                (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend);
+                let (bounds, facts) = self.survey(why)?;
+                (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend);
                 bounds
             }
         };
-        let (way, middle, mut spread) = (way(frame), middle(bounds), Spread::about(bounds));
-        if let Way::Axes = way {
+        let (source, middle, mut spread) = (source(frame), middle(bounds), Spread::about(bounds));
+        if let DirectionSource::Axes = source {
             match copied {
-                Some(Copied { instances, .. }) => {
+                Some(InstancedScene { instances, .. }) => {
                     for block in instances.blocks() {
                         watch.check()?;
                         spread.add(&block.centers);
@@ -286,10 +287,12 @@ impl<'a> Source<'a> {
             }
         }
         let ImagePlane { width, height, .. } = frame.scene.image;
-        turn(&mut frame.scene.camera, &way, camera, || (middle, spread.facing(height > width)));
-        let aside = self.args.insets.aside(frame)?;
-        let Some(framing) = framing.map(|framing| Framing { aside, ..framing }) else { return Ok(false) };
-        if let Some(Copied { instances, .. }) = copied {
+        turn(&mut frame.scene.camera, &source, camera, || (middle, spread.facing(height > width)));
+        let legend_shares = self.args.insets.legend_shares(frame)?;
+        let Some(framing) = framing.map(|framing| Framing { aside: legend_shares, ..framing }) else {
+            return Ok(false);
+        };
+        if let Some(InstancedScene { instances, .. }) = copied {
             let reach = frame.scene.reach_of(&framing, instances, middle, &watch)?;
             return frame.scene.fit_to(&framing, &reach).map(|()| true);
         }
@@ -306,13 +309,13 @@ impl<'a> Source<'a> {
 
     /// The point to look at: that of `--at`, or the mean of the centres of the spheres that it selects, for which the file is read
     /// twice.
-    fn looked_at(&mut self, copied: Option<&Copied>) -> Result<Option<DVec3>> {
+    fn looked_at(&mut self, copied: Option<&InstancedScene>) -> Result<Option<DVec3>> {
         let text = match &self.args.camera.pose.at {
             None => return Ok(None),
-            Some(Aimed::Point(at)) => return Ok(Some(*at)),
-            Some(Aimed::Selected(selection)) => selection.to_string(),
+            Some(CameraTarget::Point(at)) => return Ok(Some(*at)),
+            Some(CameraTarget::Selected(selection)) => selection.to_string(),
         };
-        if let Some(Copied { marks, instances, .. }) = copied {
+        if let Some(InstancedScene { marks, instances, .. }) = copied {
             let spheres = marks.first().map(|mark| &mark.spheres).filter(|spheres| !spheres.is_empty());
             self.notes = marks.iter().flat_map(|mark| mark.notes.clone()).collect();
             return match spheres {
@@ -359,7 +362,7 @@ impl<'a> Source<'a> {
 
     /// The box around all spheres of the file, and what else is known of them. The same pass finds the range of the colours, where it is not given. `why` is
     /// said when the first block was read.
-    fn survey(&mut self, why: &str) -> Result<([DVec3; 2], About)> {
+    fn survey(&mut self, why: &str) -> Result<([DVec3; 2], SceneFacts)> {
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let blocks = self.read(self.blocks_of_places()?, |block, _| {
             let [low, high] = block.bounds();
@@ -376,11 +379,11 @@ impl<'a> Source<'a> {
             scale.range = blocks.range().or(Some([0.0, 1.0]));
             self.lacks_range = false;
         }
-        let mut about = About::of(&blocks);
-        if let (Some(legend), Some(range)) = (&mut about.legend, blocks.range()) {
+        let mut facts = SceneFacts::of(&blocks);
+        if let (Some(legend), Some(range)) = (&mut facts.legend, blocks.range()) {
             legend.range = range;
         }
-        Ok((bounds, about))
+        Ok((bounds, facts))
     }
 
     fn is_assembly(&self) -> bool {
@@ -393,7 +396,7 @@ impl<'a> Source<'a> {
 
     /// Reads into memory the spheres that `--copies` or the operators of an assembly repeat, but not their copies;
     /// `None` without either option.
-    fn copied(&self) -> Result<Option<Copied>> {
+    fn copied(&self) -> Result<Option<InstancedScene>> {
         if !self.is_copied() {
             return Ok(None);
         }
@@ -418,7 +421,7 @@ impl<'a> Source<'a> {
         }
         self.say_why();
         marks.iter_mut().try_for_each(|mark| self.clip(&mut mark.spheres))?;
-        Ok(Some(Copied { instances, whole, about: About { skipped, legend, when, is_molecule }, marks }))
+        Ok(Some(InstancedScene { instances, whole, facts: SceneFacts { skipped, legend, when, is_molecule }, marks }))
     }
 
     /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a
@@ -437,17 +440,17 @@ impl<'a> Source<'a> {
     }
 
     /// Every block of the file.
-    fn each(&self, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
+    fn each(&self, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<SceneFacts> {
         let mut left = 0;
         let blocks = self.read(SphereBlocks::open(self.args.path(), &self.options)?, |block, _| {
             left += block.len();
             each(block)
         })?;
-        let mut about = About::of(&blocks);
+        let mut facts = SceneFacts::of(&blocks);
         if left == 0 && blocks.spheres() > 0 && !self.arrangement.clip.is_empty() {
-            about.skipped.assumed.push(all_clipped(blocks.spheres()));
+            facts.skipped.assumed.push(all_clipped(blocks.spheres()));
         }
-        Ok(about)
+        Ok(facts)
     }
 
     /// All blocks, as they are arranged, with those of their spheres that are looked at.

@@ -26,7 +26,7 @@ pub(super) struct Frames {
     /// The number of frames, once the end was reached.
     pub(super) total: Option<u64>,
     /// The camera of all frames, with `--hold all`.
-    held: Option<Camera>,
+    fixed: Option<Camera>,
     /// The file's format, once it was opened.
     pub(super) format: Option<Format>,
 }
@@ -50,7 +50,7 @@ impl Count {
 impl Frames {
     /// The frames that `args`, which are of these words, read.
     pub(super) fn new(words: Vec<OsString>, args: SceneArgs) -> Self {
-        Self { words, args, reading: None, passed: 0, kept: VecDeque::new(), total: None, held: None, format: None }
+        Self { words, args, reading: None, passed: 0, kept: VecDeque::new(), total: None, fixed: None, format: None }
     }
 
     /// Whether they are read with these words.
@@ -62,11 +62,11 @@ impl Frames {
     ///
     /// # Errors
     /// Errors of reading the file.
-    pub(super) fn held_camera(&mut self, first: u64) -> Result<Option<Camera>> {
+    pub(super) fn fixed_camera(&mut self, first: u64) -> Result<Option<Camera>> {
         if self.passed == 0 {
             self.framed(first)?;
         }
-        Ok(self.held)
+        Ok(self.fixed)
     }
 
     /// The frame whose camera all have: the first one of the file, unless it is invalid or lacks a column. Then it is frame `first`,
@@ -141,8 +141,8 @@ impl Frames {
     /// Opens the file for its frames from this one on.
     fn open(&mut self, number: u64) -> Result<Sequence> {
         self.passed = 0;
-        let (sequence, held) = sequence(&self.args, Keep::All, Some(number), &Cancel::default())?;
-        self.held = held.map(|(camera, _)| camera);
+        let (sequence, fixed) = sequence(&self.args, Keep::All, Some(number), &Cancel::default())?;
+        self.fixed = fixed.map(|(camera, _)| camera);
         self.format = Some(sequence.format());
         Ok(sequence)
     }

@@ -65,10 +65,10 @@ fn near_ray(spheres: &Spheres, [origin, direction]: [DVec3; 2]) -> Vec<usize> {
     let along = direction.normalize();
     let is_near = |(center, radius): (&[f64; 3], &f64)| {
         let toward = DVec3::from_array(*center) - origin;
-        let beside = (toward - along * toward.dot(along)).length();
+        let distance = (toward - along * toward.dot(along)).length();
         let reach = radius * (1.0 + SLACK) + SLACK * toward.length();
         // Numbers too large for f64 are no reason to leave a sphere out.
-        beside <= reach || beside.is_nan() || reach.is_nan()
+        distance <= reach || distance.is_nan() || reach.is_nan()
     };
     let all = (spheres.centers.par_iter(), spheres.radii.par_iter()).into_par_iter().enumerate();
     all.filter(|(_, sphere)| is_near(*sphere)).map(|(id, _)| id).collect()

@@ -153,17 +153,17 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
         ("c.csv", "--eye 3,2,4 --at kind~last~and~v<0.1 --hide kind~late --clip 0,0,1,0.3".to_owned()),
         ("c.dump", format!("--radius 0.012 --at index~{last}:700000")),
     ] {
-        let said = same(&dir, file, &options);
-        let (kept, all) = said
+        let stderr = same(&dir, file, &options);
+        let (kept, all) = stderr
             .lines()
             .find_map(|line| line.split_once(" may be hit first"))
-            .and_then(|(said, _)| said.rsplit_once(" of "))
-            .unwrap_or_else(|| panic!("{said}"));
+            .and_then(|(stderr, _)| stderr.rsplit_once(" of "))
+            .unwrap_or_else(|| panic!("{stderr}"));
         let kept: usize =
             kept.split_whitespace().rev().nth(1).and_then(|n| n.replace(',', "").parse().ok()).expect("a count");
         assert!(
             all.replace(',', "").parse::<usize>().is_ok_and(|all| all <= COUNT) && kept < COUNT / 3,
-            "{file} {options}: {said}"
+            "{file} {options}: {stderr}"
         );
     }
 }
@@ -280,7 +280,7 @@ fn colours_of_every_format_are_those_of_the_whole_file() {
                 ["", "--select index~0:19"].iter().take(if ["dark", "late"].contains(&case) { 2 } else { 1 })
             {
                 let options = format!("{camera} {radius} {selected}");
-                let said = render(&dir, &format!("{name} {options} -o memory.png")).err;
+                let stderr = render(&dir, &format!("{name} {options} -o memory.png")).err;
                 let memory = picture("memory.png");
                 let streamed = render(&dir, &format!("{name} {options} --stream -o stream.png")).err;
                 assert!(memory == picture("stream.png"), "{name} {selected}: the stream differs");
@@ -292,19 +292,19 @@ fn colours_of_every_format_are_those_of_the_whole_file() {
                     dir.render("--visible part.npz -o parts.png");
                     assert!(memory == picture("parts.png"), "{name}: the part differs");
                 }
-                let told = |said: &str| {
-                    said.lines().filter(|line| line.contains("colour")).map(str::to_owned).collect::<Vec<_>>()
+                let color_lines = |stderr: &str| {
+                    stderr.lines().filter(|line| line.contains("colour")).map(str::to_owned).collect::<Vec<_>>()
                 };
-                assert_eq!(told(&said), told(&streamed), "{name}");
+                assert_eq!(color_lines(&stderr), color_lines(&streamed), "{name}");
                 compared += 1;
                 if case == "none" {
                     assert!(
-                        told(&said).iter().any(|line| line.contains("all 0") || line.contains("are 0")),
-                        "{name}: {said}"
+                        color_lines(&stderr).iter().any(|line| line.contains("all 0") || line.contains("are 0")),
+                        "{name}: {stderr}"
                     );
                     // The scenes differ, and the pixels do not.
                     render(&dir, &format!("{name} {options} -o grey.png --color 0.8,0.8,0.8"));
-                    let is_black = told(&said).iter().any(|line| line.contains("black; "));
+                    let is_black = color_lines(&stderr).iter().any(|line| line.contains("black; "));
                     assert_eq!(dir.run("compare grey.png memory.png").code, i32::from(is_black), "{name}");
                 }
             }
@@ -334,14 +334,14 @@ fn files_do_not_depend_on_the_size_of_bands() {
 
 /// A note on a selection is printed if it holds for every block of the file, and not if it holds for some.
 #[test]
-fn a_word_that_selects_nothing_in_the_whole_file_is_told() {
+fn a_word_that_selects_nothing_in_the_whole_file_is_reported() {
     let mut table = String::from("x,y,z,radius,kind\n");
     for n in 0..COUNT {
         let kind = if n < COUNT / 2 { "early" } else { "late" };
         writeln!(table, "{},{},0,0.4,{kind}", n % 100, n / 100).expect("text");
     }
     let dir = TestDir::new(&[("c.csv", &table)]).in_parts(PARTS);
-    for (options, told) in [
+    for (options, message) in [
         ("--hide kind~early", None),
         ("--select kind~late~or~index~0:9", None),
         ("--color kind~late=red --hide x>99", None),
@@ -349,11 +349,11 @@ fn a_word_that_selects_nothing_in_the_whole_file_is_told() {
         ("--select kind~late~and~index~0:9", Some("the selections leave none of the 9375 particles")),
         ("--select kind~early~or~x<9~and~y<3", Some("from left to right")),
     ] {
-        let said =
+        let stderr =
             render(&dir, &format!("c.csv --eye 50,40,80 --at 50,40,0 --size 9x9 --stream {options} -o p.png")).err;
-        let warnings: Vec<&str> = said.lines().filter(|line| line.contains("select")).collect();
-        assert_eq!(warnings.len(), usize::from(told.is_some()), "{options}: {said}");
-        assert!(told.is_none_or(|told| warnings[0].contains(told)), "{options}: {said}");
+        let warnings: Vec<&str> = stderr.lines().filter(|line| line.contains("select")).collect();
+        assert_eq!(warnings.len(), usize::from(message.is_some()), "{options}: {stderr}");
+        assert!(message.is_none_or(|message| warnings[0].contains(message)), "{options}: {stderr}");
     }
     // A part has the ids of the spheres that are left.
     let part =
@@ -435,8 +435,8 @@ fn copies_have_the_bytes_of_copies_in_memory() {
         "--copies 3,2,4 --eye 70,50,60 --vfov 30 --clip 0,0,1,20",
         "--copies 3,2,4 --at element~Fe~and~x>5 --view top --clip 0,0,1,20",
     ] {
-        let said = same(&dir, "a.xyz", options);
-        assert!(said.contains("may be hit first"), "{said}");
+        let stderr = same(&dir, "a.xyz", options);
+        assert!(stderr.contains("may be hit first"), "{stderr}");
     }
     let focus = ["a.xyz", "--stream", "-o", "p.png", "--copies", "2,2,2", "--focus", "element C"];
     dir.refused_render(2, &focus[..], &["remove --focus"]);
@@ -450,9 +450,9 @@ fn ids_of_more_than_two_billion_copies_are_int64() {
     let text = "2\nLattice=\"3 0 0 0 3 0 0 0 3\" Properties=species:S:1:pos:R:3\nC 0.5 0.5 0.5\nFe 2 2 1.5\n";
     let dir = TestDir::new(&[("a.xyz", text)]);
     let options = "a.xyz --stream --copies 1500,1500,1500 --eye 4600,4590,4580 --at 2000,2000,2000 --vfov 1.3 --size 32x24 --samples 1";
-    let said = dir.render(&format!("{options} -o p.png --aov id=id.npy --aov id,distance=both.npz --json"));
-    assert!(said.err.contains("ids are int64: 6750000000 spheres"), "{}", said.err);
-    assert_eq!(said.json()["spheres"], 6_750_000_000u64);
+    let done = dir.render(&format!("{options} -o p.png --aov id=id.npy --aov id,distance=both.npz --json"));
+    assert!(done.err.contains("ids are int64: 6750000000 spheres"), "{}", done.err);
+    assert_eq!(done.json()["spheres"], 6_750_000_000u64);
     let files = dir.files();
     let array = String::from_utf8_lossy(&files["id.npy"]).into_owned();
     assert!(array.contains("'<i8'") && array.contains("\"halfline:ids\":\"int64\""), "{array}");
@@ -509,17 +509,17 @@ fn assemblies_have_the_bytes_of_assemblies_in_memory() {
         "--eye 60,100,30 --at 200,100,40 --color-by chain --clip 0,0,1,60 --samples 4",
         "--ortho --color-by bfactor --radii covalent",
     ] {
-        let said = same(&dir, "a.pdb", &format!("--assembly 1 {options}"));
-        assert!(said.contains("may be hit first"), "{said}");
+        let stderr = same(&dir, "a.pdb", &format!("--assembly 1 {options}"));
+        assert!(stderr.contains("may be hit first"), "{stderr}");
     }
-    for (options, told) in [
+    for (options, message) in [
         ("--select protein", "--select"),
         ("--color-by x", "coordinates"),
         ("--color-by copy,bfactor", "one column"),
         ("--copies 2,1,1", "needs a periodic cell"),
     ] {
         let options = format!("a.pdb --assembly 1 --stream --size 8x8 -o p.png {options}");
-        dir.refused_render(2, &options, &[told]);
+        dir.refused_render(2, &options, &[message]);
     }
 }
 
@@ -530,7 +530,7 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
         ("bare.csv", "x,y,z\n0,0,0\n1,2,3\n"),
         ("m.pdb", "ATOM      1  CA  GLY A   1      11.104   6.134  -6.504  1.00  0.00           C\n"),
     ]);
-    for (scene, told) in [
+    for (scene, message) in [
         ("c.csv --look soft", "--look plain"),
         ("c.csv --occlusion", "--look plain"),
         ("c.csv --accuracy fast", "--accuracy certified"),
@@ -551,7 +551,7 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
     ] {
         let name = if scene.contains("--spin") { "p.%d.png" } else { "p.png" };
         let words = words(&format!("{scene} --stream --size 8x8 -o {name}"));
-        dir.refused_render(2, &words.iter().map(String::as_str).collect::<Vec<_>>()[..], &[told]);
+        dir.refused_render(2, &words.iter().map(String::as_str).collect::<Vec<_>>()[..], &[message]);
     }
     assert!(!dir.files().keys().any(|name| name.ends_with(".png")), "no file is written");
 }
@@ -587,16 +587,16 @@ fn a_scene_file_streams_with_the_files_that_it_names() {
         (selected, "--at radius<0.015~and~index~100:9000"),
     ] {
         dir.put("s.toml", scene(more));
-        let told = |said: &str| said.matches("the selection `radius > 5` leaves none of 6000 spheres").count();
+        let notes = |stderr: &str| stderr.matches("the selection `radius > 5` leaves none of 6000 spheres").count();
         let whole = render(&dir, &format!("s.toml {options} {}", outputs("memory"))).err;
-        let said = render(&dir, &format!("s.toml --stream {options} {}", outputs("stream"))).err;
-        assert_eq!([told(&whole), told(&said)], [usize::from(more == selected); 2], "{whole}{said}");
+        let stderr = render(&dir, &format!("s.toml --stream {options} {}", outputs("stream"))).err;
+        assert_eq!([notes(&whole), notes(&stderr)], [usize::from(more == selected); 2], "{whole}{stderr}");
         let files = dir.files();
         for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("memory")) {
             let other = name.replacen("memory", "stream", 1);
             assert!(files[&other] == *bytes, "{more} {options}: {other} differs from {name}");
         }
-        assert!(said.contains("may be hit first"), "{said}");
+        assert!(stderr.contains("may be hit first"), "{stderr}");
         if options.contains("--at") {
             continue;
         }

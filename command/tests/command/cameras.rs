@@ -99,7 +99,7 @@ fn every_form_of_a_list_gives_the_pictures_of_its_cameras() {
 }
 
 #[test]
-fn the_cameras_are_written_beside_the_pictures_and_can_be_read_again() {
+fn the_cameras_are_written_next_to_the_pictures_and_can_be_read_again() {
     let dir = dir();
     std::fs::create_dir(dir.path("out")).expect("a folder");
     let cameras: Vec<Value> = (0..5).map(|n| json!({"eye": [9, n, 2], "at": [0, 0, 0], "up": [0, 1, 0]})).collect();
@@ -125,7 +125,7 @@ fn the_cameras_are_written_beside_the_pictures_and_can_be_read_again() {
 /// An image of 40 x 30 with the principal point (35, 9.5) shows the last 30 rows and the first 40 columns of one
 /// of 70 x 41 with the same focal lengths.
 #[test]
-fn principal_points_may_lie_beside_the_middle() {
+fn principal_points_may_lie_off_the_middle() {
     let dir = dir();
     let pose = json!([[1, 0, 0, 0.5], [0, -1, 0, 0.2], [0, 0, -1, 9], [0, 0, 0, 1]]);
     let k = |cx: f64, cy: f64| json!([[50, 0, cx], [0, 50, cy], [0, 0, 1]]);
@@ -196,8 +196,8 @@ fn lenses_belong_to_the_image_of_the_list_or_to_the_picture() {
         (json!({"K": [[25, 0, 12], [0, 25, 6], [0, 0, 1]], "w": 20, "h": 15}), &off),
         (json!({"intrinsics": {"fx": 50, "cx": 24, "cy": 12}}), &off),
     ] {
-        let said = list.to_string();
-        assert!(&ids("f", list, "40x30") == picture, "{said}");
+        let text = list.to_string();
+        assert!(&ids("f", list, "40x30") == picture, "{text}");
     }
     // The list that is written has the size of the pictures.
     dir.put("own.json", json!([{"eye": [9, 1, 2], "at": [0, 0, 0], "up": [0, 1, 0]}]).to_string());

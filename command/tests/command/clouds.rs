@@ -181,7 +181,7 @@ fn every_field_has_the_number_of_the_archive() {
 }
 
 #[test]
-fn rays_of_a_file_are_numbered_and_misses_are_said() {
+fn rays_of_a_file_are_numbered_and_misses_are_reported() {
     let dir =
         TestDir::new(&[("s.toml", &scene(0.0)), ("rays.csv", "0,0,0,0,0,1\n0,0,0,0,0,-2\n0,0,0,0,0,0\n0,0,0,4,0,0\n")]);
     let run = |output: &str| {
@@ -211,14 +211,17 @@ fn rays_of_a_file_are_numbered_and_misses_are_said() {
 }
 
 #[test]
-fn coordinates_that_a_format_cannot_hold_are_said() {
+fn coordinates_that_a_format_cannot_hold_are_reported() {
     // Ten thousand kilometres from the origin f32 has steps of a metre.
     let (dir, [ply, pcd, las]) = traced(1e7);
-    let said = |report: &Value| {
+    let warnings = |report: &Value| {
         report["warnings"].as_array().expect("a list").iter().map(Value::to_string).collect::<String>()
     };
-    assert!(said(&pcd).contains("hits.pcd are rounded by up to 0.4") && said(&pcd).contains("use .ply"), "{pcd}");
-    assert_eq!((said(&ply), said(&las)), (String::new(), String::new()));
+    assert!(
+        warnings(&pcd).contains("hits.pcd are rounded by up to 0.4") && warnings(&pcd).contains("use .ply"),
+        "{pcd}"
+    );
+    assert_eq!((warnings(&ply), warnings(&las)), (String::new(), String::new()));
     assert!(las["cloud"]["rounding"].as_f64().is_some_and(|x| x < 1e-8), "{las}");
     // Beyond f32, and farther apart than f64 can number.
     dir.put("far.toml", scene(0.0).replace("[5, 0.0, 0.0]\nradius = 1.25", "[1e39, 0.0, 0.0]\nradius = 1e38"));

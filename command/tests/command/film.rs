@@ -57,11 +57,11 @@ fn a_film_of_a_hundred_frames_has_one_camera_one_radius_and_one_range() {
     let each = reports(&dir, "--frames 1-3 --color-by c_ke --hold none");
     assert_eq!(each[0]["camera"], film[0]["camera"]);
     assert!(each[1]["camera"] != each[0]["camera"] && each[2]["camera"] != each[1]["camera"]);
-    let said = |options: &str| dir.render(&format!("gas.dump --size 64x48 --json --frames 50 {options}")).err;
-    assert!(said("").contains("of the first frame of the file (see --hold)"));
+    let stderr = |options: &str| dir.render(&format!("gas.dump --size 64x48 --json --frames 50 {options}")).err;
+    assert!(stderr("").contains("of the first frame of the file (see --hold)"));
     let first = film[0]["warnings"][0].as_str().expect("a warning");
-    assert!(first.contains("half the mean spacing") && said("").contains(first), "{first}: {}", said(""));
-    assert!(!said("--hold none").contains("held"));
+    assert!(first.contains("half the mean spacing") && stderr("").contains(first), "{first}: {}", stderr(""));
+    assert!(!stderr("--hold none").contains("held"));
 }
 
 /// A warning that every picture has is printed once for a film, although its numbers differ; each report has its own.
@@ -99,7 +99,7 @@ fn named(frames: &[&[(&str, f64, f64)]]) -> String {
 }
 
 #[test]
-fn a_film_is_held_to_the_first_frame_that_shows_something() {
+fn a_film_is_fixed_to_the_first_frame_that_shows_something() {
     let frames: [&[(&str, f64, f64)]; 4] = [
         &[],
         &[("other", 5.0, 3.0)],
@@ -131,11 +131,11 @@ fn a_film_is_held_to_the_first_frame_that_shows_something() {
         assert!(dir.get("alone.png") == dir.get("f4.png"), "{hold}: alone");
     }
     // All values of the first frame with spheres are equal: a range without a width, which is said.
-    for (options, said) in
+    for (options, is_reported) in
         [("3-4", true), ("4", true), ("3-4 --hold all", false), ("3-4 --range 0,2", false), ("3", false)]
     {
         let err = selected(&format!("--color-by v --size 40x30 --json --frames {options}")).err;
-        assert_eq!(err.contains("all values of v in frame 3 are 0"), said, "{options}: {err}");
+        assert_eq!(err.contains("all values of v in frame 3 are 0"), is_reported, "{options}: {err}");
     }
 }
 
@@ -171,10 +171,10 @@ fn a_frame_alone_says_what_the_film_says() {
     let atom = |x: u32| format!("{:5}{:<5}{:>5}{:5}{:8.3}{:8.3}{:8.3}\n", 1, "MOL", "Q9", 1, x, 0.0, 0.0);
     let frame = |x: u32| format!("title\n    1\n{}   9.0   9.0   9.0\n", atom(x));
     let dir = TestDir::new(&[("two.gro", &(frame(1) + &frame(2)))]);
-    let said = |options: &str| dir.render(&format!("two.gro --size 8x8 --json --frames {options}")).err;
-    let film = said("1-2");
+    let stderr = |options: &str| dir.render(&format!("two.gro --size 8x8 --json --frames {options}")).err;
+    let film = stderr("1-2");
     let line = film.lines().find(|line| line.contains("element")).unwrap_or_else(|| panic!("{film}"));
-    assert!(said("2").contains(line), "{}", said("2"));
+    assert!(stderr("2").contains(line), "{}", stderr("2"));
 }
 
 #[test]

@@ -47,14 +47,14 @@ fn films_show_the_pictures() {
     dir.render("s.toml --spin 6 --size 64x48 -o f.%d.png");
     let pixels = |n: usize| image::open(dir.path(&format!("f.{n}.png"))).expect("a picture").to_rgb8().into_raw();
     let pictures: Vec<u8> = (1..=6).flat_map(pixels).collect();
-    for (film, rate, told) in [
+    for (film, rate, expected) in [
         ("film.mp4", "", "h264,64,48,yuv420p,25/1,6"),
         ("Film.GIF", "", "gif,64,48,bgra,25/1,6"),
         ("slow.mp4", "--fps 12.5", "h264,64,48,yuv420p,25/2,6"),
     ] {
         let done = dir.render(&format!("s.toml --spin 6 --size 64x48 {rate} -o {film} --json"));
         assert_eq!(done.json_lines().len(), 6, "{film}: a report for each picture");
-        assert_eq!(probe(&dir, film), told, "{film}");
+        assert_eq!(probe(&dir, film), expected, "{film}");
         let found = decoded(&dir, film);
         assert_eq!(found.len(), pictures.len(), "{film}");
         let apart: u64 = found.iter().zip(&pictures).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
@@ -112,7 +112,7 @@ fn a_failure_leaves_the_old_film() {
         assert!(dir.files() == before, "{script}: {:?}", dir.files().keys());
         done
     };
-    for (script, told) in [
+    for (script, message) in [
         ("cat > /dev/null; echo 'Unknown encoder libx264' >&2; exit 1", "ffmpeg: Unknown encoder libx264"),
         ("echo 'No space left on device' >&2; exit 1", "ffmpeg: No space left on device"),
         ("exit 3", "ffmpeg: exit status: 3"),
@@ -120,7 +120,7 @@ fn a_failure_leaves_the_old_film() {
         // More bytes than a pipe holds, so that a write fails where the program has ended.
         let done = run(script, 60);
         assert_eq!(done.code, 8, "{script}: {}", done.err);
-        assert!(done.err.contains("cannot write film.mp4") && done.err.contains(told), "{script}: {}", done.err);
+        assert!(done.err.contains("cannot write film.mp4") && done.err.contains(message), "{script}: {}", done.err);
     }
 }
 
@@ -158,8 +158,8 @@ fn without_ffmpeg_the_error_has_the_line_to_type() {
         done.err
     };
     for film in ["film.mp4", "film.gif"] {
-        let told = run(film);
-        let (_, line) = told.trim().split_once("where ffmpeg is: ").expect("a line to type");
+        let output = run(film);
+        let (_, line) = output.trim().split_once("where ffmpeg is: ").expect("a line to type");
         assert!(line.starts_with("ffmpeg -framerate 10 ") && line.ends_with(film), "{line}");
         if cfg!(unix) && has_ffmpeg() {
             dir.render("s.toml --spin 4 --size 64x48 -o film.%04d.png");
@@ -173,7 +173,7 @@ fn without_ffmpeg_the_error_has_the_line_to_type() {
 #[test]
 fn what_is_no_film_is_refused_with_its_mend() {
     let dir = dir();
-    for (options, told) in [
+    for (options, message) in [
         ("-o a.mp4", &["there is one picture", ".png", "--spin"][..]),
         ("-o a.gif --frames 3", &["there is one picture", "--frames A-B"]),
         ("-o a.%d.mp4 --spin 4", &["one film", "%d"]),
@@ -183,7 +183,7 @@ fn what_is_no_film_is_refused_with_its_mend() {
         ("-o a.mp4 --spin 4 --fps 0", &["--fps", "pictures per second"]),
         ("-o a.png --aov depth=a.mp4", &["a.mp4 cannot hold the depth buffer"]),
     ] {
-        dir.refused_render(2, &format!("s.toml {options}"), told);
+        dir.refused_render(2, &format!("s.toml {options}"), message);
     }
     assert!(!dir.files().keys().any(|name| name.starts_with("a.")), "no file is written");
 }

@@ -213,7 +213,7 @@ fn what_is_looked_at_is_in_the_middle() {
 
 /// A target in the middle of a shell of spheres with one hole: it is seen from there only.
 #[test]
-fn a_focus_is_framed_from_where_it_is_seen() {
+fn a_focus_is_framed_from_where_it_is_visible() {
     let (mut text, mut count) = (String::new(), 1);
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     // A direction that is none of the candidates.
@@ -232,9 +232,9 @@ fn a_focus_is_framed_from_where_it_is_seen() {
     let [_, view, _] = camera(&report);
     assert!(dot(view, hole) < -0.85, "{view:?}");
     let (ids, _) = dir.array("i.npy");
-    let seen = ids.iter().filter(|id| **id == 0.0).count();
+    let visible = ids.iter().filter(|id| **id == 0.0).count();
     // Its disc, 3/4 of the height of 60 pixels across, has 1590 pixels.
-    assert!((1400..1700).contains(&seen), "{seen}");
+    assert!((1400..1700).contains(&visible), "{visible}");
     assert!(report["warnings"].as_array().is_some_and(Vec::is_empty), "{report}");
     // From elsewhere it is hidden, which is said; the eye is not inside of an atom. Carbon has a radius of 1.7.
     for view in ["1,0,0", "front", "0,-1,0.2", "0.36,-0.48,0.8"] {
@@ -395,6 +395,6 @@ fn ligands_and_metals_of_real_files_are_those_of_their_text() {
         ids.iter().filter(|id| **id >= 0.0 && kinds[**id as usize]).count()
     };
     let (ids, _) = dir.array("i.npy");
-    let seen = ligand(&ids);
-    assert!(seen > ids.len() / 20, "{seen} of {} pixels", ids.len());
+    let visible = ligand(&ids);
+    assert!(visible > ids.len() / 20, "{visible} of {} pixels", ids.len());
 }

@@ -158,7 +158,7 @@ fn frames_are_counted_and_the_numbers_are_those_of_the_first() {
 }
 
 #[test]
-fn a_scene_has_its_camera_and_nothing_is_said_so() {
+fn a_scene_has_its_camera_and_no_spheres_are_reported() {
     let dir = dir();
     let info = dir.good("info a.toml --json").json();
     assert_eq!((&info["format"], &info["camera"], &info["spheres"]), (&json!("toml"), &json!(true), &json!(1)));
@@ -189,7 +189,7 @@ fn a_chain_without_a_name_is_called_blank() {
 }
 
 #[test]
-fn a_file_without_atoms_is_told_so() {
+fn a_file_without_atoms_is_reported() {
     let dir = TestDir::new(&[("a.pdb", "HEADER    VIRUS\nTITLE     WITHOUT ATOMS\n"), ("b.pqr", "REMARK\nEND\n")]);
     for name in ["a.pdb", "b.pqr"] {
         for options in ["", "--frames 2"] {

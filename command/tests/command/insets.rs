@@ -157,9 +157,9 @@ fn letters_that_the_font_lacks_are_named() {
     dir.put("names.csv", "x,y,z,kind\n0,0,0,\u{6c34}\n4,0,0,Na\u{207a}\n");
     let warning = |options: &[&str]| {
         let run = dir.render(&[options, &["-o", "a.png", "--json"]].concat());
-        let told: Vec<String> = serde_json::from_value(run.json()["warnings"].clone()).expect("texts");
-        told.iter().for_each(|text| assert!(run.err.contains(text.as_str()), "{text}: {}", run.err));
-        told.into_iter().find(|text| text.contains("font"))
+        let warnings: Vec<String> = serde_json::from_value(run.json()["warnings"].clone()).expect("texts");
+        warnings.iter().for_each(|text| assert!(run.err.contains(text.as_str()), "{text}: {}", run.err));
+        warnings.into_iter().find(|text| text.contains("font"))
     };
     let legend = ["names.csv", "--radius", "1", "--color-by", "kind", "--legend-in"];
     for (options, lacks) in [
@@ -171,11 +171,11 @@ fn letters_that_the_font_lacks_are_named() {
         (&["s.toml", "--label", "a\u{e000}"], "\\u{e000} (U+E000)"),
         (&legend, "\u{6c34} (U+6C34)"),
     ] {
-        let told = warning(options).unwrap_or_else(|| panic!("{options:?}"));
-        assert!(told.contains(&format!("lacks {lacks}: boxes")), "{told}");
+        let message = warning(options).unwrap_or_else(|| panic!("{options:?}"));
+        assert!(message.contains(&format!("lacks {lacks}: boxes")), "{message}");
     }
     let file = |name| [&legend[..5], &["--legend", name]].concat();
-    assert!(warning(&file("l.png")).is_some_and(|told| told.contains("lacks \u{6c34} (U+6C34): boxes")));
+    assert!(warning(&file("l.png")).is_some_and(|message| message.contains("lacks \u{6c34} (U+6C34): boxes")));
     let known = ["s.toml", "--label", "\u{c5} \u{2264} \u{b5}m\u{b2}"];
     for options in [&known[..], &["s.toml"], &legend[..5], &file("l.svg")] {
         assert_eq!(warning(options), None, "{options:?}");

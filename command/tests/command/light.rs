@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 const LIGHT: &str = "[[light]]\nposition = [4, 3, 2]\nintensity = 2\n";
 
 fn dir() -> TestDir {
-    let lit = format!("{SCENE}{LIGHT}[occlusion]\nrays = 32\nreach = 7\n");
-    TestDir::new(&[("scene.toml", SCENE), ("lit.toml", &lit), ("one.xyz", "1\none\nC 0 0 0\n")])
+    let with_light = format!("{SCENE}{LIGHT}[occlusion]\nrays = 32\nreach = 7\n");
+    TestDir::new(&[("scene.toml", SCENE), ("lit.toml", &with_light), ("one.xyz", "1\none\nC 0 0 0\n")])
 }
 
 /// The plan of rendering with these options, and what is said about it.
@@ -63,7 +63,7 @@ fn options_add_lights_and_a_sky() {
     let dir = dir();
     let point = "a point at 4, 3, 2, intensity 2";
     let sun = "infinitely far in the direction -1, 2, 0.5";
-    for (options, lit_by, shadows, sky) in [
+    for (options, lights, shadows, sky) in [
         ("scene.toml", &[][..], false, Value::Null),
         ("scene.toml --sun -1,2,.5", &[sun], false, Value::Null),
         ("scene.toml --sun -1,2,.5 --shadows", &[sun], true, Value::Null),
@@ -79,8 +79,8 @@ fn options_add_lights_and_a_sky() {
         ("lit.toml --shade flat", &[point], false, json!({"rays": 32, "reach": 7.0})),
     ] {
         let (plan, _) = plan(&dir, &format!("{options} -o a.png"));
-        assert_eq!(plan["lit_by"], json!(lit_by), "{options}");
-        assert_eq!(plan["lights"], lit_by.len(), "{options}");
+        assert_eq!(plan["lit_by"], json!(lights), "{options}");
+        assert_eq!(plan["lights"], lights.len(), "{options}");
         assert_eq!((&plan["shadows"], &plan["occlusion"]), (&json!(shadows), &sky), "{options}");
     }
     let (plan, _) = plan(&dir, "scene.toml -o a.exr --aov shadow,occlusion --sun 0,0,1 --sun 0,1,0");
@@ -92,16 +92,16 @@ fn options_add_lights_and_a_sky() {
 #[test]
 fn a_light_from_above_left_belongs_to_the_camera() {
     let dir = dir();
-    let lit_by = |options: &str| plan(&dir, options).0["lit_by"].clone();
-    let [first, turned] = ["", " --view 1,0,0"].map(|view| lit_by(&format!("scene.toml -o a.png --shadows{view}")));
-    let [first, turned] = [first, turned].map(|lit_by| {
-        let text = lit_by[0].as_str().expect("one light").rsplit("direction ").next().expect("numbers").to_owned();
+    let lights = |options: &str| plan(&dir, options).0["lit_by"].clone();
+    let [first, turned] = ["", " --view 1,0,0"].map(|view| lights(&format!("scene.toml -o a.png --shadows{view}")));
+    let [first, turned] = [first, turned].map(|lights| {
+        let text = lights[0].as_str().expect("one light").rsplit("direction ").next().expect("numbers").to_owned();
         text.split(", ").map(|x| x.parse().expect("a number")).collect::<Vec<f64>>()
     });
     assert!(first[0] < 0.0 && first[1] > 0.0 && first[2] > 0.0, "{first:?}");
     // Looking along x, left is -z and the viewer's side is -x.
     assert!(turned[0] < 0.0 && turned[1] > 0.0 && turned[2] < 0.0, "{turned:?}");
-    assert_eq!(lit_by("lit.toml -o a.png --shadows"), json!(["a point at 4, 3, 2, intensity 2"]), "it has a light");
+    assert_eq!(lights("lit.toml -o a.png --shadows"), json!(["a point at 4, 3, 2, intensity 2"]), "it has a light");
 }
 
 #[test]
@@ -249,15 +249,15 @@ fn an_nff_file_without_lights_and_mirrors_shows_its_colours() {
     file("dim.nff", " 0.5 0 30 0 1");
     file("mirror.nff", " 0.5 0.25 0 0 1");
     let picture = |options: &str| {
-        let said = dir.render(&format!("{options} -o c.npy --json")).json();
-        (dir.array("c.npy").0, said["warnings"].as_array().map_or(0, Vec::len))
+        let report = dir.render(&format!("{options} -o c.npy --json")).json();
+        (dir.array("c.npy").0, report["warnings"].as_array().map_or(0, Vec::len))
     };
     let bare = picture("bare.nff");
     assert_eq!((picture("dim.nff").0, bare.1, picture("dim.nff").1), (bare.0.clone(), 0, 1));
-    let lit = picture("bare.nff --sun 1,2,3").0;
+    let sunny = picture("bare.nff --sun 1,2,3").0;
     let dim = picture("dim.nff --sun 1,2,3").0;
     // Half of what is rounded to f32 once is exact.
-    assert!(lit.iter().zip(&dim).all(|(all, half)| 0.5 * all == *half) && lit.iter().any(|x| *x > 0.1));
+    assert!(sunny.iter().zip(&dim).all(|(all, half)| 0.5 * all == *half) && sunny.iter().any(|x| *x > 0.1));
     assert_ne!(picture("mirror.nff").0, bare.0);
 }
 
@@ -284,10 +284,13 @@ fn the_plan_says_what_lights_the_scene() {
     let text = |options: &str| dir.good(&format!("plan {options} -o a.png --backend cpu")).out;
     let of = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
     assert!(of(text("scene.toml")).contains("light      at the eye\n"));
-    let lit = of(text("lit.toml --silhouette --depth-cue"));
-    assert!(lit.contains("light      1 light, with shadows\n           a point at 4, 3, 2, intensity 2\n"), "{lit}");
-    assert!(lit.contains("sky        32 rays for each point, that end after 7\n"), "{lit}");
-    assert!(lit.contains("drawn      silhouette, depth cue\n"), "{lit}");
+    let words = of(text("lit.toml --silhouette --depth-cue"));
+    assert!(
+        words.contains("light      1 light, with shadows\n           a point at 4, 3, 2, intensity 2\n"),
+        "{words}"
+    );
+    assert!(words.contains("sky        32 rays for each point, that end after 7\n"), "{words}");
+    assert!(words.contains("drawn      silhouette, depth cue\n"), "{words}");
 }
 
 #[test]
@@ -308,7 +311,7 @@ fn rendering_reports_its_lights_and_writes_their_shadows() {
 
 /// A buffer of four lights has as many channels as colour with alpha, and is no colour.
 #[test]
-fn shadows_of_any_number_of_lights_are_written_beside_alpha() {
+fn shadows_of_any_number_of_lights_are_written_with_alpha() {
     let dir = dir();
     let mut words = "scene.toml -o a.png --transparent".to_owned();
     for lights in 1..=5 {

@@ -20,9 +20,12 @@ fn colors(dir: &TestDir, options: &str) -> [[f32; 3]; 3] {
     dir.render(&format!("atoms.xyz --size 120x40 --shade flat --aov id=id.npy -o c.npy {options}"));
     let ((ids, _), (pixels, _)) = (dir.array("id.npy"), dir.array("c.npy"));
     [0.0, 1.0, 2.0].map(|id| {
-        let seen: Vec<_> = ids.iter().zip(pixels.chunks(3)).filter(|(i, _)| **i == id).map(|(_, c)| c).collect();
-        assert!(!seen.is_empty() && seen.iter().all(|c| c == &seen[0]), "{options}: sphere {id} has one colour");
-        [0, 1, 2].map(|k| seen[0][k] as f32)
+        let visible: Vec<_> = ids.iter().zip(pixels.chunks(3)).filter(|(i, _)| **i == id).map(|(_, c)| c).collect();
+        assert!(
+            !visible.is_empty() && visible.iter().all(|c| c == &visible[0]),
+            "{options}: sphere {id} has one colour"
+        );
+        [0, 1, 2].map(|k| visible[0][k] as f32)
     })
 }
 
@@ -233,18 +236,18 @@ fn radii_follow_the_options() {
     // Bondi 1964 and Cordero 2008 (hydrogen 1.20: Rowland and Taylor 1996), carbon, oxygen, hydrogen, in angstrom.
     let (vdw, covalent) = ([1.7, 1.52, 1.2], [0.76, 0.66, 0.31]);
     // A pixel is below 0.06 here: the centre of one is within 0.042 of the axis, where the smallest sphere is 0.003 lower.
-    let close = |found: &[f64], wanted: &[f64], options: &str| {
-        let near = found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 4e-3);
-        assert!(near, "{options}: {found:?}, not {wanted:?}");
+    let close = |found: &[f64], expected: &[f64], options: &str| {
+        let near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 4e-3);
+        assert!(near, "{options}: {found:?}, not {expected:?}");
     };
-    for (options, wanted) in [
+    for (options, expected) in [
         ("", vdw),
         ("--radii covalent", covalent),
         ("--radius-scale 0.5", vdw.map(|r| r * 0.5)),
         ("--radius 2", [2.0; 3]),
         ("--radius 2 --radius-scale 0.75", [1.5; 3]),
     ] {
-        close(&radii("atoms.xyz", options), &wanted, options);
+        close(&radii("atoms.xyz", options), &expected, options);
     }
     close(&radii("native.toml", "--radius 0.5")[..1], &[0.5], "a scene's own spheres too");
     let err = dir.render("bare.csv --size 20x20 -o a.png").err;

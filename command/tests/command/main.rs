@@ -19,7 +19,6 @@ mod skip;
 #[path = "../common/test_dir.rs"]
 mod test_dir;
 
-mod asked;
 mod blocks;
 mod cameras;
 mod clash;
@@ -45,6 +44,7 @@ mod one_look;
 mod options;
 mod parts;
 mod provenance;
+mod requests;
 mod resume;
 mod select;
 mod shots;

@@ -64,7 +64,7 @@ fn merged_tiles_are_the_full_frame_byte_for_byte() {
     let mut rng = Rng::new(1);
     let sixteen = FormatOptions { bits: Bits::Sixteen, transparent: true, ..FormatOptions::default() };
     let several = [Aov::Color, Aov::Depth, Aov::Normal, Aov::Id];
-    let lit = [Aov::Color, Aov::Shadow, Aov::Occlusion];
+    let light_buffers = [Aov::Color, Aov::Shadow, Aov::Occlusion];
     let cases: [(FileFormat, &[Aov], FormatOptions); 15] = [
         (FileFormat::Png, &[Aov::Color], FormatOptions::default()),
         (FileFormat::Png, &[Aov::Color], sixteen),
@@ -76,8 +76,8 @@ fn merged_tiles_are_the_full_frame_byte_for_byte() {
         (FileFormat::Pfm, &[Aov::Normal], FormatOptions::default()),
         (FileFormat::Pfm, &[Aov::Distance], FormatOptions::default()),
         (FileFormat::Npy, &[Aov::Shadow], FormatOptions::default()),
-        (FileFormat::Npz, &lit, FormatOptions::default()),
-        (FileFormat::Exr, &lit, FormatOptions::default()),
+        (FileFormat::Npz, &light_buffers, FormatOptions::default()),
+        (FileFormat::Exr, &light_buffers, FormatOptions::default()),
         (FileFormat::Png, &[Aov::Occlusion], FormatOptions::default()),
         (FileFormat::Png, &[Aov::Occlusion], sixteen),
         (FileFormat::Pfm, &[Aov::Occlusion], FormatOptions::default()),
@@ -125,8 +125,8 @@ fn missing_parts_are_named_as_rectangles() {
         3,
         &["5 tiles", &format!("no tile covers {} of 30 x 20 pixels (100 pixels)", tile(2))],
     );
-    let beside = Window { x1: tile(2).x1, ..tile(1) };
-    tiles(&[1, 2]).refused("full.png", 3, &[&format!("no tile covers {beside} of"), "200 pixels"]);
+    let neighbour = Window { x1: tile(2).x1, ..tile(1) };
+    tiles(&[1, 2]).refused("full.png", 3, &[&format!("no tile covers {neighbour} of"), "200 pixels"]);
     tiles(&[1, 6]).refused("full.png", 3, &[&format!("{} and {}", tile(1), tile(6)), "--crop"]);
     assert_eq!(tiles(&[]).merge("full.png").code, 0);
 }

@@ -8,9 +8,9 @@ use crate::test_dir::{Output, TestDir};
 fn dir() -> TestDir {
     let elements = ["C", "O", "N", "S"];
     let atom = |n: usize| {
-        let aside = [7, 11, 13].map(|k| (n * k % 17) as f64 * 0.0213);
+        let shift = [7, 11, 13].map(|k| (n * k % 17) as f64 * 0.0213);
         let [x, y, z] =
-            [(n % 4) as f64 * 2.1 + aside[0], (n / 4 % 4) as f64 * 2.3 + aside[1], (n / 16) as f64 * 2.5 + aside[2]];
+            [(n % 4) as f64 * 2.1 + shift[0], (n / 4 % 4) as f64 * 2.3 + shift[1], (n / 16) as f64 * 2.5 + shift[2]];
         format!("{} {x} {y} {z}\n", elements[n * 7 % 5 % 4])
     };
     let atoms: String = (0..32).map(atom).collect();
@@ -31,7 +31,7 @@ fn mean(levels: &[f64]) -> [f64; 3] {
 }
 
 #[test]
-fn what_is_asked_besides_leaves_the_look() {
+fn what_is_requested_besides_leaves_the_look() {
     let dir = dir();
     let usual = picture(&dir, "");
     let bytes = dir.get("p.png");
@@ -101,15 +101,18 @@ fn a_stream_says_that_its_look_is_plain() {
     let table: String = (0..9).map(|n| format!("{},{},0,0.6\n", n % 3, n / 3)).collect();
     dir.put("t.csv", format!("x,y,z,radius\n{table}"));
     let words = "look plain: a stream is lit from the eye";
-    let said = |options: &str| dir.render(&format!("t.csv --size 30x30 {options}")).err.matches(words).count();
-    assert_eq!([said("-o a.png --stream"), said("-o b.png --look plain"), said("--aov id=i.npy --stream")], [1, 0, 0]);
-    assert_eq!(said("-o c.png --stream --look plain"), 0, "as it was asked");
+    let warnings = |options: &str| dir.render(&format!("t.csv --size 30x30 {options}")).err.matches(words).count();
+    assert_eq!(
+        [warnings("-o a.png --stream"), warnings("-o b.png --look plain"), warnings("--aov id=i.npy --stream")],
+        [1, 0, 0]
+    );
+    assert_eq!(warnings("-o c.png --stream --look plain"), 0, "as it was asked");
     assert!(dir.get("a.png") == dir.get("b.png") && dir.get("a.png") == dir.get("c.png"));
 }
 
 /// The swatch of an element has the colour of its atom where that faces the light under an open sky.
 #[test]
-fn a_fully_lit_sphere_has_the_colour_of_the_legend() {
+fn a_sphere_in_full_light_has_the_colour_of_the_legend() {
     let dir = dir();
     dir.render("o.xyz --size 200x200 -o p.png --color-by element --legend l.svg --background white");
     let legend = String::from_utf8(dir.get("l.svg")).expect("UTF-8");
@@ -126,7 +129,7 @@ fn a_fully_lit_sphere_has_the_colour_of_the_legend() {
 }
 
 /// A ball of this colour before the eye, lit from there by as much.
-fn lit(color: &str, intensity: &str) -> String {
+fn ball_scene(color: &str, intensity: &str) -> String {
     format!(
         "[camera]\neye = [0, 0, 9]\nview = [0, 0, -1]\nup = [0, 1, 0]\nvfov = 20\n[image]\nsize = [60, 40]
 background = [1, 0.5, 0.25]\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\ncolor = {color}
@@ -136,7 +139,8 @@ background = [1, 0.5, 0.25]\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\ncolor =
 
 #[test]
 fn what_exceeds_one_keeps_its_shape_in_pictures_of_levels() {
-    let dir = TestDir::new(&[("red.toml", &lit("[1, 0, 0]", "2")), ("dim.toml", &lit("[1, 0.5, 0]", "1"))]);
+    let dir =
+        TestDir::new(&[("red.toml", &ball_scene("[1, 0, 0]", "2")), ("dim.toml", &ball_scene("[1, 0.5, 0]", "1"))]);
     let levels = |options: &str| {
         dir.render(&format!("{options} -o p.png --samples 4"));
         dir.array("p.png").0
@@ -170,9 +174,9 @@ fn what_exceeds_one_keeps_its_shape_in_pictures_of_levels() {
     for bad in ["--exposure 33", "--exposure nan", "--tone warm"] {
         dir.refused_render(2, &format!("red.toml -o x.png {bad}"), &[bad.split(' ').next().expect("an option")]);
     }
-    let (seen, err) =
+    let (plan, err) =
         (dir.good("plan red.toml -o p.png --exposure 0.5"), "soft: colours beyond 1 become whiter, exposure 0.5 stops");
-    assert!(seen.text().contains(err), "{}", seen.text());
+    assert!(plan.text().contains(err), "{}", plan.text());
     let variables = [("HALFLINE_TONE", "linear"), ("HALFLINE_EXPOSURE", "0")];
     assert_eq!(dir.run_with("render red.toml -o p.png --samples 4 --backend cpu", &variables).code, 0);
     assert!(dir.array("p.png").0 == linear);
@@ -180,7 +184,7 @@ fn what_exceeds_one_keeps_its_shape_in_pictures_of_levels() {
 
 #[test]
 fn tiles_and_resumed_files_have_one_tone() {
-    let dir = TestDir::new(&[("red.toml", &lit("[1, 0, 0]", "2"))]);
+    let dir = TestDir::new(&[("red.toml", &ball_scene("[1, 0, 0]", "2"))]);
     let render = |options: &str| dir.render(&format!("red.toml {options}"));
     render("-o whole.png --exposure 0.5");
     for tile in 1..=4 {
@@ -198,7 +202,7 @@ fn tiles_and_resumed_files_have_one_tone() {
 
 /// Nothing of tone is in a picture that is lit from the eye: neither in its pixels nor in its keywords.
 #[test]
-fn a_picture_lit_from_the_eye_is_linear() {
+fn a_picture_with_light_at_the_eye_is_linear() {
     let dir = dir();
     let bytes = |options: &str| {
         dir.render(&format!("m.xyz --size 40x40 --look plain -o p.png {options}"));

@@ -47,7 +47,7 @@ fn outputs(name: &str) -> String {
 #[test]
 fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
     let dir = dir();
-    for (ending, seen, drawn) in [
+    for (ending, camera, drawn) in [
         ("npy", CAMERA.to_owned(), ""),
         ("npy", format!("{CAMERA} --samples 16 --seed 3"), ""),
         ("npy", format!("{CAMERA} --tolerance 1e-3"), ""),
@@ -61,14 +61,14 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
         ("csv", format!("{CAMERA} --tile 2/4 --samples 4 --radius-scale 0.5 --color teal"), "--exposure 1"),
     ] {
         for (n, first) in CUTS[..CUTS.len() - 1].iter().enumerate() {
-            dir.good(&format!("sift {n}.{ending} --first-id {first} {seen} -o {n}.npz"));
+            dir.good(&format!("sift {n}.{ending} --first-id {first} {camera} -o {n}.npz"));
         }
-        dir.render(&format!("all.{ending} --look plain {seen} {drawn} {}", outputs("whole")));
+        dir.render(&format!("all.{ending} --look plain {camera} {drawn} {}", outputs("whole")));
         dir.render(&format!("--visible 2.npz 3.npz 0.npz 1.npz 3.npz {drawn} {}", outputs("parts")));
         let files = dir.files();
         for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("whole")) {
             let other = name.replacen("whole", "parts", 1);
-            assert!(files[&other] == *bytes, "{seen} {drawn}: {other} differs from {name}");
+            assert!(files[&other] == *bytes, "{camera} {drawn}: {other} differs from {name}");
         }
         assert_eq!(files.keys().filter(|name| name.starts_with("parts")).count(), 6);
     }

@@ -155,12 +155,12 @@ fn written(dir: &TestDir, input: &str, options: &Words, more: &str) -> Option<[V
 
 /// Renders with the first options, and again with the second ones; whether both are taken.
 fn check(dir: &TestDir, input: &str, [first, second]: &[Words; 2]) -> bool {
-    let Some(wanted) = written(dir, input, second, "") else { return false };
+    let Some(expected) = written(dir, input, second, "") else { return false };
     if written(dir, input, first, "").is_none() {
         return false;
     }
     let found = written(dir, input, second, "--resume").expect("as before");
-    assert!(found == wanted, "{input}: {second:?} kept a file of {first:?}");
+    assert!(found == expected, "{input}: {second:?} kept a file of {first:?}");
     let tile = |options, tile: u32| {
         runs(dir, &format!("render {input} --backend cpu --aov color,depth=t{tile}.npz --tile {tile}/2"), options)
     };

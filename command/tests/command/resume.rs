@@ -103,9 +103,9 @@ fn the_json_of_a_resumed_frame_says_so() {
     assert!(renders.good(&options).err.contains("a.png is already there: it is complete"));
     let several = ["-o", "f.%d.png", "--aov", "id=i.%d.npy", "--spin", "2", "--resume"];
     renders.good(&several);
-    let said = renders.good(&several).err;
+    let stderr = renders.good(&several).err;
     for n in 1..=2 {
-        assert!(said.contains(&format!("halfline: f.{n}.png, i.{n}.npy are already there")), "{said}");
+        assert!(stderr.contains(&format!("halfline: f.{n}.png, i.{n}.npy are already there")), "{stderr}");
     }
 }
 

@@ -31,17 +31,17 @@ fn shown(dir: &TestDir, file: &str, options: &[&str]) -> (Vec<f64>, Output) {
     let ((ids, _), (positions, _)) = (dir.array("id.npy"), dir.array("p.npy"));
     let mut centers = Vec::new();
     for id in 0.. {
-        let seen: Vec<f64> = ids
+        let visible: Vec<f64> = ids
             .iter()
             .zip(positions.chunks(3))
-            .filter(|(seen, _)| **seen == f64::from(id))
+            .filter(|(found, _)| **found == f64::from(id))
             .map(|(_, p)| p[0])
             .collect();
-        if seen.is_empty() {
+        if visible.is_empty() {
             break;
         }
         // The middle of what is seen of a sphere is within a quarter of the distance to the next one.
-        let ends = seen.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
+        let ends = visible.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
         centers.push((((ends[0] + ends[1]) / 2.0) / 4.0).round() * 4.0);
     }
     (centers, output)
@@ -79,8 +79,9 @@ fn colours_and_radii_of_selected_particles_win_in_their_order() {
     let color = |file: &str, options: &[&str]| -> Vec<[f64; 3]> {
         shown(&dir, file, options);
         let ((ids, _), (pixels, _)) = (dir.array("id.npy"), dir.array("c.npy"));
-        let of =
-            |id: f64| ids.iter().zip(pixels.chunks(3)).find(|(seen, _)| **seen == id).map(|(_, c)| [c[0], c[1], c[2]]);
+        let of = |id: f64| {
+            ids.iter().zip(pixels.chunks(3)).find(|(found, _)| **found == id).map(|(_, c)| [c[0], c[1], c[2]])
+        };
         (0..5).map_while(|id| of(f64::from(id))).collect()
     };
     let plain = color("t.csv", &["--radius", "1"]);
@@ -97,7 +98,7 @@ fn colours_and_radii_of_selected_particles_win_in_their_order() {
     let pixels = |options: &[&str]| {
         shown(&dir, "t.csv", &[options, &["--eye", "4,0,60", "--ortho=12"]].concat());
         let (ids, _) = dir.array("id.npy");
-        [0.0, 1.0, 2.0].map(|id| ids.iter().filter(|seen| **seen == id).count())
+        [0.0, 1.0, 2.0].map(|id| ids.iter().filter(|found| **found == id).count())
     };
     let same = pixels(&["--radius", "1"]);
     let grown = pixels(&["--radius", "1", "--radius", "type 2=2", "--radius", "kind \"iron*\"=0.5"]);

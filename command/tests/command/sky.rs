@@ -80,8 +80,8 @@ fn an_open_sky_lights_a_sphere_with_its_mean() {
     // A light that does not reach these pixels takes nothing from it, be it the file's or added.
     dir.put("l.toml", scene("") + "[[light]]\ndirection = [0, 0, -1]\n");
     for options in ["l.toml", "s.toml --sun=0,0,-1"] {
-        let beside = of_rows(&colors(&dir, options));
-        assert!(distance(beside, middle) < 1e-6, "{options}: {beside:?}");
+        let outer = of_rows(&colors(&dir, options));
+        assert!(distance(outer, middle) < 1e-6, "{options}: {outer:?}");
     }
     // What hides it has no colour: a ground takes the lower half away, which gives 0.88 of the red and 0.22 of the blue.
     dir.put("g.toml", scene("") + "[[sphere]]\ncenter = [0, -1001, -5]\nradius = 1000\ncolor = [0, 0, 0]\n");
@@ -94,7 +94,7 @@ fn an_open_sky_lights_a_sphere_with_its_mean() {
 }
 
 #[test]
-fn a_background_is_seen_in_place_of_the_sky_and_the_sky_still_lights() {
+fn a_background_is_shown_in_place_of_the_sky_and_the_sky_still_lights() {
     let dir = dir();
     let [shown, hidden, given] = ["s.toml", "b.toml", "s.toml --background white"].map(|options| colors(&dir, options));
     assert!(hidden == given && given[0] == [1.0; 3] && shown[0] != given[0]);

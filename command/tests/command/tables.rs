@@ -55,10 +55,10 @@ fn columns_are_named_by_an_option() {
         assert_eq!((&info["spheres"], &info["warnings"]), (&json!(3), &json!([])), "{file} {columns}");
     }
     // A .csv file without names has assumed ones, and so has one of a stated format.
-    let said = dir.render("bare.csv -o a.png").err;
+    let stderr = dir.render("bare.csv -o a.png").err;
     assert!(
-        said.contains("bare.csv:1:1: the table has no header, so its columns are read as x, y, z and radius"),
-        "{said}"
+        stderr.contains("bare.csv:1:1: the table has no header, so its columns are read as x, y, z and radius"),
+        "{stderr}"
     );
     assert_eq!(picture(&dir, "bare.csv", &[]), plain);
     dir.put("bare.txt", dir.get("bare.csv"));
@@ -105,11 +105,11 @@ fn invalid_rows_are_left_out_on_request() {
         dir.put(file, text(5, broken));
         let found = picture(&dir, file, &["--skip-invalid"]);
         assert!(found == whole && whole[0].contains(&0.0), "{file}");
-        let said = format!("2 rows left out, the first in line {line}: x: `nan` is not finite");
+        let warning = format!("2 rows left out, the first in line {line}: x: `nan` is not finite");
         let output = dir.render(&format!("{file} --skip-invalid -o a.png"));
-        assert!(output.err.contains(&said), "{file}: {}", output.err);
+        assert!(output.err.contains(&warning), "{file}: {}", output.err);
         let info = dir.good(&["info", file, "--skip-invalid", "--json"]).json();
-        assert_eq!((&info["spheres"], &info["warnings"][0]), (&json!(3), &json!(said)), "{file}");
+        assert_eq!((&info["spheres"], &info["warnings"][0]), (&json!(3), &json!(warning)), "{file}");
         let place = format!("{file}:{line}:");
         dir.refused_render(3, &format!("{file} -o b.png"), &[&place, "x: `nan` is not finite"]);
     }
@@ -131,8 +131,8 @@ fn particles_are_moved_by_edges_of_the_cell() {
         dir.put(file, text);
     }
     let camera = ["--ortho", "14", "--eye", "4,4,40", "--view", "0,0,-1"];
-    let seen = |file: &str, options: &[&str]| picture(&dir, file, &[&camera, options].concat());
-    let [as_whole, as_wrapped, as_above] = ["whole", "wrapped", "above"].map(|file| seen(file, &[]));
+    let view = |file: &str, options: &[&str]| picture(&dir, file, &[&camera, options].concat());
+    let [as_whole, as_wrapped, as_above] = ["whole", "wrapped", "above"].map(|file| view(file, &[]));
     assert!(as_whole != as_wrapped && as_whole != as_above && as_above != as_wrapped);
     for (file, options, expected) in [
         ("whole", &["--wrap"][..], &as_wrapped),
@@ -141,12 +141,12 @@ fn particles_are_moved_by_edges_of_the_cell() {
         ("flagged", &["--unwrap"], &as_whole),
         ("flagged", &["--wrap"], &as_wrapped),
     ] {
-        assert_eq!(&seen(file, options), expected, "{file} {options:?}");
+        assert_eq!(&view(file, options), expected, "{file} {options:?}");
     }
     // Selections see the moved particles.
     let near = ["--select", "within 2 of (x > 6)"];
-    assert_eq!(seen("wrapped", &near)[0].iter().copied().fold(-1.0, f64::max), 0.0);
-    assert_eq!(seen("wrapped", &[&["--unwrap"], &near[..]].concat())[0].iter().copied().fold(-1.0, f64::max), 1.0);
+    assert_eq!(view("wrapped", &near)[0].iter().copied().fold(-1.0, f64::max), 0.0);
+    assert_eq!(view("wrapped", &[&["--unwrap"], &near[..]].concat())[0].iter().copied().fold(-1.0, f64::max), 1.0);
     dir.put("s.toml", SPHERE);
     for (arguments, words) in [
         ("plain.csv --wrap -o b.png", "--wrap needs a periodic cell, but the file has none; use a file with a cell"),

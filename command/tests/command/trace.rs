@@ -178,8 +178,8 @@ fn numpy_reads_the_archive() {
     let types = "[('id', 'int32', (9,)), ('t', 'float64', (9,)), ('distance', 'float64', (9,)), \
         ('normal', 'float32', (9, 3)), ('position', 'float64', (9, 3)), ('certainty', 'uint8', (9,))]";
     let ids: Vec<_> = RAYS.iter().map(|(_, id, _)| *id).collect();
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(String::from_utf8_lossy(&output.stdout), format!("{types} {ids:?}\n"), "{told}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(String::from_utf8_lossy(&output.stdout), format!("{types} {ids:?}\n"), "{stderr}");
 }
 
 /// More rays than a block has, and the same rays in two files.
@@ -261,7 +261,7 @@ fn an_invalid_row_is_named_or_counted() {
     };
     let mut zero = rows();
     zero[3][3..6].fill(0.0);
-    for (rows, told) in [
+    for (rows, message) in [
         (bad(0, f64::NAN), "origin"),
         (bad(4, f64::INFINITY), "direction"),
         (zero, "the direction is zero"),
@@ -272,12 +272,15 @@ fn an_invalid_row_is_named_or_counted() {
         for (name, place) in [("bad.npy", "bad.npy: row 3 (from 0) "), ("bad.csv", "bad.csv:5:1: ")] {
             for output in ["hits.npz", "hits.csv"] {
                 let words = on_cpu(&format!("--rays {name} -o {output}"));
-                dir.refused(3, &words, &[place, told, "--skip-invalid"]);
+                dir.refused(3, &words, &[place, message, "--skip-invalid"]);
             }
             let report = trace(&dir, &format!("--rays {name} --skip-invalid -o hits.npz --json")).json();
             assert_eq!((&report["rays"], &report["invalid"], &report["hits"]), (&9.into(), &1.into(), &5.into()));
             let warning = report["warnings"][0].as_str().expect("a warning");
-            assert!(warning.contains("1 of 9 rays") && warning.contains(place) && warning.contains(told), "{warning}");
+            assert!(
+                warning.contains("1 of 9 rays") && warning.contains(place) && warning.contains(message),
+                "{warning}"
+            );
             let arrays = npz(&dir, "hits.npz");
             let expected: Vec<_> = RAYS.iter().map(|(_, id, _)| f64::from(*id)).collect();
             assert_eq!(arrays["id"].0, expected, "the invalid row is a miss, as it was");
@@ -287,9 +290,9 @@ fn an_invalid_row_is_named_or_counted() {
         }
     }
     let text = csv("", ",", &rows());
-    let refused = |text: &str, told: &[&str]| {
+    let refused = |text: &str, message: &[&str]| {
         dir.put("bad.csv", text);
-        dir.refused(3, &on_cpu("--rays bad.csv -o hits.csv"), told);
+        dir.refused(3, &on_cpu("--rays bad.csv -o hits.csv"), message);
     };
     refused(&text.replacen(",-4,", ",", 1), &["bad.csv:2:", "expected 7 numbers, found 6"]);
     refused(&text.replacen(",-4,", ",-4,-4,", 1), &["bad.csv:2:", "more than the 7 numbers"]);
@@ -327,7 +330,7 @@ fn an_invalid_row_is_named_or_counted() {
 fn invalid_arguments_are_exit_code_2() {
     let dir = dir();
     dir.put("two.xyz", "1\nH\nH 0 0 0\n".repeat(2));
-    let refused = |words: &str, told: &[&str]| dir.refused(2, &format!("trace {words}"), told);
+    let refused = |words: &str, message: &[&str]| dir.refused(2, &format!("trace {words}"), message);
     refused("s.toml -o a.npz", &["--rays", "--pattern"]);
     refused("s.toml --rays rays.npy --pattern lidar:rings=1,step=1 -o a.npz", &["--rays", "--pattern"]);
     refused("s.toml --rays rays.npy", &["no output is requested", "--json"]);

@@ -126,8 +126,8 @@ impl Page {
             let _ = write!(words, ", {label}");
         }
         let width = |text: &String| letters_width(text, false, size);
-        let beside = (1.4 * size).round() + margin;
-        let wide = beside + ticks.iter().chain(&labels).map(width).fold(0.0, f32::max);
+        let indent = (1.4 * size).round() + margin;
+        let wide = indent + ticks.iter().chain(&labels).map(width).fold(0.0, f32::max);
         let wide = wide.max(width(&more)).max(letters_width(&title, true, size));
         let bar_high = if bar { long + size } else { 0.0 };
         if (bar && long < 5.0 * size) || (!swatches.is_empty() && rows == 0) {
@@ -152,7 +152,7 @@ impl Page {
                     [right, y.round(), right + margin / 2.0, y.round() + (size / 14.0).max(1.0).round()],
                     INK,
                 );
-                self.write(&mut pixels, label, false, [margin + beside, y - size / 2.0]);
+                self.write(&mut pixels, label, false, [margin + indent, y - size / 2.0]);
             }
         }
         let (top, side) = (top + bar_high, size.round());
@@ -161,7 +161,7 @@ impl Page {
             let y = (top + row * n as f32 + (row - side) / 2.0).round();
             fill(&mut pixels, [margin, y, margin + side, y + side], LINE);
             fill(&mut pixels, [margin + 1.0, y + 1.0, margin + side - 1.0, y + side - 1.0], swatch.color);
-            self.write(&mut pixels, label, false, [margin + beside, y]);
+            self.write(&mut pixels, label, false, [margin + indent, y]);
         }
         self.write(&mut pixels, &more, false, [margin, top + row * shown as f32 + (row - side) / 2.0]);
         Ok((pixels, [title, words]))

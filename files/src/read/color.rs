@@ -13,7 +13,7 @@ pub(crate) fn top_level(most: f32) -> f32 {
 }
 
 /// A level of sRGB between 0 and `top` in linear light (IEC 61966-2-1).
-pub(crate) fn light_of_level(level: f32, top: f32) -> f32 {
+pub(crate) fn srgb_to_linear(level: f32, top: f32) -> f32 {
     // A table, not a power for every point.
     static LIGHT: LazyLock<Vec<f32>> = LazyLock::new(|| (0..=255).map(|level| linear([level; 3])[0]).collect());
     if top == 255.0 && level.fract() == 0.0 {

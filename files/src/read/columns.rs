@@ -200,14 +200,14 @@ impl Columns {
     }
 
     /// The columns of spheres that are made of these: each has the values of the sphere with its index in `rows`, and
-    /// `beside` spheres after them, which are no particles, have an empty text and NaN.
+    /// `extra` spheres after them, which are no particles, have an empty text and NaN.
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
-    pub fn rearranged(&self, rows: &[u32], beside: usize) -> Result<Self> {
-        let count = rows.len() + beside;
+    pub fn rearranged(&self, rows: &[u32], extra: usize) -> Result<Self> {
+        let count = rows.len() + extra;
         check((8 * count * self.list.len()) as u64, || format!("the columns of {count} spheres"))?;
-        let list = self.list.iter().map(|(name, values)| (name.clone(), values.rearranged(rows, beside))).collect();
+        let list = self.list.iter().map(|(name, values)| (name.clone(), values.rearranged(rows, extra))).collect();
         Ok(Self { list, others: self.others.clone() })
     }
 }
@@ -264,16 +264,16 @@ impl ColumnValues {
         }
     }
 
-    fn rearranged(&self, rows: &[u32], beside: usize) -> Self {
+    fn rearranged(&self, rows: &[u32], extra: usize) -> Self {
         let with_nan = |at: &(dyn Fn(u32) -> f64 + Sync)| {
             let mut values: Vec<f64> = rows.par_iter().map(|row| at(*row)).collect();
-            values.resize(rows.len() + beside, f64::NAN);
+            values.resize(rows.len() + extra, f64::NAN);
             Self::Numbers(values)
         };
         match self {
             Self::Numbers(values) => with_nan(&|row| values[row as usize]),
-            Self::Whole(values) if beside > 0 => with_nan(&|row| f64::from(values[row as usize])),
-            Self::Order(_) if beside > 0 => with_nan(&f64::from),
+            Self::Whole(values) if extra > 0 => with_nan(&|row| f64::from(values[row as usize])),
+            Self::Order(_) if extra > 0 => with_nan(&f64::from),
             Self::Whole(values) => Self::Whole(rows.par_iter().map(|row| values[*row as usize]).collect()),
             Self::Order(_) => Self::Whole(rows.par_iter().map(|row| *row as i32).collect()),
             Self::Texts(codes, texts) => {
@@ -283,7 +283,7 @@ impl ColumnValues {
                     texts.len() - 1
                 });
                 let at = |row: usize| rows.get(row).map_or(blank as u32, |row| codes.at(*row as usize));
-                let codes = Codes::of(rows.len() + beside, texts.len(), at);
+                let codes = Codes::of(rows.len() + extra, texts.len(), at);
                 Self::Texts(codes, texts)
             }
         }

@@ -54,8 +54,8 @@ fn has_colors(table: &Table<Input>) -> bool {
 fn table(path: &Path, watch: &Watch) -> Result<Table<Input>> {
     let role = |name: &str| COLUMNS.iter().position(|column| *column == name).map(|column| ROLES[column]);
     let table = Table::strict(Lines::new(Input::open(path, watch)?, path), ALLOWED, role)?;
-    let wanted = if has_colors(&table) { &ROLES[..] } else { &ROLES[..4] };
-    if let Some(missing) = wanted.iter().position(|role| !table.layout().contains(*role)) {
+    let required = if has_colors(&table) { &ROLES[..] } else { &ROLES[..4] };
+    if let Some(missing) = required.iter().position(|role| !table.layout().contains(*role)) {
         let problem = format!("column `{}` is missing", COLUMNS[missing]);
         return Err(Error::scene(table.lines().place(0).named("header"), problem, ALLOWED));
     }

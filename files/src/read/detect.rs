@@ -42,7 +42,7 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
         // The number of points may be before them.
         let is_row =
             |row: &str| row.split([',', ';', '\t', ' ']).filter(|word| word.trim().parse::<f64>().is_ok()).count() >= 3;
-        let table = said(&lines).filter(|line| !line.starts_with("//")).take(2).any(is_row);
+        let table = content_lines(&lines).filter(|line| !line.starts_with("//")).take(2).any(is_row);
         let columns = format!("{COLUMNS} x=1,y=2,z=3");
         let table = if table {
             format!("name the columns of a table with {columns} (or {FORMAT} csv {columns}), or ")
@@ -99,7 +99,7 @@ fn of_content(start: &[u8], named: Option<Format>) -> Option<Format> {
     }
     let found = |signs: &[(Format, Sign)]| signs.iter().find(|(_, sign)| sign(&lines)).map(|(format, _)| *format);
     let by_name = |named: &Format| match named {
-        Format::Native => said(&lines).next().is_some() && native(start).is_some(),
+        Format::Native => content_lines(&lines).next().is_some() && native(start).is_some(),
         Format::Pdb => is_pdb(&lines) && !is_free(&lines) && !has_types(&lines),
         Format::Pqr => is_pdb(&lines) && !is_pdbqt(&lines),
         Format::Pdbqt => is_pdb(&lines),
@@ -147,7 +147,7 @@ const BINARY: [(Format, BinarySign); 5] = [
 type Sign = fn(&[&str]) -> bool;
 
 /// Lines with content: neither blank nor a comment.
-fn said<'a>(lines: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
+fn content_lines<'a>(lines: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
     lines.iter().map(|line| line.trim()).filter(|line| !line.is_empty() && !line.starts_with('#'))
 }
 
@@ -156,7 +156,7 @@ fn numbers(words: &str) -> usize {
 }
 
 fn is_mmcif(lines: &[&str]) -> bool {
-    said(lines).next().is_some_and(|line| {
+    content_lines(lines).next().is_some_and(|line| {
         let word = line.split_whitespace().next().unwrap_or_default();
         // Libraries of monomers begin with what is global.
         word.eq_ignore_ascii_case("global_")
@@ -176,11 +176,11 @@ fn is_pdb(lines: &[&str]) -> bool {
     // In free form a blank is enough behind the name of the record.
     let is_atom = |line: &str| ["ATOM", "HETATM"].contains(&line.split_whitespace().next().unwrap_or_default());
     let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end()) || is_atom(line);
-    let mut said = lines.iter().filter(|line| !line.trim().is_empty());
-    match said.next() {
+    let mut nonblank = lines.iter().filter(|line| !line.trim().is_empty());
+    match nonblank.next() {
         // In GROMOS the word is alone on its line too, and its block ends before atoms; some writers of PDB have no title.
         Some(line) if line.trim_end() == "TITLE" => {
-            said.find(|line| line.trim_end() == "END" || record(line)).is_some_and(|line| record(line))
+            nonblank.find(|line| line.trim_end() == "END" || record(line)).is_some_and(|line| record(line))
         }
         line => line.is_some_and(|line| record(line)),
     }
@@ -296,12 +296,12 @@ fn is_poscar(lines: &[&str]) -> bool {
 
 /// Lines with the names and the sizes of the fields of a point cloud.
 fn is_pcd(lines: &[&str]) -> bool {
-    let begins = |key: &str| said(lines).take(8).any(|line| line.split_whitespace().next() == Some(key));
+    let begins = |key: &str| content_lines(lines).take(8).any(|line| line.split_whitespace().next() == Some(key));
     (begins("FIELDS") || begins("COLUMNS")) && begins("SIZE") && begins("TYPE")
 }
 
 fn is_nff(lines: &[&str]) -> bool {
-    said(lines).next().is_some_and(|line| {
+    content_lines(lines).next().is_some_and(|line| {
         let mut words = line.split_whitespace().take_while(|word| !word.starts_with('#'));
         let directive = words.next().is_some_and(|word| nff::DIRECTIVES.contains(&word));
         directive && words.all(|word| word.parse::<f64>().is_ok())
@@ -339,5 +339,5 @@ fn native(start: &[u8]) -> Option<Format> {
         !text.trim().is_empty() && text.trim().chars().all(|c| c.is_alphanumeric() || "_-.\"'".contains(c))
     };
     let plain = |line: &str| line.starts_with('[') || line.split_once('=').is_some_and(|(name, _)| key(name));
-    said(&lines).next().is_none_or(plain).then_some(Format::Native)
+    content_lines(&lines).next().is_none_or(plain).then_some(Format::Native)
 }

@@ -69,10 +69,11 @@ fn document(reader: Input, path: &Path, watch: &Watch, is_whole: bool) -> Result
         Err(e) => (String::from_utf8_lossy(e.as_bytes()).into_owned(), Some(not_utf8(file.clone(), 0, e))),
     };
     check_idle(&text, &file)?;
-    let is_said = |line: &str| line.split('#').next().is_some_and(|said| said.contains(char::REPLACEMENT_CHARACTER));
-    let is_used = invalid.is_some() && text.lines().any(is_said);
+    let has_invalid =
+        |line: &str| line.split('#').next().is_some_and(|code| code.contains(char::REPLACEMENT_CHARACTER));
+    let is_used = invalid.is_some() && text.lines().any(has_invalid);
     let length = text.len();
-    check(room::most_held(&text), || format!("{file}: {length} bytes of TOML"))?;
+    check(room::most_bytes(&text), || format!("{file}: {length} bytes of TOML"))?;
     let (path, within) = (path.to_path_buf(), watch.clone());
     let parse = move || {
         // The byte order mark is not a character of the first line.

@@ -87,7 +87,7 @@ pub(super) fn read(reader: Input, path: &Path, strict: bool) -> Result<(Scene, S
             }
             _ => {
                 let kind = nff.other(directive, &at)?;
-                skipped.meet(kind, strict, || spot.of(nff.lines.file()).named(kind))?;
+                skipped.skip(kind, strict, || spot.of(nff.lines.file()).named(kind))?;
             }
         }
     }
@@ -212,12 +212,12 @@ impl Reader {
                 return Err(Error::scene(
                     place,
                     format!("{} is not a number", quote(text)),
-                    mend_number(text, &wanted(least)),
+                    mend_number(text, &number_mend(least)),
                 ));
             };
             if !value.is_finite() {
                 let place = self.spot(word).of(self.lines.file()).named(at.to_string());
-                return Err(Error::scene(place, format!("{} is not finite", quote(text)), wanted(least)));
+                return Err(Error::scene(place, format!("{} is not finite", quote(text)), number_mend(least)));
             }
             numbers.spots[numbers.count] = self.spot(word);
             numbers.values[numbers.count] = value;
@@ -228,7 +228,7 @@ impl Reader {
     }
 
     fn short(&self, at: &Statement, what: &str, found: usize, least: usize) -> Error {
-        Error::scene(self.place(at), format!("{what} after {found} of {least} numbers"), wanted(least))
+        Error::scene(self.place(at), format!("{what} after {found} of {least} numbers"), number_mend(least))
     }
 
     fn place(&self, at: &Statement) -> Place {
@@ -389,7 +389,7 @@ impl Reader {
 const NAMES: [&str; 6] =
     ["camera.from", "camera.at", "camera.up", "camera.angle", "camera.hither", "camera.resolution"];
 
-fn wanted(least: usize) -> String {
+fn number_mend(least: usize) -> String {
     match least {
         1 => "give a number".into(),
         n => format!("use {n} numbers"),

@@ -38,7 +38,7 @@ pub(super) fn open(
     if has_any_columns(source.format) {
         options.check_columns()?;
     }
-    let said = source.said.take();
+    let warning = source.warning.take();
     let frames: Box<dyn ParticleFrames> = match source.format {
         Format::Mmcif => Box::new(mmcif::Mmcif::new(source, request)),
         Format::Gro => Box::new(gro::Gro::new(source, request)),
@@ -58,10 +58,10 @@ pub(super) fn open(
         Format::Pcd => one(move || pcd::read(source, &request)),
         Format::Las => one(move || las::read(source, &request)),
         Format::Gsd => Box::new(gsd::Gsd::new(source, request)),
-        _ => return Ok(Err(SceneSource { said, ..source })),
+        _ => return Ok(Err(SceneSource { warning, ..source })),
     };
-    Ok(Ok(match said {
-        Some(_) => Box::new(Noted { frames, said }),
+    Ok(Ok(match warning {
+        Some(_) => Box::new(Noted { frames, warning }),
         None => frames,
     }))
 }
@@ -69,14 +69,14 @@ pub(super) fn open(
 /// The frames of a file of which something is to be said, which the first that is read says.
 struct Noted {
     frames: Box<dyn ParticleFrames>,
-    said: Option<String>,
+    warning: Option<String>,
 }
 
 impl ParticleFrames for Noted {
     fn next(&mut self) -> Result<Option<Particles>> {
         let mut frame = self.frames.next()?;
         if let Some(frame) = &mut frame {
-            frame.skipped.assumed.extend(self.said.take());
+            frame.skipped.assumed.extend(self.warning.take());
         }
         Ok(frame)
     }

@@ -119,10 +119,10 @@ impl ReadOptions {
     /// # Errors
     /// [`Error::Settings`] for more.
     pub(super) fn check_columns(&self) -> Result<()> {
-        const ASKED: usize = 64;
+        const MOST_COLUMNS: usize = 64;
         let count = self.named_columns().len();
-        if count > ASKED {
-            let problem = format!("colours and selections read {count} columns, more than {ASKED}");
+        if count > MOST_COLUMNS {
+            let problem = format!("colours and selections read {count} columns, more than {MOST_COLUMNS}");
             return Err(Error::settings(problem, "use fewer columns"));
         }
         Ok(())

@@ -46,7 +46,7 @@ pub struct Sequence {
     holds_radius: bool,
     holds: bool,
     /// Warnings about frames that were read but are not selected. The next selected frame reports them.
-    said: Vec<String>,
+    warnings: Vec<String>,
     /// The number of frames, once the end was reached.
     total: Option<u64>,
     /// Whether the path can be opened again.
@@ -90,12 +90,12 @@ pub struct SceneFrame {
     /// The number of the last spheres of the scene that are beads along the edges of a cell.
     pub beads: usize,
     /// The spheres of each of [`ReadOptions::marks`].
-    pub marks: Vec<Mark>,
+    pub marks: Vec<Focus>,
 }
 
 /// The spheres of a frame that a selection selects.
 #[derive(Debug, Clone, Default)]
-pub struct Mark {
+pub struct Focus {
     /// The expression.
     pub text: String,
     /// The selected spheres that [`ReadOptions::select`] and [`ReadOptions::hide`] leave in the frame.
@@ -105,7 +105,7 @@ pub struct Mark {
 }
 
 /// The warning about a frame that is not selected and cannot set radii and colours because of this error.
-fn not_held(number: u64, error: &Error) -> String {
+fn unusable_frame(number: u64, error: &Error) -> String {
     let problem = match error {
         Error::Settings { problem, .. } => problem.clone(),
         other => other.to_string(),
@@ -121,13 +121,13 @@ pub fn all_clipped(spheres: u64) -> String {
 }
 
 /// The marks of spheres by their masks.
-fn marks(options: &ReadOptions, masks: Vec<(Vec<bool>, Vec<Note>)>, spheres: &Spheres) -> Vec<Mark> {
-    let mark = |(selection, (mask, notes)): (&Selection, (Vec<bool>, Vec<Note>))| Mark {
+fn marks(options: &ReadOptions, masks: Vec<(Vec<bool>, Vec<Note>)>, spheres: &Spheres) -> Vec<Focus> {
+    let focus = |(selection, (mask, notes)): (&Selection, (Vec<bool>, Vec<Note>))| Focus {
         text: selection.to_string(),
         spheres: spheres.part(&mask),
         notes: notes.iter().map(Note::to_string).collect(),
     };
-    options.marks.iter().zip(masks).map(mark).collect()
+    options.marks.iter().zip(masks).map(focus).collect()
 }
 
 impl SceneFrame {
@@ -217,13 +217,13 @@ impl Sequence {
         let state = match open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
-                let said = source.said.clone();
+                let warning = source.warning.clone();
                 let native::Read { mut scene, mut skipped, look, aperture, files: named } = match source.format {
                     Format::Nff => native::Read::of(nff::read(source.reader, path, options.strict)?),
                     _ => native::read(source.reader, path, &options.watch)?,
                 };
                 files.extend(named);
-                skipped.assumed.extend(said);
+                skipped.assumed.extend(warning);
                 if !(options.select.is_empty() && options.hide.is_empty()) {
                     return Err(no_selections());
                 }
@@ -247,7 +247,7 @@ impl Sequence {
             files,
             holds_radius: false,
             holds: false,
-            said: Vec::new(),
+            warnings: Vec::new(),
             total: None,
             is_file: false,
         })
@@ -307,18 +307,18 @@ impl Sequence {
                 continue;
             }
             let number = self.passed;
-            let mut said = particles.skipped.assumed.clone();
-            let frame = match self.dress(particles, number) {
+            let mut messages = particles.skipped.assumed.clone();
+            let frame = match self.styled_frame(particles, number) {
                 // The frames that are selected need not lack what this one does.
                 Err(error @ (Error::Settings { .. } | Error::Scene { .. })) => {
-                    said.push(not_held(number, &error));
-                    self.said.extend(said);
+                    messages.push(unusable_frame(number, &error));
+                    self.warnings.extend(messages);
                     continue;
                 }
-                dressed => dressed?,
+                styled => styled?,
             };
             if !frame.scene.spheres.is_empty() {
-                self.said.extend(said);
+                self.warnings.extend(messages);
                 return Ok(Some(frame));
             }
         }
@@ -344,12 +344,12 @@ impl Sequence {
         let Some(frames) = again else { return Err(error) };
         self.state = SequenceState::Many(frames);
         self.passed += 1;
-        self.said.push(not_held(self.passed, &error));
+        self.warnings.push(unusable_frame(self.passed, &error));
         Ok(())
     }
 
     /// The scene of a frame's particles; the first with spheres sets what the following ones are held to.
-    fn dress(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
+    fn styled_frame(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
         let file = Place::file(self.path.display().to_string());
         let (cell, when, is_molecule) = (particles.cell, particles.when, particles.are_molecule(self.format));
         self.options.watch.check()?;
@@ -365,23 +365,23 @@ impl Sequence {
         let notes = select::apply(&self.options.selections(), &mut particles)?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         if !particles.placed.is_empty() {
-            return self.dress_placed(particles, spaced, number, &file);
+            return self.styled_instances(particles, spaced, number, &file);
         }
         let columns = self.columns(&mut particles)?;
         let masks = std::mem::take(&mut particles.marks);
-        let (spheres, mut skipped, legend) = self.options.style.dress(particles, spaced, &file)?;
+        let (spheres, mut skipped, legend) = self.options.style.to_spheres(particles, spaced, &file)?;
         if hold != Hold::None && !self.holds && !spheres.is_empty() {
             self.holds = true;
             let (frames, flat) = (&self.options.frames, legend.as_ref().filter(|legend| legend.is_flat()));
             if let Some(Legend { name, range: [value, _], .. }) = flat.filter(|_| hold == Hold::First)
                 && (frames.count() > 1 || !frames.contains(number))
             {
-                let said = format!(
+                let warning = format!(
                     "all values of {name} in frame {number} are {value}, and the colours of the other frames are held to this \
                      range; use {RANGE} LOW,HIGH or {HOLD} all"
                 );
-                let said_of_film = if frames.contains(number) { &mut skipped.assumed } else { &mut self.said };
-                said_of_film.push(said);
+                let film_warnings = if frames.contains(number) { &mut skipped.assumed } else { &mut self.warnings };
+                film_warnings.push(warning);
             }
             self.options.style.hold(legend.as_ref(), hold == Hold::First);
         }
@@ -413,9 +413,15 @@ impl Sequence {
     }
 
     /// The same for particles with copies, which are one frame.
-    fn dress_placed(&self, particles: Particles, spaced: Option<f64>, number: u64, file: &Place) -> Result<SceneFrame> {
+    fn styled_instances(
+        &self,
+        particles: Particles,
+        spaced: Option<f64>,
+        number: u64,
+        file: &Place,
+    ) -> Result<SceneFrame> {
         let (when, is_molecule) = (particles.when, particles.are_molecule(self.format));
-        let (instances, skipped, legend) = self.options.style.dress_placed(particles, spaced, file)?;
+        let (instances, skipped, legend) = self.options.style.to_instances(particles, spaced, file)?;
         let mut scene = Scene {
             camera: Camera::CANONICAL,
             image: ImagePlane::default(),
@@ -436,7 +442,7 @@ impl Sequence {
         while self.passed < self.options.frames.last() {
             self.options.watch.check()?;
             let number = self.passed + 1;
-            let wanted = self.options.frames.contains(number);
+            let is_requested = self.options.frames.contains(number);
             self.passed = number;
             match &mut self.state {
                 SequenceState::One(frame) => {
@@ -444,24 +450,24 @@ impl Sequence {
                         self.total = Some(number - 1);
                         return Ok(None);
                     };
-                    if wanted {
+                    if is_requested {
                         let masks = select::marks_of(&self.options.marks, 0, &frame.scene.spheres)?;
                         let marks = marks(&self.options, masks, &frame.scene.spheres);
                         return Ok(Some(SceneFrame { number, marks, ..*frame }));
                     }
                 }
-                SequenceState::Many(frames) if wanted => {
+                SequenceState::Many(frames) if is_requested => {
                     let Some(mut particles) = frames.next()? else {
                         self.total = Some(number - 1);
                         return Ok(None);
                     };
                     // A reader says what concerns the whole file in its first frame.
-                    for said in std::mem::take(&mut self.said) {
-                        if !particles.skipped.assumed.contains(&said) {
-                            particles.skipped.assumed.push(said);
+                    for warning in std::mem::take(&mut self.warnings) {
+                        if !particles.skipped.assumed.contains(&warning) {
+                            particles.skipped.assumed.push(warning);
                         }
                     }
-                    return self.dress(particles, number).map(Some);
+                    return self.styled_frame(particles, number).map(Some);
                 }
                 SequenceState::Many(frames) => {
                     if !frames.skip()? {

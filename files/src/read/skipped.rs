@@ -47,7 +47,7 @@ impl Skipped {
     }
 
     /// Counts one more of `kind`, or returns an error where it is `strict`.
-    pub(super) fn meet(&mut self, kind: &'static str, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
+    pub(super) fn skip(&mut self, kind: &'static str, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
         if strict {
             let mend = "remove it, or read without strict to skip it";
             return Err(Error::scene(place(), format!("expected a sphere, found a {kind}"), mend));

@@ -16,7 +16,7 @@ pub(super) struct SceneSource {
     /// Its format.
     pub(super) format: Format,
     /// The warning where name and content say different formats.
-    pub(super) said: Option<String>,
+    pub(super) warning: Option<String>,
 }
 
 /// The caller's knowledge of a file's format.
@@ -52,7 +52,7 @@ impl SceneSource {
             name.set_extension("");
         }
         let start = reader.look(LOOK).map_err(|e| Error::read(path, e))?;
-        let (format, said) = match (known, recognise(&start, &name)) {
+        let (format, warning) = match (known, recognise(&start, &name)) {
             (KnownFormat::Given(format), _) => (format, None),
             (_, Ok(recognised)) => recognised,
             (KnownFormat::IfNone(format), Err(_)) if !is_foreign(&start) => (format, None),
@@ -69,7 +69,7 @@ impl SceneSource {
             let place = if is_scene { place.named("camera") } else { place };
             return Err(Error::scene(place, "the file is empty", "use a file with particles or a scene"));
         }
-        Ok(Self { reader, path: path.to_path_buf(), format, said })
+        Ok(Self { reader, path: path.to_path_buf(), format, warning })
     }
 }
 
@@ -82,7 +82,7 @@ impl SceneSource {
 
     /// As [`SceneSource::of_text`].
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
-        Self { reader: Input::of_bytes(bytes), path: "text".into(), format: Format::Native, said: None }
+        Self { reader: Input::of_bytes(bytes), path: "text".into(), format: Format::Native, warning: None }
     }
 }
 

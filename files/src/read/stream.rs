@@ -50,7 +50,7 @@ pub struct SphereBlocks {
     left: u64,
     skipped: Skipped,
     /// The warnings about parts without their digits, so that each is reported once.
-    said: BTreeSet<String>,
+    reported: BTreeSet<String>,
     /// The messages about selections, joined block by block.
     notes: Notes,
     /// For each of [`ReadOptions::marks`], the spheres of the last block that it selects, and the messages about it.
@@ -121,7 +121,7 @@ impl SphereBlocks {
             count: 0,
             left: 0,
             skipped: Skipped::default(),
-            said: BTreeSet::new(),
+            reported: BTreeSet::new(),
             notes: Notes::default(),
             marked: Vec::new(),
             mark_notes: options.marks.iter().map(|_| Notes::default()).collect(),
@@ -166,15 +166,15 @@ impl SphereBlocks {
     pub fn next_block(&mut self) -> Result<Option<Spheres>> {
         self.options.watch.check()?;
         if let Ok(part) = self.parts.recv() {
-            return self.dress(Particles::of_part(part)).map(Some);
+            return self.styled_block(Particles::of_part(part)).map(Some);
         }
         let Some(reader) = self.reader.take() else { return Ok(None) };
         let rest = reader.join().unwrap_or(Err(Error::Interrupted))?;
         let Some(rest) = rest else {
             return Err(Error::scene(self.file.clone(), "the file has no such frame", format!("use another {FRAMES}")));
         };
-        let last = self.dress(rest)?;
-        self.skipped.assumed.extend(self.notes.told());
+        let last = self.styled_block(rest)?;
+        self.skipped.assumed.extend(self.notes.messages());
         Ok(Some(last))
     }
 
@@ -186,7 +186,7 @@ impl SphereBlocks {
     /// The messages about each of [`ReadOptions::marks`]; complete after the last block.
     #[must_use]
     pub fn mark_notes(&self) -> Vec<Vec<String>> {
-        self.mark_notes.iter().map(|notes| notes.told().collect()).collect()
+        self.mark_notes.iter().map(|notes| notes.messages().collect()).collect()
     }
 
     /// The items left out and the assumptions so far; complete after the last block.
@@ -221,7 +221,7 @@ impl SphereBlocks {
         self.format.is_of_molecules() && self.has_elements && !(self.format == Format::Xyz && self.has_cell)
     }
 
-    fn dress(&mut self, mut part: Particles) -> Result<Spheres> {
+    fn styled_block(&mut self, mut part: Particles) -> Result<Spheres> {
         if let Some(is_colored) = self.scene {
             self.skipped.append(std::mem::take(&mut part.skipped));
             let mut spheres =
@@ -269,15 +269,15 @@ impl SphereBlocks {
         let masks = std::mem::take(&mut part.marks);
         let painted = self.options.style.painted(&part);
         self.painted.iter_mut().zip(painted).for_each(|(all, more)| *all += more);
-        let (mut spheres, skipped, legend) = self.options.style.dress_part(part, spaced, &self.file)?;
+        let (mut spheres, skipped, legend) = self.options.style.part_to_spheres(part, spaced, &self.file)?;
         if self.surveys {
             spheres.colors = None;
             self.see(legend.as_ref())?;
         }
-        for said in skipped.assumed {
-            let what: String = said.chars().filter(|c| !c.is_ascii_digit()).collect();
-            if self.said.insert(what) {
-                self.skipped.assumed.push(format!("in a part of {}: {said}", count(left as u64, "particle")));
+        for warning in skipped.assumed {
+            let what: String = warning.chars().filter(|c| !c.is_ascii_digit()).collect();
+            if self.reported.insert(what) {
+                self.skipped.assumed.push(format!("in a part of {}: {warning}", count(left as u64, "particle")));
             }
         }
         self.legend = match (self.legend.take(), legend) {
@@ -303,8 +303,8 @@ impl SphereBlocks {
             return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
         }
         part.lighten_part(colors);
-        if let Some(said) = colors.said().filter(|said| !self.skipped.assumed.contains(said)) {
-            self.skipped.assumed.push(said);
+        if let Some(warning) = colors.warning().filter(|warning| !self.skipped.assumed.contains(warning)) {
+            self.skipped.assumed.push(warning);
         }
         Ok(())
     }

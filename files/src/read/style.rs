@@ -180,22 +180,22 @@ impl Style {
     ///
     /// # Errors
     /// [`Error::Scene`] for an invalid sphere, [`Error::Settings`] for a missing column, [`Error::Limits`].
-    pub(super) fn dress(
+    pub(super) fn to_spheres(
         &self,
         particles: Particles,
         spaced: Option<f64>,
         file: &Place,
     ) -> Result<(Spheres, Skipped, Option<Legend>)> {
         let painted = self.painted(&particles);
-        let (spheres, skipped, legend) = self.dress_part(particles, spaced, file)?;
+        let (spheres, skipped, legend) = self.part_to_spheres(particles, spaced, file)?;
         Ok((spheres, skipped, self.with_overrides(legend, &painted)))
     }
 
     /// The same for a part of the particles: the legend has no rows for rules; see [`Self::with_overrides`].
     ///
     /// # Errors
-    /// As [`Self::dress`].
-    pub(super) fn dress_part(
+    /// As [`Self::to_spheres`].
+    pub(super) fn part_to_spheres(
         &self,
         mut particles: Particles,
         spaced: Option<f64>,

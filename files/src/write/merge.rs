@@ -276,9 +276,9 @@ fn missing(full: Window, windows: impl Iterator<Item = Window>) -> Vec<Window> {
         for _ in 0..2 {
             rest.sort_by_key(|part| (part.y0, part.y1, part.x0));
             rest.dedup_by(|next, part| {
-                let beside = part.x1 == next.x0 && (part.y0, part.y1) == (next.y0, next.y1);
-                part.x1 = if beside { next.x1 } else { part.x1 };
-                beside
+                let is_adjacent = part.x1 == next.x0 && (part.y0, part.y1) == (next.y0, next.y1);
+                part.x1 = if is_adjacent { next.x1 } else { part.x1 };
+                is_adjacent
             });
             for part in &mut rest {
                 *part = Window { x0: part.y0, y0: part.x0, x1: part.y1, y1: part.x1 };

@@ -21,19 +21,19 @@ fn buffers_of_one_name_are_compared() {
     let names: Vec<_> = found.common.iter().map(|pair| pair.name.expect("a name")).collect();
     assert_eq!((names, found.missing), (vec!["color", "depth"], vec![("id", "a.npz"), ("bound", "b.exr")]));
     assert_eq!(found.common[1].b, &array(&[4.0], &[1]));
-    let wanted = ["depth".to_owned()];
-    let found = MatchedBuffers::of(&a, &b, &wanted).expect("pairs");
+    let requested = ["depth".to_owned()];
+    let found = MatchedBuffers::of(&a, &b, &requested).expect("pairs");
     assert_eq!((found.common.len(), found.missing.len()), (1, 0));
-    let wanted = ["id".to_owned()];
-    let error = MatchedBuffers::of(&a, &b, &wanted).expect_err("b has none").to_string();
+    let requested = ["id".to_owned()];
+    let error = MatchedBuffers::of(&a, &b, &requested).expect_err("b has none").to_string();
     assert!(error.contains("b.exr has no buffer `id`; the file has depth, bound, color"), "{error}");
     // Single buffers are compared whatever their names; a buffer without a name matches none of several.
     let (one, nameless) = (frames("one.npy", &[(Some("depth"), 7.0)]), frames("x.npy", &[(None, 8.0)]));
     assert_eq!(MatchedBuffers::of(&one, &nameless, &[]).expect("a pair").common[0].name, Some("depth"));
     let error = MatchedBuffers::of(&nameless, &b, &[]).expect_err("which").to_string();
     assert!(error.contains("x.npy has an unnamed buffer"), "{error}");
-    let wanted = ["bound".to_owned()];
-    assert_eq!(MatchedBuffers::of(&nameless, &b, &wanted).expect("a pair").common[0].b, &array(&[5.0], &[1]));
+    let requested = ["bound".to_owned()];
+    assert_eq!(MatchedBuffers::of(&nameless, &b, &requested).expect("a pair").common[0].b, &array(&[5.0], &[1]));
     let found = MatchedBuffers::of(&one, &b, &[]).expect("a pair");
     assert_eq!((found.common.len(), found.missing.len()), (1, 2));
 }

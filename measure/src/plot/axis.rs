@@ -44,7 +44,7 @@ impl Axis {
             // A share is at most 1, and an axis should show how small most shares are.
             Unit::Percent => ((low - spare).min(-3.1), 0.04),
         };
-        let has = |wanted: fn(Option<f64>) -> bool| values.clone().any(wanted);
+        let has = |test: fn(Option<f64>) -> bool| values.clone().any(test);
         let band = |share: f64, has: bool| if has { share * (high - low) } else { 0.0 };
         Self {
             title: title.into(),

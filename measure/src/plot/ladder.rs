@@ -22,7 +22,7 @@ pub(super) enum Against {
 }
 
 impl Against {
-    fn seen(self, run: &Run) -> Option<f64> {
+    fn error_of(self, run: &Run) -> Option<f64> {
         match self {
             Self::Wrong => Some(run.errors.wrong_share()),
             Self::Distance => run.errors.relative.max,
@@ -73,14 +73,14 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
         Unit::Plain,
         runs.iter().map(|run| Some(distance(run))),
     );
-    let seen: Vec<Option<f64>> = runs.iter().map(|run| against.seen(run)).collect();
+    let errors: Vec<Option<f64>> = runs.iter().map(|run| against.error_of(run)).collect();
     // Predictions may extend the axis, but not so far that the measurements become invisible.
-    let most = seen.iter().flatten().fold(1.0f64, |a, b| a.max(*b));
+    let most = errors.iter().flatten().fold(1.0f64, |a, b| a.max(*b));
     let predicted = runs.iter().filter_map(|run| against.predicted(run)).filter(|p| *p > 0.0).map(|p| p.min(most));
-    let values: Vec<Option<f64>> = seen.into_iter().chain(predicted.map(Some)).collect();
+    let values: Vec<Option<f64>> = errors.into_iter().chain(predicted.map(Some)).collect();
     let y = Axis::new(y_title, unit, values.into_iter());
     let top = header_height(&[place]);
-    let zeros = methods(runs.iter().copied().filter(|run| against.seen(run) == Some(0.0)));
+    let zeros = methods(runs.iter().copied().filter(|run| against.error_of(run) == Some(0.0)));
     let connected = is_ladder(record);
     drawing([WIDTH, top + 1120], |area| {
         header(area, record, title, &[place], false)?;
@@ -90,7 +90,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
         for name in &names {
             let these: Vec<&Run> = runs.iter().copied().filter(|run| run.method == *name).collect();
             let (look, lane) = (look(name), lane(name, &zeros));
-            let at = |run: &&Run| chart.at(distance(run), against.seen(run), lane);
+            let at = |run: &&Run| chart.at(distance(run), against.error_of(run), lane);
             let points: Vec<(i32, i32)> = these.iter().map(at).collect();
             busy.extend(&points);
             if connected {
@@ -106,7 +106,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
         if against == Against::Distance {
             references(area, &chart, record.tolerance, &busy)?;
         }
-        beside(area, &chart, ends, connected)?;
+        side_labels(area, &chart, ends, connected)?;
         let dotted = runs.iter().any(|run| against.predicted(run).is_some());
         if dotted && connected {
             text(area, "dotted: predicted", &font(22).color(&QUIET), (chart.right + 24, chart.bottom - 14))?;
@@ -181,7 +181,7 @@ fn below(top: i32, a: (i32, i32), b: (i32, i32)) -> Option<[(i32, i32); 2]> {
 }
 
 /// Names beside the chart, each as close to its line's end as the others allow.
-fn beside(area: &Area<'_>, chart: &Chart, mut ends: Vec<(&str, (i32, i32))>, connected: bool) -> Drawn {
+fn side_labels(area: &Area<'_>, chart: &Chart, mut ends: Vec<(&str, (i32, i32))>, connected: bool) -> Drawn {
     const GAP: i32 = 36;
     if connected {
         ends.sort_by_key(|(_, at)| at.1);

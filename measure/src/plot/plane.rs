@@ -133,7 +133,7 @@ fn around(a: (i32, i32), b: (i32, i32), spare: i32) -> Box {
     [a.0.min(b.0) - spare, a.1.min(b.1) - spare, a.0.max(b.0) + spare, a.1.max(b.1) + spare]
 }
 
-fn meet(a: &Box, b: &Box) -> bool {
+fn intersect(a: &Box, b: &Box) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
@@ -152,7 +152,7 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
         let name = |left: i32, y: i32, wide: i32| [left, y - SIZE / 2 - 2, left + wide, y + SIZE / 2 + 2];
         let free = |b: &Box| {
             let inside = b[0] > chart.left && b[2] < chart.right && b[1] > chart.top && b[3] < chart.bottom;
-            inside && !taken.iter().chain(lines).any(|other| meet(b, other))
+            inside && !taken.iter().chain(lines).any(|other| intersect(b, other))
         };
         let [left, right] = [point.whisker[0].min(x - 16) - 12, point.whisker[1].max(x + 16) + 12];
         if let Some(b) = [name(right, y, wide), name(left - wide, y, wide)].into_iter().find(|b| free(b)) {
@@ -170,7 +170,8 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
             let mut along = (1..=16).map(|i| (x + (foot.0 - x) * i / 16, y + (foot.1 - y) * i / 16));
             let others = || taken.iter().enumerate().filter(|(other, _)| *other != index);
             along.all(|at| {
-                meet(&around(at, at, 0), &crowd) || !others().any(|(_, other)| meet(&around(at, at, 0), other))
+                intersect(&around(at, at, 0), &crowd)
+                    || !others().any(|(_, other)| intersect(&around(at, at, 0), other))
             })
         };
         let downs = [50, 84, 120, 160, 210, 270].into_iter().flat_map(|down| [-down, down]);

@@ -129,10 +129,10 @@ fn crop(beyond: f64, seed: u64) -> Crop {
         let radius = x.hypot(y) / 0.8;
         let width = 0.02 * 10f64.powf(beyond);
         let band = (x * 40.0 + (y * 9.0).sin()).sin() > 0.3 && width > 0.3;
-        let seen = (radius + width.min(0.6) * (2.0 * noise(seed * 9000 + pixel) - 1.0) < 1.0) != band;
+        let is_hit = (radius + width.min(0.6) * (2.0 * noise(seed * 9000 + pixel) - 1.0) < 1.0) != band;
         let letter = char::from_digit(((1.0 - radius * radius).max(0.0).sqrt() * 15.0) as u32, 16);
-        shade.push(if seen { letter.unwrap_or('0') } else { '.' });
-        verdict.push(match (seen, radius < 1.0) {
+        shade.push(if is_hit { letter.unwrap_or('0') } else { '.' });
+        verdict.push(match (is_hit, radius < 1.0) {
             (true, false) => 'h',
             (false, true) => 'm',
             (true, true) if width > 0.3 && noise(pixel) > 0.9 => {

@@ -87,12 +87,12 @@ mod tests {
             }
             let judge = halfline::exact::Judge::new(&scene).expect("a judge");
             assert_eq!(judge.pixel(SIDE / 2, SIDE / 2).map(|truth| truth.id), Some(36), "the middle one");
-            let seen: std::collections::BTreeSet<_> = (0..SIDE * SIDE)
+            let found: std::collections::BTreeSet<_> = (0..SIDE * SIDE)
                 .step_by(7)
                 .filter_map(|k| judge.pixel(k / SIDE, k % SIDE).map(|truth| truth.id))
                 .collect();
             // At a small distance, spheres at the edge hide others behind them.
-            assert!(seen.len() >= if rung > 2.0 { 64 } else { 40 }, "{rung}: {} seen", seen.len());
+            assert!(found.len() >= if rung > 2.0 { 64 } else { 40 }, "{rung}: {} seen", found.len());
         }
     }
 }

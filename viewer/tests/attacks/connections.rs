@@ -12,7 +12,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// A request whose answer takes until the stage is released.
-fn held() -> Vec<u8> {
+fn hanging_request() -> Vec<u8> {
     post("select", r#"{"expr":"hang"}"#).without("Connection").bytes()
 }
 
@@ -159,7 +159,7 @@ fn strangers_that_come_and_stay_do_not_keep_the_owner_out() {
 fn the_ninth_request_at_a_time_is_refused() {
     let server = start(CALM, None);
     let all: Vec<_> = (0..8).map(|_| server.connect()).collect();
-    all.iter().for_each(|stream| server.send(stream, &held()));
+    all.iter().for_each(|stream| server.send(stream, &hanging_request()));
     server.stage.wait_for(8);
     assert_eq!(statuses(&server.ask(&post("scene", "{}").bytes())), "503");
     assert_eq!(statuses(&server.ask(&get("/").bytes())), "503");
@@ -176,7 +176,7 @@ fn the_server_ends_when_it_should() {
     // While the stage is at work, and a connection is open.
     let server = start(CALM, None);
     let (busy, open) = (server.connect(), server.connect());
-    server.send(&busy, &held());
+    server.send(&busy, &hanging_request());
     server.stage.wait_for(1);
     server.send(&open, &post("scene", "{}").without("Connection").bytes());
     assert_eq!(statuses(answer(&open).0.as_bytes()), "200");
@@ -204,7 +204,7 @@ fn the_server_ends_when_it_should() {
     // No request comes. Connections without a token do not count as use, and work does.
     let server = start(CALM, Some(Duration::from_millis(600)));
     let (busy, _open) = (server.connect(), server.connect());
-    server.send(&busy, &held());
+    server.send(&busy, &hanging_request());
     server.stage.wait_for(1);
     thread::sleep(Duration::from_millis(1000));
     assert!(!server.has_ended(), "it is at work");
@@ -221,7 +221,7 @@ fn the_server_ends_when_it_should() {
 }
 
 #[test]
-fn ports_are_taken_as_asked() {
+fn ports_are_taken_as_requested() {
     let first = Server::bind(None).expect("a port");
     let second = Server::bind(None).expect("another port");
     assert_ne!(first.port(), second.port());

@@ -98,7 +98,7 @@ fn a_camera_survives_being_written() {
 fn ask(routes: &Arc<Routes>, seq: u64, mode: &str, look: &str) -> thread::JoinHandle<Reply> {
     let count = routes.frames();
     let body = frame(&format!(r#","seq":{seq},"mode":"{mode}","look":"{look}""#));
-    let asked = {
+    let reply = {
         let routes = routes.clone();
         thread::spawn(move || routes.answer("frame", body.as_bytes()))
     };
@@ -107,14 +107,14 @@ fn ask(routes: &Arc<Routes>, seq: u64, mode: &str, look: &str) -> thread::JoinHa
         assert!(begun.elapsed() < LONG, "it does not arrive");
         thread::sleep(Duration::from_millis(1));
     }
-    asked
+    reply
 }
 
 #[test]
 fn the_newest_frame_wins() {
     let stage = Arc::new(Fake::default());
     let routes = Arc::new(Routes::new(stage.clone()));
-    let status = |asked: thread::JoinHandle<Reply>| asked.join().expect("no panic").status;
+    let status = |reply: thread::JoinHandle<Reply>| reply.join().expect("no panic").status;
     // A move that has begun is finished; of those that wait, the newest is rendered.
     let first = ask(&routes, 1, "move", "hold");
     stage.wait_for(1);

@@ -22,7 +22,7 @@ pub(crate) struct Fake {
 struct State {
     calls: usize,
     /// The number of calls that have begun to be held.
-    held: usize,
+    waiting: usize,
     is_released: bool,
 }
 
@@ -33,10 +33,10 @@ impl Fake {
     }
 
     /// Waits until so many calls have begun to be held.
-    pub(crate) fn wait_for(&self, held: usize) {
+    pub(crate) fn wait_for(&self, count: usize) {
         let state = self.state.lock().expect("state");
-        let (state, _) = self.changed.wait_timeout_while(state, LONG, |state| state.held < held).expect("state");
-        assert!(state.held >= held, "{} calls are held", state.held);
+        let (state, _) = self.changed.wait_timeout_while(state, LONG, |state| state.waiting < count).expect("state");
+        assert!(state.waiting >= count, "{} calls are held", state.waiting);
     }
 
     pub(crate) fn release(&self) {
@@ -51,7 +51,7 @@ impl Fake {
     /// Whether it was released, rather than given up.
     fn hold(&self, go_on: &dyn Fn() -> bool) -> bool {
         let mut state = self.state.lock().expect("state");
-        state.held += 1;
+        state.waiting += 1;
         self.changed.notify_all();
         let begun = Instant::now();
         while !state.is_released && go_on() && begun.elapsed() < LONG {

@@ -216,12 +216,12 @@ fn only_the_page_is_answered() {
         println!("{name:<40} {found}");
         count += 1;
         let is_called = server.stage.calls() > calls;
-        let is_asked = expected.starts_with("200") && request.starts_with(b"POST");
-        if found != expected || is_called != is_asked {
+        let is_question = expected.starts_with("200") && request.starts_with(b"POST");
+        if found != expected || is_called != is_question {
             faults.push(format!("{name}: {found} and not {expected}, reached the stage: {is_called}"));
         }
-        for wanted in ["default-src 'none'", "X-Content-Type-Options: nosniff", "Cache-Control: no-store"] {
-            assert!(text.contains(wanted), "{name}: {text}");
+        for header in ["default-src 'none'", "X-Content-Type-Options: nosniff", "Cache-Control: no-store"] {
+            assert!(text.contains(header), "{name}: {text}");
         }
         assert!(!text.to_lowercase().contains("access-control-allow"), "{name}: {text}");
         assert!(!text.contains(&server.token), "{name} gets the token: {text}");

@@ -93,10 +93,10 @@ const PQR: [&str; 3] = [
 ];
 
 #[test]
-fn a_name_that_a_beginning_can_have_is_right_and_another_is_told() {
+fn a_name_that_a_beginning_can_have_is_right_and_another_is_reported() {
     let of = |text: &str, name: &str| {
-        let (format, said) = recognise(text.as_bytes(), Path::new(name)).expect(text);
-        (format, said.is_some())
+        let (format, warning) = recognise(text.as_bytes(), Path::new(name)).expect(text);
+        (format, warning.is_some())
     };
     for atom in PDB {
         let long = format!("{}{atom}\n", "REMARK\n".repeat(99));

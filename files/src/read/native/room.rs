@@ -4,7 +4,7 @@
 /// the characters that begin a token, a value, a key or a table. The weights are a quarter above the maximum of 36
 /// texts, each consisting of one construct, at 16 lengths from 4 kB to 500 kB; for a list of spheres the sum is 1.6
 /// times the actual memory. Fuzzing compares it with a counting allocator.
-pub(super) fn most_held(text: &str) -> u64 {
+pub(super) fn most_bytes(text: &str) -> u64 {
     let (mut sum, mut key, mut braces, mut quoted, mut last) =
         (16 * text.len() as u64, true, 0u64, false, CostClass::Mark);
     for byte in text.bytes() {

@@ -64,7 +64,7 @@ impl NamedSpheres {
         let (mut part, mut selected) = (Spheres::default(), SelectedSpheres::new(selection));
         strict(&self.path, &mut part, watch)?;
         append(spheres, &selected.of(part).map_err(|e| at(&self.selected_at, e))?)?;
-        Ok(selected.told())
+        Ok(selected.messages())
     }
 
     /// Whether the spheres have colours, by the head of the file where it says so.
@@ -94,8 +94,8 @@ impl NamedSpheres {
             "npy" => npy::pass,
             _ => {
                 let mut spheres = Spheres::default();
-                let said = self.particles(&mut spheres, watch)?;
-                return survey.take_spheres(&mut spheres, true).map(|()| said);
+                let messages = self.particles(&mut spheres, watch)?;
+                return survey.take_spheres(&mut spheres, true).map(|()| messages);
             }
         };
         let Some(selection) = &self.selection else {
@@ -109,7 +109,7 @@ impl NamedSpheres {
             Arc::new(Mutex::new(Picked { at: self.selected_at.clone(), selected: SelectedSpheres::new(selection) }));
         in_blocks(&self.path, &survey.picking(picked.clone()), watch)?;
         let picked = picked.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(picked.selected.told())
+        Ok(picked.selected.messages())
     }
 
     fn particles(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
@@ -132,7 +132,7 @@ impl NamedSpheres {
         let spaced = options.style.spaced(&particles);
         let notes = apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
-        let (part, skipped, _) = options.style.dress(particles, spaced, &Place::file(name))?;
+        let (part, skipped, _) = options.style.to_spheres(particles, spaced, &Place::file(name))?;
         append(spheres, &part)?;
         Ok(skipped.warnings())
     }

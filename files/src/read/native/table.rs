@@ -180,8 +180,8 @@ impl<'a> TomlValue<'a> {
         Error::scene(place, problem, format!("write {}", self.name.example(self.key)))
     }
 
-    fn mistyped(&self, part: &Spanned<DeValue<'_>>, wanted: &str) -> Error {
-        self.wrong(part, format!("expected {wanted}, found a value of type {}", part.get_ref().type_str()))
+    fn mistyped(&self, part: &Spanned<DeValue<'_>>, expected: &str) -> Error {
+        self.wrong(part, format!("expected {expected}, found a value of type {}", part.get_ref().type_str()))
     }
 
     pub(super) fn table(&self, name: TomlName) -> Result<TomlTable<'a>> {

@@ -178,13 +178,13 @@ mod tests {
         assert_eq!((column("t"), column("v_y")), (&[201.0, 202.0][..], &[8.0; 2][..]));
         let cut = read(descr, "(2,)", &data[..60]).map(drop).expect_err("cut short").to_string();
         assert!(cut.contains("after 1 of 2 rows"), "{cut}");
-        for (descr, told) in [
+        for (descr, message) in [
             ("[('x', '<f8')]", "no fields of numbers x, y and z among x"),
             ("[('x', '<f8', (99999999,)), ('y', '<f8'), ('z', '<f8')]", "more than 65536 bytes"),
             ("[('x', '|O'), ('y', '<f8'), ('z', '<f8')]", "hold objects"),
         ] {
             let error = read(descr, "(2,)", &data).map(drop).expect_err(descr).to_string();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(message), "{error}");
         }
     }
 }

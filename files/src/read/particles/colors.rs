@@ -2,7 +2,7 @@
 //! follows from their type and from all of the file, not from a part of it.
 
 use crate::npy::{NumberKind, Scalar};
-use crate::read::color::{light_of_level, top_level};
+use crate::read::color::{srgb_to_linear, top_level};
 use halfline::quote::setting::COLOR;
 use rayon::prelude::*;
 
@@ -89,13 +89,13 @@ impl ColorSurvey {
             ColorScale::Empty => colors.clear(),
             ColorScale::Linear => {}
             ColorScale::Levels(top) => {
-                colors.par_iter_mut().for_each(|color| *color = color.map(|level| light_of_level(level, top)));
+                colors.par_iter_mut().for_each(|color| *color = color.map(|level| srgb_to_linear(level, top)));
             }
         }
     }
 
     /// The warning about an assumed scale, or about colours that are all 0; `None` where nothing is assumed.
-    pub(in crate::read) fn said(&self) -> Option<String> {
+    pub(in crate::read) fn warning(&self) -> Option<String> {
         let linear = self.kind == ColorType::Real;
         match self.scale() {
             _ if self.count == 0 => None,
@@ -126,8 +126,8 @@ mod tests {
     use crate::read::particles::frame::Particles;
     use halfline::frame::srgb::linear;
 
-    fn lit(color_type: ColorType, colors: &[[f32; 3]]) -> (Vec<[f32; 3]>, usize) {
-        let found = Particles { colors: colors.to_vec(), color_type, ..Particles::default() }.lit();
+    fn linearized(color_type: ColorType, colors: &[[f32; 3]]) -> (Vec<[f32; 3]>, usize) {
+        let found = Particles { colors: colors.to_vec(), color_type, ..Particles::default() }.linearized();
         (found.colors, found.skipped.assumed.len())
     }
 
@@ -135,33 +135,33 @@ mod tests {
     fn levels_follow_from_the_type_and_from_all_colours() {
         use ColorType::{Byte, Real, Whole};
         let eight = linear([255, 0, 128]);
-        let close = |(found, said): (Vec<[f32; 3]>, usize), count: usize| {
+        let close = |(found, warnings): (Vec<[f32; 3]>, usize), count: usize| {
             let near = found[0].iter().zip(eight).all(|(a, b)| (a - b).abs() < 1e-6);
-            assert!(near && said == count, "{found:?} {said}");
+            assert!(near && warnings == count, "{found:?} {warnings}");
         };
-        for (kind, top, said) in
+        for (kind, top, warnings) in
             [(Byte, 255.0, 0), (Whole, 255.0, 1), (Real, 255.0, 1), (Whole, 65535.0, 0), (Real, 65535.0, 1)]
         {
             let scale = top / 255.0;
-            close(lit(kind, &[[top, 0.0, 128.0 * scale], [0.0; 3]]), said);
+            close(linearized(kind, &[[top, 0.0, 128.0 * scale], [0.0; 3]]), warnings);
         }
-        close(lit(Whole, &[[u32::MAX as f32, 0.0, 128.0 * 16843009.0]]), 0);
+        close(linearized(Whole, &[[u32::MAX as f32, 0.0, 128.0 * 16843009.0]]), 0);
         // One of 255 is nearly black, where the type is that of levels.
-        assert_eq!(lit(Whole, &[[1.0, 0.0, 1.0]]).0, [linear([1, 0, 1])]);
+        assert_eq!(linearized(Whole, &[[1.0, 0.0, 1.0]]).0, [linear([1, 0, 1])]);
         for real in [[[1.0, 0.0, 1.0]], [[0.5, 2.0, 0.0]], [[256.5, 0.0, 0.0]], [[65536.0, 0.0, 0.0]]] {
-            assert_eq!(lit(Real, &real), (real.to_vec(), 0), "linear, beyond 1 too");
+            assert_eq!(linearized(Real, &real), (real.to_vec(), 0), "linear, beyond 1 too");
         }
     }
 
     #[test]
     fn integers_that_are_all_0_are_no_colours() {
         for (kind, colors) in [(ColorType::Byte, 0), (ColorType::Whole, 0), (ColorType::Real, 2)] {
-            let (found, said) = lit(kind, &[[0.0; 3]; 2]);
-            assert_eq!((found.len(), said), (colors, 1), "{kind:?}");
-            assert_eq!(lit(kind, &[]).1, 0);
+            let (found, warnings) = linearized(kind, &[[0.0; 3]; 2]);
+            assert_eq!((found.len(), warnings), (colors, 1), "{kind:?}");
+            assert_eq!(linearized(kind, &[]).1, 0);
         }
         assert_eq!(
-            lit(ColorType::Byte, &[[0.0; 3], [0.0, 0.0, 9.0]]).0[0],
+            linearized(ColorType::Byte, &[[0.0; 3], [0.0, 0.0, 9.0]]).0[0],
             [0.0; 3],
             "one that is not tells of the others"
         );

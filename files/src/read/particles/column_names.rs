@@ -135,14 +135,14 @@ mod tests {
         assert_eq!(of("radius=R", &["r", "R"]), Ok(vec![None, Some(Role::Radius)]), "the exact name first");
         assert_eq!(of("x=Pos X,element=kind", &["KIND", "pos x"]), Ok(vec![Some(Role::Symbol), x]));
         assert_eq!(of("diameter=2a", &["1", "2a"]), Ok(vec![None, Some(Role::Diameter)]), "2a is no number");
-        for (text, names, told) in [
+        for (text, names, message) in [
             ("x=a", &["b"][..], "no column `a`"),
             ("x=2", &["b"], "column 2 is named, but the table has 1"),
             ("x=a", &["a", "a"], "`a` occurs twice"),
             ("x=a,y=1", &["a"], "`a` is given two meanings"),
         ] {
             let problem = of(text, names).expect_err(text);
-            assert!(problem.contains(told), "{problem}");
+            assert!(problem.contains(message), "{problem}");
         }
         for bad in [
             "",

@@ -4,7 +4,7 @@
 mod header;
 
 use super::frame::{Column, Particles};
-use super::layout::{Layout, is_wanted};
+use super::layout::{Layout, is_requested};
 use super::masses;
 use super::request::Request;
 use super::role::Role;
@@ -216,13 +216,13 @@ impl LammpsData<'_> {
         let word = named.split_whitespace().next().unwrap_or_default();
         let word = word.split_once('/').filter(|(_, suffix)| *suffix == "kk").map_or(word, |(style, _)| style);
         let is_style = word == "hybrid" || STYLES.iter().any(|(name, _)| *name == word);
-        let (style, told) = if is_style { (word.to_owned(), true) } else { (self.guess(head, &named)?, false) };
+        let (style, is_given) = if is_style { (word.to_owned(), true) } else { (self.guess(head, &named)?, false) };
         // The sub-styles of a hybrid describe what follows the coordinates.
         let columns = if style == "hybrid" { Some("id type x y z") } else { None };
         let columns = columns.or_else(|| STYLES.iter().find(|(name, _)| *name == style).map(|(_, columns)| *columns));
         let columns = columns.unwrap_or_default();
         // What follows the coordinates of these has any number of columns.
-        if told && !["hybrid", "tdpd"].contains(&style.as_str()) {
+        if is_given && !["hybrid", "tdpd"].contains(&style.as_str()) {
             let (own, found) = (columns.split(' ').count(), self.row().count());
             if found != own && found != own + 3 {
                 let problem =
@@ -240,7 +240,7 @@ impl LammpsData<'_> {
             layout.add(name, if is_label { Role::Text } else { role(name) }).map_err(twice)?;
         }
         let mut particles = layout.begin();
-        if !told {
+        if !is_given {
             let comment =
                 if named.is_empty() { String::new() } else { format!("{} is no atom style, so ", quote(&named)) };
             particles.skipped.assumed.push(format!(
@@ -267,7 +267,7 @@ impl LammpsData<'_> {
     /// The columns, with the image flags if they are requested and end the current line. What follows the columns of a
     /// hybrid is not known.
     fn with_flags(&self, columns: &str, style: &str) -> String {
-        let requested = is_wanted(&self.request.columns, "ix");
+        let requested = is_requested(&self.request.columns, "ix");
         let more = self.row().skip(columns.split(' ').count()).take(4).map(|word| word.text.parse::<i32>().is_ok());
         let flags = requested && style != "hybrid" && more.collect::<Vec<_>>() == [true; 3];
         if flags { format!("{columns} ix iy iz") } else { columns.to_owned() }
@@ -381,9 +381,12 @@ fn name_elements(found: &SectionData, particles: &mut Particles) {
     let mut by_type: Vec<(&String, u8)> = found.types.iter().map(|(name, place)| (name, numbers[*place])).collect();
     by_type.sort_by_key(|(name, _)| found.types[*name]);
     let symbol = |number: u8| element(number).map_or("?", |element| element.symbol);
-    let told: Vec<_> =
+    let assignments: Vec<_> =
         by_type.iter().take(32).map(|(name, number)| format!("{} {}", unquoted(name), symbol(*number))).collect();
-    particles.skipped.assumed.push(format!("elements are taken from the masses of the types: {}", told.join(", ")));
+    particles
+        .skipped
+        .assumed
+        .push(format!("elements are taken from the masses of the types: {}", assignments.join(", ")));
     // Types are numbered from 1, independent of the order of their masses; labels were given the index of their mass.
     let labels = by_type.iter().any(|(name, _)| name.parse::<u32>().is_err());
     let place = |of: u32| match labels {

@@ -135,7 +135,7 @@ impl Dump {
         };
         let fields: Vec<NamedField<'_>> =
             names().map(|word| NamedField { name: word.text, count: 1, kind: FieldKind::Text }).collect();
-        let Meanings { fields, said, .. } = meanings(&fields);
+        let Meanings { fields, warnings, .. } = meanings(&fields);
         let role = |name: &str, role: Role| match (name, role) {
             ("element", _) => Role::Symbol,
             // The label of a type may look like a number.
@@ -157,7 +157,7 @@ impl Dump {
             }
         }
         let mut layout = Layout::new(&self.request);
-        layout.note(ColorType::Real, said);
+        layout.note(ColorType::Real, warnings);
         for (name, role) in &columns {
             let twice = |problem: String| Error::scene(place.clone(), problem, "use each column name once");
             layout.add(name, *role).map_err(twice)?;

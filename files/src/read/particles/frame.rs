@@ -102,8 +102,8 @@ impl Particles {
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
-    pub(in crate::read) fn add_lengths(&mut self, wanted: &[String]) -> Result<()> {
-        for name in wanted {
+    pub(in crate::read) fn add_lengths(&mut self, requested: &[String]) -> Result<()> {
+        for name in requested {
             let numbers = self.columns.iter().filter(|column| !self.labels.contains_key(&column.name));
             let named: Vec<(&str, &[f64])> = numbers.map(Column::named).collect();
             if self.columns.iter().any(|column| column.name.eq_ignore_ascii_case(name)) {
@@ -119,7 +119,7 @@ impl Particles {
     }
 
     /// Counts particles with a name that is not an element. The number of different names is limited.
-    pub(crate) fn meet_unknown(&mut self, name: &str, count: u64) {
+    pub(crate) fn add_unknown(&mut self, name: &str, count: u64) {
         let keep = self.unknown.len() < 16 || self.unknown.contains_key(name);
         self.count_unknown(if keep { name } else { "others" }, count);
     }
@@ -150,7 +150,7 @@ impl Particles {
         for (column, more) in self.columns.iter_mut().zip(&mut more.columns) {
             column.values.append(&mut more.values);
         }
-        more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
+        more.unknown.iter().for_each(|(name, count)| self.add_unknown(name, *count));
         self.species.add(more.species);
         self.left_out.append(more.left_out);
         self.mixed.append(more.mixed)
@@ -167,14 +167,14 @@ impl Particles {
         if let Some(survey) = self.survey.clone().filter(Survey::is_counting) {
             let mut counts = survey.counts();
             self.count(&mut counts);
-            let said = std::mem::take(&mut self.species).settle_counts(&mut counts.elements);
-            counts.warnings.extend(said);
+            let messages = std::mem::take(&mut self.species).settle_counts(&mut counts.elements);
+            counts.warnings.extend(messages);
         }
         for (column, names) in std::mem::take(&mut self.texts) {
             self.labels.insert(self.columns[column].name.clone(), names.labels());
         }
-        let (said, sites) = std::mem::take(&mut self.species).settle(&mut self.elements);
-        self.skipped.assumed.extend(said);
+        let (messages, sites) = std::mem::take(&mut self.species).settle(&mut self.elements);
+        self.skipped.assumed.extend(messages);
         self.leave_sites_out(sites);
     }
 
@@ -195,9 +195,9 @@ impl Particles {
         let read = self.elements.len() as u64;
         let inferred = inference.finish(&mut self.elements);
         self.leave_sites_out(inferred.sites() > 0);
-        let said = inferred.sentences(read);
+        let sentences = inferred.sentences(read);
         self.count_unknown_atoms(&inferred);
-        said
+        sentences
     }
 
     /// Counts unknown atoms by the names that an inference numbered, and sets their atomic number to 0.
@@ -230,8 +230,8 @@ impl Particles {
         counts.add_unknown(self.unknown);
         counts.cell = self.cell;
         counts.warnings.extend(self.skipped.warnings());
-        let said = counts.colors.said();
-        counts.warnings.extend(said);
+        let warning = counts.colors.warning();
+        counts.warnings.extend(warning);
         counts
     }
 
@@ -320,7 +320,7 @@ impl Particles {
         let mut file = ColorSurvey::default();
         file.see(self.color_type, &self.colors);
         self.lighten_part(&file);
-        self.skipped.assumed.extend(file.said());
+        self.skipped.assumed.extend(file.warning());
     }
 
     /// The same for a part of a file, whose colours have this in common.
@@ -350,12 +350,12 @@ impl Particles {
         self.columns.iter_mut().for_each(|column| keep(&mut column.values, stays));
     }
 
-    /// Reserves capacity for `more` particles in every list, counting `beside` bytes per particle that the reader
+    /// Reserves capacity for `more` particles in every list, counting `extra` bytes per particle that the reader
     /// keeps: an endless file must not fill the memory.
     ///
     /// # Errors
     /// [`Error::Limits`].
-    pub(crate) fn grow(&mut self, more: usize, beside: usize) -> Result<()> {
+    pub(crate) fn grow(&mut self, more: usize, extra: usize) -> Result<()> {
         let n = self.positions.len();
         if let Some(survey) = self.survey.clone()
             && survey.is_full(n)
@@ -374,7 +374,7 @@ impl Particles {
         let of = |is_empty: bool, bytes: usize| if is_empty { 0 } else { bytes };
         let [radius, element, color] =
             [of(self.radii.is_empty(), 8), of(self.elements.is_empty(), 1), of(self.colors.is_empty(), 12)];
-        let room = entries(n, more, size_of::<[f64; 3]>() + radius + element + color + columns + beside, "spheres")?;
+        let room = entries(n, more, size_of::<[f64; 3]>() + radius + element + color + columns + extra, "spheres")?;
         extend_to(&mut self.positions, room)?;
         if radius > 0 {
             extend_to(&mut self.radii, room)?;
@@ -428,7 +428,7 @@ impl<F: FnOnce() -> Result<Particles> + Send> ParticleFrames for OneFrame<F> {
 #[cfg(test)]
 impl Particles {
     /// The particles with colours in linear light, for the readers' tests.
-    pub(in crate::read) fn lit(mut self) -> Self {
+    pub(in crate::read) fn linearized(mut self) -> Self {
         self.lighten();
         self
     }

@@ -7,7 +7,7 @@ mod file;
 use super::bytes::BinaryFile;
 use super::frame::{Column, ParticleFrames, Particles};
 use super::frame_time::FrameTime;
-use super::layout::is_wanted;
+use super::layout::is_requested;
 use super::request::Request;
 use crate::read::source::SceneSource;
 use file::{Chunk, GsdFile, until_zero};
@@ -20,7 +20,7 @@ pub(in crate::read) struct Gsd {
     source: Option<BinaryFile>,
     file: Option<GsdFile>,
     /// The requested columns, as indices of [`COLUMNS`].
-    wanted: Vec<usize>,
+    requested: Vec<usize>,
     /// The next frame, from 0.
     frame: u64,
 }
@@ -51,9 +51,9 @@ const MOST_TYPES: u64 = 4096;
 
 impl Gsd {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        let asked = |name: &str| is_wanted(&request.columns, name);
-        let wanted = (0..COLUMNS.len()).filter(|k| asked(COLUMNS[*k].0)).collect();
-        Self { source: Some(BinaryFile::new(source)), file: None, wanted, frame: 0 }
+        let selects = |name: &str| is_requested(&request.columns, name);
+        let requested = (0..COLUMNS.len()).filter(|k| selects(COLUMNS[*k].0)).collect();
+        Self { source: Some(BinaryFile::new(source)), file: None, requested, frame: 0 }
     }
 
     /// Reads the file, if it was not read yet, and returns the next frame that it has.
@@ -177,7 +177,7 @@ impl<'a> Reading<'a> {
 
 impl ParticleFrames for Gsd {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let wanted = self.wanted.clone();
+        let requested = self.requested.clone();
         let Some((file, frame)) = self.advance()? else { return Ok(None) };
         let reading = Reading::new(file, frame)?;
         let mut particles = Particles {
@@ -188,7 +188,7 @@ impl ParticleFrames for Gsd {
             has: COLUMNS.iter().map(|(name, ..)| (*name).to_owned()).collect(),
             ..Particles::default()
         };
-        for kind in wanted {
+        for kind in requested {
             let column = reading.column(kind)?;
             if column.name == "type" {
                 particles.labels.insert(column.name.clone(), reading.types(&column.values));

@@ -122,7 +122,7 @@ impl Inferred {
 
     /// The messages about a model with `met` atoms of this origin.
     fn sentences_of(&self, origin: &str, met: u64) -> Vec<String> {
-        let mut said = Vec::new();
+        let mut messages = Vec::new();
         let named: u64 = self.counts.iter().sum::<u64>() + self.unknown;
         if named > 0 {
             let ways =
@@ -133,13 +133,13 @@ impl Inferred {
                 ways.push(format!("{} unknown", self.unknown));
             }
             let astray = if self.astray { "; names are not in the columns of the PDB format" } else { "" };
-            said.push(format!(
+            messages.push(format!(
                 "{origin} gives no element for {named} of {met} atoms; inferred: {}{astray}",
                 ways.join(", ")
             ));
         }
         if self.beads > 0 {
-            said.push(format!("{} particles are beads of a coarse-grained model, not atoms", self.beads));
+            messages.push(format!("{} particles are beads of a coarse-grained model, not atoms", self.beads));
         }
         if !self.sites.is_empty() {
             let total: u64 = self.sites.values().sum();
@@ -148,9 +148,9 @@ impl Inferred {
             if self.sites.len() > NAMES {
                 names.push("others".into());
             }
-            said.push(format!("{} left out ({})", count(total, "virtual site"), names.join(", ")));
+            messages.push(format!("{} left out ({})", count(total, "virtual site"), names.join(", ")));
         }
-        said
+        messages
     }
 
     /// The number of particles that are not atoms and are left out.
@@ -377,7 +377,7 @@ struct Residue {
 impl Residue {
     fn of(members: &[ResidueAtom], name: &[u8], columns: bool) -> Self {
         let name = name.trim_ascii().to_ascii_uppercase();
-        let has = |wanted: &[u8]| members.iter().any(|member| member.name() == wanted);
+        let has = |name: &[u8]| members.iter().any(|member| member.name() == name);
         let first = members.first().map(ResidueAtom::name).unwrap_or_default();
         let alone = members.iter().all(|member| member.name() == first);
         let class = class(&name);

@@ -8,7 +8,7 @@ mod laz;
 use super::bytes::BinaryFile;
 use super::colors::ColorType;
 use super::frame::Particles;
-use super::layout::{EVERY, Layout, is_wanted};
+use super::layout::{EVERY, Layout, is_requested};
 use super::request::Request;
 use super::role::Role;
 use crate::read::source::SceneSource;
@@ -65,11 +65,11 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
     let is_every = request.columns.iter().any(|name| name == EVERY);
     let own = header.format.columns();
     let is_own = |name: &str| own.iter().any(|(own, _)| own.eq_ignore_ascii_case(name));
-    let (wanted, others): (Vec<_>, Vec<_>) = header
+    let (requested, others): (Vec<_>, Vec<_>) = header
         .extra
         .drain(..)
-        .partition(|field| is_wanted(&request.columns, &field.name) && (is_every || !is_own(&field.name)));
-    header.extra = wanted;
+        .partition(|field| is_requested(&request.columns, &field.name) && (is_every || !is_own(&field.name)));
+    header.extra = requested;
     let layout = columns(&header, &file, request)?;
     let mut particles = layout.begin();
     particles.has.extend(others.iter().map(|field| field.name.to_lowercase()));
@@ -294,7 +294,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request::of(columns)).map(Particles::lit)
+        super::read(SceneSource::of_bytes(bytes), &Request::of(columns)).map(Particles::linearized)
     }
 
     #[test]
@@ -344,7 +344,7 @@ mod tests {
             bytes[at] = byte;
             bytes
         };
-        for (bytes, told) in [
+        for (bytes, message) in [
             (with(0, 0), "byte 0: signature"),
             (with(25, 5), "byte 24: version: version 1.5"),
             (with(104, 131), "byte 104: point format: the points are compressed, but the record of LASzip is missing"),
@@ -358,11 +358,11 @@ mod tests {
             (las(3, 4)[..380].to_vec(), "variable length records: the file ends after 5 of 10 bytes"),
         ] {
             let mut bytes = bytes;
-            if told.contains("scale") {
+            if message.contains("scale") {
                 bytes[137] = 0xf0;
             }
-            let error = read(&bytes, &[]).map(drop).expect_err(told).to_string();
-            assert!(error.contains(told), "{told}: {error}");
+            let error = read(&bytes, &[]).map(drop).expect_err(message).to_string();
+            assert!(error.contains(message), "{message}: {error}");
         }
     }
 }

@@ -22,7 +22,7 @@ use std::io::BufRead;
 pub(crate) struct Layout {
     slots: Vec<Slot>,
     /// The names of columns to keep.
-    wanted: Vec<String>,
+    to_keep: Vec<String>,
     /// The survey that counts the particles or passes them on in parts; `None` keeps them.
     survey: Option<Survey>,
     /// The requested columns that the file has.
@@ -38,7 +38,7 @@ pub(crate) struct Layout {
     /// The type of the colours' numbers, which decides how they become linear RGB.
     color_type: ColorType,
     /// Warnings about columns that are not taken.
-    said: Vec<String>,
+    warnings: Vec<String>,
 }
 
 #[derive(Debug)]
@@ -58,7 +58,7 @@ struct Slot {
 
 /// A particle that is being read.
 #[derive(Default)]
-struct Making {
+struct ParticleBuilder {
     position: [f64; 3],
     color: Option<[f32; 3]>,
     /// The byte at which its colour begins.
@@ -74,13 +74,13 @@ const MOST_NAMED: usize = 1 << 20;
 impl Layout {
     /// No columns yet, for this request.
     pub(crate) fn new(request: &Request) -> Self {
-        let (wanted, survey) = (request.columns.clone(), request.survey.clone());
-        Self { wanted, survey, skip_invalid: Some(request.skip_invalid), ..Self::default() }
+        let (to_keep, survey) = (request.columns.clone(), request.survey.clone());
+        Self { to_keep, survey, skip_invalid: Some(request.skip_invalid), ..Self::default() }
     }
 
     /// No columns yet, for a reader that keeps every row until the end of the file.
     pub(crate) fn whole(request: &Request) -> Self {
-        Self { wanted: request.columns.clone(), ..Self::default() }
+        Self { to_keep: request.columns.clone(), ..Self::default() }
     }
 
     /// Adds the columns of fields.
@@ -94,14 +94,14 @@ impl Layout {
             }
         }
         self.color_type = meanings.color_type;
-        self.said.extend(meanings.said);
+        self.warnings.extend(meanings.warnings);
         Ok(())
     }
 
     /// Sets the type of the colours' numbers, and adds warnings about columns that are not taken.
-    pub(crate) fn note(&mut self, color_type: ColorType, said: Vec<String>) {
+    pub(crate) fn note(&mut self, color_type: ColorType, warnings: Vec<String>) {
         self.color_type = color_type;
-        self.said.extend(said);
+        self.warnings.extend(warnings);
     }
 
     /// Adds a column. A column that occurs twice is an error, because it is ambiguous.
@@ -129,9 +129,9 @@ impl Layout {
         };
         let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: false };
         self.has.push(slot.name.clone());
-        if is_wanted(&self.wanted, &slot.name) {
+        if is_requested(&self.to_keep, &slot.name) {
             // A column of which another has the name cannot be asked for; among all of them it is numbered, as by pandas.
-            let is_every = self.wanted.iter().any(|name| name == EVERY);
+            let is_every = self.to_keep.iter().any(|name| name == EVERY);
             let mut number = 0;
             let first = slot.name.clone();
             while self.requested.contains(&slot.name) {
@@ -175,7 +175,7 @@ impl Layout {
     pub(crate) fn vector(&mut self, name: &str, count: usize) {
         if count < 2
             || self.requested.iter().any(|requested| requested == name)
-            || !self.wanted.iter().any(|w| w.eq_ignore_ascii_case(name))
+            || !self.to_keep.iter().any(|w| w.eq_ignore_ascii_case(name))
         {
             return;
         }
@@ -203,7 +203,7 @@ impl Layout {
 
     /// An empty list of particles with a list for every requested column; for a survey they are counted and dropped.
     pub(crate) fn begin(&self) -> Particles {
-        let mut skipped = Skipped { assumed: self.said.clone(), ..Skipped::default() };
+        let mut skipped = Skipped { assumed: self.warnings.clone(), ..Skipped::default() };
         let is_sized = self.slots.iter().any(|slot| matches!(slot.role, Role::Radius | Role::Diameter));
         let is_radius = |slot: &&Slot| slot.role == Role::Other && ["r", "rad"].contains(&slot.name.as_str());
         if let Some(slot) = self.slots.iter().find(is_radius).filter(|_| !is_sized) {
@@ -270,19 +270,19 @@ impl Layout {
         particles: &mut Particles,
     ) -> Result<()> {
         particles.grow(1, 0)?;
-        let mut making = Making::default();
+        let mut builder = ParticleBuilder::default();
         for (count, slot) in self.slots.iter().enumerate() {
             let Some(word) = words.next() else {
                 let problem = format!("expected {} fields, found {count}", self.slots.len());
                 return Err(lines.ends(&slot.name, problem, "use one field per column"));
             };
-            slot.word(&word, &mut making, particles).map_err(|error| self.offer_to_skip(count, error))?;
+            slot.word(&word, &mut builder, particles).map_err(|error| self.offer_to_skip(count, error))?;
         }
-        if let Some(color) = making.color {
-            check_color(color, || lines.place(making.color_at).named("color"))?;
+        if let Some(color) = builder.color {
+            check_color(color, || lines.place(builder.color_at).named("color"))?;
             particles.colors.push(color);
         }
-        particles.positions.push(making.position);
+        particles.positions.push(builder.position);
         Ok(())
     }
 
@@ -292,21 +292,26 @@ impl Layout {
     /// [`Error::Scene`] for an invalid colour, without its place.
     pub(crate) fn numbers(&self, numbers: &[f64], particles: &mut Particles) -> Result<()> {
         particles.grow(1, 0)?;
-        let mut making = Making::default();
+        let mut builder = ParticleBuilder::default();
         for (slot, number) in self.slots.iter().zip(numbers) {
-            slot.put(*number, &mut making, particles);
+            slot.put(*number, &mut builder, particles);
         }
-        if let Some(color) = making.color {
+        if let Some(color) = builder.color {
             check_color(color, || Place::field("color"))?;
             particles.colors.push(color);
         }
-        particles.positions.push(making.position);
+        particles.positions.push(builder.position);
         Ok(())
     }
 }
 
 impl Slot {
-    fn word<R: BufRead>(&self, word: &Word<'_, R>, making: &mut Making, particles: &mut Particles) -> Result<()> {
+    fn word<R: BufRead>(
+        &self,
+        word: &Word<'_, R>,
+        builder: &mut ParticleBuilder,
+        particles: &mut Particles,
+    ) -> Result<()> {
         let unread = self.requested.is_none() && self.part.is_none();
         if let (Some(column), Some(text)) = (self.requested, self.text) {
             let number = particles.texts[text].1.number(word.text.as_bytes())?;
@@ -327,7 +332,7 @@ impl Slot {
             Role::Position(_) => word.finite(&self.name)?,
             Role::Color(k) => {
                 if k == 0 {
-                    making.color_at = word.at;
+                    builder.color_at = word.at;
                 }
                 word.finite(&self.name)?
             }
@@ -335,22 +340,22 @@ impl Slot {
             Role::Other | Role::Number if word.text.is_empty() => f64::NAN,
             Role::Other if self.mixed && word.text.parse::<f64>().is_err() => {
                 if let Some(column) = self.requested {
-                    particles.mixed.meet(column, word.text, 1)?;
+                    particles.mixed.add(column, word.text, 1)?;
                 }
                 f64::NAN
             }
             Role::Other | Role::Number => word.number(&self.name)?,
         };
-        self.put(number, making, particles);
+        self.put(number, builder, particles);
         Ok(())
     }
 
-    fn put(&self, number: f64, making: &mut Making, particles: &mut Particles) {
+    fn put(&self, number: f64, builder: &mut ParticleBuilder, particles: &mut Particles) {
         match self.role {
-            Role::Position(axis) => making.position[axis] = number,
+            Role::Position(axis) => builder.position[axis] = number,
             Role::Radius => particles.radii.push(number),
             Role::Diameter => particles.radii.push(number / 2.0),
-            Role::Color(k) => making.color.get_or_insert_default()[k] = number as f32,
+            Role::Color(k) => builder.color.get_or_insert_default()[k] = number as f32,
             Role::Number => {
                 let whole = number as u8;
                 particles.elements.push(if f64::from(whole) == number && element(whole).is_some() { whole } else { 0 });
@@ -373,17 +378,17 @@ impl Slot {
 }
 
 /// Whether a column is requested; `*` requests all.
-pub(crate) fn is_wanted(wanted: &[String], name: &str) -> bool {
-    wanted.iter().any(|wanted| wanted == EVERY || wanted.eq_ignore_ascii_case(name))
+pub(crate) fn is_requested(requested: &[String], name: &str) -> bool {
+    requested.iter().any(|requested| requested == EVERY || requested.eq_ignore_ascii_case(name))
 }
 
 /// The requested ones of a format's columns, in the order of the request.
-pub(crate) fn named<T: Copy>(wanted: &[String], columns: &[(&str, T)]) -> Vec<T> {
-    if wanted.iter().any(|wanted| wanted == EVERY) {
+pub(crate) fn named<T: Copy>(requested: &[String], columns: &[(&str, T)]) -> Vec<T> {
+    if requested.iter().any(|requested| requested == EVERY) {
         return columns.iter().map(|(_, column)| *column).collect();
     }
     let find = |name: &String| columns.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
-    wanted.iter().filter_map(find).map(|(_, column)| *column).collect()
+    requested.iter().filter_map(find).map(|(_, column)| *column).collect()
 }
 
 /// The name that requests every column.

@@ -33,7 +33,7 @@ pub(crate) struct Meanings {
     /// The type of the colours' numbers, which decides how they become linear RGB.
     pub(crate) color_type: ColorType,
     /// Warnings about fields that are called like colours or radii and are not taken.
-    pub(crate) said: Vec<String>,
+    pub(crate) warnings: Vec<String>,
 }
 
 /// The names of positions and colours that are one field.
@@ -133,12 +133,12 @@ pub(crate) fn meanings(fields: &[NamedField<'_>]) -> Meanings {
         unread(&is_color, "colours", mend)
     };
     let radii = || unread(&is_length, "radii", "a radius or a diameter is one number");
-    let said = color_type.is_none().then(colors).flatten().into_iter();
+    let warnings = color_type.is_none().then(colors).flatten().into_iter();
     Meanings {
         fields: (0..fields.len()).map(columns).collect(),
         packed,
         color_type: color_type.unwrap_or_default(),
-        said: said.chain(length.is_none().then(radii).flatten()).collect(),
+        warnings: warnings.chain(length.is_none().then(radii).flatten()).collect(),
     }
 }
 
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_called_like_a_colour_or_a_radius_is_taken_or_told() {
+    fn what_is_called_like_a_colour_or_a_radius_is_taken_or_reported() {
         let number = |name: &str| Scalar::of_numpy(name).expect("a type");
         let (byte, short, real, long) = (number("|u1"), number("<u2"), number("<f4"), number("<f8"));
         let binary = |name, count, scalar| NamedField { name, count, kind: FieldKind::Binary(scalar) };
@@ -161,7 +161,7 @@ mod tests {
                 let fields = names.map(|name| binary(name, 1, scalar));
                 let found = meanings(&fields);
                 assert_eq!(
-                    (roles(&fields), found.color_type, found.said.len()),
+                    (roles(&fields), found.color_type, found.warnings.len()),
                     (color.to_vec(), kind, 0),
                     "{names:?}"
                 );
@@ -171,7 +171,7 @@ mod tests {
             assert_eq!(roles(&[binary(name, 3, short)]), color, "{name}");
             assert_eq!(roles(&[binary(name, 4, byte)]), [&color[..], &[Role::Other]].concat(), "{name}");
             let found = meanings(&[binary(name, 1, long)]);
-            assert!(found.said.len() == 1 && found.said[0].contains(name), "{name}: {:?}", found.said);
+            assert!(found.warnings.len() == 1 && found.warnings[0].contains(name), "{name}: {:?}", found.warnings);
         }
         for scalar in [real, number("<u4"), number("<i4")] {
             assert_eq!(meanings(&[binary("rgb", 1, scalar)]).packed, Some(0));
@@ -180,19 +180,19 @@ mod tests {
             assert_eq!(roles(&[binary(name, 1, short)]), [role]);
             for field in [binary(name, 3, real), other(name)] {
                 let found = meanings(&[field]);
-                assert!(found.said.len() == 1 && found.said[0].contains(name), "{name}: {:?}", found.said);
+                assert!(found.warnings.len() == 1 && found.warnings[0].contains(name), "{name}: {:?}", found.warnings);
             }
         }
         for fields in
             [vec![binary("red", 1, byte), binary("green", 1, byte)], vec![other("red"), other("green"), other("blue")]]
         {
             let found = meanings(&fields);
-            assert!(found.said[0].contains("red") && !roles(&fields).contains(&color[0]), "{:?}", found.said);
+            assert!(found.warnings[0].contains("red") && !roles(&fields).contains(&color[0]), "{:?}", found.warnings);
         }
         let whole =
             [binary("rgb", 3, byte), binary("red", 1, real), binary("radius", 1, real), binary("diameter", 1, real)];
         let found = [&color[..], &[Role::Other, Role::Radius, Role::Other]].concat();
-        assert_eq!((roles(&whole), meanings(&whole).said), (found, Vec::new()), "the first of several");
+        assert_eq!((roles(&whole), meanings(&whole).warnings), (found, Vec::new()), "the first of several");
         assert_eq!(roles(&[binary("r", 1, real)]), [Role::Other]);
         assert_eq!(roles(&[binary("pos", 3, real)]), [0, 1, 2].map(Role::Position));
         let axis = [0, 1, 2].map(Role::Position);

@@ -20,7 +20,7 @@ impl Mixed {
     ///
     /// # Errors
     /// [`Error::Limits`](halfline::error::Error::Limits) where memory is short.
-    pub(super) fn meet(&mut self, column: usize, text: &str, count: u64) -> Result<()> {
+    pub(super) fn add(&mut self, column: usize, text: &str, count: u64) -> Result<()> {
         let counts = self.counts.entry(column).or_default();
         if let Some(known) = counts.get_mut(text) {
             *known += count;
@@ -34,10 +34,10 @@ impl Mixed {
     /// Adds the texts of a later part of the file.
     ///
     /// # Errors
-    /// As [`Mixed::meet`].
+    /// As [`Mixed::add`].
     pub(super) fn append(&mut self, more: Self) -> Result<()> {
         for (column, counts) in more.counts {
-            counts.iter().try_for_each(|(text, count)| self.meet(column, text, *count))?;
+            counts.iter().try_for_each(|(text, count)| self.add(column, text, *count))?;
         }
         Ok(())
     }

@@ -40,7 +40,7 @@ pub(in crate::read) struct Mmcif {
     /// The numbers of skipped models.
     passed: Passed,
     /// Whether it was reported that assemblies are not built.
-    told: bool,
+    has_reported: bool,
     /// Whether another data block follows the one with the atoms.
     blocks: bool,
     /// The columns and the atoms of the first component.
@@ -75,7 +75,7 @@ impl Mmcif {
             models: VecDeque::new(),
             taken: 0,
             passed: Passed::default(),
-            told: false,
+            has_reported: false,
             blocks: false,
             component: None,
             ledger: Ledger::default(),
@@ -313,7 +313,7 @@ impl Mmcif {
     /// Whether the model with this number, the one at this place of the file from 0, is kept.
     fn selects(&self, number: i64, at: usize) -> bool {
         match self.request.model {
-            Some(wanted) => wanted == number,
+            Some(requested) => requested == number,
             None => (at as u64) < self.request.frames.last(),
         }
     }
@@ -344,7 +344,7 @@ const LONGEST_TAG: usize = 128;
 
 impl ParticleFrames for Mmcif {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let asked = self.request.model;
+        let requested = self.request.model;
         let behind = self.state != State::Before;
         while let Some(model) = self.take()? {
             let Some(model) = model else {
@@ -370,29 +370,29 @@ impl ParticleFrames for Mmcif {
             // An assembly is not periodic.
             particles.cell = self.operators.cell().filter(|_| assembly.is_none());
             self.names.label(&mut particles);
-            let said = &mut particles.skipped.assumed;
-            said.extend(self.operators.assumed_angles().filter(|_| particles.cell.is_some()));
-            said.extend(self.tokens.said_of_quotes());
+            let warnings = &mut particles.skipped.assumed;
+            warnings.extend(self.operators.assumed_angles().filter(|_| particles.cell.is_some()));
+            warnings.extend(self.tokens.quote_warning());
             if self.layout.is_of_component() {
                 let which = if self.layout.is_ideal() { "idealised positions" } else { "positions" };
-                said.push(format!("the file is of a chemical component, whose {which} are shown"));
+                warnings.push(format!("the file is of a chemical component, whose {which} are shown"));
             }
             if self.blocks {
-                said.push("the file has several data blocks and the first with atoms is shown".into());
+                warnings.push("the file has several data blocks and the first with atoms is shown".into());
             }
             if more && self.request.any_model() {
-                said.push(more_models(None));
+                warnings.push(more_models(None));
             }
-            if assembly.is_none() && !std::mem::replace(&mut self.told, true) {
-                said.extend(not_assembled(self.operators.counts()));
+            if assembly.is_none() && !std::mem::replace(&mut self.has_reported, true) {
+                warnings.extend(not_assembled(self.operators.counts()));
             }
-            if asked.is_some() {
+            if requested.is_some() {
                 self.models.clear();
             }
             return Ok(Some(particles));
         }
-        match asked.filter(|_| !behind) {
-            Some(wanted) => Err(self.passed.no_model(wanted, &self.tokens.file())),
+        match requested.filter(|_| !behind) {
+            Some(number) => Err(self.passed.no_model(number, &self.tokens.file())),
             None => Ok(None),
         }
     }

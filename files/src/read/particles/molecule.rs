@@ -31,7 +31,7 @@ pub(super) enum Copies<'a> {
 pub(in crate::read) fn check(format: Format, request: &Request) -> Result<()> {
     let entry = matches!(format, Format::Pdb | Format::Mmcif);
     let columns = entry || format == Format::Pdbqt;
-    let asked = [
+    let requests = [
         (request.assembly.is_some(), entry, "biological assemblies", format!("remove {ASSEMBLY}")),
         (
             request.model.is_some(),
@@ -42,7 +42,7 @@ pub(in crate::read) fn check(format: Format, request: &Request) -> Result<()> {
         (request.as_listed, format == Format::Mmcif, "symmetry of crystals", format!("remove {AS_LISTED}")),
         (request.altloc != Altloc::All, columns, "alternate locations", format!("remove {ALTLOC}")),
     ];
-    match asked.into_iter().find(|(asked, known, ..)| *asked && !known) {
+    match requests.into_iter().find(|(is_requested, known, ..)| *is_requested && !known) {
         Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), mend)),
         None => Ok(()),
     }
@@ -67,7 +67,7 @@ impl Passed {
     }
 
     /// The error for a model that `file` does not have.
-    pub(super) fn no_model(&self, wanted: i64, file: &Place) -> Error {
+    pub(super) fn no_model(&self, number: i64, file: &Place) -> Error {
         let mut listed: Vec<String> = self.first.iter().map(i64::to_string).collect();
         if self.count > LISTED {
             listed.push(format!("{} more", self.count - LISTED));
@@ -77,7 +77,7 @@ impl Passed {
         } else {
             format!("the file has {}", listed.join(", "))
         };
-        Error::settings(format!("{file}: there is no model {wanted}"), mend)
+        Error::settings(format!("{file}: there is no model {number}"), mend)
     }
 }
 
@@ -117,12 +117,12 @@ pub(super) struct Model {
 impl Model {
     /// An empty model; `has` are the columns of the file, and `inference` finds elements that it does not give.
     pub(super) fn new(request: &Request, has: &[AtomProperty], inference: Inference) -> Self {
-        let wanted = named(&request.columns, &AtomProperty::ALL);
+        let requested = named(&request.columns, &AtomProperty::ALL);
         let copy = request.assembly.is_some();
         let there = |kind: AtomProperty| has.contains(&kind) || copy && kind == AtomProperty::Copy;
         let names = AtomProperty::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
-        let texts = wanted.iter().filter(|kind| kind.is_text()).map(|kind| (kind.name().to_owned(), Vec::new()));
-        let kinds: Vec<AtomProperty> = wanted.iter().filter(|kind| there(**kind)).copied().collect();
+        let texts = requested.iter().filter(|kind| kind.is_text()).map(|kind| (kind.name().to_owned(), Vec::new()));
+        let kinds: Vec<AtomProperty> = requested.iter().filter(|kind| there(**kind)).copied().collect();
         let columns = kinds.iter().map(|kind| Column { name: kind.name().to_owned(), values: Vec::new() });
         let columns = columns.collect();
         Self {
@@ -156,7 +156,7 @@ impl Model {
     /// # Errors
     /// [`Error::Scene`] where it is `strict`.
     pub(super) fn unplaced(&mut self, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
-        self.particles.skipped.meet(UNPLACED, strict, place)
+        self.particles.skipped.skip(UNPLACED, strict, place)
     }
 
     /// Refuses a model of atoms without a position alone.
@@ -255,8 +255,8 @@ impl Model {
     /// As [`assembly::build`], and errors of `copies`.
     pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
         if self.survey.is_some() {
-            let said = self.particles.infer(std::mem::take(&mut self.inference), self.survey.as_ref());
-            self.particles.skipped.assumed.extend(said);
+            let messages = self.particles.infer(std::mem::take(&mut self.inference), self.survey.as_ref());
+            self.particles.skipped.assumed.extend(messages);
             self.particles.skipped.assumed.extend(self.alternates());
             return Ok(self.particles);
         }
@@ -287,7 +287,7 @@ impl Model {
     /// The warning where all alternate locations are shown, or none of them; else `None`.
     fn alternates(&self) -> Option<String> {
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
-        let said = match &self.altloc {
+        let note = match &self.altloc {
             Altloc::All => {
                 format!("{of} and all are shown; use {ALTLOC} highest or {} to show one", unquoted(&self.first))
             }
@@ -300,7 +300,7 @@ impl Model {
             }
             _ => String::new(),
         };
-        (self.alternates > 0 && !said.is_empty()).then_some(said)
+        (self.alternates > 0 && !note.is_empty()).then_some(note)
     }
 }
 
@@ -407,6 +407,6 @@ mod tests {
         assert_eq!((particles.unknown["X1"], particles.unknown["X2"], particles.unknown.get("X3")), (1, 1, None));
         assert_eq!(particles.elements, [0, 0]);
         let assumed = &particles.skipped.assumed;
-        assert!(assumed.iter().any(|said| said.starts_with("1 virtual site left out (1 `MW`)")), "{assumed:?}");
+        assert!(assumed.iter().any(|warning| warning.starts_with("1 virtual site left out (1 `MW`)")), "{assumed:?}");
     }
 }

@@ -4,7 +4,7 @@
 mod archive;
 
 use super::frame::{Column, ParticleFrames, Particles};
-use super::layout::{EVERY, is_wanted};
+use super::layout::{EVERY, is_requested};
 use super::meaning::{FieldKind, Meanings, NamedField, is_known, meanings};
 use super::request::Request;
 use super::role::Role;
@@ -36,7 +36,7 @@ struct Arrays {
     /// The texts of columns of texts.
     labels: BTreeMap<String, Vec<String>>,
     /// Warnings, where all columns are requested, about arrays that are no column because of their type.
-    said: Vec<String>,
+    warnings: Vec<String>,
     /// Names and lengths of one-dimensional numeric arrays.
     one: Vec<(String, u64)>,
 }
@@ -75,7 +75,7 @@ impl Npz {
 }
 
 impl Arrays {
-    fn take<R: BufRead>(&mut self, name: &str, header: &Header, npy: &mut Npy<R>, wanted: &[String]) -> Result<()> {
+    fn take<R: BufRead>(&mut self, name: &str, header: &Header, npy: &mut Npy<R>, requested: &[String]) -> Result<()> {
         let name = name.to_lowercase();
         let shape = header.shape.clone();
         if self.one.len() < MOST
@@ -85,10 +85,11 @@ impl Arrays {
         {
             self.one.push((name.clone(), shape[0]));
         }
-        let (is_every, is_wanted, is_known) =
-            (wanted.iter().any(|name| name == EVERY), is_wanted(wanted, &name), is_known(&name));
-        let is_text =
-            is_wanted && shape.len() == 1 && matches!(&header.dtype, DType::Plain(kind) if text_size(kind).is_some());
+        let (is_every, is_requested, is_known) =
+            (requested.iter().any(|name| name == EVERY), is_requested(requested, &name), is_known(&name));
+        let is_text = is_requested
+            && shape.len() == 1
+            && matches!(&header.dtype, DType::Plain(kind) if text_size(kind).is_some());
         let width = match shape[..] {
             [_] => 1,
             [_, width @ 1..=4] if is_known => width as usize,
@@ -102,7 +103,7 @@ impl Arrays {
                 return Ok(());
             }
         }
-        if width == 0 || !(is_wanted || is_known) {
+        if width == 0 || !(is_requested || is_known) {
             return Ok(());
         }
         if is_text {
@@ -112,14 +113,14 @@ impl Arrays {
             return Ok(());
         }
         if header.dtype.scalar().is_none() && is_every {
-            self.said.push(format!("the array {} has the type {} and is no column", quote(&name), header.dtype));
+            self.warnings.push(format!("the array {} has the type {} and is no column", quote(&name), header.dtype));
             return Ok(());
         }
         let numbers = npy.numbers(header)?;
         let column = || check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)));
         if is_known {
             if let Some(scalar) = header.dtype.scalar() {
-                if width == 1 && is_wanted {
+                if width == 1 && is_requested {
                     column()?;
                     self.columns.push(Column { name: name.clone(), values: numbers.clone() });
                 }
@@ -194,10 +195,10 @@ impl Arrays {
         }
         let columns: Vec<Column> = self.columns.into_iter().filter(|column| column.values.len() == n).collect();
         let has = self.one.into_iter().filter(|(_, rows)| *rows == n as u64).map(|(name, _)| name).collect();
-        let Meanings { color_type, said, .. } = meanings;
+        let Meanings { color_type, warnings, .. } = meanings;
         let mut labels = self.labels;
         labels.retain(|name, _| columns.iter().any(|column| column.name == *name));
-        let skipped = Skipped { assumed: [said, self.said].concat(), ..Skipped::default() };
+        let skipped = Skipped { assumed: [warnings, self.warnings].concat(), ..Skipped::default() };
         Ok(Particles { positions, radii, colors, color_type, columns, labels, has, skipped, ..Particles::default() })
     }
 }
@@ -313,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_are_columns_and_other_types_are_told() {
+    fn texts_are_columns_and_other_types_are_reported() {
         for kind in ["<U", ">U", "|S"] {
             let mut members = members();
             members.push(("name.npy", texts(kind, &["CA", "N\u{e9}\u{e9}"])));
@@ -351,7 +352,7 @@ mod tests {
             let members = [members().swap_remove(4), (name, npy(shape, &vec![1.0; n]))];
             archive(How::Stored, &members)
         };
-        for (bytes, told) in [
+        for (bytes, message) in [
             (damaged, "colors.npy: the content does not match its checksum"),
             (foreign, "method 12 of colors.npy"),
             (good[..good.len() / 2].to_vec(), "text"),
@@ -361,8 +362,8 @@ mod tests {
             (with("colors.npy", "(1, 3)", 3), "found 1 colours for 2"),
             (with("colors.npy", "(2, 3)", 5), "after 1 of 2 rows"),
         ] {
-            let error = read(&bytes, &[]).map(drop).expect_err(told).to_string();
-            assert!(error.contains(told), "{error}");
+            let error = read(&bytes, &[]).map(drop).expect_err(message).to_string();
+            assert!(error.contains(message), "{error}");
         }
     }
 }

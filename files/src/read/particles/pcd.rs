@@ -182,7 +182,7 @@ impl Points<'_> {
         let placed =
             (0..layout.len()).all(|k| !matches!(layout.role(k), Role::Position(_)) || self.numbers[k].is_finite());
         if !placed {
-            return self.particles.skipped.meet("point without coordinates", self.strict, place);
+            return self.particles.skipped.skip("point without coordinates", self.strict, place);
         }
         layout.numbers(&self.numbers, &mut self.particles).map_err(|e| relocate(e, |field| place().named(field)))
     }
@@ -192,8 +192,8 @@ impl Points<'_> {
         let left = file.rest(BEHIND)?;
         if left > 0 {
             let points = self.header.points;
-            let said = format!("{}: {left} bytes follow the {points} points, whose number may be wrong", self.file);
-            self.particles.skipped.assumed.push(said);
+            let warning = format!("{}: {left} bytes follow the {points} points, whose number may be wrong", self.file);
+            self.particles.skipped.assumed.push(warning);
         }
         Ok(())
     }
@@ -236,7 +236,8 @@ mod tests {
     }
 
     fn read(bytes: &[u8], strict: bool) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t", "n"]) }).map(Particles::lit)
+        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t", "n"]) })
+            .map(Particles::linearized)
     }
 
     #[test]
@@ -297,7 +298,7 @@ mod tests {
             assert!(error.contains(expected), "{expected}: {error}");
         }
         let more = [binary(), vec![0; 5]].concat();
-        let said = read(&more, false).expect("points").skipped.assumed;
-        assert!(said.len() == 1 && said[0].contains("5 bytes follow the 3 points"), "{said:?}");
+        let warnings = read(&more, false).expect("points").skipped.assumed;
+        assert!(warnings.len() == 1 && warnings[0].contains("5 bytes follow the 3 points"), "{warnings:?}");
     }
 }

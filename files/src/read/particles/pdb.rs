@@ -263,10 +263,10 @@ impl ParticleFrames for Pdb {
                 return self
                     .request
                     .model
-                    .map_or(Ok(None), |wanted| Err(self.passed.no_model(wanted, &self.lines.file())));
+                    .map_or(Ok(None), |number| Err(self.passed.no_model(number, &self.lines.file())));
             };
             self.number = number;
-            if self.request.model.is_some_and(|wanted| wanted != number) {
+            if self.request.model.is_some_and(|requested| requested != number) {
                 self.passed.push(number);
                 self.body(None)?;
                 continue;

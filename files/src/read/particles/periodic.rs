@@ -128,10 +128,10 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
     joined.link(frame, positions, &pairs(frame, positions, &atoms.contacts, touch));
     let Joined { images, endless, .. } = joined;
     let moved = positions.par_iter().zip(&images).map(|(position, images)| frame.back(*position, *images)).collect();
-    let mut said = Vec::new();
+    let mut warnings = Vec::new();
     if let Some(Endless { first, size }) = endless.first() {
         let whole = if endless.len() == 1 { "it" } else { "them" };
-        said.push(format!(
+        warnings.push(format!(
             "{UNWRAP}: {} bonded to an own image across the cell, so nothing makes {whole} whole; the first has {}, from particle \
              {first} on",
             are(endless.len() as u64, "molecule"),
@@ -139,9 +139,10 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
         ));
     }
     if are_residues && !atoms.has_elements && !positions.is_empty() {
-        said.push(format!("{UNWRAP}: no element is known, so each residue is whole, but chains of them may stay cut"));
+        warnings
+            .push(format!("{UNWRAP}: no element is known, so each residue is whole, but chains of them may stay cut"));
     }
-    particles.skipped.assumed.extend(said);
+    particles.skipped.assumed.extend(warnings);
     Ok(moved)
 }
 
@@ -280,8 +281,8 @@ mod tests {
         p.elements = (0..count).map(|n| [6, 1][n % 2]).collect();
         apply(Periodic::Unwrap, &mut p).expect("bonds");
         for (n, found) in p.positions.iter().enumerate() {
-            let wanted = place(n)[0] - [0.0, 20.0][n % 2];
-            assert!((found[0] - wanted).abs() < 1e-12, "{n}: {found:?}");
+            let expected = place(n)[0] - [0.0, 20.0][n % 2];
+            assert!((found[0] - expected).abs() < 1e-12, "{n}: {found:?}");
         }
     }
 
@@ -359,7 +360,7 @@ mod tests {
 
     /// A chain from one face to the opposite one has no end, and stays as it is; another one is made whole beside it.
     #[test]
-    fn a_molecule_that_is_bonded_to_its_own_image_is_said() {
+    fn a_molecule_that_is_bonded_to_its_own_image_is_reported() {
         let endless: Vec<[f64; 3]> = (0..14).map(|n| [f64::from(n) * 20.0 / 14.0, 3.0, 2.0]).collect();
         let other = chain([18.0, 15.0, 9.0], &[[1.0, 0.0, 0.0]], 8);
         let mut p = cut(&[endless, other], &[]);
@@ -367,9 +368,9 @@ mod tests {
         apply(Periodic::Unwrap, &mut p).expect("bonds");
         assert_eq!(p.positions[..14], listed[..14]);
         assert_ne!(p.positions[14..], listed[14..]);
-        let said = &p.skipped.assumed;
-        assert!(said.len() == 1 && said[0].contains("1 molecule is bonded to an own image"), "{said:?}");
-        assert!(said[0].contains("14 particles, from particle 0 on"), "{said:?}");
+        let warnings = &p.skipped.assumed;
+        assert!(warnings.len() == 1 && warnings[0].contains("1 molecule is bonded to an own image"), "{warnings:?}");
+        assert!(warnings[0].contains("14 particles, from particle 0 on"), "{warnings:?}");
     }
 
     #[test]

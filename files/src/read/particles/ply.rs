@@ -41,7 +41,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             "edge" => "edge",
             _ => "other element",
         };
-        particles.skipped.meet(kind, request.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
+        particles.skipped.skip(kind, request.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
         if let Some((_, count)) = particles.skipped.kinds.iter_mut().find(|(found, _)| *found == kind) {
             *count = count.saturating_add(other.count - 1);
         }
@@ -117,7 +117,7 @@ mod tests {
     }
 
     fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t"]) }).map(Particles::lit)
+        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t"]) }).map(Particles::linearized)
     }
 
     #[test]
@@ -163,10 +163,10 @@ mod tests {
         let right = read_bytes(&file(faces, &[&two[..], &face].concat()), false).expect("a face");
         assert!(right.skipped.assumed.is_empty());
         let three: Vec<u8> = floats(9).chain(face).collect();
-        let said = read_bytes(&file(faces, &three), false).expect("faces are left out").skipped.assumed;
-        assert!(said.len() == 1 && said[0].contains("the number of vertices may be wrong"), "{said:?}");
-        let said = read_bytes(&file(faces, &two), false).expect("faces are left out").skipped.assumed;
-        assert!(said.len() == 1 && said[0].contains("after 0 of 1 elements `face`"), "{said:?}");
+        let warnings = read_bytes(&file(faces, &three), false).expect("faces are left out").skipped.assumed;
+        assert!(warnings.len() == 1 && warnings[0].contains("the number of vertices may be wrong"), "{warnings:?}");
+        let warnings = read_bytes(&file(faces, &two), false).expect("faces are left out").skipped.assumed;
+        assert!(warnings.len() == 1 && warnings[0].contains("after 0 of 1 elements `face`"), "{warnings:?}");
     }
 
     #[test]
@@ -175,7 +175,7 @@ mod tests {
             format!("ply\nformat ascii 1.0\nelement vertex 1\n{properties}end_header\n{rows}")
         };
         let xyz = "property float x\nproperty float y\nproperty float z\n";
-        for (text, told) in [
+        for (text, message) in [
             (points(xyz, "1 2\n"), ":8:4: z"),
             (points(xyz, "1 b 2\n"), ":8:3: y: `b`"),
             (points(xyz, "1 2 3\n4 5 6\n\n7 8 9\n"), ":9:1: count: expected 1 vertices, found 2"),
@@ -194,7 +194,7 @@ mod tests {
         ] {
             let error =
                 super::read(SceneSource::of_text(&text), &Request::of(&[])).map(drop).expect_err(&text).to_string();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(message), "{error}");
         }
     }
 }

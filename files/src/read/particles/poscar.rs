@@ -3,7 +3,7 @@
 //! are taken where all are symbols. Lengths are ångström. Velocities are skipped.
 
 use super::frame::{Column, Particles};
-use super::layout::is_wanted;
+use super::layout::is_requested;
 use super::request::Request;
 use super::rows::surplus;
 use crate::read::elements::atomic_number;
@@ -51,7 +51,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             labels.push(label);
         }
     }
-    if is_wanted(&request.columns, SPECIES) {
+    if is_requested(&request.columns, SPECIES) {
         particles.columns.push(Column { name: SPECIES.into(), values: Vec::new() });
         particles.labels.insert(SPECIES.into(), labels);
     }
@@ -71,7 +71,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             lines.found();
         }
         if known && number == 0 && *count > 0 {
-            particles.meet_unknown(name, *count);
+            particles.add_unknown(name, *count);
         }
     }
     // Velocities follow a blank line.
@@ -81,8 +81,8 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
         return surplus(&mut lines, count, "atoms", is_row);
     }
     if !known && !particles.positions.is_empty() {
-        let said = "the file names no species, so there are no elements; write their symbols before the counts";
-        particles.skipped.assumed.push(said.into());
+        let warning = "the file names no species, so there are no elements; write their symbols before the counts";
+        particles.skipped.assumed.push(warning.into());
     }
     particles.cell = Some(Cell { origin: [0.0; 3], edges: header.edges });
     Ok(particles)
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn errors_are_reported() {
         let body = "Na\n1\nD\n0 0 0\n";
-        for (text, told) in [
+        for (text, message) in [
             (String::new(), "comment: the file ends"),
             (format!("x\nno\n{CELL}{body}"), ":2:1: scale"),
             (format!("x\n1 -1 1\n{CELL}{body}"), ":2:1: scale"),
@@ -266,8 +266,8 @@ mod tests {
             (format!("x\n1\n{CELL}Na\n1\nD\n0 0 0\n1 1 1\n"), "expected 1 atoms, found 2"),
             (format!("x\n1\n{CELL}Na\n9999999999\nD\n"), "32-bit ids"),
         ] {
-            let error = read(&text).map(drop).expect_err(told).to_string();
-            assert!(error.contains(told), "{told}: {error}");
+            let error = read(&text).map(drop).expect_err(message).to_string();
+            assert!(error.contains(message), "{message}: {error}");
         }
     }
 }

@@ -144,8 +144,8 @@ impl Table<Input> {
         })?;
         let count = count.into_inner();
         if let Some((place, rows)) = self.counted.filter(|(_, rows)| *rows != count) {
-            let said = format!("{place}: {rows} stands alone in its line, but the table has {count} rows");
-            particles.skipped.assumed.push(said);
+            let warning = format!("{place}: {rows} stands alone in its line, but the table has {count} rows");
+            particles.skipped.assumed.push(warning);
         }
         particles.settle_texts();
         Ok(particles)
@@ -236,7 +236,7 @@ mod tests {
         }
         let found = named("Fe 1 2 3 0 1 0.5\n", "element=1,x=2,y=3,z=4,r=5,g=6,b=7").expect("a row");
         assert_eq!((found.elements[0], found.colors[0]), (26, [0.0, 1.0, 0.5]));
-        for (text, columns, told) in [
+        for (text, columns, message) in [
             (
                 "a,b,c\n1,2,3\n",
                 "x=a,y=b,z=d",
@@ -251,7 +251,7 @@ mod tests {
             ("", "x=1,y=2,z=3", "the columns x, y and z are missing"),
         ] {
             let error = named(text, columns).map(drop).expect_err(text).to_string();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(message), "{error}");
         }
     }
 
@@ -267,13 +267,13 @@ mod tests {
         );
         assert_eq!(found.skipped.assumed, ["4 rows left out, the first in line 4: x: `nan` is not finite"]);
         // Other faults are errors still.
-        for (text, told) in [
+        for (text, message) in [
             ("x,y,z,t\nnan,2,3\n", ":2:1: x: `nan` is not finite"),
             ("x,y,z\nnan,2,3,4\n", ":2:9: row: the row has more"),
             ("x,y,z,r,g,b\n1,2,3,-1,0,0\n", ":2:7: color"),
         ] {
             let error = read(text).map(drop).expect_err(text).to_string();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(message), "{error}");
         }
     }
 
@@ -285,14 +285,14 @@ mod tests {
         ] {
             let found = read(text, &[]).expect("rows");
             assert_eq!((&found.positions[..], &found.radii[..]), (&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][..], radii));
-            let [said] = &found.skipped.assumed[..] else { panic!("{:?}", found.skipped.assumed) };
-            assert!(said.contains(&format!("are read as {what}; name them with {COLUMNS}")), "{said}");
+            let [warning] = &found.skipped.assumed[..] else { panic!("{:?}", found.skipped.assumed) };
+            assert!(warning.contains(&format!("are read as {what}; name them with {COLUMNS}")), "{warning}");
         }
     }
 
     #[test]
     fn errors_are_reported_with_line_and_column() {
-        for (text, told) in [
+        for (text, message) in [
             ("", "text: header: the columns x, y and z are missing"),
             ("1,2\n", ":1:1: header: the columns x, y and z are missing"),
             ("1,2,3,4,5\n", "or name the columns with `\u{2060}columns` x=1,y=2,z=3"),
@@ -311,7 +311,7 @@ mod tests {
             ("x,y,z,t\n1,2,3,4\n1,2,3,n/a\n", ":3:7: t: `n/a`"),
         ] {
             let error = read(text, &["t"]).map(drop).expect_err(text).to_string();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(message), "{error}");
         }
     }
 }

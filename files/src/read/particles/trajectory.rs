@@ -10,7 +10,7 @@ mod xtc;
 
 use super::bytes::BinaryFile;
 use super::frame::{Column, ParticleFrames, Particles};
-use super::layout::is_wanted;
+use super::layout::is_requested;
 use super::request::Request;
 use crate::read::format::Format;
 use crate::read::source::SceneSource;
@@ -40,22 +40,22 @@ pub(in crate::read) struct Trajectory {
     file: Place,
     topology: Option<Topology>,
     /// The requested velocities.
-    wanted: Vec<usize>,
+    requested: Vec<usize>,
     /// Whether the assumptions were reported, which are the same for all frames.
-    told: bool,
+    has_reported: bool,
 }
 
 impl Trajectory {
     pub(in crate::read) fn new(source: SceneSource, topology: Option<Topology>, request: &Request) -> Self {
-        let wanted: Vec<usize> = (0..3).filter(|k| is_wanted(&request.columns, VELOCITIES[*k])).collect();
+        let requested: Vec<usize> = (0..3).filter(|k| is_requested(&request.columns, VELOCITIES[*k])).collect();
         let (format, file) = (source.format, Place::file(source.path.display().to_string()));
         let binary = BinaryFile::new(source);
         let moments: Box<dyn Moments> = match format {
-            Format::Trr => Box::new(trr::Trr::new(binary, !wanted.is_empty())),
+            Format::Trr => Box::new(trr::Trr::new(binary, !requested.is_empty())),
             Format::Dcd => Box::new(dcd::Dcd::new(binary)),
             _ => Box::new(xtc::Xtc::new(binary)),
         };
-        Self { moments, file, topology, wanted, told: false }
+        Self { moments, file, topology, requested, has_reported: false }
     }
 
     /// The atoms of a topology, at the positions of a frame.
@@ -83,7 +83,7 @@ impl Trajectory {
         let mut particles = atoms.clone();
         particles.columns.retain(|column| !OWN.contains(&column.name.as_str()));
         particles.has.retain(|name| !OWN.contains(&name.as_str()));
-        if self.told {
+        if self.has_reported {
             particles.skipped = Default::default();
         }
         Ok(particles)
@@ -97,18 +97,18 @@ impl ParticleFrames for Trajectory {
             Some(topology) => self.atoms(topology, &mut moment)?,
             None => Particles::default(),
         };
-        if self.topology.is_none() && !self.told {
+        if self.topology.is_none() && !self.has_reported {
             particles.skipped.assumed.push(format!(
                 "a trajectory has no elements; use {TOPOLOGY} FILE with a structure of the same atoms (PDB, GRO, ...) for \
                  elements, radii and names"
             ));
         }
-        self.told = true;
+        self.has_reported = true;
         if moment.has_velocities {
             particles.has.extend(VELOCITIES.map(str::to_owned));
         }
         if !moment.velocities.is_empty() {
-            for k in &self.wanted {
+            for k in &self.requested {
                 check(8 * moment.velocities.len() as u64, || "the velocities".into())?;
                 let values = moment.velocities.iter().map(|velocity| velocity[*k]).collect();
                 particles.columns.push(Column { name: VELOCITIES[*k].to_owned(), values });

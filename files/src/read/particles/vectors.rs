@@ -16,14 +16,14 @@ fn is_velocity(name: &str) -> bool {
 }
 
 /// Adds the columns whose length each of the requested ones may be.
-pub(in crate::read) fn request(wanted: &mut Vec<String>) {
-    let is_fast = wanted.iter().any(|name| is_velocity(name));
+pub(in crate::read) fn request(requested: &mut Vec<String>) {
+    let is_fast = requested.iter().any(|name| is_velocity(name));
     let words = WORDS.iter().map(|word| (*word).to_owned());
     let of_velocity = words.chain(sets().into_iter().flatten()).filter(|_| is_fast);
-    let parts: Vec<String> = wanted.iter().flat_map(|name| [0, 1, 2].map(|k| component(name, k))).collect();
+    let parts: Vec<String> = requested.iter().flat_map(|name| [0, 1, 2].map(|k| component(name, k))).collect();
     for name in of_velocity.chain(parts) {
-        if !wanted.iter().any(|known| known.eq_ignore_ascii_case(&name)) {
-            wanted.push(name);
+        if !requested.iter().any(|known| known.eq_ignore_ascii_case(&name)) {
+            requested.push(name);
         }
     }
 }
@@ -110,9 +110,9 @@ mod tests {
     fn the_velocity_has_one_name_whatever_its_components_are_called() {
         for parts in [["vx", "vy", "vz"], ["velo_x", "velo_y", "velo_z"], ["velocity_x", "velocity_y", "velocity_z"]] {
             let columns = [(parts[0], &[2.0][..]), (parts[1], &[-3.0]), (parts[2], &[6.0])];
-            let mut wanted = names(&["Velocity"]);
-            request(&mut wanted);
-            assert!(parts.iter().all(|name| wanted.iter().any(|wanted| wanted == name)), "{wanted:?}");
+            let mut requested = names(&["Velocity"]);
+            request(&mut requested);
+            assert!(parts.iter().all(|name| requested.iter().any(|known| known == name)), "{requested:?}");
             let speed = |columns: &[Named<'_>]| super::parts("Velocity", columns).map(|parts| length(&parts));
             assert_eq!(speed(&columns), Some(vec![7.0]), "{parts:?}");
             assert_eq!(speed(&columns[..2]), Some(vec![13.0_f64.sqrt()]), "in a plane");
@@ -125,9 +125,9 @@ mod tests {
         assert_eq!(title(&names(&["velocity"]), &names(&["velocity", "vx", "vy"])), "velocity");
         assert_eq!(parts("vel", &own), Some(vec![&[-1.0][..]]));
         assert_eq!(parts("velocity", &[("mass", &[1.0])]), None);
-        let mut wanted = names(&["mass"]);
-        request(&mut wanted);
-        assert_eq!(wanted, ["mass", "mass_x", "mass_y", "mass_z"]);
+        let mut requested = names(&["mass"]);
+        request(&mut requested);
+        assert_eq!(requested, ["mass", "mass_x", "mass_y", "mass_z"]);
     }
 
     #[test]

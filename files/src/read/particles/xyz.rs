@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn z_is_a_coordinate_beside_x_and_y_and_else_an_atomic_number() {
+    fn z_is_a_coordinate_with_x_and_y_and_else_an_atomic_number() {
         for kind in ["I", "R"] {
             let frame =
                 read(&format!("1\nProperties=x:R:1:y:R:1:z:{kind}:1\n1 2 3\n"), &[]).expect("a frame").remove(0);

@@ -60,7 +60,7 @@ fn an_array_is_read_in_blocks_of_any_size() {
 #[test]
 fn an_array_that_is_none_of_rays_is_refused() {
     let six = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-    for (bytes, told) in [
+    for (bytes, message) in [
         (array("<f8", &[1, 5], &six[..5]), "rays: shape: found [1, 5], expected (n, 6) or (n, 7)"),
         (array("<f8", &[6], &six), "rays: shape"),
         (array("<i8", &[1, 6], &six), "rays: dtype: found `<i8`, expected float64 or float32"),
@@ -70,7 +70,7 @@ fn an_array_that_is_none_of_rays_is_refused() {
         (b"\x93NUMPY\x01\x00\x03\x00{}\n".to_vec(), "rays: header"),
     ] {
         let error = refused(bytes);
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
     }
     let mut columns = array("<f8", &[2, 6], &[six, six].concat());
     let flag = columns.windows(5).position(|text| text == b"False").expect("the order");
@@ -102,7 +102,7 @@ fn tables_have_any_delimiter_and_named_columns_any_order() {
 
 #[test]
 fn a_table_that_is_none_of_rays_is_refused_at_its_place() {
-    for (text, told) in [
+    for (text, message) in [
         ("", "rays: the file has no rays"),
         ("# only a comment\n\n", "rays: the file has no rays"),
         ("ox,oy,oz,dx,dy\n1,2,3,4,5\n", "rays:1:1: header: column `dz` is missing"),
@@ -117,7 +117,7 @@ fn a_table_that_is_none_of_rays_is_refused_at_its_place() {
         ("1,2,3,4,5,6,1\n1,2,3,0,0,1,nan\n", "rays:2:1: tmax: the limit is NaN"),
     ] {
         let error = refused(text);
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
     }
     assert!(refused(b"1,2,3,4,5,6\n1,2,3,4,5,\xff\n".to_vec()).contains("rays:2:11"));
 }

@@ -39,8 +39,8 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
     let mut notes = Vec::new();
     let marks = marks.iter().map(|selection| noted(selection, particles)).collect::<Result<Vec<_>>>()?;
     let mut of = |selection: &Selection| -> Result<Mask> {
-        let (mask, said) = noted(selection, particles)?;
-        notes.extend(said);
+        let (mask, messages) = noted(selection, particles)?;
+        notes.extend(messages);
         Ok(mask)
     };
     // All rules see the whole frame, also what is hidden.
@@ -148,10 +148,10 @@ impl SelectedSpheres {
     }
 
     /// The messages about the selection, for use after the last block.
-    pub(in crate::read) fn told(&self) -> Vec<String> {
+    pub(in crate::read) fn messages(&self) -> Vec<String> {
         let none = self.before > 0 && self.left == 0;
         let none =
             none.then(|| format!("the selection `{}` leaves none of {} spheres", self.selection.brief(), self.before));
-        self.notes.told().chain(none).collect()
+        self.notes.messages().chain(none).collect()
     }
 }

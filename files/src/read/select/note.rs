@@ -41,7 +41,7 @@ impl Notes {
     }
 
     /// The messages that hold for all blocks.
-    pub(in crate::read) fn told(&self) -> impl Iterator<Item = String> + '_ {
+    pub(in crate::read) fn messages(&self) -> impl Iterator<Item = String> + '_ {
         self.0.iter().flatten().map(Note::to_string)
     }
 }
@@ -115,39 +115,45 @@ mod tests {
     }
 
     /// The notes of blocks, joined in this order.
-    fn told(blocks: &[&[Note]]) -> Vec<String> {
+    fn messages(blocks: &[&[Note]]) -> Vec<String> {
         let mut notes = Notes::default();
         blocks.iter().for_each(|block| notes.join(block.to_vec()));
-        notes.told().collect()
+        notes.messages().collect()
     }
 
     #[test]
-    fn what_holds_for_all_blocks_is_told() {
-        let said = [unmatched("type", &["7", "8", "9"], "the file has 1 to 3")];
+    fn what_holds_for_all_blocks_is_reported() {
+        let first = [unmatched("type", &["7", "8", "9"], "the file has 1 to 3")];
         let kind = [unmatched("water", &[], "")];
         assert_eq!(
-            told(&[&said, &[unmatched("type", &["9", "7"], "the file has 1 to 4")]]),
+            messages(&[&first, &[unmatched("type", &["9", "7"], "the file has 1 to 4")]]),
             ["`type 7` in the selection `s`: no particle has it, nor 1 other values"]
         );
         assert_eq!(
-            told(&[&said, &said]),
+            messages(&[&first, &first]),
             ["`type 7` in the selection `s`: no particle has it, nor 2 other values; the file has 1 to 3"]
         );
         let apart = [unmatched("type", &["9"], ""), unmatched("type", &["7"], "")];
-        assert_eq!(told(&[&said, &apart]), ["`type 7` in the selection `s`: no particle has it, nor 1 other values"]);
-        assert_eq!(told(&[&kind, &kind]), ["`water` in the selection `s`: no particle is selected by it"]);
+        assert_eq!(
+            messages(&[&first, &apart]),
+            ["`type 7` in the selection `s`: no particle has it, nor 1 other values"]
+        );
+        assert_eq!(messages(&[&kind, &kind]), ["`water` in the selection `s`: no particle is selected by it"]);
         for other in [&kind[..], &[unmatched("type", &["1"], "")], &[unmatched("x", &["7"], "")], &[]] {
-            assert!(told(&[&said, other]).is_empty(), "{other:?}");
+            assert!(messages(&[&first, other]).is_empty(), "{other:?}");
         }
-        assert!(told(&[&kind, &[unmatched("water", &["7"], "")]]).is_empty());
+        assert!(messages(&[&kind, &[unmatched("water", &["7"], "")]]).is_empty());
     }
 
     #[test]
     fn all_blocks_are_counted_where_nothing_is_left() {
         let remark = Note::Remark("from left to right".into());
         let none = |count| [remark.clone(), Note::NoneLeft(count)];
-        assert_eq!(told(&[&none(3), &none(4)]), ["from left to right", "the selections leave none of the 7 particles"]);
-        assert_eq!(told(&[&none(3), std::slice::from_ref(&remark), &none(4)]), ["from left to right"]);
-        assert!(told(&[]).is_empty());
+        assert_eq!(
+            messages(&[&none(3), &none(4)]),
+            ["from left to right", "the selections leave none of the 7 particles"]
+        );
+        assert_eq!(messages(&[&none(3), std::slice::from_ref(&remark), &none(4)]), ["from left to right"]);
+        assert!(messages(&[]).is_empty());
     }
 }

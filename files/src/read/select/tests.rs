@@ -97,7 +97,7 @@ fn long_lists_are_read() {
 
 #[test]
 fn words_that_select_nothing_are_reported_with_what_the_file_has() {
-    for (text, told) in [
+    for (text, message) in [
         (
             "resname HEC or protein",
             "`resname HEC` in the selection `resname HEC or protein`: no particle has it; the file has ALA, GLY, HEM, HOH",
@@ -111,7 +111,7 @@ fn words_that_select_nothing_are_reported_with_what_the_file_has() {
         ("not protein or nucleic", "no particle is selected by it"),
     ] {
         let (_, notes) = select(text).expect(text);
-        assert!(notes.iter().any(|note| note.contains(told)), "{text}: {notes:?}");
+        assert!(notes.iter().any(|note| note.contains(message)), "{text}: {notes:?}");
     }
     for quiet in ["within 3 of (name N) and protein", "name N and name CA or resname GLY", "not resname HEM"]
         .into_iter()
@@ -124,7 +124,7 @@ fn words_that_select_nothing_are_reported_with_what_the_file_has() {
 #[test]
 fn invalid_expressions_are_refused_at_their_place() {
     let deep = format!("{}name N{}", "(".repeat(200), ")".repeat(200));
-    for (text, told) in [
+    for (text, message) in [
         ("", "a column or a word such as `protein` at column 1"),
         ("protin", "at column 1"),
         ("name", "at column 1"),
@@ -151,7 +151,7 @@ fn invalid_expressions_are_refused_at_their_place() {
         (&"within 1 of ".repeat(5000), "128 parts within each other"),
     ] {
         let error = select(text).map(drop).expect_err(text).to_string();
-        assert!(error.contains(told), "{text}: {error}");
+        assert!(error.contains(message), "{text}: {error}");
     }
     let error = select("bfactor < 3").map(drop).expect_err("no such column").to_string();
     assert!(error.contains("the file has index, x, y, z, element, name, resname, residue, charge"), "{error}");

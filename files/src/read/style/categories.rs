@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn names_are_categories_by_default() {
         let chains = ["A", "B", " ", "D"];
-        let ((colors, legend), said) = colored("chain", &[0.0, 0.0, 3.0, 2.0], &chains, &scale("chain", None))
+        let ((colors, legend), warnings) = colored("chain", &[0.0, 0.0, 3.0, 2.0], &chains, &scale("chain", None))
             .expect("colours")
             .expect("categories");
         let categories = legend.expect("a legend").categories;
@@ -193,10 +193,10 @@ mod tests {
         assert_eq!(found, [("A", 2), ("(blank)", 1), ("D", 1)], "absent categories have no swatch");
         assert_eq!(colors, [0.0, 0.0, 3.0, 2.0].map(|k| ColorMap::Category.color(k)));
         assert_eq!(categories[2].color, ColorMap::Category.srgb(3.0));
-        assert!(said.is_empty(), "{said:?}");
+        assert!(warnings.is_empty(), "{warnings:?}");
         // A film keeps the colours of its first frame's names; new ones follow.
-        let held = Scale { names: vec!["D".into(), "C".into()], ..scale("chain", None) };
-        let ((colors, legend), _) = colored("chain", &[0.0, 3.0, 1.0], &chains, &held).expect("ok").expect("some");
+        let fixed = Scale { names: vec!["D".into(), "C".into()], ..scale("chain", None) };
+        let ((colors, legend), _) = colored("chain", &[0.0, 3.0, 1.0], &chains, &fixed).expect("ok").expect("some");
         assert_eq!(colors, [2.0, 0.0, 3.0].map(|k| ColorMap::Category.color(k)));
         let legend = legend.expect("a legend");
         let found: Vec<&str> = legend.categories.iter().map(|category| &category.label[..]).collect();
@@ -218,16 +218,16 @@ mod tests {
         let numbers = Scale { range: Some([0.0, 5.0]), ..scale("type", None) };
         assert!(colored("type", &[1.0], &[], &numbers).expect("numbers").is_none(), "a range needs numbers");
         let values = [2.0, f64::NAN, -1.0, 2.5, f64::INFINITY];
-        let ((colors, legend), said) =
+        let ((colors, legend), warnings) =
             colored("q", &values, &[], &scale("q", Some(ColorMap::Category))).expect("ok").expect("categories");
         let legend = legend.expect("a legend");
         let labels: Vec<&str> = legend.categories.iter().map(|category| &category.label[..]).collect();
         assert_eq!((labels, legend.range), (vec!["-1", "2"], [-1.0, 2.0]));
         assert_eq!((colors[1], colors[4], colors[0]), (linear(MISSING), linear(MISSING), colors[3]));
-        assert!(said[0].starts_with("2 of 5 values of q"), "{said:?}");
+        assert!(warnings[0].starts_with("2 of 5 values of q"), "{warnings:?}");
         let many: Vec<f64> = (0..40).map(f64::from).collect();
-        let (_, said) = colored("type", &many, &[], &scale("type", None)).expect("ok").expect("categories");
-        assert!(said[0].starts_with("40 categories of type share 30 colours"), "{said:?}");
+        let (_, warnings) = colored("type", &many, &[], &scale("type", None)).expect("ok").expect("categories");
+        assert!(warnings[0].starts_with("40 categories of type share 30 colours"), "{warnings:?}");
     }
 
     #[test]

@@ -11,11 +11,11 @@ use halfline::scene::instances::Instances;
 use std::ops::Range;
 
 impl Style {
-    /// Turns particles with copies into spheres with copies, as [`Style::dress`] does with all copies.
+    /// Turns particles with copies into spheres with copies, as [`Style::to_spheres`] does with all copies.
     ///
     /// # Errors
-    /// As [`Style::dress`]; [`Error::Settings`] where radii or colours depend on the places of copies.
-    pub(in crate::read) fn dress_placed(
+    /// As [`Style::to_spheres`]; [`Error::Settings`] where radii or colours depend on the places of copies.
+    pub(in crate::read) fn to_instances(
         &self,
         mut particles: Particles,
         spaced: Option<f64>,
@@ -38,7 +38,7 @@ impl Style {
             }
             _ => self.clone(),
         };
-        let (spheres, skipped, other) = style.dress(particles, spaced, file)?;
+        let (spheres, skipped, other) = style.to_spheres(particles, spaced, file)?;
         let (mut sets, mut first, mut copy) = (Vec::new(), 0, 0);
         for part in placed {
             let (range, copies) = (first..first + part.count, copy..copy + part.operators.len());

@@ -50,17 +50,17 @@ pub(super) fn off_axis(seed: u64) -> Result<Vec<Scene>> {
     for distance in distances() {
         let center = DVec3::from_array(random.cube());
         let eye = center + aslant() * distance;
-        let aside = eye.cross(DVec3::from_array(random.cube())).normalize();
+        let across = eye.cross(DVec3::from_array(random.cube())).normalize();
         scenes.push(picture(
             eye,
-            Look::At(center + 0.7 * aside),
+            Look::At(center + 0.7 * across),
             filled_by(tangent(distance)),
             [32, 24],
             one(center, 1.0),
         ));
         // 60 degrees off the axis, in a picture with as many columns as the distance has radii.
         if (10.0..1e3).contains(&distance) {
-            let view = (center - eye).normalize() + 1.7 * aside;
+            let view = (center - eye).normalize() + 1.7 * across;
             let lens = Lens::Viewport { vw: 8.0, vh: 6.0, distance: 1.0 };
             scenes.push(picture(eye, Look::View(view), lens, [96, 64], one(center, 0.2 * distance)));
         }

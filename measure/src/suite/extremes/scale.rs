@@ -71,16 +71,16 @@ pub(super) fn long(seed: u64) -> Result<Vec<Scene>> {
         let eye = DVec3::new(5.0, -3.0, 4.0);
         let center = DVec3::from_array(random.cube());
         let (p, lens) = (center - eye, Lens::Vfov { degrees, distance: 1.0 });
-        let aside = p.cross(aslant()).normalize();
+        let across = p.cross(aslant()).normalize();
         let (sine, far) = (1.0 / p.length(), p.length());
-        let edge = p / far * (1.0 - sine * sine).sqrt() + aside * sine;
+        let edge = p / far * (1.0 - sine * sine).sqrt() + across * sine;
         let mut spheres = one(center, 1.0);
         scenes.push(picture(eye, Look::View(edge), lens, [32, 24], spheres.clone()));
         // A second one intersects it, so their seam runs through the picture.
-        spheres.push((center + 0.5 * aside).to_array(), 1.0, None);
+        spheres.push((center + 0.5 * across).to_array(), 1.0, None);
         // A circle of radius sqrt(1 - 1/16) about the middle between them, turned to the eye.
-        let out = 0.6 * aside.cross(p / far) - 0.8 * p / far;
-        let seam = p + 0.25 * aside + (15.0f64 / 16.0).sqrt() * out;
+        let out = 0.6 * across.cross(p / far) - 0.8 * p / far;
+        let seam = p + 0.25 * across + (15.0f64 / 16.0).sqrt() * out;
         scenes.push(picture(eye, Look::View(seam), lens, [32, 24], spheres));
     }
     Ok(scenes)

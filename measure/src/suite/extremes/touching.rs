@@ -60,9 +60,9 @@ pub(super) fn grazing(seed: u64) -> Result<Vec<Scene>> {
             for j in (0..32).step_by(2) {
                 let d = direction(&scene, i, j)?;
                 let z = depths[0] + (depths[1] - depths[0]) * random.unit();
-                let aside = d.cross(DVec3::from_array(random.cube())).normalize();
+                let across = d.cross(DVec3::from_array(random.cube())).normalize();
                 // 0.3 of a pixel's pitch at that depth, so that no other ray comes near.
-                let center = scene.camera.eye + z * (d + aside * (0.3 * 2.0 / 32.0));
+                let center = scene.camera.eye + z * (d + across * (0.3 * 2.0 / 32.0));
                 let guess = distance(&scene, d, center);
                 let b = impact(&scene, [i, j], center, guess)?;
                 scene.spheres.push(center.to_array(), nearly(b, n), None);
@@ -107,15 +107,15 @@ fn tangent_rays(eye: DVec3, unit: f64) -> Scene {
         spheres.push((eye + DVec3::new(0.25, t * f64::from(b), -6.0 * t)).to_array(), 0.25, None);
     }
     // (2, 3, -6) is perpendicular to (6, 2, 3) and (3, -6, -2), all of length 7.
-    for (n, aside) in [[6.0, 2.0, 3.0], [3.0, -6.0, -2.0], [-6.0, -2.0, -3.0]].into_iter().enumerate() {
+    for (n, across) in [[6.0, 2.0, 3.0], [3.0, -6.0, -2.0], [-6.0, -2.0, -3.0]].into_iter().enumerate() {
         let s = 0.125 / 2f64.powi(n as i32);
-        let center = eye + (10.0 + 3.0 * n as f64) * DVec3::new(2.0, 3.0, -6.0) + s * DVec3::from_array(aside);
+        let center = eye + (10.0 + 3.0 * n as f64) * DVec3::new(2.0, 3.0, -6.0) + s * DVec3::from_array(across);
         spheres.push(center.to_array(), 7.0 * s, None);
     }
     // The four signs of (a, b) = (8, 0) and (0, 8), |(8, 0, 6)| = 10; the perpendicular in the plane of the axis.
     for (a, b) in [(8.0, 0.0), (-8.0, 0.0), (0.0, 8.0), (0.0, -8.0)] {
-        let (d, aside) = (DVec3::new(a, b, -6.0), DVec3::new(a * 6.0, b * 6.0, 64.0) / 8.0);
-        spheres.push((eye + 20.0 * d + 0.5 * aside).to_array(), 0.5 * 10.0, None);
+        let (d, across) = (DVec3::new(a, b, -6.0), DVec3::new(a * 6.0, b * 6.0, 64.0) / 8.0);
+        spheres.push((eye + 20.0 * d + 0.5 * across).to_array(), 0.5 * 10.0, None);
     }
     let mut scene = picture(eye, Look::View(DVec3::NEG_Z), lens, [33, 25], spheres);
     scene.camera.up = DVec3::Y;
@@ -132,9 +132,9 @@ pub(super) fn touched(_: u64) -> Result<Vec<Scene>> {
     // The middle ray is the view (1, 2, 2) itself, even if the basis is irrational; (2, 1, -2) is perpendicular and of
     // the same length. One sphere behind another, each tangent on one side or the other.
     for (t, s, side) in [(5.0, 1.0, 1.0), (7.0, 0.5, -1.0), (1e6, 2.0, 1.0), (1e9, 3.0, -1.0)] {
-        let (view, aside) = (DVec3::new(1.0, 2.0, 2.0), DVec3::new(2.0, 1.0, -2.0));
+        let (view, across) = (DVec3::new(1.0, 2.0, 2.0), DVec3::new(2.0, 1.0, -2.0));
         let eye = DVec3::new(-3.0, 4.0, 0.5);
-        let mut spheres = one(eye + t * view + side * s * aside, 3.0 * s);
+        let mut spheres = one(eye + t * view + side * s * across, 3.0 * s);
         // As far behind it as it is large: the middle ray enters this sphere deeply.
         spheres.push((eye + (t + 2.0 * s) * view).to_array(), 0.5 * s, None);
         scenes.push(picture(eye, Look::View(view), filled_by(s / t), [33, 25], spheres));

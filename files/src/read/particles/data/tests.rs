@@ -86,15 +86,16 @@ fn a_comment_that_is_no_style_is_a_comment() {
         let text = format!("{HEAD}\nAtoms # {comment}\n\n1 1 1 2 3\n2 1 4 5 6\n");
         let found = read(&text, &[]).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{comment}");
-        let is_told = found.skipped.assumed.iter().any(|said| said.contains(&format!("`{comment}` is no atom style")));
-        assert_eq!(is_told, comment != "atomic/kk", "{:?}", found.skipped);
+        let is_reported =
+            found.skipped.assumed.iter().any(|warning| warning.contains(&format!("`{comment}` is no atom style")));
+        assert_eq!(is_reported, comment != "atomic/kk", "{:?}", found.skipped);
     }
 }
 
 #[test]
 fn errors_are_reported_with_line_and_column() {
     let file = |sections: &str| format!("{HEAD}\n{sections}");
-    for (text, told) in [
+    for (text, message) in [
         (file("Atoms # atomic\n\n1 1 1 2 3\n"), "the file ends after 1 of 2 lines of Atoms"),
         (file("Atoms # atomic\n\n1 1 1 2 3\n\nVelocities\n"), ":13:11: Atoms: the section ends after 1 of 2 lines"),
         (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n3 1 1 2 3\n"), ":13:1: count: expected 2 atoms, found 3"),
@@ -121,6 +122,6 @@ fn errors_are_reported_with_line_and_column() {
         ("title\n".into(), "the number of atoms is not known"),
     ] {
         let error = read(&text, &["vx"]).map(drop).expect_err(&text).to_string();
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
     }
 }

@@ -106,12 +106,12 @@ impl GsdFile {
         Ok(chunks)
     }
 
-    /// A part of the file, whose place is given at byte `told`.
-    fn part(&self, start: u64, length: u64, told: u64, field: &str) -> Result<&[u8]> {
+    /// A part of the file, whose place is given at byte `offset`.
+    fn part(&self, start: u64, length: u64, offset: u64, field: &str) -> Result<&[u8]> {
         let end = start.checked_add(length).filter(|end| *end <= self.bytes.len() as u64);
         end.and_then(|end| self.bytes.get(start as usize..end as usize)).ok_or_else(|| {
             let size = self.bytes.len();
-            self.fail(told, field, &format!("{length} bytes at byte {start} are not in the file of {size} bytes"))
+            self.fail(offset, field, &format!("{length} bytes at byte {start} are not in the file of {size} bytes"))
         })
     }
 

@@ -61,7 +61,7 @@ fn errors_are_reported() {
         bytes[at] = byte;
         bytes
     };
-    for (bytes, told) in [
+    for (bytes, message) in [
         (with(0, 0), "byte 0: header: the file does not begin"),
         (with(112, b'X'), "byte 112: schema: the schema is `Xoomd`"),
         (with(15, 1), "byte 8: index: "),
@@ -70,7 +70,7 @@ fn errors_are_reported() {
         (FRAMES[..299].to_vec(), "are not in the file of 299 bytes"),
         (FRAMES[..199].to_vec(), "byte 0: header"),
     ] {
-        let error = read(&bytes, &[]).map(drop).expect_err(told).to_string();
-        assert!(error.contains(told), "{told}: {error}");
+        let error = read(&bytes, &[]).map(drop).expect_err(message).to_string();
+        assert!(error.contains(message), "{message}: {error}");
     }
 }

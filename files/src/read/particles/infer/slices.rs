@@ -105,9 +105,9 @@ mod tests {
         assert_eq!(found.elements, [8, 1, 1, 0, 7, 6, 6, 20]);
         assert_eq!(found.is_site.iter().position(|is_site| *is_site), Some(3));
         assert_eq!(found.is_site.iter().filter(|is_site| **is_site).count(), 1);
-        let said = found.warnings.join("; ");
-        assert!(said.starts_with("the topology gives no element for 7 of 8 atoms"), "{said}");
-        assert!(said.ends_with("1 virtual site left out (1 `MW`)"), "{said}");
+        let messages = found.warnings.join("; ");
+        assert!(messages.starts_with("the topology gives no element for 7 of 8 atoms"), "{messages}");
+        assert!(messages.ends_with("1 virtual site left out (1 `MW`)"), "{messages}");
     }
 
     #[test]

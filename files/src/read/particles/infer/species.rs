@@ -105,7 +105,7 @@ impl Species {
 
     /// The messages about `of` particles, of which `names` have symbols that are names.
     fn messages(&self, of: u64, names: u64) -> Vec<String> {
-        let mut said = Vec::new();
+        let mut messages = Vec::new();
         let named: u64 = self.named.iter().sum();
         if named > 0 {
             let some = listed(&self.names);
@@ -114,15 +114,15 @@ impl Species {
             } else {
                 String::new()
             };
-            said.push(format!(
+            messages.push(format!(
                 "{named} of {of} species are atom names and not symbols ({some}){also}; elements are inferred from their first letters"
             ));
         }
         if !self.sites.is_empty() {
             let total: u64 = self.sites.values().sum();
-            said.push(format!("{} left out ({})", count(total, "virtual site"), listed(&self.sites)));
+            messages.push(format!("{} left out ({})", count(total, "virtual site"), listed(&self.sites)));
         }
-        said
+        messages
     }
 }
 
@@ -154,9 +154,9 @@ mod tests {
             codes.extend(words.split(' ').filter(|word| !word.is_empty()).map(|word| species.code(word)));
             all.add(species);
         }
-        let (said, _) = all.settle(&mut codes);
+        let (messages, _) = all.settle(&mut codes);
         let symbol = |code: &u8| if *code == SITE { "-" } else { element(*code).map_or("?", |element| element.symbol) };
-        (codes.iter().map(symbol).collect::<Vec<_>>().join(" "), said)
+        (codes.iter().map(symbol).collect::<Vec<_>>().join(" "), messages)
     }
 
     #[test]
@@ -174,13 +174,13 @@ mod tests {
 
     #[test]
     fn atom_names_among_the_species_decide_similar_names() {
-        let (found, said) = symbols("N HN CA HA CB 1HB2|HG CG CD ND1 CE1 O OXT OT1 CL SG NA");
+        let (found, messages) = symbols("N HN CA HA CB 1HB2|HG CG CD ND1 CE1 O OXT OT1 CL SG NA");
         assert_eq!(found, "N H C H C H H C C N C O O O Cl S Na");
-        assert!(said[0].starts_with("8 of 17 species are atom names"), "{said:?}");
-        assert!(said[0].contains("and so are 5 that could be symbols"), "{said:?}");
+        assert!(messages[0].starts_with("8 of 17 species are atom names"), "{messages:?}");
+        assert!(messages[0].contains("and so are 5 that could be symbols"), "{messages:?}");
         // The names of water say nothing about metals with other first letters.
-        let (found, said) = symbols("OW HW1 HW2 MW|CA NA CL OW HW1 HW2 MW");
+        let (found, messages) = symbols("OW HW1 HW2 MW|CA NA CL OW HW1 HW2 MW");
         assert_eq!(found, "O H H - Ca Na Cl O H H -");
-        assert_eq!(said[1], "2 virtual sites left out (2 `MW`)");
+        assert_eq!(messages[1], "2 virtual sites left out (2 `MW`)");
     }
 }

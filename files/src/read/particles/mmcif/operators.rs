@@ -171,9 +171,9 @@ impl Operators {
         let names =
             ["alpha", "beta", "gamma"].iter().zip(self.angles).filter(|(_, given)| !given).map(|(name, _)| name);
         let names = list(names);
-        let said =
+        let warning =
             format!("the file does not give {names} of the cell, so 90 degrees are taken, as the dictionary says");
-        (self.angles != [true; 3] && self.cell().is_some()).then_some(said)
+        (self.angles != [true; 3] && self.cell().is_some()).then_some(warning)
     }
 
     /// The names of the assemblies, and the most operators that each can have, where it is known.

@@ -5,7 +5,7 @@ use super::tokens::{Token, Tokens, number};
 use crate::read::lines::{Spot, mend_number};
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
-use crate::read::particles::layout::is_wanted;
+use crate::read::particles::layout::is_requested;
 use crate::read::particles::molecule::Model;
 use crate::read::particles::request::{Altloc, Request};
 use halfline::error::{Error, Place, Result};
@@ -88,14 +88,14 @@ impl AtomColumns {
         for (kind, names) in columns {
             let Some(at) = column(names) else { continue };
             layout.has.push(kind);
-            let (wanted, sites) =
-                (is_wanted(&request.columns, kind.name()), highest && kind == AtomProperty::Occupancy);
+            let (requested, sites) =
+                (is_requested(&request.columns, kind.name()), highest && kind == AtomProperty::Occupancy);
             match kind {
                 AtomProperty::Model => layout.uses[at].push(Use::Model),
-                AtomProperty::Asym if wanted || request.assembly.is_some() => layout.uses[at].push(Use::Asym),
+                AtomProperty::Asym if requested || request.assembly.is_some() => layout.uses[at].push(Use::Asym),
                 AtomProperty::Asym => {}
-                kind if wanted && kind.is_text() => layout.uses[at].push(Use::Text(kind)),
-                kind if !kind.is_text() && (wanted || sites) => layout.uses[at].push(Use::Number(kind)),
+                kind if requested && kind.is_text() => layout.uses[at].push(Use::Text(kind)),
+                kind if !kind.is_text() && (requested || sites) => layout.uses[at].push(Use::Number(kind)),
                 _ => {}
             }
         }

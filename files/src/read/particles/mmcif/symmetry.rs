@@ -165,26 +165,26 @@ impl Symmetry {
         &self,
         mut listed: Particles,
         cell: &Cell,
-        wanted: bool,
+        is_requested: bool,
         file: &Place,
         watch: &Watch,
     ) -> Result<Particles> {
         let atoms = listed.positions.len();
         // A hash table of them has twice as many slots as entries.
         check(2 * (size_of::<[u64; 3]>() as u64 + 1) * atoms as u64, || format!("the places of {atoms} atoms"))?;
-        let operators = if wanted { self.operators(file)? } else { Vec::new() };
+        let operators = if is_requested { self.operators(file)? } else { Vec::new() };
         let mut taken = HashSet::new();
         let first = |place: &&[f64; 3]| taken.insert(place.map(|x| wrap(x).to_bits()));
         let shared = atoms - listed.positions.iter().filter(first).count();
         if shared > 0 {
-            let said = format!(
+            let warning = format!(
                 "{shared} atoms have the position of another (mixed occupancy), so only the larger sphere is visible"
             );
-            listed.skipped.assumed.push(said);
+            listed.skipped.assumed.push(warning);
         }
         if operators.len() < 2 {
             listed.positions.par_iter_mut().for_each(|position| *position = cell.place(*position));
-            if wanted && operators.is_empty() {
+            if is_requested && operators.is_empty() {
                 listed.skipped.assumed.extend(self.unknown());
             }
             return Ok(listed);

@@ -96,10 +96,10 @@ fn columns_stand_in_any_order_and_rows_in_any_lines() {
     assert_eq!((column("entity"), column("occupancy")), (&[0.0, 0.0, 1.0, 0.0][..], &[1.0, 0.4, 1.0, 0.6][..]));
     assert!(column("bfactor")[0] == 20.5 && column("bfactor")[1].is_nan() && column("model") == [1.0; 4]);
     assert_eq!(frames[0].cell.expect("a cell").edges[1], [0.0, 20.0, 0.0]);
-    let said = &frames[0].skipped.assumed;
+    let warnings = &frames[0].skipped.assumed;
     assert!(
-        said[0].starts_with("2 of 4 atoms are alternate locations") && said[1].contains("more than one model"),
-        "{said:?}"
+        warnings[0].starts_with("2 of 4 atoms are alternate locations") && warnings[1].contains("more than one model"),
+        "{warnings:?}"
     );
     // Names of atoms and residues, and alternate locations, besides.
     assert_eq!(frames[0].has.len(), 11, "{:?}", frames[0].has);
@@ -139,7 +139,7 @@ fn assemblies_are_built_wherever_their_operators_stand() {
     let text = format!("data_X\n{ASSEMBLY}{ATOMS}");
     let unit = read(&text, &options(&[])).expect("as they stand").remove(0);
     assert!(
-        unit.skipped.assumed.iter().any(|said| said.contains(&format!("2 copies; use {} 1", setting::ASSEMBLY))),
+        unit.skipped.assumed.iter().any(|warning| warning.contains(&format!("2 copies; use {} 1", setting::ASSEMBLY))),
         "{:?}",
         unit.skipped
     );
@@ -180,7 +180,7 @@ fn fractions_of_the_cell_become_places() {
     let expected = [-5.0, 10.0 * f64::sqrt(0.75), 7.5];
     // The cosine of 120 degrees and a few products of numbers below 16.
     assert!(frame.positions[1].iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{:?}", frame.positions[1]);
-    assert!(frame.skipped.assumed.iter().any(|said| said.contains("symmetry")), "{:?}", frame.skipped);
+    assert!(frame.skipped.assumed.iter().any(|warning| warning.contains("symmetry")), "{:?}", frame.skipped);
     // The cell may follow the atoms.
     assert_eq!(read(&format!("data_x\n{atoms}{cell}"), &options(&[])).expect("atoms")[0].positions, frame.positions);
     assert!(refused(&format!("data_x\n{atoms}"), &options(&[])).contains("fractions of a cell"));
@@ -219,9 +219,12 @@ fn symmetry_fills_the_cell_of_a_small_molecule() {
             assert_eq!(frame.elements, [20, 8, 20, 8, 8], "{tag}");
             assert_eq!(frame.positions[1..], [[1.0; 3], [2.0, 2.0, 0.0], [3.0, 3.0, 1.0], [3.0; 3]]);
             assert_eq!(frame.columns[0].values, [0.0, 0.0, 1.0, 1.0, 2.0]);
-            let said = &frame.skipped.assumed;
-            assert!(said.iter().any(|said| said.starts_with("3 operators make 5 atoms")), "{said:?}");
-            assert!(said.iter().any(|said| said.starts_with("1 virtual site left out (1 `DUM`)")), "{said:?}");
+            let warnings = &frame.skipped.assumed;
+            assert!(warnings.iter().any(|warning| warning.starts_with("3 operators make 5 atoms")), "{warnings:?}");
+            assert!(
+                warnings.iter().any(|warning| warning.starts_with("1 virtual site left out (1 `DUM`)")),
+                "{warnings:?}"
+            );
             let listed = Request { as_listed: true, ..options(&["copy"]) };
             assert_eq!(read(&text, &listed).expect("as listed")[0].positions, [[0.0; 3], [1.0; 3]]);
         }

@@ -175,7 +175,7 @@ impl Tokens {
     }
 
     /// The message about values whose quote is not closed.
-    pub(super) fn said_of_quotes(&mut self) -> Option<String> {
+    pub(super) fn quote_warning(&mut self) -> Option<String> {
         let place = self.first_unclosed.take()?.of(self.file());
         Some(format!("{place}: a quote is not closed, so its value ends with the line"))
     }

@@ -292,7 +292,7 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
     let spaced = "ATOM 1 N MET A 52A 1.0 2.0 3.0 0.5 1.5\nATOM 2 N MET A 52 B 1.0 2.0 3.0 0.5 1.5\n";
     let frame = read_as(Format::Pqr, spaced, &options(&["icode"])).expect("atoms").remove(0);
     assert_eq!(icodes(&frame), ["A", "B"]);
-    for (line, told) in [
+    for (line, message) in [
         (
             "ATOM      1  N    MET     1     -11.921   26.307   10.410\n",
             "text:1:58: radius: expected charge and radius",
@@ -305,7 +305,7 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
         ("ATOM\n", "x: columns 31 to 38 are empty"),
     ] {
         let error = read_as(Format::Pqr, line, &options(&[])).map(drop).expect_err(line).to_string();
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
     }
 }
 

@@ -53,12 +53,12 @@ impl Joined {
                 for bond in around.of(a) {
                     let [low, high] = bonds[*bond as usize].map(|n| n as usize);
                     let b = low + high - a;
-                    let beside = joined.images[a] + frame.images(positions[a], positions[b]);
+                    let image = joined.images[a] + frame.images(positions[a], positions[b]);
                     if joined.parts[b] == NONE {
-                        (joined.parts[b], joined.images[b]) = (part, beside);
+                        (joined.parts[b], joined.images[b]) = (part, image);
                         members.push(b);
                     } else {
-                        is_endless |= joined.images[b] != beside;
+                        is_endless |= joined.images[b] != image;
                     }
                 }
             }
@@ -107,8 +107,8 @@ impl Joined {
                     let other = self.parts[there] as usize;
                     if root_of[other] == NONE && !self.stays[other] {
                         root_of[other] = root as u32;
-                        let beside = self.images[here] + moves[part] + frame.images(positions[here], positions[there]);
-                        moves[other] = beside - self.images[there];
+                        let image = self.images[here] + moves[part] + frame.images(positions[here], positions[there]);
+                        moves[other] = image - self.images[there];
                         members.push(other);
                     }
                 }

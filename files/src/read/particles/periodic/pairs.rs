@@ -11,7 +11,7 @@ pub(super) fn pairs(
     frame: &Edges,
     positions: &[[f64; 3]],
     reaches: &[f32],
-    is_wanted: impl Fn(usize, usize) -> bool + Sync,
+    is_pair: impl Fn(usize, usize) -> bool + Sync,
 ) -> Vec<[u32; 2]> {
     let largest = reaches.par_iter().copied().reduce(|| 0.0, f32::max);
     if largest <= 0.0 {
@@ -24,7 +24,7 @@ pub(super) fn pairs(
             let apart = grid.fractions[b] - grid.fractions[a];
             let apart = frame.edges * (apart - apart.round());
             let most = f64::from(reaches[a] + reaches[b]);
-            b > a && apart.length_squared() <= most * most && is_wanted(a, b)
+            b > a && apart.length_squared() <= most * most && is_pair(a, b)
         };
         let mut found: Vec<u32> = grid.around(a).filter(is_near).collect();
         found.sort_unstable();
@@ -90,11 +90,11 @@ impl Grid {
     fn around(&self, n: usize) -> impl Iterator<Item = u32> {
         let cell = self.cell(n);
         // Two cells are on both sides of each other.
-        let beside = |axis: usize| {
+        let adjacent = |axis: usize| {
             let (side, at) = (self.sides[axis], cell[axis]);
             (0..side.min(3)).map(move |step| (at + side - 1 + step.min(side - 1)) % side)
         };
-        let (xs, ys, zs) = (beside(0), beside(1), beside(2));
+        let (xs, ys, zs) = (adjacent(0), adjacent(1), adjacent(2));
         zs.flat_map(move |z| {
             let xs = xs.clone();
             ys.clone().flat_map(move |y| xs.clone().map(move |x| [x, y, z]))

@@ -86,10 +86,10 @@ impl TableHeader {
             let roles = [Role::Position(0), Role::Position(1), Role::Position(2), Role::Radius].map(Some);
             let (3 | 4, false) = (numbers.len(), numbers.contains(&false)) else { return None };
             let what = if numbers.len() == 3 { "x, y and z" } else { "x, y, z and radius" };
-            let said = format!(
+            let warning = format!(
                 "{place}: the table has no header, so its columns are read as {what}; name them with {COLUMNS}"
             );
-            return Some(header(roles[..numbers.len()].to_vec(), vec![said]));
+            return Some(header(roles[..numbers.len()].to_vec(), vec![warning]));
         }
         let names: Vec<String> = (0..numbers.len()).map(|n| ColumnNames::name_of(None, n)).collect();
         let roles = given.roles(&names).ok()?;
@@ -157,7 +157,7 @@ impl TableHeader {
 fn roles(names: &[String], fixed: &[Option<Role>], axes: &Axes) -> (Vec<Role>, Vec<String>) {
     let fields: Vec<NamedField<'_>> =
         names.iter().map(|name| NamedField { name, count: 1, kind: FieldKind::Text }).collect();
-    let Meanings { fields, said, .. } = meanings(&fields);
+    let Meanings { fields, warnings, .. } = meanings(&fields);
     let found = fields.concat().into_iter().map(|(_, role)| role);
     let is_given = |role: Role| fixed.contains(&Some(role));
     let length = is_given(Role::Radius) || is_given(Role::Diameter);
@@ -168,7 +168,7 @@ fn roles(names: &[String], fixed: &[Option<Role>], axes: &Axes) -> (Vec<Role>, V
     };
     let roles =
         names.iter().zip(found).zip(fixed).map(|((name, found), fixed)| fixed.unwrap_or_else(|| own(name, found)));
-    (roles.collect(), if fixed.iter().flatten().count() == 0 { said } else { Vec::new() })
+    (roles.collect(), if fixed.iter().flatten().count() == 0 { warnings } else { Vec::new() })
 }
 
 /// The meaning of a column, where lengths have the unit of these axes; without units it is `found`.

@@ -56,7 +56,7 @@ pub(super) fn unpack(
     let length = |range: u64| u64::BITS - range.leading_zeros();
     let all = ranges.iter().map(|range| u128::from(*range)).product::<u128>();
     let together = if apart { 0 } else { u128::BITS - all.leading_zeros() };
-    let mut bits = Bits { bytes: packed.bytes, held: 0, count: 0 };
+    let mut bits = Bits { bytes: packed.bytes, buffer: 0, count: 0 };
     let mut small = Small::of(i64::from(packed.small))?;
     let (mut positions, mut run) = (Vec::new(), 0);
     while (positions.len() as u64) < count {
@@ -119,7 +119,7 @@ impl Small {
 struct Bits<'a> {
     bytes: &'a [u8],
     /// The last bytes, of which the lowest `count` bits were not taken yet.
-    held: u64,
+    buffer: u64,
     count: u32,
 }
 
@@ -130,10 +130,10 @@ impl Bits<'_> {
             let Some((byte, rest)) = self.bytes.split_first() else {
                 return Err(Fault::Damaged("the compressed bytes end before the last position".into()));
             };
-            (self.held, self.bytes, self.count) = (self.held << 8 | u64::from(*byte), rest, self.count + 8);
+            (self.buffer, self.bytes, self.count) = (self.buffer << 8 | u64::from(*byte), rest, self.count + 8);
         }
         self.count -= bits;
-        Ok(self.held >> self.count & ((1 << bits) - 1))
+        Ok(self.buffer >> self.count & ((1 << bits) - 1))
     }
 
     /// Three numbers below `ranges` as one number of `bits` bits, at most 72: the last is the remainder by its range.

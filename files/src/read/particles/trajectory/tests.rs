@@ -268,8 +268,8 @@ fn a_topology_gives_elements_and_columns_and_the_trajectory_what_moves() {
     assert_eq!(still.has, ["serial"], "velocities and image flags of another frame are left out");
     for (atoms, listed, places) in [(2, 0, vec![]), (4, 0, vec![]), (1, 2, vec![0]), (4, 5, vec![0, 1, 2, 4])] {
         let error = read(&bytes, topology(atoms, listed, places)).map(drop).expect_err("other atoms").to_string();
-        let told = format!("the trajectory has 3 atoms, the topology atoms.gro has {atoms}");
-        assert!(error.starts_with("text: number of atoms: ") && error.contains(&told), "{error}");
+        let message = format!("the trajectory has 3 atoms, the topology atoms.gro has {atoms}");
+        assert!(error.starts_with("text: number of atoms: ") && error.contains(&message), "{error}");
     }
 }
 
@@ -287,7 +287,7 @@ fn errors_name_the_byte() {
         bytes
     };
     let short = |bytes: Vec<u8>| bytes[..bytes.len() - 1].to_vec();
-    for (format, bytes, told) in [
+    for (format, bytes, message) in [
         (Format::Xtc, vec![0, 0, 7], "byte 0: magic number: the file ends after 3 of 4 bytes"),
         (Format::Xtc, with(xtc(), 0, 7), "byte 0: magic number: a frame begins with 7"),
         (Format::Xtc, with(xtc(), 4, -1), "byte 4: number of atoms: -1 atoms"),
@@ -314,8 +314,8 @@ fn errors_name_the_byte() {
         (Format::Dcd, wide(196, 16), "x: expected a record of 12 bytes, found 16"),
         (Format::Dcd, short(little()), "z: the file ends after 3 of 4 bytes"),
     ] {
-        let error = frames(format, &bytes, &["vx"]).map(drop).expect_err(told).to_string();
-        assert!(error.starts_with("text: ") && error.contains(told), "{told}: {error}");
+        let error = frames(format, &bytes, &["vx"]).map(drop).expect_err(message).to_string();
+        assert!(error.starts_with("text: ") && error.contains(message), "{message}: {error}");
     }
 }
 
@@ -367,13 +367,13 @@ fn only_trajectories_take_a_topology() {
     assert_eq!(sequence.files(), std::slice::from_ref(&atoms));
     let scene_frame = sequence.next_scene().expect("read").expect("a frame").scene;
     assert_eq!((scene_frame.spheres.radii[0], scene_frame.spheres.centers[1]), (1.52, [0.96, -2.88, -0.02]));
-    for (path, topology, told) in [
+    for (path, topology, message) in [
         (&atoms, &atoms, "xyz files contain their atoms and take no topology"),
         (&scene, &atoms, "nff files contain their atoms"),
         (&moved, &moved, "is a trajectory, which has positions only"),
         (&moved, &scene, "is a scene, not a particle file"),
     ] {
-        let error = open(path, topology).map(drop).expect_err(told);
-        assert!(error.contains(told), "{error}");
+        let error = open(path, topology).map(drop).expect_err(message);
+        assert!(error.contains(message), "{error}");
     }
 }

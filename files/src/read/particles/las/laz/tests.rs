@@ -31,7 +31,7 @@ const NAMES: [&str; 9] = [
 ];
 
 fn read(bytes: &[u8]) -> Result<Particles> {
-    las::read(SceneSource::of_bytes(bytes), &Request::of(&NAMES)).map(Particles::lit)
+    las::read(SceneSource::of_bytes(bytes), &Request::of(&NAMES)).map(Particles::linearized)
 }
 
 /// Position, columns and colour of point `n`.
@@ -102,7 +102,7 @@ fn a_file_that_ends_within_its_points_is_refused() {
 fn what_is_not_read_says_why() {
     let bytes = SAMPLES[3].1;
     let record = bytes.windows(14).position(|part| part == b"laszip encoded").expect("the record") - 2 + 54;
-    for (at, value, told) in [
+    for (at, value, message) in [
         (record, 7, "record of LASzip: compressor 7 in version 2 of this point format; decompress the file"),
         (record + 2, 1, "coder 1"),
         (record + 12, 0, "chunks of several sizes"),
@@ -117,7 +117,7 @@ fn what_is_not_read_says_why() {
         let mut damaged = bytes.to_vec();
         damaged[at] = value;
         // Chunks of 16 points: the second byte stays 0.
-        let error = read(&damaged).map(drop).expect_err(told).to_string();
-        assert!(error.contains(told), "{told}: {error}");
+        let error = read(&damaged).map(drop).expect_err(message).to_string();
+        assert!(error.contains(message), "{message}: {error}");
     }
 }

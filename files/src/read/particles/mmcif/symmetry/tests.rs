@@ -134,7 +134,7 @@ fn sites_of_several_elements_are_counted() {
 fn without_operators_atoms_are_as_listed() {
     let cube = Cell { origin: [0.0; 3], edges: [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]] };
     let place = [[-0.25, 1.5, 0.5]];
-    for (operators, name, said) in [
+    for (operators, name, message) in [
         (&["x,y,z"][..], "P 1", None),
         (&[], "P 1", None),
         (&["x,y,z"], "F m -3 m", None),
@@ -144,8 +144,8 @@ fn without_operators_atoms_are_as_listed() {
         let found = filled(&symmetry(operators, name), &cube, &place).expect("as listed");
         assert_eq!(found.positions, [[-1.0, 6.0, 2.0]], "{name}");
         let assumed = found.skipped.assumed;
-        assert_eq!(assumed.len(), usize::from(said.is_some()), "{name}: {assumed:?}");
-        assert!(said.is_none_or(|said| assumed[0].starts_with(said)), "{assumed:?}");
+        assert_eq!(assumed.len(), usize::from(message.is_some()), "{name}: {assumed:?}");
+        assert!(message.is_none_or(|message| assumed[0].starts_with(message)), "{assumed:?}");
     }
     let listed = Particles { positions: place.to_vec(), elements: vec![6], ..Particles::default() };
     let found = symmetry(&["x,y,z", "-x,-y,-z"], "P -1")
@@ -157,13 +157,13 @@ fn without_operators_atoms_are_as_listed() {
 #[test]
 fn an_invalid_symmetry_operation_is_refused() {
     let cube = Cell { origin: [0.0; 3], edges: [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]] };
-    for (operators, told) in [
+    for (operators, message) in [
         (vec!["x,y,z", "x,y"], "`x,y` is not a symmetry operator"),
         (vec!["2x,y,z"], "`2x,y,z` is not a symmetry operator"),
         (vec!["x,y,z"; MOST + 1], "more than 192 symmetry operators"),
     ] {
-        let error = filled(&symmetry(&operators, ""), &cube, &[[0.0; 3]]).map(drop).expect_err(told).to_string();
-        assert!(error.contains(told), "{error}");
+        let error = filled(&symmetry(&operators, ""), &cube, &[[0.0; 3]]).map(drop).expect_err(message).to_string();
+        assert!(error.contains(message), "{error}");
     }
     // Duplicate operators have no effect.
     assert_eq!(filled(&symmetry(&["-x,-y,-z"; 3], ""), &cube, &[[0.1; 3]]).expect("filled").positions.len(), 2);

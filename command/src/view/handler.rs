@@ -20,7 +20,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::report::Report;
 use halfline::render::Renderer;
 use halfline::settings::{Backend, Settings};
-use halfline_files::read::{Format, Mark, SceneFrame, Selection};
+use halfline_files::read::{Focus, Format, SceneFrame, Selection};
 use halfline_files::write::file::Target;
 use halfline_viewer::{
     Answer, Commands, FrameRequest, GoOn, Mode, PickRequest, Picture, Pixels, Pose, Refusal, SceneRequest, Stage,
@@ -32,10 +32,10 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The file that a page shows, its cached frames, and the renderers of pictures and of picks.
-pub(super) struct Desk {
+pub(super) struct ViewHandler {
     given: Given,
     /// `None` until the first frame was read.
-    book: Mutex<Option<Book>>,
+    session: Mutex<Option<Session>>,
     read: Condvar,
     renderer: Mutex<Option<Renderer>>,
     /// A renderer for picks alone, so that they do not wait for a picture.
@@ -44,7 +44,7 @@ pub(super) struct Desk {
 }
 
 /// The file after its first frame was read: the parser of options, cached frames, and the summary of the scene.
-struct Book {
+struct Session {
     parser: Parser,
     /// The frames with the colours of the command line, and those with a selection.
     plain: Frames,
@@ -60,21 +60,21 @@ struct Book {
 }
 
 /// A picture that is ready to render.
-struct Posed {
+struct RenderJob {
     args: SceneArgs,
     picture: PictureScene,
     settings: Settings,
     targets: Vec<Target>,
 }
 
-impl Desk {
+impl ViewHandler {
     /// # Errors
     /// Errors of [`Renderer::new`] on the CPU path.
     pub(super) fn new(given: Given) -> Result<Self> {
         let own = Settings { backend: Backend::Cpu, ..Settings::default() };
         Ok(Self {
             given,
-            book: Mutex::default(),
+            session: Mutex::default(),
             read: Condvar::new(),
             renderer: Mutex::default(),
             picker: Mutex::new(Renderer::new(&own)?),
@@ -101,12 +101,12 @@ impl Desk {
         *lock(&self.renderer) = Some(renderer);
         let rest = plain.count();
         let is_numbered = self.given.frame.is_some() || plain.total != Some(1);
-        *lock(&self.book) = Some(Book { parser, plain, selected: None, summary, record, first, is_numbered });
+        *lock(&self.session) = Some(Session { parser, plain, selected: None, summary, record, first, is_numbered });
         self.read.notify_all();
         if let Some(total) = rest.and_then(Count::end)
-            && let Some(book) = lock(&self.book).as_mut()
+            && let Some(session) = lock(&self.session).as_mut()
         {
-            book.plain.total = Some(total);
+            session.plain.total = Some(total);
         }
         Ok(())
     }
@@ -115,8 +115,8 @@ impl Desk {
     fn read_first(&self, mut frames: Frames, args: &SceneArgs) -> Result<(Frames, Value, Option<CameraRecord>, u64)> {
         let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let first = self.given.frame.unwrap_or(1);
-        let held = frames.held_camera(first)?;
-        let (picture, pose) = first_picture(args, without_columns(frames.framed(first)?), record.as_ref(), held)?;
+        let fixed = frames.fixed_camera(first)?;
+        let (picture, pose) = first_picture(args, without_columns(frames.framed(first)?), record.as_ref(), fixed)?;
         let mut summary = summary::of(&self.given.scene, frames.get(first)?, &picture, &pose)?;
         summary["format"] = json!(frames.format.map(Format::name));
         summary["sized"] = json!(args.image.size.is_some() || record.is_some());
@@ -128,30 +128,30 @@ impl Desk {
     }
 
     /// The camera of the first picture in another size, which is the page's.
-    fn resized(&self, book: &mut Book, [width, height]: [u32; 2]) -> Result<Pose> {
+    fn resized(&self, session: &mut Session, [width, height]: [u32; 2]) -> Result<Pose> {
         let mut options = self.given.initial();
         options.push(GivenOption::new("size", Some(format!("{width}x{height}").into())));
-        let args = book.parser.args(&self.given.words(&options))?;
-        let held = book.plain.held_camera(book.first)?;
-        let frame = without_columns(book.plain.framed(book.first)?);
-        first_picture(&args, frame, book.record.as_ref(), held).map(|(_, pose)| pose)
+        let args = session.parser.args(&self.given.words(&options))?;
+        let fixed = session.plain.fixed_camera(session.first)?;
+        let frame = without_columns(session.plain.framed(session.first)?);
+        first_picture(&args, frame, session.record.as_ref(), fixed).map(|(_, pose)| pose)
     }
 
     /// Waits until the first frame was read, then runs `work` on the file.
-    fn with<T>(&self, work: impl FnOnce(&mut Book) -> Result<T>) -> Answer<T> {
-        let mut book = lock(&self.book);
+    fn with<T>(&self, work: impl FnOnce(&mut Session) -> Result<T>) -> Answer<T> {
+        let mut session = lock(&self.session);
         loop {
-            if let Some(book) = book.as_mut() {
-                return work(book).map_err(|error| refusal(&error));
+            if let Some(session) = session.as_mut() {
+                return work(session).map_err(|error| refusal(&error));
             }
-            book = self.read.wait(book).unwrap_or_else(PoisonError::into_inner);
+            session = self.read.wait(session).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
     /// A request whose frame is named where pictures name it.
-    fn numbered(book: &Book, request: &FrameRequest) -> FrameRequest {
-        let frame = request.frame.filter(|frame| book.is_numbered || *frame != 1);
-        FrameRequest { frame: frame.or(book.is_numbered.then_some(book.first)), ..request.clone() }
+    fn numbered(session: &Session, request: &FrameRequest) -> FrameRequest {
+        let frame = request.frame.filter(|frame| session.is_numbered || *frame != 1);
+        FrameRequest { frame: frame.or(session.is_numbered.then_some(session.first)), ..request.clone() }
     }
 
     /// The words of the command that renders the picture of a request.
@@ -162,43 +162,43 @@ impl Desk {
     }
 
     /// The picture of a request.
-    fn posed(&self, book: &mut Book, request: &FrameRequest) -> Result<Posed> {
-        let request = Self::numbered(book, request);
-        let args = book.parser.args(&self.words(&request))?;
-        let frame = self.frame_of(book, request.select.as_deref(), request.frame)?;
+    fn render_job(&self, session: &mut Session, request: &FrameRequest) -> Result<RenderJob> {
+        let request = Self::numbered(session, request);
+        let args = session.parser.args(&self.words(&request))?;
+        let frame = self.frame_of(session, request.select.as_deref(), request.frame)?;
         let frame = without_columns(frame);
-        let picture = posed(&args, frame, book.record.as_ref().and_then(CameraRecord::lens_size))?;
+        let picture = posed(&args, frame, session.record.as_ref().and_then(CameraRecord::lens_size))?;
         let targets = args.files.targets(picture.number)?;
         let settings = args.settings(&targets);
-        Ok(Posed { args, picture, settings, targets })
+        Ok(RenderJob { args, picture, settings, targets })
     }
 
     /// A frame that was read, with the colours of a selection.
     fn frame_of<'a>(
         &self,
-        book: &'a mut Book,
+        session: &'a mut Session,
         select: Option<&str>,
         number: Option<u64>,
     ) -> Result<&'a mut SceneFrame> {
-        let number = number.unwrap_or(book.first);
-        let Some(selection) = select else { return book.plain.get(number) };
+        let number = number.unwrap_or(session.first);
+        let Some(selection) = select else { return session.plain.get(number) };
         let words = self.given.words(&self.given.selected(selection));
-        let selected = match book.selected.take().filter(|selected| selected.are_of(&words)) {
+        let selected = match session.selected.take().filter(|selected| selected.are_of(&words)) {
             Some(selected) => selected,
-            None => Frames::new(words.clone(), book.parser.args(&words)?),
+            None => Frames::new(words.clone(), session.parser.args(&words)?),
         };
-        book.selected.insert(selected).get(number)
+        session.selected.insert(selected).get(number)
     }
 
     /// The pixels of a picture and its report, by a renderer that ends its work when `go_on` says so.
-    fn render(&self, posed: &Posed, request: &FrameRequest, go_on: &GoOn) -> Result<(Pixels, Report)> {
+    fn render(&self, job: &RenderJob, request: &FrameRequest, go_on: &GoOn) -> Result<(Pixels, Report)> {
         let mut renderer = lock(&self.renderer);
         let Some(idle) = renderer.take() else {
             return Err(Error::settings("the renderer failed before", "start the command again"));
         };
-        let wanted = GoOn::clone(go_on);
-        let renderer = renderer.insert(idle.watched_by(watch().while_true(move || wanted())));
-        let Posed { args, picture, settings, targets } = posed;
+        let go_on = GoOn::clone(go_on);
+        let renderer = renderer.insert(idle.watched_by(watch().while_true(move || go_on())));
+        let RenderJob { args, picture, settings, targets } = job;
         match request.mode {
             Mode::Move => {
                 let settings = args.settings_for(picture, settings, targets)?;
@@ -222,13 +222,13 @@ impl Desk {
     }
 }
 
-impl Stage for Desk {
+impl Stage for ViewHandler {
     fn scene(&self, request: &SceneRequest) -> Answer<Value> {
-        self.with(|book| {
-            let mut summary = book.summary.clone();
-            summary["frames"] = if book.is_numbered { json!(book.plain.total) } else { json!(1) };
+        self.with(|session| {
+            let mut summary = session.summary.clone();
+            summary["frames"] = if session.is_numbered { json!(session.plain.total) } else { json!(1) };
             if let Some(size) = request.size.filter(|_| summary["sized"] == false) {
-                summary["camera"] = json!(self.resized(book, size)?);
+                summary["camera"] = json!(self.resized(session, size)?);
                 summary["size"] = json!(size);
             }
             Ok(summary)
@@ -236,14 +236,14 @@ impl Stage for Desk {
     }
 
     fn fit(&self, request: &FrameRequest) -> Answer<Value> {
-        self.with(|book| {
-            let args = book.parser.args(&self.given.words(&self.given.fitted(request)))?;
-            let number = Self::numbered(book, request).frame;
-            let frame = self.frame_of(book, request.select.as_deref(), number)?;
+        self.with(|session| {
+            let args = session.parser.args(&self.given.words(&self.given.fitted(request)))?;
+            let number = Self::numbered(session, request).frame;
+            let frame = self.frame_of(session, request.select.as_deref(), number)?;
             let marks = match &args.camera.focus {
                 Some(selection) => {
                     let (mask, notes) = frame.columns.select(selection, &frame.scene.spheres)?;
-                    vec![Mark { text: selection.to_string(), spheres: frame.scene.spheres.part(&mask), notes }]
+                    vec![Focus { text: selection.to_string(), spheres: frame.scene.spheres.part(&mask), notes }]
                 }
                 None => Vec::new(),
             };
@@ -254,12 +254,12 @@ impl Stage for Desk {
 
     fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>> {
         let start = Instant::now();
-        let posed = self.with(|book| self.posed(book, request))?;
-        let (pixels, report) = match self.render(&posed, request, go_on) {
+        let job = self.with(|session| self.render_job(session, request))?;
+        let (pixels, report) = match self.render(&job, request, go_on) {
             Err(Error::Interrupted) => return Ok(None),
             done => done.map_err(|error| refusal(&error))?,
         };
-        let unit = lens::unit(&posed.picture.scene.camera, request.size).map_err(|error| refusal(&error))?;
+        let unit = lens::unit(&job.picture.scene.camera, request.size).map_err(|error| refusal(&error))?;
         let mut info = summary::of_picture(&report);
         let ms = (start.elapsed().as_secs_f64() * 1e5).round() / 100.0;
         for (name, value) in [("seq", json!(request.seq)), ("unit", json!(unit)), ("ms", json!(ms))] {
@@ -280,16 +280,16 @@ impl Stage for Desk {
             samples: Some(1),
             mode: Mode::Still,
         };
-        let Posed { picture, settings, .. } = self.with(|book| self.posed(book, &of))?;
+        let RenderJob { picture, settings, .. } = self.with(|session| self.render_job(session, &of))?;
         let mut picker = lock(&self.picker);
         let mut found = pick(&mut picker, &picture.scene, &settings, [x, y]).map_err(|error| refusal(&error))?;
         drop(picker);
         if let Some(picked) = found.as_object_mut()
             && let Some(id) = picked.get("id").and_then(Value::as_u64).and_then(|id| usize::try_from(id).ok())
         {
-            self.with(|book| {
-                let number = Self::numbered(book, &of).frame;
-                let frame = self.frame_of(book, select.as_deref(), number)?;
+            self.with(|session| {
+                let number = Self::numbered(session, &of).frame;
+                let frame = self.frame_of(session, select.as_deref(), number)?;
                 describe(picked, &frame.columns, id);
                 let to_other = |from: u64| {
                     let other = usize::try_from(from).ok()?;
@@ -304,23 +304,23 @@ impl Stage for Desk {
     }
 
     fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value> {
-        self.with(|book| {
+        self.with(|session| {
             let selection: Selection = expr.parse()?;
-            let shown = book.plain.get(frame.unwrap_or(book.first))?;
+            let shown = session.plain.get(frame.unwrap_or(session.first))?;
             let (mask, notes) = shown.columns.select(&selection, &shown.scene.spheres)?;
             let mask = &mask[..mask.len() - shown.beads];
             let (count, of) = (mask.iter().filter(|is| **is).count(), mask.len());
-            let legend = self.frame_of(book, Some(expr), frame)?.legend.clone();
+            let legend = self.frame_of(session, Some(expr), frame)?.legend.clone();
             Ok(json!({ "count": count, "of": of, "legend": summary::legend(legend.as_ref())?, "notes": notes }))
         })
     }
 
     fn command(&self, request: &FrameRequest) -> Answer<Commands> {
-        self.with(|book| {
-            let request = Self::numbered(book, request);
+        self.with(|session| {
+            let request = Self::numbered(session, request);
             let words = self.words(&request);
             // What the command would refuse is an error here.
-            book.parser.args(&words)?;
+            session.parser.args(&words)?;
             let options = self.given.with_preferences(self.given.options_of(&request));
             let python = python::lines(&self.given.scene, &self.given.output(), &options, &request);
             Ok(Commands { shell: line(&words)?, python })
@@ -328,10 +328,12 @@ impl Stage for Desk {
     }
 
     fn progress(&self, wait: Duration) -> Answer<Value> {
-        let book = lock(&self.book);
-        let (book, _) =
-            self.read.wait_timeout_while(book, wait, |book| book.is_none()).unwrap_or_else(PoisonError::into_inner);
-        let (state, text) = match *book {
+        let session = lock(&self.session);
+        let (session, _) = self
+            .read
+            .wait_timeout_while(session, wait, |session| session.is_none())
+            .unwrap_or_else(PoisonError::into_inner);
+        let (state, text) = match *session {
             Some(_) => ("ready", String::new()),
             None => ("loading", format!("reading {}", self.given.scene.to_string_lossy())),
         };
@@ -344,10 +346,10 @@ fn first_picture(
     args: &SceneArgs,
     frame: SceneFrame,
     record: Option<&CameraRecord>,
-    held: Option<Camera>,
+    fixed: Option<Camera>,
 ) -> Result<(PictureScene, Pose)> {
     let pivot = args.camera.pivot(&frame)?;
-    let picture = framed(args, frame, record, held)?;
+    let picture = framed(args, frame, record, fixed)?;
     let pose = lens::pose(&picture.scene, pivot)?;
     Ok((picture, pose))
 }

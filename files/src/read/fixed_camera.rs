@@ -8,17 +8,17 @@ use halfline::progress::Watch;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::camera::Camera;
 
-/// The camera that the frames of a film have. Every frame passes [`HeldCamera::see`] with the spheres of the file and, once
-/// they are arranged, [`HeldCamera::apply`]; so do frames that only set what the others are held to
+/// The camera that the frames of a film have. Every frame passes [`FixedCamera::see`] with the spheres of the file and, once
+/// they are arranged, [`FixedCamera::apply`]; so do frames that only set what the others are held to
 /// ([`Sequence::unselected_first`](super::Sequence::unselected_first)).
 #[derive(Debug, Clone)]
-pub struct HeldCamera {
+pub struct FixedCamera {
     holds: bool,
     camera: Option<Camera>,
     middle: Option<DVec3>,
 }
 
-impl HeldCamera {
+impl FixedCamera {
     /// `holds`: whether the first frame with spheres sets the camera of the following ones.
     #[must_use]
     pub fn new(holds: bool) -> Self {
@@ -114,12 +114,12 @@ mod tests {
     /// The eyes of the frames, of which the half space x <= 10 is drawn.
     fn eyes(holds: bool, frames: &[&[f64]]) -> Vec<f64> {
         let arrangement = Arrangement { clip: vec![[1.0, 0.0, 0.0, 10.0]], ..Arrangement::default() };
-        let (watch, mut held) = (Watch::default(), HeldCamera::new(holds));
+        let (watch, mut fixed) = (Watch::default(), FixedCamera::new(holds));
         let eye = |(number, places): (u64, &&[f64])| {
             let mut frame = frame(number, places);
-            held.see(&mut frame, &arrangement, &watch, framed).expect("a camera");
+            fixed.see(&mut frame, &arrangement, &watch, framed).expect("a camera");
             arrangement.apply(&mut frame.scene.spheres, None, &watch).expect("spheres");
-            held.apply(&mut frame, framed).expect("a camera");
+            fixed.apply(&mut frame, framed).expect("a camera");
             frame.scene.camera.eye.x
         };
         (1..).zip(frames).map(eye).collect()

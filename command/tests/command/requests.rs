@@ -43,20 +43,20 @@ fn planes_that_remove_all_say_so() {
     for cell in ["", "--cell", "--cell=0.2", "--cell --copies 2,1,1", "--copies 2,1,1"] {
         for plane in all {
             let done = dir.render(&format!("cell.xyz --clip {plane} {cell} --size 16x12 -o a.png --json"));
-            let said = done.json()["warnings"].to_string();
+            let warnings = done.json()["warnings"].to_string();
             assert!(
-                said.contains("removes all 2 spheres") && done.err.contains("removes all"),
-                "{plane} {cell}: {said}"
+                warnings.contains("removes all 2 spheres") && done.err.contains("removes all"),
+                "{plane} {cell}: {warnings}"
             );
         }
         let kept = dir.render(&format!("cell.xyz --clip 1,0,0,1.5 {cell} --size 16x12 -o a.png")).err;
         assert!(!kept.contains("removes all"), "{cell}: {kept}");
     }
-    let seen = "--eye 0,0,9 --at 0,0,0 --size 16x12";
-    let copied = dir.render(&format!("cell.xyz --stream --copies 2,1,1 {seen} --clip 1,0,0,-9 -o a.png")).err;
+    let camera = "--eye 0,0,9 --at 0,0,0 --size 16x12";
+    let copied = dir.render(&format!("cell.xyz --stream --copies 2,1,1 {camera} --clip 1,0,0,-9 -o a.png")).err;
     assert!(copied.contains("removes all 2 spheres"), "{copied}");
-    let streamed = dir.render(&format!("t.csv --radius 1 --stream {seen} --clip 1,0,0,-9 -o a.png")).err;
-    let sifted = dir.good(&format!("sift t.csv --radius 1 --first-id 0 {seen} --clip 1,0,0,-9 -o a.npz")).err;
+    let streamed = dir.render(&format!("t.csv --radius 1 --stream {camera} --clip 1,0,0,-9 -o a.png")).err;
+    let sifted = dir.good(&format!("sift t.csv --radius 1 --first-id 0 {camera} --clip 1,0,0,-9 -o a.npz")).err;
     assert!(
         streamed.contains("removes all 4 spheres") && sifted.contains("removes all 4 spheres"),
         "{streamed} {sifted}"
@@ -64,20 +64,20 @@ fn planes_that_remove_all_say_so() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_said() {
+fn what_cannot_be_drawn_is_reported() {
     let dir = dir();
     for legend in ["--legend l.svg", "--legend l.png", "--legend-in"] {
         let option = legend.split(' ').next().expect("an option");
-        let said = |options: &str| dir.render(&format!("t.csv {options} --size 300x200 {legend} -o a.png")).err;
+        let stderr = |options: &str| dir.render(&format!("t.csv {options} --size 300x200 {legend} -o a.png")).err;
         for (options, why) in [
             ("--color-by q", "no value of q is a number; --range LOW,HIGH"),
             ("--color-by q --log", "no value of q is a number; --range LOW,HIGH"),
             ("--color-by kind --select=x>9", "there are no spheres"),
         ] {
-            let err = said(options);
+            let err = stderr(options);
             assert!(err.contains(&format!("warning: {option}: there is no legend, because {why}")), "{options}: {err}");
         }
-        assert!(!said("--color-by q --range 0,1").contains("no legend"), "{legend}");
+        assert!(!stderr("--color-by q --range 0,1").contains("no legend"), "{legend}");
     }
     let frames =
         dir.render("run.dump --frames 2 --color-by q --log --range 1,9 --legend l%d.svg --size 16x12 -o a.png").err;
@@ -106,7 +106,7 @@ fn a_name_is_numbered_only_where_it_has_a_place() {
 
 /// Frame 1 has no column `q`.
 #[test]
-fn a_frame_needs_nothing_of_frames_that_are_not_asked_for() {
+fn a_frame_needs_nothing_of_frames_that_are_not_requested() {
     let dir = dir();
     for options in [
         "--color-by q --range 0,9",
@@ -405,7 +405,7 @@ fn a_word_that_is_nearly_right_is_named() {
 }
 
 #[test]
-fn the_list_of_cameras_has_a_folder_or_is_said_to_have_none() {
+fn the_list_of_cameras_has_a_folder_or_is_reported_to_have_none() {
     let dir = dir();
     dir.put("one.json", r#"[{"eye":[0,0,9],"at":[0,0,0],"up":[0,1,0],"vfov":40}]"#);
     let of = |output: &str| dir.render(&format!("t.csv --cameras one.json --size 16x12 -o {output}")).err;
@@ -414,7 +414,7 @@ fn the_list_of_cameras_has_a_folder_or_is_said_to_have_none() {
 }
 
 #[test]
-fn frames_that_the_file_does_not_have_are_said() {
+fn frames_that_the_file_does_not_have_are_reported() {
     let dir = dir();
     for (frames, is_short) in
         [("1-2", false), ("1-3", true), ("2,7", true), ("1-", false), ("1-2,5-", false), ("2", false)]
@@ -456,13 +456,13 @@ fn the_legend_of_selections_is_headed_by_what_it_has() {
 
 /// Rules that give every particle its radius need no other; beads of a cell are no spheres of the scene.
 #[test]
-fn what_is_said_about_spheres_is_true() {
+fn what_is_reported_about_spheres_is_true() {
     let dir = dir();
     for (rules, expected) in [("--radius=x>=0=0.4", None), ("--radius=x<1=0.4", Some(18)), ("", Some(27))] {
         let err = dir.render(&format!("run.dump {rules} --size 16x12 -o a.png")).err;
-        let said = expected.map(|count| format!("{count} particles have no radius"));
-        assert_eq!(err.contains("no radius"), said.is_some(), "{rules}: {err}");
-        assert!(said.is_none_or(|said| err.contains(&said)), "{rules}: {err}");
+        let warning = expected.map(|count| format!("{count} particles have no radius"));
+        assert_eq!(err.contains("no radius"), warning.is_some(), "{rules}: {err}");
+        assert!(warning.is_none_or(|warning| err.contains(&warning)), "{rules}: {err}");
     }
     dir.render("run.dump --stream --radius=x>=0=0.4 --eye 0,0,9 --at 0,0,0 --size 16x12 -o a.png");
     dir.refused_render(2, "run.dump --stream --radius=x<1=0.4 --eye 0,0,9 --at 0,0,0 -o a.png", &["no radii"]);
@@ -495,13 +495,13 @@ fn names_that_are_not_text_are_never_other_names() {
         let output = command.arg(name(".csv")).arg("-o").arg(name(output)).output().expect("halfline runs");
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
-    let seen = "--radius 1 --size 16x12";
-    let picture = format!("render --backend cpu {seen}");
+    let camera = "--radius 1 --size 16x12";
+    let picture = format!("render --backend cpu {camera}");
     assert_eq!(run(&picture, ".png").0, Some(0));
     assert!(dir.path("").join(name(".png")).exists());
     for (words, ending, expected) in [
         (format!("{picture} --cameras one.json"), ".png", "cameras.json cannot name it"),
-        (format!("sift {seen} --first-id 0 --eye 0,0,9 --at 0,0,0 --json"), ".npz", "--json cannot name it"),
+        (format!("sift {camera} --first-id 0 --eye 0,0,9 --at 0,0,0 --json"), ".npz", "--json cannot name it"),
         (format!("{picture} --spin 2"), "%d.png", "not UTF-8"),
     ] {
         let (before, (code, err)) = (dir.files(), run(&words, ending));

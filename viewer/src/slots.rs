@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 /// The activity of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Doing {
+pub(crate) enum ConnectionState {
     Waiting,
     /// It receives a request, or gets a file of the page, for which anyone may ask.
     Reading,
@@ -15,29 +15,29 @@ pub(crate) enum Doing {
     Working,
 }
 
-struct Place {
+struct Slot {
     number: u64,
     stream: Arc<TcpStream>,
-    doing: Doing,
+    state: ConnectionState,
     /// When it was opened or, with the token, when it was last used.
     since: Instant,
     /// Whether it has shown the token.
     has_token: bool,
 }
 
-impl Place {
+impl Slot {
     /// The order of eviction, the smallest first: connections without the token, then the oldest; `None` for one at
     /// work.
     fn rank(&self) -> Option<(bool, Instant)> {
-        (self.doing != Doing::Working).then_some((self.has_token, self.since))
+        (self.state != ConnectionState::Working).then_some((self.has_token, self.since))
     }
 }
 
 /// The open connections.
-pub(crate) struct Places(Mutex<List>);
+pub(crate) struct Slots(Mutex<List>);
 
 struct List {
-    places: Vec<Place>,
+    slots: Vec<Slot>,
     next: u64,
     /// When the stage last began or ended to work.
     used: Instant,
@@ -48,13 +48,13 @@ const WORKING: usize = 8;
 
 impl List {
     fn working(&self) -> usize {
-        self.places.iter().filter(|place| place.doing == Doing::Working).count()
+        self.slots.iter().filter(|slot| slot.state == ConnectionState::Working).count()
     }
 }
 
-impl Places {
+impl Slots {
     pub(crate) fn new() -> Self {
-        Self(Mutex::new(List { places: Vec::new(), next: 0, used: Instant::now() }))
+        Self(Mutex::new(List { slots: Vec::new(), next: 0, used: Instant::now() }))
     }
 
     fn lock(&self) -> MutexGuard<'_, List> {
@@ -67,33 +67,39 @@ impl Places {
         if list.working() >= WORKING {
             return None;
         }
-        if list.places.len() >= most {
-            let ranks = list.places.iter().enumerate().filter_map(|(n, place)| Some((place.rank()?, n)));
+        if list.slots.len() >= most {
+            let ranks = list.slots.iter().enumerate().filter_map(|(n, slot)| Some((slot.rank()?, n)));
             let (_, n) = ranks.min()?;
             // Its thread reads the end and leaves.
-            let _ = list.places.swap_remove(n).stream.shutdown(Shutdown::Both);
+            let _ = list.slots.swap_remove(n).stream.shutdown(Shutdown::Both);
         }
         list.next += 1;
         let number = list.next;
-        list.places.push(Place { number, stream, doing: Doing::Waiting, since: Instant::now(), has_token: false });
+        list.slots.push(Slot {
+            number,
+            stream,
+            state: ConnectionState::Waiting,
+            since: Instant::now(),
+            has_token: false,
+        });
         Some(number)
     }
 
-    /// Says what a connection does; `false` if its place has been given away, and for work if there is enough of it.
-    pub(crate) fn set(&self, number: u64, doing: Doing) -> bool {
+    /// Says what a connection does; `false` if its slot has been given away, and for work if there is enough of it.
+    pub(crate) fn set(&self, number: u64, state: ConnectionState) -> bool {
         let mut list = self.lock();
         let is_full = list.working() >= WORKING;
-        let Some(place) = list.places.iter_mut().find(|place| place.number == number) else { return false };
-        if place.doing != doing {
-            if doing == Doing::Working && is_full {
+        let Some(slot) = list.slots.iter_mut().find(|slot| slot.number == number) else { return false };
+        if slot.state != state {
+            if state == ConnectionState::Working && is_full {
                 return false;
             }
             let now = Instant::now();
-            let is_used = [place.doing, doing].contains(&Doing::Working);
-            place.has_token |= doing == Doing::Working;
-            place.doing = doing;
-            if place.has_token {
-                place.since = now;
+            let is_used = [slot.state, state].contains(&ConnectionState::Working);
+            slot.has_token |= state == ConnectionState::Working;
+            slot.state = state;
+            if slot.has_token {
+                slot.since = now;
             }
             if is_used {
                 list.used = now;
@@ -105,22 +111,22 @@ impl Places {
     /// The connection ends.
     pub(crate) fn leave(&self, number: u64) {
         // Only here is the end of work that took until the end of the connection.
-        self.set(number, Doing::Waiting);
-        self.lock().places.retain(|place| place.number != number);
+        self.set(number, ConnectionState::Waiting);
+        self.lock().slots.retain(|slot| slot.number != number);
     }
 
     /// Whether nothing was asked for so long.
     pub(crate) fn are_unused_for(&self, time: Duration) -> bool {
         let list = self.lock();
-        list.used.elapsed() >= time && !list.places.iter().any(|place| place.doing == Doing::Working)
+        list.used.elapsed() >= time && !list.slots.iter().any(|slot| slot.state == ConnectionState::Working)
     }
 
     /// Closes all connections: those that wait read the end, and answers that are written fail.
     pub(crate) fn close(&self) {
-        self.lock().places.iter().for_each(|place| drop(place.stream.shutdown(Shutdown::Both)));
+        self.lock().slots.iter().for_each(|slot| drop(slot.stream.shutdown(Shutdown::Both)));
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.lock().places.is_empty()
+        self.lock().slots.is_empty()
     }
 }
