@@ -99,7 +99,7 @@ impl Settler<'_> {
 
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let scene = self.scene;
-        let mut lists: Vec<Lists> = pixels.par_chunks(TOGETHER).map(|pixels| self.candidates(pixels)).collect();
+        let mut lists: Vec<Lists> = pixels.par_chunks(PIXELS_PER_JOB).map(|pixels| self.candidates(pixels)).collect();
         // Only the candidates are set up, in their order, so that the lower id stays the lower.
         let mut ids: Vec<u32> = lists.par_iter().flat_map_iter(Lists::different).collect();
         ids.par_sort_unstable();
@@ -123,7 +123,7 @@ impl Settler<'_> {
                 truth.id = ids[truth.id as usize];
             }
         };
-        settled.par_chunks_mut(TOGETHER).zip(&mut lists).for_each(decide);
+        settled.par_chunks_mut(PIXELS_PER_JOB).zip(&mut lists).for_each(decide);
         Ok(settled)
     }
 }
@@ -195,7 +195,7 @@ fn firsts(spheres: &Spheres) -> Option<Vec<u32>> {
 }
 
 /// Pixels that one job decides.
-const TOGETHER: usize = 256;
+const PIXELS_PER_JOB: usize = 256;
 
 /// Rays of one sphere that are decided together; fewer take less time one by one.
 const SEVERAL: usize = 3;

@@ -294,7 +294,7 @@ pub(crate) fn compose_step(step: Step) -> Source {
 
 /// The sizes that the host and the steps share.
 fn sizes() -> Part {
-    let few = Generals::FEW;
+    let few = Generals::MAX_WITHOUT_LISTS;
     let text = format!(
         "const HOST_SPHERES: u32 = {HOST_SPHERES}u;
 const PIECES: u32 = {PIECES}u;

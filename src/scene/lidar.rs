@@ -92,14 +92,14 @@ impl FromStr for Lidar {
         };
         let (mut rings, mut vfov, mut step) = (None, None, None);
         let (mut turn, mut range) = ([-180.0, 180.0], f64::INFINITY);
-        let mut seen = Vec::new();
+        let mut keys = Vec::new();
         for entry in list.split(',') {
             let (key, value) = entry.split_once('=').unwrap_or((entry, ""));
             let (key, value) = (key.trim(), value.trim());
-            if seen.contains(&key) {
+            if keys.contains(&key) {
                 return Err(wrong(key, "is given twice", "give it once"));
             }
-            seen.push(key);
+            keys.push(key);
             match key {
                 "rings" => rings = Some(value.parse().ok().filter(|n| (1..=MOST_RINGS).contains(n)).ok_or_else(count)?),
                 "vfov" => vfov = Some(interval(value).filter(is_elevation).ok_or_else(elevations)?),
