@@ -67,7 +67,7 @@ pub struct View {
 }
 
 /// The largest range of exponents in one frame that leaves room for the roots.
-const WIDEST: i32 = 240;
+const MAX_EXPONENT_RANGE: i32 = 240;
 
 /// Spheres whose sizes are computed by one job.
 const SPHERES_PER_JOB: usize = 1 << 12;
@@ -252,9 +252,9 @@ pub(crate) fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i3
     };
     let [least, most] = range.map(|bits| dd::exponent(f64::from_bits(bits as u64)));
     // c - e must not overflow, and squares of numbers scaled by 2^-k must not underflow in double-double.
-    if most >= 1000 || most - least > WIDEST {
+    if most >= 1000 || most - least > MAX_EXPONENT_RANGE {
         let problem = format!("sizes and distances from 2^{least} to 2^{most} exceed the range of one frame");
-        let mend = format!("keep them within 2^{WIDEST} of each other and below 2^1000");
+        let mend = format!("keep them within 2^{MAX_EXPONENT_RANGE} of each other and below 2^1000");
         return Err(Error::scene(Place::field("spheres"), problem, mend));
     }
     Ok(middle([least, most]))

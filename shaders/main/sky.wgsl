@@ -48,7 +48,7 @@ const COSINE: f32 = 8.0;
 // Error of the way to a light, in multiples of UNIT and of its length and those of the places that it is made of.
 const AIM: f32 = 4.0;
 // Bound of a direction's relative error, 2^-12: with a larger one the ray is unsure.
-const MOST_TILT: f32 = 2.44140625e-4;
+const MAX_TILT: f32 = 2.44140625e-4;
 
 // The start of all rays of a pixel.
 struct Start {
@@ -105,7 +105,7 @@ fn next_ray(start: Start, number: u32) -> Next {
         let length = sqrt(dot3(way, way));
         let doubt = AIM * UNIT * (length + sqrt(dot3(rest, rest)) + sqrt(dot3(second, second))) + start.blur;
         // 1, so unsure, where the error is too large.
-        tilt = select(1.0, doubt / length * INFLATE, doubt < MOST_TILT * length);
+        tilt = select(1.0, doubt / length * INFLATE, doubt < MAX_TILT * length);
         let size = abs(way);
         let scale = bitcast<u32>(max(max(size.x, size.y), size.z)) & 0x7f800000u;
         d = way * bitcast<f32>(0x7f000000u - scale);

@@ -3,7 +3,7 @@
 
 use super::foremost::Foremost;
 use crate::certify::given::{AnyHit, Bounds, CertifiedRay, HitNumbers};
-use crate::search::tree::lanes::{Lanes, Portable, TASK, Work, dispatch};
+use crate::search::tree::lanes::{Lanes, Portable, RAYS_PER_TASK, Work, dispatch};
 use crate::search::tree::walk::{Test, may_intersect, may_pass, walk};
 use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
@@ -35,7 +35,7 @@ impl Given<'_> {
     /// The answers to the rays with these numbers.
     pub(crate) fn each<Q: Query>(&self, numbers: &[u32]) -> Vec<Q> {
         let mut answers = vec![Q::NONE; numbers.len()];
-        let tasks = answers.par_chunks_mut(TASK).zip(numbers.par_chunks(TASK));
+        let tasks = answers.par_chunks_mut(RAYS_PER_TASK).zip(numbers.par_chunks(RAYS_PER_TASK));
         tasks.for_each(|(answers, numbers)| dispatch(Task { given: self, numbers, answers }));
         answers
     }
@@ -265,7 +265,7 @@ impl<Q: Query> Work for Task<'_, '_, Q> {
     #[inline(always)]
     fn work<L: Lanes>(self, lanes: L) {
         // All at once, since in another order every ray is a wait for memory, and the processor can have many.
-        let mut rays = [GivenRay::default(); TASK];
+        let mut rays = [GivenRay::default(); RAYS_PER_TASK];
         for (ray, &n) in rays.iter_mut().zip(self.numbers) {
             *ray = self.given.rays.ray(n as usize);
         }

@@ -10,7 +10,7 @@ mod point;
 mod surface;
 
 use crate::answers::light::{Chunk, LightBuffers, NOT_CERTIFIED, PixelLight, SETTLED};
-use crate::search::tree::lanes::TASK;
+use crate::search::tree::lanes::RAYS_PER_TASK;
 use crate::view::directions::PixelSample;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
@@ -28,7 +28,7 @@ impl LightingContext<'_> {
     /// of pixels; after `false` the rest is left unchanged.
     pub(crate) fn fill(&self, ids: &[u32], buffers: &mut LightBuffers, go_on: &(dyn Fn(u64) -> bool + Sync)) {
         let lights = self.scene.lighting.lights.len();
-        let chunks: Vec<Chunk<'_>> = buffers.chunks(ids.len(), TASK, lights).collect();
+        let chunks: Vec<Chunk<'_>> = buffers.chunks(ids.len(), RAYS_PER_TASK, lights).collect();
         let work = |mut chunk: Chunk<'_>| {
             let ids = &ids[chunk.first..chunk.first + chunk.count];
             if go_on(ids.len() as u64) { self.fill_chunk(ids, &mut chunk) } else { Vec::new() }

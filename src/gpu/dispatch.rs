@@ -323,7 +323,7 @@ impl Gpu {
         self.filled.remove(name);
         // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never
         // read.
-        let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(SMALLEST);
+        let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(MIN_BUFFER_BYTES);
         self.check_size(name, size)?;
         self.reserve(name, size, FILLED);
         let mut offset = 0;
@@ -355,7 +355,7 @@ pub(super) fn reserve(
 }
 
 /// Size of the smallest buffer in bytes: enough for one record of any kind.
-const SMALLEST: u64 = 64;
+const MIN_BUFFER_BYTES: u64 = 64;
 
 /// The usage of buffers that the host fills: shaders bind them as either.
 const FILLED: wgpu::BufferUsages =

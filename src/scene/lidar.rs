@@ -101,7 +101,7 @@ impl FromStr for Lidar {
             }
             keys.push(key);
             match key {
-                "rings" => rings = Some(value.parse().ok().filter(|n| (1..=MOST_RINGS).contains(n)).ok_or_else(count)?),
+                "rings" => rings = Some(value.parse().ok().filter(|n| (1..=MAX_RINGS).contains(n)).ok_or_else(count)?),
                 "vfov" => vfov = Some(interval(value).filter(is_elevation).ok_or_else(elevations)?),
                 "step" => step = Some(positive(value).filter(|step| *step <= 360.0).ok_or_else(angle)?),
                 "azimuth" => turn = interval(value).filter(is_turn).ok_or_else(part_of_a_turn)?,
@@ -138,7 +138,7 @@ fn azimuths([first, last]: [f64; 2], step: f64) -> Result<u32> {
 }
 
 /// The most rings.
-const MOST_RINGS: u32 = 1 << 20;
+const MAX_RINGS: u32 = 1 << 20;
 
 /// `A..B`, or one number for both.
 fn interval(text: &str) -> Option<[f64; 2]> {
@@ -163,7 +163,7 @@ fn wrong(key: &str, what: &str, mend: &str) -> Error {
 }
 
 fn count() -> Error {
-    wrong("rings", "is not a number of rings", &format!("use a whole number between 1 and {MOST_RINGS}"))
+    wrong("rings", "is not a number of rings", &format!("use a whole number between 1 and {MAX_RINGS}"))
 }
 
 fn elevations() -> Error {

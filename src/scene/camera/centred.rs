@@ -11,7 +11,7 @@ use crate::quote::setting::{APERTURE, SAMPLES};
 const MAX_PLACES: i64 = 1 << 20;
 
 /// The most parts of a pixel in which the principal point is given.
-const FINEST: u32 = 256;
+const MAX_PARTS_OF_PIXEL: u32 = 256;
 
 /// The strata along a side of a pixel that must be possible beside the parts: 64 samples.
 const STRATA: f64 = 8.0;
@@ -170,7 +170,7 @@ fn parts(size: [u32; 2], center: [f64; 2]) -> u32 {
     }
     let reach = |k: usize| center[k].abs().max((f64::from(size[k]) - center[k]).abs());
     let side = 2.0 * reach(0).max(reach(1)) + 2.0;
-    let mut parts = FINEST;
+    let mut parts = MAX_PARTS_OF_PIXEL;
     while parts > 1 && STRATA * f64::from(parts) * side > MAX_PLACES as f64 {
         parts /= 2;
     }
