@@ -147,7 +147,7 @@ impl ResidentScene {
         (resident, sent)
     }
 
-    /// Whether the held spheres, with their colours, are those of a scene in frame `frame`.
+    /// Whether the resident spheres, with their colours, are those of a scene in frame `frame`.
     pub(super) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
         let colors = match (&self.colors, &spheres.colors) {
             ((Some(kept), ..), Some(colors)) => kept.is_same(colors),
