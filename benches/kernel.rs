@@ -27,8 +27,8 @@ fn kernels(criterion: &mut Criterion) {
             let pixels = u64::from(SIDE) * u64::from(SIDE);
             // Of a certified frame the number of tests is not known, because a list is left after its hit: only pixels are
             // counted.
-            let asked = if settings.method.is_some() { SPHERES as u64 } else { 1 };
-            group.throughput(Throughput::Elements(pixels * asked));
+            let tests_per_pixel = if settings.method.is_some() { SPHERES as u64 } else { 1 };
+            group.throughput(Throughput::Elements(pixels * tests_per_pixel));
             stages::bench(&mut group, name, &mut renderer, (&scene, &settings), |report| {
                 report.kernel_ms.last().copied().unwrap_or_else(|| report.stages_ms["trace"])
             });

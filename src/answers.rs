@@ -4,7 +4,7 @@
 pub(crate) mod assemble;
 pub(crate) mod depth_cue;
 pub(crate) mod finish;
-pub(crate) mod lit;
+pub(crate) mod light;
 pub(crate) mod raw;
 pub(crate) mod samples;
 pub(crate) mod settle;

@@ -163,7 +163,7 @@ impl From<&str> for Place {
 }
 
 /// The longest field name in a message, in characters; a file may name a column anything.
-const FIELD: usize = 80;
+const MAX_FIELD_CHARS: usize = 80;
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -172,7 +172,7 @@ impl fmt::Display for Place {
             write!(f, ":{number}")?;
         }
         match &self.field {
-            Some(field) => write!(f, ": {}", shortened(field, FIELD)),
+            Some(field) => write!(f, ": {}", shortened(field, MAX_FIELD_CHARS)),
             None => Ok(()),
         }
     }

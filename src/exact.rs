@@ -61,7 +61,7 @@ impl Judge {
         let mut bench = Bench::new(ExactFrame::of(&scene.camera), scene.camera.eye.to_array(), &scene.spheres);
         if viewport.is_parallel() {
             let k = filter::exponent(&viewport);
-            bench.screens.par_iter_mut().zip(&bench.bodies).for_each(|(screen, body)| screen.aside(body, k));
+            bench.screens.par_iter_mut().zip(&bench.bodies).for_each(|(screen, body)| screen.rescale(body, k));
         }
         Ok(Self { bench, lens, frame })
     }
@@ -126,8 +126,8 @@ impl Judge {
         let FilterRay { dir, a, .. } = self.ray(i, j).quick;
         let (p, r) = (body.p, Dd::from(body.r));
         let l = if dd::dot(dir, p).hi > 0.0 {
-            let aside = dd::cross(dir, p);
-            dd::dot(aside, aside).sqrt() / a.sqrt()
+            let moment = dd::cross(dir, p);
+            dd::dot(moment, moment).sqrt() / a.sqrt()
         } else {
             dd::dot(p, p).sqrt()
         };
@@ -142,11 +142,11 @@ impl Judge {
 
     /// The answers to questions about the hit of one sphere by the ray of row `i`, column `j`; `None` where the ray misses
     /// that sphere.
-    pub(crate) fn ask(&self, i: u32, j: u32, ball: Ball, asked: &[LightQuestion]) -> Option<Vec<bool>> {
+    pub(crate) fn ask(&self, i: u32, j: u32, ball: Ball, questions: &[LightQuestion]) -> Option<Vec<bool>> {
         let (rays, body) = (self.ray(i, j), self.bench.body(ball));
         let best = self.bench.hit_body(&rays, 0, &body)?;
         let hit = self.bench.hit_point(&rays, &best);
-        Some(asked.iter().map(|question| question.answer(&hit)).collect())
+        Some(questions.iter().map(|question| question.answer(&hit)).collect())
     }
 
     #[inline(always)]
@@ -302,7 +302,7 @@ impl Bench {
     fn hit_body<'b>(&self, rays: &RayForms<'_>, id: u32, body: &'b Body) -> Option<Best<'b>> {
         let best =
             |hit, root| Best { decided: DecidedHit { id, root, tangent: false }, body, hit, meeting: OnceCell::new() };
-        match rays.quick.meet(body) {
+        match rays.quick.intersect(body) {
             FilterResult::Miss => None,
             FilterResult::FilterHit(hit, root) => Some(best(hit, root)),
             FilterResult::Unsure(hit) => {
@@ -341,11 +341,11 @@ impl Bench {
     }
 
     fn meeting<'b>(&self, rays: &RayForms<'_>, best: &'b Best) -> &'b Meeting {
-        best.meeting.get_or_init(|| Box::new(self.meet(rays, best.body)))
+        best.meeting.get_or_init(|| Box::new(self.intersect(rays, best.body)))
     }
 
-    fn meet(&self, rays: &RayForms<'_>, body: &Body) -> Meeting {
-        self.frame.meet(rays.exact(&self.frame), body.ball)
+    fn intersect(&self, rays: &RayForms<'_>, body: &Body) -> Meeting {
+        self.frame.intersect(rays.exact(&self.frame), body.ball)
     }
 
     #[inline(always)]
@@ -358,7 +358,7 @@ impl Bench {
 
     /// 128 bits of t: more than a double-double holds.
     fn t(&self, rays: &RayForms<'_>, id: u32, root: Root) -> Option<Dyadic> {
-        let meeting = self.meet(rays, self.bodies.get(id as usize)?);
+        let meeting = self.intersect(rays, self.bodies.get(id as usize)?);
         Some(Path::new(&self.frame, rays, &meeting, root, 128)?.t())
     }
 }

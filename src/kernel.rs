@@ -28,13 +28,13 @@ pub(crate) enum Generals {
 
 impl Generals {
     /// The most general spheres that every ray tests without lists.
-    pub(crate) const FEW: usize = 4;
+    pub(crate) const MAX_WITHOUT_LISTS: usize = 4;
 
     /// The source for `count` general spheres.
     pub(crate) fn of(count: usize) -> Self {
         match count {
             0 => Self::None,
-            1..=Self::FEW => Self::Few,
+            1..=Self::MAX_WITHOUT_LISTS => Self::Few,
             _ => Self::Lists,
         }
     }

@@ -31,7 +31,7 @@ struct Spare {
 }
 
 /// Frames after which an unused vector is freed.
-const STALE: u32 = 2;
+const MAX_UNUSED_FRAMES: u32 = 2;
 
 impl Pool {
     /// A vector with capacity for `n`, with the contents that an earlier frame left in it: the caller overwrites all of
@@ -98,7 +98,7 @@ impl Pool {
         let mut spares = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         spares.retain_mut(|spare| {
             spare.age += 1;
-            spare.age <= STALE
+            spare.age <= MAX_UNUSED_FRAMES
         });
     }
 }
@@ -117,7 +117,7 @@ mod tests {
         assert_eq!(pool.take::<u32>(101), [0; 0], "none as large");
         assert_eq!(pool.values::<u32>(100).expect("room"), [7; 100], "as it was left");
         assert_eq!(pool.values::<u32>(3).expect("room"), [0; 3], "taken already");
-        (0..=STALE).for_each(|_| pool.next_frame());
+        (0..=MAX_UNUSED_FRAMES).for_each(|_| pool.next_frame());
         assert_eq!(pool.take::<f32>(1), [0.0; 0], "unused vectors are freed");
     }
 }

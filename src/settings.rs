@@ -104,8 +104,8 @@ impl Settings {
     /// colour.
     #[must_use]
     pub fn sky(&self, scene: &Scene) -> Option<Sky> {
-        let asked = self.aovs.contains(&Aov::Occlusion).then(|| self.buffer_sky(scene));
-        asked.or(scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color)))
+        let requested = self.aovs.contains(&Aov::Occlusion).then(|| self.buffer_sky(scene));
+        requested.or(scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color)))
     }
 
     /// The sky of the buffer `occlusion`: the scene's, else that of the settings. A sky at the centres of every second pixel
@@ -117,8 +117,8 @@ impl Settings {
     /// Exposure and curve of the scene's pictures in 8 and 16 bits.
     #[must_use]
     pub fn toning(&self, scene: &Scene) -> Toning {
-        let lit = self.shade == Shade::Headlight && scene.lighting.is_lit();
-        let tone = self.tone.unwrap_or(if lit { Tone::Soft } else { Tone::Linear });
+        let uses_lights = self.shade == Shade::Headlight && scene.lighting.has_light();
+        let tone = self.tone.unwrap_or(if uses_lights { Tone::Soft } else { Tone::Linear });
         Toning { tone, stops: self.exposure }
     }
 

@@ -1,6 +1,6 @@
 //! Shading: the colour of a hit. The twin of shade/.
 
-pub(crate) mod lit;
+pub(crate) mod cap;
 pub(crate) mod optics;
 
 use crate::error::named;

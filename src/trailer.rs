@@ -5,7 +5,7 @@ const BEGIN: &str = "\nhalfline ";
 const END: &str = "\n";
 
 /// The longest block, bytes; a longer claim in a damaged file is rejected.
-const LONGEST: usize = 1 << 16;
+const MAX_BLOCK_BYTES: usize = 1 << 16;
 
 /// The block that holds one line of JSON.
 pub(crate) fn of(json: &str) -> String {
@@ -15,5 +15,5 @@ pub(crate) fn of(json: &str) -> String {
 /// The JSON of a block; `None` if the bytes are not such a block.
 pub(crate) fn json(block: &[u8]) -> Option<&[u8]> {
     let json = block.strip_prefix(BEGIN.as_bytes())?.strip_suffix(END.as_bytes())?;
-    (json.len() <= LONGEST && json.starts_with(b"{") && json.ends_with(b"}")).then_some(json)
+    (json.len() <= MAX_BLOCK_BYTES && json.starts_with(b"{") && json.ends_with(b"}")).then_some(json)
 }

@@ -67,10 +67,10 @@ pub struct View {
 }
 
 /// The largest range of exponents in one frame that leaves room for the roots.
-const WIDEST: i32 = 240;
+const MAX_EXPONENT_RANGE: i32 = 240;
 
 /// Spheres whose sizes are computed by one job.
-const TOGETHER: usize = 1 << 12;
+const SPHERES_PER_JOB: usize = 1 << 12;
 
 /// The least exponent of a frame's unit: 2^1000 can still be multiplied by subnormal numbers. Those are within 2^-74 of
 /// that unit, where f32 holds them too.
@@ -116,7 +116,7 @@ impl View {
         scene.check()?;
         let size = [scene.image.width, scene.image.height];
         let CentredFrame { viewport, size: [width, height], step, shift } =
-            scene.camera.centred(size, raster.strata, raster.jitter)?.moved(raster.aside)?;
+            scene.camera.centred(size, raster.strata, raster.jitter)?.moved(raster.lens_offset)?;
         let parallel = viewport.is_parallel();
         let basis = scene.camera.basis()?;
         let unit = match unit {
@@ -203,19 +203,19 @@ impl View {
     /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's;
     /// (0, 0, -1) for parallel rays.
     pub(crate) fn direction(&self, i: u32, j: u32) -> [f64; 3] {
-        if self.parallel { [0.0, 0.0, -1.0] } else { self.aside(i, j) }
+        if self.parallel { [0.0, 0.0, -1.0] } else { self.slope_direction(i, j) }
     }
 
     /// The origin of the viewing ray of row i and column j, in the canonical camera.
     pub(crate) fn origin(&self, i: u32, j: u32) -> [f64; 3] {
-        let [u, v, _] = self.aside(i, j);
+        let [u, v, _] = self.slope_direction(i, j);
         // In the frame's unit u and v keep their bits, even at the limits of f64.
         if self.parallel { [u, v, 0.0].map(|x| dd::ldexp(x, self.unit)) } else { [0.0; 3] }
     }
 
     /// (u, v, -d) of row i and column j.
     #[inline(always)]
-    fn aside(&self, i: u32, j: u32) -> [f64; 3] {
+    fn slope_direction(&self, i: u32, j: u32) -> [f64; 3] {
         let odd = |n: u32, k: u32| 2.0 * f64::from(k) + 1.0 - f64::from(n);
         [odd(self.record.width, j) * self.pitch[0], -odd(self.record.height, i) * self.pitch[1], -self.pitch[2]]
     }
@@ -245,16 +245,16 @@ impl View {
 
 /// The middle of the exponents of all sizes and of all distances from `eye`: the exponent of the frame's unit.
 pub(crate) fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
-    let jobs = centers.par_chunks(TOGETHER).zip(radii.par_chunks(TOGETHER));
+    let jobs = centers.par_chunks(SPHERES_PER_JOB).zip(radii.par_chunks(SPHERES_PER_JOB));
     let jobs = jobs.map(|(centers, radii)| vectorized!(sizes(eye, centers, radii)));
     let Some(range) = jobs.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
         return Ok(0);
     };
     let [least, most] = range.map(|bits| dd::exponent(f64::from_bits(bits as u64)));
     // c - e must not overflow, and squares of numbers scaled by 2^-k must not underflow in double-double.
-    if most >= 1000 || most - least > WIDEST {
+    if most >= 1000 || most - least > MAX_EXPONENT_RANGE {
         let problem = format!("sizes and distances from 2^{least} to 2^{most} exceed the range of one frame");
-        let mend = format!("keep them within 2^{WIDEST} of each other and below 2^1000");
+        let mend = format!("keep them within 2^{MAX_EXPONENT_RANGE} of each other and below 2^1000");
         return Err(Error::scene(Place::field("spheres"), problem, mend));
     }
     Ok(middle([least, most]))

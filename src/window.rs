@@ -117,13 +117,13 @@ mod tests {
     fn tiles_cover_every_pixel_once() {
         for (count, width, height) in [(1, 7, 5), (16, 1920, 1080), (16, 33, 31), (6, 100, 10), (7, 50, 50), (12, 4, 3)]
         {
-            let mut seen = vec![0; (width * height) as usize];
+            let mut covered = vec![0; (width * height) as usize];
             for number in 1..=count {
                 let w =
                     Window::tile(number, count, width, height).and_then(|w| w.within(width, height)).expect("a tile");
-                (w.y0..w.y1).for_each(|i| (w.x0..w.x1).for_each(|j| seen[(i * width + j) as usize] += 1));
+                (w.y0..w.y1).for_each(|i| (w.x0..w.x1).for_each(|j| covered[(i * width + j) as usize] += 1));
             }
-            assert!(seen.iter().all(|n| *n == 1), "{count} of {width} x {height}");
+            assert!(covered.iter().all(|n| *n == 1), "{count} of {width} x {height}");
         }
         let square = Window::tile(6, 16, 1024, 1024).expect("a tile");
         assert_eq!(square, Window { x0: 256, y0: 256, x1: 512, y1: 512 });

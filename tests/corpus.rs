@@ -32,10 +32,10 @@ const SLOWEST: Duration = Duration::from_secs(10);
 
 /// Runs an input; returns what was wrong.
 fn fault(target: &Target, content: &[u8]) -> Option<String> {
-    let (held, begun) = (counting::begin(), Instant::now());
+    let (start, begun) = (counting::begin(), Instant::now());
     match panic::catch_unwind(AssertUnwindSafe(|| target.run(content))) {
-        Ok(allowed) if counting::most_since(held) > allowed.bytes => {
-            Some(format!("{} bytes were allocated, not {}", counting::most_since(held), allowed.bytes))
+        Ok(allowed) if counting::most_since(start) > allowed.bytes => {
+            Some(format!("{} bytes were allocated, not {}", counting::most_since(start), allowed.bytes))
         }
         Ok(_) => Some(begun.elapsed()).filter(|time| *time > SLOWEST).map(|time| format!("it took {time:?}")),
         Err(_) => Some("it panics, as printed above".into()),

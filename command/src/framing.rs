@@ -69,7 +69,7 @@ impl CameraArgs {
         let is_placed = looks_at.is_some() && view.is_some() || matches!(view, Some(Direction::Named(_)));
         let is_framed = self.fit || self.ortho == Some(None) || !has_camera || self.focus.is_some() || is_placed;
         let margin = if self.focus.is_some() { FOCUS_MARGIN } else { Framing::default().margin };
-        Ok(is_framed.then(|| Framing { margin, ball: self.spin.is_some(), keep_height, aside: legend_shares, aim: at }))
+        Ok(is_framed.then(|| Framing { margin, ball: self.spin.is_some(), keep_height, legend_shares, aim: at }))
     }
 
     /// The direction of a camera.
@@ -167,8 +167,8 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
     match (framing, options.focused(frame)?) {
         (Some(framing), Some(focus)) => {
             let found = look_at_focus(&source, options, &camera, image, [focus, spheres], &framing)?;
-            if found.seen < HIDDEN {
-                let percent = (100.0 * found.seen).round();
+            if found.visible_share < HIDDEN {
+                let percent = (100.0 * found.visible_share).round();
                 warning = Some(format!(
                     "{percent} % of --focus is seen, the rest is behind other spheres; --hide or --clip removes these, --view \
                      auto looks from where least is hidden"
@@ -244,6 +244,6 @@ pub(super) fn words(options: &CameraArgs, frame: &SceneFrame, framing: Option<&F
         DirectionSource::Given(..) | DirectionSource::Middle(_) => "",
     };
     let aim = if framing.aim.is_some() { ", with --at in the middle" } else { "" };
-    let legend = if framing.aside == [0.0; 2] { "" } else { ", beside the legend" };
+    let legend = if framing.legend_shares == [0.0; 2] { "" } else { ", beside the legend" };
     Some(format!("{what}{source}{aim}{legend}"))
 }

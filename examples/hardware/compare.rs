@@ -2,7 +2,7 @@
 
 use super::Result;
 use super::cloud::{Random, cloud};
-use super::scenes::{Times, certified, looked, median, told};
+use super::scenes::{Times, certified, looked, median, report_json};
 use halfline::frame::{Data, Frame};
 use halfline::{Aov, Backend, Method, Rays, Renderer, Settings};
 use serde_json::{Map, Value, json};
@@ -69,7 +69,7 @@ pub(crate) fn frames(count: usize, look: &str, side: u32) -> Result {
         buffers.insert(buffer.aov.name().to_owned(), shown);
     }
     Ok(json!({
-        "spheres": count, "look": look, "side": side, "buffers": buffers, "device": told(&device), "host": told(&host), "good": good,
+        "spheres": count, "look": look, "side": side, "buffers": buffers, "device": report_json(&device), "host": report_json(&host), "good": good,
     }))
 }
 
@@ -96,11 +96,11 @@ pub(crate) fn rays(count: usize, many: usize) -> Result {
         let started = Instant::now();
         let blocked = tracer.occluded(&given)?.hit;
         let any_ms = started.elapsed().as_secs_f64() * 1e3;
-        let told = json!({
+        let shown = json!({
             "on_device": tracer.is_gpu(), "build_ms": tracer.build_ms(), "first_ms": times[0], "hits_ms": median(&times[1..]),
             "any_ms": any_ms, "refined": tracer.refined(),
         });
-        backends.insert(backend.name().to_owned(), told);
+        backends.insert(backend.name().to_owned(), shown);
         found.push((ids, blocked));
     }
     Ok(json!({ "spheres": count, "rays": many, "backends": backends, "good": found[0] == found[1] }))

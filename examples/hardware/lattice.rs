@@ -75,8 +75,8 @@ pub(crate) fn lattice() -> Result {
             // Edges lie at centres of pixels but for another part of a pixel each: in fine steps about what rectangles are widened
             // by, and in wide ones.
             let part = f64::from(n) / f64::from(across * across) - 0.5;
-            let aside = if case % 4 < 2 { 1.9e-4 + 3e-4 * part } else { 6e-3 * (part + 0.2) };
-            [i * apart + 12.0 + half + aside, j * apart + 12.5]
+            let offset = if case % 4 < 2 { 1.9e-4 + 3e-4 * part } else { 6e-3 * (part + 0.2) };
+            [i * apart + 12.0 + half + offset, j * apart + 12.5]
         };
         tally.add(side, lens, half, (0..across * across).map(center))?;
     }
@@ -85,8 +85,8 @@ pub(crate) fn lattice() -> Result {
         let side = 1024;
         let half = 64.05 + 0.35 * random.unit();
         let center = |n: i32| {
-            let aside = WIDER[1] * half + WIDER[0] + 2e-6 * (f64::from(n) - 17.5);
-            [f64::from(n % 6) * 150.0 + 70.0 + half + aside, f64::from(n / 6) * 150.0 + 70.5 + half.floor()]
+            let offset = WIDER[1] * half + WIDER[0] + 2e-6 * (f64::from(n) - 17.5);
+            [f64::from(n % 6) * 150.0 + 70.0 + half + offset, f64::from(n / 6) * 150.0 + 70.5 + half.floor()]
         };
         tally.add(side, Lens::Orthographic { height: f64::from(side) }, half, (0..36).map(center))?;
     }

@@ -38,7 +38,7 @@ pub(crate) fn looked(count: usize, look: &str, side: u32, backend: Backend) -> R
 }
 
 /// The main values of a frame's report, as JSON.
-pub(crate) fn told(frame: &Frame) -> Value {
+pub(crate) fn report_json(frame: &Frame) -> Value {
     let report = &frame.report;
     json!({
         "search": report.search, "backend": report.backend, "adapter": report.adapter, "hits": report.hits,

@@ -1,7 +1,7 @@
 //! The times of frames, and the memory that they take.
 
 use super::Result;
-use super::scenes::{Times, looked, told};
+use super::scenes::{Times, looked, report_json};
 use glam::{DMat3, DVec3};
 use halfline::{Backend, Look, Renderer, Scene, Settings};
 use serde_json::{Value, json};
@@ -15,10 +15,10 @@ pub(crate) fn frames(count: usize, look: &str, side: u32, many: usize, backend: 
     let mut renderer = Renderer::new(&settings)?;
     let mut one = || -> Result {
         let frame = renderer.render(&scene, &settings)?;
-        let mut told = told(&frame);
-        (told["frame_ms"], told["setup_ms"]) = (json!(frame.report.frame_ms[0]), json!(frame.report.setup_ms));
+        let mut report = report_json(&frame);
+        (report["frame_ms"], report["setup_ms"]) = (json!(frame.report.frame_ms[0]), json!(frame.report.setup_ms));
         renderer.recycle(frame);
-        Ok(told)
+        Ok(report)
     };
     let (first, second) = (one()?, one()?);
     let (steady, last) = series(&mut renderer, &settings, many, seconds / 2.0, |_| scene.clone())?;
@@ -48,7 +48,7 @@ fn series(
     for n in 0..many {
         let frame = renderer.render(&scene(n), settings)?;
         times.add(&frame);
-        last = told(&frame);
+        last = report_json(&frame);
         renderer.recycle(frame);
         if started.elapsed().as_secs_f64() > seconds {
             break;
@@ -98,11 +98,11 @@ fn peak_memory() -> Option<f64> {
 
 /// Memory in use on the device, MiB: of all processes as nvidia-smi reports it, else of this one as the kernel does.
 fn device_memory() -> Option<f64> {
-    let asked = ["--query-gpu=memory.used", "--format=csv,noheader,nounits", "--id=0"];
-    if let Ok(told) = Command::new("nvidia-smi").args(asked).output()
-        && told.status.success()
+    let query = ["--query-gpu=memory.used", "--format=csv,noheader,nounits", "--id=0"];
+    if let Ok(output) = Command::new("nvidia-smi").args(query).output()
+        && output.status.success()
     {
-        return String::from_utf8_lossy(&told.stdout).trim().parse().ok();
+        return String::from_utf8_lossy(&output.stdout).trim().parse().ok();
     }
     // A device is opened more than once: its regions are counted once each.
     let mut regions = BTreeMap::<String, f64>::new();

@@ -207,7 +207,7 @@ class Desk:
         shown_now = self._shown(shot.select)
         with self._lock:
             if self._moving is None or self._moving[0] is not shown_now:
-                self._moving = shown_now, _halfline.lit_from_the_eye(shown_now)
+                self._moving = shown_now, _halfline.with_light_at_the_eye(shown_now)
             scene = self._moving[1]
         options = {name: value for name, value in shot.options.items() if name not in _RESTING}
         options |= {"size": shot.size, "look": "plain", "samples": 1}

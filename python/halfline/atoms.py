@@ -127,7 +127,7 @@ def _told(
     if edges is not None:
         a, b, c = ((float(x), float(y), float(z)) for x, y, z in edges)
         periodic = ((0.0, 0.0, 0.0), (a, b, c))
-    return Scene._of(scene._native.told(warnings, number, time, step, periodic))
+    return Scene._of(scene._native.with_facts(warnings, number, time, step, periodic))
 
 
 def _scene(

@@ -147,7 +147,7 @@ impl Scene {
         if self.is_fixed {
             return Ok(());
         }
-        exact.frame_by_default(self.is_molecule, &Framing { aside: legend_shares, ..Framing::default() })
+        exact.frame_by_default(self.is_molecule, &Framing { legend_shares, ..Framing::default() })
     }
 
     /// The same spheres in other colours, one for each.
@@ -268,7 +268,7 @@ impl Scene {
     }
 
     /// The same spheres with what another program says of them.
-    fn told(
+    fn with_facts(
         &self,
         warnings: Vec<String>,
         number: u64,

@@ -97,6 +97,6 @@ pub(crate) fn painted(py: Python<'_>, scene: &Scene, rules: Vec<(String, [f32; 3
 
 /// The same spheres, lit from the eye alone: for pictures while the camera moves.
 #[pyfunction]
-pub(crate) fn lit_from_the_eye(scene: &Scene) -> Scene {
+pub(crate) fn with_light_at_the_eye(scene: &Scene) -> Scene {
     scene.with_light_at_the_eye()
 }

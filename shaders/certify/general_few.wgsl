@@ -1,6 +1,6 @@
 // So few general spheres that every ray tests all of them. A uniform takes none of the storage buffers, of which some adapters
 // bind only ten.
-@group(0) @binding(BIND_GENERALS_UNIFORM) var<uniform> generals_uniform: array<vec4<i32>, 4u * FEW_GENERALS>;
+@group(0) @binding(BIND_GENERALS_UNIFORM) var<uniform> generals_uniform: array<vec4<i32>, 4u * MAX_GENERALS_WITHOUT_LISTS>;
 
 fn general_at(n: u32) -> General {
     let at = 4u * n;

@@ -36,7 +36,7 @@ fn placed_at(n: u32) -> PlacedSphere {
 }
 
 // Bounds of t for a ray and a sphere. `tilt` is the bound of the direction's error, relative to its length.
-fn meet(ray: CertifiedRay, tilt: f32, s: PlacedSphere) -> Bounds {
+fn intersect(ray: CertifiedRay, tilt: f32, s: PlacedSphere) -> Bounds {
     let d = ray.direction;
     let p = vec3<f32>(s.steps - ray.steps) * GIVEN_STEP + (s.rest - ray.rest);
     let a = dot3(d, d);

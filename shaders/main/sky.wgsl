@@ -48,7 +48,7 @@ const COSINE: f32 = 8.0;
 // Error of the way to a light, in multiples of UNIT and of its length and those of the places that it is made of.
 const AIM: f32 = 4.0;
 // Bound of a direction's relative error, 2^-12: with a larger one the ray is unsure.
-const MOST_TILT: f32 = 2.44140625e-4;
+const MAX_TILT: f32 = 2.44140625e-4;
 
 // The start of all rays of a pixel.
 struct Start {
@@ -65,7 +65,7 @@ struct Start {
 struct Next {
     ray: CertifiedRay,
     tilt: f32,         // bound of its direction's error, relative to its length
-    seen: BoxRay,
+    box_ray: BoxRay,
     found: u32,        // own: the sphere itself hides it; UNSURE: the side of its surface is not known; else NONE
 }
 
@@ -105,7 +105,7 @@ fn next_ray(start: Start, number: u32) -> Next {
         let length = sqrt(dot3(way, way));
         let doubt = AIM * UNIT * (length + sqrt(dot3(rest, rest)) + sqrt(dot3(second, second))) + start.blur;
         // 1, so unsure, where the error is too large.
-        tilt = select(1.0, doubt / length * INFLATE, doubt < MOST_TILT * length);
+        tilt = select(1.0, doubt / length * INFLATE, doubt < MAX_TILT * length);
         let size = abs(way);
         let scale = bitcast<u32>(max(max(size.x, size.y), size.z)) & 0x7f800000u;
         d = way * bitcast<f32>(0x7f000000u - scale);
@@ -124,10 +124,10 @@ fn next_ray(start: Start, number: u32) -> Next {
         inverse = -inverse;
     }
     let pad = PAD * UNIT + 2.0 * start.blur + 9.0 * tilt;
-    let aside = select(vec3<f32>(pad), vec3<f32>(-pad), inverse < vec3<f32>(0.0));
+    let signed_pad = select(vec3<f32>(pad), vec3<f32>(-pad), inverse < vec3<f32>(0.0));
     return Next(
         CertifiedRay(start.steps, limit.x, start.offset, limit.y, d, start.blur), tilt,
-        BoxRay(vec4<f32>(start.origin + aside, 0.0), vec4<f32>(start.origin - aside, 0.0), vec4<f32>(inverse, 0.0)),
+        BoxRay(vec4<f32>(start.origin + signed_pad, 0.0), vec4<f32>(start.origin - signed_pad, 0.0), vec4<f32>(inverse, 0.0)),
         found,
     );
 }
@@ -164,7 +164,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         var steps = 0u;
         loop {
             while (position.level < spheres_level && steps < sky.steps) {
-                position = descend(position, next.seen, best.limit);
+                position = descend(position, next.box_ray, best.limit);
                 steps++;
             }
             steps++;
@@ -174,7 +174,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             }
             if (position.level != NOWHERE) {
                 if (position.place != own) {
-                    best = keep(best, next.ray, position.place, meet(next.ray, next.tilt, placed_at(position.place)));
+                    best = keep(best, next.ray, position.place, intersect(next.ray, next.tilt, placed_at(position.place)));
                 }
                 position = resume(position, best.limit);
             }

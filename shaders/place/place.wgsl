@@ -81,8 +81,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let per = placing.per_slope_f32;
     let tilt = select(1.0, 0.0, parallel);
     let blur = (error * near * (vec2<f32>(1.0) + tilt * abs(q)) + abs(q) * 5e-16) * per;
-    let aside = vec2<f32>(q.x, -q.y) * per;
-    let out = abs(placing.middle_f32 + aside);
+    let from_middle = vec2<f32>(q.x, -q.y) * per;
+    let out = abs(placing.middle_f32 + from_middle);
     let in_range = rho > 1e-18 && rho < 1e18 && size > 1e-24 && size < 1e24 && total * placing.low_scale.x < 0.7499
         && max(blur.x, blur.y) < 7.4e-9;
     if (!in_range) {
@@ -90,10 +90,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     // The pixels that it may reach, surely and perhaps.
-    let half = half_sides(rho, aside);
-    let doubt = vec2<f32>(0.01) + (abs(aside) + half) * 1e-5;
-    let low = placing.middle_f32 + aside - half;
-    let high = placing.middle_f32 + aside + half;
+    let half = half_sides(rho, from_middle);
+    let doubt = vec2<f32>(0.01) + (abs(from_middle) + half) * 1e-5;
+    let low = placing.middle_f32 + from_middle - half;
+    let high = placing.middle_f32 + from_middle + half;
     if (any(high + doubt < placing.corner) || any(low - doubt > placing.end - vec2<f32>(1.0))) {
         return;
     }

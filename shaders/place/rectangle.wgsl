@@ -3,12 +3,12 @@
 const NOWHERE: i32 = 0x40000000; // a coordinate of no projected sphere
 const FLUSHED: f32 = 4.70197740328915e-38; // 2^-124: above the loss of f32 below its normal numbers
 
-// Half the sides of a projected sphere's rectangle, in pixels of the frame. `aside` is the distance of its projected
+// Half the sides of a projected sphere's rectangle, in pixels of the frame. `from_middle` is the distance of its projected
 // centre from the middle of the frame. The sides exceed the host's by the error of f32; the pixels between are certain
 // misses.
-fn half_sides(rho: f32, aside: vec2<f32>) -> vec2<f32> {
+fn half_sides(rho: f32, from_middle: vec2<f32>) -> vec2<f32> {
     let reach = (placing.reach.x + rho * placing.reach.y) * placing.per_step;
-    let steepest = min((abs(aside) + reach) * placing.slope, placing.edge);
+    let steepest = min((abs(from_middle) + reach) * placing.slope, placing.edge);
     let half = (rho + placing.wider) * (vec2<f32>(1.0) + 0.5 * steepest * steepest) * placing.per_step;
     return half * 1.00001 + vec2<f32>(0.001);
 }
@@ -45,5 +45,6 @@ fn rectangle(x: i32, y: i32, rho: f32) -> vec4<i32> {
 // Whether one invocation goes through all pixels. Sides come first, for their product may be more than an i32.
 fn is_small(r: vec4<i32>) -> bool {
     let sides = r.zw - r.xy + vec2<i32>(1);
-    return any(sides < vec2<i32>(1)) || (all(sides <= vec2<i32>(SMALL)) && sides.x * sides.y <= SMALL);
+    let most = MAX_PIXELS_PER_INVOCATION;
+    return any(sides < vec2<i32>(1)) || (all(sides <= vec2<i32>(most)) && sides.x * sides.y <= most);
 }

@@ -1,6 +1,6 @@
 //! The frame's buffers, assembled from the kernel's output and the settled pixels.
 
-use super::lit::{LightBuffers, NOT_CERTIFIED, SETTLED};
+use super::light::{LightBuffers, NOT_CERTIFIED, SETTLED};
 use super::raw::Raw;
 use super::samples::Means;
 use super::settle::Settled;
@@ -28,7 +28,7 @@ pub(crate) struct Answers<'a> {
     /// Colour and coverage, with several samples per pixel.
     pub(crate) sampled: Option<Means>,
     /// The buffers of lights and sky.
-    pub(crate) lit: LightBuffers,
+    pub(crate) light: LightBuffers,
 }
 
 /// Relative rounding error of a distance computed from a depth in f64, and of a settled one: 2^-50, several roundings.
@@ -40,16 +40,16 @@ impl Answers<'_> {
     /// The requested buffers, in f64 where the frame promises f64.
     pub(crate) fn assemble(mut self, aovs: &[Aov]) -> Result<Vec<Buffer>> {
         let (w, h) = (self.view.record.columns as usize, self.view.record.rows as usize);
-        let mut wanted: Vec<Aov> = aovs.iter().copied().chain([Aov::Id]).collect();
-        wanted.sort_unstable();
-        wanted.dedup();
+        let mut requested: Vec<Aov> = aovs.iter().copied().chain([Aov::Id]).collect();
+        requested.sort_unstable();
+        requested.dedup();
         let inf = f64::INFINITY;
-        let mut buffers = Vec::with_capacity(wanted.len());
-        for aov in wanted {
+        let mut buffers = Vec::with_capacity(requested.len());
+        for aov in requested {
             let data = match aov {
                 Aov::Color => Data::F32(match &mut self.sampled {
                     Some(sampled) => std::mem::take(&mut sampled.color),
-                    None if self.raw.color.is_empty() => std::mem::take(&mut self.lit.color),
+                    None if self.raw.color.is_empty() => std::mem::take(&mut self.light.color),
                     None => std::mem::take(&mut self.raw.color),
                 }),
                 Aov::Normal => Data::F32(std::mem::take(&mut self.raw.normal)),
@@ -76,14 +76,14 @@ impl Answers<'_> {
                     Some(sampled) => std::mem::take(&mut sampled.alpha),
                     None => self.raw.id.par_iter().map(|id| f32::from(*id != NONE)).collect(),
                 }),
-                Aov::Shadow => Data::F32(std::mem::take(&mut self.lit.shadow)),
-                Aov::Occlusion => Data::F32(std::mem::take(&mut self.lit.occlusion)),
+                Aov::Shadow => Data::F32(std::mem::take(&mut self.light.shadow)),
+                Aov::Occlusion => Data::F32(std::mem::take(&mut self.light.occlusion)),
                 Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
                 Aov::Certainty => {
                     let mut certainty = vec![if self.promised { 0 } else { NOT_CERTIFIED }; w * h];
                     if self.promised {
                         self.settled.iter().for_each(|s| certainty[s.pixel as usize] = SETTLED);
-                        self.lit.unsure.iter().for_each(|(pixel, known)| certainty[*pixel as usize] = *known);
+                        self.light.unsure.iter().for_each(|(pixel, known)| certainty[*pixel as usize] = *known);
                     }
                     Data::U8(certainty)
                 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// The share of the background in the colour of the farthest point. At 1 that point could not be seen at all. With 0.6,
 /// on black, 0.4 of its light is left, which is two thirds of its value in sRGB: visibly darker, and its own colour is
 /// still seen.
-const MOST: f64 = 0.6;
+const MAX_SHARE: f64 = 0.6;
 
 /// The least and the largest depth of a sphere along the view axis; +inf and -inf for one that is behind the eye, or beyond f64.
 #[inline(always)]
@@ -34,8 +34,9 @@ impl DepthCue {
     /// not they are in the picture: so parts of a frame agree. `None` if there are none.
     pub(crate) fn of(scene: &Scene, basis: &Basis) -> Option<Self> {
         let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii);
-        let seen = spheres.map(|(center, radius)| reach(basis, *center, *radius)).filter(|[near, _]| near.is_finite());
-        let both = seen.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let depths =
+            spheres.map(|(center, radius)| reach(basis, *center, *radius)).filter(|[near, _]| near.is_finite());
+        let both = depths.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         both.map(|[near, far]| Self { near: near.max(0.0), far })
     }
 
@@ -43,7 +44,7 @@ impl DepthCue {
     pub(crate) fn share(&self, depth: f64) -> f32 {
         // Halves, so that the difference cannot overflow.
         let part = (0.5 * depth - 0.5 * self.near) / (0.5 * self.far - 0.5 * self.near);
-        if part > 0.0 { (MOST * part.min(1.0)) as f32 } else { 0.0 }
+        if part > 0.0 { (MAX_SHARE * part.min(1.0)) as f32 } else { 0.0 }
     }
 
     /// Mixes the background of each pixel into the linear RGB of all hits.

@@ -41,9 +41,9 @@ impl Finish {
     }
 }
 
-/// Fades the colours of a view's rays to the background; `lit` as for [`Backdrop::new`].
-pub(crate) fn fade(cue: DepthCue, scene: &Scene, (view, lit): (&View, bool), ids: &[u32], color: &mut [f32]) {
-    let backdrop = Backdrop::new(scene, view, lit);
+/// Fades the colours of a view's rays to the background; `uses_lights` as for [`Backdrop::new`].
+pub(crate) fn fade(cue: DepthCue, scene: &Scene, (view, uses_lights): (&View, bool), ids: &[u32], color: &mut [f32]) {
+    let backdrop = Backdrop::new(scene, view, uses_lights);
     cue.apply(ids, &depths(scene, view, ids), &|pixel| backdrop.at(pixel), color);
 }
 

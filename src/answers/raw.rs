@@ -28,7 +28,7 @@ pub(crate) struct Raw {
 }
 
 /// Bytes that one job copies.
-const COPIED: usize = 1 << 20;
+const BYTES_PER_JOB: usize = 1 << 20;
 
 impl Raw {
     /// Allocates the buffers for `pixels` answers of `kernel`.
@@ -59,8 +59,8 @@ impl Raw {
             _ => (bytemuck::cast_slice_mut(&mut self.id), 1),
         };
         let size = 4 * channels;
-        let to = buffer[size * first..size * (first + pixels)].par_chunks_mut(COPIED);
-        to.zip(bytes.par_chunks(COPIED)).for_each(|(to, bytes)| to.copy_from_slice(bytes));
+        let to = buffer[size * first..size * (first + pixels)].par_chunks_mut(BYTES_PER_JOB);
+        to.zip(bytes.par_chunks(BYTES_PER_JOB)).for_each(|(to, bytes)| to.copy_from_slice(bytes));
     }
 
     /// Splits the buffers after the first `first` pixels, and then every `pixels`. Buffers that were not requested stay

@@ -99,7 +99,7 @@ impl Settler<'_> {
 
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let scene = self.scene;
-        let mut lists: Vec<Lists> = pixels.par_chunks(TOGETHER).map(|pixels| self.candidates(pixels)).collect();
+        let mut lists: Vec<Lists> = pixels.par_chunks(PIXELS_PER_JOB).map(|pixels| self.candidates(pixels)).collect();
         // Only the candidates are set up, in their order, so that the lower id stays the lower.
         let mut ids: Vec<u32> = lists.par_iter().flat_map_iter(Lists::different).collect();
         ids.par_sort_unstable();
@@ -110,7 +110,8 @@ impl Settler<'_> {
         }
         let few = Scene { spheres, ..scene.bare() };
         let (judge, view) = (&self.view.judge(&few)?, self.twin.view);
-        let is_long = lists.iter().any(|lists| (0..lists.ends.len()).any(|n| lists.of(n).len() > LONG));
+        let is_long =
+            lists.iter().any(|lists| (0..lists.ends.len()).any(|n| lists.of(n).len() > EQUAL_SEARCH_MIN_CANDIDATES));
         let firsts = if is_long { firsts(&few.spheres) } else { None };
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let mut settled: Vec<Settled> = pixels.par_iter().map(|&pixel| Settled { pixel, truth: None }).collect();
@@ -123,7 +124,7 @@ impl Settler<'_> {
                 truth.id = ids[truth.id as usize];
             }
         };
-        settled.par_chunks_mut(TOGETHER).zip(&mut lists).for_each(decide);
+        settled.par_chunks_mut(PIXELS_PER_JOB).zip(&mut lists).for_each(decide);
         Ok(settled)
     }
 }
@@ -173,7 +174,7 @@ impl Lists {
 }
 
 /// Candidates of a pixel from which on it is worth while to look for equal spheres.
-const LONG: usize = 64;
+const EQUAL_SEARCH_MIN_CANDIDATES: usize = 64;
 
 /// For each sphere, the index of the first sphere with the same centre and radius: of equal spheres the first is hit.
 /// `None` where all differ.
@@ -195,10 +196,10 @@ fn firsts(spheres: &Spheres) -> Option<Vec<u32>> {
 }
 
 /// Pixels that one job decides.
-const TOGETHER: usize = 256;
+const PIXELS_PER_JOB: usize = 256;
 
 /// Rays of one sphere that are decided together; fewer take less time one by one.
-const SEVERAL: usize = 3;
+const BATCH_MIN_RAYS: usize = 3;
 
 /// Decides some pixels among the candidates of each, compiled for processors with vectors and a fused multiply-add, which would be
 /// a function call elsewhere.
@@ -210,7 +211,7 @@ fn decide_lists(judge: &Judge, view: &ViewRecord, lists: &Lists, settled: &mut [
     let mut left: Vec<usize> = (0..settled.len()).filter(|n| count(n) > 1).collect();
     for same in alone.chunk_by(|a, b| lists.of(*a) == lists.of(*b)) {
         for some in same.chunks(LANES) {
-            if some.len() < SEVERAL {
+            if some.len() < BATCH_MIN_RAYS {
                 left.extend(some);
                 continue;
             }

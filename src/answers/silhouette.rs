@@ -43,7 +43,7 @@ const DESCENT: f64 = 2.0;
 /// the second. Behind a straight edge the length is 7.5 for the first row of pixels, 4.2 for the second and 0 for the
 /// third, and nearly the same in every other direction; if half of the pixels around are behind at random, it is 2.2 in
 /// the mean.
-const ASIDE: [f64; 2] = [3.0, 6.0];
+const SUM_LENGTH: [f64; 2] = [3.0, 6.0];
 
 /// The length of that sum behind a straight edge.
 const STRAIGHT: f64 = 7.5;
@@ -196,7 +196,7 @@ impl Shown<'_> {
             let large = ramp(2.0 * radii[l] / size[l], DIAMETER);
             let company = ramp(sums.company[l] * NEIGHBOURS / sums.count[l], COMPANY);
             let edge = sums.ramp(l, &sums.behind) * larger(large, company);
-            let darkness = larger(edge, sums.ramp(l, &sums.beside) * large);
+            let darkness = larger(edge, sums.ramp(l, &sums.behind_or_border) * large);
             dark[l] = if own.id[l] == NONE { 0.0 } else { darkness };
         }
         dark
@@ -223,7 +223,7 @@ struct Sums {
     /// Sums of unit vectors toward the neighbours behind; and toward these and, where lines are drawn between touching
     /// spheres, the neighbours that leave the line to this pixel. A neighbour counts by its share of being behind.
     behind: [[f64; LANES]; 2],
-    beside: [[f64; LANES]; 2],
+    behind_or_border: [[f64; LANES]; 2],
     /// The number of neighbours of another sphere, each less its share of being behind.
     company: [f64; LANES],
 }
@@ -257,7 +257,7 @@ impl Sums {
             for k in 0..2 {
                 self.straight[k][l] += 0.5 * one * toward[k].abs();
                 self.behind[k][l] += farther * toward[k];
-                self.beside[k][l] += larger(farther, border) * toward[k];
+                self.behind_or_border[k][l] += larger(farther, border) * toward[k];
             }
         }
     }
@@ -266,7 +266,7 @@ impl Sums {
     /// since there are fewer neighbours.
     #[inline(always)]
     fn ramp(&self, l: usize, sum: &[[f64; LANES]; 2]) -> f64 {
-        ramp(length([sum[0][l], sum[1][l]]) * STRAIGHT / larger(self.straight[0][l], self.straight[1][l]), ASIDE)
+        ramp(length([sum[0][l], sum[1][l]]) * STRAIGHT / larger(self.straight[0][l], self.straight[1][l]), SUM_LENGTH)
     }
 }
 

@@ -31,7 +31,7 @@ pub(crate) struct BinnedScene {
     /// The general spheres that the rays of each tile may hit first.
     pub(crate) general_lists: GeneralLists,
     /// Projected spheres that some ray may hit.
-    pub(crate) seen: u64,
+    pub(crate) projected_count: u64,
 }
 
 impl BinnedScene {
@@ -73,7 +73,7 @@ struct SphereBins {
     /// Least and largest depth of the projected spheres.
     range: Option<[f64; 2]>,
     /// Number of projected spheres.
-    seen: u64,
+    projected_count: u64,
     /// Number of their entries in lists of single tiles.
     entries: u64,
 }
@@ -118,7 +118,7 @@ impl Binning<'_> {
             projection.bin_spheres(order, reference.into(), self.pool)
         } else {
             let entries = bins.par_iter().map(|bin| bin.entries(0)).sum();
-            SphereBins { seen: bins.len() as u64, bins, generals, range, entries }
+            SphereBins { projected_count: bins.len() as u64, bins, generals, range, entries }
         };
         self.list(projection, bins, order, reference)
     }
@@ -132,7 +132,7 @@ impl Binning<'_> {
         reference: f32,
     ) -> BinnedScene {
         let Self { scene, view, tolerance, level, pool, .. } = *self;
-        let SphereBins { bins, generals, seen, entries, .. } = bins;
+        let SphereBins { bins, generals, projected_count, entries, .. } = bins;
         let size = [scene.image.width, scene.image.height];
         let record = projection.record(reference, tolerance, generals.len());
         let reference = reference.into();
@@ -146,7 +146,7 @@ impl Binning<'_> {
         pool.put_back(bins);
         let near = GeneralTree::new(projection, &generals, size, tolerance);
         let general_lists = near.lists(view.record.tiles(), level);
-        BinnedScene { projection: record, lists, generals, general_lists, seen }
+        BinnedScene { projection: record, lists, generals, general_lists, projected_count }
     }
 }
 
@@ -168,13 +168,13 @@ impl ProjectionBounds {
         };
         let done: Vec<_> = bins.par_chunks_mut(SPHERES_PER_JOB).enumerate().map(job).collect();
         let range = done.iter().filter_map(|(sums, _)| sums.range()).reduce(joined);
-        let seen = done.iter().flat_map(|(sums, _)| sums.seen).sum();
+        let projected_count = done.iter().flat_map(|(sums, _)| sums.projected_count).sum();
         let entries = done.iter().flat_map(|(sums, _)| sums.entries).sum();
         SphereBins {
             bins,
             generals: done.into_iter().flat_map(|(_, generals)| generals).collect(),
             range,
-            seen,
+            projected_count,
             entries,
         }
     }
@@ -206,8 +206,8 @@ impl NullaryFnOnce for Batch<'_> {
                 None => bins.copy_from_slice(&own[..bins.len()]),
             }
             for l in 0..LANES {
-                let seen = (eight.projected[l] != 0) & (l < batch.count);
-                sums.add(l, seen, eight.depth[l], if seen { eight.entries(l) } else { 0 });
+                let is_projected = (eight.projected[l] != 0) & (l < batch.count);
+                sums.add(l, is_projected, eight.depth[l], if is_projected { eight.entries(l) } else { 0 });
             }
             if eight.other == [0; LANES] {
                 continue;
@@ -230,27 +230,30 @@ impl NullaryFnOnce for Batch<'_> {
 /// Depths and numbers of projected spheres, per lane.
 struct Sums {
     range: [[f64; LANES]; 2],
-    seen: [u64; LANES],
+    projected_count: [u64; LANES],
     entries: [u64; LANES],
 }
 
 impl Sums {
-    const NONE: Self =
-        Self { range: [[f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]], seen: [0; LANES], entries: [0; LANES] };
+    const NONE: Self = Self {
+        range: [[f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]],
+        projected_count: [0; LANES],
+        entries: [0; LANES],
+    };
 
     /// Adds a sphere with its entries if it is seen, without a branch.
     #[inline(always)]
-    fn add(&mut self, l: usize, seen: bool, depth: f64, entries: u64) {
+    fn add(&mut self, l: usize, is_projected: bool, depth: f64, entries: u64) {
         let [least, most] = [0, 1].map(|k| self.range[k][l]);
-        self.range[0][l] = if seen & (depth < least) { depth } else { least };
-        self.range[1][l] = if seen & (depth > most) { depth } else { most };
-        self.seen[l] += u64::from(seen);
+        self.range[0][l] = if is_projected & (depth < least) { depth } else { least };
+        self.range[1][l] = if is_projected & (depth > most) { depth } else { most };
+        self.projected_count[l] += u64::from(is_projected);
         self.entries[l] += entries;
     }
 
     /// Least and largest depth of all lanes.
     fn range(&self) -> Option<[f64; 2]> {
-        let seen = (0..LANES).filter(|l| self.seen[*l] > 0);
-        seen.map(|l| [self.range[0][l], self.range[1][l]]).reduce(joined)
+        let lanes = (0..LANES).filter(|l| self.projected_count[*l] > 0);
+        lanes.map(|l| [self.range[0][l], self.range[1][l]]).reduce(joined)
     }
 }

@@ -114,7 +114,7 @@ impl AnyHit {
     /// does not.
     #[inline(always)]
     pub(crate) fn of(ray: &CertifiedRay, ball: Ball) -> Self {
-        match ray.meet(ball) {
+        match ray.intersect(ball) {
             Some(bounds) if bounds.low >= ray.limit[1] => Self::Free,
             Some(bounds) if bounds.sure && bounds.high < ray.limit[0] => Self::Blocked,
             Some(_) => Self::Unsure,
@@ -153,7 +153,7 @@ impl CertifiedRay {
     /// The ray that starts at `offset` from the origin, in the tree's unit. The offset has an error of at most `blur`,
     /// and the direction one of at most `tilt` of its length.
     #[inline(always)]
-    pub(crate) fn beside(self, offset: [f64; 3], blur: f64, tilt: f64) -> Self {
+    pub(crate) fn offset_by(self, offset: [f64; 3], blur: f64, tilt: f64) -> Self {
         // An ulp of the offset is lost where it is subtracted from a centre's, docs/certificate.md, section 10.
         let blur = (blur + 2.0 * EPS * dot3(offset, offset).sqrt()) * SLACK + SHORT;
         Self { offset, blur, tilt: tilt * SLACK, ..self }
@@ -187,13 +187,13 @@ impl CertifiedRay {
     /// Bounds of the hit of a sphere; `None` if the ray certainly misses it. Numbers beyond f64 give bounds that decide
     /// nothing.
     #[inline(always)]
-    pub(crate) fn meet(&self, ball: Ball) -> Option<Bounds> {
-        self.meet_by(&GIVEN_TERMS, ball)
+    pub(crate) fn intersect(&self, ball: Ball) -> Option<Bounds> {
+        self.intersect_by(&GIVEN_TERMS, ball)
     }
 
-    /// [`Self::meet`] with other terms, for tests.
+    /// [`Self::intersect`] with other terms, for tests.
     #[inline(always)]
-    pub(crate) fn meet_by(&self, terms: &GivenTerms, ball: Ball) -> Option<Bounds> {
+    pub(crate) fn intersect_by(&self, terms: &GivenTerms, ball: Ball) -> Option<Bounds> {
         let p = self.to(ball.center);
         let radius_scaled = self.placement.radius(ball.radius);
         let d = self.direction;

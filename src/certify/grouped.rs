@@ -17,8 +17,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Spheres of a group, and groups of a larger one.
-const GROUP: usize = 64;
-const LARGE: usize = 8;
+const SPHERES_PER_GROUP: usize = 64;
+const GROUPS_PER_LARGE_GROUP: usize = 8;
 
 /// Refreshes of the pyramid in a frame, and large groups of one job.
 const REFRESHES: usize = 8;
@@ -39,8 +39,8 @@ impl Boxes {
             each.fold(Enclosure::NOTHING, |all, one| all.with(&one))
         };
         let union = |group: &[Enclosure]| group.iter().fold(Enclosure::NOTHING, |all, one| all.with(one));
-        let small: Vec<Enclosure> = spheres.par_chunks(GROUP).map(bounds).collect();
-        let large = small.par_chunks(LARGE).map(union).collect();
+        let small: Vec<Enclosure> = spheres.par_chunks(SPHERES_PER_GROUP).map(bounds).collect();
+        let large = small.par_chunks(GROUPS_PER_LARGE_GROUP).map(union).collect();
         Self { small, large }
     }
 }
@@ -130,8 +130,12 @@ impl Grouped<'_> {
 
     /// The box around the spheres in these places, which are a group.
     fn bounds(&self, group: &Range<usize>) -> Enclosure {
-        let is_small = group.len() <= GROUP;
-        let (boxes, size) = if is_small { (&self.boxes.small, GROUP) } else { (&self.boxes.large, GROUP * LARGE) };
+        let is_small = group.len() <= SPHERES_PER_GROUP;
+        let (boxes, size) = if is_small {
+            (&self.boxes.small, SPHERES_PER_GROUP)
+        } else {
+            (&self.boxes.large, SPHERES_PER_GROUP * GROUPS_PER_LARGE_GROUP)
+        };
         boxes[group.start / size]
     }
 
@@ -180,11 +184,13 @@ impl NullaryFnOnce for Job<'_> {
         let mut found = GroupedBins::default();
         for (_, group) in self.large {
             let large = *group as usize;
-            if self.is_decided(self.groups.places(large, GROUP * LARGE), &mut found) {
+            if self.is_decided(self.groups.places(large, SPHERES_PER_GROUP * GROUPS_PER_LARGE_GROUP), &mut found) {
                 continue;
             }
-            for small in large * LARGE..self.groups.boxes.small.len().min((large + 1) * LARGE) {
-                let places = self.groups.places(small, GROUP);
+            for small in
+                large * GROUPS_PER_LARGE_GROUP..self.groups.boxes.small.len().min((large + 1) * GROUPS_PER_LARGE_GROUP)
+            {
+                let places = self.groups.places(small, SPHERES_PER_GROUP);
                 if !self.is_decided(places.clone(), &mut found) {
                     self.sieve.settle(places, |place| self.groups.sphere(place), true, &mut found);
                 }

@@ -110,7 +110,11 @@ impl Placer {
         let general_lists = GeneralTree::new(&self.projection, &generals, self.image, self.tolerance).lists(tiles, 0);
         let projection = self.projection.record(reference, self.tolerance, generals.len());
         let lists = Lists::of_tiles(tiles, &[]);
-        ByHost { binned: BinnedScene { projection, lists, generals, general_lists, seen: 0 }, guests, reference }
+        ByHost {
+            binned: BinnedScene { projection, lists, generals, general_lists, projected_count: 0 },
+            guests,
+            reference,
+        }
     }
 
     /// A sphere as the host places it; `None` where it has no projected record.

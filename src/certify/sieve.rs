@@ -196,8 +196,8 @@ impl Sieve {
 
     /// Bounds of the depths of those spheres in a box that the frame would project; `None` if it projects none.
     pub(crate) fn depths(&self, bounds: &Enclosure) -> Option<[f64; 2]> {
-        let is_seen = !matches!(self.projection.enclose(bounds), Enclosed::Unseen | Enclosed::Missed);
-        is_seen.then(|| self.projection.depths(bounds))
+        let is_projected = !matches!(self.projection.enclose(bounds), Enclosed::Unseen | Enclosed::Missed);
+        is_projected.then(|| self.projection.depths(bounds))
     }
 
     /// Whether some sphere in a box may be general.

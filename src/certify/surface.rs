@@ -64,15 +64,15 @@ struct Away {
 }
 
 impl Away {
-    /// The vector from the point at `offset` to the one at `from_center + aside`, both measured from the centre of the
+    /// The vector from the point at `offset` to the one at `from_center + target_offset`, both measured from the centre of the
     /// point's sphere.
     #[inline(always)]
-    fn new(k: i32, from_center: [f64; 3], aside: [f64; 3], Offset { offset, size, blur }: Offset) -> Self {
-        let vector: [f64; 3] = std::array::from_fn(|n| (from_center[n] + aside[n]) - offset[n]);
+    fn new(k: i32, from_center: [f64; 3], target_offset: [f64; 3], Offset { offset, size, blur }: Offset) -> Self {
+        let vector: [f64; 3] = std::array::from_fn(|n| (from_center[n] + target_offset[n]) - offset[n]);
         let length = dot3(vector, vector).sqrt();
-        // One rounding each of the difference from the centre, of the sum with `aside`, which is no longer than the vector
+        // One rounding each of the difference from the centre, of the sum with `target_offset`, which is no longer than the vector
         // and the offset, and of the vector.
-        let first = if aside == [0.0; 3] { 0.0 } else { dot3(from_center, from_center).sqrt() };
+        let first = if target_offset == [0.0; 3] { 0.0 } else { dot3(from_center, from_center).sqrt() };
         Self { vector, k, error: EPS * first + 2.0 * EPS * (length + size) + blur + SHORT }
     }
 }
@@ -91,13 +91,13 @@ pub(crate) struct Shining {
 impl SurfacePoint {
     /// The hit of the viewing ray of row `i` and column `j` on this sphere, which it does hit. The point may be too blurred,
     /// see [`Self::is_sharp`].
-    pub(crate) fn seen(view: &View, placement: &Placement, [i, j]: [u32; 2], sphere: NumberedBall) -> Self {
+    pub(crate) fn of_pixel(view: &View, placement: &Placement, [i, j]: [u32; 2], sphere: NumberedBall) -> Self {
         let direction = view.to_world(view.direction(i, j)).to_array();
         let start = view.to_world(view.origin(i, j)).to_array().map(|x| placement.radius(x));
         let blur = START * dot3(start, start).sqrt();
         let ray = CertifiedRay::new(placement, view.basis.e.to_array(), direction, f64::INFINITY)
-            .beside(start, blur, DIRECTION);
-        match ray.meet(sphere.ball) {
+            .offset_by(start, blur, DIRECTION);
+        match ray.intersect(sphere.ball) {
             Some(bounds) => Self::met(&ray, &bounds, sphere),
             None => {
                 let p = ray.to(sphere.ball.center);
@@ -136,7 +136,11 @@ impl SurfacePoint {
     /// The ray from here in a direction of length 1 that has an error of up to `tilt`.
     #[inline(always)]
     pub(crate) fn onward(&self, placement: &Placement, along: [f64; 3], tilt: f64) -> CertifiedRay {
-        CertifiedRay::in_unit(placement, self.ball.center, along, f64::INFINITY, 0).beside(self.offset, self.blur, tilt)
+        CertifiedRay::in_unit(placement, self.ball.center, along, f64::INFINITY, 0).offset_by(
+            self.offset,
+            self.blur,
+            tilt,
+        )
     }
 
     /// Bounds of the t > 0 at which a ray from here, which goes through the sphere of the point, leaves that sphere.
@@ -197,51 +201,56 @@ impl SurfacePoint {
             Toward::Direction(direction) => CertifiedRay::new(placement, self.ball.center, direction, f64::INFINITY),
             Toward::Within { direction, reach } => CertifiedRay::new(placement, self.ball.center, direction, reach),
             Toward::Point(point) => return self.segment(placement, point, [0.0; 3]),
-            Toward::Beside { center, offset } => return self.segment(placement, center, offset),
+            Toward::OffsetPoint { center, offset } => return self.segment(placement, center, offset),
         };
-        Some(ray.beside(self.offset, self.blur, 0.0))
+        Some(ray.offset_by(self.offset, self.blur, 0.0))
     }
 
     /// The ray from here to the exact sum of two vectors of the world; `None` if f64 cannot tell that point from this
     /// one.
     #[inline(always)]
-    fn segment(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3]) -> Option<CertifiedRay> {
-        let Away { vector, k, error } = self.away(placement, to, beside, 0.0);
+    fn segment(&self, placement: &Placement, to: [f64; 3], target_offset: [f64; 3]) -> Option<CertifiedRay> {
+        let Away { vector, k, error } = self.away(placement, to, target_offset, 0.0);
         let length = dot3(vector, vector).sqrt();
         if length.is_nan() || length <= 0.0 {
             return None;
         }
         let ray = CertifiedRay::in_unit(placement, self.ball.center, vector, 1.0, k);
-        Some(ray.beside(self.offset, self.blur, error / length))
+        Some(ray.offset_by(self.offset, self.blur, error / length))
     }
 
     /// From here to the exact sum of two vectors of the world, in a unit in which this and `extent` have squares within f64.
     #[inline(always)]
-    fn away(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3], extent: f64) -> Away {
+    fn away(&self, placement: &Placement, to: [f64; 3], target_offset: [f64; 3], extent: f64) -> Away {
         let from_center: [f64; 3] = std::array::from_fn(|n| placement.difference(to[n], self.ball.center[n]));
-        let aside = beside.map(|x| placement.radius(x));
-        let all = from_center.iter().chain(&aside);
+        let scaled_offset = target_offset.map(|x| placement.radius(x));
+        let all = from_center.iter().chain(&scaled_offset);
         if all.map(|x| x.abs()).all(|x| x <= LONG) && placement.radius(extent) <= LONG {
-            return Away::new(0, from_center, aside, Offset { offset: self.offset, size: self.size, blur: self.blur });
+            return Away::new(
+                0,
+                from_center,
+                scaled_offset,
+                Offset { offset: self.offset, size: self.size, blur: self.blur },
+            );
         }
-        self.far_away(placement, to, beside, extent)
+        self.far_away(placement, to, target_offset, extent)
     }
 
     /// [`Self::away`] where squares of lengths in the tree's unit would overflow.
     #[cold]
-    fn far_away(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3], extent: f64) -> Away {
+    fn far_away(&self, placement: &Placement, to: [f64; 3], target_offset: [f64; 3], extent: f64) -> Away {
         // The difference of halves is within f64. One of the numbers is above 2^500 of the tree's unit, so that what halving
         // takes from subnormal numbers is below 2^-500 of it.
         let from_center: [f64; 3] = std::array::from_fn(|n| 0.5 * to[n] - 0.5 * self.ball.center[n]);
-        let aside = beside.map(|x| 0.5 * x);
-        let all = from_center.iter().chain(&aside).map(|x| x.abs());
+        let half_offset = target_offset.map(|x| 0.5 * x);
+        let all = from_center.iter().chain(&half_offset).map(|x| x.abs());
         let e = dd::exponent(all.fold(0.5 * extent, f64::max));
         let scaled = |x: [f64; 3]| x.map(|x| dd::ldexp(x, -e));
         // 2^(e + 1) in the world, where the tree's unit is 2^k.
         let k = placement.k - e - 1;
         let own = |x: f64| dd::ldexp(x, k);
         let point = Offset { offset: self.offset.map(own), size: own(self.size), blur: own(self.blur) };
-        Away::new(k, scaled(from_center), scaled(aside), point)
+        Away::new(k, scaled(from_center), scaled(half_offset), point)
     }
 
     /// The sphere `ball`, which shines, as it is seen from here.

@@ -3,8 +3,8 @@
 
 use super::foremost::Foremost;
 use crate::certify::given::{AnyHit, Bounds, CertifiedRay, HitNumbers};
-use crate::search::tree::lanes::{Lanes, Portable, TASK, Work, dispatch};
-use crate::search::tree::walk::{Test, may_meet, may_pass, walk};
+use crate::search::tree::lanes::{Lanes, Portable, RAYS_PER_TASK, Work, dispatch};
+use crate::search::tree::walk::{Test, may_intersect, may_pass, walk};
 use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ impl Given<'_> {
     /// The answers to the rays with these numbers.
     pub(crate) fn each<Q: Query>(&self, numbers: &[u32]) -> Vec<Q> {
         let mut answers = vec![Q::NONE; numbers.len()];
-        let tasks = answers.par_chunks_mut(TASK).zip(numbers.par_chunks(TASK));
+        let tasks = answers.par_chunks_mut(RAYS_PER_TASK).zip(numbers.par_chunks(RAYS_PER_TASK));
         tasks.for_each(|(answers, numbers)| dispatch(Task { given: self, numbers, answers }));
         answers
     }
@@ -139,9 +139,9 @@ pub(super) struct NearestSearch<'a, L, F> {
 impl<L: Lanes, F: Fn(usize) -> bool> Test for NearestSearch<'_, L, F> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        for place in may_meet(self.lanes, self.tree, block, self.boxes, self.limit) {
+        for place in may_intersect(self.lanes, self.tree, block, self.boxes, self.limit) {
             if (self.counts)(place)
-                && let Some(bounds) = self.ray.meet(self.tree.ball(place))
+                && let Some(bounds) = self.ray.intersect(self.tree.ball(place))
                 && self.foremost.keep(self.tree, self.ray, place, bounds)
             {
                 self.limit = self.boxes.limit(bounds.high);
@@ -201,7 +201,7 @@ struct NearestCandidates<'a, 'b> {
 impl Test for NearestCandidates<'_, '_> {
     fn test(&mut self, block: u32) -> f32 {
         for place in self.given.tree.places(block) {
-            if let Some(bounds) = self.ray.meet(self.given.tree.ball(place)) {
+            if let Some(bounds) = self.ray.intersect(self.given.tree.ball(place)) {
                 self.all.push((bounds.low, self.given.tree.ids[place]));
                 if bounds.sure {
                     self.nearest = self.nearest.min(bounds.high);
@@ -234,7 +234,7 @@ impl Query for NearestHit {
         given.nearest_of(lanes, ray)
     }
     fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self {
-        let known = given.ray(ray).and_then(|(ray, _)| Some((ray.meet(given.tree.ball(place))?, ray)));
+        let known = given.ray(ray).and_then(|(ray, _)| Some((ray.intersect(given.tree.ball(place))?, ray)));
         known.map_or(Self::Unsure, |(bounds, ray)| given.hit(&ray, place, &bounds))
     }
 }
@@ -265,7 +265,7 @@ impl<Q: Query> Work for Task<'_, '_, Q> {
     #[inline(always)]
     fn work<L: Lanes>(self, lanes: L) {
         // All at once, since in another order every ray is a wait for memory, and the processor can have many.
-        let mut rays = [GivenRay::default(); TASK];
+        let mut rays = [GivenRay::default(); RAYS_PER_TASK];
         for (ray, &n) in rays.iter_mut().zip(self.numbers) {
             *ray = self.given.rays.ray(n as usize);
         }

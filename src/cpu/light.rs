@@ -9,8 +9,8 @@ mod lighting;
 mod point;
 mod surface;
 
-use crate::answers::lit::{Chunk, LightBuffers, NOT_CERTIFIED, PixelLight, SETTLED};
-use crate::search::tree::lanes::TASK;
+use crate::answers::light::{Chunk, LightBuffers, NOT_CERTIFIED, PixelLight, SETTLED};
+use crate::search::tree::lanes::RAYS_PER_TASK;
 use crate::view::directions::PixelSample;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
@@ -24,16 +24,16 @@ use std::cell::OnceCell;
 use surface::Surface;
 
 impl LightingContext<'_> {
-    /// Fills `lit` for the pixels that show these spheres. `go_on` is called before every part of a row with its number
+    /// Fills `buffers` for the pixels that show these spheres. `go_on` is called before every part of a row with its number
     /// of pixels; after `false` the rest is left unchanged.
-    pub(crate) fn fill(&self, ids: &[u32], lit: &mut LightBuffers, go_on: &(dyn Fn(u64) -> bool + Sync)) {
+    pub(crate) fn fill(&self, ids: &[u32], buffers: &mut LightBuffers, go_on: &(dyn Fn(u64) -> bool + Sync)) {
         let lights = self.scene.lighting.lights.len();
-        let chunks: Vec<Chunk<'_>> = lit.chunks(ids.len(), TASK, lights).collect();
+        let chunks: Vec<Chunk<'_>> = buffers.chunks(ids.len(), RAYS_PER_TASK, lights).collect();
         let work = |mut chunk: Chunk<'_>| {
             let ids = &ids[chunk.first..chunk.first + chunk.count];
             if go_on(ids.len() as u64) { self.fill_chunk(ids, &mut chunk) } else { Vec::new() }
         };
-        lit.unsure = chunks.into_par_iter().flat_map_iter(work).collect();
+        buffers.unsure = chunks.into_par_iter().flat_map_iter(work).collect();
     }
 
     /// Fills some pixels of one row or more. Returns the pixels that are not certain, each with its certainty.

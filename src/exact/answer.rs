@@ -75,13 +75,13 @@ impl<T: Fused> Quick<T> {
         let ExactCamera { eye, basis } = camera;
         let distance = hit.t * ray.a.sqrt();
         let from = ray.start(body.k);
-        let aside = if let Some([x, y]) = from { x.hi.abs() + y.hi.abs() } else { T::ZERO };
+        let start_size = if let Some([x, y]) = from { x.hi.abs() + y.hi.abs() } else { T::ZERO };
         let (size, radius, steps, close) = (T::splat(body.size), T::splat(body.r), T::splat(STEPS), T::splat(CLOSE));
         // The hit point has the error of its t; its position on the sphere also that of p. A depth close to underflow has
         // too few bits.
         let nearest = distance.hi.less(radius).pick(distance.hi, radius);
         let mut good = ((hit.error + steps) * distance.hi).at_most(close * nearest)
-            & (steps * (distance.hi + size + aside)).at_most(close * radius);
+            & (steps * (distance.hi + size + start_size)).at_most(close * radius);
         let depth = hit.t * ray.dir[2];
         if is_planar {
             good = good & T::splat(TINY).less(hit.t.hi * ray.dir[2].hi);
@@ -156,10 +156,10 @@ pub(crate) fn slow(
     let radius = Dyadic::of(radius);
     // A first estimate of the distance gives the number of bits needed beyond 2^-96 for a position on a small sphere.
     let length = Path::new(frame, rays, meeting, name.root, 16)?.distance();
-    let aside = |n| frame.aside(ray, n);
-    let start = |n, bits| (&frame.field.value(&aside(n), bits) * rays.stretch()).over(&ray.a, bits);
+    let origin_offset = |n| frame.origin_offset(ray, n);
+    let start = |n, bits| (&frame.field.value(&origin_offset(n), bits) * rays.stretch()).over(&ray.a, bits);
     let farthest = (0..3).map(|n| start(n, 16)).filter(|x| !x.is_zero()).map(|x| x.magnitude()).max();
-    let farthest = farthest.map_or(length.magnitude(), |aside| aside.max(length.magnitude()));
+    let farthest = farthest.map_or(length.magnitude(), |exponent| exponent.max(length.magnitude()));
     let bits = 96 + (farthest - radius.magnitude()).max(0) as usize;
     let path = Path::new(frame, rays, meeting, name.root, bits)?;
     let offset: Dyadic3 = std::array::from_fn(|n| {

@@ -87,7 +87,7 @@ impl ExactFrame {
     }
 
     /// The quantities of a ray's line and a sphere.
-    pub(crate) fn meet(&self, ray: &ExactRay, ball: Ball) -> Meeting {
+    pub(crate) fn intersect(&self, ray: &ExactRay, ball: Ball) -> Meeting {
         let p = dyadic::minus(&dyadic::vector(ball.center), &self.eye);
         let mut b = FieldElement::ZERO;
         for (axis, along) in self.axes.iter().zip(&ray.dir) {
@@ -106,16 +106,16 @@ impl ExactFrame {
             // u and v are times the direction's length, and a' has its square.
             let Field { alpha2, beta2 } = &self.field;
             let depth = &ray.dir[2];
-            let aside = |axis: &ExactAxis, by: &Dyadic| -(&(by * depth) * &dyadic::dot(p, &axis.vector)).ldexp(1);
+            let cross_term = |axis: &ExactAxis, by: &Dyadic| -(&(by * depth) * &dyadic::dot(p, &axis.vector)).ldexp(1);
             ac.add(FieldBasis::One, &(&(alpha2 * beta2) * &(&u.square() + &v.square())));
-            ac.add(FieldBasis::Alpha, &(beta2 * &aside(&self.axes[0], u)));
-            ac.add(FieldBasis::AlphaBeta, &aside(&self.axes[1], v));
+            ac.add(FieldBasis::Alpha, &(beta2 * &cross_term(&self.axes[0], u)));
+            ac.add(FieldBasis::AlphaBeta, &cross_term(&self.axes[1], v));
         }
         ac
     }
 
     /// Component n of a parallel ray's origin minus the eye, times a' over the direction's length; 0 for other rays.
-    pub(crate) fn aside(&self, ray: &ExactRay, n: usize) -> FieldElement {
+    pub(crate) fn origin_offset(&self, ray: &ExactRay, n: usize) -> FieldElement {
         let mut sum = FieldElement::ZERO;
         if let Some([u, v]) = &ray.from {
             sum.add(FieldBasis::Alpha, &(&(&self.field.beta2 * u) * &self.axes[0].vector[n]));

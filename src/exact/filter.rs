@@ -181,7 +181,7 @@ impl Screen {
     pub(crate) const NEVER: Self = Self { p: [0.0; 3], reach2: f64::NEG_INFINITY };
 
     /// Converts the data to a unit of 2^`k`, for parallel rays whose origins have components up to 1 in it.
-    pub(crate) fn aside(&mut self, body: &Body, k: i32) {
+    pub(crate) fn rescale(&mut self, body: &Body, k: i32) {
         if self.reach2 < 0.0 {
             return;
         }
@@ -341,9 +341,9 @@ impl FilterRay {
 
     /// The double-double pass.
     #[inline(always)]
-    pub(crate) fn meet(&self, s: &Body) -> FilterResult {
+    pub(crate) fn intersect(&self, s: &Body) -> FilterResult {
         if let Some(from) = self.start(s.k) {
-            return aside(from, s);
+            return intersect_parallel(from, s);
         }
         let (b, e) = self.along_body(s);
         if s.side != Ordering::Less && b.hi < -e {
@@ -361,7 +361,7 @@ impl FilterRay {
 /// The double-double pass for a parallel ray from that origin, in the sphere's unit. Results that are not finite decide
 /// nothing.
 #[inline(always)]
-fn aside([right, up]: [Dd; 2], s: &Body) -> FilterResult {
+fn intersect_parallel([right, up]: [Dd; 2], s: &Body) -> FilterResult {
     let (x, y, b) = (s.p[0] - right, s.p[1] - up, s.p[2]);
     let e = CROSS * (s.size + right.hi.abs() + up.hi.abs()) + TINY;
     let (l2, r2): (Dd, Dd) = (x * x + y * y, Dd::product(s.r, s.r));

@@ -84,7 +84,7 @@ pub enum Toward {
     /// A point. Spheres behind it hide nothing.
     Point([f64; 3]),
     /// A point as the exact sum of two vectors, which f64 need not hold. Spheres behind it hide nothing.
-    Beside {
+    OffsetPoint {
         /// A point.
         center: [f64; 3],
         /// From `center` to the light.
@@ -130,9 +130,9 @@ impl<'a> HitPoint<'a> {
             for (axis, along) in frame.axes.iter().zip(&ray.dir) {
                 q.add(axis.unit, &(along * &axis.vector[n]));
             }
-            let aside = FieldElement(frame.aside(ray, n).0.map(|x| &x * stretch));
+            let origin = FieldElement(frame.origin_offset(ray, n).0.map(|x| &x * stretch));
             let y = if root == Root::Near { FieldElement::ZERO.minus(&q) } else { q.clone() };
-            Tower { x: frame.field.times(&q, &meeting.b).plus(&aside), y }
+            Tower { x: frame.field.times(&q, &meeting.b).plus(&origin), y }
         });
         Self { field, eye: &frame.eye, offset, a: &ray.a, root, ball }
     }
@@ -150,7 +150,7 @@ impl<'a> HitPoint<'a> {
         };
         let (l, infinite) = match light {
             Toward::Point(point) => (self.to(&dyadic::vector(point)), false),
-            Toward::Beside { center, offset } => {
+            Toward::OffsetPoint { center, offset } => {
                 let [center, offset] = [center, offset].map(dyadic::vector);
                 (self.to(&std::array::from_fn(|n| &center[n] + &offset[n])), false)
             }

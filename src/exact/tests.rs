@@ -46,7 +46,7 @@ fn slanted(eye: [f64; 3], balls: &[Sphere]) -> Judge {
 }
 
 /// The eye of [`oblique`] plus m (3, 1, 0) plus `q`.
-fn beside(m: f64, q: [f64; 3]) -> [f64; 3] {
+fn from_eye(m: f64, q: [f64; 3]) -> [f64; 3] {
     [5.0 + 3.0 * m + q[0], -7.0 + m + q[1], 11.0 + q[2]]
 }
 
@@ -55,7 +55,7 @@ fn exactly(bench: &Bench, rays: &RayForms) -> Option<Truth> {
     let field = &bench.frame.field;
     let mut best: Option<(u32, Meeting, bool)> = None;
     for (id, body) in bench.bodies.iter().enumerate() {
-        let meeting = bench.meet(rays, body);
+        let meeting = bench.intersect(rays, body);
         let Some(tangent) = meeting.hit(field) else { continue };
         if best.as_ref().is_none_or(|(_, b, _)| decide::order(field, &meeting, b) == Ordering::Less) {
             best = Some((id as u32, meeting, tangent));
@@ -119,11 +119,11 @@ fn a_tangent_ray_hits_and_one_ulp_less_of_radius_is_missed() {
 fn tangency_is_decided_through_the_roots_of_an_oblique_basis() {
     // (-2, 6, 3) is orthogonal to (3, 1, 0) and has length 7.
     for (m, scale) in [(3.0, 1.0), (1000.0, 0.25), (2f64.powi(40), 1.0)] {
-        let (center, r) = (beside(m, [-2.0 * scale, 6.0 * scale, 3.0 * scale]), 7.0 * scale);
+        let (center, r) = (from_eye(m, [-2.0 * scale, 6.0 * scale, 3.0 * scale]), 7.0 * scale);
         let touch = oblique(&[(center, r)]).expect("the touch");
         // The direction is (3, 1, 0)/sqrt(2).
         assert!(touch.tangent && touch.t == (2.0 * m * m).sqrt(), "{touch:?}");
-        assert_eq!(touch.position, beside(m, [0.0; 3]));
+        assert_eq!(touch.position, from_eye(m, [0.0; 3]));
         assert_eq!(touch.normal, [2.0 / 7.0, -6.0 / 7.0, -3.0 / 7.0]);
         assert_eq!(oblique(&[(center, r.next_down())]), None);
         assert!(!oblique(&[(center, r.next_up())]).expect("a cut").tangent);
@@ -136,7 +136,7 @@ fn equal_t_goes_to_the_lower_index() {
     let balls = [([0.0, 0.0, -5.0], 1.0), ([3.0, 0.0, -8.0], 5.0), ([0.0, 0.0, 0.0], 4.0), ([0.0, 4.0, -1.0], 5.0)];
     // All pass through 6 (3, 1, 0) from the eye of the oblique camera; the last one is tangent there.
     let through = [([2.0, 3.0, 6.0], 7.0), ([6.0, -2.0, 3.0], 7.0), ([1.0, 2.0, 2.0], 3.0), ([-2.0, 6.0, 3.0], 7.0)];
-    let through = through.map(|(q, r): Sphere| (beside(6.0, q), r));
+    let through = through.map(|(q, r): Sphere| (from_eye(6.0, q), r));
     for first in 0..4 {
         for second in (0..4).filter(|second| *second != first) {
             let truth = ahead(&[balls[first], balls[second]]).expect("a hit");
@@ -159,9 +159,9 @@ fn an_eye_on_the_surface_sees_the_far_side_only() {
     assert_eq!(ahead(&[([0.0, 0.0, 2.0], 2.0)]), None, "looking out");
     assert_eq!(ahead(&[([2.0, 0.0, 0.0], 2.0)]), None, "looking along");
     // The eye of the oblique camera, 7 from the centre.
-    assert_eq!(oblique(&[(beside(0.0, [-2.0, 6.0, 3.0]), 7.0)]), None, "looking along");
-    assert_eq!(oblique(&[(beside(0.0, [-3.0, 6.0, 2.0]), 7.0)]), None, "looking out");
-    let far = oblique(&[(beside(0.0, [6.0, -3.0, 2.0]), 7.0)]).expect("looking in");
+    assert_eq!(oblique(&[(from_eye(0.0, [-2.0, 6.0, 3.0]), 7.0)]), None, "looking along");
+    assert_eq!(oblique(&[(from_eye(0.0, [-3.0, 6.0, 2.0]), 7.0)]), None, "looking out");
+    let far = oblique(&[(from_eye(0.0, [6.0, -3.0, 2.0]), 7.0)]).expect("looking in");
     // 2 p.x/|x| for x = (3, 1, 0): 30/sqrt(10), and |dir| = sqrt(5).
     assert_eq!((far.root, far.t), (Root::Far, 18f64.sqrt()));
 }

@@ -23,7 +23,7 @@ const PIXELS: &str = "halfline:pixels";
 const OF_THE_PART: [&str; 2] = [WINDOW, PIXELS];
 
 /// The longest provenance; longer claims of a damaged file are rejected.
-const LONGEST: usize = 1 << 16;
+const MAX_PROVENANCE_BYTES: usize = 1 << 16;
 
 /// The rendering that files come from; made by [`crate::render::origin`].
 #[derive(Debug)]
@@ -209,7 +209,7 @@ impl Provenance {
 
     /// Parses the output of [`Provenance::to_json`]; `None` for anything else.
     pub fn from_json(json: &[u8]) -> Option<Self> {
-        if json.len() > LONGEST { None } else { serde_json::from_slice(json).ok() }
+        if json.len() > MAX_PROVENANCE_BYTES { None } else { serde_json::from_slice(json).ok() }
     }
 
     /// The block after the last number, for formats whose headers cannot hold metadata.

@@ -3,8 +3,8 @@
 
 use crate::gpu::layout::buffers;
 use crate::gpu::sizes::{
-    COARSEST, CUT, HOST_SPHERES, PAIRS, PIECE, PIECES, SMALL, STEPS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MORE,
-    SUMMARY_PAIRS, SUMMARY_PIECES,
+    COARSEST, CUT, HOST_SPHERES, MAX_PIXELS_PER_INVOCATION, PAIRS, PIECE, PIECES, STEPS, SUMMARY_HOST, SUMMARY_LIST,
+    SUMMARY_MORE, SUMMARY_PAIRS, SUMMARY_PIECES,
 };
 use crate::intersect::Method;
 use crate::kernel::{Certificate, Generals, Kernel, KernelOutput, RaySource, Task, Unproved};
@@ -294,7 +294,7 @@ pub(crate) fn compose_step(step: Step) -> Source {
 
 /// The sizes that the host and the steps share.
 fn sizes() -> Part {
-    let few = Generals::FEW;
+    let few = Generals::MAX_WITHOUT_LISTS;
     let text = format!(
         "const HOST_SPHERES: u32 = {HOST_SPHERES}u;
 const PIECES: u32 = {PIECES}u;
@@ -309,8 +309,8 @@ const CUT: u32 = {CUT}u; // the most pieces of a sphere
 const COARSEST: u32 = {COARSEST}u; // pieces are up to 2^COARSEST times as wide
 const SUMMARY_LIST: u32 = {SUMMARY_LIST}u;
 const PIECE: u32 = {PIECE}u; // pixels along a side of a piece of a large sphere
-const SMALL: i32 = {SMALL}; // pixels of a sphere that one invocation goes through
-const FEW_GENERALS: u32 = {few}u;
+const MAX_PIXELS_PER_INVOCATION: i32 = {MAX_PIXELS_PER_INVOCATION}; // pixels of a sphere that one invocation goes through
+const MAX_GENERALS_WITHOUT_LISTS: u32 = {few}u;
 "
     );
     emitted("emitted: sizes", text)

@@ -48,13 +48,13 @@ pub(crate) struct FoundAdapter {
 
 /// Every adapter of the backends that WGPU_BACKEND selects, hardware before software.
 pub(crate) fn find() -> Result<Vec<FoundAdapter>> {
-    let wanted = wgpu::Backends::from_env();
-    if wanted.is_some_and(|b| b.is_empty()) {
-        let asked = std::env::var("WGPU_BACKEND").unwrap_or_default();
-        let problem = format!("WGPU_BACKEND={asked} is not a backend");
+    let requested = wgpu::Backends::from_env();
+    if requested.is_some_and(|b| b.is_empty()) {
+        let variable = std::env::var("WGPU_BACKEND").unwrap_or_default();
+        let problem = format!("WGPU_BACKEND={variable} is not a backend");
         return Err(Error::Adapter { problem, mend: "name vulkan, metal or dx12, or leave it unset".into() });
     }
-    let backends = wanted.unwrap_or(wgpu::Backends::PRIMARY);
+    let backends = requested.unwrap_or(wgpu::Backends::PRIMARY);
     let descriptor = wgpu::InstanceDescriptor {
         backends,
         // The flags of a debug build would search for validation layers on the user's machine.
@@ -114,12 +114,12 @@ fn summary(index: usize, info: wgpu::AdapterInfo, features: wgpu::Features, limi
 
 /// Selects an adapter by index, by part of its name (ignoring case), or the first. `None` if no adapter was requested
 /// and none exists.
-pub(crate) fn choose(mut found: Vec<FoundAdapter>, asked: Option<&str>) -> Result<Option<FoundAdapter>> {
-    let Some(asked) = asked else {
+pub(crate) fn choose(mut found: Vec<FoundAdapter>, requested: Option<&str>) -> Result<Option<FoundAdapter>> {
+    let Some(requested) = requested else {
         return Ok(if found.is_empty() { None } else { Some(found.swap_remove(0)) });
     };
-    let by_name = |f: &FoundAdapter| f.summary.name.to_lowercase().contains(&asked.to_lowercase());
-    let place = match asked.parse::<usize>() {
+    let by_name = |f: &FoundAdapter| f.summary.name.to_lowercase().contains(&requested.to_lowercase());
+    let place = match requested.parse::<usize>() {
         Ok(index) => (index < found.len()).then_some(index),
         Err(_) => found.iter().position(by_name),
     };
@@ -128,8 +128,8 @@ pub(crate) fn choose(mut found: Vec<FoundAdapter>, asked: Option<&str>) -> Resul
     }
     let list: Vec<_> = found.iter().map(|f| format!("{}: {}", f.summary.index, f.summary.name)).collect();
     let problem = match list.as_slice() {
-        [] => format!("no adapter matches '{asked}': none was found"),
-        list => format!("no adapter matches '{asked}'; found {}", list.join(", ")),
+        [] => format!("no adapter matches '{requested}': none was found"),
+        list => format!("no adapter matches '{requested}'; found {}", list.join(", ")),
     };
     Err(Error::Adapter {
         problem,
@@ -189,11 +189,11 @@ fn shares_memory(summary: &AdapterSummary) -> bool {
 /// Opens a device with all limits of the adapter and the features that kernels can use, and creates a clock if there is
 /// one.
 pub(crate) fn open(found: &FoundAdapter) -> Result<Open> {
-    let wanted = wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
-    let wanted = wanted | if shares_memory(&found.summary) { DIRECT } else { wgpu::Features::empty() };
+    let features = wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
+    let features = features | if shares_memory(&found.summary) { DIRECT } else { wgpu::Features::empty() };
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("halfline"),
-        required_features: found.adapter.features() & wanted,
+        required_features: found.adapter.features() & features,
         required_limits: found.adapter.limits(),
         ..Default::default()
     };

@@ -6,7 +6,7 @@ use crate::gpu::compose::{Source, Step, compose, compose_step};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings, capabilities};
-use crate::gpu::resident::held::{BLOCK, Held, Starts};
+use crate::gpu::resident::scene::{BLOCK, ResidentScene, Starts};
 use crate::gpu::selftest::verdict::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::traffic::Traffic;
@@ -41,7 +41,7 @@ pub(crate) struct Gpu {
     /// The budget for kernels that have not run yet.
     pub(super) budget: SubmissionBudget,
     pub(super) verdict: Option<Verdict>,
-    pub(super) held: Option<Held>,
+    pub(super) resident: Option<ResidentScene>,
     /// The frame whose hits the device keeps, as starts of rays, or the reason why it keeps none; `None` where the last
     /// hits are invalid.
     pub(super) starts: Option<Result<Starts, &'static str>>,
@@ -85,7 +85,7 @@ impl Gpu {
             direct,
             budget: SubmissionBudget::default(),
             verdict: None,
-            held: None,
+            resident: None,
             starts: None,
             block: BLOCK,
             #[cfg(test)]
@@ -131,8 +131,8 @@ impl Gpu {
 
     /// Invalidates what lies in the buffers of colours, lists and ids, which all kernels share.
     fn share_buffers(&mut self) {
-        if let Some(held) = &mut self.held {
-            (held.has_colors, held.has_lists) = (false, false);
+        if let Some(resident) = &mut self.resident {
+            (resident.has_colors, resident.has_lists) = (false, false);
         }
         self.starts = None;
     }
@@ -323,7 +323,7 @@ impl Gpu {
         self.filled.remove(name);
         // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never
         // read.
-        let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(SMALLEST);
+        let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(MIN_BUFFER_BYTES);
         self.check_size(name, size)?;
         self.reserve(name, size, FILLED);
         let mut offset = 0;
@@ -355,7 +355,7 @@ pub(super) fn reserve(
 }
 
 /// Size of the smallest buffer in bytes: enough for one record of any kind.
-const SMALLEST: u64 = 64;
+const MIN_BUFFER_BYTES: u64 = 64;
 
 /// The usage of buffers that the host fills: shaders bind them as either.
 const FILLED: wgpu::BufferUsages =

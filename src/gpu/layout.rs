@@ -175,7 +175,7 @@ mod tests {
                 Task::Given { tree, .. } => (true, tree),
                 _ => (false, false),
             };
-            let wanted: BTreeSet<_> = [
+            let expected: BTreeSet<_> = [
                 (true, "view"),
                 (method, "spheres"),
                 (true, "frame_id"),
@@ -202,9 +202,9 @@ mod tests {
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
-            .filter_map(|(wanted, name)| wanted.then_some(name))
+            .filter_map(|(is_needed, name)| is_needed.then_some(name))
             .collect();
-            assert_eq!(bound, wanted, "{kernel:?}");
+            assert_eq!(bound, expected, "{kernel:?}");
         }
     }
 
@@ -297,15 +297,15 @@ mod tests {
     fn no_number_of_the_proof_is_without_a_name() {
         let all = kernels();
         let of_proof = |part: &Part| part.name.starts_with("certify/") && !part.name.ends_with("constants.wgsl");
-        let mut seen = BTreeSet::new();
-        for part in all.iter().flat_map(parts).filter(of_proof).filter(|part| seen.insert(part.name)) {
+        let mut names = BTreeSet::new();
+        for part in all.iter().flat_map(parts).filter(of_proof).filter(|part| names.insert(part.name)) {
             let code = part.text.lines().map(|line| line.split("//").next().unwrap_or_default());
             let words = code.flat_map(|line| line.split(|c: char| !c.is_ascii_alphanumeric() && c != '.'));
             for word in words.filter(|word| word.contains('.') && word.starts_with(|c: char| c.is_ascii_digit())) {
                 assert!(["0.0", "1.0", "2.0"].contains(&word), "{word} in {}", part.name);
             }
         }
-        assert!(seen.len() > 5, "{seen:?}");
+        assert!(names.len() > 5, "{names:?}");
     }
 
     /// Every file is part of a kernel or of the self-test, and every name refers to a file. The lecture on one page is a program of its own.

@@ -2,7 +2,7 @@
 //! (shaders/splat), and each pixel's winner is certified (shaders/main/certified.wgsl). The host sends a camera, the spheres
 //! around the eye, which it projects or lists, and decides the pixels that are not proved.
 
-pub(crate) mod held;
+pub(crate) mod scene;
 pub(crate) mod sky;
 pub(crate) mod steps;
 #[cfg(test)]
@@ -23,7 +23,7 @@ use crate::memory::Pool;
 use crate::scene::{Scene, Spheres};
 use crate::tile::TILE;
 use crate::view::{View, ViewRecord};
-use held::{Held, PlacedFor, Reach, Starts};
+use scene::{PlacedFor, Reach, ResidentScene, Starts};
 
 /// The scene and the view of a frame.
 #[derive(Clone, Copy)]
@@ -61,18 +61,18 @@ impl Gpu {
         if !can_hold(spheres) {
             return Ok(None);
         }
-        if self.held.as_ref().is_none_or(|held| !held.is_of(spheres, frame)) {
-            self.held = None;
+        if self.resident.as_ref().is_none_or(|resident| !resident.is_of(spheres, frame)) {
+            self.resident = None;
             self.forget_tree();
             self.guarded(|gpu| {
-                gpu.check_size("spheres", Held::largest(spheres.len().min(gpu.block)))?;
-                let (held, bytes) = Held::new(&gpu.open, spheres, frame, gpu.block);
-                gpu.held = Some(held);
+                gpu.check_size("spheres", ResidentScene::largest(spheres.len().min(gpu.block)))?;
+                let (resident, bytes) = ResidentScene::new(&gpu.open, spheres, frame, gpu.block);
+                gpu.resident = Some(resident);
                 gpu.traffic.up += bytes;
                 Ok(())
             })?;
         }
-        Ok(self.held.as_ref().map(|held| held.reach))
+        Ok(self.resident.as_ref().map(|resident| resident.reach))
     }
 
     /// The reach that [`Gpu::hold`] would return, without sending a sphere.
@@ -83,7 +83,7 @@ impl Gpu {
         if !can_hold(spheres) {
             return Ok(None);
         }
-        self.check_size("spheres", Held::largest(spheres.len().min(self.block)))?;
+        self.check_size("spheres", ResidentScene::largest(spheres.len().min(self.block)))?;
         Ok(Some(Reach::of(spheres)))
     }
 
@@ -107,7 +107,7 @@ impl Gpu {
                 Rendered::Frame(binned) => binned,
                 left => return Ok(left),
             };
-            let asked_for_starts = kernel.leaves_starts();
+            let leaves_starts = kernel.leaves_starts();
             let kernel = match gpu.kernel_of_frame(kernel, &binned) {
                 Ok(kernel) => kernel,
                 Err(reason) => return Ok(Rendered::Left(reason)),
@@ -118,7 +118,7 @@ impl Gpu {
             let Some(mut pairs) = gpu.trace_bands(&kernel, &record, rows, &binned, output, go_on)? else {
                 return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
             };
-            if asked_for_starts {
+            if leaves_starts {
                 gpu.starts = Some(if !kernel.leaves_starts() {
                     Err("the adapter binds too few buffers to keep the hits")
                 } else if rows < record.rows + record.first_row % TILE {
@@ -128,8 +128,8 @@ impl Gpu {
                 });
             }
             if !pairs.is_empty() {
-                let held = gpu.held.as_ref();
-                pairs.iter_mut().for_each(|[_, slot]| *slot = held.map_or(*slot, |held| held.id(*slot)));
+                let resident = gpu.resident.as_ref();
+                pairs.iter_mut().for_each(|[_, slot]| *slot = resident.map_or(*slot, |resident| resident.id(*slot)));
                 output.timings.time("settle", || placer.list(scene, view, &mut binned, pairs));
             }
             Ok(Rendered::Frame(binned))
@@ -153,7 +153,7 @@ impl Gpu {
     fn compile_for_frame(&mut self, kernel: &Kernel) -> Result<()> {
         let samples = kernel.samples;
         self.compile(Program::Step(Step::Small { samples }))?;
-        if self.held.as_ref().is_some_and(|held| held.pieces > 0) {
+        if self.resident.as_ref().is_some_and(|resident| resident.pieces > 0) {
             self.compile(Program::Step(Step::Large { samples }))?;
         }
         self.compile(Program::Kernel(*kernel))
@@ -194,43 +194,43 @@ impl Gpu {
     fn upload_general_lists(&mut self, record: &ViewRecord, band: &Band, binned: &BinnedScene) -> Result<()> {
         let has_lists = Generals::of(binned.generals.len()) == Generals::Lists;
         let is_whole = has_lists && band.count == record.rows;
-        let known = self.held.as_ref().is_some_and(|held| held.has_lists);
+        let known = self.resident.as_ref().is_some_and(|resident| resident.has_lists);
         if has_lists && !(is_whole && known) {
             let (tiles, slots) = general_lists(binned, band);
             self.fill("generals_storage", bytemuck::cast_slice(&binned.generals))?;
             self.fill_parts("lists", &[bytemuck::cast_slice(&tiles), bytemuck::cast_slice(slots)])?;
         }
-        if let Some(held) = &mut self.held {
-            held.has_lists = is_whole;
+        if let Some(resident) = &mut self.resident {
+            resident.has_lists = is_whole;
         }
         Ok(())
     }
 
     /// Runs `work` with the spheres that the device holds; `None` where it holds none.
-    fn with_held<T>(&mut self, work: impl FnOnce(&mut Self, &mut Held) -> Result<T>) -> Result<Option<T>> {
-        let Some(mut held) = self.held.take() else { return Ok(None) };
-        let done = work(self, &mut held);
-        self.held = Some(held);
+    fn with_resident<T>(&mut self, work: impl FnOnce(&mut Self, &mut ResidentScene) -> Result<T>) -> Result<Option<T>> {
+        let Some(mut resident) = self.resident.take() else { return Ok(None) };
+        let done = work(self, &mut resident);
+        self.resident = Some(resident);
         done.map(Some)
     }
 
     /// Places the spheres, unless the device holds their records for the same view.
     fn place(&mut self, frame: ResidentFrame<'_>) -> Result<Rendered> {
-        let placed = self.with_held(|gpu, held| gpu.place_held(held, frame))?;
+        let placed = self.with_resident(|gpu, resident| gpu.place_resident(resident, frame))?;
         Ok(placed.unwrap_or_else(|| Rendered::Left("the device holds no spheres".into())))
     }
 
-    fn place_held(&mut self, held: &mut Held, frame: ResidentFrame<'_>) -> Result<Rendered> {
+    fn place_resident(&mut self, resident: &mut ResidentScene, frame: ResidentFrame<'_>) -> Result<Rendered> {
         let ResidentFrame { scene, view, placer, pool } = frame;
         let record = placer.record(0.0);
         let key = PlacedFor { camera: scene.camera, placing: record, lens: placer.lens(), tiles: view.record.tiles() };
-        if let Some((_, binned)) = held.placed.as_ref().filter(|(known, _)| *known == key) {
+        if let Some((_, binned)) = resident.placed.as_ref().filter(|(known, _)| *known == key) {
             return Ok(Rendered::Frame(Box::new(binned.clone())));
         }
-        (held.placed, held.has_lists) = (None, false);
+        (resident.placed, resident.has_lists) = (None, false);
         self.refill("placing", bytemuck::bytes_of(&record))?;
         self.refill("view", bytemuck::bytes_of(&view.record))?;
-        let mut counts = self.place_blocks(held)?;
+        let mut counts = self.place_blocks(resident)?;
         if counts.host > HOST_SPHERES {
             let reason = format!("{} spheres lie around the eye or too near, more than {HOST_SPHERES}", counts.host);
             return Ok(Rendered::Left(reason));
@@ -238,18 +238,18 @@ impl Gpu {
         let ByHost { binned, guests, reference } = placer.by_host(scene, view, &counts.summary, pool);
         if reference > 0.0 {
             self.refill("placing", bytemuck::bytes_of(&placer.record(reference)))?;
-            counts = self.place_blocks(held)?;
+            counts = self.place_blocks(resident)?;
         }
-        self.check_size("spheres", Held::largest(guests.len()))?;
-        self.traffic.up += held.set_guests(&self.open, &guests);
-        if let Some(block) = held.guests() {
+        self.check_size("spheres", ResidentScene::largest(guests.len()))?;
+        self.traffic.up += resident.set_guests(&self.open, &guests);
+        if let Some(block) = resident.guests() {
             counts.pieces = self.cut_guests(block)?;
         }
         if counts.pieces > u64::from(PIECES) {
             return Ok(Rendered::Left(format!("more than {PIECES} pieces of large spheres")));
         }
-        held.pieces = counts.pieces as u32;
-        held.placed = Some((key, binned.clone()));
+        resident.pieces = counts.pieces as u32;
+        resident.placed = Some((key, binned.clone()));
         Ok(Rendered::Frame(Box::new(binned)))
     }
 
@@ -258,8 +258,8 @@ impl Gpu {
     /// # Errors
     /// Errors of the device.
     pub(crate) fn records(&mut self) -> Result<Vec<Option<Placed>>> {
-        let all = self.with_held(|gpu, held| {
-            let blocks = held.blocks.iter().filter(|block| block.spheres.is_some());
+        let all = self.with_resident(|gpu, resident| {
+            let blocks = resident.blocks.iter().filter(|block| block.spheres.is_some());
             blocks.map(|block| gpu.records_of(block)).collect::<Result<Vec<_>>>()
         })?;
         Ok(all.into_iter().flatten().flatten().collect())
@@ -272,13 +272,13 @@ impl Gpu {
             self.refill("generals_uniform", bytemuck::cast_slice(&few_generals(binned)))?;
         }
         // Colours are sent once, with the spheres.
-        let known = self.held.as_ref().is_some_and(|held| held.has_colors);
+        let known = self.resident.as_ref().is_some_and(|resident| resident.has_colors);
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing };
         if !known {
             uploads(kernel, &input).into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))?;
         }
-        if let Some(held) = self.held.as_mut().filter(|_| kernel.colors) {
-            held.has_colors = true;
+        if let Some(resident) = self.resident.as_mut().filter(|_| kernel.colors) {
+            resident.has_colors = true;
         }
         Ok(())
     }
@@ -300,6 +300,6 @@ impl Gpu {
         if kernel.leaves_starts() {
             self.reserve("starts", START * pixels, wgpu::BufferUsages::STORAGE);
         }
-        self.with_held(|gpu, held| gpu.submit_steps(kernel, held, pixels, record.tiles())).map(drop)
+        self.with_resident(|gpu, resident| gpu.submit_steps(kernel, resident, pixels, record.tiles())).map(drop)
     }
 }

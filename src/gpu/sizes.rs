@@ -18,7 +18,7 @@ pub(crate) const PIECE: u32 = 32;
 pub(crate) const CUT: u32 = 1 << 14;
 pub(crate) const COARSEST: u32 = 3;
 /// The most pixels of a sphere that one invocation visits.
-pub(crate) const SMALL: u32 = 256;
+pub(crate) const MAX_PIXELS_PER_INVOCATION: u32 = 256;
 /// Steps through a tree of an invocation before it is left to the host. Each is at most three iterations of loops, and llvmpipe ends
 /// the loops of a vector of up to 16 invocations after 65,536 iterations together.
 pub(crate) const STEPS: u32 = 1300;

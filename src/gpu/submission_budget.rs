@@ -86,9 +86,9 @@ mod tests {
         for speed in [1e8, 1e12] {
             assert_eq!(submit(&mut SubmissionBudget::default(), FIRST, speed).len(), 1);
         }
-        let mut seen = SubmissionBudget::default();
-        submit(&mut seen, 1e11, 1e12);
-        assert_eq!(submit(&mut seen, 4e11, 1e12).len(), 1, "0.4 s at the speed that was seen");
+        let mut budget = SubmissionBudget::default();
+        submit(&mut budget, 1e11, 1e12);
+        assert_eq!(submit(&mut budget, 4e11, 1e12).len(), 1, "0.4 s at the speed that was seen");
     }
 
     #[test]

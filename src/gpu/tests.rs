@@ -31,23 +31,23 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
     let mut raw = Raw::new(kernel, (SIZE[0] * SIZE[1]) as usize, &pool).expect("room");
     let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing };
     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
-    let told = Cell::new(Vec::new());
+    let progress = Cell::new(Vec::new());
     let next = |done| {
-        let mut all = told.take();
+        let mut all = progress.take();
         all.push(done);
         let on = go_on(all.len());
-        told.set(all);
+        progress.set(all);
         on
     };
     let outcome = gpu.run(kernel, &input, &mut output, &next);
-    let told = told.take();
+    let progress = progress.take();
     assert!(
-        told.first().is_none_or(|done| *done == 0)
-            && told.is_sorted()
-            && told.iter().all(|done| done % u64::from(SIZE[0]) == 0),
-        "{told:?}"
+        progress.first().is_none_or(|done| *done == 0)
+            && progress.is_sorted()
+            && progress.iter().all(|done| done % u64::from(SIZE[0]) == 0),
+        "{progress:?}"
     );
-    (outcome.map(|()| raw), told.len())
+    (outcome.map(|()| raw), progress.len())
 }
 
 /// The pinned adapter, opened twice.

@@ -120,7 +120,7 @@ pub(crate) fn general_lists<'a>(binned: &'a BinnedScene, band: &Band) -> (Vec<[u
 }
 
 /// General spheres as a uniform buffer of constant size holds them.
-pub(crate) fn few_generals(binned: &BinnedScene) -> [GeneralRecord; Generals::FEW] {
+pub(crate) fn few_generals(binned: &BinnedScene) -> [GeneralRecord; Generals::MAX_WITHOUT_LISTS] {
     std::array::from_fn(|n| binned.generals.get(n).copied().unwrap_or(bytemuck::Zeroable::zeroed()))
 }
 

@@ -61,12 +61,12 @@ pub fn check_ids(spheres: u64) -> Result<()> {
 /// # Errors
 /// [`Error::Limits`] with both numbers.
 pub fn check_wide_ids(spheres: u64) -> Result<()> {
-    const MOST: u64 = i64::MAX as u64;
-    if spheres <= MOST {
+    const MAX_SPHERES: u64 = i64::MAX as u64;
+    if spheres <= MAX_SPHERES {
         return Ok(());
     }
     let problem = format!("{spheres} spheres or more are more than 64-bit ids can number");
-    Err(Error::Limits { problem, mend: format!("use at most {MOST} spheres") })
+    Err(Error::Limits { problem, mend: format!("use at most {MAX_SPHERES} spheres") })
 }
 
 /// Reserves capacity for `more` entries, as [`entries`] computes it.

@@ -32,7 +32,7 @@ const NEAR_TILE: u64 = 12;
 const NEAR_ENTRY: u64 = 2 * 2 * size_of::<u32>() as u64;
 
 /// Frames keep ids as i32.
-const MOST: u64 = i32::MAX as u64;
+const MAX_SPHERES: u64 = i32::MAX as u64;
 
 /// The host memory of a frame besides its scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,14 +64,14 @@ impl Need {
             // The twin has copies in its own number type.
             _ => records + if wide { 48 } else { 24 },
         };
-        let sphere = sphere + if plan.wanted.is_any() { Tree::bytes(1) } else { 0 };
+        let sphere = sphere + if plan.light_outputs.is_any() { Tree::bytes(1) } else { 0 };
         // The scene of the eyes on a lens.
         let sphere = sphere + if settings.aperture.is_some() { SPHERE } else { 0 };
         // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
-            let colors = u64::from(kernel.shade.is_some() || plan.wanted.color);
+            let colors = u64::from(kernel.shade.is_some() || plan.light_outputs.color);
             // The spheres at the centres of pixels, and the light of the sky there.
-            let shared = plan.wanted.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
+            let shared = plan.light_outputs.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
             bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + if shared { 4 + 12 } else { 0 }
         });
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
@@ -99,18 +99,18 @@ impl Need {
     }
 
     /// Bytes for pixels, general spheres and the caller.
-    fn beside_spheres(&self) -> u64 {
+    fn bytes_without_spheres(&self) -> u64 {
         self.pixels.saturating_add(self.reserve).saturating_add(self.generals)
     }
 
     /// Bytes in all.
     pub(crate) fn bytes(&self) -> u64 {
-        self.beside_spheres().saturating_add(self.spheres.saturating_mul(self.sphere))
+        self.bytes_without_spheres().saturating_add(self.spheres.saturating_mul(self.sphere))
     }
 
     /// The number of spheres that fit in `free` bytes; those beyond the scene's own also need room for their numbers.
     pub(crate) fn fitting(&self, free: u64) -> u64 {
-        let left = free.saturating_sub(self.beside_spheres());
+        let left = free.saturating_sub(self.bytes_without_spheres());
         let had = self.spheres.min(left / self.sphere.max(1));
         had + (left - had * self.sphere) / (self.sphere + SPHERE)
     }
@@ -120,20 +120,20 @@ impl Need {
     /// # Errors
     /// [`Error::Limits`] with the numbers and the size that fits.
     pub(crate) fn check(&self, free: Option<u64>) -> Result<()> {
-        if self.spheres > MOST {
+        if self.spheres > MAX_SPHERES {
             let problem = format!("{} spheres are more than 32-bit ids can number", self.spheres);
-            return Err(Error::Limits { problem, mend: format!("render at most {MOST} spheres") });
+            return Err(Error::Limits { problem, mend: format!("render at most {MAX_SPHERES} spheres") });
         }
         let (need, Some(free)) = (self.bytes(), free.filter(|free| self.bytes() > *free)) else {
             return self.check_count();
         };
         let problem = format!(
             "the frame needs about {need} bytes of memory ({} for its pixels and {} for each sphere), but only {free} are free",
-            self.beside_spheres(),
+            self.bytes_without_spheres(),
             self.sphere
         );
         let mend = match self.fitting(free) {
-            _ if self.beside_spheres() > free => format!("render a smaller {SIZE} or fewer buffers"),
+            _ if self.bytes_without_spheres() > free => format!("render a smaller {SIZE} or fewer buffers"),
             fit => format!("render at most {fit} spheres, or a smaller {SIZE}"),
         };
         Err(Error::Limits { problem, mend })
@@ -209,18 +209,18 @@ mod tests {
             let need = bare.with_generals(Some(binned), &setup.view);
             // What is still allocated once the lists are made.
             let ranges = 64 * 64 * size_of::<[u32; 2]>();
-            let held = size_of::<GeneralRecord>() * binned.generals.capacity()
+            let allocated = size_of::<GeneralRecord>() * binned.generals.capacity()
                 + 4 * binned.general_lists.slots.capacity()
                 + ranges;
             let counted = need.bytes() - bare.bytes();
             println!(
-                "{count} of radius {radius}: {} general, {counted} bytes counted, {held} held",
+                "{count} of radius {radius}: {} general, {counted} bytes counted, {allocated} held",
                 binned.generals.len()
             );
             // The numbers in f64 and the cells' lists are gone: at most GENERAL of 64 bytes, and 16 of 4.
             assert!(
-                held as u64 <= counted && counted <= 5 * held as u64,
-                "{count}: {counted} bytes counted, {held} held"
+                allocated as u64 <= counted && counted <= 5 * allocated as u64,
+                "{count}: {counted} bytes counted, {allocated} held"
             );
         }
     }
@@ -242,7 +242,7 @@ mod tests {
         assert!(error.contains("bytes"), "{error}");
         let error = Need { count: 1 << 32, ..need }.check(None).expect_err("no numbers").to_string();
         assert!(error.contains("4294967296 pixels") && error.contains(TILE), "{error}");
-        let error = Need { spheres: MOST + 1, ..need }.check(None).expect_err("no ids").to_string();
-        assert!(error.contains(&MOST.to_string()), "{error}");
+        let error = Need { spheres: MAX_SPHERES + 1, ..need }.check(None).expect_err("no ids").to_string();
+        assert!(error.contains(&MAX_SPHERES.to_string()), "{error}");
     }
 }

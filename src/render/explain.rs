@@ -185,7 +185,7 @@ fn precision(setup: &FrameSetup) -> String {
 /// The buffers of the finished frame; ids are always among them.
 fn frame(settings: &Settings, lights: usize, [width, height]: [u32; 2]) -> Vec<Shown> {
     let shown = |aov: &Aov| {
-        let asked = settings.aovs.contains(aov);
+        let is_requested = settings.aovs.contains(aov);
         let mut shape = vec![u64::from(height), u64::from(width)];
         shape.extend(aov.is_vector().then_some(aov.channels(lights) as u64));
         let one = match aov.dtype() {
@@ -194,7 +194,13 @@ fn frame(settings: &Settings, lights: usize, [width, height]: [u32; 2]) -> Vec<S
             _ => 4,
         };
         let bytes = one * shape.iter().product::<u64>();
-        (asked || *aov == Aov::Id).then(|| Shown { name: aov.name(), shape, dtype: aov.dtype(), bytes, asked })
+        (is_requested || *aov == Aov::Id).then(|| Shown {
+            name: aov.name(),
+            shape,
+            dtype: aov.dtype(),
+            bytes,
+            asked: is_requested,
+        })
     };
     Aov::ALL.iter().filter_map(shown).collect()
 }
@@ -208,20 +214,20 @@ fn has_shadows(plan: &Plan, scene: &Scene, settings: &Settings) -> bool {
 
 /// The shading of the picture: by the kernel, or after it by lights, the sky and what mirrors show.
 fn shading(plan: &Plan) -> Option<Shade> {
-    if plan.wanted.color { Some(Shade::Headlight) } else { plan.shade() }
+    if plan.light_outputs.color { Some(Shade::Headlight) } else { plan.shade() }
 }
 
 /// The most bounces of a ray of the picture; 0 where the stage of lights does not compute the colour.
 fn bounces(plan: &Plan, scene: &Scene) -> u32 {
-    if plan.wanted.color { lights::bounces(scene) } else { 0 }
+    if plan.light_outputs.color { lights::bounces(scene) } else { 0 }
 }
 
 /// The rays of a pixel whose viewing rays all hit.
 fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32) -> PixelRays {
     let viewing = u64::from(samples);
     // Buffers are of the centre; without a picture there are no samples.
-    let points = if plan.wanted.color { viewing } else { u64::from(plan.wanted.is_any()) };
-    let spread = u64::from(lights::light_rays(if plan.wanted.color { samples } else { 1 }));
+    let points = if plan.light_outputs.color { viewing } else { u64::from(plan.light_outputs.is_any()) };
+    let spread = u64::from(lights::light_rays(if plan.light_outputs.color { samples } else { 1 }));
     let of_light = |light: &Light| if light.source.has_size() { spread } else { points };
     let lights: u64 = scene.lighting.lights.iter().map(of_light).sum();
     let lights = if has_shadows(plan, scene, settings) { lights } else { 0 };
@@ -230,7 +236,7 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
         true => u64::from(lights::center_rays(sky, samples).div_ceil(2)) * points.min(1),
         false => u64::from(sky.rays) * points,
     };
-    let sky = scene.lighting.sky.filter(|_| plan.wanted.color).or(settings.sky(scene)).map_or(0, of_sky);
+    let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color).or(settings.sky(scene)).map_or(0, of_sky);
     // Glass divides a ray: 2 + 4 + .. + 2^n.
     let counts = MaterialCounts::of(scene);
     let bounces = bounces(plan, scene);

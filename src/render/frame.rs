@@ -12,7 +12,7 @@ use super::renderer::Renderer;
 use super::sample::Sampling;
 use super::setup::{FrameSetup, ResidentSetup, Stage};
 use crate::answers::assemble::Answers;
-use crate::answers::lit::LightBuffers;
+use crate::answers::light::LightBuffers;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::binned::BinnedScene;
@@ -23,7 +23,7 @@ use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
-use crate::gpu::resident::held::Reach;
+use crate::gpu::resident::scene::Reach;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::gpu::traffic::Traffic;
 use crate::progress::Step;
@@ -153,19 +153,20 @@ impl Renderer {
         let FrameSetup { plan, view, .. } = &setup;
         watch.check()?;
         raw.settle(&settled);
-        let lights = plan.wanted.is_any().then(|| timings.time("tree", || self.light_setup(scene, plan.accuracy)));
-        let wanted = LightOutputs { color: plan.wanted.color && samples.is_none(), ..plan.wanted };
-        let lit = match &lights {
-            Some(lights) if wanted.is_any() => {
-                let sky = if wanted.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
+        let lights =
+            plan.light_outputs.is_any().then(|| timings.time("tree", || self.light_setup(scene, plan.accuracy)));
+        let outputs = LightOutputs { color: plan.light_outputs.color && samples.is_none(), ..plan.light_outputs };
+        let light = match &lights {
+            Some(lights) if outputs.is_any() => {
+                let sky = if outputs.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
                 let of = FrameContext { scene, settings, view };
-                timings.time("light", || self.light(lights, of, &LightRequest::of(wanted, sky, &raw.id), &pool))?
+                timings.time("light", || self.light(lights, of, &LightRequest::of(outputs, sky, &raw.id), &pool))?
             }
             _ => LightBuffers::default(),
         };
         let sampled = match (samples, plan.sampled) {
             (Some(raster), Some(kernel)) => {
-                let lights = lights.as_ref().filter(|_| plan.wanted.color);
+                let lights = lights.as_ref().filter(|_| plan.light_outputs.color);
                 let sampling = Sampling { plan, kernel, scene, settings, lights };
                 Some(self.sample(sampling, raster, &raw.id, &mut timings)?)
             }
@@ -176,7 +177,7 @@ impl Renderer {
         }
         let certify = plan.kernel.is_certified();
         let promised = plan.accuracy != Accuracy::Fast;
-        let answers = Answers { pool: &pool, view, raw, certify, promised, settled: &settled, sampled, lit };
+        let answers = Answers { pool: &pool, view, raw, certify, promised, settled: &settled, sampled, light };
         let buffers = timings.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
             Accuracy::Fast => timings.time("predict", || setup.predicted(scene)),

@@ -39,9 +39,9 @@ impl LensPasses {
     /// Errors of [`Aperture::distance`].
     pub(super) fn pass(&mut self, sample: u32, window: Window) -> Result<(&Scene, Raster)> {
         let point = lens_point(self.raster.strata, sample, self.raster.seed);
-        let (camera, aside) = self.aperture.at(point, &self.camera, &self.frame)?;
+        let (camera, lens_offset) = self.aperture.at(point, &self.camera, &self.frame)?;
         self.scene.camera = camera;
-        Ok((&self.scene, Raster { window, aside, ..self.raster }))
+        Ok((&self.scene, Raster { window, lens_offset, ..self.raster }))
     }
 }
 
@@ -132,16 +132,16 @@ mod tests {
             let mut counts = vec![[0u32; 3 * DIGITS]; (width * height) as usize];
             let mut eyes = Vec::new();
             for sample in 0..SAMPLES {
-                let (seen, raster) = passes.pass(sample, window).expect("a point");
-                let mut view = View::for_rays(seen, raster, Records::None).expect("a view");
+                let (pass_scene, raster) = passes.pass(sample, window).expect("a point");
+                let mut view = View::for_rays(pass_scene, raster, Records::None).expect("a view");
                 view.record.sample = sample;
                 let viewport = view.viewport.expect("a viewport");
                 let ([vw, vh], distance) = (viewport.rounded(), viewport.d);
                 let lens = Lens::Viewport { vw, vh, distance };
-                let image = ImagePlane { width: view.record.width, height: view.record.height, ..seen.image };
-                let alone = Scene { camera: Camera { lens, ..seen.camera }, image, ..seen.clone() };
+                let image = ImagePlane { width: view.record.width, height: view.record.height, ..pass_scene.image };
+                let alone = Scene { camera: Camera { lens, ..pass_scene.camera }, image, ..pass_scene.clone() };
                 let judge = Judge::new(&alone).expect("a judge");
-                eyes.push(seen.camera.eye);
+                eyes.push(pass_scene.camera.eye);
                 for (row, column) in (0..height).flat_map(|i| (0..width).map(move |j| (i, j))) {
                     let [i, j] = view.record.sample_position(row, column);
                     if let Some(truth) = judge.pixel(i, j) {

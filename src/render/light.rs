@@ -2,7 +2,7 @@
 
 use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
-use crate::answers::lit::{LightBuffers, OpenSky, Traced};
+use crate::answers::light::{LightBuffers, OpenSky, Traced};
 use crate::cpu::light::{LightOutputs, LightingContext};
 use crate::error::Result;
 use crate::exact::Judge;
@@ -119,10 +119,10 @@ impl Renderer {
             limit,
             ..bytemuck::Zeroable::zeroed()
         };
-        let asked = SkyRays { tree, view, directions: &directions, record };
+        let rays = SkyRays { tree, view, directions: &directions, record };
         let pixels = view.record.pixels() as u64;
         let doing = self.watch.begin(Step::Light, pixels);
-        match gpu.trace_sky(&asked, &|done| doing.reached(done))? {
+        match gpu.trace_sky(&rays, &|done| doing.reached(done))? {
             SkyTraced::NoHits => Ok(None),
             SkyTraced::Words(words) => {
                 doing.end()?;
@@ -149,13 +149,13 @@ impl Renderer {
     ) -> Result<LightBuffers> {
         let FrameContext { scene, settings, view } = frame;
         let LightRequest { outputs, sky, ids, open_sky, .. } = *request;
-        let mut lit = LightBuffers::default();
+        let mut buffers = LightBuffers::default();
         let lights = &scene.lighting.lights;
-        let some = |wanted: bool, each: usize| if wanted { each * ids.len() } else { 0 };
-        lit.color = pool.values(some(outputs.color, 3))?;
-        lit.shadow = pool.values(some(outputs.shadow, lights.len()))?;
-        lit.occlusion = pool.values(some(outputs.occlusion, 1))?;
-        lit.sky = pool.values(some(outputs.sky, 3))?;
+        let some = |is_requested: bool, each: usize| if is_requested { each * ids.len() } else { 0 };
+        buffers.color = pool.values(some(outputs.color, 3))?;
+        buffers.shadow = pool.values(some(outputs.shadow, lights.len()))?;
+        buffers.occlusion = pool.values(some(outputs.occlusion, 1))?;
+        buffers.sky = pool.values(some(outputs.sky, 3))?;
         let sized = lights.iter().any(|light| light.source.has_size());
         let ViewRecord { strata, sample, .. } = view.record;
         let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays), strata, sample);
@@ -164,7 +164,7 @@ impl Renderer {
         let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples);
         let backdrop = Backdrop::new(scene, view, true);
         let Some(tree) = &setup.tree else {
-            return Ok(lit.of_nothing(|pixel| backdrop.at(pixel)));
+            return Ok(buffers.of_nothing(|pixel| backdrop.at(pixel)));
         };
         let judge = setup.judge(scene, view)?;
         let found = match setup.accuracy {
@@ -194,8 +194,8 @@ impl Renderer {
             bounces: bounces(scene),
         };
         let doing = self.watch.begin(Step::Light, ids.len() as u64);
-        lighting.fill(ids, &mut lit, &|pixels| doing.next(pixels));
+        lighting.fill(ids, &mut buffers, &|pixels| doing.next(pixels));
         doing.end()?;
-        Ok(lit)
+        Ok(buffers)
     }
 }

@@ -1,6 +1,6 @@
 //! The part of a device in the light of a frame.
 
-use crate::answers::lit::Traced;
+use crate::answers::light::Traced;
 use crate::view::ray::NONE;
 use rayon::prelude::*;
 

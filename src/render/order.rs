@@ -205,13 +205,13 @@ mod tests {
             let (all, some) = (of(None), of(Some(order.groups())));
             println!(
                 "scene {n}: {} of {} spheres, {} of {} general",
-                some.seen,
-                all.seen,
+                some.projected_count,
+                all.projected_count,
                 some.generals.len(),
                 all.generals.len()
             );
             // From 2e7 cubes away f32 does not tell depths within the cube apart, so nothing is surely hidden.
-            assert!(2 * some.seen < all.seen && some.seen > 0 || n == 5, "scene {n}");
+            assert!(2 * some.projected_count < all.projected_count && some.projected_count > 0 || n == 5, "scene {n}");
             assert_eq!(all.projection.depth, some.projection.depth, "scene {n}: the reference");
             assert_eq!(all.projection.depth > 0.0, [4, 5].contains(&n), "scene {n}: a reference");
         }

@@ -32,7 +32,7 @@ pub struct Plan {
     /// The engine that finds the first hits.
     pub engine: Engine,
     /// The outputs of lights and sky that are computed.
-    pub(crate) wanted: LightOutputs,
+    pub(crate) light_outputs: LightOutputs,
     /// The effects that are drawn over the colours; `None` without any.
     pub(crate) finish: Option<Finish>,
     pub(crate) kernel: Kernel,
@@ -49,7 +49,7 @@ impl Plan {
 
     /// The name of the shading: `lights` where the scene's lights or its sky light the picture.
     pub(crate) fn shade_name(&self) -> Option<&'static str> {
-        if self.wanted.color { Some("lights") } else { self.shade().map(Shade::name) }
+        if self.light_outputs.color { Some("lights") } else { self.shade().map(Shade::name) }
     }
 
     /// Decides what `scene` requires for the requested buffers, among the methods that `admits` accepts.
@@ -63,8 +63,8 @@ impl Plan {
         // Touching spheres of flat colours would run into each other.
         let between = settings.shade == Shade::Flat;
         plan.finish = (silhouette || depth_cue).then_some(Finish { silhouette, between, depth_cue });
-        plan.wanted = lights::wanted(scene, settings);
-        let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.wanted.color);
+        plan.light_outputs = lights::outputs(scene, settings);
+        let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.light_outputs.color);
         plan.kernel.shade = shade;
         plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);
         plan.kernel.t = settings.asks(&[Aov::Distance, Aov::Depth, Aov::Position]);
@@ -86,7 +86,7 @@ impl Plan {
                 Task::Certified(Certificate {
                     unproved: if promised { Unproved::Unsure } else { Unproved::Nearest },
                     depth_interval: promised && settings.asks(&[Aov::Bound]),
-                    starts: promised && lights::leave_hits(plan.wanted, scene),
+                    starts: promised && lights::leave_hits(plan.light_outputs, scene),
                     ..Certificate::PLAIN
                 })
             }
@@ -95,7 +95,7 @@ impl Plan {
         plan.kernel.samples = matches!(scene.camera.lens, Lens::Intrinsics { .. });
         let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
         // A sky at the centres of pixels is known before the colours.
-        let shared = plan.wanted.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
+        let shared = plan.light_outputs.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
         if finished || shared || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
             let alone = shared && settings.aperture.is_none() && !scene.lighting.shadows;
             let kernel = Kernel { samples: true, t: false, normal: false, ..plan.kernel };
@@ -124,7 +124,7 @@ impl Plan {
             reason: String::new(),
             predicted: None,
             engine: Engine::Method,
-            wanted: LightOutputs::default(),
+            light_outputs: LightOutputs::default(),
             finish: None,
             kernel: Kernel::of_method(method),
             sampled: None,

@@ -9,7 +9,7 @@ use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::answers::depth_cue::DepthCue;
 use crate::answers::finish::{Finish, fade};
-use crate::answers::lit::{AROUND, OpenSky};
+use crate::answers::light::{AROUND, OpenSky};
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
@@ -152,8 +152,8 @@ impl Renderer {
             let outputs = LightOutputs { color: true, ..LightOutputs::default() };
             let request = LightRequest { open_sky, ..LightRequest::of(outputs, scene.lighting.sky, &raw.id) };
             let frame = FrameContext { scene, settings, view };
-            let lit = timings.time("light", || self.light(lights, frame, &request, &pool))?;
-            pool.put_back(std::mem::replace(&mut raw.color, lit.color));
+            let light = timings.time("light", || self.light(lights, frame, &request, &pool))?;
+            pool.put_back(std::mem::replace(&mut raw.color, light.color));
         }
         if let Some(cue) = cue {
             timings.time("finish", || fade(cue, scene, (view, lights.is_some()), &raw.id, &mut raw.color));
@@ -181,8 +181,8 @@ impl Renderer {
         let sky = Sky { rays: center_rays(sky, samples), ..sky };
         let request = LightRequest { chessboard: true, ..LightRequest::of(outputs, Some(sky), &ids) };
         let frame = FrameContext { scene, settings, view: &around.view };
-        let lit = timings.time("light", || self.light(lights, frame, &request, &pool))?;
-        Ok(Some(OpenSky { window: around.window, ids, light: lit.sky }))
+        let light = timings.time("light", || self.light(lights, frame, &request, &pool))?;
+        Ok(Some(OpenSky { window: around.window, ids, light: light.sky }))
     }
 
     /// The spheres that the centres of a window's pixels show, and those around it as far as `margin` and the frame reach.

@@ -201,11 +201,11 @@ impl Stream {
     /// Refuses spheres so far apart that some that are forgotten would be general in the unit of all.
     fn check_unit(&self) -> Result<()> {
         let sizes = [-self.witnesses.score(1), self.witnesses.score(0)].map(exponent);
-        let is_held = |(n, sieve): (usize, &Sieve)| {
+        let is_in_range = |(n, sieve): (usize, &Sieve)| {
             let [least, most] = [0, 1].map(|end| self.witnesses.end(n, end));
             !most.is_finite() || [-least, most].into_iter().all(|depth| sieve.holds(depth, middle(sizes)))
         };
-        if self.sieves.iter().enumerate().all(is_held) {
+        if self.sieves.iter().enumerate().all(is_in_range) {
             return Ok(());
         }
         let [least, most] = sizes;
@@ -223,13 +223,13 @@ impl Stream {
 
 /// Refuses settings that need all spheres at once or are uncertified.
 fn check(scene: &Scene, settings: &Settings) -> Result<()> {
-    let lit = scene.lighting.is_lit();
+    let has_lights = scene.lighting.has_light();
     let (problem, mend) = if settings.method.is_some() || settings.accuracy == Accuracy::Fast {
         (
             "answers of a stream are certified or exact",
             format!("remove {METHOD}, and use {ACCURACY} certified or exact"),
         )
-    } else if settings.asks(&[Aov::Shadow, Aov::Occlusion]) || lit && settings.asks(&[Aov::Color]) {
+    } else if settings.asks(&[Aov::Shadow, Aov::Occlusion]) || has_lights && settings.asks(&[Aov::Color]) {
         (
             "lights and a sky need all spheres in memory",
             format!("use {LOOK} plain, without lights, shadow and occlusion"),

@@ -36,7 +36,7 @@ impl Default for Arrangement {
 }
 
 /// The most beads along an edge. They overlap by half, so that an edge looks like a wire.
-const MOST_BEADS: f64 = 1e5;
+const MAX_BEADS: f64 = 1e5;
 
 /// Colour of an outline, linear RGB, visible on black and on white.
 const OUTLINE: [f32; 3] = [0.35; 3];
@@ -144,7 +144,7 @@ fn needs_cell(what: &str) -> Error {
 }
 
 /// Spheres copied between two checks for cancellation.
-const BATCH: usize = 1 << 22;
+const SPHERES_PER_CHECK: usize = 1 << 22;
 
 fn repeat(spheres: &mut Spheres, lattice: &Lattice, watch: &Watch) -> Result<()> {
     let total = lattice.count().saturating_mul(spheres.len() as u64);
@@ -156,9 +156,9 @@ fn repeat(spheres: &mut Spheres, lattice: &Lattice, watch: &Watch) -> Result<()>
     };
     let centers = spheres.centers.to_mut();
     extend_to(centers, total)?;
-    for start in (0..total).step_by(BATCH) {
+    for start in (0..total).step_by(SPHERES_PER_CHECK) {
         watch.check()?;
-        centers.par_extend((start..total.min(start + BATCH)).into_par_iter().map(copy));
+        centers.par_extend((start..total.min(start + SPHERES_PER_CHECK)).into_par_iter().map(copy));
     }
     spheres.radii = repeated(own.radii, total, watch)?;
     spheres.materials = own
@@ -177,7 +177,7 @@ fn repeated<T: Copy>(values: List<T>, total: usize, watch: &Watch) -> Result<Lis
     while values.len() < total {
         watch.check()?;
         // Whole copies of all values, so that the next copy begins with the first.
-        let more = values.len().min((BATCH / once).max(1) * once).min(total - values.len());
+        let more = values.len().min((SPHERES_PER_CHECK / once).max(1) * once).min(total - values.len());
         values.extend_from_within(..more);
     }
     Ok(values.into())
@@ -204,7 +204,7 @@ fn outline(spheres: &mut Spheres, origin: DVec3, edges: [DVec3; 3], bead: Bead) 
     check_spheres(spheres.len() as u64, spheres.colors.is_some())?;
     for (k, along) in edges.into_iter().enumerate() {
         let (p, q) = (edges[(k + 1) % 3], edges[(k + 2) % 3]);
-        let steps = (along.length() / radius).ceil().clamp(1.0, MOST_BEADS) as u32;
+        let steps = (along.length() / radius).ceil().clamp(1.0, MAX_BEADS) as u32;
         for corner in [DVec3::ZERO, p, q, p + q] {
             // An edge omits its last bead where the next edge's first bead is: every corner begins or ends three edges.
             for n in 0..=steps {
@@ -256,8 +256,8 @@ mod tests {
         // Three numbers, so that the end of a batch falls among them, and a list whose doubling does not end with a
         // whole copy.
         let values: List<usize> = (0..3).collect();
-        let all = repeated(values, 3 * (BATCH - 1), &Watch::default()).expect("room");
-        assert!(all.len() == 3 * (BATCH - 1) && all.iter().enumerate().all(|(k, n)| *n == k % 3));
+        let all = repeated(values, 3 * (SPHERES_PER_CHECK - 1), &Watch::default()).expect("room");
+        assert!(all.len() == 3 * (SPHERES_PER_CHECK - 1) && all.iter().enumerate().all(|(k, n)| *n == k % 3));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 /// The most shifts along an edge that are tried; only cells with an angle of few degrees would need more.
-const MOST_SHIFTS: f64 = 32.0;
+const MAX_SHIFTS: f64 = 32.0;
 
 /// A periodic cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +33,7 @@ impl Cell {
         let near = apart - edges * (inverse * apart).round();
         // A vector of at most this length has parts of at most length / height along an edge, and those of `near` are at
         // most a half.
-        let most = |k: usize| (near.length() * inverse.row(k).length() + 0.5).floor().min(MOST_SHIFTS) as i32;
+        let most = |k: usize| (near.length() * inverse.row(k).length() + 0.5).floor().min(MAX_SHIFTS) as i32;
         let [a, b, c] = [0, 1, 2].map(|k| -most(k)..=most(k));
         let shifts =
             a.flat_map(|i| b.clone().map(move |j| (i, j))).flat_map(|(i, j)| c.clone().map(move |k| [i, j, k]));

@@ -21,7 +21,7 @@ pub struct Framing {
     /// fitted.
     pub keep_height: bool,
     /// Shares of the image's width that stay free at its left and right side, besides the margin, for a legend.
-    pub aside: [f64; 2],
+    pub legend_shares: [f64; 2],
     /// The point that is in the middle of the rest of the image; `None` centres the spheres.
     pub aim: Option<DVec3>,
 }
@@ -29,7 +29,7 @@ pub struct Framing {
 impl Default for Framing {
     /// 4 % margin around the spheres, which are in the middle of the image.
     fn default() -> Self {
-        Self { margin: 0.04, ball: false, keep_height: false, aside: [0.0; 2], aim: None }
+        Self { margin: 0.04, ball: false, keep_height: false, legend_shares: [0.0; 2], aim: None }
     }
 }
 
@@ -163,14 +163,14 @@ impl Camera {
             };
             let ((x, across), (y, down)) =
                 (span(left, right, aim.map(|aim| aim[0])), span(bottom, top, aim.map(|a| a[1])));
-            let [beside_left, beside_right] = framing.aside;
-            let height = (down / free(framing)).max(across * shape / (free(framing) - beside_left - beside_right));
+            let [inset_left, inset_right] = framing.legend_shares;
+            let height = (down / free(framing)).max(across * shape / (free(framing) - inset_left - inset_right));
             let shown = if framing.keep_height { viewport.vh } else { height };
             if !framing.keep_height {
                 self.lens = Lens::Orthographic { height };
             }
             let back = front + height.max(right - left);
-            let x = x - (beside_left - beside_right) / 2.0 * shown / shape;
+            let x = x - (inset_left - inset_right) / 2.0 * shown / shape;
             self.eye = middle + x * basis.u + y * basis.v + back * basis.w;
             return Ok(());
         }
@@ -268,12 +268,12 @@ fn free(framing: &Framing) -> f64 {
 /// Sine and cosine of the angles between the view axis and the sides of the viewport less its margin: left and right,
 /// bottom and top. The sine is negative where the free part begins beyond the axis.
 fn slopes(framing: &Framing, viewport: Viewport) -> ([[f64; 2]; 2], [[f64; 2]; 2]) {
-    let to = |side: f64, aside: f64| {
-        let slope = (free(framing) - 2.0 * aside) * side / (2.0 * viewport.d);
+    let to = |side: f64, inset: f64| {
+        let slope = (free(framing) - 2.0 * inset) * side / (2.0 * viewport.d);
         let length = slope.hypot(1.0);
         [slope / length, 1.0 / length]
     };
-    (framing.aside.map(|aside| to(viewport.vw, aside)), [to(viewport.vh, 0.0); 2])
+    (framing.legend_shares.map(|inset| to(viewport.vw, inset)), [to(viewport.vh, 0.0); 2])
 }
 
 impl Spheres {

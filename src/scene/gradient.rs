@@ -85,12 +85,12 @@ impl SkyLight {
         let angles: Vec<[f64; 2]> = std::iter::successors(Some(half(step)), next).take(ANGLES).collect();
         let share = |cell: usize| {
             let high = 2.0 * cell as f64 / CELLS as f64 - 1.0;
-            let aside = (1.0 - high * high).sqrt();
+            let horizontal = (1.0 - high * high).sqrt();
             let (mut sum, mut all) = (0.0, 0.0);
             for k in 0..ELEVATIONS {
                 let sine = (2.0 * k as f64 + 1.0) / ELEVATIONS as f64 - 1.0;
                 let along = (1.0 - sine * sine).sqrt();
-                let cosines = angles.iter().map(|[x, _]| (high * sine + aside * along * x).max(0.0));
+                let cosines = angles.iter().map(|[x, _]| (high * sine + horizontal * along * x).max(0.0));
                 let weight: f64 = cosines.sum();
                 sum += weight * zenith_share(sine);
                 all += weight;

@@ -60,7 +60,7 @@ pub(crate) struct NumberedSpheres {
 }
 
 /// The most spheres of a group that is not divided.
-const FEW: u64 = clusters::FEW as u64;
+const MAX_UNDIVIDED_SPHERES: u64 = clusters::MAX_UNDIVIDED_SPHERES as u64;
 
 impl Instances {
     /// Copies of one set along the edges of a cell.
@@ -186,7 +186,7 @@ impl Instances {
 
     /// Adds the parts of a group to `to`; returns whether it is divided.
     pub(crate) fn divide(&self, group: &Group, to: &mut Vec<Group>) -> bool {
-        if self.count(group) <= FEW {
+        if self.count(group) <= MAX_UNDIVIDED_SPHERES {
             return false;
         }
         let part = &self.parts[group.part as usize];

@@ -92,16 +92,16 @@ impl FromStr for Lidar {
         };
         let (mut rings, mut vfov, mut step) = (None, None, None);
         let (mut turn, mut range) = ([-180.0, 180.0], f64::INFINITY);
-        let mut seen = Vec::new();
+        let mut keys = Vec::new();
         for entry in list.split(',') {
             let (key, value) = entry.split_once('=').unwrap_or((entry, ""));
             let (key, value) = (key.trim(), value.trim());
-            if seen.contains(&key) {
+            if keys.contains(&key) {
                 return Err(wrong(key, "is given twice", "give it once"));
             }
-            seen.push(key);
+            keys.push(key);
             match key {
-                "rings" => rings = Some(value.parse().ok().filter(|n| (1..=MOST_RINGS).contains(n)).ok_or_else(count)?),
+                "rings" => rings = Some(value.parse().ok().filter(|n| (1..=MAX_RINGS).contains(n)).ok_or_else(count)?),
                 "vfov" => vfov = Some(interval(value).filter(is_elevation).ok_or_else(elevations)?),
                 "step" => step = Some(positive(value).filter(|step| *step <= 360.0).ok_or_else(angle)?),
                 "azimuth" => turn = interval(value).filter(is_turn).ok_or_else(part_of_a_turn)?,
@@ -138,7 +138,7 @@ fn azimuths([first, last]: [f64; 2], step: f64) -> Result<u32> {
 }
 
 /// The most rings.
-const MOST_RINGS: u32 = 1 << 20;
+const MAX_RINGS: u32 = 1 << 20;
 
 /// `A..B`, or one number for both.
 fn interval(text: &str) -> Option<[f64; 2]> {
@@ -163,7 +163,7 @@ fn wrong(key: &str, what: &str, mend: &str) -> Error {
 }
 
 fn count() -> Error {
-    wrong("rings", "is not a number of rings", &format!("use a whole number between 1 and {MOST_RINGS}"))
+    wrong("rings", "is not a number of rings", &format!("use a whole number between 1 and {MAX_RINGS}"))
 }
 
 fn elevations() -> Error {

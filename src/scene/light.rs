@@ -75,14 +75,14 @@ pub struct Sky {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colors: Option<SkyColors>,
     /// The share of its light that surfaces get: 1 for the sky of a file, which lights with the brightness that it is seen
-    /// with; [`Sky::BESIDE_LIGHTS`] for a sky that a look or an option adds where there are lights.
+    /// with; [`Sky::SHARE_WITH_LIGHTS`] for a sky that a look or an option adds where there are lights.
     pub share: f32,
 }
 
 impl Sky {
     /// The share of an added sky where there are lights. Without lights it is all of the light, so that a white sphere under
     /// an open sky is white.
-    pub const BESIDE_LIGHTS: f32 = 0.5;
+    pub const SHARE_WITH_LIGHTS: f32 = 0.5;
 
     /// Few rays from the centres of pixels: about as little noise as from 8 times as many from every sample, in the time of
     /// these.
@@ -223,7 +223,7 @@ impl Lighting {
 
     /// Whether lights or a sky light the scene, not only the light at the eye.
     #[must_use]
-    pub fn is_lit(&self) -> bool {
+    pub fn has_light(&self) -> bool {
         !self.lights.is_empty() || self.sky.is_some()
     }
 

@@ -98,14 +98,14 @@ impl<T: Send + Sync + 'static> List<T> {
 }
 
 /// Values that one job tests.
-const TOGETHER: usize = 1 << 16;
+const VALUES_PER_JOB: usize = 1 << 16;
 
 impl<T: Sync> List<T> {
     /// Whether the one rule for the values of this list holds for all of them; tested once for clones.
     pub(crate) fn is_sound(&self, rule: impl Fn(&T) -> bool + Sync) -> bool {
         // Without branches within a job, so that compilers vectorize it.
         let sound = |values: &[T]| values.iter().fold(true, |all, value| all & rule(value));
-        let test = |values: &[T]| values.par_chunks(TOGETHER).all(sound);
+        let test = |values: &[T]| values.par_chunks(VALUES_PER_JOB).all(sound);
         match &self.0 {
             Store::Kept(kept) => *kept.sound.get_or_init(|| test(&kept.values)),
             Store::Own(_) | Store::Foreign(_) => test(self),

@@ -88,7 +88,7 @@ impl Material {
 
 /// Materials among which [`Materials::push`] looks for an equal one, so that a scene in which all differ takes no longer
 /// than in proportion to its spheres.
-const RECENT: usize = 256;
+const MAX_COMPARED_MATERIALS: usize = 256;
 
 /// The materials of a scene's spheres.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,7 +114,7 @@ impl Materials {
 
     /// Adds one sphere of this material.
     pub fn push(&mut self, material: Material) {
-        let first = self.kinds.len().saturating_sub(RECENT);
+        let first = self.kinds.len().saturating_sub(MAX_COMPARED_MATERIALS);
         let known = self.kinds[first..].iter().position(|kind| *kind == material);
         let kind = known.map(|place| first + place).unwrap_or_else(|| {
             self.kinds.push(material);

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_face_is_seen_with_the_longest_axis_across() {
+    fn the_largest_face_is_shown_with_the_longest_axis_across() {
         let turn = DQuat::from_scaled_axis(DVec3::new(0.3, 0.2, -0.4));
         let facing = cross([3.0, 2.0, 1.0], turn).facing(false);
         assert!(close(facing.view, turn * DVec3::NEG_Z) && close(facing.up, turn * DVec3::Y), "{facing:?}");
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_alike_from_several_sides_is_seen_as_the_file_has_it() {
+    fn what_is_alike_from_several_sides_is_shown_as_the_file_has_it() {
         for turn in [DQuat::IDENTITY, DQuat::from_scaled_axis(DVec3::new(0.3, 0.2, -0.4))] {
             // 1.04 is less than 5 % more; a cube, an icosahedron and one atom have no axes at all.
             for alike in [[1.0; 3], [1.0, 1.04, 1.0], [0.0; 3]] {

@@ -14,7 +14,7 @@ pub struct Outlook {
     /// The camera.
     pub camera: Camera,
     /// The share of their picture that no other sphere covers, 0 to 1, estimated on a coarse grid.
-    pub seen: f64,
+    pub visible_share: f64,
     /// The number of squares of the grid in which they are seen.
     area: u32,
 }
@@ -52,8 +52,8 @@ fn directions() -> impl Iterator<Item = DVec3> {
 
 /// A direction of view in which an axis lies across the image, or upright, as far as it is seen.
 fn turned(view: DVec3, along: DVec3, is_tall: bool) -> Facing {
-    let seen = along - view.dot(along) * view;
-    let up = match seen.try_normalize().filter(|_| seen.length() > 0.1) {
+    let projected = along - view.dot(along) * view;
+    let up = match projected.try_normalize().filter(|_| projected.length() > 0.1) {
         Some(axis) if is_tall => axis,
         Some(axis) => axis.cross(view),
         None if view.y.abs() < 0.9 => DVec3::Y,
@@ -137,8 +137,8 @@ impl<'a> Surroundings<'a> {
                 found.fit(self.image, self.part, self.framing)?;
             }
         }
-        let [area, whole] = self.seen(&found)?;
-        Ok(Outlook { camera: found, seen: f64::from(area) / f64::from(whole.max(1)), area })
+        let [area, whole] = self.visible_squares(&found)?;
+        Ok(Outlook { camera: found, visible_share: f64::from(area) / f64::from(whole.max(1)), area })
     }
 
     /// Whether a point is inside of a sphere, or almost.
@@ -148,7 +148,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// The squares of the grid in which the part is seen, and those in which it would be without the others.
-    fn seen(&self, camera: &Camera) -> Result<[u32; 2]> {
+    fn visible_squares(&self, camera: &Camera) -> Result<[u32; 2]> {
         let mut grid = Grid::new(camera, self.image)?;
         for (center, radius) in self.part.centers.iter().zip(&self.part.radii) {
             grid.each(center, *radius, |square, depth| square.nearest = square.nearest.min(depth));

@@ -87,8 +87,8 @@ mod tests {
             2 => radius * rng.decade(0.0, 2.0),
             _ => radius * rng.decade(0.0, 6.0),
         };
-        let mut aside = || rng.between(-WIDTH, WIDTH) * away;
-        let center = [aside(), aside(), rng.between(-1.0, 0.2).signum() * away];
+        let mut across = || rng.between(-WIDTH, WIDTH) * away;
+        let center = [across(), across(), rng.between(-1.0, 0.2).signum() * away];
         let power = center.iter().map(|x| x * x).sum::<f64>() - radius * radius;
         let power = match rng.below(8) {
             0 => 0.0,
@@ -135,7 +135,7 @@ mod tests {
 
         fn visit<V: Intersect, N: Laned>(self) -> [usize; 2] {
             let mut rng = self.0;
-            let mut seen = [0; 2];
+            let mut counts = [0; 2];
             for n in 0..3000 {
                 let (spheres, rays) = world::<N>(&mut rng, 1 + n % 9);
                 let eight = together(&rays);
@@ -146,12 +146,12 @@ mod tests {
                     assert_eq!(all.id.0[l], one.id, "{what}");
                     assert_eq!(bits(N::lane(&all.t, l)), bits(one.t), "{what}");
                     if one.id != NONE {
-                        seen[0] += 1;
-                        seen[1] += usize::from(spheres[one.id as usize].power < N::ZERO);
+                        counts[0] += 1;
+                        counts[1] += usize::from(spheres[one.id as usize].power < N::ZERO);
                     }
                 }
             }
-            seen
+            counts
         }
     }
 

@@ -92,9 +92,9 @@ impl FileLook {
         samples: Option<u32>,
         shade: Option<Shade>,
     ) -> ChosenLook {
-        let asked = look.or(self.look);
-        let is_default = asked.is_none() && self.is_particles && shade.is_none() && has_picture;
-        let look = asked.filter(|_| has_picture).unwrap_or(if is_default { Look::Soft } else { Look::Plain });
+        let requested = look.or(self.look);
+        let is_default = requested.is_none() && self.is_particles && shade.is_none() && has_picture;
+        let look = requested.filter(|_| has_picture).unwrap_or(if is_default { Look::Soft } else { Look::Plain });
         let samples = samples.or(self.samples).unwrap_or(look.samples());
         ChosenLook { look, samples, is_default }
     }
@@ -148,8 +148,8 @@ impl AddedLight {
         }
         let mut left = 1.0;
         if let (None, Some(sky), false) = (own, sky.as_mut(), lights.is_empty()) {
-            sky.share = Sky::BESIDE_LIGHTS;
-            left -= Sky::BESIDE_LIGHTS;
+            sky.share = Sky::SHARE_WITH_LIGHTS;
+            left -= Sky::SHARE_WITH_LIGHTS;
         }
         if own_lights == 0 {
             let each = left / lights.len() as f32;
@@ -274,10 +274,10 @@ mod tests {
             let found: Vec<f32> = scene.lighting.lights.iter().map(|light| light.intensity).collect();
             assert_eq!((scene.lighting.sky.expect("a sky").share, found), (share, lights), "{light:?} on {own:?}");
         }
-        let mut lit = scene(None);
-        lit.lighting.lights = vec![Light::white(LightSource::Point(DVec3::Y))];
-        open.apply(&mut lit).expect("a camera");
-        assert_eq!(lit.lighting.sky.expect("a sky").share, 0.5, "beside the lights of a file");
+        let mut with_light = scene(None);
+        with_light.lighting.lights = vec![Light::white(LightSource::Point(DVec3::Y))];
+        open.apply(&mut with_light).expect("a camera");
+        assert_eq!(with_light.lighting.sky.expect("a sky").share, 0.5, "beside the lights of a file");
     }
 
     /// Samples and all other options leave the look of particles as it is.

@@ -12,10 +12,10 @@ pub(crate) struct Backdrop<'a> {
 }
 
 impl<'a> Backdrop<'a> {
-    /// The background of a scene; `lit` says whether its sky lights the picture, which shows the sky's colours then.
-    pub(crate) fn new(scene: &Scene, view: &'a View, lit: bool) -> Self {
+    /// The background of a scene; `uses_lights` says whether its sky lights the picture, which shows the sky's colours then.
+    pub(crate) fn new(scene: &Scene, view: &'a View, uses_lights: bool) -> Self {
         let flat = Vec3::from_array(scene.image.background).as_dvec3();
-        Self { view, flat, sky: Gradient::of(scene).filter(|sky| lit && sky.is_shown) }
+        Self { view, flat, sky: Gradient::of(scene).filter(|sky| uses_lights && sky.is_shown) }
     }
 
     /// Linear RGB in a direction of length 1.

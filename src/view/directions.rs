@@ -145,7 +145,7 @@ const TURNS: [u32; 2] = [1 << 8, 1 << 12];
 const TURNED: u32 = 1 << 14;
 /// The most directions in all turns, before the number of turns is rounded up to a power of two; a set has at least one
 /// turn.
-const MOST_TURNED: u32 = 1 << 22;
+const MAX_TURNED: u32 = 1 << 22;
 
 impl SkyDirections {
     /// `count` directions for this sample of a pixel with `strata` x `strata` samples.
@@ -174,7 +174,7 @@ impl SkyDirections {
     /// The directions of a lattice in all turns, which are uniform among the rotations.
     fn turn_all(lattice: Vec<[f64; 3]>) -> Self {
         let that_have = |directions: u32| directions / lattice.len().max(1) as u32;
-        let turns = that_have(TURNED).clamp(TURNS[0], TURNS[1]).min(that_have(MOST_TURNED)).max(1).next_power_of_two();
+        let turns = that_have(TURNED).clamp(TURNS[0], TURNS[1]).min(that_have(MAX_TURNED)).max(1).next_power_of_two();
         let rows = |turn: u32| PixelSample { row: turn, column: 0, sample: 0, seed: 0 }.rotation(0);
         let one =
             |rows: [[f64; 3]; 3], p: &[f64; 3]| rows.map(|row| (row[0] * p[0] + row[1] * p[1] + row[2] * p[2]) as f32);

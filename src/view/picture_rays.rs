@@ -70,13 +70,13 @@ impl<'a> PictureRays<'a> {
     #[inline(always)]
     fn meeting(&self, parallel: bool, [i, j]: [u32; 2], center: [f64; 3], radius: f64) -> Meeting {
         let view = self.view;
-        let direction = if parallel { [0.0, 0.0, -1.0] } else { view.aside(i, j) };
+        let direction = if parallel { [0.0, 0.0, -1.0] } else { view.slope_direction(i, j) };
         let d = view.to_world(direction);
         let mut p = (DVec3::from_array(center) - view.basis.e) * self.scale;
-        let mut aside = 0.0;
+        let mut lengths2 = 0.0;
         if parallel {
             let origin = view.to_world(view.origin(i, j)) * self.scale;
-            (p, aside) = (p - origin, p.length_squared() + origin.length_squared());
+            (p, lengths2) = (p - origin, p.length_squared() + origin.length_squared());
         }
         let r = radius * self.scale;
         let (a, b, p2) = (d.length_squared(), p.dot(d), p.length_squared());
@@ -84,7 +84,7 @@ impl<'a> PictureRays<'a> {
         let root = disc.max(0.0).sqrt();
         let outside = p2 > r * r;
         let t = if outside { b - root } else { b + root } / a;
-        Meeting { forward: -direction[2], d, p, r, a, p2, disc, far2: p2 + r * r + 4.0 * aside, outside, t }
+        Meeting { forward: -direction[2], d, p, r, a, p2, disc, far2: p2 + r * r + 4.0 * lengths2, outside, t }
     }
 }
 

@@ -23,7 +23,7 @@ pub(crate) struct Raster {
     pub(crate) seed: u32,
     /// The offset of the frame of a point of a lens from the frame of the eye: columns to the right and rows down; 0
     /// for a pinhole.
-    pub(crate) aside: [f64; 2],
+    pub(crate) lens_offset: [f64; 2],
 }
 
 /// The most rows of samples in a pixel: light keeps directions for each of their squares.
@@ -38,7 +38,7 @@ pub fn strata_of(samples: u32) -> u32 {
 impl Raster {
     /// Pixel centres.
     pub(crate) fn centres(window: Window) -> Self {
-        Self { window, strata: 1, jitter: 1, seed: 0, aside: [0.0; 2] }
+        Self { window, strata: 1, jitter: 1, seed: 0, lens_offset: [0.0; 2] }
     }
 
     /// `samples` per pixel of the image, rounded up to the next square and placed by `seed`; `None` for one.
@@ -63,7 +63,7 @@ impl Raster {
         while strata * jitter > most {
             jitter /= 2;
         }
-        Ok(Some(Self { window, strata, jitter, seed, aside: [0.0; 2] }))
+        Ok(Some(Self { window, strata, jitter, seed, lens_offset: [0.0; 2] }))
     }
 
     /// The same where frames are larger by this many pixels on each side: with fewer finer pixels if they must be.

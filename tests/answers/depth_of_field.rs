@@ -100,10 +100,10 @@ fn nearest(scene: &Scene, eye: DVec3, direction: DVec3) -> (Option<usize>, f64) 
     let (mut found, mut margin): (Option<(usize, f64)>, f64) = (None, f64::INFINITY);
     for (n, (center, radius)) in scene.spheres.centers.iter().zip(&scene.spheres.radii).enumerate() {
         let p = DVec3::from_array(*center) - eye;
-        let aside = p.cross(d).length() / radius;
-        margin = margin.min((aside - 1.0).abs());
-        let t = p.dot(d) - radius * (1.0 - aside * aside).max(0.0).sqrt();
-        if aside < 1.0 && t > 0.0 && found.is_none_or(|(_, least)| t < least) {
+        let relative_distance = p.cross(d).length() / radius;
+        margin = margin.min((relative_distance - 1.0).abs());
+        let t = p.dot(d) - radius * (1.0 - relative_distance * relative_distance).max(0.0).sqrt();
+        if relative_distance < 1.0 && t > 0.0 && found.is_none_or(|(_, least)| t < least) {
             found = Some((n, t));
         }
     }
@@ -192,13 +192,13 @@ fn other_buffers_are_those_of_the_pinhole_and_crops_are_parts() {
     let other = render(&mut cpu(), &scene, &Settings { seed: SEED + 1, ..all.clone() });
     assert_ne!(open.f32(Aov::Alpha), other.f32(Aov::Alpha), "another seed turns the lens");
     // With lines, and a sky that is taken from the centres of pixels where there is no lens.
-    let mut lit = scene.clone();
-    lit.lighting.sky = Some(Sky { rays: 4, at_centers: true, ..Sky::default() });
+    let mut with_sky = scene.clone();
+    with_sky.lighting.sky = Some(Sky { rays: 4, at_centers: true, ..Sky::default() });
     let lined = Settings { silhouette: true, shade: Shade::Headlight, ..all };
-    let whole = render(&mut cpu(), &lit, &lined);
+    let whole = render(&mut cpu(), &with_sky, &lined);
     let color = whole.f32(Aov::Color).expect("colours");
     let window = Window { x0: 17, y0: 9, x1: 42, y1: 30 };
-    let part = render(&mut cpu(), &lit, &Settings { window: Some(window), ..lined });
+    let part = render(&mut cpu(), &with_sky, &Settings { window: Some(window), ..lined });
     let part = part.f32(Aov::Color).expect("colours");
     for (n, y) in (window.y0..window.y1).enumerate() {
         let [first, end] = [window.x0, window.x1].map(|x| 3 * (y * SIZE[0] + x) as usize);

@@ -42,7 +42,7 @@ enum Shadow {
 /// The discs of Sun and Moon as a point of the ground sees them: the radius of the Moon's disc and the distance of the
 /// centres, in radii of the Sun's disc.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct Discs {
     moon: f64,
     apart: f64,
 }
@@ -95,12 +95,12 @@ impl Eclipse {
         self.earth.radius * ends[0].angle_between(ends[1])
     }
 
-    fn seen(&self, at: DVec3) -> Seen {
+    fn discs(&self, at: DVec3) -> Discs {
         let (sun, moon) = (self.sun.center - at, self.moon.center - at);
         let [sun_radius, moon_radius] =
             [(self.sun.radius, sun), (self.moon.radius, moon)].map(|(radius, to)| (radius / to.length()).asin());
         let apart = (sun.cross(moon).length() / (sun.length() * moon.length())).asin();
-        Seen { moon: moon_radius / sun_radius, apart: apart / sun_radius }
+        Discs { moon: moon_radius / sun_radius, apart: apart / sun_radius }
     }
 
     /// The extent of points of the ground in the plane of symmetry, along the ground.
@@ -128,7 +128,7 @@ impl Eclipse {
         let mut ends = [1700.0, 1800.0];
         for _ in 0..40 {
             let middle = (ends[0] + ends[1]) / 2.0;
-            let hidden: f64 = pixels.iter().map(|pixel| with(middle).seen(pixel.at).hidden()).sum();
+            let hidden: f64 = pixels.iter().map(|pixel| with(middle).discs(pixel.at).hidden()).sum();
             ends[usize::from(hidden > measured)] = middle;
         }
         with(ends[0])
@@ -153,7 +153,7 @@ impl Eclipse {
     }
 }
 
-impl Seen {
+impl Discs {
     /// The distance beyond the edge of the umbra, in radii of the Sun's disc; negative inside the umbra.
     fn beyond(self) -> f64 {
         self.apart - (self.moon - 1.0)
@@ -167,7 +167,7 @@ impl Seen {
     /// The share of the Sun's disc behind the Moon's. The discs are 0.005 rad wide; that they are not flat changes the share
     /// by less than 1e-5.
     fn hidden(self) -> f64 {
-        let Seen { moon, apart } = self;
+        let Discs { moon, apart } = self;
         if self.within() <= 0.0 {
             return 0.0;
         }
@@ -225,7 +225,7 @@ fn the_umbra_has_the_diameter_of_its_cone() {
     // less than 1e-4 radii of the Sun.
     let reach = reach(1.08)[0];
     for Pixel { at, share } in &pixels {
-        let beyond = eclipse.seen(*at).beyond();
+        let beyond = eclipse.discs(*at).beyond();
         assert!(*share == 1.0 || beyond > -1e-4, "{share} inside the umbra, {beyond}");
         assert!(*share < 1.0 || beyond < reach, "{share} outside the umbra, {beyond}");
     }
@@ -251,7 +251,7 @@ fn the_penumbra_has_the_diameter_of_its_cone() {
     assert!(pixels.len() > 10_000);
     let reach = reach(1.08)[1];
     for Pixel { at, share } in &pixels {
-        let within = eclipse.seen(*at).within();
+        let within = eclipse.discs(*at).within();
         assert!(*share == 0.0 || within > -1e-4, "{share} outside the penumbra, {within}");
         assert!(*share > 0.0 || within < reach, "{share} inside the penumbra, {within}");
     }

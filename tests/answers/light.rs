@@ -133,7 +133,7 @@ fn the_number_of_bounces_is_a_limit() {
 
 /// Without bounces mirrors and glass reflect like any other sphere, also under a light.
 #[test]
-fn without_bounces_every_material_is_lit() {
+fn without_bounces_every_material_is_shaded() {
     for material in [Material::Metal { fuzz: 0.0 }, Material::Glass { index: 1.5 }, Material::default()] {
         let mut scene = scene(STRAIGHT, [1, 1], spheres(&[([0.0, 0.0, -3.0], 1.0, [1.0; 3], material)]));
         let lights = vec![Light::white(LightSource::Direction(DVec3::Z))];
@@ -149,10 +149,10 @@ fn a_light_behind_a_surface_has_no_highlight() {
     let list = [([0.0, 0.0, -3.0], 1.0, [0.0; 3], shiny)];
     let mut scene = scene(looking([0.0; 3], [0.0, 0.0, -1.0], 45.0), [21, 21], spheres(&list));
     scene.image.background = [0.0; 3];
-    for (toward, is_lit) in [(DVec3::NEG_Z, false), (DVec3::Z, true)] {
+    for (toward, faces_light) in [(DVec3::NEG_Z, false), (DVec3::Z, true)] {
         let lights = vec![Light::white(LightSource::Direction(toward))];
         scene.lighting = Lighting { lights, bounces: Some(0), ..Lighting::default() };
-        assert_eq!(color(&scene).iter().any(|x| *x > 0.0), is_lit, "{toward}");
+        assert_eq!(color(&scene).iter().any(|x| *x > 0.0), faces_light, "{toward}");
     }
 }
 
@@ -170,8 +170,8 @@ fn clear_spheres_of_index_1_change_nothing() {
     // The direction is computed again twice, and points on the outline of a sphere behind may fall on its other side: with
     // directions within 1e-15, no pixel of this picture.
     assert!(close(&found, &expected));
-    let seen = frame(&covered, &[Aov::Id], |_| {});
-    assert!(seen.ids().iter().filter(|id| **id == 60).count() > 50, "the sphere is in the picture");
+    let visible = frame(&covered, &[Aov::Id], |_| {});
+    assert!(visible.ids().iter().filter(|id| **id == 60).count() > 50, "the sphere is in the picture");
     // Glass reflects nothing of a ray through its centre.
     let list = [
         ([0.0, 0.0, -3.0], 1.0, [0.3; 3], Material::Glass { index: 1.0 }),
@@ -218,7 +218,7 @@ fn the_certainty_of_a_picture_is_that_of_its_rays() {
 }
 
 /// Random spheres with a light of each kind and a sky.
-fn lit_cloud() -> Scene {
+fn cloud_with_lights() -> Scene {
     let mut scene = scene(looking([3.0, 2.0, 4.0], [0.0; 3], 32.0), [37, 29], cloud(4, 150, [0.0; 3], 1.0, 0.05));
     scene.spheres.push([1.8, 0.3, 0.4], 0.3, None);
     let lights = [
@@ -235,8 +235,9 @@ fn lit_cloud() -> Scene {
 
 #[test]
 fn certified_shadows_and_skies_are_the_exact_ones() {
-    let [certified, exact] = [Accuracy::Certified, Accuracy::Exact]
-        .map(|accuracy| frame(&lit_cloud(), &[Aov::Shadow, Aov::Occlusion], |settings| settings.accuracy = accuracy));
+    let [certified, exact] = [Accuracy::Certified, Accuracy::Exact].map(|accuracy| {
+        frame(&cloud_with_lights(), &[Aov::Shadow, Aov::Occlusion], |settings| settings.accuracy = accuracy)
+    });
     assert_eq!((certified.report.accuracy, exact.report.accuracy), ("certified", "exact"));
     for aov in [Aov::Shadow, Aov::Occlusion] {
         assert!(certified.bits(aov) == exact.bits(aov), "{aov}");
@@ -246,8 +247,8 @@ fn certified_shadows_and_skies_are_the_exact_ones() {
     for (light, soft) in [(0, false), (1, false), (2, true), (3, true)] {
         let of_light = || shares.iter().skip(light).step_by(4);
         assert_eq!(of_light().any(between), soft, "light {light}");
-        let [lit, hidden] = [0.0, 1.0].map(|x| of_light().zip(ids).filter(|(s, id)| **id >= 0 && **s == x).count());
-        assert!(lit > 20 && hidden > 20, "light {light}: {lit} lit, {hidden} hidden");
+        let [open, hidden] = [0.0, 1.0].map(|x| of_light().zip(ids).filter(|(s, id)| **id >= 0 && **s == x).count());
+        assert!(open > 20 && hidden > 20, "light {light}: {open} lit, {hidden} hidden");
     }
 }
 
@@ -281,7 +282,7 @@ fn a_sphere_equal_to_the_light_is_the_light() {
 /// With mirrors, glass and a fuzzy metal, which scatters at random.
 #[test]
 fn parts_and_threads_give_the_bits_of_the_frame() {
-    let mut scene = lit_cloud();
+    let mut scene = cloud_with_lights();
     for (center, material) in [
         ([1.5, 0.0, 1.0], MIRROR),
         ([0.0, 1.2, 1.0], Material::Glass { index: 1.5 }),

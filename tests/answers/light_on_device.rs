@@ -17,14 +17,14 @@ fn settings() -> Settings {
 }
 
 /// Far lights from above and along an axis, and a sky of so many rays.
-fn lit(scene: &Scene, rays: u32) -> Scene {
+fn with_lights(scene: &Scene, rays: u32) -> Scene {
     let mut scene = scene.clone();
     let toward = [[0.3, 1.0, 0.2], [1.0, 0.0, 0.0]].map(|d| LightSource::Direction(d.into()));
     // A light above the eye, too.
-    let beside = LightSource::Point(
+    let near_eye = LightSource::Point(
         scene.camera.eye + glam::DVec3::new(0.2, 0.5, 0.1) * scene.spheres.radii.first().copied().unwrap_or(1.0),
     );
-    scene.lighting.lights = toward.into_iter().chain([beside]).map(Light::white).collect();
+    scene.lighting.lights = toward.into_iter().chain([near_eye]).map(Light::white).collect();
     scene.lighting.shadows = true;
     scene.lighting.sky = Some(Sky { rays, ..Sky::default() });
     scene
@@ -67,7 +67,7 @@ fn every_family_has_the_light_of_the_cpu_path() {
     let Some(mut shares) = Shares::new() else { return };
     for family in FAMILIES {
         for (n, scene) in extremes::scenes(family, 0x5eed_0007).iter().enumerate() {
-            shares.compare(&format!("{} {n}", family.name), &lit(scene, 5), &settings());
+            shares.compare(&format!("{} {n}", family.name), &with_lights(scene, 5), &settings());
         }
     }
     let most = shares.both.compared / 2;
@@ -79,7 +79,7 @@ fn every_family_has_the_light_of_the_cpu_path() {
 fn windows_samples_and_lenses_have_the_light_of_the_cpu_path() {
     let Some(mut shares) = Shares::new() else { return };
     for (what, scene) in crop::scenes() {
-        let scene = lit(&scene, 40);
+        let scene = with_lights(&scene, 40);
         for window in crop::windows() {
             shares.compare(&format!("{what}, {window:?}"), &scene, &Settings { window: Some(window), ..settings() });
         }
@@ -90,11 +90,11 @@ fn windows_samples_and_lenses_have_the_light_of_the_cpu_path() {
         }
     }
     for (what, scene) in ortho::scenes() {
-        shares.compare(what, &lit(&scene, 16), &settings());
+        shares.compare(what, &with_lights(&scene, 16), &settings());
     }
     for point in off_center::POINTS {
         let scene = off_center::scene(off_center::intrinsics(point), off_center::SIZE);
-        shares.compare(&format!("principal point {point:?}"), &lit(&scene, 16), &settings());
+        shares.compare(&format!("principal point {point:?}"), &with_lights(&scene, 16), &settings());
     }
     let (mean, others) = shares.done(20);
     assert!(mean > 0.5 && others <= 20, "{mean} {others}");
@@ -105,7 +105,7 @@ fn ground_reaches_colours_and_other_lights_are_those_of_the_cpu_path() {
     let Some(mut shares) = Shares::new() else { return };
     let mut scene = weekend();
     (scene.image.width, scene.image.height) = (150, 100);
-    let scene = lit(&scene, 16);
+    let scene = with_lights(&scene, 16);
     shares.compare("weekend", &scene, &settings());
     for reach in [1e-3, 0.7, 1e9] {
         let mut scene = scene.clone();

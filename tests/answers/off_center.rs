@@ -95,10 +95,10 @@ fn nearest(scene: &Scene, direction: DVec3) -> (Option<(u32, f64)>, f64) {
     let (mut found, mut margin): (Option<(u32, f64)>, f64) = (None, f64::INFINITY);
     for (n, (center, radius)) in scene.spheres.centers.iter().zip(&scene.spheres.radii).enumerate() {
         let p = DVec3::from_array(*center) - scene.camera.eye;
-        let aside = p.cross(d).length() / radius;
-        margin = margin.min((aside - 1.0).abs());
-        if aside < 1.0 {
-            let t = p.dot(d) - radius * (1.0 - aside * aside).sqrt();
+        let relative_distance = p.cross(d).length() / radius;
+        margin = margin.min((relative_distance - 1.0).abs());
+        if relative_distance < 1.0 {
+            let t = p.dot(d) - radius * (1.0 - relative_distance * relative_distance).sqrt();
             if t > 0.0 && found.is_none_or(|(_, least)| t < least) {
                 found = Some((n as u32, t));
             }

@@ -295,9 +295,9 @@ fn a_planted_error_is_found() {
     let mut moved = scene.clone();
     moved.camera.eye += moved.camera.basis().expect("a basis").w * 1e-3;
     assert!(broken(&frame(&mut cpu(), &moved, Accuracy::Certified), &exact).expect("1e-3 farther").contains("bound"));
-    let mut aside = scene.clone();
-    aside.camera.eye += aside.camera.basis().expect("a basis").u * 1e-3;
-    assert!(broken(&frame(&mut cpu(), &aside, Accuracy::Certified), &exact).is_some());
+    let mut shifted = scene.clone();
+    shifted.camera.eye += shifted.camera.basis().expect("a basis").u * 1e-3;
+    assert!(broken(&frame(&mut cpu(), &shifted, Accuracy::Certified), &exact).is_some());
 }
 
 #[test]

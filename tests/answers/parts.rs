@@ -97,8 +97,8 @@ fn check(what: &str, renderer: &mut Renderer, scene: &Scene, settings: &Settings
 /// The scenes of the tests of streams, and one with a principal point beside the image.
 fn cases() -> Vec<(&'static str, Scene)> {
     let lens = Lens::Intrinsics { fx: 90.0, fy: 95.0, cx: -11.25, cy: 30.0 };
-    let beside = scene([3.0, 2.0, 4.0], lens, cloud(21, 3000, [0.0; 3], 2.0, 0.06));
-    scenes().into_iter().chain([("a principal point beside the image", beside)]).collect()
+    let off_center = scene([3.0, 2.0, 4.0], lens, cloud(21, 3000, [0.0; 3], 2.0, 0.06));
+    scenes().into_iter().chain([("a principal point beside the image", off_center)]).collect()
 }
 
 #[test]
@@ -175,9 +175,9 @@ fn ids_may_be_wide_and_have_gaps() {
     let whole = cpu().render(&with_gap, &settings()).expect("a frame");
     assert_eq!(fingerprint.len(), 32);
     let Some(Data::I64(ids)) = frame.get(Aov::Id).map(|buffer| &buffer.data) else { panic!("wide ids") };
-    let wanted: Vec<i64> =
+    let expected: Vec<i64> =
         whole.ids().iter().map(|id| if *id < 0 { -1 } else { i64::from(*id) + first as i64 }).collect();
-    assert_eq!(*ids, wanted);
+    assert_eq!(*ids, expected);
 }
 
 #[test]

@@ -123,8 +123,8 @@ fn atoms() -> Scene {
         let pixel = [(72.0 * random.unit()) as u32, (96.0 * random.unit()) as u32];
         let d = direction(&scene, pixel).normalize();
         let (radius, k) = (1.0 + random.unit(), 10f64.powf(1.0 + 2.0 * random.unit().sqrt()));
-        let aside = d.cross(DVec3::from_array(random.cube())).normalize();
-        scene.spheres.push((scene.camera.eye + radius * (k * d + aside)).to_array(), radius, None);
+        let perpendicular = d.cross(DVec3::from_array(random.cube())).normalize();
+        scene.spheres.push((scene.camera.eye + radius * (k * d + perpendicular)).to_array(), radius, None);
     }
     scene
 }
@@ -162,7 +162,7 @@ fn limbs(scene: &Scene) -> Vec<(usize, Vec<f64>)> {
     let (w, h) = (scene.image.width, scene.image.height);
     let pixels: Vec<_> = (0..h).flat_map(|i| (0..w).map(move |j| [i, j])).collect();
     let rays: Vec<_> = pixels.iter().map(|at| direction(scene, *at).normalize()).collect();
-    let seen: Vec<_> =
+    let hits: Vec<_> =
         pixels.iter().map(|[i, j]| judge.pixel(*i, *j).map(|truth| (truth.id as usize, truth.distance))).collect();
     let bare = Scene { spheres: Spheres::default(), ..scene.clone() };
     let ball = |id: usize| (DVec3::from_array(scene.spheres.centers[id]), scene.spheres.radii[id]);
@@ -178,7 +178,7 @@ fn limbs(scene: &Scene) -> Vec<(usize, Vec<f64>)> {
             .filter(|&k| p.dot(rays[k]) > 0.0)
             .map(|k| (p.cross(rays[k]).length(), k))
             .filter(|(l, k)| {
-                let open = seen[*k].is_none_or(|(at, distance)| at == id || distance > p.length());
+                let open = hits[*k].is_none_or(|(at, distance)| at == id || distance > p.length());
                 (l / radius - 1.0).abs() < 0.3 && open
             })
             .collect();
@@ -238,18 +238,18 @@ fn errors_of_ordinary_scenes_come_within_a_hundredth_of_the_prediction() {
         assert!(limbs.len() > 50, "{name}: {} limbs", limbs.len());
         let mut worst = Vec::new();
         for &method in Method::ALL {
-            let mut seen = [0.0f64; 2];
+            let mut largest = [0.0f64; 2];
             for (turn, part) in PARTS.into_iter().enumerate() {
                 let scene = grazed(scene, &limbs, method, turn, part);
                 let truths = Truths::of(&scene).expect("a good scene");
                 let (shares, faults) = shares(name, (&scene, &truths), method, &mut places);
-                seen = [seen[0].max(shares[0]), seen[1].max(shares[1])];
+                largest = [largest[0].max(shares[0]), largest[1].max(shares[1])];
                 faulty.extend(faults);
             }
-            if seen.iter().any(|share| share * SLACK < 1.0) {
-                faulty.push(format!("{name}, {}: only {seen:?} of the prediction was reached", method.name()));
+            if largest.iter().any(|share| share * SLACK < 1.0) {
+                faulty.push(format!("{name}, {}: only {largest:?} of the prediction was reached", method.name()));
             }
-            worst.push(seen);
+            worst.push(largest);
         }
         println!("{name:15} {:4} limbs  {}", limbs.len(), words(&worst));
     }

@@ -187,9 +187,9 @@ fn crops_of_huge_frames_have_the_bits_of_the_cpu_path() {
         // A window at an edge of a sphere as it is projected, or anywhere.
         let [x, y, z] = scene.spheres.centers[0];
         let radius = scene.spheres.radii[0];
-        let aside =
+        let corner_share =
             if case % 3 == 0 { [random.unit(), random.unit()] } else { [0.5 + (x + radius) / -z, 0.5 - y / -z] };
-        let corner = [0, 1].map(|k| (aside[k].clamp(0.0, 1.0) * f64::from(sides[k] - 40)) as u32);
+        let corner = [0, 1].map(|k| (corner_share[k].clamp(0.0, 1.0) * f64::from(sides[k] - 40)) as u32);
         let size = [8 + (30.0 * random.unit()) as u32, 8 + (30.0 * random.unit()) as u32];
         let window = Window { x0: corner[0], y0: corner[1], x1: corner[0] + size[0], y1: corner[1] + size[1] };
         let settings = Settings { window: Some(window), ..all() };

@@ -186,11 +186,11 @@ fn hidden_spheres_are_forgotten() {
     for (what, scene) in scenes().into_iter().take(2) {
         let kept = stream(&scene, &settings(), 500).ids.ids;
         let frame = cpu().render(&scene, &settings()).expect("a frame");
-        let mut seen: Vec<u64> = frame.ids().iter().filter_map(|id| u64::try_from(*id).ok()).collect();
-        seen.sort_unstable();
-        seen.dedup();
-        assert!(seen.iter().all(|id| kept.binary_search(id).is_ok()), "{what}");
-        assert!(kept.len() < 3 * seen.len() && kept.len() < scene.spheres.len() / 2, "{what}: {} kept", kept.len());
+        let mut visible: Vec<u64> = frame.ids().iter().filter_map(|id| u64::try_from(*id).ok()).collect();
+        visible.sort_unstable();
+        visible.dedup();
+        assert!(visible.iter().all(|id| kept.binary_search(id).is_ok()), "{what}");
+        assert!(kept.len() < 3 * visible.len() && kept.len() < scene.spheres.len() / 2, "{what}: {} kept", kept.len());
         // Rays through samples are compared one by one, so that spheres smaller than a pixel hide others.
         let mut small = scene;
         small.spheres = cloud(12, 60_000, [0.0; 3], 1.0, 0.006);
@@ -206,9 +206,9 @@ fn hidden_spheres_are_forgotten() {
 fn a_lost_sphere_is_found() {
     let (_, scene) = scenes().swap_remove(0);
     let whole = cpu().render(&scene, &settings()).expect("a frame");
-    let seen = *whole.ids().iter().find(|id| **id >= 100).expect("a hit") as usize;
+    let hit = *whole.ids().iter().find(|id| **id >= 100).expect("a hit") as usize;
     let mut without = scene;
-    without.spheres.centers.to_mut()[seen] = [0.0, 0.0, 1e3];
+    without.spheres.centers.to_mut()[hit] = [0.0, 0.0, 1e3];
     let visible = stream(&without, &settings(), 500);
     let mut streamed = cpu().render(&visible.scene, &settings()).expect("a frame");
     visible.ids.restore(&mut streamed);
@@ -218,13 +218,13 @@ fn a_lost_sphere_is_found() {
 #[test]
 fn what_needs_all_spheres_is_refused() {
     let (_, plain) = scenes().swap_remove(0);
-    let mut lit = plain.clone();
-    lit.lighting.lights.push(Light::white(LightSource::Direction(DVec3::Z)));
+    let mut with_light = plain.clone();
+    with_light.lighting.lights.push(Light::white(LightSource::Direction(DVec3::Z)));
     for (scene, settings) in [
         (&plain, Settings { accuracy: Accuracy::Fast, ..settings() }),
         (&plain, Settings { accuracy: Accuracy::Auto, method: Some(Method::Stable), ..settings() }),
         (&plain, Settings { aovs: vec![Aov::Occlusion], ..settings() }),
-        (&lit, settings()),
+        (&with_light, settings()),
     ] {
         assert!(matches!(Stream::new(scene, &settings), Err(Error::Settings { .. })));
     }

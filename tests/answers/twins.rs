@@ -31,7 +31,7 @@ pub(crate) const VISIBLE: f64 = 0.02;
 
 /// The least tolerance of outlines, in radii, and of distances, relative: a pixel or two of these small images, in
 /// which outlines pass centres of pixels.
-const FEW: f64 = 5e-5;
+const MIN_TOLERANCE: f64 = 5e-5;
 
 fn settings(method: Method, shade: Shade) -> Settings {
     Settings { method: Some(method), shade, aovs: AOVS.to_vec(), ..Settings::default() }
@@ -128,7 +128,8 @@ fn gpu_and_cpu_agree_for_every_scene_method_and_shading() {
                     continue;
                 }
                 compared += 1;
-                let same = if strict { count == 0 } else { near(&a, &b, predicted.map(|error| error.max(FEW))) };
+                let same =
+                    if strict { count == 0 } else { near(&a, &b, predicted.map(|error| error.max(MIN_TOLERANCE))) };
                 let what = format!("{name}, {}, {}", method.name(), shade.name());
                 assert!(same, "{what}: {count} values differ, first {first}, predicted {predicted:?}");
             }

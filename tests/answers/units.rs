@@ -44,9 +44,9 @@ fn scene(rng: &mut Rng, most: i32) -> Scene {
     let mut spheres = Spheres::default();
     let far = world * 2f64.powi(between(rng, -most / 2, most / 2));
     let ahead = if rng.below(2) == 0 { far } else { -far * 2f64.powi(between(rng, -most / 2, 0)) };
-    let (aside, is_first) = ([far, far, ahead], rng.below(2) == 0);
+    let (far_center, is_first) = ([far, far, ahead], rng.below(2) == 0);
     if is_first && !is_deep {
-        spheres.push(aside, 0.5 * far.min(world), None);
+        spheres.push(far_center, 0.5 * far.min(world), None);
     }
     for depth in depths {
         let across = if is_parallel { narrow * world } else { narrow * depth };
@@ -54,7 +54,7 @@ fn scene(rng: &mut Rng, most: i32) -> Scene {
         spheres.push([0.6 * x * across, 0.6 * y * across, -depth], across * 2f64.powf(-8.0 * rng.unit()), None);
     }
     if !is_first && !is_deep {
-        spheres.push(aside, 0.5 * far.min(world), None);
+        spheres.push(far_center, 0.5 * far.min(world), None);
     }
     let camera = Camera { lens, ..Camera::CANONICAL };
     Scene {

@@ -20,8 +20,8 @@ pub(crate) fn gpu() -> Option<Renderer> {
     let renderer = Renderer::new(&settings).expect("an adapter; tests/run installs and pins one");
     // Each test says so: `tests/run` runs those that do on a second driver.
     println!("adapter: {} ({})", renderer.adapter(), renderer.driver());
-    if let Ok(requested) = std::env::var("HALFLINE_TEST_ADAPTER") {
-        assert!(renderer.adapter().contains(&requested), "{} is not {requested}", renderer.adapter());
+    if let Ok(name) = std::env::var("HALFLINE_TEST_ADAPTER") {
+        assert!(renderer.adapter().contains(&name), "{} is not {name}", renderer.adapter());
     }
     Some(renderer)
 }

@@ -75,12 +75,12 @@ pub(crate) fn families(seed: u64, count: usize) -> Vec<Family> {
             let k = random.below(200);
             let out = DVec3::from_array(random.cube()).normalize_or(DVec3::Y);
             let origin = center(&family.spheres, k) + out * family.spheres.radii[k];
-            let across = out.cross(DVec3::from_array(random.cube())).normalize_or(DVec3::X);
+            let perpendicular = out.cross(DVec3::from_array(random.cube())).normalize_or(DVec3::X);
             let direction = match n % 4 {
-                0 => across + out * random.unit(),
-                1 => across - out * random.unit(),
-                2 => across + out * 1e-9 * (random.unit() - 0.5),
-                _ => across,
+                0 => perpendicular + out * random.unit(),
+                1 => perpendicular - out * random.unit(),
+                2 => perpendicular + out * 1e-9 * (random.unit() - 0.5),
+                _ => perpendicular,
             };
             family.ray(origin, direction * 10f64.powf(4.0 * random.unit() - 2.0));
         }

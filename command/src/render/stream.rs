@@ -289,7 +289,7 @@ impl<'a> Source<'a> {
         let ImagePlane { width, height, .. } = frame.scene.image;
         turn(&mut frame.scene.camera, &source, camera, || (middle, spread.facing(height > width)));
         let legend_shares = self.args.insets.legend_shares(frame)?;
-        let Some(framing) = framing.map(|framing| Framing { aside: legend_shares, ..framing }) else {
+        let Some(framing) = framing.map(|framing| Framing { legend_shares, ..framing }) else {
             return Ok(false);
         };
         if let Some(InstancedScene { instances, .. }) = copied {

@@ -22,7 +22,7 @@ impl Picture {
     }
 
     /// The distance of a pixel's centre from a point.
-    fn aside(&self, pixel: usize, [x, y]: [f64; 2]) -> f64 {
+    fn distance_to(&self, pixel: usize, [x, y]: [f64; 2]) -> f64 {
         let [column, row] = [pixel % self.width, pixel / self.width].map(|n| n as f64 + 0.5);
         ((column - x).powi(2) + (row - y).powi(2)).sqrt()
     }
@@ -35,7 +35,7 @@ impl Picture {
         };
         for row in span(y, self.height()) {
             for pixel in span(x, self.width).map(|column| row * self.width + column) {
-                let hit = depth - (radius.powi(2) - self.aside(pixel, [x, y]).powi(2)).sqrt();
+                let hit = depth - (radius.powi(2) - self.distance_to(pixel, [x, y]).powi(2)).sqrt();
                 if hit < self.depths[pixel] {
                     (self.ids[pixel], self.depths[pixel]) = (id, hit);
                 }
@@ -96,7 +96,7 @@ fn a_large_sphere_has_one_closed_line_of_the_stated_width() {
         let lines = picture.lines(between);
         let mut round = [0.0f32; 180];
         for (pixel, dark) in lines.iter().enumerate() {
-            let inside = radius - picture.aside(pixel, center);
+            let inside = radius - picture.distance_to(pixel, center);
             assert!(*dark == 0.0 || (0.0..3.0).contains(&inside), "{dark} at {inside} inside the edge");
             let [x, y] = [pixel % 160, pixel / 160].map(|n| n as f64 + 0.5);
             let angle = (y - center[1]).atan2(x - center[0]).to_degrees();
@@ -119,7 +119,7 @@ fn a_large_sphere_has_one_closed_line_of_the_stated_width() {
 }
 
 #[test]
-fn spheres_at_equal_depths_have_lines_only_where_they_are_asked_for() {
+fn spheres_at_equal_depths_have_lines_only_where_they_are_requested() {
     let cells = planes(96, 96, |row, column| ((row / 24 * 4 + column / 24) as u32, 50.0));
     assert_eq!(total(&cells.lines(false)), 0.0);
     let lines = cells.lines(true);
@@ -194,7 +194,7 @@ fn small_spheres_stay_light_and_the_surface_that_they_make_up_has_a_line() {
         let picture = Picture::spheres(160, 160, ball.into_iter());
         let lines = picture.lines(true);
         let of = |range: std::ops::Range<f64>| {
-            let inside = |(pixel, _): &(usize, &f32)| range.contains(&picture.aside(*pixel, [80.0; 2]));
+            let inside = |(pixel, _): &(usize, &f32)| range.contains(&picture.distance_to(*pixel, [80.0; 2]));
             lines.iter().enumerate().filter(inside).map(|(_, dark)| f64::from(*dark)).sum::<f64>()
         };
         let around = of(50.0..70.0) / (2.0 * std::f64::consts::PI * (60.0 + radius));

@@ -74,11 +74,12 @@ impl TileBlock {
         let hosts = c(HOST_PARTS) * c(HOST) * (wide + high + 1.0);
         // b = p.d is linear in the pixel; b_error is what the kernel's bound is at most.
         let [right, down] = [0, 1].map(|k| (self.middle[k] - f64::from(n.pixel[k])) * n.by[k]);
-        let [beside, below] = [0, 1].map(|k| n.by[k].abs() * self.half[k]);
-        let steps = right.abs() + beside + down.abs() + below;
+        let [half_right, half_down] = [0, 1].map(|k| n.by[k].abs() * self.half[k]);
+        let steps = right.abs() + half_right + down.abs() + half_down;
         let b_error = (c(UNIT) * (c(START) * n.start.abs() + c(STEP) * steps) + n.blur + hosts) * c(INFLATE);
         let b = n.start + right + down;
-        let (least_b, most_b) = (b - (beside + below + 2.0 * b_error), b + (beside + below + 2.0 * b_error));
+        let (least_b, most_b) =
+            (b - (half_right + half_down + 2.0 * b_error), b + (half_right + half_down + 2.0 * b_error));
         // The components of g = p x d are linear in the slopes.
         let g = [(-py - pz * y).abs(), (pz * x + px).abs(), (px * y - py * x).abs()];
         let spread = [pz.abs() * hy, pz.abs() * hx, px.abs() * hy + py.abs() * hx];

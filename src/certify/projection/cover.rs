@@ -48,7 +48,7 @@ impl Coverage {
         let ProjectionBounds { step, fixed, corner, scale, .. } = *projection;
         let widest = step[0].max(step[1]);
         // The disc has to cover every sample of a pixel: none is farther from the centre than this.
-        let aside = 0.5 * (per_pixel - 1.0) * step[0].hypot(step[1]);
+        let sample_reach = 0.5 * (per_pixel - 1.0) * step[0].hypot(step[1]);
         let pixel = step.map(|step| step * per_pixel);
         Self {
             size,
@@ -58,7 +58,7 @@ impl Coverage {
             per_step: pixel.map(|step| 1.0 / step),
             per_fine: 1.0 / per_pixel,
             middle: corner.map(|corner| corner + 0.5 * (per_pixel - 1.0)),
-            margin: widest * (SHRINK[0] + 1.0 / fixed) + aside,
+            margin: widest * (SHRINK[0] + 1.0 / fixed) + sample_reach,
             rise: 0.5 * scale[0],
             behind: host_cull_margin(tolerance),
         }

@@ -21,7 +21,7 @@ pub(in crate::certify) enum Enclosed {
 
 /// The distance of a box from all rays, relative to that from the eye, at which every bound of the kernel proves that they miss:
 /// the square of it is 2^-8, and the bounds are below 2^-16 for rays of |d|^2 up to `NARROW`.
-const ASIDE: f64 = 1.0 / 16.0;
+const MISS_DISTANCE: f64 = 1.0 / 16.0;
 const NARROW: f64 = 16.0;
 
 /// More than the rounding of the f64 expressions whose operands are not joined monotonically: 2^-50 and less.
@@ -87,18 +87,18 @@ impl ProjectionBounds {
             return Enclosed::Unknown;
         }
         let moved = 2.0 * blur + MOVED;
-        let (mut pixels, mut seen, mut outside) = ([[0.0; 2]; 2], true, false);
+        let (mut pixels, mut visible, mut outside) = ([[0.0; 2]; 2], true, false);
         for k in 0..2 {
             let [a, b] = q[k].map(|q| self.place(q, k));
             let place = [smaller(a, b) - moved, larger(a, b) + moved];
             let half = self.extent(rho[1], self.edge[k], k);
             let first = -floor(-larger(place[0] - half, self.corner[k]));
             let last = floor(smaller(place[1] + half, self.end[k] - 1.0));
-            seen &= first <= last;
+            visible &= first <= last;
             outside |= size(place) >= self.farthest;
             pixels[k] = [first, last];
         }
-        if !seen {
+        if !visible {
             return Enclosed::Unseen;
         }
         if outside {
@@ -124,7 +124,8 @@ impl ProjectionBounds {
         let [right, up, ahead] = self.scaled_axes;
         [right, up].into_iter().zip(self.edge).any(|(axis, edge)| {
             // Points of rays are within |axis| <= edge ahead. Projected spheres are widened by no more than this.
-            let apart = radius * (1.0 + 0.5 * edge * edge) * (1.0 + ASIDE) + ASIDE * distance * edge.hypot(1.0);
+            let apart =
+                radius * (1.0 + 0.5 * edge * edge) * (1.0 + MISS_DISTANCE) + MISS_DISTANCE * distance * edge.hypot(1.0);
             [axis, -axis].into_iter().any(|side| around.along(side - edge * ahead, self.basis.e)[0] > apart)
         })
     }

@@ -51,7 +51,7 @@ pub(super) struct Aim {
 /// A projected sphere in the image.
 pub(in crate::certify) struct Landed {
     /// Some pixel's ray may hit it.
-    seen: bool,
+    visible: bool,
     /// The projected centre is too far outside the image for the fixed-point form.
     outside: bool,
     pub(in crate::certify) placed: Placed,
@@ -115,12 +115,18 @@ impl Eight {
         let Bin { chunk_min_depth, tiles: [[left, right], [top, bottom]] } = Bin::NOWHERE;
         let mut bins = [Bin::NOWHERE; LANES];
         for (l, bin) in bins.iter_mut().enumerate() {
-            let seen = self.projected[l] != 0;
+            let is_projected = self.projected[l] != 0;
             *bin = Bin {
-                chunk_min_depth: if seen { self.chunk_min_depth[l] } else { chunk_min_depth },
+                chunk_min_depth: if is_projected { self.chunk_min_depth[l] } else { chunk_min_depth },
                 tiles: [
-                    [if seen { self.tiles[0][l] } else { left }, if seen { self.tiles[1][l] } else { right }],
-                    [if seen { self.tiles[2][l] } else { top }, if seen { self.tiles[3][l] } else { bottom }],
+                    [
+                        if is_projected { self.tiles[0][l] } else { left },
+                        if is_projected { self.tiles[1][l] } else { right },
+                    ],
+                    [
+                        if is_projected { self.tiles[2][l] } else { top },
+                        if is_projected { self.tiles[3][l] } else { bottom },
+                    ],
                 ],
             };
         }
@@ -165,8 +171,8 @@ impl ProjectionBounds {
             let aim = self.aim(batch.centers[l], batch.radii[l]);
             let landed = self.land(&aim, aim.place, [0.0; 2], reference);
             let plain = aim.projected & aim.in_range & (aim.blur <= LONG);
-            e.projected[l] = u32::from(plain & landed.seen & !landed.outside);
-            e.other[l] = u32::from(!aim.behind & (!plain | landed.seen & landed.outside));
+            e.projected[l] = u32::from(plain & landed.visible & !landed.outside);
+            e.other[l] = u32::from(!aim.behind & (!plain | landed.visible & landed.outside));
             e.depth[l] = landed.placed.depth;
             e.chunk_min_depth[l] = landed.bin.chunk_min_depth;
             let [[left, right], [top, bottom]] = landed.bin.tiles;
@@ -217,7 +223,7 @@ impl ProjectionBounds {
             }
         }
         let landed = self.land(aim, place, low, reference);
-        match (landed.seen, landed.outside) {
+        match (landed.visible, landed.outside) {
             (false, _) => Ok(None),
             (true, true) => Err(()),
             (true, false) => Ok(Some(landed)),
@@ -282,7 +288,7 @@ impl ProjectionBounds {
     /// The record, the bin and the pixels of a sphere whose projected centre is at `place` + `low`, in pixels.
     #[inline(always)]
     fn land(&self, aim: &Aim, place: [f64; 2], low: [f64; 2], reference: f64) -> Landed {
-        let mut seen = true;
+        let mut visible = true;
         let mut outside = false;
         let (mut fixed, mut subpixel_offset) = ([0; 2], [0.0; 2]);
         let (mut tiles, mut pixels) = ([[0; 2]; 2], [[0.0; 2]; 2]);
@@ -290,7 +296,7 @@ impl ProjectionBounds {
             let half = self.extent(aim.rho, aim.steepest[k], k);
             let first = -floor(-larger(place[k] - half, self.corner[k]));
             let last = floor(smaller(place[k] + half, self.end[k] - 1.0));
-            seen &= first <= last;
+            visible &= first <= last;
             outside |= place[k].abs() >= self.farthest;
             fixed[k] = whole(place[k] * self.fixed);
             let pixel = fixed[k].wrapping_add(1 << (self.shift - 1)) >> self.shift;
@@ -309,7 +315,7 @@ impl ProjectionBounds {
         let most = INFLATE * (aim.rho + f64::from(aim.blurred)) * size;
         let chunk_min_depth = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
         Landed {
-            seen,
+            visible,
             outside,
             placed: Placed {
                 record: ProjectedRecord { x: fixed[0], y: fixed[1], rho, low },

@@ -16,7 +16,7 @@ fn canonical(half: f64, size: [u32; 2]) -> Site {
     Site::new(Camera { lens: lens(half), ..Camera::CANONICAL }, size)
 }
 
-fn held(site: Site, tolerance: f64, pixels: &[[u32; 2]]) -> [u64; 2] {
+fn checked(site: Site, tolerance: f64, pixels: &[[u32; 2]]) -> [u64; 2] {
     let case = Case::new(site.scene, tolerance, pixels, &TERMS).expect("a lens for f32");
     hold(&case, &case.binned, &TERMS, Checks::ALL, 1)
         .unwrap_or_else(|e| panic!("{e}\n{:?}\n{:?}", case.scene, case.binned))
@@ -39,7 +39,7 @@ fn the_power_of_an_eye_near_a_surface_is_accurate() {
             };
             let mut site = Site::new(camera, [3, 3]);
             site.scene.spheres.push([2.0 * m, 3.0 * m, -6.0 * m], 7.0 * m, None);
-            held(site, 1e-4, &[[1, 1], [0, 0], [2, 1]]);
+            checked(site, 1e-4, &[[1, 1], [0, 0], [2, 1]]);
         }
     }
 }
@@ -61,7 +61,7 @@ fn an_image_of_one_pixel_has_room_for_the_error_of_the_host() {
         let [x, y] = site.slopes([0, 0]);
         let r = half * rng.decade(-7.0, -1.0);
         site.aim(&mut rng, [0, 0], [x + r, y - 0.7 * r, 1.0]);
-        held(site, 1e-5, &[[0, 0]]);
+        checked(site, 1e-5, &[[0, 0]]);
     }
 }
 
@@ -78,7 +78,7 @@ fn spheres_far_outside_the_image_are_not_lost() {
         let turn = rng.between(0.0, std::f64::consts::TAU);
         let z = rng.decade(0.0, 4.0);
         site.aim(&mut rng, pixel, [(x + away * turn.cos()) * z, (y + away * turn.sin()) * z, z]);
-        held(site, 0.9, &[pixel, [0, 0], [size[1] - 1, size[0] - 1]]);
+        checked(site, 0.9, &[pixel, [0, 0], [size[1] - 1, size[0] - 1]]);
     }
 }
 
@@ -98,7 +98,7 @@ fn a_reference_depth_keeps_lows_below() {
             let r = rng.decade(-3.0, 0.0);
             site.aim(&mut rng, pixel, [x * back + r, y * back, back]);
         }
-        held(site, [1e-5, 0.9, 2f64.powi(-50)][n % 3], &pixels);
+        checked(site, [1e-5, 0.9, 2f64.powi(-50)][n % 3], &pixels);
     }
 }
 
@@ -114,6 +114,6 @@ fn the_ends_of_the_range_stay_sound() {
             let r = z * rng.decade(-9.0, -1.0);
             site.aim(&mut rng, pixel, [x * z + r, y * z, z]);
         }
-        held(site, 1e-3, &[pixel, [0, 3]]);
+        checked(site, 1e-3, &[pixel, [0, 3]]);
     }
 }

@@ -149,8 +149,8 @@ impl OrderedShot<'_> {
         let (most, least) = (w.disc + w.error, w.disc - w.error);
         match check {
             Disc => return self.worst(&given, &[(w.disc, 1.0)]) / room,
-            DiscMost => return self.beside(&given, most) / room,
-            DiscLeast => return self.beside(&given, least) / room,
+            DiscMost => return self.error_without_last(&given, most) / room,
+            DiscLeast => return self.error_without_last(&given, least) / room,
             _ => {}
         }
         let answer = projected::projected_answer(s, lens, f, self.terms);
@@ -190,7 +190,7 @@ impl OrderedShot<'_> {
     }
 
     /// The error of a sum of a number and its error bound, less the unit of the sum that the root's constant covers.
-    fn beside(&self, given: &Given, sum: Traced) -> f64 {
+    fn error_without_last(&self, given: &Given, sum: Traced) -> f64 {
         self.worst(given, &[(sum, 1.0)]) - f64::from(UNIT) * sum.real().abs()
     }
 
@@ -222,7 +222,7 @@ impl OrderedShot<'_> {
         let room = OWN * error.real() + error.real() / HOST_INFLATE - a * e * (2.0 * o + e);
         match check {
             CandidateDisc => return self.worst(&given, &[(disc, 1.0)]) / room,
-            CandidateMost => return self.beside(&given, most) / room,
+            CandidateMost => return self.error_without_last(&given, most) / room,
             _ if disc.real() < -error.real() => return f64::NAN,
             _ => {}
         }
@@ -260,15 +260,15 @@ impl OrderedShot<'_> {
         let (most, least) = (w.disc + w.error, w.disc - w.error);
         match check {
             Along => return self.worst(&given, &[(w.b, 1.0)]) / (w.b_error.real() / inflate),
-            AlongMost => return self.beside(&given, w.b + w.b_error) / (w.b_error.real() / inflate),
-            AlongLeast => return self.beside(&given, w.b - w.b_error) / (w.b_error.real() / inflate),
+            AlongMost => return self.error_without_last(&given, w.b + w.b_error) / (w.b_error.real() / inflate),
+            AlongLeast => return self.error_without_last(&given, w.b - w.b_error) / (w.b_error.real() / inflate),
             Cross => {
                 let parts = w.g.map(|g| self.worst(&given, &[(g, 1.0)]));
                 return parts.iter().sum::<f64>() / w.g_error.real();
             }
             Disc => return self.worst(&given, &[(w.disc, 1.0)]) / room,
-            DiscMost => return self.beside(&given, most) / room,
-            DiscLeast => return self.beside(&given, least) / room,
+            DiscMost => return self.error_without_last(&given, most) / room,
+            DiscLeast => return self.error_without_last(&given, least) / room,
             _ => {}
         }
         let below = general::general_below(s, &n, &w, self.terms);
@@ -439,7 +439,7 @@ fn eleven_units_are_too_few_for_a_quotient() {
     let mut terms = TERMS;
     terms.root[0] = 11.0;
     let (share, _) =
-        largest(&[Regime::Beside, Regime::Ahead, Regime::Inside, Regime::Center].map(|r| (Low, r)), &terms, 8);
+        largest(&[Regime::EyePlane, Regime::Ahead, Regime::Inside, Regime::Center].map(|r| (Low, r)), &terms, 8);
     println!("eleven units for c/q: {share:.3}");
     assert!(share > WHOLE, "{share}");
 }

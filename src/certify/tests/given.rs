@@ -26,20 +26,20 @@ fn case(random: &mut Rng, kind: usize, off: f64) -> Case {
     let center = vector(random) * 10.0;
     let radius = random.between(0.5, 2.0);
     let (out, other) = (vector(random).normalize(), vector(random).normalize());
-    let aside = out.cross(other).normalize();
+    let perpendicular = out.cross(other).normalize();
     let (origin, direction) = match kind {
         0 => {
             let origin = center + out * 10f64.powf(random.between(0.5, 7.0));
-            // The tangent of the sphere in the plane of out and aside.
+            // The tangent of the sphere in the plane of `out` and `perpendicular`.
             let distance = (origin - center).length();
             let sine = radius / distance;
-            let rim = aside * (1.0 - sine * sine).sqrt() + out * sine;
+            let rim = perpendicular * (1.0 - sine * sine).sqrt() + out * sine;
             let touch = center + rim * radius * (1.0 + random.between(-4.0, 4.0) * (1e-16 * distance + off));
             (origin, touch - origin)
         }
         1 => {
             let height = [0.0, 1e-16, -1e-16, 1e-12, -1e-9, off, -off][random.bits() as usize % 7];
-            (center + out * radius * (1.0 + height), aside + out * random.between(-1e-3, 1e-3))
+            (center + out * radius * (1.0 + height), perpendicular + out * random.between(-1e-3, 1e-3))
         }
         2 => (center + out * radius * 10f64.powf(random.between(-20.0, -1.0)), other),
         _ => (center + other * random.between(0.0, 30.0), vector(random)),
@@ -67,8 +67,8 @@ fn false_claims(terms: &GivenTerms, kind: usize, count: usize, [blur, tilt]: Off
         let moved = if tilt > 0.0 { moved.to_array() } else { direction };
         let offset = (vector(random).normalize() * (0.99 * blur)).to_array();
         let ray = CertifiedRay::new(&placement, origin, moved, f64::INFINITY);
-        let ray = if blur + tilt > 0.0 { ray.beside(offset, blur, tilt) } else { ray };
-        let claim = ray.meet_by(terms, Ball { center, radius });
+        let ray = if blur + tilt > 0.0 { ray.offset_by(offset, blur, tilt) } else { ray };
+        let claim = ray.intersect_by(terms, Ball { center, radius });
         let right = match (&truth, &claim) {
             (Some(_), None) => false,
             (None, Some(bounds)) => !bounds.sure,

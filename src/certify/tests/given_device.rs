@@ -85,7 +85,7 @@ impl<R: Number> Pair<R> {
     }
 }
 
-/// The numbers by which `meet` of certify/given.wgsl decides, with bounds of their errors.
+/// The numbers by which `intersect` of certify/given.wgsl decides, with bounds of their errors.
 pub(super) struct Weighed<R> {
     a: R,
     b: R,
@@ -171,7 +171,7 @@ const KINDS: usize = 8;
 fn case(random: &mut Rng, kind: usize) -> Case {
     let center = vector(random);
     let (out, other) = (vector(random).normalize(), vector(random).normalize());
-    let aside = out.cross(other).normalize();
+    let perpendicular = out.cross(other).normalize();
     let small = [1.0, 1e-2, 1e-4][random.bits() as usize % 3];
     let size = [small, small, small, small, 1e-6, 10f64.powf(random.between(-12.0, -8.0)), 1.0, small][kind];
     let radius = random.between(0.1, 0.5) * size;
@@ -186,16 +186,16 @@ fn case(random: &mut Rng, kind: usize) -> Case {
             let origin = center + out * (radius + away);
             let distance = (origin - center).length();
             let sine = radius / distance;
-            let rim = aside * (1.0 - sine * sine).sqrt() + out * sine;
+            let rim = perpendicular * (1.0 - sine * sine).sqrt() + out * sine;
             let off = random.between(-12.0, 12.0) * (1.2e-7 * (distance.min(2.0) + radius) + distance * 2e-15 + 1e-15);
             (origin, center + rim * (radius + off) - origin)
         }
         1 => {
             let height = random.between(-1.0, 1.0) * [1e-7, 1e-6, 1e-5, 1e-3][random.bits() as usize % 4];
-            (center + out * radius * (1.0 + height), aside + out * random.between(-1e-3, 1e-3))
+            (center + out * radius * (1.0 + height), perpendicular + out * random.between(-1e-3, 1e-3))
         }
         2 => (center + out * radius * 10f64.powf(random.between(-8.0, 0.0)) * 0.999, other),
-        3 => (center + out * radius * random.between(0.0, 0.999), aside + out * random.between(-1e-6, 1e-6)),
+        3 => (center + out * radius * random.between(0.0, 0.999), perpendicular + out * random.between(-1e-6, 1e-6)),
         _ => (center + other * random.between(0.0, 9.0), vector(random)),
     };
     let mut spheres = Spheres::default();
@@ -325,7 +325,7 @@ fn share(staged: &Staged, terms: &Terms, check: Check, order: Option<u64>) -> f6
     // The bounds hold whether they are made of the true numbers or of rounded ones.
     given.fix(&[w.e, w.error, w.power_error], &[]);
     // The last sum is counted by the root or the quotient that follows.
-    let beside = |sum: Traced| worst(&given, order, sum) - f64::from(UNIT) * sum.real().abs();
+    let without_last = |sum: Traced| worst(&given, order, sum) - f64::from(UNIT) * sum.real().abs();
     let room = |error: Traced| error.real() / f64::from(INFLATE) + OWN * error.real();
     let (most, least) = (w.disc + w.error, w.disc - w.error);
     match check {
@@ -334,15 +334,15 @@ fn share(staged: &Staged, terms: &Terms, check: Check, order: Option<u64>) -> f6
             let [x, y, z] = w.g.map(|g| worst(&given, order, g));
             x.hypot(y).hypot(z) / room(w.e)
         }
-        Check::DiscMost => beside(most) / room(w.error),
-        Check::DiscLeast => beside(least) / room(w.error),
-        Check::PowerMost => beside(w.power + w.power_error) / room(w.power_error),
-        Check::PowerLeast => beside(w.power - w.power_error) / room(w.power_error),
+        Check::DiscMost => without_last(most) / room(w.error),
+        Check::DiscLeast => without_last(least) / room(w.error),
+        Check::PowerMost => without_last(w.power + w.power_error) / room(w.power_error),
+        Check::PowerLeast => without_last(w.power - w.power_error) / room(w.power_error),
         Check::Low | Check::High => {
             // D and the power may lie anywhere within their errors.
             let size = if w.power > Traced::ZERO { w.power } else { -w.power };
-            let beside = [size + w.power_error, size - w.power_error];
-            given.fix(&[w.disc, w.error, w.e, w.power, w.power_error], &[most, least, beside[0], beside[1]]);
+            let powers = [size + w.power_error, size - w.power_error];
+            given.fix(&[w.disc, w.error, w.e, w.power, w.power_error], &[most, least, powers[0], powers[1]]);
             let taken_apart = quotient(&given, &w, terms, check, order, 0.0);
             given.fix(&[w.b], &[]);
             taken_apart.max(quotient(&given, &w, terms, check, order, w.e.real()))

@@ -49,8 +49,8 @@ impl Sight {
         };
         let camera = Camera { eye, look, up, lens };
         let basis = camera.basis().ok()?;
-        let aside = if parallel { 1.0 } else { half };
-        let ahead = basis.u * rng.between(-aside, aside) + basis.v * rng.between(-aside, aside) - basis.w;
+        let extent = if parallel { 1.0 } else { half };
+        let ahead = basis.u * rng.between(-extent, extent) + basis.v * rng.between(-extent, extent) - basis.w;
         // In front of the eye, or in any direction from it.
         let way = if rng.below(3) > 0 { ahead } else { vector(rng) };
         let center = (eye + size(way)).to_array();

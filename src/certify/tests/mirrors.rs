@@ -12,7 +12,7 @@ use crate::view::ray::dot3;
 use glam::DVec3;
 
 /// A point that is off by up to `blur` of its radius, which is that of the tree's unit, and the exact one.
-struct Seen {
+struct BlurredPoint {
     placement: Placement,
     point: SurfacePoint,
     exact: Dyadic3,
@@ -29,12 +29,12 @@ fn unit(random: &mut Rng) -> DVec3 {
 
 /// The exact sum of `from` and a vector of a length just below `by`, which is across `from` or has any direction.
 fn moved(random: &mut Rng, from: DVec3, by: f64) -> Dyadic3 {
-    let aside = if random.bits().is_multiple_of(2) { unit(random).cross(from).normalize() } else { unit(random) };
-    let [from, step] = [from, aside * (by * 0.999)].map(|v| dyadic::vector(v.to_array()));
+    let direction = if random.bits().is_multiple_of(2) { unit(random).cross(from).normalize() } else { unit(random) };
+    let [from, step] = [from, direction * (by * 0.999)].map(|v| dyadic::vector(v.to_array()));
     std::array::from_fn(|n| &from[n] + &step[n])
 }
 
-fn seen(random: &mut Rng, blur: f64) -> Seen {
+fn blurred_point(random: &mut Rng, blur: f64) -> BlurredPoint {
     let placement = Placement::new(&[[0.0; 3]], &[1.0]);
     let size = placement.radius(1.0);
     let offset = unit(random) * size;
@@ -45,7 +45,7 @@ fn seen(random: &mut Rng, blur: f64) -> Seen {
         blur * size,
         true,
     );
-    Seen { placement, point, exact }
+    BlurredPoint { placement, point, exact }
 }
 
 /// |a - b| of exact vectors.
@@ -60,7 +60,7 @@ fn a_reflected_ray_is_within_its_tilt() {
     let mut worst = [0.0f64; 3];
     for n in 0..30_000 {
         let (kind, [blur, tilt]) = (n % 3, [[0.0, 0.0], [1e-10, 1e-15], [1e-13, 1e-10]][n % 3]);
-        let Seen { placement, point, exact: q } = seen(random, blur);
+        let BlurredPoint { placement, point, exact: q } = blurred_point(random, blur);
         let along = unit(random);
         let d = moved(random, along, tilt);
         // The direction has the length 1 but for roundings, which count as its tilt.
@@ -85,7 +85,7 @@ fn a_cosine_is_within_its_bound() {
     let mut worst = [0.0f64; 2];
     for n in 0..20_000 {
         let blur = [0.0, 1e-10][n % 2];
-        let Seen { placement, point, exact: q } = seen(random, blur);
+        let BlurredPoint { placement, point, exact: q } = blurred_point(random, blur);
         let toward = unit(random) * 10f64.powf(random.between(-3.0, 3.0));
         let light = [Toward::Direction(toward.to_array()), Toward::Point((toward * 4.0).to_array())][n / 2 % 2];
         let Some(ray) = point.ray(&placement, &light) else { continue };

@@ -44,13 +44,13 @@ fn world(rng: &mut Rng) -> Scene {
     let outside = gap > 0.9 || rng.sign() > 0.0;
     let k = if outside { 1.0 + gap } else { 1.0 - gap };
     let mut axis = || DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 1.0)).normalize();
-    let (away, aside, up) = (axis(), axis(), axis());
+    let (away, across, up) = (axis(), axis(), axis());
     let radius = rng.decade(-3.0, 3.0);
     let eye = DVec3::new(rng.between(-1.0, 1.0), 2.0, 3.0) * radius;
     let center = eye + k * radius * away;
-    let limb = center + radius * aside.cross(away).normalize();
+    let limb = center + radius * across.cross(away).normalize();
     let reach = if outside { 1.0 / k } else { 1.0 };
-    let look = Look::View((limb - eye) + 0.3 * rng.unit() * aside * radius);
+    let look = Look::View((limb - eye) + 0.3 * rng.unit() * across * radius);
     let half = reach * rng.decade(-2.0, 0.3);
     let camera = Camera { eye, look, up, lens: Lens::Viewport { vw: 2.0 * half, vh: 2.0 * half, distance: 1.0 } };
     let mut spheres = Spheres::default();

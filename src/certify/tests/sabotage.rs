@@ -42,7 +42,7 @@ const SUM_POWER: &[(Check, Regime)] =
     &[(Check::DiscMost, Axis), (Check::DiscMost, Ground), (Check::DiscMost, Center), (Check::DiscMost, Inside)];
 const SUM_CROSS: &[(Check, Regime)] = &[(Check::DiscMost, Ahead), (Check::DiscMost, Missed)];
 const SUM_ROOT: &[(Check, Regime)] =
-    &[(Check::Low, Beside), (Check::Low, Ahead), (Check::Low, Center), (Check::Low, Inside)];
+    &[(Check::Low, EyePlane), (Check::Low, Ahead), (Check::Low, Center), (Check::Low, Inside)];
 
 const fn constant(
     name: &'static str,
@@ -69,9 +69,9 @@ const CONSTANTS: [Constant; 22] = [
     constant("depth[3]", |t| &mut t.depth[3], FRONT_DEPTH, SUM_DEPTH),
     constant("depth[4]", |t| &mut t.depth[4], FRONT_DEPTH, SUM_DEPTH),
     constant("along[0]", |t| &mut t.along[0], &[(NearAlong, Axis)], &[(Check::Along, Axis)]),
-    constant("along[1]", |t| &mut t.along[1], &[(NearAlong, Beside)], &[(Check::Along, Beside)]),
+    constant("along[1]", |t| &mut t.along[1], &[(NearAlong, EyePlane)], &[(Check::Along, EyePlane)]),
     constant("power[0]", |t| &mut t.power[0], &[(NearDisc, Axis), (NearDisc, Ground)], SUM_POWER),
-    constant("power[1]", |t| &mut t.power[1], &[(NearDisc, Center), (NearDisc, Beside)], SUM_POWER),
+    constant("power[1]", |t| &mut t.power[1], &[(NearDisc, Center), (NearDisc, EyePlane)], SUM_POWER),
     constant("power[2]", |t| &mut t.power[2], &[(NearDisc, Center)], SUM_POWER),
     constant("cross[0]", |t| &mut t.cross[0], &[(NearDisc, Ahead)], SUM_CROSS),
     constant("cross[1]", |t| &mut t.cross[1], &[(NearDisc, Ahead)], SUM_CROSS),
@@ -79,10 +79,10 @@ const CONSTANTS: [Constant; 22] = [
     constant(
         "cross[3]",
         |t| &mut t.cross[3],
-        &[(NearCross, BesideWide), (NearCross, Missed)],
-        &[(Check::Cross, BesideWide), (Check::Cross, Missed)],
+        &[(NearCross, EyePlaneWide), (NearCross, Missed)],
+        &[(Check::Cross, EyePlaneWide), (Check::Cross, Missed)],
     ),
-    rarely(constant("root[0]", |t| &mut t.root[0], &[(NearDepth, Beside), (NearDepth, Axis)], SUM_ROOT)),
+    rarely(constant("root[0]", |t| &mut t.root[0], &[(NearDepth, EyePlane), (NearDepth, Axis)], SUM_ROOT)),
     rarely(constant("root[1]", |t| &mut t.root[1], &[(NearDepth, Center)], SUM_ROOT)),
     rarely(constant("root[2]", |t| &mut t.root[2], &[(NearDepth, Center)], SUM_ROOT)),
     // Not a rounding of the kernel: it bounds the host's error of the offset.

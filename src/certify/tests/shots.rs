@@ -189,9 +189,9 @@ pub(super) enum Regime {
     /// So far and small that the host's rounding of the projected centre matters.
     Tiny,
     /// Across the eye plane or beside the eye.
-    Beside,
+    EyePlane,
     /// The same through a wide lens.
-    BesideWide,
+    EyePlaneWide,
     /// Outside, close to a large surface.
     Ground,
     /// Inside the sphere.
@@ -223,8 +223,8 @@ impl Regime {
         Self::ParallelTiny,
     ];
     pub(super) const GENERAL: [Self; 8] = [
-        Self::Beside,
-        Self::BesideWide,
+        Self::EyePlane,
+        Self::EyePlaneWide,
         Self::Ground,
         Self::Inside,
         Self::Ahead,
@@ -294,8 +294,8 @@ impl Regime {
                 let half = rng.decade(-3.0, 3.0);
                 shot(half, any(rng), half * rng.decade(0.0, 6.0), half / f64::from(width) * rng.decade(-5.0, -1.0))
             }
-            Beside => shot(rng.decade(-1.0, 0.0), any(rng), rng.between(-0.2, 1.0), rng.decade(-1.0, 1.0)),
-            BesideWide => shot(rng.decade(0.5, 2.0), any(rng), rng.between(-0.2, 1.0), rng.decade(-1.0, 2.0)),
+            EyePlane => shot(rng.decade(-1.0, 0.0), any(rng), rng.between(-0.2, 1.0), rng.decade(-1.0, 1.0)),
+            EyePlaneWide => shot(rng.decade(0.5, 2.0), any(rng), rng.between(-0.2, 1.0), rng.decade(-1.0, 2.0)),
             Ground => {
                 let z = rng.between(0.01, 1.0);
                 let mut shot = shot(rng.decade(-2.0, 0.5), any(rng), z, 1.0);

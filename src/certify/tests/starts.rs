@@ -148,13 +148,13 @@ fn aim(random: &mut Rng, hit: DVec3, center: DVec3, radius: f64) -> DVec3 {
     let random_vector = |random: &mut Rng| DVec3::from_array(std::array::from_fn(|_| random.between(-1.0, 1.0)));
     let toward = center - hit;
     let distance = toward.length();
-    let aside = toward.cross(random_vector(random)).normalize_or_zero();
-    if distance <= radius || aside == DVec3::ZERO || random.below(8) == 0 {
+    let perpendicular = toward.cross(random_vector(random)).normalize_or_zero();
+    if distance <= radius || perpendicular == DVec3::ZERO || random.below(8) == 0 {
         return random_vector(random).normalize();
     }
     let (sine, off) = (radius / distance, random.decade(-7.5, -4.0) * random.sign());
     // The tangent, moved by `off` of the radius across the rim.
-    let rim = aside * (1.0 - sine * sine).sqrt() - toward / distance * sine;
+    let rim = perpendicular * (1.0 - sine * sine).sqrt() - toward / distance * sine;
     (toward + rim * radius * (1.0 + off)).normalize()
 }
 

@@ -34,7 +34,7 @@ pub(super) const FAMILIES: [(&str, Make); 22] = [
     ("anisotropic", perspective::anisotropic),
     ("surface", perspective::surface),
     ("big image", perspective::big_image),
-    ("off axis near", perspective::beside),
+    ("off axis near", perspective::off_axis_near),
     ("parallel", parallel::parallel),
     ("parallel crossing", parallel::parallel_crossing),
     ("parallel distant", parallel::parallel_distant),

@@ -124,8 +124,8 @@ fn push(
             let mut ray = mirror(lighting.own_color(point.id));
             if fuzz > 0.0 {
                 let scattered = lighting.scattered.of(at, depth)[0].map(f64::from);
-                let aside = DVec3::from_array(scattered) * f64::from(fuzz);
-                let along = ray.along + aside;
+                let scatter = DVec3::from_array(scattered) * f64::from(fuzz);
+                let along = ray.along + scatter;
                 ray = Onward { along: along.normalize(), proved: false, ..ray };
             }
             // What is scattered into the metal is lost.

@@ -3,7 +3,7 @@
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
 use super::lighting::LightingContext;
-use crate::answers::lit::Chunk;
+use crate::answers::light::Chunk;
 use crate::number::larger;
 use crate::number::vector::LANES;
 use crate::scene::Material;

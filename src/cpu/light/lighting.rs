@@ -1,7 +1,7 @@
 //! A scene set up for its lights.
 
 use super::surface::Surface;
-use crate::answers::lit::{OpenSky, Traced};
+use crate::answers::light::{OpenSky, Traced};
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
 use crate::scene::{Ball, DEFAULT_COLOR, Material, NumberedBall, Scene, Sky, SkyLight};
@@ -65,7 +65,7 @@ impl LightingContext<'_> {
     pub(super) fn point(&self, [i, j]: [u32; 2], id: u32) -> SurfacePoint {
         let sphere = NumberedBall { id, ball: self.scene.spheres.ball(id) };
         let placement = &self.tree.placement;
-        let point = SurfacePoint::seen(self.view, placement, [i, j], sphere);
+        let point = SurfacePoint::of_pixel(self.view, placement, [i, j], sphere);
         match self.judge {
             None => point.trusted(placement),
             Some(_) if point.is_sharp(placement) => point,

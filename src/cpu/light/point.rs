@@ -7,7 +7,7 @@ use crate::certify::given::{AnyHit, CertifiedRay};
 use crate::certify::surface::SurfacePoint;
 use crate::exact::{LightQuestion, Toward};
 use crate::scene::{Ball, LightSource, Material, Sky};
-use crate::shade::lit::Cap;
+use crate::shade::cap::Cap;
 use crate::shade::optics::reflected;
 use crate::view::directions::PixelSample;
 use crate::view::ray::dot3;
@@ -171,13 +171,13 @@ impl<'a> PointLight<'a> {
                 LightSource::Point(position) => {
                     // What it would give needs the point, for the colour alone.
                     let toward = Toward::Point(position.to_array());
-                    let seen = || {
+                    let response = || {
                         let point = point();
                         self.response(point, point.aim(&self.lighting.tree.placement, &toward).as_ref())
                     };
-                    let seen = if self.lighting.outputs.color { seen() } else { [0.0; 2] };
+                    let response = if self.lighting.outputs.color { response() } else { [0.0; 2] };
                     self.lights[n].rays += 1;
-                    if hidden { self.hide(n, seen) } else { self.lights[n].add(seen) }
+                    if hidden { self.hide(n, response) } else { self.lights[n].add(response) }
                 }
                 _ if hidden => self.hide_far(n),
                 _ => {}
@@ -288,10 +288,10 @@ impl<'a> PointLight<'a> {
             _ => self.unsure.push((PendingRay::Inside(n), LightQuestion::Outside(ball))),
         }
         let cap = Cap::new(shining.away, shining.radius);
-        let beside = |place| (cap.outward(place) * radius).to_array();
+        let offset_of = |place| (cap.outward(place) * radius).to_array();
         self.lighting.disc.of(at, n as u32, &mut self.disc);
         for k in 0..self.disc.len() {
-            let toward = Toward::Beside { center, offset: beside(self.disc[k]) };
+            let toward = Toward::OffsetPoint { center, offset: offset_of(self.disc[k]) };
             self.light_ray(point, n, &toward, Some(ball));
         }
         if !self.casts_shadows() {
@@ -299,7 +299,7 @@ impl<'a> PointLight<'a> {
         }
         let disc = self.lighting.disc;
         for place in disc.rim(at, n as u32) {
-            let toward = Toward::Beside { center, offset: beside(place) };
+            let toward = Toward::OffsetPoint { center, offset: offset_of(place) };
             let ray = point.ray(&self.lighting.tree.placement, &toward);
             let (answer, question) = self.ask(point, &toward, ray.as_ref(), Some(ball));
             match question {
@@ -315,15 +315,15 @@ impl<'a> PointLight<'a> {
 
     fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: Option<Ball>) {
         let ray = point.aim(&self.lighting.tree.placement, toward);
-        let seen = self.response(point, ray.as_ref());
+        let response = self.response(point, ray.as_ref());
         self.lights[n].rays += 1;
         if !self.casts_shadows() {
-            return self.lights[n].add(seen);
+            return self.lights[n].add(response);
         }
         match self.ask(point, toward, ray.as_ref().filter(|ray| SurfacePoint::is_known(ray)), light) {
-            (_, Some(question)) => self.unsure.push((PendingRay::Light(n, seen), question)),
-            (AnyHit::Blocked, None) => self.hide(n, seen),
-            _ => self.lights[n].add(seen),
+            (_, Some(question)) => self.unsure.push((PendingRay::Light(n, response), question)),
+            (AnyHit::Blocked, None) => self.hide(n, response),
+            _ => self.lights[n].add(response),
         }
     }
 
@@ -405,10 +405,10 @@ impl<'a> PointLight<'a> {
     }
 
     /// Counts a ray to light `n` as hidden. Without shadows its light counts all the same.
-    fn hide(&mut self, n: usize, seen: [f64; 2]) {
+    fn hide(&mut self, n: usize, response: [f64; 2]) {
         self.lights[n].hidden += 1;
         if !self.lighting.scene.lighting.shadows {
-            self.lights[n].add(seen);
+            self.lights[n].add(response);
         }
     }
 
@@ -423,9 +423,9 @@ impl<'a> PointLight<'a> {
         if self.unsure.is_empty() {
             return false;
         }
-        let (rays, asked): (Vec<PendingRay>, Vec<LightQuestion>) = self.unsure.drain(..).unzip();
-        let answers = self.lighting.judge.and_then(|judge| judge.ask(i, j, point.ball, &asked));
-        let answers = answers.unwrap_or_else(|| vec![true; asked.len()]);
+        let (rays, questions): (Vec<PendingRay>, Vec<LightQuestion>) = self.unsure.drain(..).unzip();
+        let answers = self.lighting.judge.and_then(|judge| judge.ask(i, j, point.ball, &questions));
+        let answers = answers.unwrap_or_else(|| vec![true; questions.len()]);
         rays.into_iter().zip(answers).for_each(|(ray, hidden)| self.count(ray, hidden));
         true
     }
@@ -439,8 +439,8 @@ impl<'a> PointLight<'a> {
 
     fn count(&mut self, ray: PendingRay, hidden: bool) {
         match (ray, hidden) {
-            (PendingRay::Light(n, seen), true) => self.hide(n, seen),
-            (PendingRay::Light(n, seen), false) => self.lights[n].add(seen),
+            (PendingRay::Light(n, response), true) => self.hide(n, response),
+            (PendingRay::Light(n, response), false) => self.lights[n].add(response),
             (PendingRay::Far(n), true) => self.hide_far(n),
             (PendingRay::Far(_), false) => {}
             (PendingRay::Rim(n), hidden) => self.lights[n].rim[usize::from(!hidden)] = true,
@@ -474,8 +474,8 @@ impl<'a> PointLight<'a> {
         let (mut gloss, mut shine) = (DVec3::ZERO, DVec3::ZERO);
         for (light, share) in lights.iter().zip(&self.lights) {
             let color = Vec3::from_array(light.color).as_dvec3() * f64::from(light.intensity);
-            let [seen, highlight] = share.response();
-            white += color * seen;
+            let [reflected, highlight] = share.response();
+            white += color * reflected;
             gloss += color * highlight;
             if share.shines {
                 shine += color;

@@ -49,9 +49,9 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
             let Some(truth) = judge.pixel(i, j) else { continue };
             let ball = scene.spheres.ball(truth.id);
             let named = NumberedBall { id: truth.id, ball };
-            let seen = SurfacePoint::seen(&view, &tree.placement, [i, j], named);
+            let hit = SurfacePoint::of_pixel(&view, &tree.placement, [i, j], named);
             let judged = || SurfacePoint::judged(&tree.placement, &truth, named);
-            let point = change(if seen.is_sharp(&tree.placement) { seen } else { judged() });
+            let point = change(if hit.is_sharp(&tree.placement) { hit } else { judged() });
             let first = random.below(lights.len() as u32) as usize;
             let chosen = lights.iter().cycle().skip(first).take(family.most.min(lights.len()));
             let lights: Vec<Toward> = chosen.map(|light| light.at(&mut random, &truth)).collect();

@@ -11,7 +11,7 @@ fn slanted(eye: [f64; 3], balls: &[Sphere]) -> Judge {
 }
 
 /// The eye of [`slanted`], m times the view, right times 5 s and up z from it.
-fn beside(m: f64, s: f64, z: f64) -> [f64; 3] {
+fn from_eye(m: f64, s: f64, z: f64) -> [f64; 3] {
     [5.0 + 3.0 * m + 4.0 * s, -7.0 + 4.0 * m - 3.0 * s, 11.0 + z]
 }
 
@@ -41,7 +41,7 @@ fn a_parallel_ray_agrees_with_a_given_ray() {
 fn tangency_and_what_is_an_ulp_off_it() {
     // The ray of row 0, column 2 starts at right + up: 5 s - 1 = 4 and z - 1 = 3 have the norm 5.
     for m in [3.0, 1000.0, 2f64.powi(40)] {
-        let center = beside(m, 1.0, 4.0);
+        let center = from_eye(m, 1.0, 4.0);
         let touch = slanted(EYE, &[(center, 5.0)]).pixel(0, 2).expect("the touch");
         assert!(
             touch.tangent && touch.t == 5.0 * m && touch.depth == touch.t && touch.distance == touch.t,
@@ -72,7 +72,8 @@ fn tangency_and_what_is_an_ulp_off_it() {
 fn ties_go_to_the_lower_index() {
     // The ray of row 0, column 2 starts at right + up. All spheres pass through the point 4 views from there: as a
     // touch, from the front (3 aside, 4 of depth), and from inside (4 aside, 3 of depth).
-    let balls = [(beside(4.0, 1.0, 4.0), 5.0), (beside(4.8, 1.0, -2.0), 41f64.sqrt()), (beside(4.8, 0.8, 1.0), 5.0)];
+    let balls =
+        [(from_eye(4.0, 1.0, 4.0), 5.0), (from_eye(4.8, 1.0, -2.0), 41f64.sqrt()), (from_eye(4.8, 0.8, 1.0), 5.0)];
     assert_eq!(slanted(EYE, &balls[..1]).pixel(0, 2).expect("the touch").t, 20.0);
     // 4.8, 0.8 and the root are rounded, so these two are not ties, and the order of the list has no effect.
     for n in [1, 2] {
@@ -83,7 +84,7 @@ fn ties_go_to_the_lower_index() {
         assert_eq!(ahead, back, "{n}");
     }
     // The rays of the middle column start at up: exact ties from the front, by a touch, and, nearer, at 2 views.
-    let along = [(beside(5.0, 0.0, 1.0), 5.0), (beside(4.0, 1.0, 1.0), 5.0), (beside(3.0, 0.0, 1.0), 5.0)];
+    let along = [(from_eye(5.0, 0.0, 1.0), 5.0), (from_eye(4.0, 1.0, 1.0), 5.0), (from_eye(3.0, 0.0, 1.0), 5.0)];
     for first in 0..3 {
         for second in (0..3).filter(|second| *second != first) {
             let truth = slanted(EYE, &[along[first], along[second]]).pixel(0, 1).expect("a hit");
@@ -100,15 +101,15 @@ fn the_plane_of_the_eye_is_where_rays_begin() {
     let see = |center: [f64; 3], r: f64| slanted(EYE, &[(center, r)]).pixel(1, 1);
     let inside = see(EYE, 2.0).expect("inside");
     assert_eq!((inside.root, inside.t), (Root::Far, 2.0));
-    assert_eq!(see(beside(-1.0, 0.0, 0.0), 5.0), None, "t = 0 is not a hit");
-    let far = see(beside(1.0, 0.0, 0.0), 5.0).expect("looking in");
+    assert_eq!(see(from_eye(-1.0, 0.0, 0.0), 5.0), None, "t = 0 is not a hit");
+    let far = see(from_eye(1.0, 0.0, 0.0), 5.0).expect("looking in");
     assert_eq!((far.root, far.t), (Root::Far, 10.0));
-    assert_eq!(see(beside(-1.0, 0.0, 0.0), 5f64.next_up()).map(|truth| truth.root), Some(Root::Far));
+    assert_eq!(see(from_eye(-1.0, 0.0, 0.0), 5f64.next_up()).map(|truth| truth.root), Some(Root::Far));
     // The eye itself is inside, but the ray a unit to the right of it starts outside, and hits the sphere ahead.
-    let ball = (beside(0.125, 0.0, 0.0), 0.75);
+    let ball = (from_eye(0.125, 0.0, 0.0), 0.75);
     assert_eq!(slanted(EYE, &[ball]).pixel(1, 1).map(|truth| truth.root), Some(Root::Far));
     assert_eq!(slanted(EYE, &[ball]).pixel(1, 2), None);
-    let wide = (beside(1.0, 0.0, 0.0), 5.05);
+    let wide = (from_eye(1.0, 0.0, 0.0), 5.05);
     assert_eq!(slanted(EYE, &[wide]).pixel(1, 1).map(|truth| truth.root), Some(Root::Far), "the eye is inside");
     assert_eq!(slanted(EYE, &[wide]).pixel(1, 2).map(|truth| truth.root), Some(Root::Near), "this origin is not");
 }

@@ -68,9 +68,9 @@ fn spheres_that_touch_the_hit_hide_what_they_cover() {
     // It touches from inside the hit sphere: never in the way.
     assert_eq!(hidden(&[(at([0.0, 0.0, -0.5]), 0.5)], &up), [false, false]);
     // Its surface passes through the hit at right angles.
-    let beside = (at([3.0, 0.0, 0.0]), 3.0);
+    let adjacent = (at([3.0, 0.0, 0.0]), 3.0);
     let lights = [[1.0, 0.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 1.0]].map(toward);
-    assert_eq!(hidden(&[beside], &lights), [true, false, false]);
+    assert_eq!(hidden(&[adjacent], &lights), [true, false, false]);
 }
 
 /// From inside, the sphere itself hides the sky and everything outside it.
@@ -92,9 +92,9 @@ fn a_hit_from_inside_sees_what_is_inside() {
 /// A camera with irrational axes: a light is hidden where the judge's own ray from beside the hit says so, unless that is
 /// too near to tell.
 #[test]
-fn irrational_hits_agree_with_rays_from_beside_them() {
+fn irrational_hits_agree_with_rays_from_nearby_points() {
     let mut random = Rng(15);
-    let (mut told, mut blocked) = (0, 0);
+    let (mut decided, mut blocked) = (0, 0);
     for _ in 0..30 {
         let mut number = |size: f64| random.between(-size, size);
         let balls: Vec<Sphere> =
@@ -124,21 +124,21 @@ fn irrational_hits_agree_with_rays_from_beside_them() {
                 });
                 if answers[0] == answers[1] && normal.dot(*light - hit).abs() > 1e-6 {
                     assert_eq!(exact, answers[0], "{camera:?} {i} {j} {light}");
-                    told += 1;
+                    decided += 1;
                     blocked += usize::from(exact);
                 }
             }
         }
     }
-    println!("{told} lights, {blocked} hidden");
-    assert!(told > 500 && blocked > 100 && told - blocked > 100, "{told} {blocked}");
+    println!("{decided} lights, {blocked} hidden");
+    assert!(decided > 500 && blocked > 100 && decided - blocked > 100, "{decided} {blocked}");
 }
 
 /// An oblique camera and touching spheres: the hit is where they touch, and its coordinates are irrational.
 #[test]
 fn irrational_contact_is_exact() {
     // The ray of `slanted` runs along (3, 1, 0); at its 2nd multiple two spheres touch.
-    let contact = super::beside(2.0, [0.0; 3]);
+    let contact = super::from_eye(2.0, [0.0; 3]);
     let ball = |sign: f64, r: f64| ([contact[0] + sign * 3.0 * r, contact[1] + sign * r, contact[2]], r * 10f64.sqrt());
     // The radius is rounded, so the contact is missed by less than an ulp either way; what is beside is not hidden either way.
     let judge = slanted([5.0, -7.0, 11.0], &[ball(1.0, 1.0)]);

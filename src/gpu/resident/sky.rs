@@ -1,9 +1,9 @@
 //! Rays from the hits of a resident frame toward the sky and toward lights without a size: shaders/main/sky.wgsl,
 //! docs/certificate.md, section 13.
 
-use super::held::Starts;
+use super::scene::Starts;
 use super::steps::spread;
-use crate::answers::lit::Traced;
+use crate::answers::light::Traced;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
@@ -17,7 +17,7 @@ use bytemuck::{Pod, Zeroable};
 use std::time::Instant;
 
 /// The most rays of a pixel, which one invocation traces one after the other.
-const MOST: u32 = 1 << 12;
+const MAX_RAYS_PER_PIXEL: u32 = 1 << 12;
 
 /// The cost of a ray in ray-sphere tests, for the budget of submissions.
 const PER_RAY: f64 = 128.0;
@@ -103,12 +103,15 @@ impl Gpu {
     pub(crate) fn trace_sky(&mut self, rays: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<SkyTraced> {
         let is_of = |starts: &Starts| window(&starts.record) == window(&rays.view.record);
         let starts = match self.starts {
-            Some(Ok(starts)) if self.held.is_some() && is_of(&starts) => starts,
+            Some(Ok(starts)) if self.resident.is_some() && is_of(&starts) => starts,
             Some(Err(reason)) => return Ok(SkyTraced::Refused(reason.to_owned())),
             _ => return Ok(SkyTraced::NoHits),
         };
-        if rays.each() > MOST {
-            return Ok(SkyTraced::Refused(format!("{} rays from each pixel, more than {MOST}", rays.each())));
+        if rays.each() > MAX_RAYS_PER_PIXEL {
+            return Ok(SkyTraced::Refused(format!(
+                "{} rays from each pixel, more than {MAX_RAYS_PER_PIXEL}",
+                rays.each()
+            )));
         }
         match self.guarded(|gpu| gpu.trace_from(starts, rays, go_on)) {
             Err(Error::Limits { problem, .. }) => Ok(SkyTraced::Refused(problem)),
@@ -116,28 +119,28 @@ impl Gpu {
         }
     }
 
-    fn trace_from(&mut self, starts: Starts, asked: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<Vec<u32>> {
-        self.hold_tree(asked.tree)?;
+    fn trace_from(&mut self, starts: Starts, rays: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<Vec<u32>> {
+        self.hold_tree(rays.tree)?;
         self.compile(SKY)?;
-        let pixels = asked.view.record.pixels() as u64;
-        let bytes = 4 * pixels * Traced::words_of(asked.each() as usize) as u64;
+        let pixels = rays.view.record.pixels() as u64;
+        let bytes = 4 * pixels * Traced::words_of(rays.each() as usize) as u64;
         self.check_size("rays to the sky", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         self.reserve("open", bytes, storage);
-        self.refill("directions", bytemuck::cast_slice(asked.directions))?;
-        let record = ViewRecord { spheres: asked.tree.ids.len() as u32, ..asked.view.record };
+        self.refill("directions", bytemuck::cast_slice(rays.directions))?;
+        let record = ViewRecord { spheres: rays.tree.ids.len() as u32, ..rays.view.record };
         self.refill("view", bytemuck::bytes_of(&record))?;
-        let (unit, (eye, eye_rest)) = asked.tree.eye(asked.view, starts.unit).unwrap_or((0.0, ([0; 3], [0.0; 3])));
-        let turned = asked.directions.len() as u32 - asked.record.lights;
-        let turns = turned.checked_div(asked.record.rays).unwrap_or(1);
+        let (unit, (eye, eye_rest)) = rays.tree.eye(rays.view, starts.unit).unwrap_or((0.0, ([0; 3], [0.0; 3])));
+        let turned = rays.directions.len() as u32 - rays.record.lights;
+        let turns = turned.checked_div(rays.record.rays).unwrap_or(1);
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.buffers["open"], 0, Some(bytes));
         self.open.queue.submit([encoder.finish()]);
         // The rays of a pixel in a dispatch, and the steps through the tree of an invocation, beyond which the host traces the pixel:
         // on hardware they end what would hang.
         let (together, steps) = if self.summary.is_software() { (16, STEPS) } else { (512, 1 << 18) };
-        let record = SkyRecord { turns, unit, steps, eye, eye_rest, ..asked.record };
-        let each = PER_RAY * f64::from(asked.each().min(together));
+        let record = SkyRecord { turns, unit, steps, eye, eye_rest, ..rays.record };
+        let each = PER_RAY * f64::from(rays.each().min(together));
         let mut first = 0;
         while first < pixels {
             if !go_on(first) {
@@ -147,8 +150,8 @@ impl Gpu {
             let end = (first + (count as u64).max(1)).min(pixels);
             let groups = ((end - first) as u32).div_ceil(GROUP);
             let groups = spread(groups, self.limits.max_compute_workgroups_per_dimension);
-            for first_ray in (0..asked.each()).step_by(together as usize) {
-                let end_ray = asked.each().min(first_ray + together);
+            for first_ray in (0..rays.each()).step_by(together as usize) {
+                let end_ray = rays.each().min(first_ray + together);
                 let (from, to) = (first as u32, end as u32);
                 let part = SkyRecord { first: from, end: to, groups: groups.0, first_ray, end_ray, ..record };
                 self.refill("sky", bytemuck::bytes_of(&part))?;

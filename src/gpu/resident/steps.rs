@@ -1,7 +1,7 @@
 //! The dispatches of a resident frame.
 
 use super::MINIMA;
-use super::held::{Block, Counts, Held, pieces};
+use super::scene::{Block, Counts, ResidentScene, pieces};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{NOTHING, Placed};
 use crate::error::Result;
@@ -56,13 +56,13 @@ pub(super) fn spread(groups: u32, most: u32) -> (u32, u32) {
 
 impl Gpu {
     /// Runs the kernel that places every block.
-    pub(super) fn place_blocks(&mut self, held: &Held) -> Result<Counts> {
+    pub(super) fn place_blocks(&mut self, resident: &ResidentScene) -> Result<Counts> {
         let mut head = [0u32; SUMMARY_LIST as usize];
         // No depth yet: the least above the largest.
         (head[0], head[2]) = (u32::MAX, u32::MAX);
         self.reserve_summary();
         self.open.queue.write_buffer(&self.buffers["summary"], 0, bytemuck::cast_slice(&head));
-        let blocks = held.blocks.iter().filter(|block| block.spheres.is_some());
+        let blocks = resident.blocks.iter().filter(|block| block.spheres.is_some());
         Ok(Counts::new(&self.summarize(blocks, Step::Place)?))
     }
 
@@ -100,17 +100,17 @@ impl Gpu {
     pub(super) fn submit_steps(
         &mut self,
         kernel: &Kernel,
-        held: &Held,
+        resident: &ResidentScene,
         pixels: u64,
         tiles: [[u32; 2]; 2],
     ) -> Result<()> {
         let [columns, rows] = tiles.map(|[first, last]| last - first + 1);
         let program = Program::Kernel(*kernel);
         let certify = |block| Job { program, block, pass: block.pass(0, 0, 0), groups: (columns, rows) };
-        let mut jobs = self.splats(kernel, held, LEAST);
-        jobs.extend(self.splats(kernel, held, SLOTS));
-        jobs.extend(held.blocks.iter().map(certify));
-        jobs.extend(self.splats(kernel, held, PAIRS_OF_UNSURE));
+        let mut jobs = self.splats(kernel, resident, LEAST);
+        jobs.extend(self.splats(kernel, resident, SLOTS));
+        jobs.extend(resident.blocks.iter().map(certify));
+        jobs.extend(self.splats(kernel, resident, PAIRS_OF_UNSURE));
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.buffers["minima"], 0, Some(MINIMA * pixels));
         encoder.clear_buffer(&self.buffers["summary"], 4 * u64::from(SUMMARY_PAIRS), Some(4));
@@ -141,15 +141,15 @@ impl Gpu {
     }
 
     /// The dispatches of a pass of all spheres over the pixels.
-    fn splats<'a>(&self, kernel: &Kernel, held: &'a Held, mode: u32) -> Vec<Job<'a>> {
+    fn splats<'a>(&self, kernel: &Kernel, resident: &'a ResidentScene, mode: u32) -> Vec<Job<'a>> {
         let most = self.limits.max_compute_workgroups_per_dimension;
         let samples = kernel.samples;
         let [small, large] = [Step::Small { samples }, Step::Large { samples }].map(Program::Step);
         let mut jobs = Vec::new();
-        for block in &held.blocks {
+        for block in &resident.blocks {
             jobs.push(block.job(small, mode, 0, most));
-            if held.pieces > 0 {
-                jobs.push(block.job(large, mode, held.pieces, most));
+            if resident.pieces > 0 {
+                jobs.push(block.job(large, mode, resident.pieces, most));
             }
         }
         #[cfg(test)]

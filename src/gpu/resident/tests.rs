@@ -2,7 +2,7 @@
 //! the host. On adapters that keep bits (tests/common/strict.rs) frames have those of the CPU path; on others what both prove
 //! agrees.
 
-use super::held::BLOCK;
+use super::scene::BLOCK;
 use super::sky::{SkyRays, SkyRecord, SkyTraced};
 use super::*;
 use crate::answers::raw::Raw;
@@ -165,7 +165,7 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         gpu.render_resident(&kernel, frame, &mut output, &|_| true).expect("a frame");
         let sky = SkyDirections::new(rays, 1, 0);
         let directions: Vec<_> = sky.turned().iter().map(DirectionRecord::of_unit).collect();
-        let asked = SkyRays {
+        let rays = SkyRays {
             tree: &tree,
             view: &view,
             directions: &directions,
@@ -176,24 +176,24 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
             submissions.set(submissions.get() + 1);
             true
         };
-        let SkyTraced::Words(words) = gpu.trace_sky(&asked, &count).expect("a device") else { panic!("no rays") };
+        let SkyTraced::Words(words) = gpu.trace_sky(&rays, &count).expect("a device") else { panic!("no rays") };
         assert!(submissions.get() > 1, "several submissions");
         let open: u32 = words.iter().map(|word| word.count_ones()).sum();
         println!("blocks of {block}: {open} rays of {} pixels are open", raw.id.len());
         // The rays of another window are not those of this frame.
         let mut other = View::in_unit(&scene, raster, Some(view.unit)).expect("a view");
         other.record.rows = 1;
-        assert!(gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device") == SkyTraced::NoHits);
+        assert!(gpu.trace_sky(&SkyRays { view: &other, ..rays }, &count).expect("a device") == SkyTraced::NoHits);
         // Another view of the same pixels in another unit changes nothing.
         let other = View::in_unit(&scene, raster, Some(view.unit + 3)).expect("a view");
-        let again = gpu.trace_sky(&SkyRays { view: &other, ..asked }, &count).expect("a device");
+        let again = gpu.trace_sky(&SkyRays { view: &other, ..rays }, &count).expect("a device");
         assert!(again == SkyTraced::Words(words.clone()));
         let most = gpu
-            .trace_sky(&SkyRays { record: SkyRecord { rays: 5000, ..asked.record }, ..asked }, &count)
+            .trace_sky(&SkyRays { record: SkyRecord { rays: 5000, ..rays.record }, ..rays }, &count)
             .expect("a device");
         assert!(matches!(most, SkyTraced::Refused(reason) if reason.contains("5000 rays")));
         gpu.forget_hits();
-        assert!(gpu.trace_sky(&asked, &count).expect("a device") == SkyTraced::NoHits);
+        assert!(gpu.trace_sky(&rays, &count).expect("a device") == SkyTraced::NoHits);
         found.push(words);
     }
     assert!(found[0].iter().any(|word| *word != 0) && found[1..].iter().all(|words| *words == found[0]));
@@ -226,9 +226,9 @@ fn places_have_the_bits_of_the_host() {
             spheres.push(center, scale * 10f64.powf(rng.between(-5.0, -0.5)), Some([0.5; 3]));
         }
         let far = scale * 10f64.powf(rng.between(0.3, 6.0));
-        let aside = [0; 3].map(|_| rng.between(-1.0, 1.0));
-        let length = aside.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let eye = [0, 1, 2].map(|k| at[k] + far * aside[k] / length);
+        let direction = [0; 3].map(|_| rng.between(-1.0, 1.0));
+        let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let eye = [0, 1, 2].map(|k| at[k] + far * direction[k] / length);
         let lens = match case % 3 {
             0 => Lens::Vfov { degrees: (3.0 * scale / far).atan().to_degrees(), distance: 1.0 },
             1 => Lens::Vfov { degrees: rng.between(20.0, 150.0), distance: 1.0 },

@@ -149,9 +149,9 @@ pub(super) fn operations(cases: &[u32], answers: &[u32]) -> Vec<Check> {
     let directed = &all[COUNT.min(all.len())..];
     checks.push(rounding(directed));
     let subnormal = directed.get(2 * ROUNDING.len()..).unwrap_or(&[]);
-    let flushed = SUBNORMAL.map(|(name, _, word, wanted)| {
+    let flushed = SUBNORMAL.map(|(name, _, word, expected)| {
         let place = SUBNORMAL.iter().position(|(other, ..)| *other == name).and_then(|k| subnormal.get(k));
-        (name, f64::from(place.is_none_or(|(_, x)| x[word] != wanted)))
+        (name, f64::from(place.is_none_or(|(_, x)| x[word] != expected)))
     });
     checks.push(check("subnormals", flushed.iter().all(|(_, flushed)| *flushed == 0.0), flushed));
     let special = subnormal.get(SUBNORMAL.len()..).unwrap_or(&[]);
@@ -273,11 +273,11 @@ pub(super) fn wide(cases: &[u32], answers: &[u32]) -> Vec<Check> {
     for (k, name) in F64.into_iter().enumerate() {
         let (mut bits, mut most) = (0.0, 0.0f64);
         for (case, answer) in cases.chunks_exact(4).zip(answers.chunks_exact(10)) {
-            let wanted = ieee[k](number(case), number(&case[2..]));
+            let expected = ieee[k](number(case), number(&case[2..]));
             let got = number(&answer[2 * k..]);
             // Ordered as the numbers are, so that neighbours differ by one.
             let order = |x: f64| (x.to_bits() as i64) ^ ((((x.to_bits() as i64) >> 63) as u64) >> 1) as i64;
-            let off = if got.is_finite() { order(got).abs_diff(order(wanted)) as f64 } else { f64::INFINITY };
+            let off = if got.is_finite() { order(got).abs_diff(order(expected)) as f64 } else { f64::INFINITY };
             bits += f64::from(off != 0.0);
             most = most.max(off);
         }

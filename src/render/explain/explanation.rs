@@ -217,7 +217,7 @@ impl MaterialCounts {
 
 impl BinnedCounts {
     pub(super) fn of(binned: &BinnedScene, scene: &Scene) -> Self {
-        let (front, near) = (binned.seen, binned.generals.len() as u64);
+        let (front, near) = (binned.projected_count, binned.generals.len() as u64);
         Self { front, near, unseen: scene.spheres.len() as u64 - front - near }
     }
 }

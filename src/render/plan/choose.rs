@@ -50,8 +50,8 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
     }
     let few = scene.spheres.len() <= MAX_FOR_METHOD && !is_parallel;
     let named = |some: &[Aov]| {
-        let asked: Vec<_> = some.iter().filter(|aov| settings.aovs.contains(aov)).map(|aov| aov.name()).collect();
-        asked.join(", ")
+        let requested: Vec<_> = some.iter().filter(|aov| settings.aovs.contains(aov)).map(|aov| aov.name()).collect();
+        requested.join(", ")
     };
     Ok(match (settings.accuracy, settings.method, settings.tolerance) {
         (Accuracy::Auto, Some(method), _) => {

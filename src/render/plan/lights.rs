@@ -8,11 +8,11 @@ use crate::shade::Shade;
 use crate::view::directions::RIM;
 
 /// The outputs of lights and sky that the settings request.
-pub(super) fn wanted(scene: &Scene, settings: &Settings) -> LightOutputs {
+pub(super) fn outputs(scene: &Scene, settings: &Settings) -> LightOutputs {
     let lighting = &scene.lighting;
-    let lit = lighting.is_lit() || bounces(scene) > 0;
+    let uses_lights = lighting.has_light() || bounces(scene) > 0;
     LightOutputs {
-        color: lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]),
+        color: uses_lights && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]),
         shadow: settings.asks(&[Aov::Shadow]),
         occlusion: settings.asks(&[Aov::Occlusion]),
         sky: false,
@@ -20,16 +20,16 @@ pub(super) fn wanted(scene: &Scene, settings: &Settings) -> LightOutputs {
 }
 
 /// Whether rays leave from the hits of viewing rays, toward the sky or for shadows.
-pub(super) fn leave_hits(wanted: LightOutputs, scene: &Scene) -> bool {
+pub(super) fn leave_hits(outputs: LightOutputs, scene: &Scene) -> bool {
     let lighting = &scene.lighting;
     let of_picture = lighting.sky.is_some() || lighting.shadows && !lighting.lights.is_empty();
-    wanted.shadow || wanted.occlusion || wanted.color && of_picture
+    outputs.shadow || outputs.occlusion || outputs.color && of_picture
 }
 
 /// The most bounces of a ray of the picture; 0 where no material asks for any.
 pub(crate) fn bounces(scene: &Scene) -> u32 {
-    let asked = scene.spheres.materials.as_ref().is_some_and(Materials::bounce);
-    if asked { scene.lighting.bounces.unwrap_or(BOUNCES) } else { 0 }
+    let can_bounce = scene.spheres.materials.as_ref().is_some_and(Materials::bounce);
+    if can_bounce { scene.lighting.bounces.unwrap_or(BOUNCES) } else { 0 }
 }
 
 /// Points of a light with a size for each pixel, over all its samples.

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// A smaller group does not pay for moving the spheres: its rays fill one workgroup.
-const GROUP: usize = 64;
+const GROUP_MIN_RAYS: usize = 64;
 
 impl Tracer<'_> {
     /// The closest hit of each ray among all spheres by the plan's method.
@@ -79,7 +79,7 @@ struct Group {
 /// Groups by origin where that pays; the other rays form one group about the middle of their origins.
 fn groups(count: usize, origin: impl Fn(usize) -> [f64; 3]) -> Vec<Group> {
     let mut by_origin: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
-    let pay = |groups: usize| groups == 1 || groups * GROUP <= count;
+    let pay = |groups: usize| groups == 1 || groups * GROUP_MIN_RAYS <= count;
     for n in 0..count {
         // Adding 0.0 makes -0.0 and 0.0 the same origin.
         by_origin.entry(origin(n).map(|x| (x + 0.0).to_bits())).or_default().push(n as u32);

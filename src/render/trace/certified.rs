@@ -11,7 +11,7 @@ use crate::settings::{Accuracy, Search};
 use rayon::prelude::*;
 
 /// Rays between two looks at whether to go on.
-const PART: usize = 1 << 18;
+const RAYS_PER_CHECK: usize = 1 << 18;
 
 impl Tracer<'_> {
     pub(super) fn certified_hits(&mut self, rays: &Rays) -> Result<Hits> {
@@ -47,7 +47,7 @@ impl Tracer<'_> {
             return Ok(());
         };
         let given = Given { tree, rays, all: plan.search == Search::All, tolerance: *tolerance };
-        for numbers in given.order().chunks(PART) {
+        for numbers in given.order().chunks(RAYS_PER_CHECK) {
             if !renderer.watch.goes_on() {
                 return Err(Error::Interrupted);
             }

@@ -69,8 +69,8 @@ impl Aperture {
         };
         let ([vw, vh], d) = (frame.viewport.rounded(), frame.viewport.d);
         let places = |along: f64, side: f64, count: u32| (along / focus * (d / side) * f64::from(count)).round();
-        let aside = [places((eye - e).dot(u), vw, frame.size[0]), -places((eye - e).dot(v), vh, frame.size[1])];
-        Ok((Camera { eye, look: Look::View(look), ..*camera }, aside))
+        let lens_offset = [places((eye - e).dot(u), vw, frame.size[0]), -places((eye - e).dot(v), vh, frame.size[1])];
+        Ok((Camera { eye, look: Look::View(look), ..*camera }, lens_offset))
     }
 
     /// The largest offset of the frame of a point of the lens from the frame of the eye, in pixels of an image of
@@ -130,12 +130,12 @@ mod tests {
             let frame = camera.centred([60, 40], 2, 16).expect("a frame");
             let aperture = Aperture { diameter: 1.5, focus: Some(6.0) };
             for point in [[0.3, -0.8], [-0.9, 0.1], [0.0, 0.0], [0.5, 0.5]] {
-                let (other, aside) = aperture.at(point, &camera, &frame).expect("a camera");
+                let (other, lens_offset) = aperture.at(point, &camera, &frame).expect("a camera");
                 let (b, basis) = (camera.basis().expect("a basis"), other.basis().expect("a basis"));
                 assert!((basis.u - b.u).length() + (basis.w - b.w).length() < 1e-15);
                 let off = other.eye - camera.eye - 0.75 * (point[0] * b.u + point[1] * b.v);
                 assert!(off.length() < 1e-15, "{point:?}: {off}");
-                let moved = frame.moved(aside).expect("a frame");
+                let moved = frame.moved(lens_offset).expect("a frame");
                 // Where the ray of a place of a frame meets the plane in focus.
                 let meets = |camera: &Camera, frame: &CentredFrame, [column, row]: [u32; 2]| {
                     let ([vw, vh], d) = (frame.viewport.rounded(), frame.viewport.d);
@@ -153,7 +153,9 @@ mod tests {
                     assert!(right.abs() < 0.5 + 1e-9 && up.abs() < 0.5 + 1e-9, "{lens:?} {point:?}: {right} {up}");
                 }
                 let reach = aperture.reach(&camera, [60, 40]).expect("a lens") * f64::from(frame.size[0]) / 60.0;
-                assert!(aside.iter().all(|n| n.abs() <= reach.max(f64::from(frame.size[1]) / 40.0 * reach) + 1.0));
+                assert!(
+                    lens_offset.iter().all(|n| n.abs() <= reach.max(f64::from(frame.size[1]) / 40.0 * reach) + 1.0)
+                );
             }
         }
     }

@@ -8,10 +8,10 @@ use crate::error::{Error, Result};
 use crate::quote::setting::{APERTURE, SAMPLES};
 
 /// The most columns and rows of a frame, 2^20: twice as many odd numbers are exact in f32.
-const MOST: i64 = 1 << 20;
+const MAX_PLACES: i64 = 1 << 20;
 
 /// The most parts of a pixel in which the principal point is given.
-const FINEST: u32 = 256;
+const MAX_PARTS_OF_PIXEL: u32 = 256;
 
 /// The strata along a side of a pixel that must be possible beside the parts: 64 samples.
 const STRATA: f64 = 8.0;
@@ -80,19 +80,20 @@ impl ExactViewport {
 }
 
 impl CentredFrame {
-    /// The frame of an eye that is moved aside: the same places of rays lie `aside` columns and rows of it farther
+    /// The frame of an eye that is moved aside: the same places of rays lie `offset` columns and rows of it farther
     /// toward the first column and row. The frame is as much larger, on both sides, as that takes.
     ///
     /// # Errors
     /// [`Error::Limits`] for more than 2^20 columns or rows.
-    pub(crate) fn moved(self, aside: [f64; 2]) -> Result<Self> {
+    pub(crate) fn moved(self, offset: [f64; 2]) -> Result<Self> {
         let mut frame = self;
         let sides = [&mut frame.viewport.vw, &mut frame.viewport.tall];
-        for (k, side) in sides.into_iter().enumerate().filter(|(k, _)| aside[*k] != 0.0) {
-            let (by, count) = (aside[k], f64::from(self.size[k]));
+        for (k, side) in sides.into_iter().enumerate().filter(|(k, _)| offset[*k] != 0.0) {
+            let (by, count) = (offset[k], f64::from(self.size[k]));
             let wide = count + 2.0 * by.abs();
-            if wide.is_nan() || wide > MOST as f64 {
-                let problem = format!("the lens is so large that a frame needs {wide} places, and {MOST} are possible");
+            if wide.is_nan() || wide > MAX_PLACES as f64 {
+                let problem =
+                    format!("the lens is so large that a frame needs {wide} places, and {MAX_PLACES} are possible");
                 return Err(Error::Limits {
                     problem,
                     mend: format!("use a smaller {APERTURE}, fewer {SAMPLES} or a smaller image"),
@@ -131,10 +132,10 @@ impl Camera {
             [shift, 2 * shift + 1 - i64::from(step) + middle]
         };
         let ([left, columns], [top, rows]) = (axis(width, cx), axis(height, cy));
-        if columns.max(rows) > MOST {
+        if columns.max(rows) > MAX_PLACES {
             let problem = format!(
                 "the principal point {cx}, {cy} of an image of {width} x {height} pixels with {} samples per pixel needs a \
-                 frame of {columns} x {rows} places, and {MOST} are possible",
+                 frame of {columns} x {rows} places, and {MAX_PLACES} are possible",
                 strata * strata
             );
             return Err(Error::Limits { problem, mend: format!("use fewer {SAMPLES}, or a smaller image") });
@@ -169,8 +170,8 @@ fn parts(size: [u32; 2], center: [f64; 2]) -> u32 {
     }
     let reach = |k: usize| center[k].abs().max((f64::from(size[k]) - center[k]).abs());
     let side = 2.0 * reach(0).max(reach(1)) + 2.0;
-    let mut parts = FINEST;
-    while parts > 1 && STRATA * f64::from(parts) * side > MOST as f64 {
+    let mut parts = MAX_PARTS_OF_PIXEL;
+    while parts > 1 && STRATA * f64::from(parts) * side > MAX_PLACES as f64 {
         parts /= 2;
     }
     parts

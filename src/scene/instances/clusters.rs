@@ -6,7 +6,7 @@ use crate::memory::check;
 use glam::DVec3;
 
 /// The most spheres of a cluster that is not divided.
-pub(super) const FEW: usize = 128;
+pub(super) const MAX_UNDIVIDED_SPHERES: usize = 128;
 
 /// The tree.
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ impl Clusters {
     /// # Errors
     /// [`Error::Limits`](crate::Error::Limits) where memory is short.
     pub(super) fn of(centers: &[[f64; 3]], radii: &[f64]) -> Result<Self> {
-        let each = size_of::<u32>() + 4 * size_of::<Cluster>() / FEW;
+        let each = size_of::<u32>() + 4 * size_of::<Cluster>() / MAX_UNDIVIDED_SPHERES;
         check((radii.len() * each) as u64, || format!("the clusters of {} spheres", radii.len()))?;
         let mut order: Vec<u32> = (0..radii.len() as u32).collect();
         let around = |part: &[u32]| {
@@ -43,7 +43,7 @@ impl Clusters {
         let mut nodes = vec![Cluster { range: [0, order.len() as u32], enclosure: around(&order), halves: 0 }];
         let mut next = 0;
         while let Some(Cluster { range: [first, end], enclosure, .. }) = nodes.get(next).copied() {
-            if (end - first) as usize > FEW {
+            if (end - first) as usize > MAX_UNDIVIDED_SPHERES {
                 let axis = longest(enclosure.high - enclosure.low);
                 let part = &mut order[first as usize..end as usize];
                 let half = part.len() / 2;
@@ -85,7 +85,7 @@ mod tests {
             let spheres = clusters.order[first..end].iter().map(|n| *n as usize);
             let around = spheres.fold(Enclosure::NOTHING, |all, n| all.with(&Enclosure::of(centers[n], radii[n])));
             assert_eq!(around, cluster.enclosure);
-            assert!(cluster.halves > 0 || end - first <= FEW);
+            assert!(cluster.halves > 0 || end - first <= MAX_UNDIVIDED_SPHERES);
         }
     }
 }

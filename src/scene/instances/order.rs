@@ -79,11 +79,11 @@ impl Instances {
                 count += high - low;
                 continue;
             }
-            let mut wanted = inside.iter().peekable();
+            let mut next_inside = inside.iter().peekable();
             part.placement.each(&part.placement.one(first), |_, place| {
                 for (number, center) in (low..).zip(&part.spheres.centers[..]) {
                     if self.keeps(place(*center)) {
-                        if wanted.next_if_eq(&&number).is_some() {
+                        if next_inside.next_if_eq(&&number).is_some() {
                             ids.push(count);
                         }
                         count += 1;

@@ -60,10 +60,10 @@ impl BoxRay {
         let pad = SLABS * U * (1.0 + near) + lost + extra;
         let a = (direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]) * ROUNDED;
         let inverse = Self::inverse(direction);
-        let aside = |n: usize| if inverse[n] < 0.0 { -pad } else { pad };
+        let signed_pad = |n: usize| if inverse[n] < 0.0 { -pad } else { pad };
         Some(Self {
-            enter: std::array::from_fn(|n| (from[n] + aside(n)) as f32),
-            leave: std::array::from_fn(|n| (from[n] - aside(n)) as f32),
+            enter: std::array::from_fn(|n| (from[n] + signed_pad(n)) as f32),
+            leave: std::array::from_fn(|n| (from[n] - signed_pad(n)) as f32),
             inverse,
             origin: from.map(|x| x as f32),
             direction: direction.map(|x| x as f32),

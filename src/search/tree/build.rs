@@ -13,7 +13,7 @@ struct Item {
 }
 
 /// Fewer items than this are ordered by one thread.
-const ALONE: usize = 1 << 12;
+const PARALLEL_MIN_ITEMS: usize = 1 << 12;
 
 impl Tree {
     /// The tree of these spheres; `None` for none or more than [`MAX_SPHERES`].
@@ -72,7 +72,7 @@ fn halve(items: &mut [Item], full: usize) {
     let axis = longest(items);
     items.select_nth_unstable_by(middle, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.id.cmp(&b.id)));
     let (a, b) = items.split_at_mut(middle);
-    if a.len() < ALONE {
+    if a.len() < PARALLEL_MIN_ITEMS {
         halve(a, run * WIDE);
         halve(b, run * WIDE);
     } else {
@@ -83,8 +83,11 @@ fn halve(items: &mut [Item], full: usize) {
 /// The axis along which the items extend the farthest.
 fn longest(items: &[Item]) -> usize {
     let one = |items: &[Item]| items.iter().fold(NOTHING, |all, item| union(all, [item.at; 2]));
-    let [low, high] =
-        if items.len() < ALONE { one(items) } else { items.par_chunks(ALONE).map(one).reduce(|| NOTHING, union) };
+    let [low, high] = if items.len() < PARALLEL_MIN_ITEMS {
+        one(items)
+    } else {
+        items.par_chunks(PARALLEL_MIN_ITEMS).map(one).reduce(|| NOTHING, union)
+    };
     let extent: [f32; 3] = std::array::from_fn(|n| high[n] - low[n]);
     (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0)
 }

@@ -24,7 +24,7 @@ impl BoxRayRecord {
     }
 
     /// A ray that leaves every box before it enters it.
-    const NOTHING: Self = Self { enter: [-ASIDE; 4], leave: [ASIDE; 4], inverse: [1.0; 4] };
+    const NOTHING: Self = Self { enter: [-BEYOND_SCENE; 4], leave: [BEYOND_SCENE; 4], inverse: [1.0; 4] };
 }
 
 /// A direction as devices trace it from points of their own, declared in main/sky.wgsl.
@@ -77,7 +77,7 @@ impl DirectionRecord {
 const FARTHEST: f64 = (1u64 << 40) as f64;
 
 /// Beyond the scene.
-const ASIDE: f32 = (1u32 << 20) as f32;
+const BEYOND_SCENE: f32 = (1u32 << 20) as f32;
 
 /// A ray as devices certify it, in the tree's unit; certify/given.wgsl declares it.
 #[repr(C)]

@@ -4,7 +4,7 @@
 use super::WIDE;
 
 /// Rays that one task answers.
-pub(crate) const TASK: usize = 256;
+pub(crate) const RAYS_PER_TASK: usize = 256;
 
 /// Work that is compiled for vectors of each kind. A trait, because a closure would not be compiled with
 /// the vector instructions of its caller.

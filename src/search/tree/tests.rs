@@ -4,7 +4,7 @@ mod device;
 mod sure;
 
 use super::lanes::{LANE, Lanes, NEVER, Portable};
-use super::walk::{Test, may_meet, walk};
+use super::walk::{Test, may_intersect, walk};
 use super::*;
 use crate::double_double as dd;
 use crate::exact::judge_ray;
@@ -98,7 +98,7 @@ struct Found<'a> {
 
 impl Test for Found<'_> {
     fn test(&mut self, block: u32) -> f32 {
-        let places = may_meet(Portable, self.tree, block, &self.ray, self.limit);
+        let places = may_intersect(Portable, self.tree, block, &self.ray, self.limit);
         self.ids.extend(places.map(|place| self.tree.ids[place]));
         self.limit
     }

@@ -117,12 +117,12 @@ impl Iterator for Places {
 
 /// The spheres of a block that the ray may meet before `limit`.
 #[inline(always)]
-pub(crate) fn may_meet<L: Lanes>(l: L, tree: &Tree, block: u32, ray: &BoxRay, limit: f32) -> Places {
-    let mask = Passing::new(l, &tree.blocks[block as usize], ray).may_meet(limit);
+pub(crate) fn may_intersect<L: Lanes>(l: L, tree: &Tree, block: u32, ray: &BoxRay, limit: f32) -> Places {
+    let mask = Passing::new(l, &tree.blocks[block as usize], ray).may_intersect(limit);
     Places { first: block as usize * WIDE, mask }
 }
 
-/// [`may_meet`] for a ray that ends at any sphere. `None` if the ray surely meets a sphere before `certain`. A sphere
+/// [`may_intersect`] for a ray that ends at any sphere. `None` if the ray surely meets a sphere before `certain`. A sphere
 /// on whose surface the ray starts is never surely met.
 #[inline(always)]
 pub(crate) fn may_pass<L: Lanes>(
@@ -133,8 +133,8 @@ pub(crate) fn may_pass<L: Lanes>(
     [certain, limit]: [f32; 2],
 ) -> Option<Places> {
     let passing = Passing::new(l, &tree.blocks[block as usize], ray);
-    let mask = passing.may_meet(limit);
-    let blocked = mask != 0 && passing.surely_meet(certain) != 0;
+    let mask = passing.may_intersect(limit);
+    let blocked = mask != 0 && passing.surely_intersects(certain) != 0;
     (!blocked).then_some(Places { first: block as usize * WIDE, mask })
 }
 
@@ -170,7 +170,7 @@ impl<'a, L: Lanes> Passing<'a, L> {
 
     /// One bit for each sphere that may be met before `limit`.
     #[inline(always)]
-    fn may_meet(&self, limit: f32) -> u32 {
+    fn may_intersect(&self, limit: f32) -> u32 {
         let Self { l, ray, reach, along, b, g2, .. } = *self;
         let near = l.at_most(g2, l.mul(l.mul(reach, reach), l.splat(ray.a)));
         let ahead = l.at_most(l.sub(l.splat(0.0), along), b);
@@ -180,7 +180,7 @@ impl<'a, L: Lanes> Passing<'a, L> {
 
     /// One bit for each sphere that is met before `certain` by a ray that starts outside, for certain.
     #[inline(always)]
-    fn surely_meet(&self, certain: f32) -> u32 {
+    fn surely_intersects(&self, certain: f32) -> u32 {
         let Self { l, ray, radius, reach, along, p, b, g2 } = *self;
         let inner = l.sub(l.mul(radius, l.splat(1.0 - ROUNDED)), l.splat(ray.pad * 2.0));
         // `a` exceeds the square of the direction's length.

@@ -133,10 +133,10 @@ fn directions_have_length_one_and_points_lie_in_the_disc() {
 /// Every direction of the set is uniform on the sphere, whatever its place in it, and so are rotations about it.
 #[test]
 fn rotations_are_uniform() {
-    const MANY: u32 = 1 << 16;
+    const PIXELS: u32 = 1 << 16;
     let mut sums = [[0.0; 4]; 9];
     let (mut traces, mut cross) = ([0.0; 2], [0.0; 36]);
-    for number in 0..MANY {
+    for number in 0..PIXELS {
         let rows = pixel(number).rotation(0);
         let entries = rows.as_flattened();
         for (sums, x) in sums.iter_mut().zip(entries) {
@@ -151,7 +151,7 @@ fn rotations_are_uniform() {
     // Over all rotations an entry is uniform between -1 and 1, the entries are uncorrelated, and the square of the
     // trace has the mean 1. No summand has a larger deviation than 1.5, so five deviations of the mean are below
     // 7.5/sqrt(MANY), 0.03; those of an entry's powers are below 0.6 each, so 0.012.
-    let off = |sum: f64, expected: f64| (sum / f64::from(MANY) - expected).abs();
+    let off = |sum: f64, expected: f64| (sum / f64::from(PIXELS) - expected).abs();
     for sums in sums {
         let expected = [0.0, 1.0 / 3.0, 0.0, 1.0 / 5.0];
         assert!(sums.iter().zip(expected).all(|(sum, x)| off(*sum, x) < 0.012), "{sums:?}");
@@ -162,9 +162,9 @@ fn rotations_are_uniform() {
 
 #[test]
 fn caps_of_the_sphere_hold_their_share_of_directions() {
-    const MANY: u32 = 2000;
+    const PIXELS: u32 = 2000;
     let (set, mut rng) = (alone(16), Rng(1));
-    let all: Vec<Direction> = (0..MANY).flat_map(|number| sky(&set, pixel(number))).collect();
+    let all: Vec<Direction> = (0..PIXELS).flat_map(|number| sky(&set, pixel(number))).collect();
     for _ in 0..50 {
         let (axis, cosine) = (random_direction(&mut rng), rng.unit());
         // With its mirror image a direction lies in the cap or in the opposite one.
@@ -179,7 +179,7 @@ fn caps_of_the_sphere_hold_their_share_of_directions() {
 /// The doc comment of [`SkyDirections`] states these bounds.
 #[test]
 fn the_open_share_has_the_standard_error_that_is_stated() {
-    const MANY: u32 = 300;
+    const PIXELS: u32 = 300;
     let mut rng = Rng(2);
     let cases: Vec<_> =
         (0..40).map(|_| (random_direction(&mut rng), random_direction(&mut rng), rng.between(-1.0, 1.0))).collect();
@@ -187,10 +187,10 @@ fn the_open_share_has_the_standard_error_that_is_stated() {
     for count in [4, 16, 64, 256] {
         let set = alone(count);
         let law = f64::from(count).powf(-0.75);
-        let sets: Vec<_> = (0..MANY).map(|number| sky(&set, pixel(number))).collect();
+        let sets: Vec<_> = (0..PIXELS).map(|number| sky(&set, pixel(number))).collect();
         // Sets of one are independent.
         let lone = alone(1);
-        let loose: Vec<_> = (0..MANY * count).map(|number| sky(&lone, pixel(number))[0]).collect();
+        let loose: Vec<_> = (0..PIXELS * count).map(|number| sky(&lone, pixel(number))[0]).collect();
         let loose: Vec<_> = loose.chunks_exact(count as usize).map(<[_]>::to_vec).collect();
         let error = |sets: &[Vec<Direction>], (n, axis, cosine): (Direction, Direction, f64)| {
             let shares: Vec<f64> = sets.iter().map(|set| open_share(set, n, |l| dot(l, axis) <= cosine)).collect();
@@ -210,7 +210,7 @@ fn the_open_share_has_the_standard_error_that_is_stated() {
             };
             let [mean, deviation] = error(&sets, (n, axis, cosine));
             // Five deviations of the mean over the rotations.
-            let limit = 5.0 * deviation / f64::from(MANY).sqrt() + 0.03 / f64::from(count);
+            let limit = 5.0 * deviation / f64::from(PIXELS).sqrt() + 0.03 / f64::from(count);
             assert!((mean - 1.0 + hidden).abs() < limit, "{count}: {mean} of {}", 1.0 - hidden);
         }
         let [caps, halves, independent] =
@@ -226,14 +226,14 @@ fn the_open_share_has_the_standard_error_that_is_stated() {
 /// [`SkyDirections`] states it.
 #[test]
 fn samples_share_a_lattice_of_which_each_has_an_even_part() {
-    const MANY: u32 = 300;
+    const PIXELS: u32 = 300;
     let mut rng = Rng(3);
     let cases: Vec<_> =
         (0..40).map(|_| (random_direction(&mut rng), random_direction(&mut rng), rng.between(-1.0, 1.0))).collect();
     // Root mean square over the caps of the standard error over the rotations, of the shares' mean over some samples.
     let error = |sets: &[SkyDirections]| {
         let turned: Vec<Vec<_>> =
-            (0..MANY).map(|number| sets.iter().map(|set| sky(set, pixel(number))).collect()).collect();
+            (0..PIXELS).map(|number| sets.iter().map(|set| sky(set, pixel(number))).collect()).collect();
         let variance = |&(n, axis, cosine): &(Direction, Direction, f64)| {
             let share = |set: &Vec<Direction>| open_share(set, n, |l| dot(l, axis) <= cosine);
             let mean = |sets: &Vec<Vec<_>>| sets.iter().map(share).sum::<f64>() / sets.len() as f64;
@@ -262,7 +262,7 @@ fn samples_share_a_lattice_of_which_each_has_an_even_part() {
 /// The directions in which the samples of a pixel scatter a ray: on all sides alike, and evenly.
 #[test]
 fn the_single_directions_of_samples_are_even_on_the_sphere() {
-    const MANY: u32 = 300;
+    const PIXELS: u32 = 300;
     let (mut rng, strata) = (Rng(4), 4);
     let sets: Vec<_> = (0..strata * strata).map(|sample| SkyDirections::one(strata, sample)).collect();
     for _ in 0..20 {
@@ -271,19 +271,19 @@ fn the_single_directions_of_samples_are_even_on_the_sphere() {
             let inside = sets.iter().filter(|set| dot(sky(set, pixel(number))[0], axis) > cosine).count();
             inside as f64 / sets.len() as f64
         };
-        let [mean, deviation] = moments(&(0..MANY).map(share).collect::<Vec<_>>());
+        let [mean, deviation] = moments(&(0..PIXELS).map(share).collect::<Vec<_>>());
         let expected = (1.0 - cosine) / 2.0;
         let independent = (expected * (1.0 - expected) / f64::from(strata * strata)).sqrt();
         println!("cap beyond {cosine:.2}: {:.2} of independent directions", deviation / independent);
         // Five deviations of the mean over the rotations.
-        assert!((mean - expected).abs() < 5.0 * deviation / f64::from(MANY).sqrt() + 1e-9, "{mean} {expected}");
+        assert!((mean - expected).abs() < 5.0 * deviation / f64::from(PIXELS).sqrt() + 1e-9, "{mean} {expected}");
         assert!(deviation < 0.9 * independent, "{cosine}: {deviation} {independent}");
     }
 }
 
 #[test]
 fn the_share_of_a_disc_beyond_a_chord_has_the_standard_error_that_is_stated() {
-    const MANY: u32 = 1000;
+    const PIXELS: u32 = 1000;
     for count in [4, 16, 64, 256] {
         let set = DiscPoints::new(count, 1);
         let law = f64::from(count).powf(-0.75);
@@ -292,12 +292,12 @@ fn the_share_of_a_disc_beyond_a_chord_has_the_standard_error_that_is_stated() {
                 let points = disc(&set, pixel(number), 0);
                 points.iter().filter(|p| p[0] > distance).count() as f64 / points.len() as f64
             };
-            let [mean, deviation] = moments(&(0..MANY).map(beyond).collect::<Vec<_>>());
+            let [mean, deviation] = moments(&(0..PIXELS).map(beyond).collect::<Vec<_>>());
             let expected = (distance.acos() - distance * (1.0 - distance * distance).sqrt()) / PI;
             println!("N = {count}, chord at {distance:.2}: {:.3} N^-3/4", deviation / law);
             assert!(deviation < 0.5 * law, "{count} {distance}");
             // The mean differs from the area by the set itself: at most what one point stands for, in part.
-            let limit = 5.0 * deviation / f64::from(MANY).sqrt() + 0.1 / f64::from(count);
+            let limit = 5.0 * deviation / f64::from(PIXELS).sqrt() + 0.1 / f64::from(count);
             assert!((mean - expected).abs() < limit, "{count} {distance}: {mean} {expected}");
         }
     }

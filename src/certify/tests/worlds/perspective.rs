@@ -197,7 +197,7 @@ pub(super) fn big_image(rng: &mut Rng) -> World {
 }
 
 /// Slightly ahead and far aside: in front of the eye plane, but not a projected sphere.
-pub(super) fn beside(rng: &mut Rng) -> World {
+pub(super) fn off_axis_near(rng: &mut Rng) -> World {
     let size = size(rng);
     let half = rng.decade(0.0, 2.5);
     let mut site = Site::random(rng, [half, half], size, 1.0);

@@ -18,8 +18,8 @@ fn taken(count: usize, distance: f64, pad: impl Fn(f32) -> f32) -> usize {
         let far = -center.signum() * 1.5;
         let tree = Tree::new(&[center.to_array(), far.to_array()], &[radius; 2]).expect("a tree");
         let along = DVec3::from_array(point(random)).normalize();
-        let aside = along.cross(DVec3::from_array(point(random))).normalize();
-        let origin = center + aside * (radius * distance) - along * random.between(0.1, 3.0);
+        let perpendicular = along.cross(DVec3::from_array(point(random))).normalize();
+        let origin = center + perpendicular * (radius * distance) - along * random.between(0.1, 3.0);
         let f = dd::exponent(along.abs().max_element());
         let along = along.to_array().map(|x| dd::ldexp(x, -f));
         let ray = BoxRay::new(tree.placement.point(origin.to_array()), along, 0.0).expect("a ray to the scene");
@@ -33,9 +33,9 @@ fn taken(count: usize, distance: f64, pad: impl Fn(f32) -> f32) -> usize {
 fn what_is_taken_for_hit_is_hit_and_padding_is_needed() {
     const COUNT: usize = 20_000;
     // Far more than the roundings of these rays in f64.
-    let beside = 1.0 + 1e-9;
-    assert_eq!(taken(COUNT, beside, |pad| pad), 0);
-    let without = taken(COUNT, beside, |_| 0.0);
+    let outside = 1.0 + 1e-9;
+    assert_eq!(taken(COUNT, outside, |pad| pad), 0);
+    let without = taken(COUNT, outside, |_| 0.0);
     println!("without padding {without} of {COUNT} rays take a sphere for hit that they miss");
     assert!(without > 0);
     assert_eq!(taken(COUNT, 0.5, |pad| pad), COUNT, "rays well within are all sure");

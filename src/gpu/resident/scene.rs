@@ -29,7 +29,7 @@ pub(crate) struct Starts {
 pub(crate) const BLOCK: usize = 1 << 21;
 
 /// Spheres that one job brings into the layout of a device.
-const TOGETHER: usize = 1 << 14;
+const SPHERES_PER_JOB: usize = 1 << 14;
 
 /// The spheres of a block, and their records.
 pub(super) struct Block {
@@ -61,7 +61,7 @@ impl Reach {
             let radii = [all.radii[0].min(*radius), all.radii[1].max(*radius)];
             Self { low: all.low.min(center), high: all.high.max(center), radii }
         };
-        let jobs = spheres.centers.par_chunks(TOGETHER).zip(spheres.radii.par_chunks(TOGETHER));
+        let jobs = spheres.centers.par_chunks(SPHERES_PER_JOB).zip(spheres.radii.par_chunks(SPHERES_PER_JOB));
         let both = |a: Self, b: Self| Self {
             low: a.low.min(b.low),
             high: a.high.max(b.high),
@@ -93,7 +93,7 @@ pub(super) struct PlacedFor {
 }
 
 /// The spheres of a scene on a device.
-pub(crate) struct Held {
+pub(crate) struct ResidentScene {
     of: SameSpheres,
     count: u32,
     pub(super) reach: Reach,
@@ -114,7 +114,7 @@ fn address_of_colors(spheres: &Spheres) -> Option<usize> {
     spheres.colors.as_ref().map(|colors| colors.as_ptr() as usize)
 }
 
-impl Held {
+impl ResidentScene {
     /// Bytes of the largest buffer of a block of so many spheres.
     pub(super) fn largest(count: usize) -> u64 {
         Block::records(count as u32)
@@ -127,12 +127,12 @@ impl Held {
         for (n, (centers, radii)) in all.enumerate() {
             let mut packed: Vec<[f64; 4]> = vec![[0.0; 4]; centers.len()];
             let jobs = packed.par_iter_mut().zip(centers).zip(radii);
-            jobs.with_min_len(TOGETHER).for_each(|((to, [x, y, z]), r)| *to = [*x, *y, *z, *r]);
+            jobs.with_min_len(SPHERES_PER_JOB).for_each(|((to, [x, y, z]), r)| *to = [*x, *y, *z, *r]);
             let bytes: &[u8] = bytemuck::cast_slice(&packed);
             sent += bytes.len() as u64;
             blocks.push(Block::new(open, (n * size) as u32, centers.len() as u32, Some(bytes)));
         }
-        let held = Self {
+        let resident = Self {
             of: SameSpheres::of(spheres, frame),
             count: spheres.len() as u32,
             reach: Reach::of(spheres),
@@ -144,10 +144,10 @@ impl Held {
             has_lists: false,
             colors: (spheres.colors.as_ref().and_then(List::kept), address_of_colors(spheres), frame),
         };
-        (held, sent)
+        (resident, sent)
     }
 
-    /// Whether the held spheres, with their colours, are those of a scene in frame `frame`.
+    /// Whether the resident spheres, with their colours, are those of a scene in frame `frame`.
     pub(super) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
         let colors = match (&self.colors, &spheres.colors) {
             ((Some(kept), ..), Some(colors)) => kept.is_same(colors),

@@ -38,11 +38,11 @@ impl Cap {
         let spread = 1.0 / (1.0 + cosine);
         let lowered = sine * sine * spread * area;
         // The ray meets the sphere at the angle alpha to its normal, and sin alpha = sin theta / sine.
-        let aside = ((2.0 - lowered) * spread).sqrt();
-        let upright = (1.0 - aside * aside * area).max(0.0).sqrt();
+        let sine_per_radius = ((2.0 - lowered) * spread).sqrt();
+        let upright = (1.0 - sine_per_radius * sine_per_radius * area).max(0.0).sqrt();
         // Seen from the centre the point is alpha - theta from the axis.
-        let across = (across * x + up * y) * (aside * (1.0 - lowered - upright * sine));
-        let along = upright * (1.0 - lowered) + aside * aside * area * sine;
+        let across = (across * x + up * y) * (sine_per_radius * (1.0 - lowered - upright * sine));
+        let along = upright * (1.0 - lowered) + sine_per_radius * sine_per_radius * area * sine;
         (across - axis * along).normalize()
     }
 }

@@ -1,0 +1,142 @@
+//! The words of the code: doc comments begin with the thing that they describe, and names are the field's.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The folders of all Rust code and of the shaders.
+const FOLDERS: [&str; 14] = [
+    "src",
+    "shaders",
+    "files",
+    "drawing",
+    "measure",
+    "viewer",
+    "command",
+    "python/src",
+    "farm",
+    "fuzz",
+    "examples",
+    "benches",
+    "tests/answers",
+    "tests/files",
+];
+
+/// Words that begin a sentence about something without a name.
+const BEGINNINGS: [&str; 4] = ["What", "Those", "Where", "How"];
+
+/// Parts of names that are English, but no words of the field.
+const BANNED: [&str; 10] = ["told", "said", "held", "meet", "wanted", "asked", "lit", "seen", "beside", "aside"];
+
+/// Names with such a part, and their reason.
+const EXCEPTIONS: [(&str, &str); 2] = [("lit_by", "a key of a plan's JSON"), ("asked", "a key of a plan's JSON")];
+
+/// The text of every file by its path.
+fn sources() -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = Vec::new();
+    let mut folders: Vec<PathBuf> =
+        FOLDERS.iter().map(|folder| root.join(folder)).filter(|path| path.is_dir()).collect();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let is_source = path.extension().is_some_and(|extension| extension == "rs" || extension == "wgsl");
+            if path.is_dir() && !path.ends_with("target") {
+                folders.push(path);
+            } else if is_source {
+                let name = path.strip_prefix(root).expect("inside").display().to_string();
+                found.push((name, fs::read_to_string(&path).expect("text")));
+            }
+        }
+    }
+    assert!(found.len() > 400, "{} files", found.len());
+    found
+}
+
+/// The comment of a line that documents what follows, or a file: in WGSL any comment of its own line.
+fn comment<'a>(name: &str, line: &'a str) -> Option<&'a str> {
+    let line = line.trim_start();
+    let mark = if name.ends_with(".wgsl") { &["//"][..] } else { &["///", "//!"] };
+    mark.iter().find_map(|mark| line.strip_prefix(mark)).map(str::trim_start)
+}
+
+#[test]
+fn doc_comments_begin_with_the_thing_that_they_describe() {
+    let mut count = 0;
+    for (name, text) in sources() {
+        let mut begins = true;
+        for (n, line) in text.lines().enumerate() {
+            let Some(comment) = comment(&name, line) else {
+                begins = true;
+                continue;
+            };
+            // A line may begin with such a word in the middle of a sentence.
+            if begins {
+                let word = comment.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
+                assert!(!BEGINNINGS.contains(&word), "{name}:{}: begin with the noun or the verb: {comment}", n + 1);
+                count += 1;
+            }
+            begins = comment.is_empty();
+        }
+    }
+    assert!(count > 5_000, "{count} comments");
+}
+
+/// Code without comments and without the text of literals, which may have several lines.
+fn code(text: &str) -> String {
+    let mut code = String::new();
+    let mut is_quoted = false;
+    for line in text.lines() {
+        let mut rest = line;
+        while let Some(c) = rest.chars().next() {
+            let is_quote = c == '"' && !code.ends_with('\'');
+            if is_quote {
+                is_quoted = !is_quoted;
+            }
+            match (is_quoted, c) {
+                (true, '\\') => rest = rest.get(1..).unwrap_or_default(),
+                (false, '/') if rest.starts_with("//") => break,
+                (false, _) => code.push(c),
+                _ => {}
+            }
+            rest = rest.get(rest.chars().next().map_or(0, char::len_utf8)..).unwrap_or_default();
+        }
+        code.push('\n');
+    }
+    code
+}
+
+/// The parts of a name: `HeldTree` and `held_tree` have the same.
+fn parts(name: &str) -> Vec<String> {
+    let mut parts = vec![String::new()];
+    let mut last = '_';
+    for c in name.chars() {
+        let begins = c == '_' || c.is_uppercase() && !last.is_uppercase();
+        if begins && parts.last().is_some_and(|part| !part.is_empty()) {
+            parts.push(String::new());
+        }
+        if c != '_'
+            && let Some(part) = parts.last_mut()
+        {
+            part.extend(c.to_lowercase());
+        }
+        last = c;
+    }
+    parts
+}
+
+#[test]
+fn names_are_the_fields_own() {
+    assert_eq!(parts("HeldTree_x"), ["held", "tree", "x"]);
+    let mut found: BTreeMap<String, String> = BTreeMap::new();
+    for (file, text) in sources() {
+        for name in code(&text).split(|c: char| !c.is_alphanumeric() && c != '_') {
+            let is_banned = BANNED.iter().any(|word| parts(name).iter().any(|part| part == word));
+            if is_banned && !EXCEPTIONS.iter().any(|(exception, _)| *exception == name) {
+                found.entry(name.to_owned()).or_insert_with(|| file.clone());
+            }
+        }
+    }
+    assert!(EXCEPTIONS.len() <= 10 && EXCEPTIONS.iter().all(|(_, reason)| !reason.is_empty()));
+    assert!(found.is_empty(), "{} names say nothing of the field: {found:?}", found.len());
+}
