@@ -203,7 +203,7 @@ impl Render {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// What is in memory besides the first picture, by its spheres and pixels. Pictures that are shown, piped or timed
+    /// Limits of the pictures in memory besides the first, by its spheres and pixels. Pictures that are shown, piped or timed
     /// are rendered one after the other.
     fn concurrency(&self, first: &PictureScene, targets: &[Target]) -> Concurrency {
         let image = first.scene.image;
