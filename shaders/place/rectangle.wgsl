@@ -45,6 +45,6 @@ fn rectangle(x: i32, y: i32, rho: f32) -> vec4<i32> {
 // Whether one invocation goes through all pixels. Sides come first, for their product may be more than an i32.
 fn is_small(r: vec4<i32>) -> bool {
     let sides = r.zw - r.xy + vec2<i32>(1);
-    let most = MAX_PIXELS_PER_INVOCATION;
+    let most = i32(MAX_PIXELS_PER_INVOCATION);
     return any(sides < vec2<i32>(1)) || (all(sides <= vec2<i32>(most)) && sides.x * sides.y <= most);
 }

@@ -8,10 +8,6 @@
 // Pixel of the band and slot.
 @group(0) @binding(BIND_PAIRS) var<storage, read_write> pairs: array<vec2<u32>>;
 
-const LEAST: u32 = 0u;
-const SLOTS: u32 = 1u;
-const PAIRS_OF_UNSURE: u32 = 2u;
-
 fn splat(c: Frame, f: Projected, slot: u32, at: vec2<u32>) {
     let pixel = (at.y - c.first.y) * c.columns + (at.x - c.first.x);
     // Nearly all pixels are proved.

@@ -2,10 +2,7 @@
 //! translates the line of an error to a file and line. naga reports a missing or doubled part as an error.
 
 use crate::gpu::layout::buffers;
-use crate::gpu::sizes::{
-    COARSEST, CUT, HOST_SPHERES, MAX_PIXELS_PER_INVOCATION, PAIRS, PIECE, PIECES, STEPS, SUMMARY_HOST, SUMMARY_LIST,
-    SUMMARY_MORE, SUMMARY_PAIRS, SUMMARY_PIECES,
-};
+use crate::gpu::sizes::declarations;
 use crate::intersect::Method;
 use crate::kernel::{Certificate, Generals, Kernel, KernelOutput, RaySource, Task, Unproved};
 use crate::scene::DEFAULT_COLOR;
@@ -62,49 +59,37 @@ pub(crate) fn files<const N: usize>(names: [&'static str; N]) -> impl Iterator<I
 pub(crate) struct Source {
     /// All parts, concatenated.
     pub(crate) text: String,
-    /// The first line of each part, counted from 1, and its name.
-    starts: Vec<(usize, &'static str)>,
+    parts: Vec<Part>,
 }
 
 impl Source {
-    pub(crate) fn new(parts: impl IntoIterator<Item = Part>) -> Self {
-        let mut source = Self { text: String::new(), starts: Vec::new() };
-        let mut line = 1;
-        for Part { name, text } in parts {
-            source.starts.push((line, name));
-            source.text.push_str(&text);
-            line += text.lines().count();
-        }
-        source
+    pub(crate) fn new(parts: Vec<Part>) -> Self {
+        Self { text: parts.iter().map(|part| &*part.text).collect(), parts }
     }
 
-    /// The name of each part and its number of lines.
-    fn parts(&self) -> Vec<(&'static str, usize)> {
-        let ends = self.starts.iter().skip(1).map(|(first, _)| *first).chain([self.text.lines().count() + 1]);
-        self.starts.iter().zip(ends).map(|((first, name), end)| (*name, end - first)).collect()
-    }
-
-    /// The files among the parts.
-    pub(crate) fn files(&self) -> Vec<(&'static str, usize)> {
-        self.parts().into_iter().filter(|(name, _)| !name.starts_with(EMITTED)).collect()
+    /// The files among the parts and their numbers of lines.
+    pub(crate) fn files(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        let files = self.parts.iter().filter(|part| !part.name.starts_with(EMITTED));
+        files.map(|part| (part.name, part.text.lines().count()))
     }
 
     /// The complete text with the name of its file above each part; still valid WGSL.
     pub(crate) fn with_banners(&self) -> String {
-        let mut lines = self.text.lines();
-        let mut text = String::new();
-        for (name, count) in self.parts() {
-            text.push_str(&format!("// ======== {} ========\n\n", shown(name)));
-            lines.by_ref().take(count).for_each(|line| text.extend([line, "\n"]));
-            text.push('\n');
-        }
-        text
+        let banner = |part: &Part| format!("// ======== {} ========\n\n{}\n", shown(part.name), part.text);
+        self.parts.iter().map(banner).collect()
     }
 
     /// `shaders/FILE:LINE` of a line of the complete text, both counted from 1.
     pub(crate) fn place(&self, line: usize) -> String {
-        let (first, name) = self.starts.iter().rfind(|(first, _)| *first <= line).copied().unwrap_or((1, "?"));
-        format!("{}:{}", shown(name), line - first + 1)
+        let mut first = 1;
+        for part in &self.parts {
+            let next = first + part.text.lines().count();
+            if line < next {
+                return format!("{}:{}", shown(part.name), line - first + 1);
+            }
+            first = next;
+        }
+        format!("line {line}")
     }
 
     /// A naga error with the location in its file.
@@ -217,10 +202,7 @@ fn certify_given(any: bool, tree: bool, parts: &mut Vec<Part>) {
     parts.extend(files(["certify/given.wgsl", query]));
     match tree {
         true => {
-            parts.push(emitted(
-                "emitted: steps",
-                format!("const STEPS: u32 = {STEPS}u; // of a ray, before the host traces it\n"),
-            ));
+            parts.push(sizes());
             parts.extend(files(["search/tree.wgsl", "certify/given_tree.wgsl"]));
         }
         false => parts.extend(files(["certify/given_all.wgsl"])),
@@ -292,28 +274,9 @@ pub(crate) fn compose_step(step: Step) -> Source {
     Source::new(parts)
 }
 
-/// The sizes that the host and the steps share.
+/// The sizes that the host and the shaders share.
 fn sizes() -> Part {
-    let few = Generals::MAX_WITHOUT_LISTS;
-    let text = format!(
-        "const HOST_SPHERES: u32 = {HOST_SPHERES}u;
-const PIECES: u32 = {PIECES}u;
-const PAIRS: u32 = {PAIRS}u;
-const SUMMARY_DEPTHS: u32 = 0u;
-const SUMMARY_PERHAPS: u32 = 2u;
-const SUMMARY_HOST: u32 = {SUMMARY_HOST}u;
-const SUMMARY_PIECES: u32 = {SUMMARY_PIECES}u;
-const SUMMARY_PAIRS: u32 = {SUMMARY_PAIRS}u;
-const SUMMARY_MORE: u32 = {SUMMARY_MORE}u;
-const CUT: u32 = {CUT}u; // the most pieces of a sphere
-const COARSEST: u32 = {COARSEST}u; // pieces are up to 2^COARSEST times as wide
-const SUMMARY_LIST: u32 = {SUMMARY_LIST}u;
-const PIECE: u32 = {PIECE}u; // pixels along a side of a piece of a large sphere
-const MAX_PIXELS_PER_INVOCATION: i32 = {MAX_PIXELS_PER_INVOCATION}; // pixels of a sphere that one invocation goes through
-const MAX_GENERALS_WITHOUT_LISTS: u32 = {few}u;
-"
-    );
-    emitted("emitted: sizes", text)
+    emitted("emitted: sizes", declarations())
 }
 
 /// World normals and colours, if computed.

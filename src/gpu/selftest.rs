@@ -154,7 +154,7 @@ impl Gpu {
 
     /// Runs a trial's shader on its cases.
     fn answer(&mut self, trial: &Trial) -> Result<Vec<u32>> {
-        let source = Source::new(trial.parts.iter().cloned());
+        let source = Source::new(trial.parts.clone());
         let program = self.built(&source, trial.capabilities, trial.name)?;
         let count = trial.cases.len() / trial.words[0];
         let size = (count * trial.words[1] * size_of::<u32>()) as u64;

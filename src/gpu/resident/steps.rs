@@ -9,7 +9,9 @@ use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
 use crate::gpu::dispatch::Program;
 use crate::gpu::input::GROUP;
-use crate::gpu::sizes::{HOST_SPHERES, PAIRS, PIECES, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_PAIRS};
+use crate::gpu::sizes::{
+    HOST_SPHERES, LEAST, PAIRS, PAIRS_OF_UNSURE, PIECES, SLOTS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_PAIRS,
+};
 use crate::kernel::Kernel;
 use bytemuck::{Pod, Zeroable};
 use std::num::NonZeroU64;
@@ -27,11 +29,6 @@ pub(crate) struct BlockPass {
     pub(crate) unused_b: u32,
     pub(crate) unused_c: u32,
 }
-
-/// The passes of shaders/splat.
-const LEAST: u32 = 0;
-const SLOTS: u32 = 1;
-const PAIRS_OF_UNSURE: u32 = 2;
 
 /// The most spheres for the host, and the most pairs, that are read back together with their numbers; more of them take
 /// one more submission.

@@ -82,7 +82,7 @@ fn nonsense_fails_and_does_not_panic() {
 #[test]
 fn shaders_validate_and_declare_their_words() {
     for trial in trials(true) {
-        let source = Source::new(trial.parts.iter().cloned());
+        let source = Source::new(trial.parts.clone());
         let (module, _) = validate(&source, trial.capabilities).expect(trial.name);
         let constant = |name: &str| {
             let found = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).expect(name).1.init;
