@@ -76,6 +76,7 @@ pub struct Sky {
     pub colors: Option<SkyColors>,
     /// The share of its light that surfaces get: 1 for the sky of a file, which lights with the brightness that it is seen
     /// with; [`Sky::SHARE_WITH_LIGHTS`] for a sky that a look or an option adds where there are lights.
+    #[serde(skip)]
     pub share: f32,
 }
 
