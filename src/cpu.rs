@@ -67,7 +67,7 @@ impl Visit for Frame<'_> {
         let spread = matches!(kernel.task, Task::Method { rays: RaySource::Spread, .. });
         let width = rays.map_or(record.columns as usize, |_| LANES);
         let spheres = view.spheres_in(kernel.is_wide());
-        let traced = Traced::<N> { view, spheres, rays, spread, width };
+        let scene = MethodScene::<N> { view, spheres, rays, spread, width };
         // Normals of the lecture's forms are computed from t, even if t is not requested.
         raw.t.resize(raw.id.len(), f32::MAX);
         raw.t_low.resize(raw.id.len(), 0.0);
@@ -75,7 +75,7 @@ impl Visit for Frame<'_> {
         let rows = raw.id.par_chunks_mut(width).zip(ts).enumerate();
         let arch = pulp::Arch::new();
         rows.filter(|_| go_on()).for_each(|(i, (ids, (ts, lows)))| {
-            arch.dispatch(Row::<V, N> { traced: &traced, i, ids, ts, lows, form: PhantomData });
+            arch.dispatch(Row::<V, N> { scene: &scene, i, ids, ts, lows, form: PhantomData });
         });
         let (id, t, low) = (&raw.id, &raw.t, &raw.t_low);
         let each = |out: &mut [f32], miss: [f32; 3], value: Value<'_, N>| {
@@ -85,7 +85,7 @@ impl Visit for Frame<'_> {
                     let hit = Hit { t: N::from_hi_lo(t[pixel], low[pixel]), id: id[pixel] };
                     let value = match hit.id {
                         NONE => miss,
-                        id => value(&traced.ray(i, j), &traced.sphere(i, j, id as usize), hit),
+                        id => value(&scene.ray(i, j), &scene.sphere(i, j, id as usize), hit),
                     };
                     out.copy_from_slice(&value);
                 }
@@ -109,8 +109,8 @@ impl Visit for Frame<'_> {
     }
 }
 
-/// The rays of a frame and the spheres that they may meet.
-struct Traced<'a, N> {
+/// The rays of a method and the spheres that they test.
+struct MethodScene<'a, N> {
     view: &'a View,
     spheres: Vec<Sphere<N>>,
     /// Given rays; else those of the window.
@@ -121,7 +121,7 @@ struct Traced<'a, N> {
     width: usize,
 }
 
-impl<N: Laned> Traced<'_, N> {
+impl<N: Laned> MethodScene<'_, N> {
     /// The given ray in a row and a column; beyond all of them the last.
     #[inline(always)]
     fn given(&self, i: usize, j: usize) -> Option<&RayRecord> {
@@ -152,7 +152,7 @@ fn ray_of<R: Number>(view: &ViewRecord, i: usize, j: usize) -> Ray<R> {
 
 /// A row of rays and the places of its hits.
 struct Row<'a, V, N> {
-    traced: &'a Traced<'a, N>,
+    scene: &'a MethodScene<'a, N>,
     i: usize,
     ids: &'a mut [u32],
     ts: &'a mut [f32],
@@ -165,15 +165,15 @@ impl<V: Intersect, N: Laned> NullaryFnOnce for Row<'_, V, N> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { traced, i, ids, ts, lows, .. } = self;
+        let Self { scene, i, ids, ts, lows, .. } = self;
         let strips = ids.chunks_mut(LANES).zip(ts.chunks_mut(LANES).zip(lows.chunks_mut(LANES)));
         for (first, (ids, (ts, lows))) in (0..).step_by(LANES).zip(strips) {
             // Rays beyond the row are computed too; their hits are not written.
-            let rays = together(&std::array::from_fn(|l| traced.ray(i, first + l)));
-            let own = |id| spheres_together(&std::array::from_fn(|l| traced.sphere(i, first + l, id)));
-            let hits = match traced.spread {
-                true => EightHits::<N>::among_all::<V>(&rays, (0..traced.spheres.len()).map(own)),
-                false => EightHits::among_all::<V>(&rays, traced.spheres.iter().map(|s| s.map(N::splat))),
+            let rays = together(&std::array::from_fn(|l| scene.ray(i, first + l)));
+            let own = |id| spheres_together(&std::array::from_fn(|l| scene.sphere(i, first + l, id)));
+            let hits = match scene.spread {
+                true => EightHits::<N>::among_all::<V>(&rays, (0..scene.spheres.len()).map(own)),
+                false => EightHits::among_all::<V>(&rays, scene.spheres.iter().map(|s| s.map(N::splat))),
             };
             for (l, (id, (t, low))) in ids.iter_mut().zip(ts.iter_mut().zip(lows)).enumerate() {
                 (*id, (*t, *low)) = (hits.id.0[l], N::lane(&hits.t, l).to_hi_lo());

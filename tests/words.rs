@@ -1,8 +1,12 @@
 //! The words of the code: doc comments begin with the thing that they describe, and names are the field's.
 
+#[path = "common/home.rs"]
+mod home;
+
+use home::home;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The folders of all Rust code and of the shaders.
 const FOLDERS: [&str; 14] = [
@@ -33,7 +37,7 @@ const EXCEPTIONS: [(&str, &str); 2] = [("lit_by", "a key of a plan's JSON"), ("a
 
 /// The text of every file by its path.
 fn sources() -> Vec<(String, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = home();
     let mut found = Vec::new();
     let mut folders: Vec<PathBuf> =
         FOLDERS.iter().map(|folder| root.join(folder)).filter(|path| path.is_dir()).collect();
@@ -44,7 +48,7 @@ fn sources() -> Vec<(String, String)> {
             if path.is_dir() && !path.ends_with("target") {
                 folders.push(path);
             } else if is_source {
-                let name = path.strip_prefix(root).expect("inside").display().to_string();
+                let name = path.strip_prefix(&root).expect("inside").display().to_string();
                 found.push((name, fs::read_to_string(&path).expect("text")));
             }
         }

@@ -61,7 +61,7 @@ struct Start {
     origin: vec3<f32>, // the same place in f32, for the boxes
 }
 
-// One ray of a pixel. `found` is the answer as far as it is known without the tree.
+// A ray of a pixel, and the part of its answer that needs no tree.
 struct Next {
     ray: CertifiedRay,
     tilt: f32,         // bound of its direction's error, relative to its length

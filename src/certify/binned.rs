@@ -160,13 +160,16 @@ impl ProjectionBounds {
 
     /// Bins spheres, with depths of projected ones relative to `reference`.
     fn bin_spheres(&self, order: SphereOrder<'_>, reference: f64, pool: &Pool) -> SphereBins {
-        // New memory is zeros that the system provides when a job first writes it, on that job's core.
-        let mut bins = pool.sized(order.len());
+        // New memory is zeros that the system provides when a job first writes it, on that job's core. Bins of whole
+        // batches need no copy of variable length.
+        let mut bins: Vec<Bin> = pool.sized(order.len().next_multiple_of(LANES));
         let arch = pulp::Arch::new();
         let job = |(n, bins): (usize, &mut [Bin])| {
+            let bins = bins.as_chunks_mut().0;
             arch.dispatch(Batch { projection: self, order, first: n * SPHERES_PER_JOB, reference, bins })
         };
         let done: Vec<_> = bins.par_chunks_mut(SPHERES_PER_JOB).enumerate().map(job).collect();
+        bins.truncate(order.len());
         let range = done.iter().filter_map(|(sums, _)| sums.range()).reduce(joined);
         let projected_count = done.iter().flat_map(|(sums, _)| sums.projected_count).sum();
         let entries = done.iter().flat_map(|(sums, _)| sums.entries).sum();
@@ -186,7 +189,8 @@ struct Batch<'a> {
     order: SphereOrder<'a>,
     first: usize,
     reference: f64,
-    bins: &'a mut [Bin],
+    /// A bin per lane; beyond the last sphere it has no meaning.
+    bins: &'a mut [[Bin; LANES]],
 }
 
 impl NullaryFnOnce for Batch<'_> {
@@ -196,15 +200,11 @@ impl NullaryFnOnce for Batch<'_> {
     fn call(self) -> (Sums, Vec<GeneralRecord>) {
         let Self { projection, order, first, reference, bins } = self;
         let (mut sums, mut generals) = (Sums::NONE, Vec::new());
-        let end = first + bins.len();
-        for (first, bins) in (first..).step_by(LANES).zip(bins.chunks_mut(LANES)) {
-            let batch = LaneBatch::fill(first..end, |n| order.sphere(n));
+        let mut batch = LaneBatch::NONE;
+        for (first, bins) in (first..).step_by(LANES).zip(bins) {
+            batch.fill(first..order.len(), |n| order.sphere(n));
             let eight = projection.eight(&batch, reference);
-            let own = eight.bins();
-            match bins.first_chunk_mut() {
-                Some(bins) => *bins = own,
-                None => bins.copy_from_slice(&own[..bins.len()]),
-            }
+            *bins = eight.bins();
             for l in 0..LANES {
                 let is_projected = (eight.projected[l] != 0) & (l < batch.count);
                 sums.add(l, is_projected, eight.depth[l], if is_projected { eight.entries(l) } else { 0 });
@@ -212,7 +212,7 @@ impl NullaryFnOnce for Batch<'_> {
             if eight.other == [0; LANES] {
                 continue;
             }
-            for (l, bin) in bins.iter_mut().enumerate().filter(|(l, _)| eight.other[*l] != 0) {
+            for (l, bin) in bins[..batch.count].iter_mut().enumerate().filter(|(l, _)| eight.other[*l] != 0) {
                 match projection.stage(batch.ids[l], batch.centers[l], batch.radii[l], reference) {
                     Staged::Projected(landed) => {
                         *bin = landed.bin;

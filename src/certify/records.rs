@@ -46,7 +46,7 @@ impl<'a> SphereOrder<'a> {
 }
 
 /// Spheres that are read together: they lie anywhere in memory, and a processor waits for many of them at once.
-pub(super) const AHEAD: usize = 4 * CHUNK;
+pub(super) const AHEAD: usize = 8 * CHUNK;
 
 // A chunk is a batch.
 const _: () = assert!(CHUNK == LANES);
@@ -74,10 +74,9 @@ impl RecordMaker<'_> {
         self.ready = ready;
     }
 
-    /// Begins the list of the tile at this column and row of tiles, or of several tiles (`None`).
-    pub(super) fn begin(&self, tile: Option<[u32; 2]>) -> ListRecords<'_> {
-        let cover = tile.map(|tile| Cover::new(self.coverage, tile));
-        ListRecords { maker: self, cover, numbers: [0; AHEAD], batches: [LaneBatch::NONE; AHEAD / LANES] }
+    /// The records of lists, one after the other.
+    pub(super) fn lists(&self) -> ListRecords<'_> {
+        ListRecords { maker: self, cover: None, numbers: [0; AHEAD], batches: [LaneBatch::NONE; AHEAD / LANES] }
     }
 
     /// Writes the records of the spheres of a batch to `to`. Spheres without one leave theirs unchanged.
@@ -109,8 +108,9 @@ impl NullaryFnOnce for Ready<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { maker, first, to } = self;
+        let mut batch = LaneBatch::NONE;
         for (first, to) in (first..).step_by(LANES).zip(to.chunks_mut(LANES)) {
-            let batch = LaneBatch::fill(first..first + to.len(), |n| maker.order.sphere(n));
+            batch.fill(first..first + to.len(), |n| maker.order.sphere(n));
             maker.project(&batch, to);
         }
     }
@@ -127,15 +127,21 @@ pub(super) struct ListRecords<'a> {
 }
 
 impl ListRecords<'_> {
+    /// Begins the list of the tile at this column and row of tiles, or of several tiles (`None`).
+    pub(super) fn begin(&mut self, tile: Option<[u32; 2]>) {
+        self.cover = tile.map(|tile| Cover::new(self.maker.coverage, tile));
+    }
+
     /// Reads the spheres that come next, at most [`AHEAD`].
     #[inline(always)]
     pub(super) fn fetch(&mut self, numbers: &[u32]) {
         let RecordMaker { order, ready, .. } = self.maker;
-        self.numbers[..numbers.len()].copy_from_slice(numbers);
-        if ready.is_empty() {
-            for (first, batch) in (0..numbers.len()).step_by(LANES).zip(&mut self.batches) {
-                *batch = LaneBatch::fill(first..numbers.len(), |n| order.sphere(numbers[n] as usize));
-            }
+        if !ready.is_empty() {
+            self.numbers[..numbers.len()].copy_from_slice(numbers);
+            return;
+        }
+        for (first, batch) in (0..numbers.len()).step_by(LANES).zip(&mut self.batches) {
+            batch.fill(first..numbers.len(), |n| order.sphere(numbers[n] as usize));
         }
     }
 

@@ -129,8 +129,9 @@ impl Sieve {
         covers: bool,
         fates: &mut impl Fates,
     ) {
+        let mut batch = LaneBatch::NONE;
         for first in range.clone().step_by(LANES) {
-            let batch = LaneBatch::fill(first..range.end, &sphere);
+            batch.fill(first..range.end, &sphere);
             let mut rectangles = Rectangles::NONE;
             let place = |l: usize, landed: &Landed| rectangles.set(l, landed, &self.pyramid);
             let eight = self.projection.eight_and(&batch, 0.0, place);

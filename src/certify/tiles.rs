@@ -166,7 +166,7 @@ impl Lists {
 
     /// Appends the entries of these keys: in order, as far as needed, padded.
     #[inline(always)]
-    fn fill(&mut self, keys: &mut [u64], mut records: ListRecords<'_>) {
+    fn fill(&mut self, keys: &mut [u64], records: &mut ListRecords<'_>) {
         let mut rest = keys;
         let mut batch = FOREMOST;
         while !rest.is_empty() {
@@ -234,11 +234,13 @@ impl NullaryFnOnce for Cells<'_> {
         let columns = grid.columns as usize;
         let starts = keys.of_row(i, columns, own);
         let mut row = Lists::with_capacity(grid, own.len() + columns * CHUNK, pool);
+        let mut records = maker.lists();
         for (j, pair) in starts.windows(2).enumerate() {
             let own = &mut own[pair[0] as usize..pair[1] as usize];
             if !own.is_empty() {
                 let tile = (grid.level == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
-                row.fill(own, maker.begin(tile));
+                records.begin(tile);
+                row.fill(own, &mut records);
             }
             row.ends.push(row.projected.len() as u32);
         }

@@ -116,15 +116,11 @@ pub(crate) fn shaders(kernel: &Kernel) -> Vec<(&'static str, Source)> {
         ("spheres of few pixels", Step::Small { samples }),
         ("pieces of large spheres", Step::Large { samples }),
     ];
-    let own = |purpose| (purpose, compose(kernel));
-    match kernel.is_certified() {
-        true => steps
-            .map(|(purpose, step)| (purpose, compose_step(step)))
-            .into_iter()
-            .chain([own("certify the pixels")])
-            .collect(),
-        false => vec![own("test every sphere")],
+    if !kernel.is_certified() {
+        return vec![("test every sphere", compose(kernel))];
     }
+    let steps = steps.map(|(purpose, step)| (purpose, compose_step(step)));
+    steps.into_iter().chain([("certify the pixels", compose(kernel))]).collect()
 }
 
 /// The shader of a kernel.

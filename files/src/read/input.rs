@@ -1,6 +1,7 @@
 //! The decompressed bytes of a scene file. Every reader reads from an [`Input`]. Cancellation ends it, even while a
 //! pipe is silent, and a stream that contains no data for too long is an error.
 
+use crate::write::file::{is_special, is_standard};
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::MultiGzDecoder;
 use halfline::error::{Error, Result};
@@ -52,11 +53,7 @@ pub(crate) fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize
 
 /// The name in messages of an input that can be read once: standard input, a pipe or a device; `None` for a file.
 pub fn read_once(path: &Path) -> Option<&'static str> {
-    match std::fs::metadata(path) {
-        _ if path == Path::new("-") => Some("standard input"),
-        Ok(found) if !found.is_file() && !found.is_dir() => Some("a pipe"),
-        _ => None,
-    }
+    if is_standard(path) { Some("standard input") } else { is_special(path).then_some("a pipe") }
 }
 
 /// An opened file, pipe or standard input.

@@ -64,6 +64,7 @@ pub(in crate::certify) type Pixels = [[f64; 2]; 2];
 
 /// Eight spheres side by side, as vectors take them.
 #[derive(Clone, Copy)]
+#[repr(align(64))]
 pub(in crate::certify) struct LaneBatch {
     /// The number of its spheres. The last one is repeated in the lanes after it, whose results are discarded.
     pub(in crate::certify) count: usize,
@@ -77,15 +78,15 @@ impl LaneBatch {
     pub(in crate::certify) const NONE: Self =
         Self { count: 0, ids: [0; LANES], centers: [[0.0; 3]; LANES], radii: [0.0; LANES] };
 
-    /// The first eight spheres of a range that is not empty, or all of fewer.
+    /// Reads the first eight spheres of a range that is not empty, or all of fewer. Writes them in place: a copy of a batch
+    /// waits for the stores of its lanes.
     #[inline(always)]
-    pub(in crate::certify) fn fill(range: Range<usize>, sphere: impl Fn(usize) -> NumberedBall) -> Self {
-        let mut batch = Self { count: LANES.min(range.len()), ..Self::NONE };
+    pub(in crate::certify) fn fill(&mut self, range: Range<usize>, sphere: impl Fn(usize) -> NumberedBall) {
+        self.count = LANES.min(range.len());
         for l in 0..LANES {
-            let NumberedBall { id, ball } = sphere(range.start + l.min(batch.count - 1));
-            (batch.ids[l], batch.centers[l], batch.radii[l]) = (id, ball.center, ball.radius);
+            let NumberedBall { id, ball } = sphere(range.start + l.min(self.count - 1));
+            (self.ids[l], self.centers[l], self.radii[l]) = (id, ball.center, ball.radius);
         }
-        batch
     }
 }
 

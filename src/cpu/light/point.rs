@@ -379,7 +379,8 @@ impl<'a> PointLight<'a> {
             let Some(ray) = point.ray(&tree.placement, &toward(direction)) else { continue };
             let (weight, outward) = self.weigh(surface, direction);
             let pending = PendingRay::Sky(weight, outward);
-            let (toward, ray) = match if self.lighting.exact { AnyHit::Unsure } else { point.cosine(&ray).1 } {
+            let side = if self.lighting.exact { AnyHit::Unsure } else { point.cosine(&ray).1 };
+            let (toward, ray) = match side {
                 AnyHit::Free => (toward(direction), ray),
                 AnyHit::Blocked => (toward(direction.map(|x| -x)), ray.turned()),
                 AnyHit::Unsure => {

@@ -7,7 +7,9 @@ use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::Placed;
 use crate::double_double as dd;
 use crate::gpu::device::Open;
-use crate::gpu::sizes::{HOST_SPHERES, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MORE, SUMMARY_PIECES};
+use crate::gpu::sizes::{
+    HOST_SPHERES, SUMMARY_DEPTHS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MORE, SUMMARY_PERHAPS, SUMMARY_PIECES,
+};
 use crate::scene::Spheres;
 use crate::scene::camera::Camera;
 use crate::scene::list::List;
@@ -227,14 +229,14 @@ pub(super) fn pieces(numbers: &[u32]) -> u64 {
 impl Counts {
     /// The counts in the words of the summary.
     pub(super) fn new(numbers: &[u32]) -> Self {
-        let range = |at: usize| {
-            let [least, most] = [numbers[at], numbers[at + 1]];
+        let range = |at: u32| {
+            let [least, most] = [numbers[at as usize], numbers[at as usize + 1]];
             (least <= most).then(|| [least, most].map(|bits| f64::from(f32::from_bits(bits))))
         };
         let host = numbers[SUMMARY_HOST as usize];
         let mut for_host: Vec<u32> = numbers[SUMMARY_LIST as usize..][..host.min(HOST_SPHERES) as usize].to_vec();
         for_host.sort_unstable();
-        let summary = PlacedSummary { depths: range(0), perhaps: range(2), for_host };
+        let summary = PlacedSummary { depths: range(SUMMARY_DEPTHS), perhaps: range(SUMMARY_PERHAPS), for_host };
         Self { summary, host, pieces: pieces(numbers) }
     }
 }
