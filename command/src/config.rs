@@ -3,6 +3,7 @@
 //! A flag overrides the variable `HALFLINE_NAME`, which overrides the file's `name`, which overrides the default. The
 //! file is `$HALFLINE_CONFIG`, or else `halfline/config.toml` in `$XDG_CONFIG_HOME` (`~/.config`), if it exists.
 
+use super::option_table::{CONFIG, has, ids_with};
 use clap::builder::BoolishValueParser;
 use clap::{Arg, ArgAction, Command};
 use halfline::error::{Error, Place, Result};
@@ -13,39 +14,6 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
-
-/// The options that may be set this way: preferences of a user or a machine, not properties of one picture.
-const NAMES: [&str; 29] = [
-    "accuracy",
-    "adapter",
-    "backend",
-    "background",
-    "bits",
-    "bounces",
-    "depth-cue",
-    "dpi",
-    "exposure",
-    "look",
-    "map",
-    "method",
-    "no-return",
-    "occlusion",
-    "preview",
-    "progress",
-    "quiet",
-    "radii",
-    "radius-scale",
-    "samples",
-    "seed",
-    "shade",
-    "shadows",
-    "silhouette",
-    "size",
-    "tolerance",
-    "tone",
-    "transparent",
-    "unit",
-];
 
 /// The commands that they apply to. The tolerance of `compare` is a test criterion, which a file of preferences must
 /// not relax.
@@ -104,9 +72,11 @@ impl Config {
         let mut words = BTreeMap::new();
         for (key, value) in table.into_inner() {
             let name = key.get_ref().replace('_', "-");
-            if !NAMES.contains(&name.as_str()) {
+            if !is_preference(&name) {
                 let problem = format!("`{}` is not an option that a file may set", shortened(key.get_ref(), 40));
-                return Err(fail(key.span().start, &problem, format!("the options are {}", NAMES.join(", "))));
+                let mut all: Vec<String> = ids_with(CONFIG).map(|id| id.replace('_', "-")).collect();
+                all.sort();
+                return Err(fail(key.span().start, &problem, format!("the options are {}", all.join(", "))));
             }
             let start = value.span().start;
             let word = match value.into_inner() {
@@ -129,11 +99,11 @@ impl Config {
 
     /// The options that environment and file set: identifiers and values.
     pub(super) fn preferences(&self) -> Vec<(String, OsString)> {
-        let of = |name: &&str| {
-            let value = env::var_os(variable(name)).or_else(|| self.0.get(*name).map(|word| word.text.clone().into()));
-            Some((name.replace('-', "_"), value?))
+        let of = |id: &str| {
+            let in_file = || self.0.get(&id.replace('_', "-")).map(|word| word.text.clone().into());
+            Some((id.to_owned(), env::var_os(variable(id)).or_else(in_file)?))
         };
-        NAMES.iter().filter_map(of).collect()
+        ids_with(CONFIG).filter_map(of).collect()
     }
 
     /// The command with the environment variables and the values of this file added to the options of its subcommands that use
@@ -156,7 +126,7 @@ impl Config {
     }
 
     fn option(&self, argument: Arg) -> (Arg, Result<()>) {
-        let Some(name) = argument.get_long().filter(|name| NAMES.contains(name)).map(str::to_owned) else {
+        let Some(name) = argument.get_long().filter(|name| is_preference(name)).map(str::to_owned) else {
             return (argument, Ok(()));
         };
         // Variables may also contain 1 and yes.
@@ -175,6 +145,11 @@ impl Config {
             None => (argument, Ok(())),
         }
     }
+}
+
+/// Whether the option with this name may be set this way.
+fn is_preference(name: &str) -> bool {
+    has(&name.replace('-', "_"), CONFIG)
 }
 
 /// The environment variable of an option.

@@ -24,6 +24,7 @@ mod measure;
 mod merge;
 mod messages;
 mod names;
+mod option_table;
 mod picture_scene;
 mod plan;
 mod preview;

@@ -2,6 +2,7 @@
 
 use super::clash::{check_inputs, check_text};
 use super::messages::{QuietArgs, flags, note, warn};
+use super::option_table::{NO_PART, has};
 use super::process::{ExitCode, is_typed};
 use super::render::stream::Source;
 use super::scene_args::SceneArgs;
@@ -42,61 +43,11 @@ Examples:
   halfline sift b.npy --first-id 500000 --eye 0,0,9 --at 0,0,0 --size 1920x1080 -o b.npz
   halfline render --visible a.npz b.npz -o picture.png --aov id=id.npy";
 
-/// Options of `halfline render` that a part does not depend on.
-pub(super) const REFUSED: [&str; 46] = [
-    "visible",
-    "aov",
-    "fps",
-    "bits",
-    "dpi",
-    "unit",
-    "no_return",
-    "raw",
-    "background",
-    "transparent",
-    "legend",
-    "spin",
-    "file",
-    "exposure",
-    "tone",
-    "shade",
-    "accuracy",
-    "method",
-    "backend",
-    "adapter",
-    "look",
-    "sun",
-    "shadows",
-    "occlusion",
-    "reach",
-    "bounces",
-    "silhouette",
-    "depth_cue",
-    "aperture",
-    "focus_distance",
-    "cell",
-    "copies",
-    "assembly",
-    "label",
-    "scale_bar",
-    "legend_in",
-    "axes",
-    "inset_size",
-    "outline",
-    "topology",
-    "wrap",
-    "unwrap",
-    "hold",
-    "resume",
-    "stream",
-    "preview",
-];
-
 /// The command line in which `sift` has only the options that it takes.
 pub(super) fn with_own_options(command: Command) -> Command {
     command.mut_subcommand("sift", |sift| {
         let there: Vec<_> = sift.get_arguments().map(|arg| arg.get_id().clone()).collect();
-        let known = there.into_iter().filter(|id| REFUSED.contains(&id.as_str()));
+        let known = there.into_iter().filter(|id| has(id.as_str(), NO_PART));
         let sift = known.fold(sift, |sift, id| sift.mut_arg(id, |arg: Arg| arg.hide(true)));
         sift.mut_arg("output", |arg: Arg| arg.help("The part: an .npz of NumPy arrays.").long_help(None).required(true))
             .mut_arg("scene", |arg: Arg| {
@@ -160,7 +111,7 @@ impl Sift {
     /// Refuses options that a part does not depend on, and those that would need other parts.
     fn check(&self) -> Result<()> {
         let command = SceneArgs::augment_args(Command::new("sift"));
-        let refused = command.get_arguments().filter(|arg| REFUSED.contains(&arg.get_id().as_str()));
+        let refused = command.get_arguments().filter(|arg| has(arg.get_id().as_str(), NO_PART));
         let typed = |long: &&str| is_typed(&format!("--{long}"));
         if let Some(long) = refused.filter_map(Arg::get_long).find(typed) {
             let problem = format!("--{long} is not an option of a part of a scene");

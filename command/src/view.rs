@@ -16,6 +16,7 @@ pub use summary::{legend, scene};
 use super::config::Config;
 use super::inset_args::joined;
 use super::messages::{QuietArgs, note};
+use super::option_table::{NO_VIEW, ids_with};
 use super::process::{ExitCode, all_arguments};
 use super::scene_args::SceneArgs;
 use super::signals::go_on;
@@ -66,27 +67,10 @@ Examples:
 /// The options of `halfline view` alone.
 const OWN: [&str; 4] = ["port", "no_open", "idle", "quiet"];
 
-/// Options of `halfline render` that make several pictures, parts of one, or files.
-const REFUSED: [&str; 13] = [
-    "visible",
-    "output",
-    "aov",
-    "fps",
-    "raw",
-    "legend",
-    "crop",
-    "tile",
-    "spin",
-    "file",
-    "intrinsics",
-    "unit",
-    "no_return",
-];
-
 /// The command line in which `view` has only the options that it takes.
 pub(super) fn without_files(command: Command) -> Command {
     command.mut_subcommand("view", |view| {
-        REFUSED.iter().fold(view, |view, id| view.mut_arg(id, |arg: Arg| arg.hide(true)))
+        ids_with(NO_VIEW).fold(view, |view, id| view.mut_arg(id, |arg: Arg| arg.hide(true)))
     })
 }
 
@@ -144,8 +128,8 @@ impl View {
         let words = joined(all_arguments().iter().skip(1).cloned());
         let matches = command.clone().try_get_matches_from(words);
         let matches = matches.map_err(|error| Error::settings(error.to_string(), "use halfline view --help"))?;
-        let typed = |id: &&&str| matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
-        if let Some(id) = REFUSED.iter().find(typed) {
+        let typed = |id: &&str| matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
+        if let Some(id) = ids_with(NO_VIEW).find(typed) {
             let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(Arg::get_long).unwrap_or(id);
             let problem = format!("--{long} is an option of pictures in files");
             return Err(Error::settings(problem, "remove it; the page copies a command to which it can be added"));

@@ -3,10 +3,10 @@
 use super::clash::check_inputs;
 use super::lens_args::PictureLens;
 use super::messages::note;
+use super::option_table::{NO_PART, has};
 use super::picture_scene::PictureScene;
 use super::process::is_typed;
 use super::scene_args::SceneArgs;
-use super::sift::REFUSED;
 use super::signals::watch;
 use clap::{Args, Command};
 use halfline::error::{Error, Result};
@@ -78,7 +78,7 @@ fn check(args: &SceneArgs) -> Result<()> {
     match typed.into_iter().find(|(_, long)| is_typed(&format!("--{long}"))) {
         Some((id, long)) => {
             let problem = format!("--{long} belongs to the parts of --visible, which were made with their own options");
-            let is_taken = !REFUSED.contains(&id);
+            let is_taken = !has(id, NO_PART);
             Err(Error::settings(problem, if is_taken { "give it to halfline sift" } else { "remove it" }))
         }
         None => Ok(()),

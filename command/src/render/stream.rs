@@ -246,65 +246,83 @@ impl<'a> Source<'a> {
     /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
     /// twice more, and once more for its principal axes. Returns whether they are framed.
     fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&InstancedScene>) -> Result<bool> {
-        let (camera, at) = (&self.args.camera, self.looked_at(copied)?);
+        let (args, at) = (self.args, self.looked_at(copied)?);
+        let camera = &args.camera;
         // The passes that follow need not look for them.
         self.options.marks.clear();
         let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
         let source =
             |frame: &SceneFrame| camera.direction_source(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
-        let given = source(frame);
-        if let (None, DirectionSource::Given(..)) = (framing, &given) {
+        if let (None, given @ DirectionSource::Given(..)) = (framing, source(frame)) {
             turn(&mut frame.scene.camera, &given, camera, || (DVec3::ZERO, Facing::FRONT));
             return Ok(false);
         }
-        let watch = self.options.watch.clone();
-        let bounds = match copied {
-            Some(InstancedScene { instances, facts, .. }) => {
-                (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend.clone());
-                instances.bounds(&watch)?
-            }
-            None => {
-                self.check_repeatable("the camera depends on all spheres", "give --eye and --at, or --view")?;
-                let why = "the camera depends on all spheres, so the file is read for it first (see --eye and --at)";
-                let (bounds, facts) = self.survey(why)?;
-                (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend);
-                bounds
-            }
+        let bounds = self.bounds(frame, copied)?;
+        let source = source(frame);
+        let spread = match source {
+            DirectionSource::Axes => self.spread(bounds, copied)?,
+            DirectionSource::Given(..) | DirectionSource::Middle(_) => Spread::about(bounds),
         };
-        let (source, middle, mut spread) = (source(frame), middle(bounds), Spread::about(bounds));
-        if let DirectionSource::Axes = source {
-            match copied {
-                Some(InstancedScene { instances, .. }) => {
-                    for block in instances.blocks() {
-                        watch.check()?;
-                        spread.add(&block.centers);
-                    }
-                }
-                None => drop(self.each(|block| {
-                    spread.add(&block.centers);
-                    Ok(())
-                })?),
-            }
-        }
         let ImagePlane { width, height, .. } = frame.scene.image;
-        turn(&mut frame.scene.camera, &source, camera, || (middle, spread.facing(height > width)));
-        let legend_shares = self.args.insets.legend_shares(frame)?;
+        turn(&mut frame.scene.camera, &source, camera, || (middle(bounds), spread.facing(height > width)));
+        let legend_shares = args.insets.legend_shares(frame)?;
         let Some(framing) = framing.map(|framing| Framing { legend_shares, ..framing }) else {
             return Ok(false);
         };
+        let reach = self.reach(&mut frame.scene, &framing, middle(bounds), copied)?;
+        frame.scene.fit_to(&framing, &reach).map(|()| true)
+    }
+
+    /// The box around all spheres. The frame learns whether they are a molecule, and their legend.
+    fn bounds(&mut self, frame: &mut SceneFrame, copied: Option<&InstancedScene>) -> Result<[DVec3; 2]> {
+        if let Some(InstancedScene { instances, facts, .. }) = copied {
+            (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend.clone());
+            return instances.bounds(&self.options.watch);
+        }
+        self.check_repeatable("the camera depends on all spheres", "give --eye and --at, or --view")?;
+        let why = "the camera depends on all spheres, so the file is read for it first (see --eye and --at)";
+        let (bounds, facts) = self.survey(why)?;
+        (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend);
+        Ok(bounds)
+    }
+
+    /// The spread of all centres.
+    fn spread(&self, bounds: [DVec3; 2], copied: Option<&InstancedScene>) -> Result<Spread> {
+        let mut spread = Spread::about(bounds);
+        let mut add = |block: &Spheres| spread.add(&block.centers);
+        match copied {
+            Some(InstancedScene { instances, .. }) => instances.blocks().try_for_each(|block| {
+                self.options.watch.check()?;
+                add(&block);
+                Ok(())
+            })?,
+            None => drop(self.each(|block| {
+                add(&block);
+                Ok(())
+            })?),
+        }
+        Ok(spread)
+    }
+
+    /// The reach of all spheres, relative to `middle`.
+    fn reach(
+        &self,
+        scene: &mut Scene,
+        framing: &Framing,
+        middle: DVec3,
+        copied: Option<&InstancedScene>,
+    ) -> Result<Reach> {
         if let Some(InstancedScene { instances, .. }) = copied {
-            let reach = frame.scene.reach_of(&framing, instances, middle, &watch)?;
-            return frame.scene.fit_to(&framing, &reach).map(|()| true);
+            return scene.reach_of(framing, instances, middle, &self.options.watch);
         }
         let mut reach = Reach::about(middle);
-        let image = frame.scene.image;
         self.each(|block| {
-            if let Some(more) = frame.scene.camera.reach(image, &block, &framing, Some(&reach))? {
+            if let Some(more) = scene.camera.reach(scene.image, &block, framing, Some(&reach))? {
                 reach = reach.with(&more);
             }
             Ok(())
         })?;
-        frame.scene.fit_to(&framing, &reach).map(|()| true)
+        Ok(reach)
     }
 
     /// The point to look at: that of `--at`, or the mean of the centres of the spheres that it selects, for which the file is read

@@ -1,14 +1,11 @@
 //! The options that the command line of `halfline view` gives, and the command that renders a picture of the page with them.
 
+use crate::option_table::{PAGE, has};
 use clap::parser::{RawValues, ValueSource};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use halfline::error::{Error, Result};
 use halfline_viewer::{FrameRequest, Lens, Pose};
 use std::ffi::{OsStr, OsString};
-
-/// The options that the page sets by itself: those of the camera and of the size.
-pub(super) const OF_THE_PAGE: [&str; 11] =
-    ["eye", "at", "view", "up", "focus", "fit", "from", "vfov", "ortho", "zoom", "size"];
 
 /// The colour of spheres that are selected on the page, and that of the others.
 const SELECTED: &str = "darkorange";
@@ -61,7 +58,7 @@ impl Given {
             match arg.get_long() {
                 None => given.scene = matches.get_raw(id).and_then(|mut raw| raw.next()).unwrap_or_default().into(),
                 Some(_) if id == "frames" => given.frame = typed_frame(matches.get_raw(id))?,
-                Some(long) if OF_THE_PAGE.contains(&id) => given.camera.extend(typed(arg, long, matches)),
+                Some(long) if has(id, PAGE) => given.camera.extend(typed(arg, long, matches)),
                 Some(long) => given.options.extend(typed(arg, long, matches)),
             }
         }

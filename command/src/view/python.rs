@@ -1,124 +1,26 @@
 //! The lines of Python that render a picture of the page.
 
 use super::given::GivenOption;
+use crate::option_table::{Call, Form, OptionRow, Python, options as all_options};
 use halfline_viewer::{FrameRequest, Lens};
 use std::ffi::OsStr;
 use std::str::Utf8Chunk;
 
-/// The Python call that takes an option as a keyword: reading, rendering, renderer, camera or saving.
-#[derive(Clone, Copy, PartialEq)]
-enum Call {
-    Read,
-    Render,
-    Renderer,
-    Camera,
-    Save,
-}
-
-/// The form of an option's value in Python.
-#[derive(Clone, Copy, PartialEq)]
-enum Form {
-    Flag,
-    Number,
-    Text,
-    /// Numbers with commas between them.
-    Tuple,
-    /// A tuple each time that the option is given.
-    Tuples,
-    /// A text each time that the option is given.
-    Texts,
-    /// A number or a text, or one for each selection.
-    Rules,
-    /// A number, or `True` without one.
-    NumberOrFlag,
-    /// A text, or `True` without one.
-    TextOrFlag,
-    /// A name, or linear numbers.
-    Color,
-}
-
-/// The keyword of each option whose identifier is another one, or that is not a text of the reading.
-const KEYWORDS: [(&str, &str, Call, Form); 46] = [
-    ("format", "format", Call::Read, Form::Text),
-    ("columns", "columns", Call::Read, Form::Text),
-    ("hold", "hold", Call::Read, Form::Text),
-    ("topology", "topology", Call::Read, Form::Text),
-    ("model", "model", Call::Read, Form::Number),
-    ("altloc", "altloc", Call::Read, Form::Text),
-    ("assembly", "assembly", Call::Read, Form::Text),
-    ("as_listed", "as_listed", Call::Read, Form::Flag),
-    ("strict", "strict", Call::Read, Form::Flag),
-    ("skip_invalid", "skip_invalid", Call::Read, Form::Flag),
-    ("select", "select", Call::Read, Form::Texts),
-    ("hide", "hide", Call::Read, Form::Texts),
-    ("radii", "radii", Call::Read, Form::Text),
-    ("radius", "radius", Call::Read, Form::Rules),
-    ("radius_scale", "radius_scale", Call::Read, Form::Number),
-    ("wrap", "wrap", Call::Read, Form::Flag),
-    ("unwrap", "unwrap", Call::Read, Form::Flag),
-    ("copies", "copies", Call::Read, Form::Tuple),
-    ("clip", "clip", Call::Read, Form::Tuples),
-    ("cell", "cell", Call::Read, Form::NumberOrFlag),
-    ("color", "color", Call::Read, Form::Rules),
-    ("color_by", "color_by", Call::Read, Form::Text),
-    ("map", "map", Call::Read, Form::Text),
-    ("range", "range", Call::Read, Form::Tuple),
-    ("log", "log", Call::Read, Form::Flag),
-    ("frames", "frame", Call::Read, Form::Number),
-    ("samples", "samples", Call::Render, Form::Number),
-    ("seed", "seed", Call::Render, Form::Number),
-    ("exposure", "exposure", Call::Render, Form::Number),
-    ("tone", "tone", Call::Render, Form::Text),
-    ("shade", "shade", Call::Render, Form::Text),
-    ("look", "look", Call::Render, Form::Text),
-    ("occlusion", "occlusion", Call::Render, Form::NumberOrFlag),
-    ("reach", "reach", Call::Render, Form::Number),
-    ("sun", "sun", Call::Render, Form::Tuples),
-    ("shadows", "shadows", Call::Render, Form::Flag),
-    ("bounces", "bounces", Call::Render, Form::Number),
-    ("silhouette", "silhouette", Call::Render, Form::Flag),
-    ("depth_cue", "depth_cue", Call::Render, Form::Flag),
-    ("background", "background", Call::Render, Form::Color),
-    ("legend_in", "legend", Call::Render, Form::TextOrFlag),
-    ("label", "label", Call::Render, Form::Text),
-    ("scale_bar", "scale_bar", Call::Render, Form::TextOrFlag),
-    ("accuracy", "accuracy", Call::Render, Form::Text),
-    ("method", "method", Call::Render, Form::Text),
-    ("tolerance", "tolerance", Call::Render, Form::Number),
-];
-
-/// The others.
-const MORE: [(&str, &str, Call, Form); 7] = [
-    ("backend", "backend", Call::Renderer, Form::Text),
-    ("adapter", "adapter", Call::Renderer, Form::Text),
-    ("aperture", "aperture", Call::Camera, Form::Number),
-    ("focus_distance", "focus", Call::Camera, Form::Number),
-    ("bits", "bits", Call::Save, Form::Number),
-    ("transparent", "transparent", Call::Render, Form::Flag),
-    ("outline", "cell", Call::Read, Form::NumberOrFlag),
-];
-
-/// Options that do not change the picture, which Python does not have.
-const OUTSIDE: [&str; 5] = ["unit", "no_return", "preview", "progress", "quiet"];
-
-/// Options that [`lines`] writes by themselves: the camera and the size.
-const BY_ITSELF: [&str; 6] = ["eye", "at", "up", "vfov", "ortho", "size"];
-
 /// The lines for these options of the command. An option that Python does not have is named in a comment.
 pub(super) fn lines(scene: &OsStr, output: &OsStr, options: &[GivenOption], request: &FrameRequest) -> String {
-    let known = KEYWORDS.iter().chain(&MORE);
     let keywords = |call: Call| {
-        let of_call = known.clone().filter(move |(_, _, its, _)| *its == call);
-        of_call
-            .filter_map(|(id, name, _, form)| Some(format!(", {name}={}", value(*form, &values(options, id)?))))
-            .collect::<String>()
+        let keyword = |row: &OptionRow| match row.python {
+            Python::Keyword(of, name, form) if of == call => {
+                Some(format!(", {name}={}", value(form, &values(options, row.id)?)))
+            }
+            _ => None,
+        };
+        all_options().filter_map(keyword).collect::<String>()
     };
-    let is_known = |option: &&GivenOption| {
-        let by_itself = BY_ITSELF.iter().chain(&OUTSIDE).any(|id| *id == option.id);
-        by_itself || known.clone().any(|(id, ..)| *id == option.id)
-    };
-    let unknown = options.iter().filter(|option| !is_known(option));
-    let notes: String = unknown.map(|option| format!("# {} has no keyword in Python\n", option.flag())).collect();
+    let lacks_keyword =
+        |option: &&GivenOption| all_options().any(|row| row.id == option.id && matches!(row.python, Python::Missing));
+    let missing = options.iter().filter(lacks_keyword);
+    let notes: String = missing.map(|option| format!("# {} has no keyword in Python\n", option.flag())).collect();
     let camera = &request.camera;
     let [eye, at, up] = [camera.eye, camera.at, camera.up].map(|vector| format!("{vector:?}").replace(['[', ']'], ""));
     let lens = match camera.lens {
@@ -225,23 +127,8 @@ fn escape(value: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene_args::SceneArgs;
-    use crate::view::REFUSED;
-    use crate::view::given::{GivenOption, OF_THE_PAGE};
-    use clap::{Args, Command};
+    use crate::view::given::GivenOption;
     use halfline_viewer::{Mode, Pose};
-
-    #[test]
-    fn every_option_of_a_picture_is_known() {
-        let command = SceneArgs::augment_args(Command::new("view"));
-        let of_page = |id: &str| OF_THE_PAGE.contains(&id) || REFUSED.contains(&id);
-        let others = command.get_arguments().filter(|arg| arg.get_long().is_some() && !of_page(arg.get_id().as_str()));
-        let known: Vec<&str> = KEYWORDS.iter().chain(&MORE).map(|(id, ..)| *id).collect();
-        let unknown: Vec<&str> = others.map(|arg| arg.get_id().as_str()).filter(|id| !known.contains(id)).collect();
-        assert_eq!(unknown, ["dpi"], "it is no part of the pixels");
-        let ids: Vec<&str> = command.get_arguments().map(|arg| arg.get_id().as_str()).collect();
-        assert!(known.iter().all(|id| ids.contains(id)), "each is an option");
-    }
 
     #[test]
     fn bytes_of_names_are_surrogates() {

@@ -1,0 +1,200 @@
+//! The table of the options of a picture: who takes an option, and its keyword in Python. clap defines their values and
+//! their help; every other list of options is a column of this table.
+
+/// An option of a picture.
+pub(super) struct OptionRow {
+    /// The identifier in clap's definition.
+    pub(super) id: &'static str,
+    pub(super) python: Python,
+    /// A sum of [`CONFIG`], [`PAGE`], [`NO_VIEW`] and [`NO_PART`].
+    uses: u8,
+}
+
+/// The environment and the configuration file may set it: a preference of a user or a machine, not a property of one picture.
+pub(super) const CONFIG: u8 = 1;
+/// The page of `halfline view` sets it by itself: the camera and the size.
+pub(super) const PAGE: u8 = 2;
+/// `halfline view` refuses it: it makes several pictures, a part of one, or files.
+pub(super) const NO_VIEW: u8 = 4;
+/// `halfline sift` refuses it: a part of a scene does not depend on it.
+pub(super) const NO_PART: u8 = 8;
+
+/// An option in the lines of Python that render a picture of the page.
+#[derive(Clone, Copy)]
+pub(super) enum Python {
+    /// A keyword of a call.
+    Keyword(Call, &'static str, Form),
+    /// An argument that the lines always have: the camera and the size.
+    Always,
+    /// An option that does not change a picture, and is left out.
+    Outside,
+    /// An option without a keyword, which a comment names.
+    Missing,
+}
+
+/// The Python call that takes an option as a keyword: reading, rendering, renderer, camera or saving.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Call {
+    Read,
+    Render,
+    Renderer,
+    Camera,
+    Save,
+}
+
+/// The form of an option's value in Python.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Form {
+    Flag,
+    Number,
+    Text,
+    /// Numbers with commas between them.
+    Tuple,
+    /// A tuple each time that the option is given.
+    Tuples,
+    /// A text each time that the option is given.
+    Texts,
+    /// A number or a text, or one for each selection.
+    Rules,
+    /// A number, or `True` without one.
+    NumberOrFlag,
+    /// A text, or `True` without one.
+    TextOrFlag,
+    /// A name, or linear numbers.
+    Color,
+}
+
+use Call::{Camera, Read, Render, Renderer, Save};
+use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tuple, Tuples};
+use Python::{Always, Keyword, Missing, Outside};
+
+/// All options of a picture. Python's keywords have this order.
+const OPTIONS: [OptionRow; 81] = [
+    row("visible", Missing, NO_VIEW | NO_PART),
+    row("format", Keyword(Read, "format", Text), 0),
+    row("columns", Keyword(Read, "columns", Text), 0),
+    row("hold", Keyword(Read, "hold", Text), NO_PART),
+    row("topology", Keyword(Read, "topology", Text), NO_PART),
+    row("model", Keyword(Read, "model", Number), 0),
+    row("altloc", Keyword(Read, "altloc", Text), 0),
+    row("assembly", Keyword(Read, "assembly", Text), NO_PART),
+    row("as_listed", Keyword(Read, "as_listed", Flag), 0),
+    row("strict", Keyword(Read, "strict", Flag), 0),
+    row("skip_invalid", Keyword(Read, "skip_invalid", Flag), 0),
+    row("select", Keyword(Read, "select", Texts), 0),
+    row("hide", Keyword(Read, "hide", Texts), 0),
+    row("radii", Keyword(Read, "radii", Text), CONFIG),
+    row("radius", Keyword(Read, "radius", Rules), 0),
+    row("radius_scale", Keyword(Read, "radius_scale", Number), CONFIG),
+    row("wrap", Keyword(Read, "wrap", Flag), NO_PART),
+    row("unwrap", Keyword(Read, "unwrap", Flag), NO_PART),
+    row("copies", Keyword(Read, "copies", Tuple), NO_PART),
+    row("clip", Keyword(Read, "clip", Tuples), 0),
+    row("cell", Keyword(Read, "cell", NumberOrFlag), NO_PART),
+    row("color", Keyword(Read, "color", Rules), 0),
+    row("color_by", Keyword(Read, "color_by", Text), 0),
+    row("map", Keyword(Read, "map", Text), CONFIG),
+    row("range", Keyword(Read, "range", Tuple), 0),
+    row("log", Keyword(Read, "log", Flag), 0),
+    row("frames", Keyword(Read, "frame", Number), 0),
+    row("outline", Keyword(Read, "cell", NumberOrFlag), NO_PART),
+    row("eye", Always, PAGE),
+    row("at", Always, PAGE),
+    row("up", Always, PAGE),
+    row("vfov", Always, PAGE),
+    row("ortho", Always, PAGE),
+    row("size", Always, PAGE | CONFIG),
+    row("view", Missing, PAGE),
+    row("focus", Missing, PAGE),
+    row("fit", Missing, PAGE),
+    row("from", Missing, PAGE),
+    row("zoom", Missing, PAGE),
+    row("aperture", Keyword(Camera, "aperture", Number), NO_PART),
+    row("focus_distance", Keyword(Camera, "focus", Number), NO_PART),
+    row("backend", Keyword(Renderer, "backend", Text), CONFIG | NO_PART),
+    row("adapter", Keyword(Renderer, "adapter", Text), CONFIG | NO_PART),
+    row("samples", Keyword(Render, "samples", Number), CONFIG),
+    row("seed", Keyword(Render, "seed", Number), CONFIG),
+    row("exposure", Keyword(Render, "exposure", Number), CONFIG | NO_PART),
+    row("tone", Keyword(Render, "tone", Text), CONFIG | NO_PART),
+    row("shade", Keyword(Render, "shade", Text), CONFIG | NO_PART),
+    row("look", Keyword(Render, "look", Text), CONFIG | NO_PART),
+    row("occlusion", Keyword(Render, "occlusion", NumberOrFlag), CONFIG | NO_PART),
+    row("reach", Keyword(Render, "reach", Number), NO_PART),
+    row("sun", Keyword(Render, "sun", Tuples), NO_PART),
+    row("shadows", Keyword(Render, "shadows", Flag), CONFIG | NO_PART),
+    row("bounces", Keyword(Render, "bounces", Number), CONFIG | NO_PART),
+    row("silhouette", Keyword(Render, "silhouette", Flag), CONFIG | NO_PART),
+    row("depth_cue", Keyword(Render, "depth_cue", Flag), CONFIG | NO_PART),
+    row("background", Keyword(Render, "background", Color), CONFIG | NO_PART),
+    row("legend_in", Keyword(Render, "legend", TextOrFlag), NO_PART),
+    row("label", Keyword(Render, "label", Text), NO_PART),
+    row("scale_bar", Keyword(Render, "scale_bar", TextOrFlag), NO_PART),
+    row("accuracy", Keyword(Render, "accuracy", Text), CONFIG | NO_PART),
+    row("method", Keyword(Render, "method", Text), CONFIG | NO_PART),
+    row("tolerance", Keyword(Render, "tolerance", Number), CONFIG),
+    row("transparent", Keyword(Render, "transparent", Flag), CONFIG | NO_PART),
+    row("output", Missing, NO_VIEW),
+    row("aov", Missing, NO_VIEW | NO_PART),
+    row("fps", Missing, NO_VIEW | NO_PART),
+    row("bits", Keyword(Save, "bits", Number), CONFIG | NO_PART),
+    row("dpi", Missing, CONFIG | NO_PART),
+    row("unit", Outside, CONFIG | NO_VIEW | NO_PART),
+    row("no_return", Outside, CONFIG | NO_VIEW | NO_PART),
+    row("raw", Missing, NO_VIEW | NO_PART),
+    row("legend", Missing, NO_VIEW | NO_PART),
+    row("crop", Missing, NO_VIEW),
+    row("tile", Missing, NO_VIEW),
+    row("spin", Missing, NO_VIEW | NO_PART),
+    row("file", Missing, NO_VIEW | NO_PART),
+    row("intrinsics", Missing, NO_VIEW),
+    row("preview", Outside, CONFIG),
+    row("progress", Outside, CONFIG),
+    row("quiet", Outside, CONFIG),
+];
+
+const fn row(id: &'static str, python: Python, uses: u8) -> OptionRow {
+    OptionRow { id, python, uses }
+}
+
+/// All options, in the order of the table.
+pub(super) fn options() -> impl Iterator<Item = &'static OptionRow> {
+    OPTIONS.iter()
+}
+
+/// The identifiers of the options with a use.
+pub(super) fn ids_with(uses: u8) -> impl Iterator<Item = &'static str> {
+    options().filter(move |row| row.uses & uses != 0).map(|row| row.id)
+}
+
+/// Whether the option with this identifier has a use.
+pub(super) fn has(id: &str, uses: u8) -> bool {
+    ids_with(uses).any(|known| known == id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Arguments;
+    use crate::scene_args::SceneArgs;
+    use clap::{Args, Command, CommandFactory};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_option_of_a_picture_has_a_row_and_every_row_is_an_option() {
+        let picture = SceneArgs::augment_args(Command::new("render"));
+        let options_of = |command: &Command| -> BTreeSet<String> {
+            let longs = command.get_arguments().filter(|arg| arg.get_long().is_some());
+            longs.map(|arg| arg.get_id().to_string()).collect()
+        };
+        let rows: BTreeSet<String> = options().map(|row| row.id.to_owned()).collect();
+        assert_eq!(rows.len(), OPTIONS.len(), "a row each");
+        let lacking: Vec<_> = options_of(&picture).difference(&rows).cloned().collect();
+        assert!(lacking.is_empty(), "options without a row: {lacking:?}");
+        let all: BTreeSet<String> = Arguments::command().get_subcommands().flat_map(&options_of).collect();
+        let stale: Vec<_> = rows.difference(&all).cloned().collect();
+        assert!(stale.is_empty(), "rows without an option: {stale:?}");
+        let without_keyword = options().filter(|row| matches!(row.python, Missing) && row.uses & (PAGE | NO_VIEW) == 0);
+        assert_eq!(without_keyword.map(|row| row.id).collect::<Vec<_>>(), ["dpi"], "it is no part of the pixels");
+    }
+}
