@@ -45,9 +45,9 @@ mod view;
 mod visible;
 
 /// Contents shared by the page of `halfline view` and the widget of the Python package: scene, sphere, distance,
-/// legend.
+/// legend, copied lines.
 pub mod shown {
-    pub use crate::view::{apart, describe, legend, scene};
+    pub use crate::view::{apart, commands, describe, legend, scene};
 }
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

@@ -97,7 +97,7 @@ const OPTIONS: [OptionRow; 81] = [
     row("range", Keyword(Read, "range", Tuple), 0),
     row("log", Keyword(Read, "log", Flag), 0),
     row("frames", Keyword(Read, "frame", Number), 0),
-    row("outline", Keyword(Read, "cell", NumberOrFlag), NO_PART),
+    row("outline", Keyword(Render, "cell", NumberOrFlag), NO_PART),
     row("eye", Always, PAGE),
     row("at", Always, PAGE),
     row("up", Always, PAGE),

@@ -10,7 +10,9 @@ mod pick;
 mod python;
 mod summary;
 
+use halfline_viewer::{Commands, FrameRequest};
 pub use pick::{apart, describe};
+use std::ffi::{OsStr, OsString};
 pub use summary::{legend, scene};
 
 use super::config::Config;
@@ -32,6 +34,32 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
+
+/// The copied command and lines of Python for a picture of a scene in memory, which was read from `file` by some of these
+/// options, each an identifier with its value; `outline` is what draws the edges of the cell at the rendering. There is no
+/// command for a scene without a file.
+///
+/// # Errors
+/// [`Error::Settings`] for a name that no line of a shell can have.
+pub fn commands(
+    file: Option<&OsStr>,
+    options: &[(String, Option<OsString>)],
+    request: &FrameRequest,
+) -> Result<Commands> {
+    let python = Given::in_memory(file, options);
+    let lines = python::lines(file, &python.output(), &python.options_of(request), request);
+    if file.is_none() {
+        return Ok(Commands { shell: None, python: lines });
+    }
+    let named = |(id, value): &(String, Option<OsString>)| {
+        let id = if id == "outline" { "cell" } else { id };
+        (id.to_owned(), value.clone())
+    };
+    let shell = Given::in_memory(file, &options.iter().map(named).collect::<Vec<_>>());
+    let mut words = shell.words(&shell.options_of(request));
+    words.extend(["-o".into(), shell.output()]);
+    Ok(Commands { shell: Some(given::line(&words)?), python: lines })
+}
 
 /// Shows a scene on a page of the browser: find the camera by looking, pick spheres, and copy the command that renders what
 /// is seen. The page is served to this machine alone; from a remote machine it comes through ssh.

@@ -62,7 +62,7 @@ impl Stage for Checking {
 
     fn command(&self, request: &FrameRequest) -> Answer<Commands> {
         self.frame(request);
-        Ok(Commands { shell: request.select.clone().unwrap_or_default(), python: String::new() })
+        Ok(Commands { shell: request.select.clone(), python: String::new() })
     }
 
     fn progress(&self, _: Duration) -> Answer<Value> {

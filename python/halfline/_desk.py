@@ -17,7 +17,7 @@ from . import _halfline
 from ._answer import NOTHING, Answer, error, refusal
 from ._arrays import Renders, color, native_renderer, shown, whole, word
 from ._arrays import size as checked_size
-from ._lines import Shot, python, rules, shell
+from ._lines import Shot, commands, rules
 from ._pose import pose, pose_of
 from ._source import Source
 from ._turns import Superseded, Turn
@@ -251,12 +251,13 @@ class Desk:
         """How many spheres an expression selects."""
         _, painted, count, notes = self._paint(word("expr", expression))
         legend = _halfline.legend(painted)
-        return {"count": count, "of": len(self.scene), "legend": legend, "notes": notes}
+        of = self._summary["count"]
+        return {"count": count, "of": of, "legend": legend, "notes": notes}
 
     def command(self, body: Mapping[str, Any]) -> dict[str, Any]:
         """The lines that render the picture of a request again."""
         shot = self.shot({**body, "mode": "still"})
-        return {"shell": shell(self.source, shot), "python": python(self.source, shot)}
+        return commands(self.source, shot)
 
     def _shown(self, select: str | None) -> _halfline.Scene:
         """The scene in the colours of a selection."""
@@ -269,7 +270,8 @@ class Desk:
                 # What is said about these is what is said about the mask.
                 colors = [(text, color("", name)) for text, name in rules(select).items()]
                 painted, _ = _halfline.painted(self.scene, colors)
-                self._painted = select, painted, int(np.count_nonzero(mask)), notes
+                count = int(np.count_nonzero(mask[: self._summary["count"]]))
+                self._painted = select, painted, count, notes
             return self._painted
 
 

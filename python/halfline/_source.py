@@ -16,8 +16,3 @@ class Source:
     frame: int
     options: Mapping[str, Any]
     """The keywords of `read` that are not the default ones, without frame and size."""
-
-    @property
-    def keywords(self) -> dict[str, Any]:
-        """Those of `read`."""
-        return {**({} if self.frame == 1 else {"frame": self.frame}), **self.options}

@@ -61,7 +61,7 @@ mod _halfline {
     use super::trace::trace;
     #[pymodule_export]
     use super::view::{
-        apart, describe, jpeg, legend, painted, summary, widget_module, widget_style, with_colors,
+        apart, commands, describe, jpeg, legend, painted, summary, widget_module, widget_style, with_colors,
         with_light_at_the_eye,
     };
     use pyo3::prelude::*;

@@ -11,19 +11,22 @@ use rayon::prelude::*;
 pub(crate) struct Paint(Vec<u32>);
 
 impl Paint {
-    /// Finds the last rule that selects each sphere. Returns also notes on the rules.
+    /// Finds the last rule that selects each sphere. The last `beads` spheres are beads of a cell, which keep their colour, as
+    /// those of a reader do. Returns also notes on the rules.
     ///
     /// # Errors
     /// Errors of the selections, also for a column that was not kept.
     pub(crate) fn of(
         columns: &Columns,
         spheres: &Spheres,
+        beads: usize,
         rules: &[(Selection, [f32; 3])],
     ) -> halfline::Result<(Self, Vec<String>)> {
         let (mut paint, mut notes) = (vec![0; spheres.len()], Vec::new());
+        let count = spheres.len() - beads;
         for (number, (selection, _)) in (1..).zip(rules) {
             let (mask, messages) = columns.select(selection, spheres)?;
-            paint.par_iter_mut().zip(&mask).filter(|(_, flag)| **flag).for_each(|(paint, _)| *paint = number);
+            paint[..count].par_iter_mut().zip(&mask).filter(|(_, flag)| **flag).for_each(|(paint, _)| *paint = number);
             notes.extend(messages);
         }
         Ok((Self(paint), notes))

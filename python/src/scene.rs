@@ -168,7 +168,7 @@ impl Scene {
     /// Errors of the selections, also for a column that was not kept.
     pub(crate) fn painted(&self, rules: &[(Selection, [f32; 3])]) -> halfline::Result<(Self, Vec<String>)> {
         let mut scene = (*self.scene).clone();
-        let (paint, notes) = Paint::of(&self.columns, &scene.spheres, rules)?;
+        let (paint, notes) = Paint::of(&self.columns, &scene.spheres, self.beads, rules)?;
         let (colors, legend) = paint.apply(&scene.spheres, rules, self.legend.as_deref());
         scene.spheres.colors = Some(colors.into());
         scene.spheres.share();

@@ -7,11 +7,13 @@ use crate::scene::Scene;
 use crate::work::{Job, begin};
 use halfline_command::shown;
 use halfline_files::read::Selection;
+use halfline_viewer::FrameRequest;
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::{Value, json};
+use std::ffi::OsString;
 
 /// The module of the widget.
 #[pyfunction]
@@ -79,6 +81,21 @@ pub(crate) fn describe(scene: &Scene, id: usize) -> PyResult<String> {
 #[pyfunction]
 pub(crate) fn apart(scene: &Scene, from: usize, to: usize) -> Option<(f64, Option<f64>)> {
     shown::apart(scene.spheres(), scene.periodic().as_ref(), [from, to])
+}
+
+/// The command and the lines of Python that render the picture of a request of the page, both as JSON. The scene was read from
+/// `file` by some of the options, which are identifiers of the command's options with their values.
+#[pyfunction]
+#[pyo3(signature = (file, options, request))]
+pub(crate) fn commands(
+    file: Option<OsString>,
+    options: Vec<(String, Option<OsString>)>,
+    request: &str,
+) -> PyResult<String> {
+    let wrong = |error: serde_json::Error| PyValueError::new_err(format!("the request is not valid: {error}"));
+    let request: FrameRequest = serde_json::from_str(request).map_err(wrong)?;
+    let found = shown::commands(file.as_deref(), &options, &request).or_raise()?;
+    Ok(json!(found).to_string())
 }
 
 /// The same spheres in the colours of these rows.

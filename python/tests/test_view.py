@@ -192,6 +192,33 @@ def test_scenes_of_arrays_have_lines_too(cloud: hl.Scene, cpu: hl.Renderer) -> N
     assert "hl.render(" in Page(cloud.view()).json("/command", page.body())["python"]
 
 
+@pytest.mark.parametrize(
+    ("read", "shown", "select"),
+    [(False, True, None), (True, False, "index 0"), (0.1, 0.2, None), (False, 0.1, "x > 5")],
+)
+def test_copied_lines_draw_the_cell(
+    read: Any, shown: Any, select: str | None, cpu: hl.Renderer, tmp_path: Path
+) -> None:
+    (tmp_path / "a.gro").write_text(
+        "t\n    2\n    1ALA     CA    1   0.100   0.000   0.000\n"
+        "    2HOH     OW    2   1.900   0.000   0.000\n   2.0 2.0 2.0\n"
+    )
+    scene = hl.read(tmp_path / "a.gro", radius=3, cell=read)
+    page = Page(scene.view(renderer=cpu, size=SIZE, cell=shown, label="{count}"))
+    picture = page.still(select=select)
+    lines = page.json("/command", page.body(select=select, mode="still"))
+    names: dict[str, Any] = {}
+    exec(lines["python"].rpartition("frame.save")[0], names)
+    assert names["frame"].to_png() == picture, lines["python"]
+    shell = lines["shell"].replace("halfline render", 'exec "$0" render')
+    words = ["sh", "-c", shell, commands()[0]]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "a-view.png").read_bytes() == picture, shell
+    found = page.json("/select", {"expr": "x > 5 or not (x > 5)"})
+    assert (found["count"], found["of"]) == (2, 2), "beads of the cell are no spheres of the scene"
+
+
 def test_a_moving_picture_is_small_and_plain(page: Page) -> None:
     content, (picture,) = page.ask("/frame", page.body(mode="move", samples=1))
     assert picture.startswith(b"\xff\xd8\xff") and picture.endswith(b"\xff\xd9")

@@ -202,8 +202,8 @@ pub struct Picture {
 /// Ways to make a frame without the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Commands {
-    /// The command line.
-    pub shell: String,
+    /// The command line; `None` for a scene that no command can read.
+    pub shell: Option<String>,
     /// The lines of Python.
     pub python: String,
 }

@@ -65,6 +65,13 @@ impl Given {
         Ok(given)
     }
 
+    /// The file of a scene in memory, and the options by their identifiers that read it and that render its pictures.
+    pub(super) fn in_memory(file: Option<&OsStr>, options: &[(String, Option<OsString>)]) -> Self {
+        let options = options.iter().map(|(id, value)| GivenOption::new(id, value.clone())).collect();
+        let scene = file.unwrap_or_default().to_owned();
+        Self { scene, options, camera: Vec::new(), preferences: Vec::new(), frame: None }
+    }
+
     /// The options of the picture with which the page begins: those that are typed, with all frames of the file.
     pub(super) fn initial(&self) -> Vec<GivenOption> {
         self.options.iter().chain(&self.camera).cloned().chain([all_frames()]).collect()
@@ -162,8 +169,10 @@ impl Given {
 
     /// The name of the file that the copied command writes: never that of the scene.
     pub(super) fn output(&self) -> OsString {
-        let stem = std::path::Path::new(&self.scene).file_stem().unwrap_or(OsStr::new("view"));
-        [stem, OsStr::new("-view.png")].into_iter().collect()
+        match std::path::Path::new(&self.scene).file_stem() {
+            Some(stem) => [stem, OsStr::new("-view.png")].into_iter().collect(),
+            None => "view.png".into(),
+        }
     }
 }
 

@@ -322,8 +322,8 @@ impl Stage for ViewHandler {
             // What the command would refuse is an error here.
             session.parser.args(&words)?;
             let options = self.given.with_preferences(self.given.options_of(&request));
-            let python = python::lines(&self.given.scene, &self.given.output(), &options, &request);
-            Ok(Commands { shell: line(&words)?, python })
+            let python = python::lines(Some(&self.given.scene), &self.given.output(), &options, &request);
+            Ok(Commands { shell: Some(line(&words)?), python })
         })
     }
 

@@ -6,8 +6,9 @@ use halfline_viewer::{FrameRequest, Lens};
 use std::ffi::OsStr;
 use std::str::Utf8Chunk;
 
-/// The lines for these options of the command. An option that Python does not have is named in a comment.
-pub(super) fn lines(scene: &OsStr, output: &OsStr, options: &[GivenOption], request: &FrameRequest) -> String {
+/// The lines for these options of the command. An option that Python does not have is named in a comment. A scene without a
+/// file is a variable, whose spheres get the colours of a selection.
+pub(super) fn lines(file: Option<&OsStr>, output: &OsStr, options: &[GivenOption], request: &FrameRequest) -> String {
     let keywords = |call: Call| {
         let keyword = |row: &OptionRow| match row.python {
             Python::Keyword(of, name, form) if of == call => {
@@ -28,16 +29,22 @@ pub(super) fn lines(scene: &OsStr, output: &OsStr, options: &[GivenOption], requ
         Lens::Height(height) => format!("height={height:?}"),
     };
     let [width, height] = request.size;
-    let (file, output) = (path(scene), path(output));
+    let scene = match (file, values(options, "color")) {
+        (Some(file), _) => format!("scene = hl.read({}{})", path(file), keywords(Call::Read)),
+        (None, None) => "# scene is that of the view".to_owned(),
+        (None, Some(rules)) => {
+            format!("# scene is that of the view\nscene = scene.with_colors({})", value(Form::Rules, &rules))
+        }
+    };
+    let output = path(output);
     let renderer = keywords(Call::Renderer);
     let render = match renderer.strip_prefix(", ") {
         Some(renderer) => format!("hl.Renderer({renderer}).render"),
         None => "hl.render".to_owned(),
     };
     format!(
-        "import halfline as hl\n\n{notes}scene = hl.read({file}{})\ncamera = hl.Camera(({eye}), at=({at}), up=({up}), {lens}{})\n\
+        "import halfline as hl\n\n{notes}{scene}\ncamera = hl.Camera(({eye}), at=({at}), up=({up}), {lens}{})\n\
          frame = {render}(scene, camera, size=({width}, {height}){})\nframe.save({output}{})\n",
-        keywords(Call::Read),
         keywords(Call::Camera),
         keywords(Call::Render),
         keywords(Call::Save),
@@ -163,7 +170,7 @@ mod tests {
             samples: None,
             mode: Mode::Still,
         };
-        let lines = lines("a.pdb".as_ref(), "a-view.png".as_ref(), &options, &request);
+        let lines = lines(Some("a.pdb".as_ref()), "a-view.png".as_ref(), &options, &request);
         let expected = r#"import halfline as hl
 
 # --dpi has no keyword in Python

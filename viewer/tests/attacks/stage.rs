@@ -106,7 +106,10 @@ impl Stage for Fake {
 
     fn command(&self, request: &FrameRequest) -> Answer<Commands> {
         self.call();
-        Ok(Commands { shell: format!("halfline render {:?}", request.camera.eye), python: "import halfline".into() })
+        Ok(Commands {
+            shell: Some(format!("halfline render {:?}", request.camera.eye)),
+            python: "import halfline".into(),
+        })
     }
 
     fn progress(&self, wait: Duration) -> Answer<Value> {
