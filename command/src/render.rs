@@ -118,6 +118,61 @@ impl Concurrency {
     }
 }
 
+/// All pictures of a command: their scenes, the renderers, and the files that are written.
+struct Rendering<'a> {
+    render: &'a Render,
+    /// The files of the first picture.
+    targets: &'a [Target],
+    cancel: &'a Cancel,
+    writer: PictureWriter<'a>,
+    concurrency: Concurrency,
+    renderers: Vec<Renderer>,
+    /// The scenes behind the first.
+    frames: Option<SceneFrames<'a>>,
+    /// The first picture, until it is rendered.
+    first: Option<PictureScene>,
+    cameras: WrittenCameras,
+}
+
+impl Rendering<'_> {
+    /// Renders and writes every picture, and adds it to a film.
+    fn run(&mut self, mut film: Option<&mut FilmWriter>) -> Result<()> {
+        let Self { render, targets, cancel, writer, concurrency, renderers, frames, first, cameras } = self;
+        let mut next = || match first.take() {
+            Some(first) => Ok(Some(first)),
+            None => frames.as_mut().map_or(Ok(None), |frames| render.ready(frames)),
+        };
+        let each = |renderer: &mut Renderer, numbered: PictureScene| {
+            if !go_on() {
+                return Err(Error::Interrupted);
+            }
+            writer.picture(&numbered, renderer)
+        };
+        let mut done = |picture: Picture| {
+            cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.report.camera);
+            if let (Some(film), Some(still)) = (&mut film, &picture.still) {
+                film.add(still)?;
+            }
+            if render.json { print_json(&picture.report) } else { Ok(()) }
+        };
+        if !matches!(concurrency, Concurrency::Alone) {
+            return threads::pipeline(next, std::mem::take(renderers), cancel, each, done);
+        }
+        while let Some(numbered) = next()? {
+            let may_be_stream = render.may_be_stream(&numbered);
+            let made = match each(&mut renderers[0], numbered) {
+                Err(error) if may_be_stream => {
+                    let picture = render.as_stream(error, writer.settings, targets, cancel)?;
+                    each(&mut renderers[0], picture)
+                }
+                made => made,
+            };
+            done(made?)?;
+        }
+        Ok(())
+    }
+}
+
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
@@ -128,13 +183,13 @@ impl Render {
         }
         // Opening a device takes time, so it runs beside the reading of the scene.
         let cancel = Cancel::default();
-        let first = || self.first(&settings, &targets, &cancel);
-        let (opened, renderer) = threads::both(first, || Renderer::new(&settings));
+        let open = || self.first(&settings, &targets, &cancel);
+        let (opened, renderer) = threads::both(open, || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
-        let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
+        let ((frames, first), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress.progress, self.repeat.get().saturating_mul(self.args.expected()));
         note_fallback(&renderer);
-        let concurrency = picture.as_ref().map_or(Concurrency::Alone, |first| self.concurrency(first, &targets));
+        let concurrency = first.as_ref().map_or(Concurrency::Alone, |first| self.concurrency(first, &targets));
         let mut renderers = vec![renderer.watched_by(bar.watch())];
         let lanes = concurrency.lanes(renderers[0].is_gpu());
         while renderers.len() < lanes {
@@ -151,51 +206,14 @@ impl Render {
             preview: self.preview,
             messages: &messages,
         };
-        let mut cameras = WrittenCameras::default();
-        let mut next = || match picture.take() {
-            Some(first) => Ok(Some(first)),
-            None => scene_frames.as_mut().map_or(Ok(None), |frames| self.ready(frames)),
-        };
-        let each = |renderer: &mut Renderer, numbered: PictureScene| {
-            if !go_on() {
-                return Err(Error::Interrupted);
-            }
-            writer.picture(&numbered, renderer)
-        };
-        let mut all = |mut film: Option<&mut FilmWriter>| {
-            let mut done = |picture: Picture| {
-                cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.report.camera);
-                if let (Some(film), Some(still)) = (&mut film, &picture.still) {
-                    film.add(still)?;
-                }
-                if self.json { print_json(&picture.report) } else { Ok(()) }
-            };
-            match concurrency {
-                Concurrency::Alone => {
-                    while let Some(numbered) = next()? {
-                        let image = numbered.scene.image;
-                        let pixels = image.width as usize * image.height as usize;
-                        // A stream keeps a few spheres a pixel, so it helps where there are more than that.
-                        let has_many = numbered.scene.spheres.len() > pixels;
-                        let is_whole = numbered.ids.is_none() && !self.args.is_many() && has_many;
-                        let made = match each(&mut renderers[0], numbered) {
-                            Err(Error::Limits { problem, mend }) if is_whole => {
-                                let picture = self.as_stream((problem, mend), (&settings, &targets), &cancel)?;
-                                each(&mut renderers[0], picture)
-                            }
-                            made => made,
-                        };
-                        done(made?)?;
-                    }
-                    Ok(())
-                }
-                _ => threads::pipeline(&mut next, std::mem::take(&mut renderers), &cancel, each, done),
-            }
-        };
+        let cameras = WrittenCameras::default();
+        let (render, targets, cancel) = (self, &targets[..], &cancel);
+        let mut all = Rendering { render, targets, cancel, writer, concurrency, renderers, frames, first, cameras };
         match self.args.files.film() {
-            Some(film) => film.write(|writer| all(Some(writer)))?,
-            None => all(None)?,
+            Some(film) => film.write(|writer| all.run(Some(writer)))?,
+            None => all.run(None)?,
         }
+        let cameras = all.cameras;
         bar.finish();
         if let Some(list) = self.args.camera_list()? {
             cameras.write(list.parent().unwrap_or(Path::new("")))?;
@@ -239,21 +257,21 @@ impl Render {
             let first = self.ready(&mut scene_frames)?;
             Ok((Some(scene_frames), first))
         };
-        match in_memory() {
-            Err(Error::Limits { problem, mend }) => {
-                self.as_stream((problem, mend), (settings, targets), cancel).map(|picture| (None, Some(picture)))
-            }
-            opened => opened,
-        }
+        in_memory().or_else(|error| Ok((None, Some(self.as_stream(error, settings, targets, cancel)?))))
     }
 
-    /// The picture as a stream, where memory or its frame is too small for all spheres at once, as these words say.
+    /// The picture as a stream, where memory or its frame is too small for all spheres at once, as the error says.
+    ///
+    /// # Errors
+    /// The same error if it has another reason, or the scene cannot be a stream.
     fn as_stream(
         &self,
-        (problem, mend): (String, String),
-        (settings, targets): (&Settings, &[Target]),
+        error: Error,
+        settings: &Settings,
+        targets: &[Target],
         cancel: &Cancel,
     ) -> Result<PictureScene> {
+        let Error::Limits { problem, mend } = error else { return Err(error) };
         if read_once(self.args.path()).is_some() || !self.args.visible.is_empty() || self.stream {
             return Err(Error::Limits { problem, mend });
         }
@@ -265,6 +283,14 @@ impl Render {
             Error::Limits { mend, .. } => Error::Limits { problem, mend },
             other => other,
         })
+    }
+
+    /// Whether a picture whose frame does not fit may be rendered as a stream. A stream keeps a few spheres a pixel, so it helps
+    /// where there are more than that.
+    fn may_be_stream(&self, picture: &PictureScene) -> bool {
+        let image = picture.scene.image;
+        let has_many = picture.scene.spheres.len() > image.width as usize * image.height as usize;
+        picture.ids.is_none() && !self.args.is_many() && has_many
     }
 
     /// The next scene, once its files are known to be writable.

@@ -223,21 +223,7 @@ impl SphereBlocks {
 
     fn styled_block(&mut self, mut part: Particles) -> Result<Spheres> {
         if let Some(is_colored) = self.scene {
-            self.skipped.append(std::mem::take(&mut part.skipped));
-            let mut spheres =
-                Spheres { centers: part.positions.into(), radii: part.radii.into(), ..Spheres::default() };
-            // As in memory: spheres without a colour have the default one where others have some.
-            let count = spheres.len();
-            spheres.colors = is_colored.then(|| match &part.colors[..] {
-                [] => vec![DEFAULT_COLOR; count].into(),
-                _ => part.colors.into(),
-            });
-            self.options.style.restyle(&mut spheres)?;
-            let masks = select::marks_of(&self.options.marks, self.count, &spheres)?;
-            self.count += count as u64;
-            self.left += count as u64;
-            self.mark(masks, &spheres);
-            return Ok(spheres);
+            return self.block_of_scene(part, is_colored);
         }
         self.has_elements |= part.elements.iter().any(|number| *number != 0);
         self.has_cell |= part.cell.is_some();
@@ -274,18 +260,41 @@ impl SphereBlocks {
             spheres.colors = None;
             self.see(legend.as_ref())?;
         }
-        for warning in skipped.assumed {
-            let what: String = warning.chars().filter(|c| !c.is_ascii_digit()).collect();
-            if self.reported.insert(what) {
-                self.skipped.assumed.push(format!("in a part of {}: {warning}", count(left as u64, "particle")));
-            }
-        }
+        self.report(skipped.assumed, left as u64);
         self.legend = match (self.legend.take(), legend) {
             (Some(first), Some(second)) if !first.is_scale() => Some(joined_elements(first, &second)),
             (first, second) => first.or(second),
         };
         self.mark(masks, &spheres);
         Ok(spheres.checked())
+    }
+
+    /// The spheres of a block of a scene file, whose spheres have colours or none.
+    fn block_of_scene(&mut self, part: Particles, is_colored: bool) -> Result<Spheres> {
+        self.skipped.append(part.skipped);
+        let mut spheres = Spheres { centers: part.positions.into(), radii: part.radii.into(), ..Spheres::default() };
+        // As in memory: spheres without a colour have the default one where others have some.
+        let count = spheres.len();
+        spheres.colors = is_colored.then(|| match &part.colors[..] {
+            [] => vec![DEFAULT_COLOR; count].into(),
+            _ => part.colors.into(),
+        });
+        self.options.style.restyle(&mut spheres)?;
+        let masks = select::marks_of(&self.options.marks, self.count, &spheres)?;
+        self.count += count as u64;
+        self.left += count as u64;
+        self.mark(masks, &spheres);
+        Ok(spheres)
+    }
+
+    /// Reports warnings about a part of so many particles, each once, whatever its numbers are.
+    fn report(&mut self, warnings: Vec<String>, particles: u64) {
+        for warning in warnings {
+            let what: String = warning.chars().filter(|c| !c.is_ascii_digit()).collect();
+            if self.reported.insert(what) {
+                self.skipped.assumed.push(format!("in a part of {}: {warning}", count(particles, "particle")));
+            }
+        }
     }
 
     /// Makes the colours of a part linear light, as those of the file in memory.

@@ -131,6 +131,58 @@ impl PointFormat {
     }
 }
 
+/// The variable length records that describe points.
+#[derive(Default)]
+struct PointRecords {
+    extra: Vec<ExtraField>,
+    laszip: Option<LazScheme>,
+}
+
+impl PointRecords {
+    /// Reads `count` records, as far as they end before the points, which begin at byte `start`.
+    fn read(
+        file: &mut BinaryFile,
+        count: u32,
+        start: u64,
+        format: PointFormat,
+        record: usize,
+        is_compressed: bool,
+    ) -> Result<Self> {
+        let mut records = Self::default();
+        let mut content = Vec::new();
+        for _ in 0..count {
+            let head_at = file.at();
+            if head_at + RECORD_HEAD > start {
+                break;
+            }
+            let head = file.bytes::<{ RECORD_HEAD as usize }>("variable length record")?;
+            let (at, length) = (file.at(), u64::from(u16_at(&head, 20)));
+            if at + length > start {
+                // Without compression nothing depends on the records.
+                if !is_compressed {
+                    break;
+                }
+                return Err(file.fail(head_at, "variable length record", "it does not end before the points", DAMAGED));
+            }
+            content.clear();
+            match (&head[2..18], u16_at(&head, 18)) {
+                (user, extra::RECORD) if user.starts_with(extra::USER) => {
+                    file.block(length, &mut content, "extra bytes")?;
+                    records.extra = extra::fields(&content, format.size, record);
+                }
+                (user, laz::RECORD) if is_compressed && user.starts_with(laz::USER) => {
+                    file.block(length, &mut content, "record of LASzip")?;
+                    let scheme = LazScheme::of(&content, format, record);
+                    let wrong = |(byte, problem, mend)| file.fail(at + byte, "record of LASzip", problem, mend);
+                    records.laszip = Some(scheme.map_err(wrong)?);
+                }
+                _ => file.pass(length, "variable length record")?,
+            }
+        }
+        Ok(records)
+    }
+}
+
 impl LasHeader {
     /// Reads up to the first point.
     fn read(file: &mut BinaryFile) -> Result<Self> {
@@ -172,38 +224,8 @@ impl LasHeader {
             return Err(file.fail(96, "offset to point data", problem, DAMAGED));
         }
         file.pass(size.saturating_sub(here), "header")?;
-        let mut extra = Vec::new();
-        let mut laszip = None;
-        let mut number = 0;
-        while number < u32_at(&bytes, 100) && file.at() + RECORD_HEAD <= start {
-            number += 1;
-            let at = file.at();
-            let head = file.bytes::<{ RECORD_HEAD as usize }>("variable length record")?;
-            let length = u64::from(u16_at(&head, 20));
-            if file.at() + length > start {
-                // Without compression nothing depends on the records.
-                if !is_compressed {
-                    break;
-                }
-                return Err(file.fail(at, "variable length record", "it does not end before the points", DAMAGED));
-            }
-            let at = file.at();
-            let mut content = Vec::new();
-            match (&head[2..18], u16_at(&head, 18)) {
-                (user, extra::RECORD) if user.starts_with(extra::USER) => {
-                    file.block(length, &mut content, "extra bytes")?;
-                    extra = extra::fields(&content, format.size, record);
-                }
-                (user, laz::RECORD) if is_compressed && user.starts_with(laz::USER) => {
-                    file.block(length, &mut content, "record of LASzip")?;
-                    laszip =
-                        Some(LazScheme::of(&content, format, record).map_err(|(byte, problem, mend)| {
-                            file.fail(at + byte, "record of LASzip", problem, mend)
-                        })?);
-                }
-                _ => file.pass(length, "variable length record")?,
-            }
-        }
+        let count = u32_at(&bytes, 100);
+        let PointRecords { extra, laszip } = PointRecords::read(file, count, start, format, record, is_compressed)?;
         if is_compressed && points > 0 && laszip.is_none() {
             let problem = "the points are compressed, but the record of LASzip is missing";
             return Err(file.fail(104, "point format", problem, DAMAGED));

@@ -61,84 +61,143 @@ pub(crate) fn is_known(name: &str) -> bool {
 
 /// The meanings of the fields of a row. A name in lower case comes before the same in capitals.
 pub(crate) fn meanings(fields: &[NamedField<'_>]) -> Meanings {
-    let names: Vec<String> = fields.iter().map(|field| field.name.to_lowercase()).collect();
-    let is_number = |field: &NamedField<'_>| !matches!(field.kind, FieldKind::Other(_));
-    let is_second = |k: usize| {
-        let is_first = |other: &NamedField<'_>| other.name == names[k] && other.count == fields[k].count;
-        fields[k].name != names[k] && fields.iter().any(|other| is_first(other) && is_number(other))
-    };
-    let find = |of: &[&str], fits: &dyn Fn(&NamedField<'_>) -> bool| {
-        let is = |k: usize, name: &str| names[k] == name && fits(&fields[k]) && !is_second(k);
-        of.iter().find_map(|name| (0..names.len()).find(|k| is(*k, name)))
-    };
-    let single = |of: &[&str]| find(of, &|field| field.count == 1 && is_number(field));
-    let three = |set: &[&str; 3]| set.iter().all(|name| single(&[name]).is_some());
-    let is_packed = |field: &NamedField<'_>| match field.kind {
-        FieldKind::Binary(scalar) => field.count == 1 && scalar.size() == 4,
-        _ => false,
-    };
-    let positions =
-        find(&POSITIONS, &|field| field.count == 3 && is_number(field)).filter(|_| !three(&["x", "y", "z"]));
-    let vector = find(&COLORS, &|field| [3, 4].contains(&field.count) && is_number(field));
-    let packed = find(&PACKED, &is_packed).filter(|_| vector.is_none());
-    let set = COLOR_SETS.iter().find(|set| vector.or(packed).is_none() && three(set));
-    let lengths = [(&RADII, Role::Radius), (&DIAMETERS, Role::Diameter)];
-    let length = lengths.into_iter().find_map(|(names, role)| Some((single(names)?, role)));
+    let found = Found::of(Row { fields, names: fields.iter().map(|field| field.name.to_lowercase()).collect() });
+    let color_type = found.color_type();
+    Meanings {
+        fields: (0..fields.len()).map(|k| found.columns(k)).collect(),
+        packed: found.packed,
+        color_type: color_type.unwrap_or_default(),
+        warnings: found.warnings(color_type.is_some()),
+    }
+}
 
-    let role = |name: &str| {
-        let axis = ["x", "y", "z"].iter().position(|axis| *axis == name).filter(|_| positions.is_none());
-        let part = || set.and_then(|set| set.iter().position(|part| *part == name));
-        let (axis, part) = (axis.map(Role::Position), || part().map(Role::Color));
-        let length = || length.filter(|(field, _)| names[*field] == name).map(|(_, role)| role);
-        axis.or_else(part).or_else(length).unwrap_or(Role::Other)
-    };
-    let columns = |k: usize| -> Vec<(String, Role)> {
-        let (name, field) = (&names[k], &fields[k]);
+/// The fields of a row, and their names in lower case.
+struct Row<'a> {
+    fields: &'a [NamedField<'a>],
+    names: Vec<String>,
+}
+
+impl Row<'_> {
+    /// Whether a field has a name in capitals that another one has in lower case.
+    fn is_second(&self, k: usize) -> bool {
+        let (name, field) = (&self.names[k], &self.fields[k]);
+        let is_first = |other: &NamedField<'_>| other.name == name && other.count == field.count;
+        field.name != name && self.fields.iter().any(|other| is_first(other) && other.is_number())
+    }
+
+    /// The field that has the first of these names.
+    fn find(&self, of: &[&str], fits: impl Fn(&NamedField<'_>) -> bool) -> Option<usize> {
+        let is = |k: usize, name: &str| self.names[k] == name && fits(&self.fields[k]) && !self.is_second(k);
+        of.iter().find_map(|name| (0..self.names.len()).find(|k| is(*k, name)))
+    }
+
+    /// The field of one number that has the first of these names.
+    fn single(&self, of: &[&str]) -> Option<usize> {
+        self.find(of, |field| field.count == 1 && field.is_number())
+    }
+
+    /// Whether each of three names has a field of one number.
+    fn has_all(&self, set: &[&str; 3]) -> bool {
+        set.iter().all(|name| self.single(&[name]).is_some())
+    }
+
+    /// The warning that fields whose names in lower case are such are not taken; `None` without such fields.
+    fn unread(&self, is: impl Fn(&str) -> bool, what: &str, mend: &str) -> Option<String> {
+        let shown = |k: usize| match (&self.fields[k].kind, self.fields[k].count) {
+            (FieldKind::Other(kind), _) => format!("{} ({kind})", quote(self.fields[k].name)),
+            (_, 1) => quote(self.fields[k].name).to_string(),
+            (_, count) => format!("{} ({count} numbers)", quote(self.fields[k].name)),
+        };
+        let found: Vec<String> = (0..self.names.len()).filter(|k| is(&self.names[*k])).map(shown).collect();
+        (!found.is_empty()).then(|| format!("{what} are not taken from {}: {mend}", found.join(", ")))
+    }
+}
+
+impl NamedField<'_> {
+    fn is_number(&self) -> bool {
+        !matches!(self.kind, FieldKind::Other(_))
+    }
+
+    /// Whether its number of 4 bytes may be a colour.
+    fn is_packed(&self) -> bool {
+        matches!(self.kind, FieldKind::Binary(scalar) if self.count == 1 && scalar.size() == 4)
+    }
+}
+
+/// The fields of a row that are positions, colours and radii.
+struct Found<'a> {
+    row: Row<'a>,
+    /// A field of three coordinates.
+    positions: Option<usize>,
+    /// A field of three or four components of a colour.
+    vector: Option<usize>,
+    /// A field that has a colour in one number.
+    packed: Option<usize>,
+    /// The names of three fields that are a colour.
+    set: Option<&'static [&'static str; 3]>,
+    /// A radius or a diameter.
+    length: Option<(usize, Role)>,
+}
+
+impl<'a> Found<'a> {
+    fn of(row: Row<'a>) -> Self {
+        let positions = row.find(&POSITIONS, |field| field.count == 3 && field.is_number());
+        let positions = positions.filter(|_| !row.has_all(&["x", "y", "z"]));
+        let vector = row.find(&COLORS, |field| [3, 4].contains(&field.count) && field.is_number());
+        let packed = row.find(&PACKED, |field| field.is_packed()).filter(|_| vector.is_none());
+        let set = COLOR_SETS.iter().find(|set| vector.or(packed).is_none() && row.has_all(set));
+        let lengths = [(&RADII, Role::Radius), (&DIAMETERS, Role::Diameter)];
+        let length = lengths.into_iter().find_map(|(names, role)| Some((row.single(names)?, role)));
+        Self { row, positions, vector, packed, set, length }
+    }
+
+    /// The role of a field of one number.
+    fn role(&self, name: &str) -> Role {
+        let axis = ["x", "y", "z"].iter().position(|axis| *axis == name).filter(|_| self.positions.is_none());
+        let part = || self.set.and_then(|set| set.iter().position(|part| *part == name)).map(Role::Color);
+        let length = || self.length.filter(|(field, _)| self.row.names[*field] == name).map(|(_, role)| role);
+        axis.map(Role::Position).or_else(part).or_else(length).unwrap_or(Role::Other)
+    }
+
+    /// The names and roles of the columns of a field; none where it has no numbers.
+    fn columns(&self, k: usize) -> Vec<(String, Role)> {
+        let (name, field) = (&self.row.names[k], &self.row.fields[k]);
         let parts = |named: [&str; 3], role: fn(usize) -> Role| {
             let others = (3..field.count).map(|k| (component(name, k), Role::Other));
             (0..3).map(|k| (named[k].to_owned(), role(k))).chain(others).collect()
         };
         match field.count {
-            _ if !is_number(field) => Vec::new(),
-            _ if positions == Some(k) => parts(["x", "y", "z"], Role::Position),
-            _ if vector == Some(k) => parts(["r", "g", "b"], Role::Color),
-            _ if packed == Some(k) => parts(["red", "green", "blue"], Role::Color),
-            1 if role(name) != Role::Other && is_second(k) => vec![(field.name.to_owned(), Role::Other)],
-            1 => vec![(field.name.to_owned(), role(name))],
+            _ if !field.is_number() => Vec::new(),
+            _ if self.positions == Some(k) => parts(["x", "y", "z"], Role::Position),
+            _ if self.vector == Some(k) => parts(["r", "g", "b"], Role::Color),
+            _ if self.packed == Some(k) => parts(["red", "green", "blue"], Role::Color),
+            1 if self.role(name) != Role::Other && self.row.is_second(k) => vec![(field.name.to_owned(), Role::Other)],
+            1 => vec![(field.name.to_owned(), self.role(name))],
             count => (0..count).map(|part| (component(name, part), Role::Other)).collect(),
         }
-    };
-    let type_of = |k: usize| match fields[k].kind {
-        FieldKind::Binary(_) if packed == Some(k) => ColorType::Byte,
-        FieldKind::Binary(scalar) => ColorType::of(scalar),
-        _ => ColorType::Real,
-    };
-    let sources = set.into_iter().flatten().filter_map(|name| single(&[name])).chain(vector).chain(packed);
-    let color_type = sources.map(type_of).max();
+    }
 
-    let unread = |is: &dyn Fn(&str) -> bool, what: &str, mend: &str| {
-        let shown = |k: usize| match (&fields[k].kind, fields[k].count) {
-            (FieldKind::Other(kind), _) => format!("{} ({kind})", quote(fields[k].name)),
-            (_, 1) => quote(fields[k].name).to_string(),
-            (_, count) => format!("{} ({count} numbers)", quote(fields[k].name)),
+    /// The type of the colours' numbers; `None` without colours.
+    fn color_type(&self) -> Option<ColorType> {
+        let type_of = |k: usize| match self.row.fields[k].kind {
+            FieldKind::Binary(_) if self.packed == Some(k) => ColorType::Byte,
+            FieldKind::Binary(scalar) => ColorType::of(scalar),
+            _ => ColorType::Real,
         };
-        let found: Vec<String> = (0..names.len()).filter(|k| is(&names[*k])).map(shown).collect();
-        (!found.is_empty()).then(|| format!("{what} are not taken from {}: {mend}", found.join(", ")))
-    };
-    // An `r` alone is any number.
-    let is_color = |name: &str| COLORS.contains(&name) || [0, 2].iter().any(|set| COLOR_SETS[*set].contains(&name));
-    let is_length = |name: &str| RADII.contains(&name) || DIAMETERS.contains(&name);
-    let colors = || {
+        let set = self.set.into_iter().flatten().filter_map(|name| self.row.single(&[name]));
+        set.chain(self.vector).chain(self.packed).map(type_of).max()
+    }
+
+    /// Warnings about fields that are called like colours or radii and are not taken.
+    fn warnings(&self, has_colors: bool) -> Vec<String> {
+        // An `r` alone is any number.
+        let is_color = |name: &str| COLORS.contains(&name) || [0, 2].iter().any(|set| COLOR_SETS[*set].contains(&name));
+        let is_length = |name: &str| RADII.contains(&name) || DIAMETERS.contains(&name);
         let mend = "they are three numbers red, green and blue, a field rgb of three, or one of 4 bytes";
-        unread(&is_color, "colours", mend)
-    };
-    let radii = || unread(&is_length, "radii", "a radius or a diameter is one number");
-    let warnings = color_type.is_none().then(colors).flatten().into_iter();
-    Meanings {
-        fields: (0..fields.len()).map(columns).collect(),
-        packed,
-        color_type: color_type.unwrap_or_default(),
-        warnings: warnings.chain(length.is_none().then(radii).flatten()).collect(),
+        let colors = || self.row.unread(is_color, "colours", mend);
+        let radii = || self.row.unread(is_length, "radii", "a radius or a diameter is one number");
+        let colors = (!has_colors).then(colors).flatten().into_iter();
+        colors.chain(self.length.is_none().then(radii).flatten()).collect()
     }
 }
 

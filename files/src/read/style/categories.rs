@@ -73,80 +73,150 @@ pub(super) fn apply(
     skipped: &mut Skipped,
 ) -> Result<Option<Colored>> {
     let labels = columns.iter().find_map(|column| particles.labels.get(&column.name));
-    let chosen = scale.map == Some(ColorMap::Category);
-    let whole = |column: &Column| column.values.par_iter().all(|x| x.fract() == 0.0);
-    let numbered = |column: &Column| NUMBERED.contains(&&column.name[..]) && whole(column);
-    let plain = scale.map.is_none() && scale.range.is_none() && !scale.log;
-    if labels.is_none() && !chosen && !(plain && columns.len() == 1 && numbered(columns[0])) {
+    if labels.is_none() && !are_categories(scale, columns) {
         return Ok(None);
     }
-    let name = &scale.columns.join(", ");
-    let refused =
-        |what: &str, mend: String| Err(Error::settings(format!("{name} has categories, which have no {what}"), mend));
-    let [column] = columns else { return refused("length", "use one column".into()) };
-    if scale.range.is_some() {
-        return refused("range", format!("remove {RANGE}, or use a column of numbers"));
-    }
-    if scale.log {
-        return refused("logarithm", format!("remove {LOG}, or use a column of numbers"));
-    }
-    let (names, numbers) = labels.map(|labels| joined(&scale.names, labels)).unzip();
-    let names: Vec<String> = names.unwrap_or_default();
-    let number = |value: f64| match &numbers {
-        Some(numbers) if value >= 0.0 => numbers.get(value as usize).copied().unwrap_or(f64::NAN),
-        _ => value.floor(),
-    };
-    // A continuous map is spread over all names of the file.
-    let last = labels.map_or(1, |_| names.len().saturating_sub(1).max(1)) as f64;
-    let map = scale.map.unwrap_or(ColorMap::Category);
-    let place = |category: f64| if map == ColorMap::Category { category } else { category / last };
-    let (mut counts, mut missing, mut more) = (BTreeMap::<i64, u64>::new(), 0_u64, 0_u64);
-    for (_, value) in column.values.iter().enumerate().filter(|(n, _)| !is_painted(&particles.paint, *n)) {
-        let known = counts.len() < MOST;
-        match number(*value) {
-            category if !category.is_finite() => missing += 1,
-            category if known || counts.contains_key(&(category as i64)) => {
-                *counts.entry(category as i64).or_default() += 1
-            }
-            _ => more += 1,
-        }
-    }
-    if missing > 0 {
-        let of = column.values.len();
-        skipped.assumed.push(format!(
-            "{missing} of {of} values of {name} are not numbers, so these particles have no category and are grey"
-        ));
-    }
-    let several = counts.len() as u64 + more;
-    if map == ColorMap::Category && several > ColorMap::CATEGORIES {
-        let colors = ColorMap::CATEGORIES;
-        skipped.assumed.push(format!("{several} categories of {name} share {colors} colours"));
-    }
-    let label = |category: i64| match labels {
-        Some(_) => usize::try_from(category).ok().and_then(|n| names.get(n)).cloned().unwrap_or_default(),
-        None => category.to_string(),
-    };
-    let category = |(number, count): (&i64, &u64)| Category {
-        label: Some(label(*number)).filter(|label| !label.trim().is_empty()).unwrap_or_else(|| "(blank)".into()),
-        color: map.srgb(place(*number as f64)),
-        count: *count,
-    };
-    let categories: Vec<Category> = counts.iter().map(category).collect();
+    let name = scale.columns.join(", ");
+    let column = only(scale, columns, &name)?;
+    let categories = Categories::new(scale, labels.map(|labels| &labels[..]));
+    let counts = Counts::of(&categories, column, &particles.paint);
+    skipped.assumed.extend(counts.notes(&name, column.values.len(), categories.map));
     let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
-    let range = [ends(counts.keys().next()), ends(counts.keys().next_back())];
-    let color = |category: f64| match category {
-        category if category.is_finite() => map.color(place(category)),
-        _ => linear(MISSING),
+    let legend = Legend {
+        name,
+        map: categories.map,
+        range: [ends(counts.known.keys().next()), ends(counts.known.keys().next_back())],
+        log: false,
+        categories: counts.known.iter().map(|(number, count)| categories.row(*number, *count)).collect(),
+        names: categories.names.clone(),
+        overrides: Vec::new(),
     };
     // Few colours for many particles.
-    let known: BTreeMap<i64, [f32; 3]> = counts.keys().map(|n| (*n, color(*n as f64))).collect();
+    let known: BTreeMap<i64, [f32; 3]> = counts.known.keys().map(|n| (*n, categories.color(*n as f64))).collect();
     let of = |x: &f64| {
-        let category = number(*x);
-        known.get(&(category as i64)).filter(|_| category.is_finite()).copied().unwrap_or_else(|| color(category))
+        let category = categories.of(*x);
+        let color = known.get(&(category as i64)).filter(|_| category.is_finite());
+        color.copied().unwrap_or_else(|| categories.color(category))
     };
     let colors = column.values.par_iter().map(of).collect();
-    let legend = Legend { name: name.clone(), map, range, log: false, categories, names, overrides: Vec::new() };
-    Ok(Some((colors, (several > 0).then_some(legend))))
+    Ok(Some((colors, (counts.several() > 0).then_some(legend))))
+}
+
+/// Whether columns of numbers are categories: by the map, or because the column's whole numbers are identifiers.
+fn are_categories(scale: &Scale, columns: &[&Column]) -> bool {
+    let whole = |column: &Column| column.values.par_iter().all(|x| x.fract() == 0.0);
+    let is_plain = scale.map.is_none() && scale.range.is_none() && !scale.log;
+    let are_numbered = || matches!(columns, [column] if NUMBERED.contains(&&column.name[..]) && whole(column));
+    scale.map == Some(ColorMap::Category) || is_plain && are_numbered()
+}
+
+/// The column of categories.
+///
+/// # Errors
+/// [`Error::Settings`] for what categories do not have: several columns, a range, a logarithm.
+fn only<'a>(scale: &Scale, columns: &[&'a Column], name: &str) -> Result<&'a Column> {
+    let refused =
+        |what: &str, mend: String| Err(Error::settings(format!("{name} has categories, which have no {what}"), mend));
+    match columns {
+        [_] if scale.range.is_some() => refused("range", format!("remove {RANGE}, or use a column of numbers")),
+        [_] if scale.log => refused("logarithm", format!("remove {LOG}, or use a column of numbers")),
+        [column] => Ok(column),
+        _ => refused("length", "use one column".into()),
+    }
+}
+
+/// The categories of a column: their names and their colours.
+struct Categories {
+    /// The names by the numbers of the categories; empty for a column of numbers.
+    names: Vec<String>,
+    /// The category of each label of the file, by its place; `None` for a column of numbers.
+    places: Option<Vec<f64>>,
+    map: ColorMap,
+    /// The category at the end of a continuous map.
+    last: f64,
+}
+
+impl Categories {
+    fn new(scale: &Scale, labels: Option<&[String]>) -> Self {
+        let (names, places) = labels.map(|labels| joined(&scale.names, labels)).unzip();
+        let names: Vec<String> = names.unwrap_or_default();
+        // A continuous map is spread over all names of the file.
+        let last = labels.map_or(1, |_| names.len().saturating_sub(1).max(1)) as f64;
+        Self { names, places, map: scale.map.unwrap_or(ColorMap::Category), last }
+    }
+
+    /// The category of a value; not finite if it has none.
+    fn of(&self, value: f64) -> f64 {
+        match &self.places {
+            Some(places) if value >= 0.0 => places.get(value as usize).copied().unwrap_or(f64::NAN),
+            _ => value.floor(),
+        }
+    }
+
+    /// The place of a category on the map.
+    fn place(&self, category: f64) -> f64 {
+        if self.map == ColorMap::Category { category } else { category / self.last }
+    }
+
+    fn color(&self, category: f64) -> [f32; 3] {
+        if category.is_finite() { self.map.color(self.place(category)) } else { linear(MISSING) }
+    }
+
+    /// The row of a category in the legend.
+    fn row(&self, number: i64, count: u64) -> Category {
+        let label = match self.places {
+            Some(_) => usize::try_from(number).ok().and_then(|n| self.names.get(n)).cloned().unwrap_or_default(),
+            None => number.to_string(),
+        };
+        let label = Some(label).filter(|label| !label.trim().is_empty()).unwrap_or_else(|| "(blank)".into());
+        Category { label, color: self.map.srgb(self.place(number as f64)), count }
+    }
+}
+
+/// The numbers of particles in categories.
+#[derive(Default)]
+struct Counts {
+    /// By category, at most [`MOST`].
+    known: BTreeMap<i64, u64>,
+    /// Particles without a category.
+    missing: u64,
+    /// Particles in other categories.
+    more: u64,
+}
+
+impl Counts {
+    fn of(categories: &Categories, column: &Column, paint: &[u16]) -> Self {
+        let mut counts = Self::default();
+        for (_, value) in column.values.iter().enumerate().filter(|(n, _)| !is_painted(paint, *n)) {
+            let has_room = counts.known.len() < MOST;
+            match categories.of(*value) {
+                category if !category.is_finite() => counts.missing += 1,
+                category if has_room || counts.known.contains_key(&(category as i64)) => {
+                    *counts.known.entry(category as i64).or_default() += 1;
+                }
+                _ => counts.more += 1,
+            }
+        }
+        counts
+    }
+
+    /// The number of categories, at least.
+    fn several(&self) -> u64 {
+        self.known.len() as u64 + self.more
+    }
+
+    /// Notes on particles without a category, of so many, and on categories that share colours.
+    fn notes(&self, name: &str, of: usize, map: ColorMap) -> impl Iterator<Item = String> {
+        let (missing, several, colors) = (self.missing, self.several(), ColorMap::CATEGORIES);
+        let missing = (missing > 0).then(|| {
+            format!(
+                "{missing} of {of} values of {name} are not numbers, so these particles have no category and are grey"
+            )
+        });
+        let shared = (map == ColorMap::Category && several > colors)
+            .then(|| format!("{several} categories of {name} share {colors} colours"));
+        missing.into_iter().chain(shared)
+    }
 }
 
 /// The known names and then the new ones of a file, and the place of each of the file's names in this list.
