@@ -23,9 +23,19 @@ pub(crate) struct Settled {
     pub(crate) truth: Option<Truth>,
 }
 
+/// Pixels that are compared together, most of which are sure.
+const COMPARED: usize = 64;
+
 /// The pixels that a certified kernel marked unsure.
 pub(crate) fn unsure(ids: &[u32]) -> Vec<u32> {
-    ids.par_iter().positions(|id| *id == UNSURE).map(|pixel| pixel as u32).collect()
+    let of_some = |(n, ids): (usize, &[u32])| {
+        // All are compared, without a branch, so that compilers make vectors of them.
+        let has_unsure = ids.iter().fold(false, |has, id| has | (*id == UNSURE));
+        let ids = if has_unsure { ids } else { &[] };
+        let pixels = ids.iter().enumerate().filter(|(_, id)| **id == UNSURE);
+        pixels.map(|(k, _)| (n * COMPARED + k) as u32).collect::<Vec<_>>()
+    };
+    ids.par_chunks(COMPARED).enumerate().flat_map_iter(of_some).collect()
 }
 
 /// The most candidates reserved at once: 64 MiB, and as much again for each pixel's own lists.
