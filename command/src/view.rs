@@ -10,9 +10,7 @@ mod pick;
 mod python;
 mod summary;
 
-use halfline_viewer::{Commands, FrameRequest};
 pub use pick::{apart, describe};
-use std::ffi::{OsStr, OsString};
 pub use summary::{legend, scene};
 
 use super::config::Config;
@@ -27,8 +25,9 @@ use clap::{Arg, Args, Command};
 use given::Given;
 use halfline::error::{Error, Result};
 use halfline_files::read::read_once;
-use halfline_viewer::{Server, open_browser, ssh_line};
+use halfline_viewer::{Commands, FrameRequest, Server, open_browser, ssh_line};
 use handler::ViewHandler;
+use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -46,19 +45,9 @@ pub fn commands(
     options: &[(String, Option<OsString>)],
     request: &FrameRequest,
 ) -> Result<Commands> {
-    let python = Given::in_memory(file, options);
-    let lines = python::lines(file, &python.output(), &python.options_of(request), request);
-    if file.is_none() {
-        return Ok(Commands { shell: None, python: lines });
-    }
-    let named = |(id, value): &(String, Option<OsString>)| {
-        let id = if id == "outline" { "cell" } else { id };
-        (id.to_owned(), value.clone())
-    };
-    let shell = Given::in_memory(file, &options.iter().map(named).collect::<Vec<_>>());
-    let mut words = shell.words(&shell.options_of(request));
-    words.extend(["-o".into(), shell.output()]);
-    Ok(Commands { shell: Some(given::line(&words)?), python: lines })
+    let given = Given::in_memory(file, options);
+    let shell = file.map(|_| given::line(&given.words_of(request))).transpose()?;
+    Ok(Commands { shell, python: python::lines(file, &given.output(), &given.options_of(request), request) })
 }
 
 /// Shows a scene on a page of the browser: find the camera by looking, pick spheres, and copy the command that renders what

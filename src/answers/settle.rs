@@ -28,14 +28,11 @@ const COMPARED: usize = 64;
 
 /// The pixels that a certified kernel marked unsure.
 pub(crate) fn unsure(ids: &[u32]) -> Vec<u32> {
-    let of_some = |(n, ids): (usize, &[u32])| {
-        // All are compared, without a branch, so that compilers make vectors of them.
-        let has_unsure = ids.iter().fold(false, |has, id| has | (*id == UNSURE));
-        let ids = if has_unsure { ids } else { &[] };
-        let pixels = ids.iter().enumerate().filter(|(_, id)| **id == UNSURE);
-        pixels.map(|(k, _)| (n * COMPARED + k) as u32).collect::<Vec<_>>()
-    };
-    ids.par_chunks(COMPARED).enumerate().flat_map_iter(of_some).collect()
+    let parts = ids.par_chunks(COMPARED).enumerate();
+    // All ids are compared, without a branch, so that compilers make vectors of them.
+    let unsure = parts.filter(|(_, ids)| ids.iter().fold(false, |has, id| has | (*id == UNSURE)));
+    let pixels = |(n, ids)| (n * COMPARED..).zip(ids).filter(|(_, id): &(_, &u32)| **id == UNSURE);
+    unsure.flat_map_iter(pixels).map(|(pixel, _)| pixel as u32).collect()
 }
 
 /// The most candidates reserved at once: 64 MiB, and as much again for each pixel's own lists.

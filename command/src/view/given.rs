@@ -65,9 +65,14 @@ impl Given {
         Ok(given)
     }
 
-    /// The file of a scene in memory, and the options by their identifiers that read it and that render its pictures.
+    /// The file of a scene in memory, and the options by their identifiers that read it and that render its pictures. The
+    /// command has one option for edges of the cell that are drawn at the reading and at the rendering.
     pub(super) fn in_memory(file: Option<&OsStr>, options: &[(String, Option<OsString>)]) -> Self {
-        let options = options.iter().map(|(id, value)| GivenOption::new(id, value.clone())).collect();
+        let option = |(id, value): &(String, Option<OsString>)| match GivenOption::new(id, value.clone()) {
+            edges if id == "outline" => GivenOption { long: "cell".into(), ..edges },
+            option => option,
+        };
+        let options = options.iter().map(option).collect();
         let scene = file.unwrap_or_default().to_owned();
         Self { scene, options, camera: Vec::new(), preferences: Vec::new(), frame: None }
     }
@@ -165,6 +170,13 @@ impl Given {
             _ => self.scene.clone(),
         };
         ["render".into(), scene].into_iter().chain(options.iter().map(GivenOption::word)).collect()
+    }
+
+    /// The words of the command that renders the picture of a request.
+    pub(super) fn words_of(&self, request: &FrameRequest) -> Vec<OsString> {
+        let mut words = self.words(&self.options_of(request));
+        words.extend(["-o".into(), self.output()]);
+        words
     }
 
     /// The name of the file that the copied command writes: never that of the scene.

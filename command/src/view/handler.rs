@@ -26,7 +26,6 @@ use halfline_viewer::{
     Answer, Commands, FrameRequest, GoOn, Mode, PickRequest, Picture, Pixels, Pose, Refusal, SceneRequest, Stage,
 };
 use serde_json::{Value, json};
-use std::ffi::OsString;
 use std::num::NonZeroU32;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -154,17 +153,10 @@ impl ViewHandler {
         FrameRequest { frame: frame.or(session.is_numbered.then_some(session.first)), ..request.clone() }
     }
 
-    /// The words of the command that renders the picture of a request.
-    fn words(&self, request: &FrameRequest) -> Vec<OsString> {
-        let mut words = self.given.words(&self.given.options_of(request));
-        words.extend(["-o".into(), self.given.output()]);
-        words
-    }
-
     /// The picture of a request.
     fn render_job(&self, session: &mut Session, request: &FrameRequest) -> Result<RenderJob> {
         let request = Self::numbered(session, request);
-        let args = session.parser.args(&self.words(&request))?;
+        let args = session.parser.args(&self.given.words_of(&request))?;
         let frame = self.frame_of(session, request.select.as_deref(), request.frame)?;
         let frame = without_columns(frame);
         let picture = posed(&args, frame, session.record.as_ref().and_then(CameraRecord::lens_size))?;
@@ -318,7 +310,7 @@ impl Stage for ViewHandler {
     fn command(&self, request: &FrameRequest) -> Answer<Commands> {
         self.with(|session| {
             let request = Self::numbered(session, request);
-            let words = self.words(&request);
+            let words = self.given.words_of(&request);
             // What the command would refuse is an error here.
             session.parser.args(&words)?;
             let options = self.given.with_preferences(self.given.options_of(&request));

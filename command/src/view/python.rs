@@ -134,7 +134,6 @@ fn escape(value: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::given::GivenOption;
     use halfline_viewer::{Mode, Pose};
 
     #[test]
