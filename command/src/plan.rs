@@ -85,6 +85,20 @@ struct PlanText<'a>(&'a Explanation, Option<&'a str>);
 
 impl Display for PlanText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write_scene(f)?;
+        self.write_camera(f)?;
+        self.write_window(f)?;
+        self.write_light(f)?;
+        self.write_engine(f)?;
+        self.write_device(f)?;
+        self.write_memory(f)?;
+        writeln!(f, "left out")?;
+        self.0.left_out.iter().try_for_each(|left| writeln!(f, "  {}: {}", left.what, left.why))
+    }
+}
+
+impl PlanText<'_> {
+    fn write_scene(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let e = self.0;
         writeln!(
             f,
@@ -93,8 +107,12 @@ impl Display for PlanText<'_> {
             e.size[0],
             e.size[1],
             count(e.skipped, "object")
-        )?;
-        self.write_camera(f)?;
+        )
+    }
+
+    /// The window, the spheres in its lists, and the samples.
+    fn write_window(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let e = self.0;
         let [x0, y0, x1, y1] = e.window;
         if [x0, y0, x1, y1] != [0, 0, e.size[0], e.size[1]] {
             writeln!(f, "crop       columns {x0} to {x1}, rows {y0} to {y1}, ends excluded: {} rays", e.rays)?;
@@ -107,7 +125,12 @@ impl Display for PlanText<'_> {
             let samples = e.samples;
             writeln!(f, "samples    {samples} per pixel for colour and alpha: one more pass each, of ids and colour")?;
         }
-        self.write_light(f)?;
+        Ok(())
+    }
+
+    /// The backend, the accuracy, the method and the search, with their reasons.
+    fn write_engine(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let e = self.0;
         writeln!(f, "place      {}: {}", e.backend, e.adapter)?;
         writeln!(f, "           {}", e.backend_reason)?;
         writeln!(f, "accuracy   {}, tolerance {}", e.accuracy, number(e.tolerance, 2))?;
@@ -122,7 +145,12 @@ impl Display for PlanText<'_> {
             )?;
         }
         writeln!(f, "precision  {}", e.precision)?;
-        writeln!(f, "search     {}: {}", e.search, e.search_reason)?;
+        writeln!(f, "search     {}: {}", e.search, e.search_reason)
+    }
+
+    /// The kernel and the buffers of the device.
+    fn write_device(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let e = self.0;
         let lines = |parts: &[ShaderFile]| parts.iter().map(|part| part.lines).sum::<usize>();
         if !e.kernel.is_empty() {
             let what = if e.dispatches == 1 { "dispatch" } else { "dispatches" };
@@ -130,7 +158,12 @@ impl Display for PlanText<'_> {
             write_parts(f, &e.kernel)?;
         }
         write_bindings(f, "uploaded", &e.uploaded)?;
-        write_bindings(f, "written and read back", &e.written)?;
+        write_bindings(f, "written and read back", &e.written)
+    }
+
+    /// The room in memory, and the buffers of the frame.
+    fn write_memory(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let e = self.0;
         let known = |n: Option<u64>| n.map_or("an unknown number".to_owned(), |n| n.to_string());
         let Room { adapter, host, needed, free } = e.room;
         write!(f, "room       for {} spheres in this machine's memory", known(host))?;
@@ -146,12 +179,9 @@ impl Display for PlanText<'_> {
             let [name, dtype, shape] = [shown.name, shown.dtype, &shape.join(" x ")];
             writeln!(f, "  {name:20} {:>14} bytes, {shape} of {dtype}{always}", shown.bytes)?;
         }
-        writeln!(f, "left out")?;
-        e.left_out.iter().try_for_each(|left| writeln!(f, "  {}: {}", left.what, left.why))
+        Ok(())
     }
-}
 
-impl PlanText<'_> {
     fn write_camera(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let camera = &self.0.camera;
         let point = |p: [f64; 3]| p.map(|x| number(x, 6)).join(", ");

@@ -22,6 +22,7 @@ use halfline::frame::Aov;
 use halfline::progress::{Cancel, Progress, Step};
 use halfline::render::Renderer;
 use halfline::render::trace::Tracer;
+use halfline::scene::Spheres;
 use halfline::settings::{Search, Settings};
 use halfline_files::read::{SceneFrame, Sequence};
 use halfline_files::write::file::{check_writable, is_standard};
@@ -103,55 +104,61 @@ impl Trace {
         }
         self.source.write_beams(&source)?;
 
-        let skipped = frame.skipped;
+        let mut warnings = frame.skipped.warnings();
+        warnings.extend_from_slice(renderer.passed_over());
         let mut spheres = frame.scene.spheres;
         if !file.as_ref().is_some_and(HitFile::has_colors) {
             // Colours take memory and are not used.
             spheres.colors = None;
         }
-        let mut warnings = skipped.warnings();
-        warnings.extend_from_slice(renderer.passed_over());
         warn(&warnings);
-        let bar = Bar::with_output(self.progress.progress, 1);
         let mut tracer = renderer.tracer(&spheres, &settings)?;
-        let passed_over: Vec<String> = tracer.warning().map(str::to_owned).into_iter().collect();
-        warn(&passed_over);
-        warnings.extend(passed_over);
+        warn(tracer.warning());
+        warnings.extend(tracer.warning().map(str::to_owned));
         note(format_args!("tracing on {} ({})", tracer.adapter(), tracer.driver()));
+        let report = self.trace(file.as_ref(), &mut source, &cancel, &spheres, &mut tracer)?;
+        warnings.extend_from_slice(&report.warnings);
+        if self.json {
+            print_json(&TraceReport { skipped: frame.skipped.total(), warnings, ..report })?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Traces all rays, writes the hits into the file, if there is one, and reports on the rays.
+    fn trace(
+        &self,
+        file: Option<&HitFile>,
+        source: &mut RaySource,
+        cancel: &Cancel,
+        spheres: &Spheres,
+        tracer: &mut Tracer<'_>,
+    ) -> Result<TraceReport> {
         let start = Instant::now();
+        let bar = Bar::with_output(self.progress.progress, 1);
         let mut work = Work { bar: &bar, total: source.count().unwrap_or(0), any: self.any, tally: Tally::default() };
         let scan = source.lidar().map(|lidar| [lidar.rings(), lidar.azimuths()]);
-        let cloud = match &file {
+        let cloud = match file {
             Some(file) => file
-                .write(&watch(), scan, &spheres, |out| work.run(&mut source, &cancel, &mut tracer, Some(out)))?
+                .write(&watch(), scan, spheres, |out| work.run(source, cancel, tracer, Some(out)))?
                 .map(|summary| Cloud::new(file.path(), summary)),
-            None => {
-                work.run(&mut source, &cancel, &mut tracer, None)?;
-                None
-            }
+            None => work.run(source, cancel, tracer, None).map(|()| None)?,
         };
         if let Some(cloud) = &cloud {
             bar.suspended(|| note(format_args!("{}", cloud.words())));
         }
-        let tally = work.tally;
-        let mut more = tally.warnings(&spheres);
-        more.extend(cloud.as_ref().and_then(Cloud::warning));
-        bar.suspended(|| warn(&more));
-        warnings.extend(more);
+        let mut warnings = work.tally.warnings(spheres);
+        warnings.extend(cloud.as_ref().and_then(Cloud::warning));
+        bar.suspended(|| warn(&warnings));
         let report = TraceReport {
             spheres: spheres.len() as u64,
-            skipped: skipped.total(),
             pattern: source.lidar().map(Into::into),
             cloud,
             elapsed_ms: start.elapsed().as_secs_f64() * 1e3,
             warnings,
-            ..TraceReport::new(&tracer, tally, self.any)
+            ..TraceReport::new(tracer, work.tally, self.any)
         };
         bar.finish();
-        if self.json {
-            print_json(&report)?;
-        }
-        Ok(ExitCode::SUCCESS)
+        Ok(report)
     }
 
     /// Checks combinations of options; the file of the hits.

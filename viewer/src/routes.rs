@@ -98,7 +98,8 @@ impl Routes {
         }
     }
 
-    /// Gives up what is rendered, as far as it can be, and what waits.
+    /// Cancels the frame that is rendered, unless the camera moves, and those that wait; later requests for frames get an empty
+    /// reply.
     pub fn close(&self) {
         self.is_closed.store(true, Ordering::Relaxed);
         self.queue.clear();

@@ -49,7 +49,8 @@ pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, 
     }))
 }
 
-/// Origin and direction of the ray through the centre of pixel (column, row) in world space, as in the lecture, rounded.
+/// Origin and direction of the ray through the centre of pixel (column, row) in world space, in f64 arithmetic. The direction is
+/// not normalised.
 fn ray(camera: &Camera, size: [u32; 2], [column, row]: [u32; 2]) -> Result<[DVec3; 2]> {
     let Viewport { vw, vh, d, .. } = camera.viewport(size[0], size[1])?;
     let (Basis { e, u, v, w }, [width, height]) = (camera.basis()?, size.map(f64::from));
@@ -59,7 +60,8 @@ fn ray(camera: &Camera, size: [u32; 2], [column, row]: [u32; 2]) -> Result<[DVec
     Ok(if camera.lens.is_orthographic() { [e + across, -w] } else { [e, across - w * d] })
 }
 
-/// The spheres that a ray may hit, and those that it passes closely: by some millions of roundings of their distance.
+/// The ids of the spheres that the line of a ray hits, or passes within 1e-9 of their radius plus 1e-9 of the distance from the
+/// origin to their centre.
 fn near_ray(spheres: &Spheres, [origin, direction]: [DVec3; 2]) -> Vec<usize> {
     const SLACK: f64 = 1e-9;
     let along = direction.normalize();

@@ -114,7 +114,7 @@ fn path(name: &OsStr) -> String {
     format!("\"{}\"", name.as_encoded_bytes().utf8_chunks().map(of).collect::<String>())
 }
 
-/// A text as a literal of Python, which has the escapes of Rust but for those of characters beyond ASCII.
+/// A text as a string literal of Python: backslashes, double quotes and control characters are escaped.
 fn text(value: &str) -> String {
     format!("\"{}\"", escape(value))
 }

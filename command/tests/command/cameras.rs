@@ -259,7 +259,16 @@ fn invalid_lists_are_refused_with_the_camera_and_the_field() {
         ("[{\"transform_matrix\": [[1, 0, 0, 0]]}]", &["camera 0 transform_matrix", "4 x 4"]),
         ("[{\"eye\": [1, 2, 3],", &["list.json:1:"]),
         ("eye_x,eye_y\n1,2\n", &["camera 0 eye_z", "missing"]),
-        ("eye_x,nose\n1,2\n", &["list.json:1:7: header", "`nose` is not a column"]),
+        ("eye_x,nose\n1,2\n", &["list.json:1:7: header", "unknown column `nose`"]),
+        ("eye_x,EYE_X\n1,2\n", &["list.json:1:7: header", "`EYE_X` occurs twice"]),
+        ("eye_x,eye_y\n1\n", &["list.json:2:2: eye_y", "expected 2 numbers, found 1"]),
+        ("eye_x,eye_y\n1,2,3\n", &["list.json:2:5: row", "more than the 2 numbers"]),
+        ("eye_x,view_x,at_y\n1,2,3\n", &["list.json:1:1: header", "`view_x` and `at_y` exclude each other"]),
+        ("vfov,cx\n1,2\n", &["list.json:1:1: header", "`vfov` and `cx` exclude each other"]),
+        (
+            "eye_x,eye_y,eye_z,view_x,view_y,view_z,up_x,up_y,up_z,cx,cy\n0,0,9,0,0,-1,0,1,0,20,15\n",
+            &["camera 0 fx", "missing"],
+        ),
         ("eye_x,eye_y,eye_z\n1,a,3\n", &["list.json:2:3: eye_y"]),
     ] {
         dir.put("list.json", text);

@@ -32,7 +32,7 @@ pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<
     each(path, watch, |center, radius, color| spheres.add(center, radius, color))
 }
 
-/// Passes the spheres of the file on, block by block.
+/// Gives the spheres of the file to `survey`, block by block.
 pub(super) fn pass(path: &Path, survey: &Survey, watch: &Watch) -> Result<()> {
     let mut block = Spheres::default();
     each(path, watch, |center, radius, color| {

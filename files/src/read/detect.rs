@@ -54,7 +54,8 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
     })
 }
 
-/// The warning about a file whose name or content says another format than the one it is read in; else `None`.
+/// The warning about a file that is read as `format` and whose name says `named`, another one, or about a PQR file whose numbers
+/// are in PDB's columns; else `None`.
 fn contradiction(format: Format, named: Format, text: &str) -> Option<String> {
     let (read, other) = (format.name(), named.name());
     if format != named {
@@ -209,7 +210,8 @@ fn is_pdbqt(lines: &[&str]) -> bool {
     atoms(lines).next().is_some_and(|atom| has_charge(atom) || is_tree(lines))
 }
 
-/// The same, where the columns of PDB cannot have these types: letters in column 79, or aromatic carbon.
+/// Whether PDB records have a tree, or an atom with a charge and a type that PDB's columns cannot hold: a letter in column 79, or
+/// `A` (aromatic carbon) in column 78.
 fn has_types(lines: &[&str]) -> bool {
     let typed = |atom: &str| {
         let kind = atom.as_bytes().get(77..).unwrap_or_default();

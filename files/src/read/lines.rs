@@ -371,6 +371,13 @@ impl<R: BufRead> Word<'_, R> {
         self.text.parse().map_err(|_| self.wrong(field, "is not a number"))
     }
 
+    /// Parses a whole number.
+    pub(super) fn whole(&self, field: &str) -> Result<i64> {
+        let problem = || format!("{} is not a whole number", quote(self.text));
+        let place = || self.lines.place(self.at).named(field);
+        self.text.parse().map_err(|_| Error::scene(place(), problem(), "use a whole number such as 7"))
+    }
+
     fn wrong(&self, field: &str, what: &str) -> Error {
         let problem = match self.text {
             "" => "the field is blank".to_owned(),

@@ -36,76 +36,88 @@ const VIEW: [&str; 6] = ["from", "at", "up", "angle", "hither", "resolution"];
 /// Reads a scene from the stream; `path` is for errors.
 pub(super) fn read(reader: Input, path: &Path, strict: bool) -> Result<(Scene, Skipped)> {
     let mut nff = Reader { lines: Lines::new(reader, path), next: 0 };
-    let mut camera = None;
-    let mut background: Option<[f32; 3]> = None;
-    let mut fill = None;
-    let (mut spheres, mut skipped) = (Spheres::default(), Skipped::default());
-    let (mut lights, mut limited, mut dimmed) = (Vec::new(), 0_u64, 0_u64);
+    let mut statements = Statements { strict, ..Statements::default() };
     while let Some(word) = nff.peek()? {
         let spot = nff.spot(word);
-        let unknown = |problem: String| {
-            let mend = format!("begin the line with one of {}", DIRECTIVES.join(" "));
-            Err(Error::scene(spot.of(Place::file(path.display().to_string())), problem, mend))
-        };
-        let text = nff.text(word);
-        let Some(directive) = DIRECTIVES.into_iter().find(|d| *d == text) else {
-            return match VIEW.contains(&text) {
-                true => unknown(format!("{} is outside of a v block", quote(text))),
-                false if text.parse::<f64>().is_ok() => unknown(format!("{} is one number too many", quote(text))),
-                false => unknown(format!("{} is not a statement", quote(text))),
-            };
-        };
-        if !nff.begins_line(word) {
-            return unknown(format!("expected the end of the line, found {}", quote(text)));
-        }
+        let directive = nff.directive(word)?;
         nff.take(word);
+        statements.add(&mut nff, directive, spot)?;
+    }
+    statements.scene(&nff)
+}
+
+/// The statements of a file so far.
+#[derive(Default)]
+struct Statements {
+    strict: bool,
+    view: Option<(Camera, ImagePlane)>,
+    background: Option<[f32; 3]>,
+    /// The colour and the material of the spheres that follow.
+    fill: Option<([f32; 3], Material)>,
+    spheres: Spheres,
+    lights: Vec<(DVec3, Option<[f32; 3]>)>,
+    /// The numbers of materials out of range, and of those with a Kd other than 1.
+    limited: u64,
+    dimmed: u64,
+    skipped: Skipped,
+}
+
+impl Statements {
+    /// Reads the numbers of a statement whose directive is at `spot`.
+    fn add(&mut self, nff: &mut Reader, directive: &str, spot: Spot) -> Result<()> {
         let at = |name, id| Statement { spot, name, id };
         match directive {
-            "v" if camera.is_some() => return unknown("found a second view".into()),
-            "v" => camera = Some(nff.view(&at("camera", None))?),
-            "b" if background.is_some() => return unknown("found a second background".into()),
-            "b" => background = Some(nff.color(&at("background", None), 3)?),
+            "v" if self.view.is_some() => return Err(nff.unknown(spot, "found a second view".into())),
+            "v" => self.view = Some(nff.view(&at("camera", None))?),
+            "b" if self.background.is_some() => return Err(nff.unknown(spot, "found a second background".into())),
+            "b" => self.background = Some(nff.color(&at("background", None), 3)?),
             "f" => {
                 let (color, material, in_range) = nff.fill(&at("fill", None))?;
-                if !in_range && strict {
-                    let place = spot.of(nff.lines.file()).named("fill");
+                if !in_range && self.strict {
                     let mend = "use Kd, Ks and T from 0 to 1 and an index from 0.1 to 10, or read without strict";
-                    return Err(Error::scene(place, "a part of the material is out of range", mend));
+                    let problem = "a part of the material is out of range";
+                    return Err(Error::scene(nff.place(&at("fill", None)), problem, mend));
                 }
-                limited += u64::from(!in_range);
-                dimmed += u64::from(matches!(material, Material::Phong { diffuse, .. } if diffuse != 1.0));
-                fill = Some((color, material));
+                self.limited += u64::from(!in_range);
+                self.dimmed += u64::from(matches!(material, Material::Phong { diffuse, .. } if diffuse != 1.0));
+                self.fill = Some((color, material));
             }
-            "l" => lights.push(nff.light(&at("light", None))?),
+            "l" => self.lights.push(nff.light(&at("light", None))?),
             "s" => {
-                let (center, radius) = nff.sphere(&at("sphere", Some(spheres.len())))?;
-                spheres.add(center, radius, fill.map(|(color, _)| color))?;
-                if let Some((_, material)) = fill {
-                    spheres.set_last_material(material);
+                let (center, radius) = nff.sphere(&at("sphere", Some(self.spheres.len())))?;
+                self.spheres.add(center, radius, self.fill.map(|(color, _)| color))?;
+                if let Some((_, material)) = self.fill {
+                    self.spheres.set_last_material(material);
                 }
                 nff.lines.found();
             }
             _ => {
                 let kind = nff.other(directive, &at)?;
-                skipped.skip(kind, strict, || spot.of(nff.lines.file()).named(kind))?;
+                self.skipped.skip(kind, self.strict, || nff.place(&at(kind, None)))?;
             }
         }
+        Ok(())
     }
-    let Some((camera, mut image)) = camera else {
-        let mend = "add lines that begin with v, from, at, up, angle and resolution";
-        return Err(Error::scene(nff.lines.file().named("camera"), "the v block is missing", mend));
-    };
-    image.background = background.unwrap_or(image.background);
-    if limited > 0 {
-        let what = "Kd, Ks and T are used from 0 to 1, Shine from 0, the index of refraction from 0.1 to 10";
-        skipped.assumed.push(format!("{} out of range: {what}", count(limited, "material")));
+
+    /// The scene of the whole file, and the statements that were skipped or read in another way.
+    fn scene(self, nff: &Reader) -> Result<(Scene, Skipped)> {
+        let Self { view, background, spheres, lights, limited, dimmed, mut skipped, .. } = self;
+        let Some((camera, mut image)) = view else {
+            let mend = "add lines that begin with v, from, at, up, angle and resolution";
+            return Err(Error::scene(nff.lines.file().named("camera"), "the v block is missing", mend));
+        };
+        image.background = background.unwrap_or(image.background);
+        if limited > 0 {
+            let what = "Kd, Ks and T are used from 0 to 1, Shine from 0, the index of refraction from 0.1 to 10";
+            skipped.assumed.push(format!("{} out of range: {what}", count(limited, "material")));
+        }
+        let bounces = spheres.materials.as_ref().is_some_and(Materials::bounce);
+        if dimmed > 0 && lights.is_empty() && !bounces {
+            let what = "the file has no lights, and the light at the eye shows the whole colour";
+            skipped.assumed.push(format!("Kd of {} is left out: {what}", count(dimmed, "material")));
+        }
+        Ok((Scene { camera, image, spheres, lighting: lighting(&lights) }, skipped))
     }
-    let bounces = spheres.materials.as_ref().is_some_and(Materials::bounce);
-    if dimmed > 0 && lights.is_empty() && !bounces {
-        let what = "the file has no lights, and the light at the eye shows the whole colour";
-        skipped.assumed.push(format!("Kd of {} is left out: {what}", count(dimmed, "material")));
-    }
-    Ok((Scene { camera, image, spheres, lighting: lighting(&lights) }, skipped))
 }
 
 /// The lights at these points, with these colours where the file gives one.
@@ -171,6 +183,28 @@ impl Reader {
             }
             self.lines.check_utf8(self.lines.text().find('#').unwrap_or(usize::MAX))?;
         }
+    }
+
+    /// The directive of the statement that begins with a word.
+    fn directive(&self, word: WordRange) -> Result<&'static str> {
+        let text = self.text(word);
+        let problem = match DIRECTIVES.into_iter().find(|directive| *directive == text) {
+            Some(directive) if self.begins_line(word) => return Ok(directive),
+            Some(_) => format!("expected the end of the line, found {}", quote(text)),
+            None if VIEW.contains(&text) => format!("{} is outside of a v block", quote(text)),
+            None if text.parse::<f64>().is_ok() => format!("{} is one number too many", quote(text)),
+            None => format!("{} is not a statement", quote(text)),
+        };
+        Err(self.unknown(self.spot(word), problem))
+    }
+
+    /// The error where no statement can begin.
+    fn unknown(&self, spot: Spot, problem: String) -> Error {
+        Error::scene(
+            spot.of(self.lines.file()),
+            problem,
+            format!("begin the line with one of {}", DIRECTIVES.join(" ")),
+        )
     }
 
     fn take(&mut self, word: WordRange) {

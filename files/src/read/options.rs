@@ -67,7 +67,7 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// Whether an expression selects particles.
+    /// Whether the options have any selection: to take, to hide, to mark, or in a rule for colours or radii.
     pub(super) fn selects(&self) -> bool {
         let all = self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections());
         all.count() > 0
@@ -85,7 +85,7 @@ impl ReadOptions {
         columns
     }
 
-    /// The columns that colours, selections and molecules name.
+    /// The columns that colours, selections, [`Periodic::Unwrap`] and the words of [`Keep::Named`] read.
     pub(super) fn named_columns(&self) -> Vec<String> {
         let mut columns: Vec<String> = self.style.columns().to_vec();
         if self.periodic == Periodic::Unwrap {
@@ -114,10 +114,11 @@ impl ReadOptions {
         columns
     }
 
-    /// Limits the columns of a format whose columns have any name.
+    /// Checks the number of columns that colours, selections and kept words read, for formats whose columns may have any
+    /// name.
     ///
     /// # Errors
-    /// [`Error::Settings`] for more.
+    /// [`Error::Settings`] for more than 64.
     pub(super) fn check_columns(&self) -> Result<()> {
         const MOST_COLUMNS: usize = 64;
         let count = self.named_columns().len();
@@ -137,7 +138,8 @@ impl ReadOptions {
         }
     }
 
-    /// The request to the reader of a file of this format. All columns of molecules are kept.
+    /// The request to the reader of a file of this format. With [`Keep::Molecules`] it has all columns of PDB, PQR, PDBQT, mmCIF
+    /// and GRO.
     pub(super) fn request(&self, format: Format) -> Request {
         use Format::{Gro, Mmcif, Pdb, Pdbqt, Pqr};
         let all = self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro);

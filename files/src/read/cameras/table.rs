@@ -4,10 +4,10 @@
 use super::lens::PixelLens;
 use super::listed::ListedCamera;
 use crate::read::lines::{Lines, has_content};
-use crate::read::particles::table::fields::{delimiter, fields};
+use crate::read::particles::table::fields::{delimiter, each_number, named_columns};
 use halfline::error::{Error, Place, Result};
-use halfline::quote::quote;
 use halfline::scene::camera::{Intrinsics, Lens, Look};
+use std::ops::Range;
 use std::path::Path;
 
 const MEND: &str = "use the columns eye_x,eye_y,eye_z, view_x,view_y,view_z or at_x,at_y,at_z, up_x,up_y,up_z, and \
@@ -19,6 +19,12 @@ const COLUMNS: [&str; 17] = [
     "fx", "fy", "cx", "cy",
 ];
 
+/// The columns of the direction of view, of the point to look at, of the angle, and of the intrinsics.
+const VIEW: Range<usize> = 3..6;
+const AT: Range<usize> = 6..9;
+const VFOV: Range<usize> = 12..13;
+const PIXELS: Range<usize> = 13..17;
+
 pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
     let mut lines = Lines::new(bytes, Path::new(file.file.as_deref().unwrap_or_default()));
     let (mut header, mut cameras): (Option<(u8, Vec<usize>)>, Vec<ListedCamera>) = (None, Vec::new());
@@ -27,34 +33,33 @@ pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
             continue;
         }
         let Some((delimiter, columns)) = &header else {
-            let delimiter = delimiter(lines.text());
-            let column = |word: crate::read::lines::Word<'_, &[u8]>| {
-                let known = COLUMNS.iter().position(|name| word.text.eq_ignore_ascii_case(name));
-                known.ok_or_else(|| {
-                    let problem = format!("{} is not a column of cameras", quote(word.text));
-                    Error::scene(lines.place(word.at).named("header"), problem, MEND)
-                })
-            };
-            let columns: Vec<usize> = fields(&lines, 0, delimiter).map(column).collect::<Result<_>>()?;
-            header = Some((delimiter, columns));
+            let columns = named_columns(&lines, 0, &COLUMNS, MEND)?;
+            check_header(&columns)
+                .map_err(|problem| Error::scene(lines.place(0).named("header"), problem, "remove one of them"))?;
+            header = Some((delimiter(lines.text()), columns));
             continue;
         };
         let mut values = [None; COLUMNS.len()];
-        let mut words = fields(&lines, 0, *delimiter);
-        for column in columns {
-            let Some(word) = words.next() else {
-                let problem = format!("expected {} fields", columns.len());
-                let place = lines.place(lines.text().len()).named(COLUMNS[*column]);
-                return Err(Error::scene(place, problem, "use one field per column"));
-            };
-            values[*column] = Some(word.finite(COLUMNS[*column])?);
-        }
-        drop(words);
+        each_number(&lines, *delimiter, (columns, &COLUMNS), "use one number per column", |column, word| {
+            values[column] = Some(word.finite(COLUMNS[column])?);
+            Ok(())
+        })?;
         cameras.push(camera(&values).map_err(|field| {
             Error::scene(lines.place(0).named(format!("camera {} {field}", cameras.len())), "missing", MEND)
         })?);
     }
     Ok(cameras)
+}
+
+/// Finds columns that give one thing in two ways.
+fn check_header(columns: &[usize]) -> Result<(), String> {
+    let first_of = |group: Range<usize>| columns.iter().find(|column| group.contains(column));
+    for [one, other] in [[VIEW, AT], [VFOV, PIXELS]] {
+        if let (Some(one), Some(other)) = (first_of(one), first_of(other)) {
+            return Err(format!("`{}` and `{}` exclude each other", COLUMNS[*one], COLUMNS[*other]));
+        }
+    }
+    Ok(())
 }
 
 /// The camera of a row, or the column that is missing.
@@ -67,12 +72,16 @@ fn camera(values: &[Option<f64>; COLUMNS.len()]) -> Result<ListedCamera, &'stati
         Ok(found)
     };
     let eye = three(0)?;
-    let look = if values[6].is_some() { Look::At(three(6)?.into()) } else { Look::View(three(3)?.into()) };
+    let has = |group: Range<usize>| values[group].iter().any(Option::is_some);
+    let look = if has(AT) { Look::At(three(AT.start)?.into()) } else { Look::View(three(VIEW.start)?.into()) };
     let camera = ListedCamera::new(eye, look, three(9)?);
-    if let Some(degrees) = values[12] {
+    if let Some(degrees) = values[VFOV.start] {
         return Ok(camera.with_lens(Lens::Vfov { degrees, distance: 1.0 }));
     }
-    let Some(fx) = values[13] else { return Ok(camera) };
+    if !has(PIXELS) {
+        return Ok(camera);
+    }
+    let fx = values[PIXELS.start].ok_or("fx")?;
     let [fy, cx, cy] = [values[14].unwrap_or(fx), values[15].ok_or("cx")?, values[16].ok_or("cy")?];
     Ok(ListedCamera { intrinsics: Some(PixelLens::of(Intrinsics { fx, fy, cx, cy })), ..camera })
 }

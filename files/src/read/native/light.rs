@@ -43,7 +43,8 @@ fn light(table: &TomlTable<'_>, index: usize, spheres: usize) -> Result<Light> {
     Ok(light)
 }
 
-/// The index of a sphere. Those that no u32 holds are beyond any scene.
+/// The index of the sphere that is the light; an error if it is negative or beyond u32. [`Light::check`] compares it with the
+/// number of spheres.
 fn sphere(table: &TomlTable<'_>) -> Result<u32> {
     let value = table.need("sphere")?;
     let id = value.whole_number()?;

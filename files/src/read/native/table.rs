@@ -14,7 +14,7 @@ pub(super) struct TomlText<'a> {
 }
 
 impl TomlText<'_> {
-    /// The place of a byte.
+    /// The file, line and column of offset `byte` of the text, for errors.
     pub(super) fn place(&self, byte: usize) -> Place {
         self.file.clone().at_byte(self.text, byte)
     }
@@ -268,7 +268,7 @@ impl<'a> TomlValue<'a> {
     }
 }
 
-/// The nearest f64. Integers of any length are read like the float with the same digits.
+/// The nearest f64 of a decimal integer of any length, or of a hexadecimal, octal or binary one within i128.
 fn integer(i: &DeInteger<'_>) -> Option<f64> {
     match i.radix() {
         10 => i.as_str().parse().ok(),

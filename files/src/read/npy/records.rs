@@ -102,10 +102,10 @@ impl Npy<Input> {
     }
 }
 
-/// The most numbers of a field that are columns.
+/// The most numbers of a field; a field with more is not read.
 const MOST_COLUMNS: u64 = 16;
 
-/// The type of the numbers of a field.
+/// The type of a field's number, or of each number of an array; `None` for text, objects and other types that are not read.
 fn scalar(dtype: &DType) -> Option<Scalar> {
     match dtype {
         DType::Array(_, inner) => inner.scalar(),

@@ -27,7 +27,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
     LammpsData { lines: Lines::new(source.reader, &source.path), request }.read()
 }
 
-/// The file, while it is read.
+/// The lines of a LAMMPS data file, and the request that says what is kept of them.
 struct LammpsData<'a> {
     lines: Lines<Input>,
     request: &'a Request,
@@ -152,7 +152,7 @@ impl LammpsData<'_> {
         Ok(false)
     }
 
-    /// Reads the next line with content; its absence is an error.
+    /// Moves to the next line with content; it is an error if the file ends or a known section begins before it.
     fn need(&mut self, section: &str, read: u64, count: u64) -> Result<()> {
         let mut what = "file";
         while self.lines.advance()? {
@@ -283,7 +283,7 @@ impl LammpsData<'_> {
         for (place, word) in self.row().take(type_at + 1).enumerate() {
             if place == 0 && moving {
                 reserve(&mut found.ids, 1)?;
-                found.ids.push(whole(&word)?);
+                found.ids.push(word.whole("id")?);
             } else if place == type_at {
                 reserve(&mut found.of, 1)?;
                 found.of.push(match word.text.parse() {
@@ -334,7 +334,7 @@ impl LammpsData<'_> {
         for read in 0..count {
             self.need("Velocities", read, count)?;
             let mut words = self.row();
-            let id = words.next().map(|word| whole(&word)).transpose()?.unwrap_or(0);
+            let id = words.next().map(|word| word.whole("id")).transpose()?.unwrap_or(0);
             let mut atom = Some(read as usize).filter(|atom| found.ids[*atom] == id);
             if atom.is_none() {
                 // Only if they are not in the order of the atoms.
@@ -368,11 +368,6 @@ impl LammpsData<'_> {
 
 fn is_velocity(name: &str) -> bool {
     ["vx", "vy", "vz"].iter().any(|velocity| name.eq_ignore_ascii_case(velocity))
-}
-
-/// Parses the number of an atom.
-fn whole(word: &Word<'_, Input>) -> Result<i64> {
-    Ok(word.finite("id")? as i64)
 }
 
 /// Finds elements by the masses of the types, where those look like atomic masses.

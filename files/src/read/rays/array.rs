@@ -42,7 +42,7 @@ impl RayArray {
         self.matrix.rows
     }
 
-    /// The next rows; none after the last.
+    /// The next rows, at most `most`, counting those that are left out as invalid; an empty block after the last.
     pub(super) fn block(&mut self, most: usize, options: &RayOptions) -> Result<RayBlock> {
         let mut block = RayBlock::default();
         let rows = self.matrix.rows;

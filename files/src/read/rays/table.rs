@@ -5,9 +5,8 @@
 use super::block::{COLUMNS, REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
 use crate::read::input::Input;
 use crate::read::lines::{Block, Lines, has_content};
-use crate::read::particles::table::fields::{delimiter, fields};
+use crate::read::particles::table::fields::{delimiter, each_number, fields, named_columns};
 use halfline::error::{Error, Result};
-use halfline::quote::quote;
 use rayon::prelude::*;
 use std::io::BufRead;
 use std::path::Path;
@@ -24,7 +23,7 @@ pub(super) struct RayTable {
 
 /// The form of the rows.
 struct Form {
-    /// The number of a row, from 0 to 6, in each column.
+    /// For each column of the file, its index in [`COLUMNS`].
     places: Vec<usize>,
     delimiter: u8,
 }
@@ -65,7 +64,7 @@ impl RayTable {
         Ok(Self { lines, form: Form { places, delimiter }, ahead, text: Block::default() })
     }
 
-    /// The next rows; none after the last.
+    /// The next rows, at most `most`, counting those that are left out as invalid; an empty block after the last.
     pub(super) fn block(&mut self, most: usize, options: &RayOptions) -> Result<RayBlock> {
         let mut block = RayBlock::default();
         if std::mem::take(&mut self.ahead) {
@@ -114,18 +113,10 @@ impl Form {
 
     fn row<R: BufRead>(&self, lines: &Lines<R>) -> Result<Row> {
         let mut row = [f64::INFINITY; 7];
-        let mut words = fields(lines, 0, self.delimiter);
-        for (found, place) in self.places.iter().enumerate() {
-            let Some(word) = words.next() else {
-                let problem = format!("expected {} numbers, found {found}", self.places.len());
-                return Err(Error::scene(lines.place(lines.text().len()).named(COLUMNS[*place]), problem, MEND));
-            };
-            row[*place] = word.number(COLUMNS[*place])?;
-        }
-        if let Some(word) = words.next() {
-            let problem = format!("the row has more than the {} numbers of the others", self.places.len());
-            return Err(Error::scene(lines.place(word.at).named("row"), problem, MEND));
-        }
+        each_number(lines, self.delimiter, (&self.places, &COLUMNS), MEND, |column, word| {
+            row[column] = word.number(COLUMNS[column])?;
+            Ok(())
+        })?;
         match flaw(&row) {
             None => Ok(row),
             Some((field, problem)) => Err(Error::scene(lines.place(0).named(field), problem, MEND)),
@@ -137,20 +128,14 @@ fn is_number(text: &str) -> bool {
     text.parse::<f64>().is_ok()
 }
 
-/// The number of a row in each column, by the header that begins at a byte of the current line.
+/// For each name in the header that begins at byte `start` of the current line, its index in [`COLUMNS`].
 fn named<R: BufRead>(lines: &Lines<R>, start: usize) -> Result<Vec<usize>> {
-    let fail = |at: usize, problem: String| Error::scene(lines.place(at).named("header"), problem, MEND);
-    let mut places = Vec::new();
-    for word in fields(lines, start, delimiter(&lines.text()[start..])) {
-        let place = COLUMNS.iter().position(|name| name.eq_ignore_ascii_case(word.text));
-        let place = place.ok_or_else(|| fail(word.at, format!("unknown column {}", quote(word.text))))?;
-        if places.contains(&place) {
-            return Err(fail(word.at, format!("{} occurs twice", quote(word.text))));
-        }
-        places.push(place);
-    }
+    let places = named_columns(lines, start, &COLUMNS, MEND)?;
     match (0..REQUIRED).find(|place| !places.contains(place)) {
-        Some(missing) => Err(fail(start, format!("column `{}` is missing", COLUMNS[missing]))),
+        Some(missing) => {
+            let problem = format!("column `{}` is missing", COLUMNS[missing]);
+            Err(Error::scene(lines.place(start).named("header"), problem, MEND))
+        }
         None => Ok(places),
     }
 }

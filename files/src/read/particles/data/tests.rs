@@ -101,6 +101,10 @@ fn errors_are_reported_with_line_and_column() {
         (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n3 1 1 2 3\n"), ":13:1: count: expected 2 atoms, found 3"),
         (file("Masses\n\n1 1\n2 2\nFe 3\n\nAtoms\n"), ":13:1: count: expected 2 atom types, found 3"),
         (
+            file("Atoms # atomic\n\n1.7 1 1 2 3\n2 1 1 2 3\n\nVelocities\n\n1 1 1 1\n2 1 1 1\n"),
+            ":11:1: id: `1.7` is not a whole number; use a whole number such as 7",
+        ),
+        (
             file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n\nVelocities\n\n2 1 1 1\n1 1 1 1\n3 1 1 1\n\nBonds\n"),
             ":18:1: count: expected 2 atoms, found 3",
         ),

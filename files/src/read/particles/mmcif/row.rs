@@ -68,7 +68,28 @@ impl AtomColumns {
         let column = |names: &[&str]| names.iter().find_map(|name| items.iter().position(|item| item == name));
         let component = tags.first().is_some_and(|tag| Self::is_component(tag));
         let mut layout = Self { uses: vec![Vec::new(); items.len()], component, ..Self::default() };
-        let highest = request.altloc == Altloc::Highest;
+        layout.take_properties(&column, request);
+        let cartesian = ["cartn_x", "cartn_y", "cartn_z"];
+        layout.fractional = !component && !cartesian.iter().all(|name| items.contains(name));
+        let places = if layout.fractional { ["fract_x", "fract_y", "fract_z"] } else { cartesian };
+        for (k, (name, ideal)) in places.into_iter().zip(["ideal_x", "ideal_y", "ideal_z"]).enumerate() {
+            layout.take(column(&[name]), Use::Position(k));
+            layout.take(column(&[ideal]), Use::Ideal(k));
+        }
+        layout.ideal = !layout.has_all(Use::Position) && layout.has_all(Use::Ideal);
+        layout.take_names(&column, request);
+        layout
+    }
+
+    /// Gives a column a meaning, if the file has it.
+    fn take(&mut self, column: Option<usize>, what: Use) {
+        if let Some(column) = column {
+            self.uses[column].push(what);
+        }
+    }
+
+    /// The properties of atoms that colours, selections and assemblies need; `column` finds the first of some names.
+    fn take_properties(&mut self, column: &impl Fn(&[&str]) -> Option<usize>, request: &Request) {
         let columns: [(AtomProperty, &[&str]); 14] = [
             (AtomProperty::Bfactor, &["b_iso_or_equiv"]),
             (AtomProperty::Occupancy, &["occupancy"]),
@@ -86,53 +107,41 @@ impl AtomColumns {
             (AtomProperty::Record, &["group_pdb"]),
         ];
         for (kind, names) in columns {
-            let Some(at) = column(names) else { continue };
-            layout.has.push(kind);
-            let (requested, sites) =
-                (is_requested(&request.columns, kind.name()), highest && kind == AtomProperty::Occupancy);
+            let found = column(names);
+            self.has.extend(found.map(|_| kind));
+            let requested = is_requested(&request.columns, kind.name());
+            let of_sites = kind == AtomProperty::Occupancy && request.altloc == Altloc::Highest;
             match kind {
-                AtomProperty::Model => layout.uses[at].push(Use::Model),
-                AtomProperty::Asym if requested || request.assembly.is_some() => layout.uses[at].push(Use::Asym),
+                AtomProperty::Model => self.take(found, Use::Model),
+                AtomProperty::Asym if requested || request.assembly.is_some() => self.take(found, Use::Asym),
                 AtomProperty::Asym => {}
-                kind if requested && kind.is_text() => layout.uses[at].push(Use::Text(kind)),
-                kind if !kind.is_text() && (requested || sites) => layout.uses[at].push(Use::Number(kind)),
+                kind if requested && kind.is_text() => self.take(found, Use::Text(kind)),
+                kind if !kind.is_text() && (requested || of_sites) => self.take(found, Use::Number(kind)),
                 _ => {}
             }
         }
-        let cartesian = ["cartn_x", "cartn_y", "cartn_z"];
-        layout.fractional = !component && !cartesian.iter().all(|name| items.contains(name));
-        let places = if layout.fractional { ["fract_x", "fract_y", "fract_z"] } else { cartesian };
-        let ideal = ["ideal_x", "ideal_y", "ideal_z"];
-        for (k, (name, ideal)) in places.iter().zip(ideal).enumerate() {
-            for (at, what) in [(column(&[name]), Use::Position(k)), (column(&[ideal]), Use::Ideal(k))] {
-                if let Some(at) = at {
-                    layout.uses[at].push(what);
-                }
-            }
-        }
-        layout.ideal = !layout.has_all(Use::Position) && layout.has_all(Use::Ideal);
+    }
+
+    /// The names from which elements and radii follow, and those that tell alternate locations apart.
+    fn take_names(&mut self, column: &impl Fn(&[&str]) -> Option<usize>, request: &Request) {
         let symbol = column(&["type_symbol"]);
-        let texts = [
-            (symbol, Use::Symbol),
-            (column(&["label_atom_id", "auth_atom_id", "label"]), Use::Name),
-            (column(&["label_comp_id", "auth_comp_id"]), Use::Residue),
-            // Residues matter only where elements are inferred.
-            (column(&["label_asym_id", "auth_asym_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
-            (column(&["label_seq_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
-            (column(&["auth_seq_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
-            (column(&["pdbx_pdb_ins_code"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
-            (column(&["label_alt_id"]), Use::Location),
-            (column(&["calc_flag"]), Use::Origin),
-        ];
-        let sites =
-            ["label_asym_id", "auth_asym_id", "label_seq_id", "auth_seq_id", "pdbx_pdb_ins_code", "label_atom_id"];
-        let sites = sites.iter().filter(|_| highest).map(|name| (column(&[name]), Use::Site));
-        for (at, what) in texts.into_iter().chain(sites) {
-            if let Some(at) = at {
-                layout.uses[at].push(what);
+        self.take(symbol, Use::Symbol);
+        self.take(column(&["label_atom_id", "auth_atom_id", "label"]), Use::Name);
+        self.take(column(&["label_comp_id", "auth_comp_id"]), Use::Residue);
+        // Residues matter only where elements are inferred.
+        if symbol.is_none() {
+            self.take(column(&["label_asym_id", "auth_asym_id"]), Use::ResidueNumber);
+            for name in ["label_seq_id", "auth_seq_id", "pdbx_pdb_ins_code"] {
+                self.take(column(&[name]), Use::ResidueNumber);
             }
         }
-        layout
+        self.take(column(&["label_alt_id"]), Use::Location);
+        self.take(column(&["calc_flag"]), Use::Origin);
+        if request.altloc == Altloc::Highest {
+            let parts =
+                ["label_asym_id", "auth_asym_id", "label_seq_id", "auth_seq_id", "pdbx_pdb_ins_code", "label_atom_id"];
+            parts.into_iter().for_each(|name| self.take(column(&[name]), Use::Site));
+        }
     }
 
     /// Whether all three coordinates are present.

@@ -1,7 +1,8 @@
 //! The fields of a line of a table.
 
 use crate::read::lines::{Lines, Word, has_content};
-use halfline::error::Result;
+use halfline::error::{Error, Result};
+use halfline::quote::quote;
 use std::io::BufRead;
 
 /// The delimiter of a line.
@@ -37,6 +38,57 @@ pub(crate) fn fields<R: BufRead>(
         word.at = at;
         Some(word)
     })
+}
+
+/// The index in `names` of each column that the header at byte `start` of the current line names, in any case.
+///
+/// # Errors
+/// [`Error::Scene`] for another name, and for one that occurs twice.
+pub(crate) fn named_columns<R: BufRead>(
+    lines: &Lines<R>,
+    start: usize,
+    names: &[&str],
+    mend: &str,
+) -> Result<Vec<usize>> {
+    let fail = |at: usize, problem: String| Error::scene(lines.place(at).named("header"), problem, mend);
+    let mut columns = Vec::new();
+    for word in fields(lines, start, delimiter(&lines.text()[start..])) {
+        let column = names.iter().position(|name| name.eq_ignore_ascii_case(word.text));
+        let column = column.ok_or_else(|| fail(word.at, format!("unknown column {}", quote(word.text))))?;
+        if columns.contains(&column) {
+            return Err(fail(word.at, format!("{} occurs twice", quote(word.text))));
+        }
+        columns.push(column);
+    }
+    Ok(columns)
+}
+
+/// Gives `put` each number of the current line with the index of its column, one number for each of `columns`.
+///
+/// # Errors
+/// [`Error::Scene`] for fewer numbers, for more, and the errors of `put`.
+pub(crate) fn each_number<R: BufRead>(
+    lines: &Lines<R>,
+    delimiter: u8,
+    (columns, names): (&[usize], &[&str]),
+    mend: &str,
+    mut put: impl FnMut(usize, &Word<'_, R>) -> Result<()>,
+) -> Result<()> {
+    let mut words = fields(lines, 0, delimiter);
+    for (found, column) in columns.iter().enumerate() {
+        let Some(word) = words.next() else {
+            let problem = format!("expected {} numbers, found {found}", columns.len());
+            return Err(Error::scene(lines.place(lines.text().len()).named(names[*column]), problem, mend));
+        };
+        put(*column, &word)?;
+    }
+    match words.next() {
+        None => Ok(()),
+        Some(word) => {
+            let problem = format!("the row has more than the {} numbers of the others", columns.len());
+            Err(Error::scene(lines.place(word.at).named("row"), problem, mend))
+        }
+    }
 }
 
 /// Whether a record continues on the next line, because it ends within a quoted field; `None` where text follows a quote that
