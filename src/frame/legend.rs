@@ -22,8 +22,8 @@ pub struct Legend {
 }
 
 impl Legend {
-    /// The number of ticks that [`Legend::ticks`] gives.
-    pub const TICKS: i32 = 5;
+    /// The most marks of a bar.
+    pub const MAX_TICKS: usize = 5;
 
     /// The legend of colours of selections only.
     #[must_use]
@@ -43,24 +43,24 @@ impl Legend {
         self.categories.iter().chain(&self.overrides)
     }
 
-    /// The number at a fraction of the bar.
-    fn at(&self, part: f64) -> f64 {
-        let [low, high] = self.range;
-        if self.log { (low.ln() + part * (high.ln() - low.ln())).exp() } else { low + part * (high - low) }
-    }
-
-    /// The numbers of the bar from its lower end to the upper one, to four digits. On a linear scale a number that is less
-    /// than half of the fourth digit of the end that is farther from 0 is written as 0.
+    /// The marks of the bar from its lower end on, two to five of them: multiples of 1, 2, 2.5 or 5 times a power of ten; on a
+    /// logarithmic scale powers of ten, or 1, 2 and 5 times these where the range has few powers. One mark in the middle
+    /// where all numbers are equal, and the ends of a range whose numbers differ too little.
     #[must_use]
-    pub fn ticks(&self) -> Vec<String> {
-        let digits = |x: f64| if x == 0.0 || !x.is_finite() { 0 } else { x.abs().log10().floor() as i32 };
-        let largest = self.range.iter().fold(0.0, |largest: f64, end| largest.max(end.abs()));
-        let tick = |tick: i32| {
-            let value = self.at(f64::from(tick) / f64::from(Self::TICKS - 1));
-            let is_nothing = !self.log && value.abs() < 0.5 * 10f64.powi(digits(largest) - 3);
-            short(if is_nothing { 0.0 } else { value })
+    pub fn ticks(&self) -> Vec<Tick> {
+        let [low, high] = self.range;
+        if low == high {
+            return vec![Tick { place: 0.5, label: short(low) }];
+        }
+        let scale = |x: f64| if self.log { x.ln() } else { x };
+        let tick = |(value, label): (f64, String)| {
+            let place = (scale(value) - scale(low)) / (scale(high) - scale(low));
+            Tick { place: place.clamp(0.0, 1.0), label }
         };
-        (0..Self::TICKS).map(tick).collect()
+        let powers = if self.log { powers(self.range) } else { Vec::new() };
+        let marks = if powers.len() > 1 { powers } else { multiples(self.range) };
+        let ends = || self.range.map(|end| (end, short(end))).to_vec();
+        (if marks.len() > 1 { marks } else { ends() }).into_iter().map(tick).collect()
     }
 
     /// Whether it is a scale of numbers that are all equal.
@@ -81,6 +81,59 @@ pub struct Category {
     pub count: u64,
 }
 
+/// A mark of a bar of colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tick {
+    /// The place on the bar, from 0 at its lower end to 1.
+    pub place: f64,
+    /// The number there.
+    pub label: String,
+}
+
+/// The multiples of a round number in a range, with their texts: at most [`Legend::MAX_TICKS`], and three or more unless the range
+/// is too narrow for f64.
+fn multiples([low, high]: [f64; 2]) -> Vec<(f64, String)> {
+    let most = Legend::MAX_TICKS as f64;
+    let from = (high / most - low / most).log10().floor() as i32;
+    // A step of 2.5 has one digit more.
+    let steps = (from..from + 3).flat_map(|power| [(1, power), (2, power), (25, power - 1), (5, power)]);
+    let inside = |(digits, power): (i64, i32)| {
+        let step = digits as f64 * 10f64.powi(power);
+        // An end that is a multiple but for its rounding has a mark.
+        let [first, last] = [(low / step - 1e-9).ceil(), (high / step + 1e-9).floor()];
+        let is_exact = first.abs().max(last.abs()) * (digits as f64) < 2f64.powi(50);
+        is_exact.then(|| (first as i64..=last as i64).map(|n| decimal(n * digits, power)).collect::<Vec<_>>())
+    };
+    let count = |marks: &Vec<_>| marks.len() <= Legend::MAX_TICKS;
+    steps.filter_map(inside).find(count).unwrap_or_default()
+}
+
+/// The powers of ten in a range, or 1, 2 and 5 times these where that is no more than [`Legend::MAX_TICKS`] numbers.
+fn powers(range: [f64; 2]) -> Vec<(f64, String)> {
+    let [low, high] = range.map(|end| end.log10().floor() as i32);
+    let inside = |digits: &'static [i64], every: usize| {
+        let all = (low..=high).filter(move |power| power.rem_euclid(every as i32) == 0);
+        let all = all.flat_map(move |power| digits.iter().map(move |digit| decimal(*digit, power)));
+        all.filter(|(value, _)| (range[0] * (1.0 - 1e-9)..=range[1] * (1.0 + 1e-9)).contains(value)).collect::<Vec<_>>()
+    };
+    let tries = [inside(&[1, 2, 5], 1)].into_iter().chain((1..).map(|every| inside(&[1], every)));
+    tries.into_iter().find(|marks| marks.len() <= Legend::MAX_TICKS).unwrap_or_default()
+}
+
+/// The number `digits` times ten to `power`, and its text: with as many decimals as the power has, or with an exponent where the
+/// power is beyond 4, or below -4 and the number below 0.001.
+fn decimal(digits: i64, power: i32) -> (f64, String) {
+    let exponent = format!("{digits}e{power}");
+    let value = exponent.parse::<f64>().unwrap_or(f64::NAN);
+    let text = match power {
+        _ if digits == 0 => "0".to_owned(),
+        -4..=4 => format!("{value:.*}", -power.min(0) as usize),
+        ..-4 if value.abs() >= 1e-3 => format!("{value:.*}", -power as usize),
+        _ => format!("{value:e}"),
+    };
+    (value, text)
+}
+
 /// A number to four digits.
 fn short(value: f64) -> String {
     let decade = value.abs().log10().floor();
@@ -93,10 +146,62 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::short;
+    use super::*;
+
+    fn legend(range: [f64; 2], log: bool) -> Legend {
+        let map = ColorMap::Viridis;
+        Legend { name: "x".into(), map, range, log, categories: Vec::new(), names: Vec::new(), overrides: Vec::new() }
+    }
 
     #[test]
     fn numbers_have_four_digits() {
         assert_eq!([0.0, 123.456, -0.5, 6.02e23, 99999.0].map(short), ["0", "123.5", "-0.5", "6.020e23", "99999"]);
+    }
+
+    #[test]
+    fn marks_are_round_numbers() {
+        for (range, log, labels) in [
+            ([0.0, 1.0], false, &["0", "0.25", "0.50", "0.75", "1.00"][..]),
+            ([0.0, 3.0], false, &["0", "1", "2", "3"]),
+            ([-0.013, 0.021], false, &["-0.01", "0", "0.01", "0.02"]),
+            ([5.3, 97.1], false, &["20", "40", "60", "80"]),
+            ([0.1, 0.7], false, &["0.2", "0.4", "0.6"]),
+            ([1e6, 1.000_004e6], false, &["1000000", "1000001", "1000002", "1000003", "1000004"]),
+            ([0.0, 8e9], false, &["0", "2e9", "4e9", "6e9", "8e9"]),
+            ([-3e-12, 1e-12], false, &["-3e-12", "-2e-12", "-1e-12", "0", "1e-12"]),
+            ([7.0, 7.0], false, &["7"]),
+            ([1.0, f64::from_bits(1f64.to_bits() + 1)], false, &["1", "1"]),
+            ([1.0, 100.0], true, &["1", "10", "100"]),
+            ([3.0, 40.0], true, &["5", "10", "20"]),
+            ([0.002, 70.0], true, &["0.01", "0.1", "1", "10"]),
+            ([1e-9, 1e12], true, &["1e-5", "1", "1e5", "1e10"]),
+            ([2.1, 4.4], true, &["2.5", "3.0", "3.5", "4.0"]),
+        ] {
+            let ticks = legend(range, log).ticks();
+            assert_eq!(ticks.iter().map(|tick| &tick.label[..]).collect::<Vec<_>>(), labels, "{range:?}");
+        }
+    }
+
+    #[test]
+    fn marks_stand_where_their_numbers_are() {
+        let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut next = || {
+            bits = bits.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (bits >> 11) as f64 / (1u64 << 53) as f64
+        };
+        for case in 0..4000 {
+            let log = case % 2 == 1;
+            let size = 10f64.powf(40.0 * next() - 20.0);
+            let low = if log { size } else { size * (next() - 0.5) * 20.0 };
+            let high = if log { low * 10f64.powf(0.01 + 12.0 * next()) } else { low + size * (0.1 + next()) };
+            let ticks = legend([low, high], log).ticks();
+            assert!((2..=Legend::MAX_TICKS).contains(&ticks.len()), "{low} {high} {log}: {ticks:?}");
+            assert!(ticks.is_sorted_by(|a, b| a.place < b.place), "{ticks:?}");
+            for Tick { place, label } in ticks {
+                let value: f64 = label.parse().expect("a number");
+                let part = if log { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) };
+                assert!((part - place).abs() < 1e-6, "{label} at {place} of {low} to {high}");
+            }
+        }
     }
 }

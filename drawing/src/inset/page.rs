@@ -3,7 +3,7 @@
 use crate::canvas::{plain, shortened};
 use crate::raster::{letters, letters_width};
 use halfline::error::{Error, Result};
-use halfline::frame::legend::{Category, Legend};
+use halfline::frame::legend::{Category, Legend, Tick};
 use halfline::quote::setting::SIZE;
 use std::fmt::Write;
 use tiny_skia::{Color, FillRule, Paint, Pixmap, Rect, Transform};
@@ -115,19 +115,20 @@ impl Page {
         let long = (0.5 * self.height).min(14.0 * size).min(free - size - row * rows as f32).round();
         // The last row counts what does not fit.
         let shown = if rows < swatches.len() { rows.saturating_sub(1) } else { rows };
-        let ticks: Vec<String> = if bar { legend.ticks().into_iter().rev().collect() } else { Vec::new() };
+        let ticks: Vec<Tick> = if bar { legend.ticks().into_iter().rev().collect() } else { Vec::new() };
+        let numbers = || ticks.iter().map(|tick| &tick.label);
         let labels = swatches[..shown].iter().map(|swatch| shortened(&plain(&swatch.label), LETTERS));
         let labels: Vec<String> = labels.map(|label| self.fitting(&label, false, widest - row)).collect();
         let more = swatches.len() - shown;
         let more = if more > 0 { format!("and {more} more") } else { String::new() };
         let mut words = String::new();
-        for label in ticks.iter().chain(&labels).chain([&more]).filter(|label| !label.is_empty()) {
+        for label in numbers().chain(&labels).chain([&more]).filter(|label| !label.is_empty()) {
             // Writing to a String does not fail.
             let _ = write!(words, ", {label}");
         }
         let width = |text: &String| letters_width(text, false, size);
         let indent = (1.4 * size).round() + margin;
-        let wide = indent + ticks.iter().chain(&labels).map(width).fold(0.0, f32::max);
+        let wide = indent + numbers().chain(&labels).map(width).fold(0.0, f32::max);
         let wide = wide.max(width(&more)).max(letters_width(&title, true, size));
         let bar_high = if bar { long + size } else { 0.0 };
         if (bar && long < 5.0 * size) || (!swatches.is_empty() && rows == 0) {
@@ -145,8 +146,8 @@ impl Page {
                 let y = first + strip as f32;
                 fill(&mut pixels, [margin, y, right, y + 1.0], color);
             }
-            for (tick, label) in ticks.iter().enumerate() {
-                let y = first + (long - 1.0) * tick as f32 / (Legend::TICKS - 1) as f32;
+            for Tick { place, label } in &ticks {
+                let y = first + (long - 1.0) * (1.0 - *place as f32);
                 fill(
                     &mut pixels,
                     [right, y.round(), right + margin / 2.0, y.round() + (size / 14.0).max(1.0).round()],
