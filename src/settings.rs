@@ -1,8 +1,10 @@
 //! The settings of a rendering: backend, accuracy, buffers, samples, part of the frame.
 
 mod look;
+mod outline;
 
 pub use look::{AddedLight, ChosenLook, FileLook, Look};
+pub use outline::Outline;
 
 use crate::error::{Error, Place, Result, named};
 use crate::frame::tone::{Tone, Toning};
@@ -71,6 +73,8 @@ pub struct Settings {
     pub aperture: Option<Aperture>,
     /// Whether dark lines are drawn in the colour where the depth jumps by several pixels, or behind the last sphere.
     pub silhouette: bool,
+    /// Width and colour of these lines.
+    pub outline: Outline,
     /// Whether colours fade to the background with depth, from the nearest sphere of the scene to the farthest.
     pub depth_cue: bool,
     /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` for the soft one where lights or a sky light the
@@ -122,13 +126,14 @@ impl Settings {
         Toning { tone, stops: self.exposure }
     }
 
-    /// Checks the exposure, and that the scene has what the buffers need.
+    /// Checks the exposure and the outline, and that the scene has what the buffers need.
     ///
     /// # Errors
-    /// [`Error::Settings`] for an exposure out of range, for the buffer `shadow` without lights, or with more than [`MOST_LIGHTS`];
+    /// [`Error::Settings`] for an exposure or an outline out of range, for the buffer `shadow` without lights, or with more than [`MOST_LIGHTS`];
     /// [`Error::Scene`] for a sky with numbers out of range.
     pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
         Toning::check_stops(self.exposure)?;
+        self.outline.check()?;
         let lights = scene.lighting.lights.len();
         if self.aovs.contains(&Aov::Shadow) && lights == 0 {
             return Err(Self::no_light());

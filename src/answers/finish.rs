@@ -1,20 +1,20 @@
 //! Silhouettes and depth cue: drawn over the colours of a frame or of a sample of it.
 
 use super::depth_cue::DepthCue;
-use super::silhouette::{MARGIN, PixelSize, Shown};
+use super::silhouette::{Line, PixelSize, Shown};
 use crate::scene::Scene;
 use crate::scene::camera::Basis;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
-use crate::window::Window;
 use rayon::prelude::*;
 
 /// The effects that are drawn over the colours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Finish {
-    pub(crate) silhouette: bool,
+    /// The lines of silhouettes; `None` without.
+    pub(crate) line: Option<Line>,
     /// Silhouettes also where spheres touch.
     pub(crate) between: bool,
     pub(crate) depth_cue: bool,
@@ -23,7 +23,7 @@ pub(crate) struct Finish {
 impl Finish {
     /// The width, in pixels, of the border around a window on which the window's lines depend; 0 without silhouettes.
     pub(crate) fn margin(self) -> u32 {
-        if self.silhouette { MARGIN } else { 0 }
+        self.line.map_or(0, |line| line.margin())
     }
 
     /// The depth cue of the frame; `None` where none is requested or no sphere is in front of the eye.
@@ -31,12 +31,13 @@ impl Finish {
         if self.depth_cue { DepthCue::of(scene, basis) } else { None }
     }
 
-    /// Draws silhouettes over the colours of `part`, from the spheres `ids` at the centres of the whole view's pixels.
-    pub(crate) fn draw(self, scene: &Scene, view: &View, ids: &[u32], part: Window, color: &mut [f32]) {
-        if self.silhouette {
+    /// Draws silhouettes over the colours of a view, from the spheres `ids` that its rays hit.
+    pub(crate) fn draw(self, scene: &Scene, view: &View, ids: &[u32], color: &mut [f32]) {
+        if let Some(line) = self.line {
             let (depths, width) = (depths(scene, view, ids), view.record.columns as usize);
+            let window = view.record.window();
             let (pixel, radii) = (PixelSize::of(view), &scene.spheres.radii);
-            Shown { width, ids, depths: &depths, radii, pixel }.draw(part, self.between, color);
+            Shown { width, ids, depths: &depths, radii, pixel, line }.draw(window.inside(window), self.between, color);
         }
     }
 }

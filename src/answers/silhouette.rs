@@ -5,7 +5,8 @@
 //! on the nearer surface, as far as the neighbours behind lie on one side. So it follows the edge of a surface, and a
 //! speck in front of something far, with neighbours behind on all sides, stays as it is.
 //!
-//! Everything is measured in pixels, so that lines do not depend on the scene's unit. A line is about 1.3 pixels wide.
+//! Everything is measured in pixels, so that lines do not depend on the scene's unit. A line is about 1.3 pixels wide; for a wider one the
+//! neighbours are as much farther away, and a narrower one is paler.
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
@@ -15,15 +16,14 @@ mod tests;
 use crate::double_double as dd;
 use crate::number::larger;
 use crate::number::vector::{LANES, vectorized};
+use crate::settings::Outline;
 use crate::view::View;
 use crate::view::ray::NONE;
 use crate::window::Window;
 use rayon::prelude::*;
 
-/// Columns and rows around a pixel that its line depends on, in pixels.
-pub(crate) const MARGIN: u32 = 2;
-
-const REACH: isize = MARGIN as isize;
+/// Columns and rows around a pixel that a line of the least full width depends on, in pixels.
+const REACH: isize = 2;
 
 /// A gap in depth below which a neighbour does not count as behind, and from which it counts fully, in pixels. Touching
 /// spheres differ by up to a diameter in depth, so those that are smaller than 8 pixels get no lines between them. At a
@@ -57,6 +57,41 @@ const DIAMETER: [f64; 2] = [8.0, 16.0];
 /// If the nearer side of an edge shows this many pixels of other spheres, of 14 at a straight edge, the spheres make up a
 /// surface, and its edge has a line however small they are.
 const COMPANY: [f64; 2] = [6.0, 12.0];
+
+/// The width and the colour of lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Line {
+    /// The width over that of the neighbourhood of [`REACH`].
+    scale: f64,
+    color: [f32; 3],
+}
+
+impl Line {
+    pub(crate) fn new(outline: Outline) -> Self {
+        Self { scale: outline.width / Outline::LEAST_FULL, color: outline.color }
+    }
+
+    /// The distances of neighbours over those of the narrowest line.
+    fn stretch(self) -> f64 {
+        larger(self.scale, 1.0)
+    }
+
+    /// Columns and rows around a pixel that its line depends on, in pixels.
+    pub(crate) fn margin(self) -> u32 {
+        (REACH as f64 * self.stretch()).round() as u32
+    }
+
+    /// The darkness of a line that is narrower than the narrowest, over that of the narrowest.
+    fn strength(self) -> f64 {
+        if self.scale < 1.0 { self.scale } else { 1.0 }
+    }
+
+    /// The offsets to half of the neighbours, and the unit vectors toward them.
+    fn pairs(self) -> Vec<([isize; 2], [f64; 2])> {
+        let far = |x: isize| (x as f64 * self.stretch()).round() as isize;
+        pairs().map(|offset| (offset.map(far), unit(offset))).collect()
+    }
+}
 
 /// The size of a pixel in the scene's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,6 +135,7 @@ pub(crate) struct Shown<'a> {
     pub(crate) radii: &'a [f64],
     /// The size of a pixel.
     pub(crate) pixel: PixelSize,
+    pub(crate) line: Line,
 }
 
 impl Shown<'_> {
@@ -107,8 +143,7 @@ impl Shown<'_> {
     /// without a gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.
     pub(crate) fn draw(&self, part: Window, between: bool, color: &mut [f32]) {
         let width = part.width() as usize;
-        let pairs: Vec<_> = pairs().map(|offset| (offset, unit(offset))).collect();
-        let pairs = &pairs[..];
+        let pairs = &self.line.pairs()[..];
         color.par_chunks_mut((3 * width).max(1)).zip(part.y0..part.y1).for_each(|(row, y)| {
             vectorized!(self.draw_row(pairs, between, [part.x0 as isize, y as isize], row));
         });
@@ -120,9 +155,11 @@ impl Shown<'_> {
         for (n, pixels) in row.chunks_mut(3 * LANES).enumerate() {
             let dark = self.darkness([x + (n * LANES) as isize, y], pairs, between);
             for (rgb, dark) in pixels.chunks_exact_mut(3).zip(dark) {
-                let light = 1.0 - dark as f32;
-                if light < 1.0 {
-                    rgb.iter_mut().for_each(|value| *value *= light);
+                let dark = (self.line.strength() * dark) as f32;
+                if dark > 0.0 {
+                    rgb.iter_mut()
+                        .zip(self.line.color)
+                        .for_each(|(value, ink)| *value = *value * (1.0 - dark) + ink * dark);
                 }
             }
         }
@@ -193,7 +230,7 @@ impl Shown<'_> {
             radii[l] = self.radii.get(own.id[l] as usize).copied().unwrap_or(f64::INFINITY);
         }
         for l in 0..LANES {
-            let large = ramp(2.0 * radii[l] / size[l], DIAMETER);
+            let large = ramp(2.0 * radii[l] / (size[l] * self.line.stretch()), DIAMETER);
             let company = ramp(sums.company[l] * NEIGHBOURS / sums.count[l], COMPANY);
             let edge = sums.ramp(l, &sums.behind) * larger(large, company);
             let darkness = larger(edge, sums.ramp(l, &sums.behind_or_border) * large);

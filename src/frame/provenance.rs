@@ -5,6 +5,7 @@ use super::report::{CPU_DRIVER, Report};
 use super::{Aov, MOST_LIGHTS};
 use crate::memory::ids_fit;
 use crate::scene::camera::CameraRecord;
+use crate::settings::Outline;
 use crate::trailer;
 use crate::window::Window;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -71,6 +72,9 @@ impl Provenance {
             // Lights and sky are part of the scene.
             let drawn = [(report.silhouette, "halfline:silhouette"), (report.depth_cue, "halfline:depth-cue")];
             drawn.iter().filter(|(drawn, _)| *drawn).for_each(|(_, key)| words.set(key, "true"));
+            if let Some(Outline { width, color }) = report.outline.filter(|outline| *outline != Outline::default()) {
+                words.set("halfline:outline", format!("{width} pixels, {color:?}"));
+            }
         }
         if aovs.contains(&Aov::Shadow) {
             words.set(LIGHTS, report.lights);

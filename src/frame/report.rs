@@ -4,6 +4,7 @@ use super::tone::{Tone, Toning};
 use crate::intersect::predict::Prediction;
 use crate::scene::Sky;
 use crate::scene::camera::CameraRecord;
+use crate::settings::Outline;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -47,6 +48,8 @@ pub struct Report {
     pub occlusion: Option<Sky>,
     /// Whether outlines are drawn in the colour.
     pub silhouette: bool,
+    /// Width and colour of these outlines; `None` where none are drawn.
+    pub outline: Option<Outline>,
     /// Whether colours fade with depth.
     pub depth_cue: bool,
     /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` if colour is not requested.

@@ -231,6 +231,7 @@ impl Renderer {
             lights: scene.lighting.lights.len() as u64,
             occlusion: settings.sky(scene),
             silhouette: settings.silhouette,
+            outline: settings.silhouette.then_some(settings.outline),
             depth_cue: settings.depth_cue,
             tone: settings.asks(&[Aov::Color]).then(|| settings.toning(scene).tone),
             exposure: settings.exposure,

@@ -5,6 +5,7 @@ pub(crate) mod engine;
 pub(super) mod lights;
 
 use crate::answers::finish::Finish;
+use crate::answers::silhouette::Line;
 use crate::cpu::light::LightOutputs;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
@@ -62,7 +63,8 @@ impl Plan {
         let (silhouette, depth_cue) = (settings.silhouette, settings.depth_cue);
         // Touching spheres of flat colours would run into each other.
         let between = settings.shade == Shade::Flat;
-        plan.finish = (silhouette || depth_cue).then_some(Finish { silhouette, between, depth_cue });
+        let line = silhouette.then(|| Line::new(settings.outline));
+        plan.finish = (silhouette || depth_cue).then_some(Finish { line, between, depth_cue });
         plan.light_outputs = lights::outputs(scene, settings);
         let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.light_outputs.color);
         plan.kernel.shade = shade;

@@ -73,22 +73,16 @@ impl Renderer {
         let mut lens = LensPasses::new(scene, settings, raster)?;
         let pool = Arc::clone(&self.pool);
         let finish = sampling.finish();
-        let shared = sampling.sky_at_centers();
-        let margin = finish.map_or(0, |finish| finish.margin()).max(if shared.is_some() { AROUND } else { 0 });
-        let around = match margin {
-            0 => None,
-            // Lines are blurred like what they surround: each pass draws its own, from samples around the window.
-            margin if lens.is_some() => {
-                raster.window = window.grown(margin, scene.image.width, scene.image.height);
-                None
+        // Each pass draws its own lines, from samples around the window, so that their mean is smooth and a lens blurs them.
+        raster.window = window.grown(finish.map_or(0, Finish::margin), scene.image.width, scene.image.height);
+        let open = match sampling.sky_at_centers() {
+            Some(sky) => {
+                let around = self.centers(sampling, window, centers, timings)?;
+                self.sky_of(sampling, &around, sky, raster.count(), timings)?
             }
-            margin => Some(self.centers(sampling, window, margin, centers, timings)?),
+            None => None,
         };
-        let sky = match (&around, shared) {
-            (Some(around), Some(sky)) => self.sky_of(sampling, around, sky, raster.count(), timings)?,
-            _ => None,
-        };
-        let open = sky.as_ref();
+        let open = open.as_ref();
         let basis = scene.camera.basis()?;
         let cue = finish.and_then(|finish| finish.cue(scene, &basis));
         let pixels = raster.window.width() as usize * raster.window.height() as usize;
@@ -118,10 +112,6 @@ impl Renderer {
         let mut means = sums.means(raster.count(), &pool);
         if raster.window != window {
             means = means.part(window.inside(raster.window), raster.window.width());
-        }
-        if let (Some(finish), Some(around)) = (finish, around) {
-            let part = window.inside(around.window);
-            timings.time("finish", || finish.draw(scene, &around.view, &around.ids, part, &mut means.color));
         }
         raw.put_back(&pool);
         if let Some(setup) = last {
@@ -158,9 +148,8 @@ impl Renderer {
         if let Some(cue) = cue {
             timings.time("finish", || fade(cue, scene, (view, lights.is_some()), &raw.id, &mut raw.color));
         }
-        if let Some(finish) = sampling.finish().filter(|_| settings.aperture.is_some()) {
-            let window = view.record.window();
-            timings.time("finish", || finish.draw(scene, view, &raw.id, window.inside(window), &mut raw.color));
+        if let Some(finish) = sampling.finish() {
+            timings.time("finish", || finish.draw(scene, view, &raw.id, &mut raw.color));
         }
         Ok(())
     }
@@ -185,18 +174,17 @@ impl Renderer {
         Ok(Some(OpenSky { window: around.window, ids, light: light.sky }))
     }
 
-    /// The spheres that the centres of a window's pixels show, and those around it as far as `margin` and the frame reach.
+    /// The spheres that the centres of a window's pixels show, and those around it as far as [`AROUND`] and the frame reach.
     fn centers<'a>(
         &mut self,
         sampling: Sampling<'_>,
         window: Window,
-        margin: u32,
         centers: &'a [u32],
         timings: &mut Timings,
     ) -> Result<Centers<'a>> {
         let Sampling { plan, scene, settings, .. } = sampling;
         let pool = Arc::clone(&self.pool);
-        let wide = window.grown(margin, scene.image.width, scene.image.height);
+        let wide = window.grown(AROUND, scene.image.width, scene.image.height);
         let raster = Raster::centres(wide);
         if wide == window {
             let view = View::for_rays(scene, raster, Records::None)?;

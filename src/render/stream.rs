@@ -11,7 +11,7 @@ mod witness;
 
 pub use part::{Part, PartView};
 
-use crate::answers::silhouette;
+use crate::answers::silhouette::Line;
 use crate::certify::sieve::{Sieve, Sifted, sift};
 use crate::double_double::exponent;
 use crate::error::{Error, Place, Result};
@@ -86,8 +86,9 @@ impl Stream {
         let window = settings.window_of(&scene)?;
         let (width, height) = (scene.image.width, scene.image.height);
         // Lines along edges are drawn from the pixels around.
-        let around = window.grown(if settings.silhouette { silhouette::MARGIN } else { 0 }, width, height);
-        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
+        let around =
+            window.grown(if settings.silhouette { Line::new(settings.outline).margin() } else { 0 }, width, height);
+        let samples = Raster::samples(around, settings.samples, settings.seed, &scene.image)?;
         let rasters = [Raster::centres(around)].into_iter().chain(samples).collect();
         let witnesses = Witnesses::new(scene.camera.basis()?);
         let (settings, kept, digests) = (settings.clone(), NumberedSpheres::default(), Digests::default());

@@ -54,7 +54,14 @@ impl Picture {
     }
 
     fn shown(&self, pixel: PixelSize) -> Shown<'_> {
-        Shown { width: self.width, ids: &self.ids, depths: &self.depths, radii: &self.radii, pixel }
+        Shown {
+            width: self.width,
+            ids: &self.ids,
+            depths: &self.depths,
+            radii: &self.radii,
+            pixel,
+            line: Line::new(Outline::default()),
+        }
     }
 
     /// The darkness of each pixel, 0 to 1, drawn over white.
@@ -85,6 +92,28 @@ fn planes(width: usize, height: usize, at: impl Fn(usize, usize) -> (u32, f64)) 
     let spheres = picture.ids.iter().filter(|id| **id != NONE).max().map_or(0, |id| *id as usize + 1);
     picture.radii = vec![1e6; spheres];
     picture
+}
+
+/// The mean over the rim of a large sphere. Half of a pixel is the width of a row of neighbours that begins or ends to count.
+#[test]
+fn lines_have_the_width_of_the_outline() {
+    let (center, radius) = ([110.3, 109.6], 90.0);
+    let mut picture = Picture::new(220, 220);
+    picture.sphere([center[0], center[1], 1e4], radius);
+    for width in [0.2, 0.65, 1.3, 2.0, 2.6, 5.2, 10.4] {
+        let ink = [0.25, 0.5, 1.0];
+        let line = Line::new(Outline { width, color: ink });
+        let mut color = vec![0.0; 3 * picture.ids.len()];
+        Shown { line, ..picture.shown(PixelSize::Parallel(1.0)) }.draw(picture.full(), false, &mut color);
+        assert!(color.chunks_exact(3).all(|rgb| rgb[0] == ink[0] * rgb[2] && rgb[1] == ink[1] * rgb[2]), "{width}");
+        let covered: Vec<f32> = color.chunks_exact(3).map(|rgb| rgb[2]).collect();
+        let found = total(&covered) / (2.0 * std::f64::consts::PI * radius);
+        println!("width {width}: {found:.3}");
+        assert!((found - width).abs() < (0.15 * width).max(if width > 1.3 { 0.5 } else { 0.0 }), "{width}: {found}");
+        let farthest = covered.iter().enumerate().filter(|(_, dark)| **dark > 0.0);
+        let farthest = farthest.map(|(pixel, _)| radius - picture.distance_to(pixel, center)).fold(0.0, f64::max);
+        assert!(farthest < f64::from(line.margin()) * 2f64.sqrt(), "{width}: {farthest} of {}", line.margin());
+    }
 }
 
 #[test]
@@ -273,7 +302,7 @@ fn a_window_with_its_margin_has_the_bits_of_the_whole_on_any_number_of_threads()
             let row = |y: u32| &from[3 * (y * width + w.x0) as usize..3 * (y * width + w.x1) as usize];
             (w.y0..w.y1).flat_map(row).copied().collect()
         };
-        let wide = window.grown(MARGIN, width, height);
+        let wide = window.grown(Line::new(Outline::default()).margin(), width, height);
         let part = window.inside(wide);
         let pixels = || (wide.y0..wide.y1).flat_map(|y| (wide.x0..wide.x1).map(move |x| (y * width + x) as usize));
         let piece = Picture {

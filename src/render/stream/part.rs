@@ -10,7 +10,7 @@ use crate::quote::{count, quote};
 use crate::scene::camera::Camera;
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{ImagePlane, Lighting, Scene, Spheres};
-use crate::settings::{Accuracy, Settings, Tolerance};
+use crate::settings::{Accuracy, Outline, Settings, Tolerance};
 use crate::window::Window;
 use serde::{Deserialize, Serialize};
 use std::borrow::Borrow;
@@ -34,6 +34,8 @@ pub struct PartView {
     pub seed: u32,
     /// The promised relative error of certified answers.
     pub tolerance: f64,
+    /// The width of outlines, pixels: so many pixels around the window they look at.
+    pub outline: f64,
 }
 
 /// The spheres of a part of a scene that a frame needs.
@@ -62,8 +64,7 @@ struct PartHeader {
 const KIND: &str = "visible spheres of a part, 1";
 
 /// The remedy for parts that are not alike.
-const ALIKE: &str =
-    "sift all parts with the same camera, size, window, samples, seed, tolerance and version of halfline";
+const ALIKE: &str = "sift all parts with the same camera, size, window, samples, seed, tolerance, width of outlines and version of halfline";
 
 impl PartView {
     /// The rays of a frame of `scene`.
@@ -80,6 +81,7 @@ impl PartView {
             samples,
             seed: if samples > 1 { settings.seed } else { 0 },
             tolerance: settings.promise().relative(),
+            outline: settings.outline.width,
         })
     }
 
@@ -103,6 +105,7 @@ impl PartView {
             window: Some(self.window),
             tolerance: Some(Tolerance::new(self.tolerance)?),
             silhouette: true,
+            outline: Outline { width: self.outline, ..Outline::default() },
             ..Settings::default()
         })
     }
@@ -120,6 +123,7 @@ impl PartView {
             ("window", pair(&self.window, &other.window, Window::to_string)),
             ("number of samples", pair(&self.samples, &other.samples, u32::to_string)),
             ("seed", pair(&self.seed, &other.seed, u32::to_string)),
+            ("width of outlines", pair(&self.outline, &other.outline, f64::to_string)),
             ("tolerance", pair(&self.tolerance, &other.tolerance, f64::to_string)),
         ];
         found.into_iter().find_map(|(what, pair)| Some((what, pair?)))

@@ -1,0 +1,47 @@
+//! The lines that silhouettes draw.
+
+use crate::error::{Error, Result};
+use crate::quote::setting::OUTLINE_WIDTH;
+use serde::Serialize;
+
+/// Width and colour of the lines of silhouettes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Outline {
+    /// The width in pixels of the full frame. A line narrower than [`Outline::LEAST_FULL`] is that wide and paler.
+    pub width: f64,
+    /// Linear RGB.
+    pub color: [f32; 3],
+}
+
+impl Outline {
+    /// The least and the largest width, pixels.
+    pub const WIDTHS: [f64; 2] = [0.1, 40.0];
+
+    /// The width of the narrowest line in its full colour, pixels, and the default.
+    pub const LEAST_FULL: f64 = 1.3;
+
+    /// Checks the width and the colour.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a width out of range, and for a colour that is negative or not finite.
+    pub fn check(&self) -> Result<()> {
+        let [least, most] = Self::WIDTHS;
+        if !(least..=most).contains(&self.width) {
+            let problem = format!("{OUTLINE_WIDTH} is {}", self.width);
+            return Err(Error::settings(problem, format!("give a number of pixels from {least} to {most}")));
+        }
+        if !self.color.iter().all(|c| c.is_finite() && *c >= 0.0) {
+            return Err(Error::settings(
+                "the colour of outlines is negative or not finite",
+                "give linear RGB, 0 or more",
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl Default for Outline {
+    fn default() -> Self {
+        Self { width: Self::LEAST_FULL, color: [0.0; 3] }
+    }
+}
