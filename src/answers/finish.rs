@@ -7,7 +7,6 @@ use crate::scene::camera::Basis;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::picture_rays::PictureRays;
-use crate::view::ray::NONE;
 use rayon::prelude::*;
 
 /// The effects that are drawn over the colours.
@@ -50,10 +49,9 @@ pub(crate) fn fade(cue: DepthCue, scene: &Scene, (view, uses_lights): (&View, bo
 
 /// The planar depth of each pixel's hit in the scene's unit, +inf on a miss.
 fn depths(scene: &Scene, view: &View, ids: &[u32]) -> Vec<f64> {
-    let (spheres, rays) = (&scene.spheres, PictureRays::new(view));
-    let depth = |(pixel, id): (usize, &u32)| match *id {
-        NONE => f64::INFINITY,
-        id => rays.depth(pixel as u32, spheres.centers[id as usize], spheres.radii[id as usize]),
-    };
-    ids.par_iter().enumerate().map(depth).collect()
+    const CHUNK: usize = 1 << 10;
+    let (rays, mut depths) = (PictureRays::new(view), vec![0.0; ids.len()]);
+    let chunks = ids.par_chunks(CHUNK).zip(depths.par_chunks_mut(CHUNK)).enumerate();
+    chunks.for_each(|(n, (ids, depths))| rays.depths((n * CHUNK) as u32, ids, &scene.spheres, depths));
+    depths
 }

@@ -202,6 +202,17 @@ impl Shown<'_> {
         spots
     }
 
+    /// Whether all neighbours of [`LANES`] pixels from column `x` of row `y` on show sphere `id`, as do the pixels.
+    #[inline(always)]
+    fn is_within(&self, id: u32, [x, y]: [isize; 2]) -> bool {
+        let margin = self.line.margin() as isize;
+        let (Ok(first), Ok(above)) = (usize::try_from(x - margin), usize::try_from(y - margin)) else { return false };
+        let (end, below) = ((x + margin) as usize + LANES, (y + margin) as usize);
+        let row = |row: usize| self.ids.get(row * self.width + first..row * self.width + end);
+        let shows = |row: &[u32]| row.iter().fold(true, |all, other| all & (*other == id));
+        end <= self.width && (above..=below).all(|n| row(n).is_some_and(shows))
+    }
+
     /// The darkness of the lines at [`LANES`] pixels from column `x` of row `y` on: 0 for none, 1 for black; 0 on a
     /// miss. `pairs` are [`pairs`] with their unit vectors.
     #[inline(always)]
@@ -209,6 +220,9 @@ impl Shown<'_> {
         let own = self.spots([x, y]);
         let mut dark = [0.0; LANES];
         if own.id == [NONE; LANES] {
+            return dark;
+        }
+        if self.is_within(own.id[0], [x, y]) {
             return dark;
         }
         let mut size = [0.0; LANES];

@@ -1,7 +1,12 @@
 //! Hits of viewing rays on spheres, in f64 without bounds: accurate enough for the colours and lines of a picture.
 
+#![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
+
 use super::View;
+use super::ray::NONE;
 use crate::double_double as dd;
+use crate::number::vector::{LANES, vectorized};
+use crate::scene::Spheres;
 use glam::DVec3;
 
 /// The distance, in radii, beyond which f64 does not give a sphere's normals to seven digits.
@@ -60,11 +65,36 @@ impl<'a> PictureRays<'a> {
         }
     }
 
-    /// The depth of the hit along the view axis, in the scene's unit.
-    pub(crate) fn depth(&self, pixel: u32, center: [f64; 3], radius: f64) -> f64 {
-        let position = self.view.record.position(pixel);
-        let Meeting { forward, t, .. } = self.meeting(self.view.parallel, position, center, radius);
-        dd::ldexp(forward * t, self.view.unit)
+    /// Writes the depth along the view axis of each hit, in the scene's unit: that of the pixels from `first` on, which show the
+    /// spheres `ids`; +inf on a miss.
+    pub(crate) fn depths(&self, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
+        match self.view.parallel {
+            true => vectorized!(self.depths_of(true, first, ids, spheres, depths)),
+            false => vectorized!(self.depths_of(false, first, ids, spheres, depths)),
+        }
+    }
+
+    /// [`PictureRays::depths`], eight pixels at once where `parallel` is a constant.
+    #[inline(always)]
+    fn depths_of(&self, parallel: bool, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
+        let record = &self.view.record;
+        for (n, (ids, depths)) in ids.chunks(LANES).zip(depths.chunks_mut(LANES)).enumerate() {
+            let (mut position, mut ball) = ([[0; LANES]; 2], [[0.0; LANES]; 4]);
+            for (l, id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
+                [position[0][l], position[1][l]] = record.position(first + (n * LANES + l) as u32);
+                let [x, y, z] = spheres.centers[*id as usize];
+                [ball[0][l], ball[1][l], ball[2][l], ball[3][l]] = [x, y, z, spheres.radii[*id as usize]];
+            }
+            let mut found = [0.0; LANES];
+            for l in 0..LANES {
+                let (position, center) = ([position[0][l], position[1][l]], [ball[0][l], ball[1][l], ball[2][l]]);
+                let Meeting { forward, t, .. } = self.meeting(parallel, position, center, ball[3][l]);
+                found[l] = forward * t;
+            }
+            for ((depth, found), id) in depths.iter_mut().zip(found).zip(ids) {
+                *depth = if *id == NONE { f64::INFINITY } else { dd::ldexp(found, self.view.unit) };
+            }
+        }
     }
 
     #[inline(always)]
