@@ -191,14 +191,16 @@ pub fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'s
 
 /// The list of a type's variants and their names on the command line; with `$kind`, which an unknown name is said to be none
 /// of, also the variant of a name.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! named {
     ($type:ident, $kind:literal, $($variant:ident $name:literal)*) => {
-        crate::error::named! { $type, $($variant $name)* }
+        $crate::named! { $type, $($variant $name)* }
 
         impl std::str::FromStr for $type {
-            type Err = crate::error::Error;
-            fn from_str(name: &str) -> crate::error::Result<Self> {
-                crate::error::by_name($kind, name, &Self::ALL, Self::name)
+            type Err = $crate::error::Error;
+            fn from_str(name: &str) -> $crate::error::Result<Self> {
+                $crate::error::by_name($kind, name, &Self::ALL, Self::name)
             }
         }
     };
@@ -217,7 +219,8 @@ macro_rules! named {
         }
     };
 }
-pub(crate) use named;
+#[doc(hidden)]
+pub use named;
 
 /// Moves an error of a check that knows only the field to that field's place in the file.
 pub fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {

@@ -7,7 +7,7 @@ mod scale;
 
 use super::canvas::plain;
 use super::raster::{missing, missing_letters};
-use halfline::error::{Error, Result};
+use halfline::error::{Error, Result, named};
 use halfline::frame::legend::Legend;
 use halfline::frame::srgb::linear;
 use halfline::frame::{Aov, Buffer, Data, Frame};
@@ -33,29 +33,9 @@ pub enum Corner {
     BottomRight,
 }
 
-impl Corner {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Right, Self::TopLeft, Self::TopRight, Self::BottomLeft, Self::BottomRight];
-
-    /// The name on the command line and in provenance.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Right => "right",
-            Self::TopLeft => "top-left",
-            Self::TopRight => "top-right",
-            Self::BottomLeft => "bottom-left",
-            Self::BottomRight => "bottom-right",
-        }
-    }
-}
-
-impl std::str::FromStr for Corner {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self> {
-        halfline::error::by_name("corner", name, &Self::ALL, Self::name)
-    }
+named! {
+    Corner, "corner",
+    Right "right" TopLeft "top-left" TopRight "top-right" BottomLeft "bottom-left" BottomRight "bottom-right"
 }
 
 /// A bar of a known length.

@@ -1,8 +1,7 @@
 //! The formats of scene files, and their names.
 
-use halfline::error::{Error, Result};
+use halfline::error::named;
 use std::path::Path;
-use std::str::FromStr;
 
 /// The supported formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,38 +51,13 @@ pub enum Format {
     Gsd,
 }
 
+named! {
+    Format, "format",
+    Native "toml" Nff "nff" Xyz "xyz" Pdb "pdb" Pqr "pqr" Pdbqt "pdbqt" Mmcif "cif" Gro "gro" Dump "dump" Data "data" Ply "ply"
+    Csv "csv" Npy "npy" Npz "npz" Xtc "xtc" Trr "trr" Dcd "dcd" Poscar "poscar" Pcd "pcd" Las "las" Gsd "gsd"
+}
+
 impl Format {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[
-        Self::Native,
-        Self::Nff,
-        Self::Xyz,
-        Self::Pdb,
-        Self::Pqr,
-        Self::Pdbqt,
-        Self::Mmcif,
-        Self::Gro,
-        Self::Dump,
-        Self::Data,
-        Self::Ply,
-        Self::Csv,
-        Self::Npy,
-        Self::Npz,
-        Self::Xtc,
-        Self::Trr,
-        Self::Dcd,
-        Self::Poscar,
-        Self::Pcd,
-        Self::Las,
-        Self::Gsd,
-    ];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        self.endings()[0]
-    }
-
     /// Whether its files are of atoms of molecules; those of trajectories are, with the elements of a topology.
     #[must_use]
     pub fn is_of_molecules(self) -> bool {
@@ -91,47 +65,29 @@ impl Format {
         text || matches!(self, Self::Xtc | Self::Trr | Self::Dcd)
     }
 
-    /// The file name extensions; the first is the format's name.
-    fn endings(self) -> &'static [&'static str] {
+    /// The file name extensions besides the format's name.
+    fn other_endings(self) -> &'static [&'static str] {
         match self {
-            Self::Native => &["toml"],
-            Self::Nff => &["nff"],
-            Self::Xyz => &["xyz", "extxyz"],
-            Self::Pdb => &["pdb", "ent"],
-            Self::Pqr => &["pqr"],
-            Self::Pdbqt => &["pdbqt"],
-            Self::Mmcif => &["cif", "mmcif"],
-            Self::Gro => &["gro"],
-            Self::Dump => &["dump", "lammpstrj"],
-            Self::Data => &["data", "lammps"],
-            Self::Ply => &["ply"],
-            Self::Csv => &["csv", "tsv"],
-            Self::Npy => &["npy"],
-            Self::Npz => &["npz"],
-            Self::Xtc => &["xtc"],
-            Self::Trr => &["trr"],
-            Self::Dcd => &["dcd"],
-            Self::Poscar => &["poscar", "contcar", "vasp"],
-            Self::Pcd => &["pcd"],
-            Self::Las => &["las", "laz"],
-            Self::Gsd => &["gsd"],
+            Self::Xyz => &["extxyz"],
+            Self::Pdb => &["ent"],
+            Self::Mmcif => &["mmcif"],
+            Self::Dump => &["lammpstrj"],
+            Self::Data => &["lammps"],
+            Self::Csv => &["tsv"],
+            Self::Poscar => &["contcar", "vasp"],
+            Self::Las => &["laz"],
+            _ => &[],
         }
     }
 
     /// Detects the format by a file name without the extension of its compression.
     pub(super) fn of_name(path: &Path) -> Option<Self> {
         let ending = ending(path);
-        let known = Self::ALL.iter().copied().find(|format| format.endings().contains(&ending.as_str()));
+        let has = |format: &Self| format.name() == ending || format.other_endings().contains(&ending.as_str());
+        let known = Self::ALL.into_iter().find(has);
         // VASP gives its files these names, without an extension.
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_uppercase();
         known.or_else(|| ["POSCAR", "CONTCAR"].iter().any(|vasp| name.starts_with(vasp)).then_some(Self::Poscar))
-    }
-}
-
-impl FromStr for Format {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        halfline::error::by_name("format", name, Self::ALL, Self::name)
     }
 }
 

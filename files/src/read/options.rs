@@ -12,10 +12,9 @@ use super::select::candidates;
 use super::select::{Selections, selection::Selection};
 use super::source::KnownFormat;
 use super::style::Style;
-use halfline::error::{Error, Result};
+use halfline::error::{Error, Result, named};
 use halfline::progress::Watch;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
@@ -67,10 +66,9 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// Whether the options have any selection: to take, to hide, to mark, or in a rule for colours or radii.
-    pub(super) fn selects(&self) -> bool {
-        let all = self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections());
-        all.count() > 0
+    /// All selections: to take, to hide, to mark, and in rules for colours and radii.
+    pub(super) fn all_selections(&self) -> impl Iterator<Item = &Selection> {
+        self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections())
     }
 
     /// The columns that the reader must keep, as far as the file has them: those that are named, and the components of
@@ -88,27 +86,14 @@ impl ReadOptions {
     /// The columns that colours, selections, [`Periodic::Unwrap`] and the words of [`Keep::Named`] read.
     pub(super) fn named_columns(&self) -> Vec<String> {
         let mut columns: Vec<String> = self.style.columns().to_vec();
-        if self.periodic == Periodic::Unwrap {
-            let more = periodic::columns().filter(|name| !columns.iter().any(|known| known.eq_ignore_ascii_case(name)));
-            columns.extend(more.map(str::to_owned).collect::<Vec<_>>());
-        }
-        for selection in self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections()) {
-            columns.extend(
-                selection
-                    .columns()
-                    .into_iter()
-                    .filter(|name| {
-                        // A column that two words need is kept once.
-                        !columns.iter().any(|known| known.eq_ignore_ascii_case(name))
-                    })
-                    .collect::<Vec<_>>(),
-            );
-        }
-        if let Keep::Named(words) = &self.keep {
-            for name in words.iter().flat_map(|word| candidates(word)) {
-                if !columns.iter().any(|known| known.eq_ignore_ascii_case(&name)) {
-                    columns.push(name);
-                }
+        let unwrapped = periodic::columns().filter(|_| self.periodic == Periodic::Unwrap).map(str::to_owned);
+        let selected = self.all_selections().flat_map(Selection::columns);
+        let words = if let Keep::Named(words) = &self.keep { &words[..] } else { &[] };
+        let kept = words.iter().flat_map(|word| candidates(word));
+        for name in unwrapped.chain(selected).chain(kept) {
+            // A column that two words need is kept once.
+            if !columns.iter().any(|known| known.eq_ignore_ascii_case(&name)) {
+                columns.push(name);
             }
         }
         columns
@@ -201,24 +186,4 @@ pub enum Hold {
     None,
 }
 
-impl Hold {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::First, Self::All, Self::None];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::First => "first",
-            Self::All => "all",
-            Self::None => "none",
-        }
-    }
-}
-
-impl FromStr for Hold {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        halfline::error::by_name("hold", name, Self::ALL, Self::name)
-    }
-}
+named! { Hold, "hold", First "first" All "all" None "none" }

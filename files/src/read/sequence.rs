@@ -510,7 +510,7 @@ impl Sequence {
 
 /// Refuses what needs all atoms of an assembly.
 fn check_operators(options: &ReadOptions) -> Result<()> {
-    if !options.selects() {
+    if options.all_selections().next().is_none() {
         return Ok(());
     }
     let problem = format!("{STREAM}: selections need all atoms of an assembly in memory");

@@ -447,8 +447,7 @@ fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Part
 
 /// Refuses what needs all particles at once.
 fn check(options: &ReadOptions) -> Result<()> {
-    let selections = options.select.iter().chain(&options.hide).chain(&options.marks).chain(options.style.selections());
-    let word = selections.filter_map(|selection| Some((selection, selection.word_for_several()?))).next();
+    let word = options.all_selections().find_map(|selection| Some((selection, selection.word_for_several()?)));
     let (problem, mend) = if let Some((selection, word)) = word {
         (
             format!("`{word}` in the selection `{}` needs all particles in memory", selection.brief()),

@@ -12,7 +12,7 @@ use super::particles::frame::Particles;
 use super::select::selection::Selection;
 use super::skipped::Skipped;
 pub(super) use categories::joined_elements;
-use halfline::error::{Error, Place, Result};
+use halfline::error::{Error, Place, Result, named};
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb;
 use halfline::memory::check_spheres;
@@ -23,7 +23,6 @@ use halfline::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius
 use super::color::of_hex;
 use super::elements::{Element, element};
 use rayon::prelude::*;
-use std::str::FromStr;
 
 /// The style of particles.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,19 +68,9 @@ pub enum Radii {
     Covalent,
 }
 
+named! { Radii, "kind of radii", Vdw "vdw" Covalent "covalent" }
+
 impl Radii {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Vdw, Self::Covalent];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Vdw => "vdw",
-            Self::Covalent => "covalent",
-        }
-    }
-
     /// The radius of an element by its atomic number, ångström; that of unknown elements where there is none.
     #[must_use]
     pub fn radius(self, number: u8) -> f64 {
@@ -93,13 +82,6 @@ impl Radii {
             Self::Vdw => element.vdw,
             Self::Covalent => element.covalent,
         }
-    }
-}
-
-impl FromStr for Radii {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        halfline::error::by_name("kind of radii", name, Self::ALL, Self::name)
     }
 }
 

@@ -1,7 +1,7 @@
 //! File formats, the buffers that each can hold, and the options of the formats.
 
 use super::layer::{LayerFormat, SampleType};
-use halfline::error::{Error, Result};
+use halfline::error::{Error, Result, named};
 use halfline::frame::Aov;
 use halfline::frame::provenance::Provenance;
 use halfline::quote::quote;
@@ -165,18 +165,9 @@ pub enum NoReturn {
     Zero,
 }
 
+named! { NoReturn, "value of a miss", Inf "inf" Nan "nan" Zero "zero" }
+
 impl NoReturn {
-    const ALL: [Self; 3] = [Self::Inf, Self::Nan, Self::Zero];
-
-    /// The name on the command line and in provenance.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Inf => "inf",
-            Self::Nan => "nan",
-            Self::Zero => "zero",
-        }
-    }
-
     /// The number.
     pub(super) fn value(self) -> f64 {
         match self {
@@ -184,14 +175,6 @@ impl NoReturn {
             Self::Nan => f64::NAN,
             Self::Zero => 0.0,
         }
-    }
-}
-
-impl FromStr for NoReturn {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self> {
-        halfline::error::by_name("value of a miss", name, &Self::ALL, Self::name)
     }
 }
 

@@ -382,10 +382,10 @@ mod tests {
                     Format::Pdbqt => [MODEL, ALTLOC].contains(&word),
                     _ => false,
                 };
-                let found = check(*format, &options);
+                let found = check(format, &options);
                 assert_eq!(found.is_ok(), known, "{format:?} {word}");
                 assert!(found.is_ok() || found.is_err_and(|error| error.to_string().contains(word)));
-                check(*format, &plain).expect("no option is set");
+                check(format, &plain).expect("no option is set");
             }
         }
     }
