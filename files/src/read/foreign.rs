@@ -11,8 +11,31 @@ pub(super) struct Foreign {
     pub(super) mend: &'static str,
     /// File name extensions that no supported format shares.
     endings: &'static [&'static str],
+    sign: Sign,
+}
+
+/// The sign of a format in a file.
+enum Sign {
+    /// One of these beginnings.
+    Start(&'static [&'static [u8]]),
     /// Whether a file with these first bytes and lines is of this format. Invalid UTF-8 is removed from the lines.
-    sign: fn(&[u8], &[&str]) -> bool,
+    Test(fn(&[u8], &[&str]) -> bool),
+    /// None but its name.
+    Name,
+}
+
+impl Sign {
+    fn is_of(&self, start: &[u8], lines: &[&str]) -> bool {
+        match self {
+            Self::Start(starts) => starts.iter().any(|known| start.starts_with(known)),
+            Self::Test(test) => test(start, lines),
+            Self::Name => false,
+        }
+    }
+}
+
+const fn row(what: &'static str, mend: &'static str, endings: &'static [&'static str], sign: Sign) -> Foreign {
+    Foreign { what, mend, endings, sign }
 }
 
 const TRAJECTORY: &str = "convert it to GRO, PDB or XYZ, for example with `gmx trjconv` or MDAnalysis";
@@ -25,244 +48,179 @@ const TABLE: &str = "save its columns as CSV or NPY, for example with pandas";
 
 /// All of them; the first match is used.
 const ALL: &[Foreign] = &[
-    Foreign {
-        what: "a text in UTF-16",
-        mend: "save it as UTF-8, for example with `iconv -f UTF-16 -t UTF-8`",
-        endings: &[],
-        sign: |bytes, _| bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff"),
-    },
-    Foreign {
-        what: "compressed with xz",
-        mend: "decompress it with `xz -d`",
-        endings: &["xz"],
-        sign: |bytes, _| bytes.starts_with(b"\xfd7zXZ\0"),
-    },
-    Foreign {
-        what: "compressed with Zstandard",
-        mend: "decompress it with `zstd -d`",
-        endings: &["zst", "zstd"],
-        sign: |bytes, _| matches!(bytes, [0x22..=0x28, 0xb5, 0x2f, 0xfd, ..]),
-    },
-    Foreign {
-        what: "compressed with LZ4",
-        mend: "decompress it with `lz4 -d`",
-        endings: &["lz4"],
-        sign: |bytes, _| bytes.starts_with(b"\x04\x22\x4d\x18"),
-    },
-    Foreign {
-        what: "compressed with LZMA",
-        mend: "decompress it with `unlzma`",
-        endings: &["lzma"],
-        sign: |bytes, _| bytes.starts_with(b"\x5d\0\0"),
-    },
-    Foreign {
-        what: "compressed with compress",
-        mend: "decompress it with `gzip -d`",
-        endings: &["z"],
-        sign: |bytes, _| bytes.starts_with(b"\x1f\x9d"),
-    },
-    Foreign {
-        what: "a 7z archive",
-        mend: "unpack it with `7z x`, and use a file of it",
-        endings: &["7z"],
-        sign: |bytes, _| bytes.starts_with(b"7z\xbc\xaf\x27\x1c"),
-    },
-    Foreign {
-        what: "a RAR archive",
-        mend: "unpack it with `7z x`, and use a file of it",
-        endings: &["rar"],
-        sign: |bytes, _| bytes.starts_with(b"Rar!\x1a\x07"),
-    },
-    Foreign {
-        what: "a ZIP archive without arrays of NumPy",
-        mend: "unpack it with `unzip`, and use a file of it; save a spreadsheet as CSV",
-        endings: &["zip", "xlsx", "ods"],
-        sign: is_zip,
-    },
-    Foreign {
-        what: "a tar archive",
-        mend: "unpack it with `tar -xf`, and use a file of it",
-        endings: &["tar", "tgz"],
-        sign: |bytes, _| bytes.get(257..262) == Some(b"ustar"),
-    },
-    Foreign {
-        what: "a pointer of Git LFS in place of its file",
-        mend: "fetch the file with `git lfs pull`",
-        endings: &[],
-        sign: |bytes, _| bytes.starts_with(b"version https://git-lfs"),
-    },
-    Foreign {
-        what: "a pointer of git-annex in place of its file",
-        mend: "fetch the file with `git annex get`",
-        endings: &[],
-        sign: |_, lines| lines.first().is_some_and(|line| line.contains("/annex/objects/")),
-    },
-    Foreign {
-        what: "an HTML page, perhaps an error of a download",
-        mend: "download the file itself",
-        endings: &["html", "htm"],
-        sign: |_, lines| {
+    row(
+        "a text in UTF-16",
+        "save it as UTF-8, for example with `iconv -f UTF-16 -t UTF-8`",
+        &[],
+        Sign::Start(&[b"\xff\xfe", b"\xfe\xff"]),
+    ),
+    row("compressed with xz", "decompress it with `xz -d`", &["xz"], Sign::Start(&[b"\xfd7zXZ\0"])),
+    row(
+        "compressed with Zstandard",
+        "decompress it with `zstd -d`",
+        &["zst", "zstd"],
+        Sign::Test(|bytes, _| matches!(bytes, [0x22..=0x28, 0xb5, 0x2f, 0xfd, ..])),
+    ),
+    row("compressed with LZ4", "decompress it with `lz4 -d`", &["lz4"], Sign::Start(&[b"\x04\x22\x4d\x18"])),
+    row("compressed with LZMA", "decompress it with `unlzma`", &["lzma"], Sign::Start(&[b"\x5d\0\0"])),
+    row("compressed with compress", "decompress it with `gzip -d`", &["z"], Sign::Start(&[b"\x1f\x9d"])),
+    row("a 7z archive", "unpack it with `7z x`, and use a file of it", &["7z"], Sign::Start(&[b"7z\xbc\xaf\x27\x1c"])),
+    row("a RAR archive", "unpack it with `7z x`, and use a file of it", &["rar"], Sign::Start(&[b"Rar!\x1a\x07"])),
+    row(
+        "a ZIP archive without arrays of NumPy",
+        "unpack it with `unzip`, and use a file of it; save a spreadsheet as CSV",
+        &["zip", "xlsx", "ods"],
+        Sign::Test(is_zip),
+    ),
+    row(
+        "a tar archive",
+        "unpack it with `tar -xf`, and use a file of it",
+        &["tar", "tgz"],
+        Sign::Test(|bytes, _| bytes.get(257..262) == Some(b"ustar")),
+    ),
+    row(
+        "a pointer of Git LFS in place of its file",
+        "fetch the file with `git lfs pull`",
+        &[],
+        Sign::Start(&[b"version https://git-lfs"]),
+    ),
+    row(
+        "a pointer of git-annex in place of its file",
+        "fetch the file with `git annex get`",
+        &[],
+        Sign::Test(|_, lines| lines.first().is_some_and(|line| line.contains("/annex/objects/"))),
+    ),
+    row(
+        "an HTML page, perhaps an error of a download",
+        "download the file itself",
+        &["html", "htm"],
+        Sign::Test(|_, lines| {
             let begins =
                 |line: &str, tag: &str| line.get(..tag.len()).is_some_and(|tag_of| tag_of.eq_ignore_ascii_case(tag));
             let first = lines.iter().map(|line| line.trim()).find(|line| !line.is_empty()).unwrap_or_default();
             begins(first, "<!doctype html") || begins(first, "<html")
-        },
-    },
-    Foreign { what: "an E57 scan", mend: SCAN, endings: &["e57"], sign: |bytes, _| bytes.starts_with(b"ASTM-E57") },
-    Foreign { what: "a PTX scan", mend: SCAN, endings: &["ptx"], sign: is_ptx },
-    Foreign {
-        what: "a VTK file",
-        mend: "save its points as CSV or PLY, for example with ParaView",
-        endings: &["vtk", "vtp", "vtu", "vti", "pvd"],
-        sign: |_, lines| {
+        }),
+    ),
+    row("an E57 scan", SCAN, &["e57"], Sign::Start(&[b"ASTM-E57"])),
+    row("a PTX scan", SCAN, &["ptx"], Sign::Test(is_ptx)),
+    row(
+        "a VTK file",
+        "save its points as CSV or PLY, for example with ParaView",
+        &["vtk", "vtp", "vtu", "vti", "pvd"],
+        Sign::Test(|_, lines| {
             lines.first().is_some_and(|line| line.starts_with("# vtk DataFile"))
                 || lines.iter().take(2).any(|line| line.trim_start().starts_with("<VTKFile"))
-        },
-    },
-    Foreign {
-        what: "an STL mesh",
-        mend: MESH,
-        endings: &["stl"],
-        sign: |_, lines| {
+        }),
+    ),
+    row(
+        "an STL mesh",
+        MESH,
+        &["stl"],
+        Sign::Test(|_, lines| {
             lines.first().is_some_and(|line| line.starts_with("solid"))
                 && lines.get(1).is_some_and(|line| line.trim_start().starts_with("facet"))
-        },
-    },
-    Foreign { what: "an OBJ mesh", mend: MESH, endings: &["obj"], sign: |_, _| false },
-    Foreign {
-        what: "a glTF scene",
-        mend: MESH,
-        endings: &["gltf", "glb"],
-        sign: |bytes, _| bytes.starts_with(b"glTF"),
-    },
-    Foreign {
-        what: "a FITS file",
-        mend: "save the positions as CSV or NPY, for example with astropy",
-        endings: &["fits", "fit"],
-        sign: |bytes, _| bytes.starts_with(b"SIMPLE  ="),
-    },
-    Foreign { what: "a Parquet file", mend: TABLE, endings: &["parquet"], sign: |bytes, _| bytes.starts_with(b"PAR1") },
-    Foreign {
-        what: "an Arrow file",
-        mend: TABLE,
-        endings: &["arrow", "feather"],
-        sign: |bytes, _| bytes.starts_with(b"ARROW1") || bytes.starts_with(b"FEA1"),
-    },
-    Foreign {
-        what: "a pickle of Python",
-        mend: ARRAYS,
-        endings: &["pkl", "pickle"],
-        sign: |bytes, _| matches!(bytes, [0x80, 2..=5, ..]),
-    },
-    Foreign {
-        what: "a MATLAB file",
-        mend: ARRAYS,
-        endings: &["mat"],
-        sign: |bytes, _| bytes.starts_with(b"MATLAB 5.0 MAT-file"),
-    },
-    Foreign {
-        what: "a trajectory of ASE",
-        mend: "convert it to extended XYZ with `ase convert in.traj out.extxyz`",
-        endings: &["traj"],
-        sign: |bytes, _| bytes.starts_with(b"- of Ulm"),
-    },
-    Foreign {
-        what: "a file of a grid (cube, XSF)",
-        mend: "convert it to extended XYZ, for example with `ase convert`",
-        endings: &["cube", "xsf"],
-        sign: |_, _| false,
-    },
-    Foreign {
-        what: "a JSON file",
-        mend: ARRAYS,
-        endings: &["json", "geojson", "jsonl"],
-        sign: |_, lines| lines.first().is_some_and(|line| line.trim_start().starts_with('{')),
-    },
-    Foreign {
-        what: "a GROMOS file with blocks (TITLE ... END)",
-        mend: TRAJECTORY,
-        endings: &["trc", "g96"],
-        sign: is_gromos,
-    },
-    Foreign {
-        what: "a GROMACS run input file (TPR)",
-        mend: "write its coordinates with `gmx editconf -f topol.tpr -o out.gro`",
-        endings: &["tpr"],
-        sign: |bytes, _| bytes.get(8..15) == Some(b"VERSION") || bytes.get(4..11) == Some(b"VERSION"),
-    },
-    Foreign { what: "a GROMACS TNG trajectory", mend: TRAJECTORY, endings: &["tng"], sign: |_, _| false },
-    Foreign {
-        what: "a NetCDF file",
-        mend: TRAJECTORY,
-        endings: &["nc", "ncdf", "ncrst"],
-        sign: |bytes, _| matches!(bytes, [b'C', b'D', b'F', 1 | 2 | 5, ..]),
-    },
-    Foreign {
-        what: "an HDF5 file",
-        mend: ARRAYS,
-        endings: &["h5", "hdf5", "h5md"],
-        sign: |bytes, _| bytes.starts_with(b"\x89HDF\r\n\x1a\n"),
-    },
-    Foreign {
-        what: "an SQLite file, as Desmond writes structures (DMS)",
-        mend: STRUCTURE,
-        endings: &["dms"],
-        sign: |bytes, _| bytes.starts_with(b"SQLite format 3\0"),
-    },
-    Foreign { what: "an MMTF file", mend: "use the entry as mmCIF or PDB", endings: &["mmtf"], sign: |_, _| false },
-    Foreign { what: "a BinaryCIF file", mend: "use the entry as mmCIF or PDB", endings: &["bcif"], sign: |_, _| false },
-    Foreign {
-        what: "a picture",
-        mend: "use a scene or particle file; `halfline compare` reads pictures",
-        endings: &["png", "exr", "pfm"],
-        sign: |bytes, _| bytes.starts_with(b"\x89PNG") || bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]),
-    },
-    Foreign {
-        what: "a CHARMM topology (PSF)",
-        mend: TOPOLOGY,
-        endings: &["psf"],
-        sign: |_, lines| lines.first().is_some_and(|line| line.split_whitespace().next() == Some("PSF")),
-    },
-    Foreign {
-        what: "an AMBER topology",
-        mend: TOPOLOGY,
-        endings: &["prmtop", "parm7"],
-        sign: |_, lines| lines.first().is_some_and(|line| line.starts_with("%VERSION")),
-    },
-    Foreign {
-        what: "an AMBER coordinate file",
-        mend: TOPOLOGY,
-        endings: &["inpcrd", "rst7", "mdcrd"],
-        sign: |_, _| false,
-    },
-    Foreign { what: "a GROMACS topology", mend: TOPOLOGY, endings: &["itp", "top"], sign: |_, _| false },
-    Foreign { what: "a CHARMM coordinate file", mend: STRUCTURE, endings: &["crd", "cor"], sign: is_charmm },
-    Foreign {
-        what: "a MOL2 file",
-        mend: STRUCTURE,
-        endings: &["mol2"],
-        sign: |_, lines| lines.iter().any(|line| line.starts_with("@<TRIPOS>")),
-    },
-    Foreign {
-        what: "an MDL file (MOL, SDF)",
-        mend: STRUCTURE,
-        endings: &["mol", "sdf"],
-        sign: |_, lines| {
+        }),
+    ),
+    row("an OBJ mesh", MESH, &["obj"], Sign::Name),
+    row("a glTF scene", MESH, &["gltf", "glb"], Sign::Start(&[b"glTF"])),
+    row(
+        "a FITS file",
+        "save the positions as CSV or NPY, for example with astropy",
+        &["fits", "fit"],
+        Sign::Start(&[b"SIMPLE  ="]),
+    ),
+    row("a Parquet file", TABLE, &["parquet"], Sign::Start(&[b"PAR1"])),
+    row("an Arrow file", TABLE, &["arrow", "feather"], Sign::Start(&[b"ARROW1", b"FEA1"])),
+    row("a pickle of Python", ARRAYS, &["pkl", "pickle"], Sign::Test(|bytes, _| matches!(bytes, [0x80, 2..=5, ..]))),
+    row("a MATLAB file", ARRAYS, &["mat"], Sign::Start(&[b"MATLAB 5.0 MAT-file"])),
+    row(
+        "a trajectory of ASE",
+        "convert it to extended XYZ with `ase convert in.traj out.extxyz`",
+        &["traj"],
+        Sign::Start(&[b"- of Ulm"]),
+    ),
+    row(
+        "a file of a grid (cube, XSF)",
+        "convert it to extended XYZ, for example with `ase convert`",
+        &["cube", "xsf"],
+        Sign::Name,
+    ),
+    row(
+        "a JSON file",
+        ARRAYS,
+        &["json", "geojson", "jsonl"],
+        Sign::Test(|_, lines| lines.first().is_some_and(|line| line.trim_start().starts_with('{'))),
+    ),
+    row("a GROMOS file with blocks (TITLE ... END)", TRAJECTORY, &["trc", "g96"], Sign::Test(is_gromos)),
+    row(
+        "a GROMACS run input file (TPR)",
+        "write its coordinates with `gmx editconf -f topol.tpr -o out.gro`",
+        &["tpr"],
+        Sign::Test(|bytes, _| bytes.get(8..15) == Some(b"VERSION") || bytes.get(4..11) == Some(b"VERSION")),
+    ),
+    row("a GROMACS TNG trajectory", TRAJECTORY, &["tng"], Sign::Name),
+    row(
+        "a NetCDF file",
+        TRAJECTORY,
+        &["nc", "ncdf", "ncrst"],
+        Sign::Test(|bytes, _| matches!(bytes, [b'C', b'D', b'F', 1 | 2 | 5, ..])),
+    ),
+    row("an HDF5 file", ARRAYS, &["h5", "hdf5", "h5md"], Sign::Start(&[b"\x89HDF\r\n\x1a\n"])),
+    row(
+        "an SQLite file, as Desmond writes structures (DMS)",
+        STRUCTURE,
+        &["dms"],
+        Sign::Start(&[b"SQLite format 3\0"]),
+    ),
+    row("an MMTF file", "use the entry as mmCIF or PDB", &["mmtf"], Sign::Name),
+    row("a BinaryCIF file", "use the entry as mmCIF or PDB", &["bcif"], Sign::Name),
+    row(
+        "a picture",
+        "use a scene or particle file; `halfline compare` reads pictures",
+        &["png", "exr", "pfm"],
+        Sign::Start(&[b"\x89PNG", b"\x76\x2f\x31\x01"]),
+    ),
+    row(
+        "a CHARMM topology (PSF)",
+        TOPOLOGY,
+        &["psf"],
+        Sign::Test(|_, lines| lines.first().is_some_and(|line| line.split_whitespace().next() == Some("PSF"))),
+    ),
+    row(
+        "an AMBER topology",
+        TOPOLOGY,
+        &["prmtop", "parm7"],
+        Sign::Test(|_, lines| lines.first().is_some_and(|line| line.starts_with("%VERSION"))),
+    ),
+    row("an AMBER coordinate file", TOPOLOGY, &["inpcrd", "rst7", "mdcrd"], Sign::Name),
+    row("a GROMACS topology", TOPOLOGY, &["itp", "top"], Sign::Name),
+    row("a CHARMM coordinate file", STRUCTURE, &["crd", "cor"], Sign::Test(is_charmm)),
+    row(
+        "a MOL2 file",
+        STRUCTURE,
+        &["mol2"],
+        Sign::Test(|_, lines| lines.iter().any(|line| line.starts_with("@<TRIPOS>"))),
+    ),
+    row(
+        "an MDL file (MOL, SDF)",
+        STRUCTURE,
+        &["mol", "sdf"],
+        Sign::Test(|_, lines| {
             lines.get(3).is_some_and(|line| ["V2000", "V3000"].iter().any(|v| line.trim_end().ends_with(v)))
-        },
-    },
-    Foreign { what: "a Tinker file", mend: STRUCTURE, endings: &["txyz", "arc"], sign: is_tinker },
-    Foreign {
-        what: "an XML file",
-        mend: STRUCTURE,
-        endings: &["xml"],
-        sign: |_, lines| lines.first().is_some_and(|line| line.starts_with("<?xml")),
-    },
+        }),
+    ),
+    row("a Tinker file", STRUCTURE, &["txyz", "arc"], Sign::Test(is_tinker)),
+    row(
+        "an XML file",
+        STRUCTURE,
+        &["xml"],
+        Sign::Test(|_, lines| lines.first().is_some_and(|line| line.starts_with("<?xml"))),
+    ),
 ];
 
 /// Detects a format by the beginning of a file.
 pub(super) fn of_content(start: &[u8], lines: &[&str]) -> Option<&'static Foreign> {
-    ALL.iter().find(|foreign| (foreign.sign)(start, lines))
+    ALL.iter().find(|foreign| foreign.sign.is_of(start, lines))
 }
 
 /// Detects a format by a file name without the extension of its compression.
