@@ -52,28 +52,18 @@ fn own_name(path: &Path) -> String {
     format!("{PREFIX}{}", &hash.finalize().to_hex()[..16])
 }
 
-/// Locks a file for the lifetime of this process. Where the file system has no locks, it is never considered stale.
-#[cfg(target_os = "linux")]
-pub(super) fn lock(file: &File) {
-    let _ = rustix::fs::flock(file, rustix::fs::FlockOperation::NonBlockingLockExclusive);
+/// Locks a file for the lifetime of this process; returns whether its lock was free. Where the file system has no locks, it is
+/// never considered stale.
+pub(super) fn lock(file: &File) -> bool {
+    // Elsewhere the names of unfinished files do not tell machines apart.
+    cfg!(target_os = "linux") && file.try_lock().is_ok()
 }
-
-#[cfg(not(target_os = "linux"))]
-pub(super) fn lock(_: &File) {}
 
 /// Removes a file whose lock is free, so its writer has ended; returns whether it did.
-#[cfg(target_os = "linux")]
 fn remove_stale(name: &Path) -> bool {
-    use rustix::fs::{FlockOperation, flock};
     // Some file systems require write access for a lock.
     let Ok(file) = File::options().write(true).open(name) else { return false };
-    let free = flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok();
-    free && is_at(&file, name) && fs::remove_file(name).is_ok()
-}
-
-#[cfg(not(target_os = "linux"))]
-fn remove_stale(_: &Path) -> bool {
-    false
+    lock(&file) && is_at(&file, name) && fs::remove_file(name).is_ok()
 }
 
 /// Whether `path` still refers to this file.
