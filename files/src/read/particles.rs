@@ -11,6 +11,7 @@ pub(super) mod dump;
 pub(super) mod frame;
 pub(super) mod frame_time;
 pub(super) mod gro;
+pub(super) mod grouped;
 pub(super) mod gsd;
 pub(super) mod infer;
 pub(super) mod las;

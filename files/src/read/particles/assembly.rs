@@ -1,6 +1,7 @@
 //! Biological assemblies: copies of a file's chains, transformed by its operators.
 
 use super::frame::{Column, Particles};
+use super::grouped::Grouped;
 use super::placed::PlacedPart;
 use halfline::error::{Error, Place, Result};
 use halfline::memory::{check, check_spheres, extend_to};
@@ -60,7 +61,7 @@ pub(super) fn unknown<'a>(id: &str, ids: impl Iterator<Item = &'a String>, file:
 /// [`Error::Limits`] for more atoms than memory holds, [`Error::Scene`] for an assembly without atoms.
 pub(super) fn build(
     assembly: &Assembly,
-    unit: Particles,
+    mut unit: Particles,
     chains: &[u32],
     names: &[Vec<u8>],
     file: &Place,
@@ -71,25 +72,17 @@ pub(super) fn build(
     check_spheres(total, true)?;
     let each = size_of::<[f64; 3]>() + size_of::<u8>() + unit.columns.len() * size_of::<f64>();
     check(total.saturating_mul(each as u64), || format!("the {total} atoms of the assembly"))?;
-    let mut whole = Particles { has: unit.has, skipped: unit.skipped, ..Particles::default() };
-    whole.positions = room(total)?;
-    whole.elements = room(total)?;
-    for column in &unit.columns {
-        whole.columns.push(Column { name: column.name.clone(), values: room(total)? });
-    }
+    let mut whole = with_room(&mut unit, total)?;
     let mut numbers = CopyNumbers::default();
     for part in &assembly.parts {
         let atoms = atoms.of_part(part)?;
         for (name, operator) in &part.operators {
             watch.check()?;
+            add(&mut whole, &unit, &atoms, |position| operator.apply(position));
             let copy = numbers.of(name);
-            whole.positions.extend(atoms.iter().map(|n| operator.apply(unit.positions[*n])));
-            whole.elements.extend(atoms.iter().map(|n| unit.elements[*n]));
-            for (column, from) in whole.columns.iter_mut().zip(&unit.columns) {
-                match &column.name[..] {
-                    "copy" => column.values.extend(std::iter::repeat_n(copy, atoms.len())),
-                    _ => column.values.extend(atoms.iter().map(|n| from.values[*n])),
-                }
+            if let Some(Column { values, .. }) = whole.columns.iter_mut().find(|column| column.name == "copy") {
+                let before = values.len() - atoms.len();
+                values[before..].fill(copy);
             }
         }
     }
@@ -103,7 +96,7 @@ pub(super) fn build(
 /// As [`build`].
 pub(super) fn keep_operators(
     assembly: &Assembly,
-    unit: Particles,
+    mut unit: Particles,
     chains: &[u32],
     names: &[Vec<u8>],
     file: &Place,
@@ -112,25 +105,33 @@ pub(super) fn keep_operators(
     total(assembly, &atoms, file)?;
     let count = assembly.parts.iter().map(|part| atoms.count(part)).sum();
     check_spheres(count, true)?;
-    let mut all = Particles { has: unit.has, skipped: unit.skipped, ..Particles::default() };
-    all.positions = room(count)?;
-    all.elements = room(count)?;
-    for column in &unit.columns {
-        all.columns.push(Column { name: column.name.clone(), values: room(count)? });
-    }
+    let mut all = with_room(&mut unit, count)?;
     let mut numbers = CopyNumbers::default();
     for part in &assembly.parts {
         let atoms = atoms.of_part(part)?;
-        all.positions.extend(atoms.iter().map(|n| unit.positions[*n]));
-        all.elements.extend(atoms.iter().map(|n| unit.elements[*n]));
-        for (column, from) in all.columns.iter_mut().zip(&unit.columns) {
-            column.values.extend(atoms.iter().map(|n| from.values[*n]));
-        }
+        add(&mut all, &unit, &atoms, |position| position);
         let operators = part.operators.iter().map(|(_, operator)| *operator).collect();
         let copies = part.operators.iter().map(|(name, _)| numbers.of(name)).collect();
         all.placed.push(PlacedPart { count: atoms.len(), operators, copies });
     }
     Ok(all)
+}
+
+/// Lists for the copies of these atoms, with room for so many.
+fn with_room(unit: &mut Particles, count: u64) -> Result<Particles> {
+    let (has, skipped) = (std::mem::take(&mut unit.has), std::mem::take(&mut unit.skipped));
+    let column = |column: &Column| Ok(Column { name: column.name.clone(), values: room(count)? });
+    let columns = unit.columns.iter().map(column).collect::<Result<_>>()?;
+    Ok(Particles { positions: room(count)?, elements: room(count)?, columns, has, skipped, ..Particles::default() })
+}
+
+/// Adds some of the atoms, at other places.
+fn add(copies: &mut Particles, unit: &Particles, atoms: &[usize], place: impl Fn([f64; 3]) -> [f64; 3]) {
+    copies.positions.extend(atoms.iter().map(|n| place(unit.positions[*n])));
+    copies.elements.extend(atoms.iter().map(|n| unit.elements[*n]));
+    for (column, from) in copies.columns.iter_mut().zip(&unit.columns) {
+        column.values.extend(atoms.iter().map(|n| from.values[*n]));
+    }
 }
 
 /// The numbers of operators by their names, from 0 in the order of first occurrence.
@@ -163,9 +164,8 @@ fn total(assembly: &Assembly, atoms: &Members<'_>, file: &Place) -> Result<u64> 
 struct Members<'a> {
     /// The index of a chain by its name.
     chains: HashMap<&'a [u8], usize>,
-    /// The atoms, chain by chain, each in the file's order; and the beginning of each chain.
-    atoms: Vec<usize>,
-    starts: Vec<usize>,
+    /// The atoms of each chain, in the file's order.
+    atoms: Grouped,
 }
 
 impl<'a> Members<'a> {
@@ -173,20 +173,10 @@ impl<'a> Members<'a> {
     fn of(chains: &[u32], names: &'a [Vec<u8>]) -> Result<Self> {
         let need = 8 * chains.len() + 64 * names.len();
         check(need as u64, || format!("the {} chains of the file", names.len()))?;
-        let mut starts = vec![0; names.len() + 1];
-        let known = |chain: &u32| Some(*chain as usize).filter(|chain| *chain < names.len());
-        chains.iter().filter_map(known).for_each(|chain| starts[chain + 1] += 1);
-        (0..names.len()).for_each(|chain| starts[chain + 1] += starts[chain]);
-        let mut next = starts.clone();
-        let mut atoms = vec![0; starts[names.len()]];
-        for (atom, chain) in chains.iter().enumerate() {
-            if let Some(chain) = known(chain) {
-                atoms[next[chain]] = atom;
-                next[chain] += 1;
-            }
-        }
+        let of_chains = chains.iter().map(|chain| *chain as usize).zip(0..);
+        let atoms = Grouped::new(names.len(), of_chains.filter(|(chain, _)| *chain < names.len()));
         let chains = names.iter().enumerate().map(|(chain, name)| (&name[..], chain)).collect();
-        Ok(Self { chains, atoms, starts })
+        Ok(Self { chains, atoms })
     }
 
     /// The chains of a part, without duplicates.
@@ -198,19 +188,16 @@ impl<'a> Members<'a> {
         chains
     }
 
-    fn atoms_of(&self, chain: usize) -> &[usize] {
-        &self.atoms[self.starts[chain]..self.starts[chain + 1]]
-    }
-
     /// The number of atoms of a part.
     fn count(&self, part: &AssemblyPart) -> u64 {
-        self.chains_of(part).into_iter().map(|chain| self.atoms_of(chain).len() as u64).sum()
+        self.chains_of(part).into_iter().map(|chain| self.atoms.of(chain).len() as u64).sum()
     }
 
     /// The atoms of a part, in the file's order.
     fn of_part(&self, part: &AssemblyPart) -> Result<Vec<usize>> {
         let mut atoms = room(self.count(part))?;
-        self.chains_of(part).into_iter().for_each(|chain| atoms.extend(self.atoms_of(chain)));
+        let of_chain = |chain: usize| self.atoms.of(chain).iter().map(|n| *n as usize);
+        self.chains_of(part).into_iter().for_each(|chain| atoms.extend(of_chain(chain)));
         atoms.sort_unstable();
         Ok(atoms)
     }

@@ -14,6 +14,9 @@ pub(super) struct BinaryFile {
     path: PathBuf,
 }
 
+/// The remedy for a damaged file.
+pub(super) const DAMAGED: &str = "the file is damaged; copy or write it again";
+
 /// The most bytes that a list grows by at a time.
 const STEP: usize = 1 << 20;
 
@@ -120,34 +123,29 @@ impl BinaryFile {
     /// # Errors
     /// As [`BinaryFile::fill`].
     pub(super) fn pass(&mut self, count: u64, field: &str) -> Result<()> {
-        let (began, mut left) = (self.at(), count);
+        let began = self.at();
+        match self.skip(count)? {
+            passed if passed < count => Err(self.ends(began, passed, count, field)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Skips at most `most` bytes, fewer at the end of the file; returns their number.
+    ///
+    /// # Errors
+    /// Errors of reading the file.
+    pub(super) fn skip(&mut self, most: u64) -> Result<u64> {
+        let mut left = most;
         while left > 0 {
             let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
             if block == 0 {
-                return Err(self.ends(began, count - left, count, field));
+                break;
             }
             let passed = left.min(block as u64);
             self.reader.consume(passed as usize);
             left -= passed;
         }
-        Ok(())
-    }
-
-    /// Skips the rest of the file, at most `most` bytes; returns their number.
-    ///
-    /// # Errors
-    /// Errors of reading the file.
-    pub(super) fn rest(&mut self, most: u64) -> Result<u64> {
-        let mut passed = 0;
-        while passed < most {
-            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
-            if block == 0 {
-                break;
-            }
-            self.reader.consume(block);
-            passed += block as u64;
-        }
-        Ok(passed)
+        Ok(most - left)
     }
 
     /// The error for a file that ends after `found` of the `count` bytes of a field, which begins at a byte.

@@ -5,7 +5,7 @@ mod extra;
 mod format;
 mod laz;
 
-use super::bytes::BinaryFile;
+use super::bytes::{BinaryFile, DAMAGED};
 use super::colors::ColorType;
 use super::frame::Particles;
 use super::layout::{EVERY, Layout, is_requested};
@@ -13,7 +13,7 @@ use super::request::Request;
 use super::role::Role;
 use crate::read::source::SceneSource;
 use extra::ExtraField;
-use format::{DAMAGED, FORMATS, PointFormat, u16_at, u32_at};
+use format::{FORMATS, PointFormat, u16_at, u32_at};
 use halfline::error::Result;
 use halfline::memory::check_ids;
 use laz::{Laz, LazScheme};

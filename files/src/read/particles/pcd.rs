@@ -5,7 +5,7 @@
 mod header;
 mod lzf;
 
-use super::bytes::BinaryFile;
+use super::bytes::{BinaryFile, DAMAGED};
 use super::frame::Particles;
 use super::request::Request;
 use super::role::Role;
@@ -35,8 +35,6 @@ const BLOCK: u64 = 4096;
 
 /// The most bytes that are counted after the last point.
 const BEHIND: u64 = 1 << 29;
-
-const DAMAGED: &str = "the file is damaged; copy or write it again";
 
 /// Reads the points.
 ///
@@ -189,7 +187,7 @@ impl Points<'_> {
 
     /// Warns of bytes after the last point.
     fn behind(&mut self, file: &mut BinaryFile) -> Result<()> {
-        let left = file.rest(BEHIND)?;
+        let left = file.skip(BEHIND)?;
         if left > 0 {
             let points = self.header.points;
             let warning = format!("{}: {left} bytes follow the {points} points, whose number may be wrong", self.file);

@@ -2,7 +2,7 @@
 //! (gsd.readthedocs.io/en/stable/file-layer.html). All numbers are little-endian.
 
 use crate::npy::Scalar;
-use crate::read::particles::bytes::BinaryFile;
+use crate::read::particles::bytes::{BinaryFile, DAMAGED};
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check;
 use halfline::quote::quote;
@@ -37,8 +37,6 @@ const HEADER: u64 = 256;
 /// Bytes of an entry of the index, and of the list of names.
 const ENTRY: u64 = 32;
 const NAME: u64 = 64;
-
-const DAMAGED: &str = "the file is damaged; copy or write it again";
 
 fn number(bytes: &[u8], at: usize) -> u64 {
     bytes.get(at..).and_then(|bytes| bytes.first_chunk()).map_or(0, |bytes| u64::from_le_bytes(*bytes))

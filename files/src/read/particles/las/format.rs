@@ -26,8 +26,6 @@ pub(super) const FORMATS: [PointFormat; 11] = [
     PointFormat { size: 67, long: true, gps_time: Some(22), color: Some(30), infrared: Some(36) },
 ];
 
-pub(super) const DAMAGED: &str = "the file is damaged; copy or write it again";
-
 pub(super) fn u16_at(bytes: &[u8], at: usize) -> u16 {
     bytes[at..].first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes))
 }

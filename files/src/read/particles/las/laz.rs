@@ -13,8 +13,8 @@ mod layered;
 mod sequential;
 mod time;
 
-use super::format::{DAMAGED, PointFormat, u16_at, u32_at};
-use crate::read::particles::bytes::BinaryFile;
+use super::format::{PointFormat, u16_at, u32_at};
+use crate::read::particles::bytes::{BinaryFile, DAMAGED};
 use arithmetic::{Decoder, INVALID, Source};
 use halfline::error::{Error, Result};
 use layer::Layer;

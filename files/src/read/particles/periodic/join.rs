@@ -1,6 +1,7 @@
 //! Joining the particles that the cell cuts: along bonds, and then parts by links between them. Where links of a part disagree,
 //! the first that is met counts.
 
+use super::super::grouped::Grouped;
 use super::edges::Edges;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -32,7 +33,7 @@ const NONE: u32 = u32::MAX;
 impl Joined {
     /// Moves bonded particles beside each other; the first particle of each part stays.
     pub(super) fn along(frame: &Edges, positions: &[[f64; 3]], bonds: &[[u32; 2]]) -> Self {
-        let around = Neighbors::new(positions.len(), bonds.iter().copied());
+        let around = neighbors(positions.len(), bonds.iter().copied());
         let mut joined = Self {
             images: vec![DVec3::ZERO; positions.len()],
             endless: Vec::new(),
@@ -89,7 +90,7 @@ impl Joined {
     /// Moves whole parts beside those that they are linked with: to parts that stay, else to the one with the lowest number.
     pub(super) fn link(&mut self, frame: &Edges, positions: &[[f64; 3]], links: &[[u32; 2]]) {
         let count = self.stays.len();
-        let around = Neighbors::new(count, links.iter().map(|[a, b]| [*a, *b].map(|n| self.parts[n as usize])));
+        let around = neighbors(count, links.iter().map(|[a, b]| [*a, *b].map(|n| self.parts[n as usize])));
         // What stays comes first, so that others are moved to it.
         let roots = (0..count).filter(|part| self.stays[*part]).chain((0..count).filter(|part| !self.stays[*part]));
         let (mut moves, mut root_of) = (vec![DVec3::ZERO; count], vec![NONE; count]);
@@ -122,31 +123,6 @@ impl Joined {
 }
 
 /// For each node of a graph the numbers of its edges, in ascending order.
-struct Neighbors {
-    starts: Vec<u32>,
-    edges: Vec<u32>,
-}
-
-impl Neighbors {
-    fn new(nodes: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
-        let mut starts = vec![0; nodes + 1];
-        edges.clone().flatten().for_each(|node| starts[node as usize + 1] += 1);
-        for node in 1..starts.len() {
-            starts[node] += starts[node - 1];
-        }
-        let mut next = starts.clone();
-        let mut sorted = vec![0; *starts.last().unwrap_or(&0) as usize];
-        for (edge, nodes) in edges.enumerate() {
-            for node in nodes {
-                let place = &mut next[node as usize];
-                sorted[*place as usize] = edge as u32;
-                *place += 1;
-            }
-        }
-        Self { starts, edges: sorted }
-    }
-
-    fn of(&self, node: usize) -> &[u32] {
-        &self.edges[self.starts[node] as usize..self.starts[node + 1] as usize]
-    }
+fn neighbors(nodes: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Grouped {
+    Grouped::new(nodes, edges.zip(0..).flat_map(|(nodes, edge)| nodes.map(|node| (node as usize, edge))))
 }

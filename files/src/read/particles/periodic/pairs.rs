@@ -1,5 +1,6 @@
 //! Pairs of atoms that are near each other, across the faces of the cell too.
 
+use super::super::grouped::Grouped;
 use super::edges::Edges;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -39,10 +40,8 @@ struct Grid {
     sides: [usize; 3],
     /// The positions as fractions of the edges, in [0, 1].
     fractions: Vec<DVec3>,
-    /// For each cell the place of its first atom in `atoms`, and the end.
-    starts: Vec<u32>,
-    /// The atoms with a reach, cell by cell.
-    atoms: Vec<u32>,
+    /// The atoms with a reach in each cell.
+    atoms: Grouped,
 }
 
 impl Grid {
@@ -56,23 +55,10 @@ impl Grid {
         // A sparse cell needs no more cells than it has atoms.
         let most = (2.0 * (positions.len() as f64).cbrt()).ceil().max(1.0);
         let sides = (frame.heights() / width).to_array().map(|side| side.floor().clamp(1.0, most) as usize);
-        let mut grid =
-            Self { sides, fractions, starts: vec![0; sides.iter().product::<usize>() + 1], atoms: Vec::new() };
-        let all = || (0..positions.len()).filter(|n| reaches[*n] > 0.0);
-        for n in all() {
-            let cell = grid.index(grid.cell(n));
-            grid.starts[cell + 1] += 1;
-        }
-        for cell in 1..grid.starts.len() {
-            grid.starts[cell] += grid.starts[cell - 1];
-        }
-        let mut next = grid.starts.clone();
-        grid.atoms = vec![0; *grid.starts.last().unwrap_or(&0) as usize];
-        for n in all() {
-            let place = &mut next[grid.index(grid.cell(n))];
-            grid.atoms[*place as usize] = n as u32;
-            *place += 1;
-        }
+        let mut grid = Self { sides, fractions, atoms: Grouped::default() };
+        let all = (0..positions.len()).filter(|n| reaches[*n] > 0.0);
+        let placed = all.map(|n| (grid.index(grid.cell(n)), n as u32));
+        grid.atoms = Grouped::new(sides.iter().product(), placed);
         grid
     }
 
@@ -99,10 +85,7 @@ impl Grid {
             let xs = xs.clone();
             ys.clone().flat_map(move |y| xs.clone().map(move |x| [x, y, z]))
         })
-        .flat_map(move |place| {
-            let cell = self.index(place);
-            self.atoms[self.starts[cell] as usize..self.starts[cell + 1] as usize].iter().copied()
-        })
+        .flat_map(move |place| self.atoms.of(self.index(place)).iter().copied())
     }
 }
 

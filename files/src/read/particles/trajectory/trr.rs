@@ -4,7 +4,7 @@
 
 use super::moment::{Moment, Moments};
 use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
-use crate::read::particles::bytes::BinaryFile;
+use crate::read::particles::bytes::{BinaryFile, DAMAGED};
 use crate::read::particles::frame_time::FrameTime;
 use halfline::error::Result;
 
@@ -20,8 +20,6 @@ const MAGIC: i32 = 1993;
 
 /// The name of the format, which follows it.
 const VERSION: &[u8; 12] = b"GMX_trn_file";
-
-const DAMAGED: &str = "the file is damaged; copy or write it again";
 
 /// The parts of a frame, in the order of their sizes in its header.
 const PARTS: [&str; 10] = [

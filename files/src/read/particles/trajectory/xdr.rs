@@ -1,6 +1,6 @@
 //! Numbers of XDR, the encoding of GROMACS files (RFC 4506): big-endian, in words of four bytes.
 
-use crate::read::particles::bytes::BinaryFile;
+use crate::read::particles::bytes::{BinaryFile, DAMAGED};
 use halfline::error::Result;
 use halfline::memory::{check_ids, reserve};
 use halfline::scene::Cell;
@@ -37,7 +37,7 @@ pub(super) fn int(file: &mut BinaryFile, field: &str) -> Result<i32> {
 pub(super) fn atoms(file: &mut BinaryFile) -> Result<u64> {
     let (field, at) = ("number of atoms", file.at());
     let count = int(file, field)?;
-    let wrong = || file.fail(at, field, format!("{count} atoms"), "the file is damaged; copy or write it again");
+    let wrong = || file.fail(at, field, format!("{count} atoms"), DAMAGED);
     let count = u64::try_from(count).map_err(|_| wrong())?;
     check_ids(count)?;
     Ok(count)
@@ -81,8 +81,7 @@ pub(super) fn cell(file: &mut BinaryFile, of: Real) -> Result<Option<Cell>> {
     let at = file.at();
     let edges: [[f64; 3]; 3] = vectors(file, 3, of, NANOMETRE, "box")?.try_into().unwrap_or_default();
     if !edges.iter().flatten().all(|x| x.is_finite()) {
-        let mend = "the file is damaged; copy or write it again";
-        return Err(file.fail(at, "box", "a number of the box is not finite", mend));
+        return Err(file.fail(at, "box", "a number of the box is not finite", DAMAGED));
     }
     let is_some = edges.iter().flatten().any(|x| *x != 0.0);
     Ok(is_some.then_some(Cell { origin: [0.0; 3], edges }))

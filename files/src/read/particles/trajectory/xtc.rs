@@ -6,7 +6,7 @@
 use super::ints::{self, Packed};
 use super::moment::{Moment, Moments};
 use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
-use crate::read::particles::bytes::BinaryFile;
+use crate::read::particles::bytes::{BinaryFile, DAMAGED};
 use crate::read::particles::frame_time::FrameTime;
 use halfline::error::Result;
 use halfline::scene::Cell;
@@ -33,8 +33,6 @@ const MAGIC_64: i32 = 2023;
 
 /// Frames of at most so many atoms are not compressed.
 const PLAIN: u64 = 9;
-
-const DAMAGED: &str = "the file is damaged; copy or write it again";
 
 impl Xtc {
     pub(super) fn new(file: BinaryFile) -> Self {

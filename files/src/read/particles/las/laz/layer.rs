@@ -1,7 +1,7 @@
 //! The bytes of a layer.
 
 use super::arithmetic::{INVALID, Source};
-use crate::read::particles::las::format::DAMAGED;
+use crate::read::particles::bytes::DAMAGED;
 use halfline::error::{Error, Place, Result};
 
 /// The bytes of a layer.
