@@ -64,6 +64,11 @@ impl Scalar {
         sizes.contains(&size).then_some(Self { kind, size, big })
     }
 
+    /// Floats of 4 or 8 bytes.
+    pub(crate) const fn float(size: usize, big: bool) -> Self {
+        Self { kind: NumberKind::Float, size, big }
+    }
+
     /// Bytes per number.
     pub(crate) fn size(self) -> usize {
         self.size

@@ -4,6 +4,7 @@
 use super::input::Input;
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
+use halfline::memory::check_ids;
 use halfline::quote::quote;
 use halfline::quote::setting::FORMAT;
 use std::io::{BufRead, Read};
@@ -283,6 +284,24 @@ impl<R: BufRead> Lines<R> {
     /// An error at the end of this line.
     pub(super) fn ends(&self, field: &str, problem: impl Into<String>, mend: impl Into<String>) -> Error {
         self.fail(self.text.len(), field, problem, mend)
+    }
+
+    /// The error for a file that ends within a frame.
+    pub(super) fn cut(&self, field: &str, mend: &str) -> Error {
+        self.ends(field, "the file ends within a frame", mend)
+    }
+
+    /// Reads the next line of a frame; its absence is an error.
+    pub(super) fn need(&mut self, field: &str, mend: &str) -> Result<()> {
+        if self.advance()? { Ok(()) } else { Err(self.cut(field, mend)) }
+    }
+
+    /// The number of atoms that is this line.
+    pub(super) fn count(&self, field: &str, mend: impl Into<String>) -> Result<u64> {
+        let text = self.text.trim();
+        let wrong = |_| self.fail(0, field, format!("{} is not a number of atoms", quote(text)), mend);
+        let count = text.parse().map_err(wrong)?;
+        check_ids(count).map(|()| count)
     }
 }
 

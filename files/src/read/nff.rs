@@ -366,44 +366,34 @@ impl Reader {
 
     /// The lines of a v block, in any order; all but hither are required.
     fn view(&mut self, at: &Statement) -> Result<(Camera, ImagePlane)> {
-        let (mut from, mut look, mut up, mut angle, mut hither, mut size) = (None, None, None, None, None, None);
-        let mut spots = [at.spot; VIEW.len()];
+        let (mut found, mut spots) = ([None; VIEW.len()], [at.spot; VIEW.len()]);
         while let Some(word) = self.peek()? {
-            let text = self.text(word);
-            let Some(key) = VIEW.iter().position(|key| *key == text) else { break };
-            let done =
-                [from.is_some(), look.is_some(), up.is_some(), angle.is_some(), hither.is_some(), size.is_some()];
-            if !self.begins_line(word) {
-                break;
-            }
-            if done[key] {
+            let key = VIEW.iter().position(|key| *key == self.text(word));
+            let Some(key) = key.filter(|_| self.begins_line(word)) else { break };
+            if found[key].is_some() {
                 let place = self.spot(word).of(self.lines.file()).named(NAMES[key]);
                 return Err(Error::scene(place, "occurs twice in one v block", "remove one of them"));
             }
             spots[key] = self.spot(word);
             self.take(word);
             let line = Statement { spot: spots[key], name: NAMES[key], id: None };
-            match key {
-                0 => from = Some(self.vector(&line)?),
-                1 => look = Some(self.vector(&line)?),
-                2 => up = Some(self.vector(&line)?),
-                3 => angle = Some(self.numbers(&line, 1, 1)?.values[0]),
-                4 => hither = Some(self.numbers(&line, 1, 1)?.values[0]),
-                _ => size = Some((self.whole(&line)?.0, self.whole(&line)?.0)),
-            }
+            found[key] = Some(match key {
+                0..=2 => self.vector(&line)?,
+                3 | 4 => DVec3::splat(self.numbers(&line, 1, 1)?.values[0]),
+                _ => DVec3::new(self.whole(&line)?.0 as f64, self.whole(&line)?.0 as f64, 0.0),
+            });
         }
-        let missing = |key: usize| {
-            let place = at.spot.of(self.lines.file()).named(NAMES[key]);
-            Error::scene(place, "missing from the v block", format!("add a line that begins with {}", VIEW[key]))
+        let need = |key: usize| {
+            found[key].ok_or_else(|| {
+                let place = at.spot.of(self.lines.file()).named(NAMES[key]);
+                let mend = format!("add a line that begins with {}", VIEW[key]);
+                Error::scene(place, "missing from the v block", mend)
+            })
         };
-        let eye = from.ok_or_else(|| missing(0))?;
-        let look = Look::At(look.ok_or_else(|| missing(1))?);
-        let up = up.ok_or_else(|| missing(2))?;
-        let degrees = angle.ok_or_else(|| missing(3))?;
-        let (width, height) = size.ok_or_else(|| missing(5))?;
+        let (eye, look, up, degrees, size) = (need(0)?, Look::At(need(1)?), need(2)?, need(3)?.x, need(5)?);
         let place = |key: usize| spots[key].of(self.lines.file()).named(NAMES[key]);
-        let pixels = |n: u64| i64::try_from(n).unwrap_or(i64::MAX);
-        let (width, height) = check_size([pixels(width), pixels(height)], || place(5))?;
+        // The casts saturate.
+        let (width, height) = check_size([size.x as i64, size.y as i64], || place(5))?;
         let camera = Camera { eye, look, up, lens: Lens::RowCentres { degrees } };
         let locate = |error| {
             relocate(error, |field| match field {

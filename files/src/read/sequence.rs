@@ -387,8 +387,7 @@ impl Sequence {
         }
         self.options.watch.check()?;
         let marks = marks(&self.options, masks, &spheres);
-        let mut scene =
-            Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, lighting: Lighting::default() };
+        let mut scene = of_spheres(spheres);
         scene.frame_by_default(is_molecule, &Framing::default())?;
         Ok(SceneFrame { skipped, legend, columns, cell, when, is_molecule, marks, ..SceneFrame::new(number, scene) })
     }
@@ -422,12 +421,7 @@ impl Sequence {
     ) -> Result<SceneFrame> {
         let (when, is_molecule) = (particles.when, particles.are_molecule(self.format));
         let (instances, skipped, legend) = self.options.style.to_instances(particles, spaced, file)?;
-        let mut scene = Scene {
-            camera: Camera::CANONICAL,
-            image: ImagePlane::default(),
-            spheres: Spheres::default(),
-            lighting: Lighting::default(),
-        };
+        let mut scene = of_spheres(Spheres::default());
         scene.frame_all(&Framing::default())?;
         let instances = Some(instances);
         Ok(SceneFrame { skipped, legend, instances, when, is_molecule, ..SceneFrame::new(number, scene) })
@@ -506,6 +500,11 @@ impl Sequence {
             }
         }
     }
+}
+
+/// A scene of which nothing else is known.
+fn of_spheres(spheres: Spheres) -> Scene {
+    Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, lighting: Lighting::default() }
 }
 
 /// Refuses what needs all atoms of an assembly.

@@ -13,7 +13,6 @@ use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
 use halfline::error::{Error, Result};
-use halfline::memory::check_ids;
 use halfline::quote::quote;
 use halfline::scene::Cell;
 use std::io::BufRead;
@@ -35,6 +34,9 @@ struct DumpHeader {
 const AXES: [([&str; 3], bool); 4] =
     [(["x", "y", "z"], false), (["xu", "yu", "zu"], false), (["xs", "ys", "zs"], true), (["xsu", "ysu", "zsu"], true)];
 
+/// The remedy for a file that ends within a frame.
+const MEND: &str = "give as many atoms as the frame says";
+
 impl Dump {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         Self { lines: Lines::new(source.reader, &source.path), request }
@@ -45,7 +47,7 @@ impl Dump {
         let (mut time, mut step) = (None, None);
         loop {
             if !self.lines.advance()? {
-                return if begun { Err(self.ends("ITEM")) } else { Ok(None) };
+                return if begun { Err(self.lines.cut("ITEM", MEND)) } else { Ok(None) };
             }
             let text = self.lines.text().trim();
             let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
@@ -57,20 +59,14 @@ impl Dump {
             };
             (begun, foreign) = (true, false);
             if item == "TIMESTEP" {
-                self.need("TIMESTEP")?;
+                self.lines.need("TIMESTEP", MEND)?;
                 step = self.lines.text().trim().parse().ok();
             } else if item == "TIME" {
-                self.need("TIME")?;
+                self.lines.need("TIME", MEND)?;
                 time = self.lines.text().trim().parse().ok();
             } else if item == "NUMBER OF ATOMS" {
-                self.need("NUMBER OF ATOMS")?;
-                let text = self.lines.text().trim();
-                let atoms = text.parse().map_err(|_| {
-                    let problem = format!("{} is not a number of atoms", quote(text));
-                    self.lines.fail(0, "NUMBER OF ATOMS", problem, "use a whole number")
-                })?;
-                check_ids(atoms)?;
-                count = Some(atoms);
+                self.lines.need("NUMBER OF ATOMS", MEND)?;
+                count = Some(self.lines.count("NUMBER OF ATOMS", "use a whole number")?);
             } else if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
                 let kind = kind.to_owned();
                 cell = Some(self.cell(&kind)?);
@@ -111,7 +107,7 @@ impl Dump {
     }
 
     fn bounds(&mut self, count: usize) -> Result<[f64; 4]> {
-        self.need("BOX BOUNDS")?;
+        self.lines.need("BOX BOUNDS", MEND)?;
         let mut words = Words::of(&self.lines);
         let mut bounds = [0.0; 4];
         for bound in &mut bounds[..count] {
@@ -149,7 +145,7 @@ impl Dump {
             fields.concat().into_iter().map(|(name, found)| (name.clone(), role(&name, found))).collect();
         let place = self.lines.place(at).named("ITEM: ATOMS");
         if count > 0 {
-            self.need("atom")?;
+            self.lines.need("atom", MEND)?;
             for (word, (_, role)) in Words::of(&self.lines).zip(&mut columns) {
                 if *role == Role::Other && word.text.parse::<f64>().is_err() {
                     *role = Role::Text;
@@ -180,15 +176,6 @@ impl Dump {
         }
         Ok(())
     }
-
-    /// Reads the next line; its absence is an error.
-    fn need(&mut self, what: &str) -> Result<()> {
-        if self.lines.advance()? { Ok(()) } else { Err(self.ends(what)) }
-    }
-
-    fn ends(&self, what: &str) -> Error {
-        self.lines.ends(what, "the file ends within a frame", "give as many atoms as the frame says")
-    }
 }
 
 impl ParticleFrames for Dump {
@@ -210,7 +197,7 @@ impl ParticleFrames for Dump {
             self.lines.found();
             let row = |line: &Lines<&[u8]>, found: &mut _| atom(line, &layout, scaling, found);
             if rows(&mut self.lines, count - 1, &layout, &mut particles, row)? < count - 1 {
-                return Err(self.ends("atom"));
+                return Err(self.lines.cut("atom", MEND));
             }
         }
         self.check_end(count, &layout)?;
@@ -221,7 +208,7 @@ impl ParticleFrames for Dump {
     fn skip(&mut self) -> Result<bool> {
         let Some(DumpHeader { count, .. }) = self.head()? else { return Ok(false) };
         let columns = Words::of(&self.lines).count().saturating_sub(2);
-        if !self.lines.pass_rows(count, columns)? { Err(self.ends("atom")) } else { Ok(true) }
+        if !self.lines.pass_rows(count, columns)? { Err(self.lines.cut("atom", MEND)) } else { Ok(true) }
     }
 }
 

@@ -14,7 +14,6 @@ use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
 use halfline::error::{Error, Result};
-use halfline::memory::check_ids;
 use halfline::quote::quote;
 use halfline::scene::Cell;
 use std::ops::Range;
@@ -30,15 +29,10 @@ pub(in crate::read) struct Gro {
 }
 
 /// The columns of an atom besides its position; a frame may have no velocities.
-const HAS: [AtomProperty; 7] = [
-    AtomProperty::Name,
-    AtomProperty::Resname,
-    AtomProperty::Residue,
-    AtomProperty::Serial,
-    AtomProperty::Vx,
-    AtomProperty::Vy,
-    AtomProperty::Vz,
-];
+const HAS: [AtomProperty; 7] = {
+    use AtomProperty::{Name, Residue, Resname, Serial, Vx, Vy, Vz};
+    [Name, Resname, Residue, Serial, Vx, Vy, Vz]
+};
 
 /// The columns before the coordinates, from 0.
 const RESIDUE: Range<usize> = 0..5;
@@ -46,6 +40,9 @@ const RESIDUE_NAME: Range<usize> = 5..10;
 const NAME: Range<usize> = 10..15;
 const SERIAL: Range<usize> = 15..20;
 const X: usize = 20;
+
+/// The remedy for a file that ends within a frame.
+const MEND: &str = "give as many atoms as the count says, and the box";
 
 /// Ångström per nanometre.
 const NANOMETRE: f64 = 10.0;
@@ -63,11 +60,8 @@ impl Gro {
         while self.lines.advance()? {
             let text = self.lines.text().trim();
             if titled && !text.is_empty() {
-                let count = text.parse().map_err(|_| {
-                    let problem = format!("{} is not a number of atoms", quote(text));
-                    self.lines.fail(0, "count", problem, "add a title, and the number of atoms on the line after it")
-                })?;
-                return check_ids(count).map(|()| Some(count));
+                let mend = "add a title, and the number of atoms on the line after it";
+                return self.lines.count("count", mend).map(Some);
             }
             if !titled {
                 self.when = FrameTime::of(behind(text, "t="), behind(text, "step="));
@@ -75,13 +69,6 @@ impl Gro {
             titled = true;
         }
         Ok(None)
-    }
-
-    fn need(&mut self, what: &str) -> Result<()> {
-        if self.lines.advance()? {
-            return Ok(());
-        }
-        Err(self.lines.ends(what, "the file ends within a frame", "give as many atoms as the count says, and the box"))
     }
 
     fn field(&self, columns: Range<usize>) -> &[u8] {
@@ -229,7 +216,7 @@ impl ParticleFrames for Gro {
         let mut model = Model::new(&self.request, &HAS[..4], Inference::new(false));
         let (mut names, mut width) = (NameTable::default(), 0);
         for n in 0..count {
-            self.need("atom")?;
+            self.lines.need("atom", MEND)?;
             if n == 0 {
                 width = self.width()?;
                 let moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
@@ -240,7 +227,7 @@ impl ParticleFrames for Gro {
             }
             self.lines.found();
         }
-        self.need("box")?;
+        self.lines.need("box", MEND)?;
         self.check_end(width, count)?;
         let cell = self.cell()?;
         // The line after the box is the next frame's title, not an atom.
@@ -262,10 +249,10 @@ impl ParticleFrames for Gro {
     fn skip(&mut self) -> Result<bool> {
         let Some(count) = self.count()? else { return Ok(false) };
         for _ in 0..count {
-            self.need("atom")?;
+            self.lines.need("atom", MEND)?;
             self.lines.found();
         }
-        self.need("box")?;
+        self.lines.need("box", MEND)?;
         let cell = self.cell();
         if self.lines.is_last()? { cell.map(|_| true) } else { Ok(true) }
     }

@@ -49,31 +49,16 @@ pub(in crate::read) struct Pdb {
 }
 
 /// The columns of an atom by format: those of PDB, and in PDBQT a charge in place of the segment.
-const HAS: [AtomProperty; 13] = [
-    AtomProperty::Segid,
-    AtomProperty::Name,
-    AtomProperty::Resname,
-    AtomProperty::Altloc,
-    AtomProperty::Icode,
-    AtomProperty::Record,
-    AtomProperty::Bfactor,
-    AtomProperty::Occupancy,
-    AtomProperty::Residue,
-    AtomProperty::Chain,
-    AtomProperty::Model,
-    AtomProperty::Serial,
-    AtomProperty::Charge,
-];
-const HAS_PQR: [AtomProperty; 8] = [
-    AtomProperty::Name,
-    AtomProperty::Resname,
-    AtomProperty::Icode,
-    AtomProperty::Record,
-    AtomProperty::Charge,
-    AtomProperty::Residue,
-    AtomProperty::Chain,
-    AtomProperty::Serial,
-];
+const HAS: [AtomProperty; 13] = {
+    use AtomProperty::{
+        Altloc, Bfactor, Chain, Charge, Icode, Model, Name, Occupancy, Record, Residue, Resname, Segid, Serial,
+    };
+    [Segid, Name, Resname, Altloc, Icode, Record, Bfactor, Occupancy, Residue, Chain, Model, Serial, Charge]
+};
+const HAS_PQR: [AtomProperty; 8] = {
+    use AtomProperty::{Chain, Charge, Icode, Name, Record, Residue, Resname, Serial};
+    [Name, Resname, Icode, Record, Charge, Residue, Chain, Serial]
+};
 
 /// The columns of a file in this format.
 fn has(dialect: Format) -> &'static [AtomProperty] {

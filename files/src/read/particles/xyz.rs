@@ -13,8 +13,7 @@ use super::vectors::component;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::source::SceneSource;
-use halfline::error::{Error, Result};
-use halfline::memory::check_ids;
+use halfline::error::Result;
 use halfline::quote::quote;
 use halfline::quote::setting::{COLUMNS, FORMAT};
 use halfline::scene::Cell;
@@ -37,14 +36,9 @@ impl Xyz {
                 return Ok(None);
             }
             let text = self.lines.text().trim();
-            if text.is_empty() {
-                continue;
+            if !text.is_empty() {
+                return self.lines.count("count", mend_count(text)).map(Some);
             }
-            let count = text.parse().map_err(|_| {
-                let problem = format!("{} is not a number of atoms", quote(text));
-                self.lines.fail(0, "count", problem, mend_count(text))
-            })?;
-            return check_ids(count).map(|()| Some(count));
         }
     }
 
@@ -70,15 +64,6 @@ impl Xyz {
             particles.skipped.assumed.push(format!("{place}: {text} after the {count} atoms does not begin a frame"));
         }
         Ok(())
-    }
-
-    /// Reads the next line; its absence is an error.
-    fn need(&mut self, what: &str) -> Result<()> {
-        if self.lines.advance()? { Ok(()) } else { Err(self.ends(what)) }
-    }
-
-    fn ends(&self, what: &str) -> Error {
-        self.lines.ends(what, "the file ends within a frame", "give as many lines as the count says")
     }
 
     /// The columns, the cell, and the time of the comment line.
@@ -141,6 +126,9 @@ impl Xyz {
         }
     }
 }
+
+/// The remedy for a file that ends within a frame.
+const MEND: &str = "give as many lines as the count says";
 
 /// The most columns of a property.
 const MOST: usize = 4096;
@@ -210,12 +198,12 @@ fn pairs(text: &str) -> Vec<(usize, &str, &str)> {
 impl ParticleFrames for Xyz {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
-        self.need("comment")?;
+        self.lines.need("comment", MEND)?;
         let (layout, cell, when) = self.layout()?;
         let mut particles = Particles { cell, when, ..layout.begin() };
         let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
-            return Err(self.ends("atom"));
+            return Err(self.lines.cut("atom", MEND));
         }
         self.check_end(count, &layout, &mut particles)?;
         particles.settle_texts();
@@ -224,9 +212,9 @@ impl ParticleFrames for Xyz {
 
     fn skip(&mut self) -> Result<bool> {
         let Some(count) = self.count()? else { return Ok(false) };
-        self.need("comment")?;
+        self.lines.need("comment", MEND)?;
         let columns = self.layout().map_or(0, |(layout, ..)| layout.len());
-        if !self.lines.pass_rows(count, columns)? { Err(self.ends("atom")) } else { Ok(true) }
+        if !self.lines.pass_rows(count, columns)? { Err(self.lines.cut("atom", MEND)) } else { Ok(true) }
     }
 }
 

@@ -3,6 +3,7 @@
 //! (www.ks.uiuc.edu/Research/vmd/plugins/molfile/dcdplugin.html, academiccharmm.org/documentation).
 
 use super::moment::{Moment, Moments};
+use crate::npy::Scalar;
 use crate::read::particles::bytes::BinaryFile;
 use crate::read::particles::frame_time::FrameTime;
 use crate::read::particles::molecule;
@@ -99,11 +100,7 @@ impl Dcd {
         let is_charmm = control[19] != 0;
         (header.has_cell, header.has_fourth) = (is_charmm && control[10] != 0, is_charmm && control[11] != 0);
         (header.first, header.between) = (control[1], control[2]);
-        header.delta = match (is_charmm, self.record[36..44].try_into()) {
-            (false, Ok(bytes)) if big => f64::from_be_bytes(bytes),
-            (false, Ok(bytes)) => f64::from_le_bytes(bytes),
-            _ => f64::from(f32::from_bits(control[9] as u32)),
-        };
+        header.delta = Scalar::float(if is_charmm { 4 } else { 8 }, big).number(&self.record[36..]);
         let fixed = control[8];
         if self.titles(header)? {
             header.delta = 0.0;
@@ -231,8 +228,8 @@ impl Dcd {
     fn cell(&mut self, header: DcdHeader) -> Result<Option<Cell>> {
         let at = self.file.at();
         self.read(header, CELL, "cell")?;
-        let number = |bytes: &[u8; 8]| if header.big { f64::from_be_bytes(*bytes) } else { f64::from_le_bytes(*bytes) };
-        let numbers: Vec<f64> = self.record.as_chunks().0.iter().map(number).collect();
+        let double = Scalar::float(8, header.big);
+        let numbers: Vec<f64> = self.record.chunks_exact(8).map(|bytes| double.number(bytes)).collect();
         let [a, gamma, b, beta, alpha, c] = numbers[..] else { return Ok(None) };
         if !numbers.iter().all(|x| x.is_finite()) {
             return Err(self.file.fail(at, "cell", "a number of the cell is not finite", DAMAGED));
@@ -258,8 +255,9 @@ impl Dcd {
                 reserve(&mut positions, count as usize)?;
                 positions.resize(count as usize, [0.0; 3]);
             }
-            for (position, bytes) in positions.iter_mut().zip(self.record.as_chunks().0) {
-                position[k] = f64::from(f32::from_bits(header.int(*bytes) as u32));
+            let single = Scalar::float(4, header.big);
+            for (position, bytes) in positions.iter_mut().zip(self.record.chunks_exact(4)) {
+                position[k] = single.number(bytes);
             }
         }
         Ok(positions)

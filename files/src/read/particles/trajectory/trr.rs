@@ -3,7 +3,8 @@
 //! stay in nm/ps, as those of GRO. Frames without positions are skipped and not counted.
 
 use super::moment::{Moment, Moments};
-use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
+use super::xdr::{DOUBLE, NANOMETRE, SINGLE, atoms, cell, int, real, vectors};
+use crate::npy::Scalar;
 use crate::read::particles::bytes::{BinaryFile, DAMAGED};
 use crate::read::particles::frame_time::FrameTime;
 use halfline::error::Result;
@@ -43,7 +44,7 @@ struct TrrHeader {
     /// The bytes of the parts.
     sizes: [u64; 10],
     atoms: u64,
-    real: Real,
+    real: Scalar,
     when: FrameTime,
 }
 
@@ -87,7 +88,7 @@ impl Trr {
         let (at, atoms) = (file.at(), atoms(file)?);
         let precision = Self::real(&sizes, atoms);
         let sizes_fit = precision.is_some_and(|real| {
-            let fits = |part: usize, numbers: u64| [0, numbers * real.size()].contains(&sizes[part]);
+            let fits = |part: usize, numbers: u64| [0, numbers * real.size() as u64].contains(&sizes[part]);
             (BOX..=4).all(|part| fits(part, 9)) && (POSITIONS..10).all(|part| fits(part, 3 * atoms))
         });
         let Some(precision) = precision.filter(|_| sizes_fit) else {
@@ -97,18 +98,18 @@ impl Trr {
         let step = int(file, "step")?;
         file.pass(4, "number of energies")?;
         let time = real(file, precision, "time")?;
-        file.pass(precision.size(), "lambda")?;
+        file.pass(precision.size() as u64, "lambda")?;
         let when = FrameTime::of(Some(time), Some(step.into()));
         Ok(Some(TrrHeader { sizes, atoms, real: precision, when }))
     }
 
     /// The precision, from the size of a part; single where all are empty.
-    fn real(sizes: &[u64; 10], atoms: u64) -> Option<Real> {
+    fn real(sizes: &[u64; 10], atoms: u64) -> Option<Scalar> {
         let parts = [(BOX, 9), (3, 9), (4, 9), (POSITIONS, 3 * atoms), (VELOCITIES, 3 * atoms), (9, 3 * atoms)];
         match parts.into_iter().find(|(part, _)| sizes[*part] > 0) {
-            None => Some(Real::Single),
+            None => Some(SINGLE),
             Some((part, numbers)) => {
-                [Real::Single, Real::Double].into_iter().find(|real| sizes[part] == numbers * real.size())
+                [SINGLE, DOUBLE].into_iter().find(|real| sizes[part] == numbers * real.size() as u64)
             }
         }
     }

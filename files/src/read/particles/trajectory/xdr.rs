@@ -1,5 +1,6 @@
 //! Numbers of XDR, the encoding of GROMACS files (RFC 4506): big-endian, in words of four bytes.
 
+use crate::npy::Scalar;
 use crate::read::particles::bytes::{BinaryFile, DAMAGED};
 use halfline::error::Result;
 use halfline::memory::{check_ids, reserve};
@@ -8,22 +9,9 @@ use halfline::scene::Cell;
 /// Ångström per nanometre.
 pub(super) const NANOMETRE: f64 = 10.0;
 
-/// Real numbers of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Real {
-    Single,
-    Double,
-}
-
-impl Real {
-    /// Bytes per number.
-    pub(super) fn size(self) -> u64 {
-        match self {
-            Self::Single => 4,
-            Self::Double => 8,
-        }
-    }
-}
+/// The real numbers of a file.
+pub(super) const SINGLE: Scalar = Scalar::float(4, true);
+pub(super) const DOUBLE: Scalar = Scalar::float(8, true);
 
 /// A whole number.
 pub(super) fn int(file: &mut BinaryFile, field: &str) -> Result<i32> {
@@ -44,31 +32,19 @@ pub(super) fn atoms(file: &mut BinaryFile) -> Result<u64> {
 }
 
 /// A real number.
-pub(super) fn real(file: &mut BinaryFile, real: Real, field: &str) -> Result<f64> {
-    match real {
-        Real::Single => file.bytes(field).map(f32::from_be_bytes).map(f64::from),
-        Real::Double => file.bytes(field).map(f64::from_be_bytes),
-    }
+pub(super) fn real(file: &mut BinaryFile, of: Scalar, field: &str) -> Result<f64> {
+    let mut bytes = [0; 8];
+    file.fill(&mut bytes[..of.size()], field)?;
+    Ok(of.number(&bytes))
 }
 
 /// `count` vectors of three numbers, each multiplied by `unit`.
-pub(super) fn vectors(file: &mut BinaryFile, count: u64, of: Real, unit: f64, field: &str) -> Result<Vec<[f64; 3]>> {
-    let mut vectors = Vec::new();
+pub(super) fn vectors(file: &mut BinaryFile, count: u64, of: Scalar, unit: f64, field: &str) -> Result<Vec<[f64; 3]>> {
+    let (mut vectors, mut bytes, size) = (Vec::new(), [0; 24], of.size());
     for _ in 0..count {
-        let vector = match of {
-            Real::Single => {
-                let bytes: [u8; 12] = file.bytes(field)?;
-                let (words, _) = bytes.as_chunks::<4>();
-                [0, 1, 2].map(|k| f64::from(f32::from_be_bytes(words[k])))
-            }
-            Real::Double => {
-                let bytes: [u8; 24] = file.bytes(field)?;
-                let (words, _) = bytes.as_chunks::<8>();
-                [0, 1, 2].map(|k| f64::from_be_bytes(words[k]))
-            }
-        };
+        file.fill(&mut bytes[..3 * size], field)?;
         reserve(&mut vectors, 1)?;
-        vectors.push(vector.map(|x| x * unit));
+        vectors.push([0, 1, 2].map(|k| of.number(&bytes[k * size..]) * unit));
     }
     Ok(vectors)
 }
@@ -77,7 +53,7 @@ pub(super) fn vectors(file: &mut BinaryFile, count: u64, of: Real, unit: f64, fi
 ///
 /// # Errors
 /// Infinite numbers and NaN.
-pub(super) fn cell(file: &mut BinaryFile, of: Real) -> Result<Option<Cell>> {
+pub(super) fn cell(file: &mut BinaryFile, of: Scalar) -> Result<Option<Cell>> {
     let at = file.at();
     let edges: [[f64; 3]; 3] = vectors(file, 3, of, NANOMETRE, "box")?.try_into().unwrap_or_default();
     if !edges.iter().flatten().all(|x| x.is_finite()) {

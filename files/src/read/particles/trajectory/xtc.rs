@@ -5,7 +5,7 @@
 
 use super::ints::{self, Packed};
 use super::moment::{Moment, Moments};
-use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
+use super::xdr::{NANOMETRE, SINGLE, atoms, cell, int, real, vectors};
 use crate::read::particles::bytes::{BinaryFile, DAMAGED};
 use crate::read::particles::frame_time::FrameTime;
 use halfline::error::Result;
@@ -52,9 +52,9 @@ impl Xtc {
         }
         let atoms = atoms(&mut self.file)?;
         let step = int(&mut self.file, "step")?;
-        let time = real(&mut self.file, Real::Single, "time")?;
+        let time = real(&mut self.file, SINGLE, "time")?;
         let when = FrameTime::of(Some(time), Some(step.into()));
-        let cell = cell(&mut self.file, Real::Single)?;
+        let cell = cell(&mut self.file, SINGLE)?;
         let at = self.file.at();
         let again = int(&mut self.file, "number of positions")?;
         if i64::from(again) != atoms as i64 {
@@ -78,7 +78,7 @@ impl Xtc {
     fn compressed(&mut self, header: &XtcHeader) -> Result<Vec<[f64; 3]>> {
         let file = &mut self.file;
         let at = file.at();
-        let precision = real(file, Real::Single, "precision")?;
+        let precision = real(file, SINGLE, "precision")?;
         if !(precision > 0.0 && precision.is_finite()) {
             return Err(file.fail(at, "precision", format!("the precision is {precision}"), DAMAGED));
         }
@@ -111,7 +111,7 @@ impl Moments for Xtc {
     fn next(&mut self) -> Result<Option<Moment>> {
         let Some(header) = self.header()? else { return Ok(None) };
         let positions = if header.atoms <= PLAIN {
-            vectors(&mut self.file, header.atoms, Real::Single, NANOMETRE, "positions")?
+            vectors(&mut self.file, header.atoms, SINGLE, NANOMETRE, "positions")?
         } else {
             self.compressed(&header)?
         };
