@@ -7,7 +7,7 @@ mod scale;
 
 use super::canvas::plain;
 use super::raster::{missing, missing_letters};
-use halfline::error::{Error, Result, named};
+use halfline::error::{Result, named};
 use halfline::frame::legend::Legend;
 use halfline::frame::srgb::linear;
 use halfline::frame::{Aov, Buffer, Data, Frame};
@@ -93,7 +93,7 @@ impl Insets {
     /// The shares of the picture's width that the legend takes at its left and right side, with its distance from them.
     ///
     /// # Errors
-    /// [`Error::Settings`] if the picture is too small for the legend.
+    /// [`Error::Settings`](halfline::Error::Settings) if the picture is too small for the legend.
     pub fn legend_shares(&self, width: u32, height: u32) -> Result<[f64; 2]> {
         let Some((legend, corner)) = &self.legend else { return Ok([0.0; 2]) };
         let page = Page::new(width, height);
@@ -111,7 +111,7 @@ impl Insets {
     /// The panels for a picture of `width` x `height` pixels. Texts that do not fit are cut.
     ///
     /// # Errors
-    /// [`Error::Settings`] if the picture is too small for one of them, or a scale bar has no length.
+    /// [`Error::Settings`](halfline::Error::Settings) if the picture is too small for one of them, or a scale bar has no length.
     pub fn panels(&self, width: u32, height: u32) -> Result<Panels> {
         let page = Page::new(width, height);
         let (mut words, mut unknown) = (Vec::new(), BTreeSet::new());

@@ -1,5 +1,6 @@
 //! Headers of NumPy's .npy files, format versions 1.0 to 3.0, as `numpy.lib.format` states them. A header is a Python
-//! dictionary with three entries: `descr` (the type of the values), `fortran_order` and `shape`.
+//! dictionary with three entries: `descr` (the type of the values), `fortran_order` and `shape`. The crate npyz (0.9.1)
+//! takes over 20 s for 100 nested brackets and reserves 4 GiB where a damaged length says so.
 
 mod literal;
 mod scalar;

@@ -1,4 +1,5 @@
-//! Atomic files: a file is written completely or not at all, even if the process is killed.
+//! Atomic files: a file is written completely or not at all, even if the process is killed. The crate atomic-write-file
+//! (0.3.1) replaces symbolic links and leaves the unfinished files of killed processes where they are.
 
 use super::rows::Sink;
 use halfline::error::{Error, Result};

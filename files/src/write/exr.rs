@@ -2,6 +2,7 @@
 //! rendered part. Losslessly compressed by ZIP, sixteen rows at a time; the bytes do not depend on the number of
 //! threads. Channels are named as in the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel` for
 //! others, with the number of the light in `shadow`. File layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
+//! The block writer of exr (1.74) writes its table twice, so that a file could not be compared while it is written again.
 
 mod any;
 

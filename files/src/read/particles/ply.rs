@@ -1,5 +1,6 @@
 //! Points of a Stanford polygon file: the vertices, in text or in binary of either byte order. Faces and other elements
-//! are skipped. The header is described in Greg Turk's "The PLY Polygon File Format" (1994).
+//! are skipped. The header is described in Greg Turk's "The PLY Polygon File Format" (1994). The crate ply-rs-bw (4.0.1)
+//! keeps whole elements and has no limit: 200 bytes with a damaged count make it run out of memory.
 
 mod binary;
 mod header;

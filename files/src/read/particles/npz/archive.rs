@@ -1,6 +1,6 @@
 //! The members of a ZIP archive, one after the other, without its directory. The crate zip reads streams too, but not
-//! deflated members whose size follows them (9.4.1: "The file length is not available in the local header"), as
-//! numpy.savez_compressed writes them to a pipe.
+//! deflated members whose size follows them (9.8.2: "The file length is not available in the local header"), as
+//! numpy.savez_compressed writes them to a pipe; rc-zip-sync (4.4.2) panics or does not end for damaged archives.
 
 use crate::read::input::Input;
 use flate2::CrcReader;
