@@ -16,6 +16,7 @@ mod material;
 mod orient;
 mod outlook;
 pub(crate) mod same;
+mod source;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
@@ -31,8 +32,9 @@ pub(crate) use gradient::{Gradient, SkyLight};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, Materials};
-pub use orient::{Facing, NamedView, Spread, middle};
+pub use orient::{Facing, NamedView, Spread};
 pub use outlook::{Outlook, Surroundings};
+pub use source::{SphereSource, middle};
 
 /// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
@@ -142,10 +144,15 @@ impl Spheres {
         [low, high]
     }
 
+    /// The middle of the box around all spheres; the origin for no spheres.
+    #[must_use]
+    pub fn middle(&self) -> DVec3 {
+        middle(self.bounds())
+    }
+
     /// The box around all spheres, in words.
     pub fn extent(&self) -> String {
-        let [low, high] = self.bounds();
-        format!("the spheres lie between {} and {}", point(low), point(high))
+        extent(self.bounds())
     }
 
     /// Reserves capacity for `more` spheres, with or without colours.
@@ -231,6 +238,11 @@ impl Spheres {
 pub fn keep<T>(values: &mut Vec<T>, flags: &[bool]) {
     let mut flags = flags.iter();
     values.retain(|_| flags.next().copied().unwrap_or(true));
+}
+
+/// The box around spheres, in words.
+fn extent([low, high]: [DVec3; 2]) -> String {
+    format!("the spheres lie between {} and {}", point(low), point(high))
 }
 
 /// A point in words.

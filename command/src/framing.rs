@@ -5,7 +5,9 @@ use glam::DVec3;
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::quote::quote;
-use halfline::scene::{Facing, Framing, ImagePlane, NamedView, Outlook, Spheres, Spread, Surroundings};
+use halfline::scene::{
+    Facing, Framing, ImagePlane, NamedView, Outlook, SphereSource, Spheres, Spread, Surroundings, middle,
+};
 use halfline_files::read::{Focus, SceneFrame};
 
 /// The source of a camera's direction.
@@ -32,7 +34,7 @@ impl CameraArgs {
             Some(CameraTarget::Point(at)) => Ok(Some(*at)),
             Some(CameraTarget::Selected(_)) => match chosen("--at", frame.marks.first(), frame)? {
                 None => Ok(None),
-                Some(spheres) => Ok(Some(center(spheres))),
+                Some(spheres) => spheres.mean(),
             },
         }
     }
@@ -123,34 +125,6 @@ pub(super) fn none_selected(option: &str, text: &str, notes: &[String], count: u
     Error::settings(problem, mend)
 }
 
-/// The mean of the centres.
-pub(super) fn center(spheres: &Spheres) -> DVec3 {
-    let mut mean = Mean { middle: spheres.middle(), count: spheres.len() as u64, sum: DVec3::ZERO };
-    mean.add(spheres);
-    mean.center()
-}
-
-/// The mean of the centres of so many spheres, which are added in order, in any blocks.
-#[derive(Debug, Default)]
-pub(super) struct Mean {
-    /// The middle of their box.
-    pub(super) middle: DVec3,
-    pub(super) count: u64,
-    pub(super) sum: DVec3,
-}
-
-impl Mean {
-    pub(super) fn add(&mut self, spheres: &Spheres) {
-        for center in spheres.centers.iter() {
-            self.sum += (DVec3::from_array(*center) - self.middle) / self.count as f64;
-        }
-    }
-
-    pub(super) fn center(&self) -> DVec3 {
-        self.middle + self.sum
-    }
-}
-
 /// Applies the options of the camera to a frame, and frames the spheres where they do not give its place. `aside` is what a
 /// legend takes of the width. Returns how the scene is framed, if it is.
 ///
@@ -160,13 +134,13 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
     options.apply_lens(&mut frame.scene.camera);
     let at = options.at(frame)?;
     let framing = options.framing(frame.has_camera, at, legend_shares)?;
-    let mut camera = frame.scene.camera;
-    let source = options.direction_source(&camera, frame.has_camera, frame.is_molecule, at);
     let (image, spheres) = (frame.scene.image, &frame.scene.spheres);
     let mut warning = None;
-    match (framing, options.focused(frame)?) {
+    let camera = match (framing, options.focused(frame)?) {
         (Some(framing), Some(focus)) => {
-            let found = look_at_focus(&source, options, &camera, image, [focus, spheres], &framing)?;
+            let camera = &frame.scene.camera;
+            let source = options.direction_source(camera, frame.has_camera, frame.is_molecule, at);
+            let found = look_at_focus(&source, options, camera, image, [focus, spheres], &framing)?;
             if found.visible_share < HIDDEN {
                 let percent = (100.0 * found.visible_share).round();
                 warning = Some(format!(
@@ -174,38 +148,38 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
                      auto looks from where least is hidden"
                 ));
             }
-            camera = found.camera;
+            found.camera
         }
-        (framing, _) => {
-            turn(&mut camera, &source, options, || {
-                (spheres.middle(), Spread::of(spheres).facing(image.height > image.width))
-            });
-            if let Some(framing) = &framing {
-                camera.fit(image, spheres, framing)?;
-            }
-        }
-    }
+        (framing, _) => aimed(options, frame, at, framing.as_ref(), spheres)?,
+    };
     frame.scene.camera = camera;
     let notes = frame.marks.iter().flat_map(|focus| focus.notes.iter().cloned());
     frame.skipped.assumed.extend(notes.chain(warning));
     Ok(framing)
 }
 
-/// Gives a camera its direction; `of_spheres` returns their middle and the direction of their axes.
-pub(super) fn turn(
-    camera: &mut Camera,
-    source: &DirectionSource,
+/// The camera of a frame, whose lens is final, in the direction of the options; with a framing, it shows all spheres.
+///
+/// # Errors
+/// Errors of [`Camera::fit`] and of the source.
+pub(super) fn aimed(
     options: &CameraArgs,
-    of_spheres: impl FnOnce() -> (DVec3, Facing),
-) {
-    match source {
-        DirectionSource::Given(look, up) => (camera.look, camera.up) = (*look, *up),
-        DirectionSource::Middle(up) => (camera.look, camera.up) = (Look::At(of_spheres().0), *up),
+    frame: &SceneFrame,
+    at: Option<DVec3>,
+    framing: Option<&Framing>,
+    spheres: &dyn SphereSource,
+) -> Result<Camera> {
+    let (mut camera, image) = (frame.scene.camera, frame.scene.image);
+    match options.direction_source(&camera, frame.has_camera, frame.is_molecule, at) {
+        DirectionSource::Given(look, up) => (camera.look, camera.up) = (look, up),
+        DirectionSource::Middle(up) => (camera.look, camera.up) = (Look::At(middle(spheres.ends()?)), up),
         DirectionSource::Axes => {
-            of_spheres().1.turn(camera);
+            Spread::of(spheres)?.facing(image.height > image.width).turn(&mut camera);
             camera.up = options.pose.up.unwrap_or(camera.up);
         }
     }
+    framing.map_or(Ok(()), |framing| camera.fit(image, spheres, framing))?;
+    Ok(camera)
 }
 
 /// The camera that shows the focus.

@@ -252,7 +252,7 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
     }
     let Some((mut first, framing)) = all.first else { return Ok(None) };
     if let (Some(framing), Some(reach)) = (framing, all.reach) {
-        first.scene.fit_to(&framing, &reach)?;
+        first.scene.camera.fit_to(first.scene.image, &framing, &reach)?;
     }
     let pivot = args.camera.pivot(&first)?;
     Ok(Some((first.scene.camera, pivot.unwrap_or_else(|| first.scene.spheres.middle()))))

@@ -38,7 +38,10 @@ pub(crate) fn fit_camera(
     };
     let with_up = |facing: Facing| Facing { up: up.map_or(facing.up, Into::into), ..facing };
     let Some(focus) = focus else {
-        let facing = fixed.unwrap_or_else(|| Spread::of(&framed.spheres).facing(size.1 > size.0));
+        let facing = match fixed {
+            Some(facing) => facing,
+            None => Spread::of(&framed.spheres).or_raise()?.facing(size.1 > size.0),
+        };
         with_up(facing).turn(&mut camera);
         camera.fit(image, &framed.spheres, &framing).or_raise()?;
         return Ok(Camera { camera, aperture: None, size: None, in_pixels: false });

@@ -1,11 +1,10 @@
 //! Framing: the nearest camera from which all spheres are completely visible.
 
-use super::camera::{Basis, Camera, Lens, Look, Viewport};
-use super::instances::Instances;
-use super::orient::{Facing, Spread, middle};
-use super::{ImagePlane, Scene, Spheres};
+use super::camera::{Camera, Lens, Look, Viewport};
+use super::orient::{Facing, Spread};
+use super::source::{SphereSource, middle};
+use super::{ImagePlane, Scene, Spheres, extent};
 use crate::error::{Error, Place, Result};
-use crate::progress::Watch;
 use crate::quote::setting;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -49,7 +48,7 @@ impl Scene {
     /// As [`Camera::fit`].
     pub fn frame_by_default(&mut self, is_molecule: bool, framing: &Framing) -> Result<()> {
         let is_tall = self.image.height > self.image.width;
-        let facing = if is_molecule { Spread::of(&self.spheres).facing(is_tall) } else { Facing::FRONT };
+        let facing = if is_molecule { Spread::of(&self.spheres)?.facing(is_tall) } else { Facing::FRONT };
         self.frame_from(facing, framing)
     }
 
@@ -61,26 +60,6 @@ impl Scene {
         facing.turn(&mut self.camera);
         self.camera.lens = Lens::Vfov { degrees: VFOV, distance: 1.0 };
         self.camera.fit(self.image, &self.spheres, framing)
-    }
-
-    /// The reach of copies to the sides of the view, relative to `middle`, as [`Camera::reach`] gives it; it is the
-    /// reach of the spheres themselves, also where the framing is of the ball around them.
-    ///
-    /// # Errors
-    /// As [`Camera::fit`]; [`Error::Interrupted`].
-    pub fn reach_of(&mut self, framing: &Framing, all: &Instances, middle: DVec3, watch: &Watch) -> Result<Reach> {
-        let (basis, viewport) = self.camera.sides(self.image)?;
-        Reach::new(framing, basis, viewport, middle, |normal| all.least_along(watch, normal, middle))
-    }
-
-    /// Moves the eye so that everything within this reach is completely visible, as [`Camera::fit`] does; the direction
-    /// of the view and the angles of the lens are those for which the reach was taken.
-    ///
-    /// # Errors
-    /// As [`Camera::fit`].
-    pub fn fit_to(&mut self, framing: &Framing, reach: &Reach) -> Result<()> {
-        self.camera.place(self.image, framing, reach)?;
-        self.camera.framed(&self.spheres)
     }
 }
 
@@ -98,12 +77,9 @@ impl Camera {
     /// # Errors
     /// Errors of [`Camera::basis`] and [`Camera::viewport`]; [`Error::Scene`] for spheres so near the limits of f64
     /// that no eye is far enough.
-    pub fn fit(&mut self, image: ImagePlane, spheres: &Spheres, framing: &Framing) -> Result<()> {
+    pub fn fit(&mut self, image: ImagePlane, spheres: &dyn SphereSource, framing: &Framing) -> Result<()> {
         match self.reach(image, spheres, framing, None)? {
-            Some(reach) => {
-                self.place(image, framing, &reach)?;
-                self.framed(spheres)
-            }
+            Some(reach) => self.fit_to(image, framing, &reach),
             None => Ok(()),
         }
     }
@@ -116,23 +92,30 @@ impl Camera {
     pub fn reach(
         &mut self,
         image: ImagePlane,
-        spheres: &Spheres,
+        spheres: &dyn SphereSource,
         framing: &Framing,
         like: Option<&Reach>,
     ) -> Result<Option<Reach>> {
-        if spheres.is_empty() {
+        let ends @ [low, high] = spheres.ends()?;
+        if low.x > high.x {
             return Ok(None);
         }
-        let (basis, viewport) = self.sides(image)?;
-        let around = framing.ball.then(|| ball(spheres, framing.aim));
-        let framed = around.as_ref().unwrap_or(spheres);
-        // Coordinates are relative to the middle, so that distant scenes lose no precision.
-        let middle = like.map_or_else(|| framed.middle(), |like| like.middle);
-        Reach::new(framing, basis, viewport, middle, |normal| Ok(framed.least_along(normal, middle))).map(Some)
+        let normals = self.normals(image, framing)?;
+        let (middle, sides) = if framing.ball {
+            let ball = ball(spheres, framing.aim.unwrap_or_else(|| middle(ends)))?;
+            let middle = like.map_or_else(|| ball.middle(), |like| like.middle);
+            (middle, ball.sides(normals, middle)?)
+        } else {
+            // Coordinates are relative to the middle, so that distant scenes lose no precision.
+            let middle = like.map_or_else(|| middle(ends), |like| like.middle);
+            (middle, spheres.sides(normals, middle)?)
+        };
+        Ok(Some(Reach { ends, middle, sides }))
     }
 
-    /// The directions of the view's sides. An `at` becomes the view.
-    fn sides(&mut self, image: ImagePlane) -> Result<(Basis, Viewport)> {
+    /// The normals of the view's sides, which point inwards: left, right, bottom, top, and for parallel rays back and front. An
+    /// `at` becomes the view.
+    fn normals(&mut self, image: ImagePlane, framing: &Framing) -> Result<[DVec3; 6]> {
         if let Look::At(at) = self.look {
             // An `at` that gives no direction is reported before it is changed.
             self.basis()?;
@@ -144,14 +127,36 @@ impl Camera {
             let problem = "a lens of intrinsics belongs to its pose, and is not moved to show all spheres";
             return Err(Error::settings(problem, format!("use a viewport or {}", setting::VFOV)));
         }
-        Ok((basis, viewport))
+        if viewport.is_parallel() {
+            return Ok([basis.u, -basis.u, basis.v, -basis.v, basis.w, -basis.w]);
+        }
+        let pair = |axis: DVec3, [[sine, cosine], [other_sine, other_cosine]]: [[f64; 2]; 2]| {
+            [cosine * axis - sine * basis.w, -other_cosine * axis - other_sine * basis.w]
+        };
+        let (across, down) = slopes(framing, viewport);
+        let ([left, right], [bottom, top]) = (pair(basis.u, across), pair(basis.v, down));
+        Ok([left, right, bottom, top, DVec3::ZERO, DVec3::ZERO])
     }
 
-    /// Moves the eye as [`Scene::fit_to`] does; it may not be finite.
+    /// Moves the eye so that everything within this reach is completely visible, as [`Camera::fit`] does; the direction
+    /// of the view and the angles of the lens are those for which the reach was taken.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`].
+    pub fn fit_to(&mut self, image: ImagePlane, framing: &Framing, reach: &Reach) -> Result<()> {
+        self.place(image, framing, reach)?;
+        if self.eye.is_finite() {
+            return Ok(());
+        }
+        let problem = format!("{}: the eye that sees them all is beyond the range of f64", extent(reach.ends));
+        Err(Error::scene(Place::field("spheres"), problem, "use a larger unit of length in the scene"))
+    }
+
+    /// The same; the eye may not be finite.
     fn place(&mut self, image: ImagePlane, framing: &Framing, reach: &Reach) -> Result<()> {
         let basis = self.basis()?;
         let viewport = self.viewport(image.width, image.height)?;
-        let Reach { middle, sides: [left, right, bottom, top, _, front] } = *reach;
+        let Reach { middle, sides: [left, right, bottom, top, _, front], .. } = *reach;
         let aim = framing.aim.map(|aim| aim - middle).map(|aim| [basis.u, basis.v, basis.w].map(|axis| axis.dot(aim)));
         if viewport.is_parallel() {
             let (right, top, front) = (-right, -top, -front);
@@ -195,19 +200,13 @@ impl Camera {
         self.eye = middle + (x + along_x * z) * basis.u + (y + along_y * z) * basis.v + z * basis.w;
         Ok(())
     }
-
-    fn framed(&self, spheres: &Spheres) -> Result<()> {
-        if self.eye.is_finite() {
-            return Ok(());
-        }
-        let problem = format!("{}: the eye that sees them all is beyond the range of f64", spheres.extent());
-        Err(Error::scene(Place::field("spheres"), problem, "use a larger unit of length in the scene"))
-    }
 }
 
 /// The reach of spheres to the sides of a view: their extreme distances along the normals of the sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
+    /// The corners of the box around the spheres.
+    ends: [DVec3; 2],
     /// The point that the distances are relative to.
     middle: DVec3,
     /// The least distances of the spheres along the normals of the view's sides, which point inwards: left, right,
@@ -216,47 +215,13 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// The reach of spheres, of which `to` is the least distance along a normal.
-    fn new(
-        framing: &Framing,
-        basis: Basis,
-        viewport: Viewport,
-        middle: DVec3,
-        to: impl Fn(DVec3) -> Result<f64>,
-    ) -> Result<Self> {
-        let along = |normals: [DVec3; 6]| -> Result<[f64; 6]> {
-            let mut sides = [f64::INFINITY; 6];
-            for (side, normal) in sides.iter_mut().zip(normals).filter(|(_, normal)| *normal != DVec3::ZERO) {
-                *side = to(normal)?;
-            }
-            Ok(sides)
-        };
-        let sides = match viewport.is_parallel() {
-            true => along([basis.u, -basis.u, basis.v, -basis.v, basis.w, -basis.w])?,
-            false => {
-                let pair = |axis: DVec3, [[sine, cosine], [other_sine, other_cosine]]: [[f64; 2]; 2]| {
-                    [cosine * axis - sine * basis.w, -other_cosine * axis - other_sine * basis.w]
-                };
-                let (across, down) = slopes(framing, viewport);
-                let ([left, right], [bottom, top]) = (pair(basis.u, across), pair(basis.v, down));
-                along([left, right, bottom, top, DVec3::ZERO, DVec3::ZERO])?
-            }
-        };
-        Ok(Self { middle, sides })
-    }
-
-    /// The reach of no spheres, relative to a point.
-    #[must_use]
-    pub fn about(middle: DVec3) -> Self {
-        Self { middle, sides: [f64::INFINITY; 6] }
-    }
-
     /// The reach of both; `other` was taken like this one.
     #[must_use]
     pub fn with(self, other: &Self) -> Self {
         let mut sides = self.sides;
         sides.iter_mut().zip(other.sides).for_each(|(side, other)| *side = side.min(other));
-        Self { sides, ..self }
+        let ([low, high], [other_low, other_high]) = (self.ends, other.ends);
+        Self { ends: [low.min(other_low), high.max(other_high)], sides, ..self }
     }
 }
 
@@ -277,12 +242,6 @@ fn slopes(framing: &Framing, viewport: Viewport) -> ([[f64; 2]; 2], [[f64; 2]; 2
 }
 
 impl Spheres {
-    /// The middle of the box around all spheres; the origin for no spheres.
-    #[must_use]
-    pub fn middle(&self) -> DVec3 {
-        middle(self.bounds())
-    }
-
     /// The least n.(c - p) - r of all spheres; infinite without any.
     pub(super) fn least_along(&self, normal: DVec3, from: DVec3) -> f64 {
         let each = self.centers.par_iter().zip(&self.radii);
@@ -291,14 +250,18 @@ impl Spheres {
     }
 }
 
-/// The ball that contains all spheres, about a point or the middle of their box.
-fn ball(spheres: &Spheres, about: Option<DVec3>) -> Spheres {
-    let middle = about.unwrap_or_else(|| spheres.middle());
-    let each = spheres.centers.par_iter().zip(&spheres.radii);
-    let radius = each.map(|(c, r)| (DVec3::from_array(*c) - middle).length() + r).reduce(|| 0.0, f64::max);
+/// The ball about a point that contains all spheres.
+fn ball(spheres: &dyn SphereSource, middle: DVec3) -> Result<Spheres> {
+    let mut radius = 0.0_f64;
+    spheres.each(&mut |block| {
+        let each = block.centers.par_iter().zip(&block.radii);
+        let reach = each.map(|(c, r)| (DVec3::from_array(*c) - middle).length() + r);
+        radius = reach.reduce(|| radius, f64::max);
+        Ok(())
+    })?;
     let mut ball = Spheres::default();
     ball.push(middle.to_array(), radius, None);
-    ball
+    Ok(ball)
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ use operator::{Copies, CopyRule};
 
 pub(crate) use operator::Lattice;
 pub use operator::Operator;
+pub use search::CopiedSpheres;
 
 /// Spheres that are copies of fewer, numbered as if all were listed: part by part, copy by copy, each in the order of its
 /// spheres, without those that clip planes remove.

@@ -1,16 +1,9 @@
 //! Directions of view: by name, and along the principal axes of points.
 
-use super::Spheres;
 use super::camera::{Camera, Look};
-use crate::error::named;
+use super::source::{SphereSource, middle};
+use crate::error::{Result, named};
 use glam::DVec3;
-
-/// The middle of a box with these corners; the origin if they are not finite, as those around no spheres.
-#[must_use]
-pub fn middle([low, high]: [DVec3; 2]) -> DVec3 {
-    let middle = low + (high - low) / 2.0;
-    if middle.is_finite() { middle } else { DVec3::ZERO }
-}
 
 /// A direction of view and the up vector that belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,23 +87,27 @@ const NONE: f64 = 1e-6;
 
 impl Spread {
     /// No points yet, of those whose box has these corners.
-    #[must_use]
-    pub fn about([low, high]: [DVec3; 2]) -> Self {
+    fn about([low, high]: [DVec3; 2]) -> Self {
         let size = (high / 2.0 - low / 2.0).max_element();
         let unit = if size > 0.0 && size.is_finite() { size } else { 1.0 };
         Self { middle: middle([low, high]), unit, count: 0.0, sum: [0.0; 3], products: [0.0; 6] }
     }
 
     /// The centres of spheres.
-    #[must_use]
-    pub fn of(spheres: &Spheres) -> Self {
-        let mut spread = Self::about(spheres.bounds());
-        spread.add(&spheres.centers);
-        spread
+    ///
+    /// # Errors
+    /// As [`SphereSource::each`].
+    pub fn of(spheres: &dyn SphereSource) -> Result<Self> {
+        let mut spread = Self::about(spheres.ends()?);
+        spheres.each(&mut |block| {
+            spread.add(&block.centers);
+            Ok(())
+        })?;
+        Ok(spread)
     }
 
     /// Adds points.
-    pub fn add(&mut self, points: &[[f64; 3]]) {
+    fn add(&mut self, points: &[[f64; 3]]) {
         for point in points {
             let [x, y, z] = ((DVec3::from_array(*point) - self.middle) / self.unit).to_array();
             self.count += 1.0;
@@ -200,6 +197,7 @@ fn eigen(mut matrix: [[f64; 3]; 3]) -> ([f64; 3], [DVec3; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Spheres;
     use glam::DQuat;
 
     /// Points at both ends of three axes of these half lengths, turned.
@@ -208,7 +206,7 @@ mod tests {
         let points = ends.flat_map(|(axis, length)| [turn * axis * length, turn * -axis * length]);
         let mut spheres = Spheres::default();
         points.for_each(|point| spheres.push((point + DVec3::new(5.0, -7.0, 11.0)).to_array(), 1.0, None));
-        Spread::of(&spheres)
+        Spread::of(&spheres).expect("in memory")
     }
 
     fn close(a: DVec3, b: DVec3) -> bool {

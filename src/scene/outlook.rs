@@ -94,7 +94,7 @@ impl<'a> Surroundings<'a> {
     /// # Errors
     /// As [`Camera::fit`].
     pub fn least_hidden(&self, camera: &Camera) -> Result<Outlook> {
-        let spread = Spread::of(self.part);
+        let spread = Spread::of(self.part)?;
         let is_tall = self.image.height > self.image.width;
         let face = spread.facing(is_tall);
         let back = Facing { view: -face.view, up: face.up };

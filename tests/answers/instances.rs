@@ -13,8 +13,8 @@ use halfline::progress::Watch;
 use halfline::render::Renderer;
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
-use halfline::scene::instances::{Instances, Operator};
-use halfline::scene::{Cell, Framing, Scene, Spheres};
+use halfline::scene::instances::{CopiedSpheres, Instances, Operator};
+use halfline::scene::{Cell, Framing, Scene, SphereSource, Spheres};
 use halfline::settings::{Accuracy, Settings, Tolerance};
 use halfline::window::Window;
 
@@ -186,10 +186,9 @@ fn framing_finds_the_extremes_of_all_copies() {
         let mut whole = Scene { spheres: all.clone(), ..scene([0.0, 0.0, 5.0], [1.0, 2.0, 0.5], lens) };
         let mut bare = scene([0.0, 0.0, 5.0], [1.0, 2.0, 0.5], lens);
         let framing = Framing::default();
-        let bounds = instances.bounds(&Watch::default()).expect("not cancelled");
-        let middle = halfline::scene::middle(bounds);
-        let reach = bare.reach_of(&framing, &instances, middle, &Watch::default()).expect("a reach");
-        bare.fit_to(&framing, &reach).expect("framed");
+        let copied = CopiedSpheres { instances: &instances, watch: &Watch::default() };
+        let bounds = copied.ends().expect("not cancelled");
+        bare.camera.fit(bare.image, &copied, &framing).expect("framed");
         whole.camera.fit(whole.image, &whole.spheres, &framing).expect("framed");
         assert_eq!((bounds, bare.camera), (all.bounds(), whole.camera));
     }

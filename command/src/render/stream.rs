@@ -3,7 +3,7 @@
 use crate::camera_args::CameraTarget;
 use crate::camera_file;
 use crate::clash::check_inputs;
-use crate::framing::{DirectionSource, Mean, center, none_selected, turn};
+use crate::framing::{DirectionSource, aimed, none_selected};
 use crate::legend;
 use crate::lens_args::PictureLens;
 use crate::messages::note;
@@ -19,15 +19,15 @@ use halfline::progress::Cancel;
 use halfline::quote::count;
 use halfline::render::stream::{Part, Stream, Visible};
 use halfline::scene::arrange::Arrangement;
-use halfline::scene::instances::Instances;
-use halfline::scene::{Facing, Framing, ImagePlane, LightSource, Lighting, Reach, Scene, Spheres, Spread, middle};
+use halfline::scene::instances::{CopiedSpheres, Instances};
+use halfline::scene::{Framing, ImagePlane, LightSource, Lighting, Scene, SphereSource, Spheres};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::Coloring;
 use halfline_files::read::{
     Focus, FrameTime, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped, read_once,
 };
 use halfline_files::write::file::Target;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 
 /// A scene that is read as a stream: its file, and the options of every pass through it.
@@ -38,8 +38,9 @@ pub(crate) struct Source<'a> {
     arrangement: Arrangement,
     /// The scene of a scene file without spheres, and the files that it refers to.
     scene: Option<(SceneFrame, Vec<PathBuf>)>,
-    /// The reason for a stream that was not requested; taken when it is printed.
-    why: Cell<Option<String>>,
+    /// The reason for a stream that was not requested, and whether it was printed.
+    why: Option<String>,
+    is_explained: Cell<bool>,
     /// Whether the range of the colours is that of all particles and not known yet.
     lacks_range: bool,
     /// Notes on the selection of `--at`, which become warnings of the picture.
@@ -54,6 +55,47 @@ struct InstancedScene {
     facts: SceneFacts,
     /// The spheres of the file, not their copies, that are looked at.
     marks: Vec<Focus>,
+}
+
+/// All spheres of a file.
+struct FileSpheres<'a> {
+    source: &'a Source<'a>,
+    /// The corners of the box around them.
+    ends: [DVec3; 2],
+}
+
+impl SphereSource for FileSpheres<'_> {
+    fn each(&self, visit: &mut dyn FnMut(&Spheres) -> Result<()>) -> Result<()> {
+        self.source.each(|block| visit(&block)).map(drop)
+    }
+
+    fn ends(&self) -> Result<[DVec3; 2]> {
+        Ok(self.ends)
+    }
+}
+
+/// The spheres of a file that `--at` selects.
+struct MarkedSpheres<'a> {
+    source: &'a Source<'a>,
+    /// The number of all spheres of the file, and the notes on the selection, once they were visited.
+    drawn: Cell<u64>,
+    notes: RefCell<Vec<String>>,
+}
+
+impl SphereSource for MarkedSpheres<'_> {
+    fn each(&self, visit: &mut dyn FnMut(&Spheres) -> Result<()>) -> Result<()> {
+        let (mut drawn, mut selected) = (0, 0);
+        let blocks = self.source.read(self.source.blocks_of_places()?, |block, marks| {
+            drawn += block.len() as u64;
+            selected += marks.iter().map(Spheres::len).sum::<usize>();
+            marks.iter().try_for_each(&mut *visit)
+        })?;
+        if self.drawn.replace(drawn) == 0 && selected > 0 {
+            note(format_args!("the camera depends on the spheres that --at selects, so the file is read for it twice"));
+        }
+        self.notes.replace(blocks.mark_notes().concat());
+        Ok(())
+    }
 }
 
 /// Facts about a scene that are known after its last sphere was read.
@@ -109,7 +151,8 @@ impl<'a> Source<'a> {
             return refuse("lights that are spheres need all spheres in memory", "remove them, or --stream");
         }
         let lacks_range = matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none());
-        Ok(Self { args, options, taken, arrangement, scene, why: Cell::new(why), lacks_range, notes: Vec::new() })
+        let is_explained = Cell::new(false);
+        Ok(Self { args, options, taken, arrangement, scene, why, is_explained, lacks_range, notes: Vec::new() })
     }
 
     /// Every file that is read.
@@ -246,83 +289,31 @@ impl<'a> Source<'a> {
     /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
     /// twice more, and once more for its principal axes. Returns whether they are framed.
     fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&InstancedScene>) -> Result<bool> {
-        let (args, at) = (self.args, self.looked_at(copied)?);
-        let camera = &args.camera;
+        let (camera, at) = (&self.args.camera, self.looked_at(copied)?);
         // The passes that follow need not look for them.
         self.options.marks.clear();
-        let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
-        let source =
-            |frame: &SceneFrame| camera.direction_source(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
-        if let (None, given @ DirectionSource::Given(..)) = (framing, source(frame)) {
-            turn(&mut frame.scene.camera, &given, camera, || (DVec3::ZERO, Facing::FRONT));
-            return Ok(false);
-        }
-        let bounds = self.bounds(frame, copied)?;
-        let source = source(frame);
-        let spread = match source {
-            DirectionSource::Axes => self.spread(bounds, copied)?,
-            DirectionSource::Given(..) | DirectionSource::Middle(_) => Spread::about(bounds),
-        };
-        let ImagePlane { width, height, .. } = frame.scene.image;
-        turn(&mut frame.scene.camera, &source, camera, || (middle(bounds), spread.facing(height > width)));
-        let legend_shares = args.insets.legend_shares(frame)?;
-        let Some(framing) = framing.map(|framing| Framing { legend_shares, ..framing }) else {
-            return Ok(false);
-        };
-        let reach = self.reach(&mut frame.scene, &framing, middle(bounds), copied)?;
-        frame.scene.fit_to(&framing, &reach).map(|()| true)
-    }
-
-    /// The box around all spheres. The frame learns whether they are a molecule, and their legend.
-    fn bounds(&mut self, frame: &mut SceneFrame, copied: Option<&InstancedScene>) -> Result<[DVec3; 2]> {
-        if let Some(InstancedScene { instances, facts, .. }) = copied {
-            (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend.clone());
-            return instances.bounds(&self.options.watch);
-        }
-        self.check_repeatable("the camera depends on all spheres", "give --eye and --at, or --view")?;
-        let why = "the camera depends on all spheres, so the file is read for it first (see --eye and --at)";
-        let (bounds, facts) = self.survey(why)?;
-        (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend);
-        Ok(bounds)
-    }
-
-    /// The spread of all centres.
-    fn spread(&self, bounds: [DVec3; 2], copied: Option<&InstancedScene>) -> Result<Spread> {
-        let mut spread = Spread::about(bounds);
-        let mut add = |block: &Spheres| spread.add(&block.centers);
-        match copied {
-            Some(InstancedScene { instances, .. }) => instances.blocks().try_for_each(|block| {
-                self.options.watch.check()?;
-                add(&block);
-                Ok(())
-            })?,
-            None => drop(self.each(|block| {
-                add(&block);
-                Ok(())
-            })?),
-        }
-        Ok(spread)
-    }
-
-    /// The reach of all spheres, relative to `middle`.
-    fn reach(
-        &self,
-        scene: &mut Scene,
-        framing: &Framing,
-        middle: DVec3,
-        copied: Option<&InstancedScene>,
-    ) -> Result<Reach> {
-        if let Some(InstancedScene { instances, .. }) = copied {
-            return scene.reach_of(framing, instances, middle, &self.options.watch);
-        }
-        let mut reach = Reach::about(middle);
-        self.each(|block| {
-            if let Some(more) = scene.camera.reach(scene.image, &block, framing, Some(&reach))? {
-                reach = reach.with(&more);
+        let mut framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
+        let source = camera.direction_source(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
+        let is_given = framing.is_none() && matches!(source, DirectionSource::Given(..));
+        let spheres: Box<dyn SphereSource + '_> = match copied {
+            Some(InstancedScene { instances, facts, .. }) => {
+                (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend.clone());
+                Box::new(CopiedSpheres { instances, watch: &self.options.watch })
             }
-            Ok(())
-        })?;
-        Ok(reach)
+            None if is_given => Box::new(Spheres::default()),
+            None => {
+                self.check_repeatable("the camera depends on all spheres", "give --eye and --at, or --view")?;
+                let why = "the camera depends on all spheres, so the file is read for it first (see --eye and --at)";
+                let (ends, facts) = self.survey(why)?;
+                (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend);
+                Box::new(FileSpheres { source: self, ends })
+            }
+        };
+        if let Some(framing) = &mut framing {
+            framing.legend_shares = self.args.insets.legend_shares(frame)?;
+        }
+        frame.scene.camera = aimed(camera, frame, at, framing.as_ref(), &*spheres)?;
+        Ok(framing.is_some())
     }
 
     /// The point to look at: that of `--at`, or the mean of the centres of the spheres that it selects, for which the file is read
@@ -333,38 +324,24 @@ impl<'a> Source<'a> {
             Some(CameraTarget::Point(at)) => return Ok(Some(*at)),
             Some(CameraTarget::Selected(selection)) => selection.to_string(),
         };
-        if let Some(InstancedScene { marks, instances, .. }) = copied {
-            let spheres = marks.first().map(|mark| &mark.spheres).filter(|spheres| !spheres.is_empty());
-            self.notes = marks.iter().flat_map(|mark| mark.notes.clone()).collect();
-            return match spheres {
-                Some(spheres) => Ok(Some(center(spheres))),
-                None => Err(none_selected("--at", &text, &self.notes, instances.total())),
-            };
-        }
-        self.check_repeatable("the camera depends on the spheres that --at selects", "give --at a point")?;
-        let (mut ends, mut mean) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], Mean::default());
-        let mut all = 0;
-        let blocks = self.read(self.blocks_of_places()?, |block, marks| {
-            all += block.len() as u64;
-            for spheres in marks.iter().filter(|spheres| !spheres.is_empty()) {
-                let [low, high] = spheres.bounds();
-                (ends, mean.count) = ([ends[0].min(low), ends[1].max(high)], mean.count + spheres.len() as u64);
+        let (at, drawn) = match copied {
+            Some(InstancedScene { marks, instances, .. }) => {
+                self.notes = marks.iter().flat_map(|mark| mark.notes.clone()).collect();
+                (marks.first().map_or(Ok(None), |mark| mark.spheres.mean())?, instances.total())
             }
-            Ok(())
-        })?;
-        self.notes = blocks.mark_notes().concat();
-        match (mean.count, all) {
-            // An empty scene has nothing to look at.
-            (0, 0) => return Ok(None),
-            (0, _) => return Err(none_selected("--at", &text, &self.notes, all)),
-            _ => mean.middle = middle(ends),
+            None => {
+                self.check_repeatable("the camera depends on the spheres that --at selects", "give --at a point")?;
+                let marked = MarkedSpheres { source: self, drawn: Cell::default(), notes: RefCell::default() };
+                let (at, drawn) = (marked.mean()?, marked.drawn.get());
+                self.notes = marked.notes.take();
+                (at, drawn)
+            }
+        };
+        // An empty scene has nothing to look at.
+        match at {
+            None if drawn > 0 => Err(none_selected("--at", &text, &self.notes, drawn)),
+            at => Ok(at),
         }
-        note(format_args!("the camera depends on the spheres that --at selects, so the file is read for it twice"));
-        self.read(self.blocks_of_places()?, |_, marks| {
-            marks.iter().for_each(|spheres| mean.add(spheres));
-            Ok(())
-        })?;
-        Ok(Some(mean.center()))
     }
 
     /// The blocks of the file for their places, without colours.
@@ -381,10 +358,10 @@ impl<'a> Source<'a> {
     /// The box around all spheres of the file, and what else is known of them. The same pass finds the range of the colours, where it is not given. `why` is
     /// said when the first block was read.
     fn survey(&mut self, why: &str) -> Result<([DVec3; 2], SceneFacts)> {
-        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let (mut bounds, mut is_explained) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], false);
         let blocks = self.read(self.blocks_of_places()?, |block, _| {
             let [low, high] = block.bounds();
-            if bounds[0].x > bounds[1].x {
+            if !std::mem::replace(&mut is_explained, true) {
                 note(format_args!("{why}"));
             }
             bounds = [bounds[0].min(low), bounds[1].max(high)];
@@ -433,7 +410,8 @@ impl<'a> Source<'a> {
             Some(instances) => instances.clipped(&self.arrangement.clip),
             None => self.arrangement.copies(&scene.spheres, cell.as_ref())?,
         };
-        if self.is_by_itself() && instances.are_wide() {
+        // A stream that was not requested keeps 32-bit ids, and ends in a reasonable time.
+        if self.why.is_some() && instances.are_wide() {
             let problem = format!("{} spheres are more than 32-bit ids can number", instances.total());
             return Err(Error::Limits { problem, mend: "add --stream; ids are then int64".into() });
         }
@@ -442,17 +420,9 @@ impl<'a> Source<'a> {
         Ok(Some(InstancedScene { instances, whole, facts: SceneFacts { skipped, legend, when, is_molecule }, marks }))
     }
 
-    /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a
-    /// reasonable time.
-    fn is_by_itself(&self) -> bool {
-        let why = self.why.take();
-        let is_some = why.is_some();
-        self.why.set(why);
-        is_some
-    }
-
+    /// Says once why the scene is a stream.
     fn say_why(&self) {
-        if let Some(why) = self.why.take() {
+        if let Some(why) = self.why.as_ref().filter(|_| !self.is_explained.replace(true)) {
             note(format_args!("{why}"));
         }
     }

@@ -280,6 +280,7 @@ fn a_stream_has_the_camera_and_the_legend_of_memory() {
         large += &format!("{} {} {} {}\n", if n < (1 << 18) { "C" } else { "B" }, x + 0.1 * shift, y, z + 0.01 * shift);
     }
     dir.put("large.xyz", &large);
+    dir.put("none.csv", "x,y,z,radius\n");
     for (file, options) in [
         ("flat.xyz", ""),
         ("flat.xyz", "--legend-in=top-left"),
@@ -287,6 +288,9 @@ fn a_stream_has_the_camera_and_the_legend_of_memory() {
         ("flat.xyz", "--view right"),
         ("flat.xyz", "--view auto --up 0,0,1"),
         ("large.xyz", "--legend-in"),
+        // The ball around all spheres, not those around the spheres of a block.
+        ("large.xyz", "--spin 1"),
+        ("none.csv", ""),
     ] {
         let words = format!("{file} --look plain --samples 1 --size 200x120 {options} --aov id,depth=d.npz -o");
         let picture = |name: &str, stream: &str| {

@@ -137,8 +137,9 @@ impl Instances {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Cell;
     use crate::scene::arrange::Arrangement;
+    use crate::scene::instances::CopiedSpheres;
+    use crate::scene::{Cell, SphereSource};
 
     fn atoms(count: usize) -> Spheres {
         let mut spheres = Spheres::default();
@@ -183,7 +184,8 @@ mod tests {
             let ids = instances.ids(&few, &Watch::default()).expect("not cancelled").0;
             assert!(ids.into_iter().eq((0..count).step_by(37)), "{clip:?}");
             assert_eq!(instances.first(33).numbers.get(..33), numbers.get(..33));
-            let found = instances.bounds(&Watch::default()).expect("not cancelled");
+            let found =
+                CopiedSpheres { instances: &instances, watch: &Watch::default() }.ends().expect("not cancelled");
             assert_eq!(found, whole.bounds(), "{clip:?}");
         }
     }

@@ -3,8 +3,18 @@
 use super::{Group, Instances, NumberedSpheres};
 use crate::error::Result;
 use crate::progress::Watch;
+use crate::scene::Spheres;
 use crate::scene::instances::enclosure::Enclosure;
+use crate::scene::source::SphereSource;
 use glam::DVec3;
+
+/// Copies whose passes can be cancelled.
+pub struct CopiedSpheres<'a> {
+    /// The copies.
+    pub instances: &'a Instances,
+    /// The end of a pass that is cancelled.
+    pub watch: &'a Watch,
+}
 
 impl Instances {
     /// Finds the spheres with the greatest score. `bound` is no less than the score of any sphere in a box, and
@@ -47,10 +57,7 @@ impl Instances {
     }
 
     /// The least n.(c - p) - r of all spheres; infinite without any.
-    ///
-    /// # Errors
-    /// As [`Instances::search`].
-    pub(crate) fn least_along(&self, watch: &Watch, normal: DVec3, from: DVec3) -> Result<f64> {
+    fn least_along(&self, watch: &Watch, normal: DVec3, from: DVec3) -> Result<f64> {
         let mut least = f64::INFINITY;
         let bound = |around: &Enclosure| -(around.along(normal, from)[0] - around.radii[1]);
         self.search(watch, bound, |found| {
@@ -60,18 +67,29 @@ impl Instances {
         })?;
         Ok(least)
     }
+}
 
-    /// The corners of the box around all spheres; not finite for none. The same numbers as
-    /// [`Spheres::bounds`](crate::Spheres::bounds) of all of them.
-    ///
-    /// # Errors
-    /// [`Error::Interrupted`](crate::Error::Interrupted).
-    pub fn bounds(&self, watch: &Watch) -> Result<[DVec3; 2]> {
-        let least = |normal: DVec3| self.least_along(watch, normal, DVec3::ZERO);
-        let low = DVec3::new(least(DVec3::X)?, least(DVec3::Y)?, least(DVec3::Z)?);
+impl SphereSource for CopiedSpheres<'_> {
+    fn each(&self, visit: &mut dyn FnMut(&Spheres) -> Result<()>) -> Result<()> {
+        self.instances.blocks().try_for_each(|block| {
+            self.watch.check()?;
+            visit(&block)
+        })
+    }
+
+    fn ends(&self) -> Result<[DVec3; 2]> {
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+        let [a, b, c, d, e, f] = self.sides(axes, DVec3::ZERO)?;
         // Not a negation, which has -0 where a sphere ends at 0.
-        let high = DVec3::ZERO - DVec3::new(least(DVec3::NEG_X)?, least(DVec3::NEG_Y)?, least(DVec3::NEG_Z)?);
-        Ok([low, high])
+        Ok([DVec3::new(a, b, c), DVec3::ZERO - DVec3::new(d, e, f)])
+    }
+
+    fn sides(&self, normals: [DVec3; 6], from: DVec3) -> Result<[f64; 6]> {
+        let mut sides = [f64::INFINITY; 6];
+        for (side, normal) in sides.iter_mut().zip(normals).filter(|(_, normal)| *normal != DVec3::ZERO) {
+            *side = self.instances.least_along(self.watch, normal, from)?;
+        }
+        Ok(sides)
     }
 }
 
