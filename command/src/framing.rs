@@ -32,10 +32,9 @@ impl CameraArgs {
         match &self.pose.at {
             None => Ok(None),
             Some(CameraTarget::Point(at)) => Ok(Some(*at)),
-            Some(CameraTarget::Selected(_)) => match chosen("--at", frame.marks.first(), frame)? {
-                None => Ok(None),
-                Some(spheres) => spheres.mean(),
-            },
+            Some(CameraTarget::Selected(_)) => {
+                chosen("--at", frame.marks.first(), frame)?.map_or(Ok(None), SphereSource::mean)
+            }
         }
     }
 

@@ -61,12 +61,9 @@ impl<'a> SceneFrames<'a> {
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let mut common = FixedCamera::new(args.read.frames.is_some() && args.read.hold != Hold::None);
         let (sequence, fixed) = sequence(args, Keep::Nothing, None, cancel)?;
-        if let Some((camera, middle)) = fixed {
-            common.set_camera(camera);
-            common.set_middle(middle);
-        }
+        (common.camera, common.middle) = fixed.unzip();
         if let Some(record) = &taken {
-            common.set_camera(camera_file::resized(record, args.image.size));
+            common.camera = Some(camera_file::resized(record, args.image.size));
         }
         let has_picture = settings.aovs.contains(&Aov::Color);
         Ok(Self { args, sequence, count: 0, standing: None, common, has_picture, taken, framed: None })
@@ -119,7 +116,7 @@ impl<'a> SceneFrames<'a> {
             let Some(turns) = camera.spin else { return };
             let scene = &mut frame.scene;
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
-            let middle = self.common.middle().unwrap_or_else(|| scene.spheres.middle());
+            let middle = self.common.middle.unwrap_or_else(|| scene.spheres.middle());
             spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
         };
         let picture = light(self.args, frame, self.has_picture, taken, turn)?;
@@ -130,28 +127,21 @@ impl<'a> SceneFrames<'a> {
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
         let (args, image) = (self.args, self.args.image.size.or(self.taken.map(|record| record.size.into())));
         let is_listed = args.camera.list.file.is_some();
+        size(image, args, frame);
         if !is_listed {
-            self.common.see(frame, &args.read.arrangement(), &watch(), |whole| {
-                size(image, args, whole);
-                let legend_shares = args.insets.legend_shares(whole)?;
-                framing::point(&args.camera, whole, legend_shares).map(drop)
-            })?;
+            self.common.see(frame, &args.read.arrangement(), &watch(), |whole| point(args, whole).map(drop))?;
         }
         arrange(&args.read, frame)?;
-        size(image, args, frame);
         if is_listed {
             args.camera.list.apply(frame.number, args.image.size, args.camera.vfov(), &mut frame.scene)?;
         } else {
             // A later frame of a film may have nothing of what the first one is turned about.
-            if self.common.middle().is_none()
-                && let Some(pivot) = args.camera.pivot(frame)?
-            {
-                self.common.set_middle(pivot);
+            if self.common.middle.is_none() {
+                self.common.middle = args.camera.pivot(frame)?;
             }
             let framed = &mut self.framed;
             self.common.apply(frame, |frame| {
-                let legend_shares = args.insets.legend_shares(frame)?;
-                let framing = framing::point(&args.camera, frame, legend_shares)?;
+                let framing = point(args, frame)?;
                 *framed = framing::words(&args.camera, frame, framing.as_ref());
                 Ok(())
             })?;
@@ -194,10 +184,7 @@ pub(super) fn framed(
     size(args.image.size.or(record.map(|record| record.size.into())), args, &mut frame);
     match record.map(|record| camera_file::resized(record, args.image.size)).or(fixed) {
         Some(camera) => frame.scene.camera = camera,
-        None => {
-            let legend_shares = args.insets.legend_shares(&frame)?;
-            framing::point(&args.camera, &mut frame, legend_shares)?;
-        }
+        None => drop(point(args, &mut frame)?),
     }
     args.camera.zoom(&mut frame.scene)?;
     light(args, frame, true, record.and_then(CameraRecord::lens_size), |_| ())
@@ -316,20 +303,22 @@ impl AllFrames {
         };
         let (image, mut camera) = (frame.scene.image, frame.scene.camera);
         if let Some(framing) = &framing {
-            let spheres = match &args.camera.focus {
-                // A later frame may have nothing of it.
-                Some(_) => frame.marks.last().map(|mark| &mark.spheres),
-                None => Some(&frame.scene.spheres),
-            };
-            let reach =
-                spheres.map(|spheres| camera.reach(image, spheres, framing, self.reach.as_ref())).transpose()?;
-            if let Some(reach) = reach.flatten() {
+            // A later frame may have nothing of a focus.
+            let focus = frame.marks.last().filter(|_| args.camera.focus.is_some());
+            let spheres = focus.map_or(&frame.scene.spheres, |focus| &focus.spheres);
+            if let Some(reach) = camera.reach(image, spheres, framing, self.reach.as_ref())? {
                 self.reach = Some(self.reach.map_or(reach, |all| all.with(&reach)));
             }
         }
         self.first.get_or_insert((frame, framing));
         Ok(())
     }
+}
+
+/// Gives a frame the camera of the options, beside the legend. Returns how it is framed, if it is.
+fn point(args: &SceneArgs, frame: &mut SceneFrame) -> Result<Option<Framing>> {
+    let legend_shares = args.insets.legend_shares(frame)?;
+    framing::point(&args.camera, frame, legend_shares)
 }
 
 /// Applies the size of the image and its background.

@@ -149,13 +149,6 @@ struct Opened {
     any: bool,
 }
 
-/// The size of the image, where one is given.
-fn size(size: Option<(u32, u32)>, frame: &mut SceneFrame) {
-    if let Some((width, height)) = size {
-        (frame.scene.image.width, frame.scene.image.height) = (width, height);
-    }
-}
-
 /// The camera of a frame whose file has none.
 fn point(frame: &mut SceneFrame) -> Result<()> {
     match frame.has_camera || frame.scene.spheres.is_empty() {
@@ -166,13 +159,12 @@ fn point(frame: &mut SceneFrame) -> Result<()> {
 
 impl Opened {
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
-        let (image, watch) = (self.size, self.job.watch());
-        self.fixed_camera.see(frame, &self.arrangement, &watch, |whole| {
-            size(image, whole);
-            point(whole)
-        })?;
+        let watch = self.job.watch();
+        if let Some((width, height)) = self.size {
+            (frame.scene.image.width, frame.scene.image.height) = (width, height);
+        }
+        self.fixed_camera.see(frame, &self.arrangement, &watch, point)?;
         frame.arrange(&self.arrangement, &watch)?;
-        size(image, frame);
         self.fixed_camera.apply(frame, point)
     }
 
@@ -185,7 +177,7 @@ impl Opened {
         };
         self.any = true;
         self.prepare(&mut frame)?;
-        let is_fixed = frame.has_camera || self.fixed_camera.camera().is_some();
+        let is_fixed = frame.has_camera || self.fixed_camera.camera.is_some();
         Ok(Some(Scene::of_file(frame, self.file.clone(), &self.arrangement, is_fixed)))
     }
 }

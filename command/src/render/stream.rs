@@ -11,7 +11,7 @@ use crate::picture_scene::PictureScene;
 use crate::scene_args::SceneArgs;
 use crate::scene_frames::{options, size};
 use glam::DVec3;
-use halfline::camera::{Camera, CameraRecord};
+use halfline::camera::CameraRecord;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::frame::legend::Legend;
@@ -20,7 +20,7 @@ use halfline::quote::count;
 use halfline::render::stream::{Part, Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::{CopiedSpheres, Instances};
-use halfline::scene::{Framing, ImagePlane, LightSource, Lighting, Scene, SphereSource, Spheres};
+use halfline::scene::{LightSource, SphereSource, Spheres};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::Coloring;
 use halfline_files::read::{
@@ -41,8 +41,6 @@ pub(crate) struct Source<'a> {
     /// The reason for a stream that was not requested, and whether it was printed.
     why: Option<String>,
     is_explained: Cell<bool>,
-    /// Whether the range of the colours is that of all particles and not known yet.
-    lacks_range: bool,
     /// Notes on the selection of `--at`, which become warnings of the picture.
     notes: Vec<String>,
 }
@@ -84,15 +82,17 @@ struct MarkedSpheres<'a> {
 
 impl SphereSource for MarkedSpheres<'_> {
     fn each(&self, visit: &mut dyn FnMut(&Spheres) -> Result<()>) -> Result<()> {
-        let (mut drawn, mut selected) = (0, 0);
-        let blocks = self.source.read(self.source.blocks_of_places()?, |block, marks| {
-            drawn += block.len() as u64;
-            selected += marks.iter().map(Spheres::len).sum::<usize>();
-            marks.iter().try_for_each(&mut *visit)
-        })?;
-        if self.drawn.replace(drawn) == 0 && selected > 0 {
+        let blocks = self.source.blocks_of_places()?;
+        if self.drawn.get() == 0 {
+            self.source.say_why();
             note(format_args!("the camera depends on the spheres that --at selects, so the file is read for it twice"));
         }
+        let mut drawn = 0;
+        let blocks = self.source.read(blocks, |block, marks| {
+            drawn += block.len() as u64;
+            marks.iter().try_for_each(&mut *visit)
+        })?;
+        self.drawn.set(drawn);
         self.notes.replace(blocks.mark_notes().concat());
         Ok(())
     }
@@ -150,9 +150,8 @@ impl<'a> Source<'a> {
         if lights.into_iter().any(|light| matches!(light.source, LightSource::Sphere(_))) {
             return refuse("lights that are spheres need all spheres in memory", "remove them, or --stream");
         }
-        let lacks_range = matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none());
         let is_explained = Cell::new(false);
-        Ok(Self { args, options, taken, arrangement, scene, why, is_explained, lacks_range, notes: Vec::new() })
+        Ok(Self { args, options, taken, arrangement, scene, why, is_explained, notes: Vec::new() })
     }
 
     /// Every file that is read.
@@ -174,17 +173,13 @@ impl<'a> Source<'a> {
         let (bare, own) = self.begin(frame.clone(), settings, targets)?;
         Stream::new(&bare.scene, &own)?;
         let copied = self.copied()?;
-        let framed = match self.taken {
-            Some(_) => false,
-            None => self.aim(&mut frame, copied.as_ref())?,
-        };
-        if copied.is_none() && self.lacks_range {
+        let framed = self.aim(&mut frame, copied.as_ref())?;
+        if copied.is_none() && self.lacks_range() {
             self.check_repeatable("the range of colours is that of all particles", "add --range LOW,HIGH")?;
             self.survey(
                 "the range of colours is that of all particles, so the file is read for it first (see --range)",
             )?;
         }
-        self.args.camera.zoom(&mut frame.scene)?;
         let (mut picture, own) = self.begin(frame, settings, targets)?;
         let mut stream = Stream::new(&picture.scene, &own)?;
         let (visible, mut facts) = match copied {
@@ -230,21 +225,16 @@ impl<'a> Source<'a> {
     /// # Errors
     /// Errors of reading and of [`Stream`]; [`Error::Settings`] for options that depend on the spheres of other parts.
     pub(crate) fn part(mut self, settings: &Settings, first_id: u64) -> Result<(Part, Vec<String>, bool)> {
-        if self.is_copied() {
-            return Err(Error::settings("the ids of copies depend on all spheres", "remove --copies and --assembly"));
-        }
-        if self.lacks_range {
-            return Err(Error::settings("the range of colours is that of all parts", "add --range LOW,HIGH"));
-        }
-        if !self.options.marks.is_empty() {
-            return Err(Error::settings("what --at selects is that of all parts", "give --at a point"));
+        let refused = [
+            (self.is_copied(), "the ids of copies depend on all spheres", "remove --copies and --assembly"),
+            (self.lacks_range(), "the range of colours is that of all parts", "add --range LOW,HIGH"),
+            (!self.options.marks.is_empty(), "what --at selects is that of all parts", "give --at a point"),
+        ];
+        if let Some((_, problem, mend)) = refused.into_iter().find(|(is_given, ..)| *is_given) {
+            return Err(Error::settings(problem, mend));
         }
         let mut frame = self.bare()?;
-        let framed = match self.taken {
-            Some(_) => false,
-            None => self.aim(&mut frame, None)?,
-        };
-        self.args.camera.zoom(&mut frame.scene)?;
+        let framed = self.aim(&mut frame, None)?;
         let (picture, settings) = self.begin(frame, settings, &[])?;
         let mut stream = Stream::of_part(&picture.scene, &settings, first_id)?;
         let facts = self.each(|block| stream.add(&block))?;
@@ -271,12 +261,7 @@ impl<'a> Source<'a> {
     fn bare(&self) -> Result<SceneFrame> {
         let mut frame = match &self.scene {
             Some((frame, _)) => frame.clone(),
-            None => {
-                let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
-                let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting };
-                scene.frame_all(&Framing::default())?;
-                SceneFrame::new(1, scene)
-            }
+            None => SceneFrame::of_particles(1, Spheres::default(), false)?,
         };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
@@ -286,10 +271,14 @@ impl<'a> Source<'a> {
         Ok(frame)
     }
 
-    /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
-    /// twice more, and once more for its principal axes. Returns whether they are framed.
+    /// Directs the camera, unless it was taken, and frames all spheres where the options do not give its place, for which the
+    /// file is read twice more, and once more for its principal axes. Returns whether they are framed.
     fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&InstancedScene>) -> Result<bool> {
-        let (camera, at) = (&self.args.camera, self.looked_at(copied)?);
+        let camera = &self.args.camera;
+        if self.taken.is_some() {
+            return camera.zoom(&mut frame.scene).map(|()| false);
+        }
+        let at = self.looked_at(copied)?;
         // The passes that follow need not look for them.
         self.options.marks.clear();
         let mut framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
@@ -313,7 +302,7 @@ impl<'a> Source<'a> {
             framing.legend_shares = self.args.insets.legend_shares(frame)?;
         }
         frame.scene.camera = aimed(camera, frame, at, framing.as_ref(), &*spheres)?;
-        Ok(framing.is_some())
+        camera.zoom(&mut frame.scene).map(|()| framing.is_some())
     }
 
     /// The point to look at: that of `--at`, or the mean of the centres of the spheres that it selects, for which the file is read
@@ -355,30 +344,27 @@ impl<'a> Source<'a> {
         Err(Error::settings(format!("--stream: {why}, and {once} can be read once"), mend))
     }
 
-    /// The box around all spheres of the file, and what else is known of them. The same pass finds the range of the colours, where it is not given. `why` is
-    /// said when the first block was read.
+    /// The box around all spheres of the file, and what else is known of them. The same pass finds the range of the colours,
+    /// where it is not given. `why` is said before.
     fn survey(&mut self, why: &str) -> Result<([DVec3; 2], SceneFacts)> {
-        let (mut bounds, mut is_explained) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], false);
-        let blocks = self.read(self.blocks_of_places()?, |block, _| {
+        let (mut bounds, blocks) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], self.blocks_of_places()?);
+        self.say_why();
+        note(format_args!("{why}"));
+        let blocks = self.read(blocks, |block, _| {
             let [low, high] = block.bounds();
-            if !std::mem::replace(&mut is_explained, true) {
-                note(format_args!("{why}"));
-            }
             bounds = [bounds[0].min(low), bounds[1].max(high)];
             Ok(())
         })?;
-        if let Coloring::Column(scale) = &mut self.options.style.coloring
-            && self.lacks_range
-        {
+        if let Coloring::Column(scale) = &mut self.options.style.coloring {
             // Where no value is a number, any range gives the same colours.
-            scale.range = blocks.range().or(Some([0.0, 1.0]));
-            self.lacks_range = false;
+            scale.range = scale.range.or(blocks.range()).or(Some([0.0, 1.0]));
         }
-        let mut facts = SceneFacts::of(&blocks);
-        if let (Some(legend), Some(range)) = (&mut facts.legend, blocks.range()) {
-            legend.range = range;
-        }
-        Ok((bounds, facts))
+        Ok((bounds, SceneFacts::of(&blocks)))
+    }
+
+    /// Whether the range of the colours is that of all particles and not known yet.
+    fn lacks_range(&self) -> bool {
+        matches!(&self.options.style.coloring, Coloring::Column(scale) if scale.range.is_none())
     }
 
     fn is_assembly(&self) -> bool {

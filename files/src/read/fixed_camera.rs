@@ -14,8 +14,10 @@ use halfline::scene::camera::Camera;
 #[derive(Debug, Clone)]
 pub struct FixedCamera {
     holds: bool,
-    camera: Option<Camera>,
-    middle: Option<DVec3>,
+    /// The camera of all frames, once it is known.
+    pub camera: Option<Camera>,
+    /// The middle of the spheres of the frame that sets the camera, in a film that is held to one.
+    pub middle: Option<DVec3>,
 }
 
 impl FixedCamera {
@@ -23,28 +25,6 @@ impl FixedCamera {
     #[must_use]
     pub fn new(holds: bool) -> Self {
         Self { holds, camera: None, middle: None }
-    }
-
-    /// Sets the camera of all frames.
-    pub fn set_camera(&mut self, camera: Camera) {
-        self.camera = Some(camera);
-    }
-
-    /// Sets the middle of the spheres.
-    pub fn set_middle(&mut self, middle: DVec3) {
-        self.middle = Some(middle);
-    }
-
-    /// The camera of all frames, once it is known.
-    #[must_use]
-    pub fn camera(&self) -> Option<Camera> {
-        self.camera
-    }
-
-    /// The middle of the spheres of the frame that sets the camera, in a film that is held to one.
-    #[must_use]
-    pub fn middle(&self) -> Option<DVec3> {
-        self.middle
     }
 
     /// Sets the camera by a frame that the clip planes empty, as it is without them: the camera of a film must not depend on

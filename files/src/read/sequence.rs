@@ -131,6 +131,17 @@ fn marks(options: &ReadOptions, masks: Vec<(Vec<bool>, Vec<Note>)>, spheres: &Sp
 }
 
 impl SceneFrame {
+    /// The scene of these spheres of particles, with the default camera.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`].
+    pub fn of_particles(number: u64, spheres: Spheres, is_molecule: bool) -> Result<Self> {
+        let (camera, image, lighting) = (Camera::CANONICAL, ImagePlane::default(), Lighting::default());
+        let mut scene = Scene { camera, image, spheres, lighting };
+        scene.frame_by_default(is_molecule, &Framing::default())?;
+        Ok(Self { is_molecule, ..Self::new(number, scene) })
+    }
+
     /// The scene of particles of which nothing else is known.
     #[must_use]
     pub fn new(number: u64, scene: Scene) -> Self {
@@ -365,7 +376,10 @@ impl Sequence {
         let notes = select::apply(&self.options.selections(), &mut particles)?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         if !particles.placed.is_empty() {
-            return self.styled_instances(particles, spaced, number, &file);
+            // Copies are one frame, which nothing is held to.
+            let (instances, skipped, legend) = self.options.style.to_instances(particles, spaced, &file)?;
+            let frame = SceneFrame::of_particles(number, Spheres::default(), is_molecule)?;
+            return Ok(SceneFrame { skipped, legend, instances: Some(instances), when, ..frame });
         }
         let columns = self.columns(&mut particles)?;
         let masks = std::mem::take(&mut particles.marks);
@@ -387,9 +401,8 @@ impl Sequence {
         }
         self.options.watch.check()?;
         let marks = marks(&self.options, masks, &spheres);
-        let mut scene = of_spheres(spheres);
-        scene.frame_by_default(is_molecule, &Framing::default())?;
-        Ok(SceneFrame { skipped, legend, columns, cell, when, is_molecule, marks, ..SceneFrame::new(number, scene) })
+        let frame = SceneFrame::of_particles(number, spheres, is_molecule)?;
+        Ok(SceneFrame { skipped, legend, columns, cell, when, marks, ..frame })
     }
 
     /// The columns that the scene of these particles keeps.
@@ -411,22 +424,6 @@ impl Sequence {
         Ok(columns)
     }
 
-    /// The same for particles with copies, which are one frame.
-    fn styled_instances(
-        &self,
-        particles: Particles,
-        spaced: Option<f64>,
-        number: u64,
-        file: &Place,
-    ) -> Result<SceneFrame> {
-        let (when, is_molecule) = (particles.when, particles.are_molecule(self.format));
-        let (instances, skipped, legend) = self.options.style.to_instances(particles, spaced, file)?;
-        let mut scene = of_spheres(Spheres::default());
-        scene.frame_all(&Framing::default())?;
-        let instances = Some(instances);
-        Ok(SceneFrame { skipped, legend, instances, when, is_molecule, ..SceneFrame::new(number, scene) })
-    }
-
     /// The next selected frame; `None` after the last.
     ///
     /// # Errors
@@ -438,37 +435,32 @@ impl Sequence {
             let number = self.passed + 1;
             let is_requested = self.options.frames.contains(number);
             self.passed = number;
-            match &mut self.state {
-                SequenceState::One(frame) => {
-                    let Some(frame) = frame.take() else {
-                        self.total = Some(number - 1);
-                        return Ok(None);
-                    };
-                    if is_requested {
+            let is_there = match &mut self.state {
+                SequenceState::One(frame) => match frame.take() {
+                    Some(frame) if is_requested => {
                         let masks = select::marks_of(&self.options.marks, 0, &frame.scene.spheres)?;
                         let marks = marks(&self.options, masks, &frame.scene.spheres);
                         return Ok(Some(SceneFrame { number, marks, ..*frame }));
                     }
-                }
-                SequenceState::Many(frames) if is_requested => {
-                    let Some(mut particles) = frames.next()? else {
-                        self.total = Some(number - 1);
-                        return Ok(None);
-                    };
-                    // A reader says what concerns the whole file in its first frame.
-                    for warning in std::mem::take(&mut self.warnings) {
-                        if !particles.skipped.assumed.contains(&warning) {
-                            particles.skipped.assumed.push(warning);
+                    frame => frame.is_some(),
+                },
+                SequenceState::Many(frames) if is_requested => match frames.next()? {
+                    Some(mut particles) => {
+                        // A reader says what concerns the whole file in its first frame.
+                        for warning in std::mem::take(&mut self.warnings) {
+                            if !particles.skipped.assumed.contains(&warning) {
+                                particles.skipped.assumed.push(warning);
+                            }
                         }
+                        return self.styled_frame(particles, number).map(Some);
                     }
-                    return self.styled_frame(particles, number).map(Some);
-                }
-                SequenceState::Many(frames) => {
-                    if !frames.skip()? {
-                        self.total = Some(number - 1);
-                        return Ok(None);
-                    }
-                }
+                    None => false,
+                },
+                SequenceState::Many(frames) => frames.skip()?,
+            };
+            if !is_there {
+                self.total = Some(number - 1);
+                return Ok(None);
             }
         }
         Ok(None)
@@ -500,11 +492,6 @@ impl Sequence {
             }
         }
     }
-}
-
-/// A scene of which nothing else is known.
-fn of_spheres(spheres: Spheres) -> Scene {
-    Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, lighting: Lighting::default() }
 }
 
 /// Refuses what needs all atoms of an assembly.

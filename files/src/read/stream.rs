@@ -208,10 +208,11 @@ impl SphereBlocks {
         self.range
     }
 
-    /// The legend of the colours, once a block was read.
+    /// The legend of the colours, once a block was read; with [`Self::range`], where that is known.
     #[must_use]
     pub fn legend(&self) -> Option<Legend> {
-        self.options.style.with_overrides(self.legend.clone(), &self.painted)
+        let legend = self.options.style.with_overrides(self.legend.clone(), &self.painted)?;
+        Some(Legend { range: self.range.unwrap_or(legend.range), ..legend })
     }
 
     /// Whether the frame is of atoms without a box, as [`SceneFrame::is_molecule`](super::SceneFrame::is_molecule); known
