@@ -82,17 +82,15 @@ struct MarkedSpheres<'a> {
 
 impl SphereSource for MarkedSpheres<'_> {
     fn each(&self, visit: &mut dyn FnMut(&Spheres) -> Result<()>) -> Result<()> {
-        let blocks = self.source.blocks_of_places()?;
-        if self.drawn.get() == 0 {
-            self.source.say_why();
-            note(format_args!("the camera depends on the spheres that --at selects, so the file is read for it twice"));
-        }
-        let mut drawn = 0;
-        let blocks = self.source.read(blocks, |block, marks| {
+        let (mut drawn, mut selected) = (0, 0);
+        let blocks = self.source.read(self.source.blocks_of_places()?, |block, marks| {
             drawn += block.len() as u64;
+            selected += marks.iter().map(Spheres::len).sum::<usize>();
             marks.iter().try_for_each(&mut *visit)
         })?;
-        self.drawn.set(drawn);
+        if self.drawn.replace(drawn) == 0 && selected > 0 {
+            note(format_args!("the camera depends on the spheres that --at selects, so the file is read for it twice"));
+        }
         self.notes.replace(blocks.mark_notes().concat());
         Ok(())
     }
@@ -345,12 +343,13 @@ impl<'a> Source<'a> {
     }
 
     /// The box around all spheres of the file, and what else is known of them. The same pass finds the range of the colours,
-    /// where it is not given. `why` is said before.
+    /// where it is not given. `why` is said when the first block was read.
     fn survey(&mut self, why: &str) -> Result<([DVec3; 2], SceneFacts)> {
-        let (mut bounds, blocks) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], self.blocks_of_places()?);
-        self.say_why();
-        note(format_args!("{why}"));
-        let blocks = self.read(blocks, |block, _| {
+        let (mut bounds, mut why) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], Some(why));
+        let blocks = self.read(self.blocks_of_places()?, |block, _| {
+            if let Some(why) = why.take() {
+                note(format_args!("{why}"));
+            }
             let [low, high] = block.bounds();
             bounds = [bounds[0].min(low), bounds[1].max(high)];
             Ok(())
