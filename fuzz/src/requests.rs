@@ -78,7 +78,7 @@ fn contains(bytes: &[u8], word: &[u8]) -> bool {
 /// The input as all that comes through a connection, and as the body of each question.
 pub(super) fn requests(data: &[u8]) -> Allowed {
     let stage = Arc::new(Checking::default());
-    let routes = Routes::new(stage.clone());
+    let routes = Arc::new(Routes::new(stage.clone()));
     let answers = converse(data, TOKEN, &routes);
     assert_eq!(converse(Pieces::new(data), TOKEN, &routes), answers, "in pieces");
     assert!(answers.is_empty() || answers.starts_with(b"HTTP/1.1 "));
@@ -89,7 +89,7 @@ pub(super) fn requests(data: &[u8]) -> Allowed {
     let is_shown = contains(data, TOKEN.as_bytes()) && needed.iter().all(|name| contains(&lower, name));
     assert!(is_shown || !is_reached, "a request without the token reached the stage");
     for name in ["scene", "frame", "pick", "select", "command", "progress"] {
-        let Reply { status, halfline, body, .. } = routes.answer(name, data);
+        let Reply { status, halfline, body, .. } = routes.take(name, data)();
         assert!([200, 400].contains(&status), "{name}: {status}");
         assert!(halfline.is_none_or(|text| text.bytes().all(|c| (b' '..0x7f).contains(&c))), "a header in ASCII");
         if status == 400 {

@@ -17,7 +17,6 @@ struct State {
     /// In the order of arrival, with the one that is rendered.
     requests: Vec<Arc<Request>>,
     is_rendering: bool,
-    arrived: u64,
 }
 
 /// A request.
@@ -27,8 +26,8 @@ struct Request {
 }
 
 /// A request from its arrival to its end.
-pub(crate) struct Ticket<'a> {
-    queue: &'a Queue,
+pub(crate) struct Ticket {
+    queue: Arc<Queue>,
     request: Arc<Request>,
     is_rendering: bool,
 }
@@ -39,21 +38,15 @@ impl Queue {
     }
 
     /// A request arrives.
-    pub(crate) fn arrive(&self, seq: u64) -> Ticket<'_> {
+    pub(crate) fn arrive(self: &Arc<Self>, seq: u64) -> Ticket {
         let request = Arc::new(Request { seq, is_needless: AtomicBool::new(false) });
         let mut state = self.lock();
         for other in state.requests.iter().filter(|other| other.seq < seq) {
             other.is_needless.store(true, Ordering::Relaxed);
         }
         state.requests.push(request.clone());
-        state.arrived += 1;
         self.changed.notify_all();
-        Ticket { queue: self, request, is_rendering: false }
-    }
-
-    /// The number of requests that have arrived so far.
-    pub(crate) fn arrived(&self) -> u64 {
-        self.lock().arrived
+        Ticket { queue: Arc::clone(self), request, is_rendering: false }
     }
 
     /// Makes all requests superseded.
@@ -63,7 +56,7 @@ impl Queue {
     }
 }
 
-impl Ticket<'_> {
+impl Ticket {
     /// Whether a newer request has arrived.
     pub(crate) fn is_needless(&self) -> bool {
         self.request.is_needless.load(Ordering::Relaxed)
@@ -91,7 +84,7 @@ impl Ticket<'_> {
     }
 }
 
-impl Drop for Ticket<'_> {
+impl Drop for Ticket {
     fn drop(&mut self) {
         let mut state = self.queue.lock();
         state.requests.retain(|request| !Arc::ptr_eq(request, &self.request));
@@ -106,7 +99,7 @@ mod tests {
 
     #[test]
     fn the_newest_wins() {
-        let queue = Queue::default();
+        let queue = Arc::new(Queue::default());
         let mut first = queue.arrive(1);
         assert!(first.wait());
         let mut second = queue.arrive(2);
@@ -120,7 +113,7 @@ mod tests {
 
     #[test]
     fn a_page_that_begins_again_is_served() {
-        let queue = Queue::default();
+        let queue = Arc::new(Queue::default());
         drop(queue.arrive(5000));
         let old = queue.arrive(5001);
         let mut new = queue.arrive(1);
@@ -133,7 +126,7 @@ mod tests {
 
     #[test]
     fn a_ticket_ends_with_its_thread() {
-        let queue = Queue::default();
+        let queue = Arc::new(Queue::default());
         let result = std::panic::catch_unwind(|| {
             assert!(queue.arrive(1).wait());
             let mut ticket = queue.arrive(2);

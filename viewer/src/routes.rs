@@ -1,7 +1,7 @@
 //! The questions of the page: JSON to [`Stage`], and its answers back.
 
 use crate::http::{Refused, refused};
-use crate::queue::Queue;
+use crate::queue::{Queue, Ticket};
 use crate::reply::Reply;
 use crate::stage::{Answer, FrameRequest, GoOn, Mode, PickRequest, Pixels, Refusal, SelectRequest, Stage};
 use crate::{jpeg, page};
@@ -76,7 +76,7 @@ impl Route {
 /// Answers the questions of a page, over HTTP or otherwise.
 pub struct Routes {
     stage: Arc<dyn Stage>,
-    queue: Queue,
+    queue: Arc<Queue>,
     is_closed: AtomicBool,
 }
 
@@ -87,14 +87,18 @@ struct Nothing {}
 impl Routes {
     /// Lets the stage answer.
     pub fn new(stage: Arc<dyn Stage>) -> Self {
-        Self { stage, queue: Queue::default(), is_closed: AtomicBool::new(false) }
+        Self { stage, queue: Arc::default(), is_closed: AtomicBool::new(false) }
     }
 
-    /// The answer to a question by its name, such as `frame`, and its body in JSON.
-    pub fn answer(&self, name: &str, body: &[u8]) -> Reply {
-        match Question::of(name) {
-            Some(question) => self.ask(question, body),
-            None => Refused { status: 404, message: "there is no such question" }.into(),
+    /// Takes a question by its name, such as `frame`, and its body in JSON. What is returned answers it, in any thread.
+    /// Frames come in the order in which they were asked for.
+    pub fn take(self: &Arc<Self>, name: &str, body: &[u8]) -> impl FnOnce() -> Reply + Send + use<> {
+        let (routes, question, body) = (Arc::clone(self), Question::of(name), body.to_vec());
+        let frame = matches!(question, Some(Question::Frame)).then(|| self.arrive(&body));
+        move || match (question, frame) {
+            (_, Some(frame)) => reply(|| routes.frame(frame?)),
+            (Some(question), _) => routes.ask(question, &body),
+            (None, _) => Refused { status: 404, message: "there is no such question" }.into(),
         }
     }
 
@@ -105,25 +109,16 @@ impl Routes {
         self.queue.clear();
     }
 
-    /// The number of frame requests so far.
-    pub fn frames(&self) -> u64 {
-        self.queue.arrived()
-    }
-
     /// The answer to a question. A panic of the stage is an answer too.
     pub(crate) fn ask(&self, question: Question, body: &[u8]) -> Reply {
-        match panic::catch_unwind(AssertUnwindSafe(|| self.put(question, body))) {
-            Ok(Ok(reply)) => reply,
-            Ok(Err(refusal)) => Reply::refusal(400, &refusal),
-            Err(payload) => Reply::refusal(500, &Refusal::internal(words(&*payload))),
-        }
+        reply(|| self.put(question, body))
     }
 
     fn put(&self, question: Question, body: &[u8]) -> Answer<Reply> {
         match question {
             Question::Scene => self.stage.scene(&read(body)?).map(|value| Reply::json(&value)),
             Question::Fit => self.stage.fit(&read(body)?).map(|value| Reply::json(&value)),
-            Question::Frame => self.frame(&read(body)?),
+            Question::Frame => self.frame(self.arrive(body)?),
             Question::Pick => self.stage.pick(&read::<PickRequest>(body)?).map(|value| Reply::json(&value)),
             Question::Select => {
                 let SelectRequest { expr, frame } = read(body)?;
@@ -140,23 +135,36 @@ impl Routes {
         }
     }
 
-    fn frame(&self, request: &FrameRequest) -> Answer<Reply> {
-        let picture = {
-            let mut ticket = self.queue.arrive(request.seq);
-            if self.is_closed.load(Ordering::Relaxed) || !ticket.wait() {
-                return Ok(Reply::EMPTY);
-            }
-            // A move that has begun is finished: else a page that asks while it waits would see none.
-            let go_on: GoOn = if request.mode == Mode::Move { Arc::new(|| true) } else { ticket.go_on() };
-            self.stage.frame(request, &go_on)?
-        };
-        let Some(picture) = picture else { return Ok(Reply::EMPTY) };
+    /// A request for a frame arrives.
+    fn arrive(&self, body: &[u8]) -> Answer<(FrameRequest, Ticket)> {
+        let request: FrameRequest = read(body)?;
+        let ticket = self.queue.arrive(request.seq);
+        Ok((request, ticket))
+    }
+
+    fn frame(&self, (request, mut ticket): (FrameRequest, Ticket)) -> Answer<Reply> {
+        if self.is_closed.load(Ordering::Relaxed) || !ticket.wait() {
+            return Ok(Reply::EMPTY);
+        }
+        // A move that has begun is finished: else a page that asks while it waits would see none.
+        let go_on: GoOn = if request.mode == Mode::Move { Arc::new(|| true) } else { ticket.go_on() };
+        let Some(picture) = self.stage.frame(&request, &go_on)? else { return Ok(Reply::EMPTY) };
         // The next frame is rendered while this one is encoded.
+        drop(ticket);
         let reply = match picture.pixels {
             Pixels::Rgb { size, levels } => Reply::new("image/jpeg", jpeg::encode(size, &levels)?),
             Pixels::Png(bytes) => Reply::new("image/png", bytes),
         };
         Ok(reply.with(picture.info))
+    }
+}
+
+/// The reply to a question. A panic is a reply too.
+fn reply(answer: impl FnOnce() -> Answer<Reply>) -> Reply {
+    match panic::catch_unwind(AssertUnwindSafe(answer)) {
+        Ok(Ok(reply)) => reply,
+        Ok(Err(refusal)) => Reply::refusal(400, &refusal),
+        Err(payload) => Reply::refusal(500, &Refusal::internal(words(&*payload))),
     }
 }
 

@@ -61,6 +61,7 @@ pub struct Pose {
 
 /// A camera as it is written.
 #[derive(Serialize, Deserialize)]
+#[serde(rename = "camera")]
 struct Written {
     eye: [f64; 3],
     at: [f64; 3],
@@ -134,6 +135,13 @@ pub struct FrameRequest {
     /// The purpose: a camera that moves, or one at rest.
     #[serde(default)]
     pub mode: Mode,
+}
+
+impl FrameRequest {
+    /// The request for a picture at rest of which nothing else is asked.
+    pub fn still(camera: Pose, size: [u32; 2]) -> Self {
+        Self { seq: 0, camera, size, frame: None, select: None, look: None, samples: None, mode: Mode::Still }
+    }
 }
 
 /// A request for the sphere at a pixel.

@@ -1,12 +1,11 @@
 //! Messages, and which frames are rendered.
 
 use crate::client::{CALM, answer, post, start, statuses};
-use crate::stage::{Fake, LONG};
+use crate::stage::Fake;
 use halfline_viewer::{FrameRequest, Lens, Reply, Routes};
 use serde_json::Value;
 use std::sync::Arc;
 use std::thread;
-use std::time::{Duration, Instant};
 
 const CAMERA: &str = r#"{"eye":[0,0,5],"at":[0,0,0],"up":[0,1,0],"vfov":40}"#;
 
@@ -17,7 +16,7 @@ fn frame(more: &str) -> String {
 
 #[test]
 fn messages_are_read_or_refused() {
-    let routes = Routes::new(Arc::new(Fake::default()));
+    let routes = Arc::new(Routes::new(Arc::new(Fake::default())));
     let camera = |camera: &str| frame("").replace(CAMERA, camera);
     let number = |number: &str| frame("").replace("[0,0,5]", &format!("[0,0,{number}]"));
     let size = |size: &str| frame("").replace("[16,8]", size);
@@ -58,7 +57,7 @@ fn messages_are_read_or_refused() {
     .chain([("not UTF-8", b"{\"camera\":\"\xff\"}".to_vec(), 400, "settings")])
     .collect();
     for (name, body, status, kind) in rows {
-        let reply = routes.answer("frame", &body);
+        let reply = routes.take("frame", &body)();
         let value: Option<Value> = serde_json::from_slice(&reply.body).ok();
         let found = value.as_ref().and_then(|value| value["error"]["kind"].as_str()).unwrap_or_default();
         println!("{name:<40} {} {found}", reply.status);
@@ -80,7 +79,7 @@ fn messages_are_read_or_refused() {
         ("shell", "{}", 404),
         ("../scene", "{}", 404),
     ] {
-        assert_eq!(routes.answer(name, body.as_bytes()).status, status, "{name} {body}");
+        assert_eq!(routes.take(name, body.as_bytes())().status, status, "{name} {body}");
     }
 }
 
@@ -94,20 +93,10 @@ fn a_camera_survives_being_written() {
     assert_eq!(serde_json::from_str::<FrameRequest>(&written).expect("read"), request, "{written}");
 }
 
-/// Asks for a frame in a thread, and waits until the question has arrived.
+/// Asks for a frame, which a thread answers.
 fn ask(routes: &Arc<Routes>, seq: u64, mode: &str, look: &str) -> thread::JoinHandle<Reply> {
-    let count = routes.frames();
     let body = frame(&format!(r#","seq":{seq},"mode":"{mode}","look":"{look}""#));
-    let reply = {
-        let routes = routes.clone();
-        thread::spawn(move || routes.answer("frame", body.as_bytes()))
-    };
-    let begun = Instant::now();
-    while routes.frames() == count {
-        assert!(begun.elapsed() < LONG, "it does not arrive");
-        thread::sleep(Duration::from_millis(1));
-    }
-    reply
+    thread::spawn(routes.take("frame", body.as_bytes()))
 }
 
 #[test]
