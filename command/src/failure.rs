@@ -13,7 +13,7 @@ static PRINTED: Mutex<bool> = Mutex::new(false);
 
 /// Kind and exit code of a failure, which scripts may rely on. 0 is success, 1 a difference found by `compare`; 2 is also
 /// clap's.
-fn class(error: &Error) -> (&'static str, u8) {
+pub(super) fn class(error: &Error) -> (&'static str, u8) {
     match error {
         Error::Settings { .. } => SETTINGS,
         Error::Scene { .. } => ("scene", 3),
@@ -31,16 +31,10 @@ const SETTINGS: (&str, u8) = ("settings", 2);
 
 /// Reports a failure; the exit code of the process.
 pub(super) fn fail(error: &Error) -> ExitCode {
-    let (kind, exit, message) = object(error);
-    say(format_args!("{error}"));
-    print_object((kind, exit), &message);
-    ExitCode(exit)
-}
-
-/// The kind of a failure, its exit code, and its message with the options of the command.
-pub(super) fn object(error: &Error) -> (&'static str, u8, String) {
     let (kind, exit) = class(error);
-    (kind, exit, flags(&error.to_string()))
+    say(format_args!("{error}"));
+    print_object((kind, exit), &flags(&error.to_string()));
+    ExitCode(exit)
 }
 
 /// Prints the object of an error of clap, which prints its own message; help and version are no errors.

@@ -44,10 +44,9 @@ mod values;
 mod view;
 mod visible;
 
-/// Contents shared by the page of `halfline view` and the widget of the Python package: scene, sphere, distance,
-/// legend, copied lines.
+/// The page of `halfline view` for the widget of the Python package.
 pub mod shown {
-    pub use crate::view::{apart, commands, describe, legend, scene};
+    pub use crate::view::{MemoryScene, WrittenOption, pose, stage};
 }
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

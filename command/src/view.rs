@@ -4,14 +4,15 @@ mod frames;
 mod given;
 mod handler;
 mod lens;
+mod memory;
 mod moving;
 mod parse;
 mod pick;
 mod python;
 mod summary;
 
-pub use pick::{apart, describe};
-pub use summary::{legend, scene};
+pub use lens::pose;
+pub use memory::{MemoryScene, WrittenOption};
 
 use super::config::Config;
 use super::inset_args::joined;
@@ -25,29 +26,20 @@ use clap::{Arg, Args, Command};
 use given::Given;
 use halfline::error::{Error, Result};
 use halfline_files::read::read_once;
-use halfline_viewer::{Commands, FrameRequest, Server, open_browser, ssh_line};
+use halfline_viewer::{Server, Stage, open_browser, ssh_line};
 use handler::ViewHandler;
-use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// The copied command and lines of Python for a picture of a scene in memory, which was read from `file` by some of these
-/// options, each an identifier with its value; `outline` is what draws the edges of the cell at the rendering. There is no
-/// command for a scene without a file.
+/// The answers to the page of a scene in memory.
 ///
 /// # Errors
-/// [`Error::Settings`] for a name that no line of a shell can have.
-pub fn commands(
-    file: Option<&OsStr>,
-    options: &[(String, Option<OsString>)],
-    request: &FrameRequest,
-) -> Result<Commands> {
-    let given = Given::in_memory(file, options);
-    let shell = file.map(|_| given::line(&given.words_of(request))).transpose()?;
-    Ok(Commands { shell, python: python::lines(file, &given.output(), &given.options_of(request), request) })
+/// Errors of the options and of the camera with which it begins.
+pub fn stage(scene: MemoryScene) -> Result<Arc<dyn Stage>> {
+    Ok(Arc::new(ViewHandler::in_memory(scene)?))
 }
 
 /// Shows a scene on a page of the browser: find the camera by looking, pick spheres, and copy the command that renders what

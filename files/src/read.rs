@@ -20,6 +20,7 @@ mod nff;
 mod npy;
 mod open;
 mod options;
+mod paint;
 mod particles;
 pub mod rays;
 mod select;

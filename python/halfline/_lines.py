@@ -1,74 +1,35 @@
-"""The picture of a request of the page, and its options in the words of the command."""
+"""The options of a view in the words of the command."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from os import fspath
 from typing import Any
 
 import numpy as np
 
-from . import _halfline
 from ._source import Source
-from .camera import Camera
-
-SELECTED = "darkorange"
-OTHERS = "silver"
-"""The colour of spheres that are selected on the page, and that of the others."""
 
 
-@dataclass(frozen=True, slots=True)
-class Shot:
-    """A picture of the page."""
-
-    pose: Mapping[str, Any]
-    lens: Mapping[str, float]
-    """Aperture and focus, if the lens has a size."""
-    size: tuple[int, int]
-    options: Mapping[str, Any]
-    select: str | None
-    renderer: Mapping[str, str]
-    """The arguments of the renderer; empty for the usual one."""
-
-    @property
-    def camera(self) -> Camera:
-        """The camera."""
-        given: dict[str, Any] = {**self.pose, **self.lens}
-        return Camera(given.pop("eye"), **given)
-
-
-def rules(select: str) -> dict[str, str]:
-    """The colours of a selection, as `Scene.with_colors` takes them."""
-    return {f"not ({select})": OTHERS, f"({select})": SELECTED}
-
-
-def commands(source: Source | None, shot: Shot) -> dict[str, str | None]:
-    """The command, ``None`` for a scene that no command can read, and the lines of Python."""
-    read = {} if source is None else {**source.options, "keep": None}
-    render = dict(shot.options)
+def lines(
+    source: Source | None,
+    options: Mapping[str, Any],
+    lens: Mapping[str, float],
+    renderer: Mapping[str, str],
+) -> dict[str, Any]:
+    """Those of every picture; and those in lines that are copied, which read the file and choose
+    the renderer too.
+    """
+    reading = {} if source is None else {**source.options, "keep": None}
     # A corner has the option of the place, which has the right side as its default.
-    render["legend_in"] = render.pop("legend", None)
-    # Edges that are drawn already are not drawn again.
-    drawn = read.get("cell", False) is not False
-    edges = render.pop("cell", None)
-    render["outline"] = None if drawn else edges
-    options = [pair for given in (read, render, shot.renderer) for pair in _options(given)]
-    lens = {"aperture": "aperture", "focus": "focus_distance"}
-    options += _options({lens[name]: value for name, value in shot.lens.items()})
-    frame = None if source is None or source.frame == 1 else source.frame
-    request = {
-        "camera": shot.pose,
-        "size": shot.size,
-        "frame": frame,
-        "select": shot.select,
+    names = {"legend": "legend_in", "cell": "outline", "focus": "focus_distance"}
+    rendering = {names.get(name, name): value for name, value in {**options, **lens}.items()}
+    pictures = list(_options(rendering))
+    return {
+        "source": None if source is None else fspath(source.path),
+        "rendering": pictures,
+        "copied": [*_options(reading), *pictures, *_options(renderer)],
     }
-    file = None if source is None else fspath(source.path)
-    found: dict[str, str | None] = json.loads(
-        _halfline.commands(file, options, json.dumps(request))
-    )
-    return found
 
 
 def _options(options: Mapping[str, Any]) -> Iterator[tuple[str, str | None]]:

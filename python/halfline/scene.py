@@ -179,13 +179,13 @@ class Scene:
                 raise ValueError(
                     f"colors has {len(rows)} rows, and the scene has {count}; give one per sphere"
                 )
-            return Scene._of(_halfline.with_colors(self._native, rows))
+            return Scene._of(self._native.with_colors(rows))
         given: Mapping[str, Color] = colors
         rules = [
             (word("colors", key), checked_color(f"colors[{key!r}]", value))
             for key, value in given.items()
         ]
-        native, notes = _halfline.painted(self._native, rules)
+        native, notes = self._native.painted(rules)
         for note in notes:
             warnings.warn(note, stacklevel=2)
         return Scene._of(native)
@@ -216,10 +216,9 @@ class Scene:
             ImportError: without anywidget.
             ValueError: for options, or a camera, with a mistake.
         """
-        from ._desk import Desk
         from .view import View
 
-        return View(Desk.of(self._native, self._source, camera, renderer, options), repr(self))
+        return View(self._native, self._source, camera, renderer, options, repr(self))
 
     @property
     def centers(self) -> NDArray[np.float64]:

@@ -5,15 +5,22 @@ anywidget.
 from __future__ import annotations
 
 import base64
+import functools
+import json
+import logging
+import threading
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from . import _halfline
-from ._answer import Answer
-from ._desk import Desk
-from ._pose import pose, pose_of
-from ._turns import Turn, Turns
+from ._arrays import Renders, native_renderer, shown
+from ._arrays import size as checked_size
+from ._lines import lines
+from ._source import Source
 from .camera import Camera
+from .options import Options, checked
 
 try:
     import anywidget
@@ -22,6 +29,8 @@ except ImportError:
     raise ImportError(
         "a view needs anywidget and a notebook; install them with pip install 'halfline[jupyter]'"
     ) from None
+
+_LOG = logging.getLogger("halfline")
 
 # What the bars above and below the picture take of the height, pixels.
 _BARS = 72
@@ -32,6 +41,12 @@ _STYLE = "\n:is(.lm-Widget, .p-Widget, .jupyter-widgets) > .halfline-view { heig
 Pose = dict[str, Any]
 
 
+@functools.cache
+def _usual_renderer() -> _halfline.Renderer:
+    """The renderer of all views that are given none: opening a device takes time."""
+    return _halfline.Renderer("auto", None)
+
+
 class _Camera(traitlets.TraitType[Pose, "Pose | Camera"]):
     """A pose: eye, at, up, and vfov or height. A `Camera` becomes one."""
 
@@ -40,10 +55,12 @@ class _Camera(traitlets.TraitType[Pose, "Pose | Camera"]):
     def validate(self, obj: Any, value: Any) -> Pose:
         try:
             if isinstance(value, Camera):
-                return _json(obj._pose_of(value))
-            return _json(pose(value))
-        except ValueError as error:
-            raise traitlets.TraitError(str(error)) from None
+                return _pose_of(obj._desk, value)
+            found: Pose = json.loads(_halfline.pose(json.dumps(value, default=np.ndarray.tolist)))
+        except (TypeError, ValueError) as error:
+            mend = f"give eye, at, up, and vfov or height: {error}"
+            raise traitlets.TraitError(f"camera is {shown(value)}; {mend}") from None
+        return found
 
 
 class _Selection(traitlets.Unicode[str, str]):
@@ -87,15 +104,46 @@ class View(anywidget.AnyWidget):
     selection = _Selection().tag(sync=True)
     """The expression whose spheres are orange, in the words of `Scene.select`; empty for none."""
 
-    _desk: Desk
+    _desk: _halfline.Desk
+    _still: bytes | None = None
 
-    def __init__(self, desk: Desk, name: str) -> None:
-        self._desk, self._name = desk, name
-        # Picks do not wait for a picture.
-        self._frames, self._others = Turns("halfline frames"), Turns("halfline answers")
-        width, height = desk.size
+    def __init__(
+        self,
+        scene: _halfline.Scene,
+        source: Source | None,
+        camera: Camera | None,
+        renderer: Renders | None,
+        options: Options,
+        name: str,
+    ) -> None:
+        given: dict[str, Any] = dict(options)
+        for refused in ("aovs", "crop", "dtype"):
+            if refused in given:
+                raise ValueError(f"a view shows whole pictures in colour; remove {refused}")
+        legend = given.get("legend")
+        if not (legend is None or isinstance(legend, bool) or "." not in str(legend)):
+            raise ValueError("a view writes no files; give legend=True or a corner")
+        size = width, height = checked_size("size", given.pop("size", None) or (640, 480))
+        chosen: Any = given
+        picture, accurate = checked(chosen)
+        if camera is None:
+            camera = Camera._of(scene.camera(size), None)
+        elif not isinstance(camera, Camera):
+            raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
+        record = camera.record(size if camera.size is None else None)
+        self._lens = {name: record[name] for name in record if name in ("aperture", "focus")}
+        choosing: dict[str, str] = {}
+        native = _usual_renderer() if renderer is None else native_renderer(renderer)
+        if renderer is not None:
+            # On one machine the name of an adapter is enough to find it again.
+            choosing = {"adapter": renderer.adapter} if renderer.is_gpu else {"backend": "cpu"}
+        words = lines(source, given, self._lens, choosing)
+        self._name, self._size = name, size
+        self._desk = _halfline.Desk(
+            scene, native, camera._native, size, picture, accurate, words
+        )
         super().__init__(
-            camera=desk.start,
+            camera=_pose_of(self._desk, camera),
             layout={"width": f"{width}px", "max_width": "100%", "height": f"{height + _BARS}px"},
         )
         self.on_msg(self._receive)
@@ -105,21 +153,24 @@ class View(anywidget.AnyWidget):
         """The last picture at rest, a PNG file: the bytes that `Frame.save` writes for the lines
         that ``p`` copies. It is rendered now, if there is none yet.
         """
-        return self._desk.first()
+        if self._still is None:
+            self._still = self._desk.still()
+        return self._still
 
     def to_camera(self) -> Camera:
         """The camera as one of `Renderer.render`."""
-        given: Pose = {**self.camera, **self._desk.lens}
+        given: Pose = {**self.camera, **self._lens}
         return Camera(given.pop("eye"), **given)
 
     def close(self) -> None:
         """Takes the view out of the notebook."""
-        for turns in (self._frames, self._others):
-            turns.close()
+        # One that was refused has none.
+        if hasattr(self, "_desk"):
+            self._desk.close()
         super().close()
 
     def __repr__(self) -> str:
-        width, height = self._desk.size
+        width, height = self._size
         return f"View({self._name}, {width} x {height})"
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
@@ -136,42 +187,33 @@ class View(anywidget.AnyWidget):
             pass
         return data, metadata
 
-    def _pose_of(self, camera: Camera) -> Pose:
-        return pose_of(camera, self._desk.size, self._desk.summary()["center"])
-
     def _receive(self, _: Any, content: Any, buffers: Any) -> None:
         """A message of the page: {id, route, body}. It is answered by another thread."""
         if not isinstance(content, Mapping) or content.get("id") is None:
             return
-        name, route, body = content["id"], str(content.get("route")), content.get("body")
+        question = self._desk.ask(str(content.get("route")), json.dumps(content.get("body")))
+        arguments = (content["id"], question)
+        threading.Thread(target=self._answer, args=arguments, name="halfline answer").start()
 
-        def answer(turn: Turn) -> None:
-            self._answer(name, self._desk.answer(route, body, turn))
-
-        if route != "/frame":
-            self._others.ask(Turn(answer))
-            return
-        seq = body.get("seq") if isinstance(body, Mapping) else None
-        self._frames.ask(
-            Turn(
-                answer,
-                lambda: self._answer(name, Answer(204)),
-                seq if isinstance(seq, int) else 0,
-            )
-        )
-
-    def _answer(self, name: Any, answer: Answer) -> None:
-        content: dict[str, Any] = {"id": name, "status": answer.status}
-        if answer.picture is None:
-            content["json"] = answer.json
-            self.send(content)
-        else:
-            content["info"] = answer.info
-            self.send(content, [answer.picture])
+    def _answer(self, name: Any, question: _halfline.Question) -> None:
+        while (answer := question.wait()) is None:
+            # The interpreter ends, and waits for this thread.
+            if not threading.main_thread().is_alive():
+                self._desk.close()
+        status, text, picture = answer
+        found = json.loads(text) if text else None
+        try:
+            if picture is None:
+                self.send({"id": name, "status": status, "json": found})
+                return
+            if picture.startswith(b"\x89PNG"):
+                self._still = picture
+            self.send({"id": name, "status": status, "info": found}, [picture])
+        except Exception as error:
+            # An answer reports its own errors: this is one that could not be sent.
+            _LOG.warning("an answer to the view was lost: %r", error)
 
 
-def _json(found: Pose) -> Pose:
-    """A pose in the types of JSON, so that what the page sends is equal to what is kept."""
-    return {
-        name: list(value) if isinstance(value, tuple) else value for name, value in found.items()
-    }
+def _pose_of(desk: _halfline.Desk, camera: Camera) -> Pose:
+    found: Pose = json.loads(desk.pose_of(camera._native))
+    return found

@@ -40,18 +40,9 @@ pub(crate) fn lens_of((kind, numbers): &LensArgument, size: Option<(u32, u32)>) 
 
 #[pymethods]
 impl Camera {
-    /// The full vertical angle in degrees, where the lens is given so.
-    #[getter]
-    fn vfov(&self) -> Option<f64> {
-        match self.camera.lens {
-            Lens::Vfov { degrees, .. } => Some(degrees),
-            _ => None,
-        }
-    }
-
     #[new]
     #[expect(clippy::too_many_arguments, reason = "those of the class in Python")]
-    fn new(
+    pub(crate) fn new(
         eye: [f64; 3],
         at: Option<[f64; 3]>,
         view: Option<[f64; 3]>,

@@ -54,8 +54,21 @@ impl Insets {
         self.label.as_deref().map(str::parse).transpose()
     }
 
+    /// The label of picture `number` of this scene.
+    pub(crate) fn text(&self, scene: &Scene, number: u64) -> Result<Option<String>> {
+        let frame = &scene.frame;
+        let values = LabelValues {
+            frame: number,
+            file: scene.file.clone(),
+            count: frame.scene.spheres.len() - frame.beads,
+            time: frame.when.time,
+            step: frame.when.step,
+        };
+        self.label()?.map(|label| label.text(&values)).transpose()
+    }
+
     fn legend_of<'a>(&self, scene: &'a Scene) -> Result<&'a Legend> {
-        scene.legend.as_deref().ok_or_else(|| {
+        scene.frame.legend.as_ref().ok_or_else(|| {
             let problem = "legend: the colours of this scene have no legend";
             Error::settings(problem, "read the file with color_by=, such as color_by='element', or remove legend")
         })
@@ -84,17 +97,9 @@ impl Insets {
         if !self.is_given() {
             return Ok(None);
         }
-        let (time, step) = scene.when();
-        let values = LabelValues {
-            frame: number,
-            file: scene.file.clone(),
-            count: exact.spheres.len() - scene.beads,
-            time,
-            step,
-        };
         let insets = CoreInsets {
             legend: self.shown(scene)?,
-            label: self.label()?.map(|label| label.text(&values)).transpose()?,
+            label: self.text(scene, number)?,
             scale_bar: self.scale_bar.as_deref().map(|unit| ScaleBar::of(exact, unit)).transpose()?,
         };
         insets.panels(exact.image.width, exact.image.height).map(Some)
@@ -102,7 +107,7 @@ impl Insets {
 
     /// Warnings about letters of the panels and of the legend's PNG file that the font lacks, in whole sentences.
     pub(crate) fn warnings(&self, scene: &Scene, panels: Option<&Panels>) -> Vec<String> {
-        let of_file = self.legend_file.as_ref().filter(|path| figure::is_png(path)).and(scene.legend.as_deref());
+        let of_file = self.legend_file.as_ref().filter(|path| figure::is_png(path)).and(scene.frame.legend.as_ref());
         let mut all: Vec<String> = panels.and_then(Panels::warning).into_iter().collect();
         all.extend(of_file.and_then(halfline_drawing::legend::warning).filter(|words| !all.contains(words)));
         all

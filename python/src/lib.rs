@@ -12,7 +12,6 @@ mod insets;
 mod many;
 mod measure;
 mod options;
-mod paint;
 mod parts;
 mod png;
 mod read;
@@ -60,10 +59,7 @@ mod _halfline {
     #[pymodule_export]
     use super::trace::trace;
     #[pymodule_export]
-    use super::view::{
-        apart, commands, describe, jpeg, legend, painted, summary, widget_module, widget_style, with_colors,
-        with_light_at_the_eye,
-    };
+    use super::view::{Desk, Question, pose, widget_module, widget_style};
     use pyo3::prelude::*;
 
     #[pymodule_init]

@@ -50,7 +50,7 @@ impl Frames {
             for (number, camera) in (1..).zip(&cameras) {
                 let settings = picture.through(scene.get(), Some(camera), &same);
                 let mut rendered = picture.render(scene.get(), Some(camera), number, |exact| {
-                    shared.render(&own, exact, &settings, &scene.get().skipped)
+                    shared.render(&own, exact, &settings, &scene.get().frame.skipped)
                 });
                 // All frames have the same legend.
                 if number == 1 {

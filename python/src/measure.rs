@@ -38,7 +38,7 @@ pub(crate) fn measure(
     };
     let job = Job::default();
     let record = job.run(py, None, || {
-        let subject = Subject::scene("scene", scene.exact(camera, size)?, scene.skipped.warnings());
+        let subject = Subject::scene("scene", scene.exact(camera, size)?, scene.frame.skipped.warnings());
         run(&subject, &options, &job.watch(), &mut |_| {})
     })?;
     crate::reports::json(&record)

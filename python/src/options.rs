@@ -106,8 +106,8 @@ impl Picture {
     /// The settings with the lens of this camera, or of the scene's own, and the samples that it needs where neither the
     /// keywords nor the file say how many.
     pub(crate) fn through(&self, scene: &Scene, camera: Option<&Camera>, settings: &Settings) -> Settings {
-        let aperture = camera.map_or(scene.aperture, |camera| camera.aperture);
-        let open = aperture.is_some() && self.samples.or(scene.look.samples).is_none();
+        let aperture = camera.map_or(scene.frame.aperture, |camera| camera.aperture);
+        let open = aperture.is_some() && self.samples.or(scene.frame.look.samples).is_none();
         let samples = if open { Aperture::SAMPLES } else { settings.samples };
         Settings { aperture, samples, ..settings.clone() }
     }
@@ -132,7 +132,8 @@ impl Picture {
 
     /// The scene with this camera, size, background and light.
     pub(crate) fn scene(&self, scene: &Scene, camera: Option<&Camera>) -> Result<halfline::Scene> {
-        let mut exact = scene.sized(camera, self.size, self.background())?;
+        let background = if self.transparent { Some([0.0; 3]) } else { self.background };
+        let mut exact = scene.sized(camera, self.size, background)?;
         if camera.is_none() {
             let legend_shares = self.insets.legend_shares(scene, exact.image)?;
             scene.frame_with_legend(&mut exact, legend_shares)?;
@@ -154,17 +155,6 @@ impl Picture {
         self.size
     }
 
-    /// The colour of rays that hit nothing, if it is given: of a transparent background none.
-    pub(crate) fn background(&self) -> Option<[f32; 3]> {
-        if self.transparent { Some([0.0; 3]) } else { self.background }
-    }
-
-    /// The name of the look of a picture, and its samples.
-    pub(crate) fn look_and_samples(&self, scene: &Scene) -> Result<(&'static str, u32)> {
-        let chosen = self.chosen(scene)?;
-        Ok((chosen.look.name(), chosen.samples))
-    }
-
     fn aovs(&self) -> Result<Vec<Aov>> {
         let mut aovs = self.aovs.iter().map(|name| name.parse()).collect::<Result<Vec<Aov>>>()?;
         if self.transparent && aovs.contains(&Aov::Color) && !aovs.contains(&Aov::Alpha) {
@@ -180,7 +170,7 @@ impl Picture {
     /// The look and the samples, by the rule of the command.
     fn chosen(&self, scene: &Scene) -> Result<ChosenLook> {
         let look = self.look.as_deref().map(str::parse).transpose()?;
-        Ok(scene.look.choose(self.aovs()?.contains(&Aov::Color), look, self.samples, self.shade()?))
+        Ok(scene.frame.look.choose(self.aovs()?.contains(&Aov::Color), look, self.samples, self.shade()?))
     }
 
     /// The name of the look, for the report; `None` without a picture.

@@ -177,8 +177,8 @@ impl Opened {
         };
         self.any = true;
         self.prepare(&mut frame)?;
-        let is_fixed = frame.has_camera || self.fixed_camera.camera.is_some();
-        Ok(Some(Scene::of_file(frame, self.file.clone(), &self.arrangement, is_fixed)))
+        frame.has_camera |= self.fixed_camera.camera.is_some();
+        Ok(Some(Scene::of_file(frame, self.file.clone(), &self.arrangement)))
     }
 }
 

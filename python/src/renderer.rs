@@ -68,8 +68,8 @@ impl Renderer {
         let rendered = job.run(py, progress.as_ref(), || {
             let outlined = picture.begin(scene)?;
             let scene = outlined.as_ref().unwrap_or(scene);
-            let rendered = picture.render(scene, camera, scene.number, |exact| {
-                self.shared.render(&job, exact, &settings, &scene.skipped)
+            let rendered = picture.render(scene, camera, scene.frame.number, |exact| {
+                self.shared.render(&job, exact, &settings, &scene.frame.skipped)
             })?;
             picture.insets.write(scene)?;
             Ok(rendered)
@@ -93,9 +93,9 @@ impl Renderer {
         let rendered = job.run(py, progress.as_ref(), || {
             picture.begin(scene)?;
             let mut shown = None;
-            let mut rendered = picture.render(scene, None, scene.number, |exact| {
+            let mut rendered = picture.render(scene, None, scene.frame.number, |exact| {
                 let Visible { scene: left, ids } = part.0.clone().visible(exact, &settings)?;
-                let mut frame = self.shared.render(&job, &left, &settings, &scene.skipped)?;
+                let mut frame = self.shared.render(&job, &left, &settings, &scene.frame.skipped)?;
                 ids.restore(&mut frame);
                 frame.report.warnings.extend(part.0.gaps());
                 shown = Some(left);
@@ -137,7 +137,7 @@ impl Renderer {
             let exact = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
             self.shared.with(&job, |renderer| {
                 let mut plan = renderer.explain(&exact, &settings)?;
-                scene.skipped.report(&mut plan.skipped, &mut plan.warnings, renderer.passed_over().len());
+                scene.frame.skipped.report(&mut plan.skipped, &mut plan.warnings, renderer.passed_over().len());
                 Ok(plan)
             })
         })?;

@@ -3,196 +3,84 @@
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
-use crate::paint::Paint;
 use crate::work::{Job, begin};
-use halfline::camera::Aperture;
-use halfline::frame::legend::Legend;
-use halfline::progress::Watch;
 use halfline::scene::arrange::{Arrangement, Bead};
-use halfline::scene::{Cell, Framing, ImagePlane, Lighting, List, check_color};
+use halfline::scene::{Cell, Framing, ImagePlane, check_color};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
-use halfline_files::read::Skipped;
-use halfline_files::read::{Codes, ColumnValues, Columns, SceneFrame, Selection};
+use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use std::sync::Arc;
 
 /// A scene; it does not change, so that any number of threads may render it.
 #[pyclass(frozen)]
 pub(crate) struct Scene {
-    scene: Arc<CoreScene>,
-    /// Objects that its reader left out, and assumptions that it made.
-    pub(crate) skipped: Skipped,
-    /// The size of the lens of its file's camera; `None` for a pinhole.
-    pub(crate) aperture: Option<Aperture>,
-    /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
-    is_fixed: bool,
-    /// The kind of its file, and the look and the samples that it asks for.
-    pub(crate) look: FileLook,
-    /// Whether its default camera is that of a molecule.
-    is_molecule: bool,
-    /// The number of the frame in its file.
-    #[pyo3(get)]
-    pub(crate) number: u64,
-    /// The time of the frame, if its file has it.
-    #[pyo3(get)]
-    time: Option<f64>,
-    /// The step of the frame, if its file has it.
-    #[pyo3(get)]
-    step: Option<i64>,
-    /// The periodic cell: a corner and three edges.
-    #[pyo3(get)]
-    pub(crate) cell: Option<([f64; 3], [[f64; 3]; 3])>,
-    /// The periodic copies along its edges, and whether the edges are drawn.
+    /// The spheres and what its file says of them. The camera stays, whatever the size of the image, where it has one;
+    /// otherwise it shows all spheres.
+    pub(crate) frame: SceneFrame,
+    /// The periodic copies along the edges of the cell, and whether these edges are drawn.
     copies: [u32; 3],
-    outlined: bool,
-    /// The number of its last spheres, which are beads of these edges.
-    pub(crate) beads: usize,
+    pub(crate) outlined: bool,
     /// The name of its file.
-    #[pyo3(get)]
     pub(crate) file: Option<String>,
-    /// The legend of its colours.
-    pub(crate) legend: Option<Arc<Legend>>,
-    /// The columns of the file, in the order of its spheres.
-    pub(crate) columns: Arc<Columns>,
 }
 
 impl Scene {
     /// The scene of a file.
-    pub(crate) fn of_file(frame: SceneFrame, file: Option<String>, arrangement: &Arrangement, is_fixed: bool) -> Self {
-        let mut scene = frame.scene;
-        scene.spheres.share();
-        Self {
-            scene: Arc::new(scene),
-            skipped: frame.skipped,
-            aperture: frame.aperture,
-            is_fixed,
-            look: frame.look,
-            is_molecule: frame.is_molecule,
-            number: frame.number,
-            time: frame.when.time,
-            step: frame.when.step,
-            cell: frame.cell.map(|cell| (cell.origin, cell.edges)),
-            copies: arrangement.copies,
-            outlined: arrangement.outline.is_some(),
-            beads: frame.beads,
-            file,
-            legend: frame.legend.map(Arc::new),
-            columns: Arc::new(frame.columns),
-        }
+    pub(crate) fn of_file(mut frame: SceneFrame, file: Option<String>, arrangement: &Arrangement) -> Self {
+        frame.scene.spheres.share();
+        Self { frame, copies: arrangement.copies, outlined: arrangement.outline.is_some(), file }
     }
 
     /// The camera and the image of a part, which stay as they are; `samples` are its own.
     pub(crate) fn of_part(scene: CoreScene, samples: u32) -> Self {
-        let look = FileLook { samples: Some(samples), ..FileLook::default() };
-        Self { is_fixed: true, look, ..Self::of_arrays(scene) }
+        let mut scene = Self::of_arrays(scene);
+        scene.frame.has_camera = true;
+        scene.frame.look.samples = Some(samples);
+        scene
     }
 
     /// A scene of which nothing but this is known.
     fn of_arrays(scene: CoreScene) -> Self {
-        Self {
-            scene: Arc::new(scene),
-            skipped: Skipped::default(),
-            aperture: None,
-            is_fixed: false,
-            is_molecule: false,
-            look: FileLook::default(),
-            number: 1,
-            time: None,
-            step: None,
-            cell: None,
-            copies: [1; 3],
-            outlined: false,
-            beads: 0,
-            file: None,
-            legend: None,
-            columns: Arc::default(),
-        }
+        let frame = SceneFrame { look: FileLook::default(), ..SceneFrame::new(1, scene) };
+        Self { frame, copies: [1; 3], outlined: false, file: None }
     }
 
-    /// The same spheres, of which there may be more, with everything that is known of them.
-    fn with(&self, scene: CoreScene) -> Self {
-        Self {
-            scene: Arc::new(scene),
-            skipped: self.skipped.clone(),
-            legend: self.legend.clone(),
-            columns: Arc::clone(&self.columns),
-            file: self.file.clone(),
-            ..*self
-        }
+    /// The scene of a frame with the same spheres, of which there may be more.
+    fn with(&self, frame: SceneFrame) -> Self {
+        Self { frame, file: self.file.clone(), ..*self }
+    }
+
+    /// The cell of all copies together, which are made.
+    pub(crate) fn edges(&self) -> Option<Cell> {
+        let grown = |(edge, count): ([f64; 3], u32)| edge.map(|x| x * f64::from(count));
+        self.frame.cell.map(|Cell { origin, edges: [a, b, c] }| {
+            let [along, across, up] = self.copies;
+            Cell { origin, edges: [(a, along), (b, across), (c, up)].map(grown) }
+        })
     }
 
     /// The scene with the edges of its cell as beads of this radius, after all other spheres; infinite for the default one.
     pub(crate) fn with_cell(&self, radius: f64) -> halfline::Result<Self> {
-        let mut scene = (*self.scene).clone();
+        let mut frame = self.frame.clone();
         if !self.outlined {
-            // The copies are made, and the edges are those of all of them together.
-            let grown = |edge: [f64; 3], count: u32| edge.map(|x| x * f64::from(count));
-            let cell = self.cell.map(|(origin, [a, b, c])| {
-                let [along, across, up] = self.copies;
-                Cell { origin, edges: [grown(a, along), grown(b, across), grown(c, up)] }
-            });
-            let arrangement = Arrangement { outline: Some(bead(radius)), ..Arrangement::default() };
-            arrangement.apply(&mut scene.spheres, cell.as_ref(), &Watch::default())?;
-            scene.spheres.share();
+            frame.outline(self.edges().as_ref(), bead(radius))?;
         }
-        let beads = self.beads + scene.spheres.len() - self.scene.spheres.len();
-        Ok(Self { outlined: true, beads, ..self.with(scene) })
+        Ok(Self { outlined: true, ..self.with(frame) })
     }
 
     /// Frames the spheres beside a legend that takes these shares of the picture's width, unless the file has a camera.
     pub(crate) fn frame_with_legend(&self, exact: &mut CoreScene, legend_shares: [f64; 2]) -> halfline::Result<()> {
-        if self.is_fixed {
+        if self.frame.has_camera {
             return Ok(());
         }
-        exact.frame_by_default(self.is_molecule, &Framing { legend_shares, ..Framing::default() })
-    }
-
-    /// The same spheres in other colours, one for each.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] naming the row.
-    pub(crate) fn with_colors(&self, colors: List<[f32; 3]>) -> halfline::Result<Self> {
-        let mut scene = (*self.scene).clone();
-        scene.spheres.colors = Some(colors);
-        check(&scene.spheres)?;
-        Ok(Self { legend: None, ..self.with(scene) })
-    }
-
-    /// The same spheres, each in the colour of the last rule that selects it, and with a legend of these colours.
-    /// Returns also notes on the rules.
-    ///
-    /// # Errors
-    /// Errors of the selections, also for a column that was not kept.
-    pub(crate) fn painted(&self, rules: &[(Selection, [f32; 3])]) -> halfline::Result<(Self, Vec<String>)> {
-        let mut scene = (*self.scene).clone();
-        let (paint, notes) = Paint::of(&self.columns, &scene.spheres, self.beads, rules)?;
-        let (colors, legend) = paint.apply(&scene.spheres, rules, self.legend.as_deref());
-        scene.spheres.colors = Some(colors.into());
-        scene.spheres.share();
-        Ok((Self { legend: legend.map(Arc::new), ..self.with(scene) }, notes))
-    }
-
-    /// The same spheres without lights, sky and mirrors.
-    pub(crate) fn with_light_at_the_eye(&self) -> Self {
-        self.with(CoreScene { lighting: Lighting::from_the_eye(), ..(*self.scene).clone() })
-    }
-
-    /// The periodic cell.
-    pub(crate) fn periodic(&self) -> Option<Cell> {
-        self.cell.map(|(origin, edges)| Cell { origin, edges })
-    }
-
-    /// The time and the step.
-    pub(crate) fn when(&self) -> (Option<f64>, Option<i64>) {
-        (self.time, self.step)
+        exact.frame_by_default(self.frame.is_molecule, &Framing { legend_shares, ..Framing::default() })
     }
 
     /// The spheres.
     pub(crate) fn spheres(&self) -> &Spheres {
-        &self.scene.spheres
+        &self.frame.scene.spheres
     }
 
     /// The scene with another camera or size; its own camera shows all spheres, unless it is the file's.
@@ -211,7 +99,7 @@ impl Scene {
         size: Option<(u32, u32)>,
         background: Option<[f32; 3]>,
     ) -> halfline::Result<CoreScene> {
-        let mut scene = (*self.scene).clone();
+        let mut scene = self.frame.scene.clone();
         let own = camera.filter(|camera| camera.in_pixels).and_then(|camera| camera.size);
         if let (Some(size), Some(own)) = (size, own)
             && size != own
@@ -227,7 +115,7 @@ impl Scene {
         }
         match camera {
             Some(camera) => scene.camera = camera.camera,
-            None if self.is_fixed => {}
+            None if self.frame.has_camera => {}
             // A size without pixels has no shape; it is refused before the camera is.
             None => {
                 let size = [scene.image.width.into(), scene.image.height.into()];
@@ -276,20 +164,62 @@ impl Scene {
         step: Option<i64>,
         cell: Option<([f64; 3], [[f64; 3]; 3])>,
     ) -> Self {
-        let mut scene = Self { number, time, step, cell, ..self.with((*self.scene).clone()) };
-        scene.skipped.assumed.extend(warnings);
-        scene
+        let cell = cell.map(|(origin, edges)| Cell { origin, edges });
+        let mut frame = SceneFrame { number, when: FrameTime { time, step }, cell, ..self.frame.clone() };
+        frame.skipped.assumed.extend(warnings);
+        self.with(frame)
+    }
+
+    /// The number of the frame in its file.
+    #[getter]
+    fn number(&self) -> u64 {
+        self.frame.number
+    }
+
+    /// The time of the frame, if its file has it.
+    #[getter]
+    fn time(&self) -> Option<f64> {
+        self.frame.when.time
+    }
+
+    /// The step of the frame, if its file has it.
+    #[getter]
+    fn step(&self) -> Option<i64> {
+        self.frame.when.step
+    }
+
+    /// The periodic cell: a corner and three edges.
+    #[getter]
+    fn cell(&self) -> Option<([f64; 3], [[f64; 3]; 3])> {
+        self.frame.cell.map(|Cell { origin, edges }| (origin, edges))
+    }
+
+    /// The same spheres in the colours of these rows.
+    fn with_colors(&self, colors: PyReadonlyArrayDyn<'_, f32>) -> PyResult<Self> {
+        let mut frame = SceneFrame { legend: None, ..self.frame.clone() };
+        frame.scene.spheres.colors = Some(list::<f32, [f32; 3], 3>(&colors)?);
+        check(&frame.scene.spheres).or_raise()?;
+        Ok(self.with(frame))
+    }
+
+    /// The same spheres, with a colour for those that each expression selects, the last one wins; and what is to be said
+    /// about it.
+    fn painted(&self, py: Python<'_>, rules: Vec<(String, [f32; 3])>) -> PyResult<(Self, Vec<String>)> {
+        let rules = rules.iter().map(|(text, color)| Ok((text.parse::<Selection>()?, *color)));
+        let rules = rules.collect::<halfline::Result<Vec<_>>>().or_raise()?;
+        let (frame, notes) = Job::default().run(py, None, || self.frame.painted(&rules))?;
+        Ok((self.with(frame), notes))
     }
 
     /// The names of the columns.
     #[getter]
     fn column_names(&self) -> Vec<String> {
-        self.columns.names().map(str::to_owned).collect()
+        self.frame.columns.names().map(str::to_owned).collect()
     }
 
     /// The numbers of a column, by the word of a selection; of a column of texts the number of each, and the texts.
     fn column<'py>(this: &Bound<'py, Self>, word: &str) -> PyResult<(Bound<'py, PyAny>, Option<Vec<String>>)> {
-        let columns = &this.get().columns;
+        let columns = &this.get().frame.columns;
         let (_, values) = columns.get(word).map_err(|error| PyKeyError::new_err(keywords(&error.to_string())))?;
         let (owner, py) = (this.clone().into_any(), this.py());
         #[expect(unsafe_code, reason = "arrays of the memory of this scene")]
@@ -309,12 +239,12 @@ impl Scene {
     }
 
     fn __len__(&self) -> usize {
-        self.scene.spheres.len()
+        self.frame.scene.spheres.len()
     }
 
     #[getter]
     fn centers<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let values = &this.get().scene.spheres.centers;
+        let values = &this.get().frame.scene.spheres.centers;
         #[expect(unsafe_code, reason = "an array of the memory of this scene")]
         // SAFETY: a scene is frozen, and the array keeps it alive.
         unsafe {
@@ -324,7 +254,7 @@ impl Scene {
 
     #[getter]
     fn radii<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let values = &this.get().scene.spheres.radii;
+        let values = &this.get().frame.scene.spheres.radii;
         #[expect(unsafe_code, reason = "an array of the memory of this scene")]
         // SAFETY: as for the centres.
         unsafe {
@@ -334,7 +264,7 @@ impl Scene {
 
     #[getter]
     fn colors<'py>(this: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArrayDyn<f32>>>> {
-        let Some(values) = &this.get().scene.spheres.colors else { return Ok(None) };
+        let Some(values) = &this.get().frame.scene.spheres.colors else { return Ok(None) };
         #[expect(unsafe_code, reason = "an array of the memory of this scene")]
         // SAFETY: as for the centres.
         unsafe {
@@ -345,7 +275,8 @@ impl Scene {
     /// Whether a selection selects each sphere, and what is to be said about it.
     fn select<'py>(&self, py: Python<'py>, expression: &str) -> PyResult<(Bound<'py, PyArrayDyn<u8>>, Vec<String>)> {
         let selection = expression.parse::<Selection>().or_raise()?;
-        let (mask, notes) = Job::default().run(py, None, || self.columns.select(&selection, &self.scene.spheres))?;
+        let (mask, notes) =
+            Job::default().run(py, None, || self.frame.columns.select(&selection, &self.frame.scene.spheres))?;
         let count = mask.len();
         let notes = notes.iter().map(|note| keywords(note)).collect();
         Ok((owned(py, mask.into_iter().map(u8::from).collect(), &[count])?, notes))
@@ -354,32 +285,32 @@ impl Scene {
     /// Columns and rows of the image.
     #[getter]
     fn size(&self) -> (u32, u32) {
-        (self.scene.image.width, self.scene.image.height)
+        (self.frame.scene.image.width, self.frame.scene.image.height)
     }
 
     /// Linear RGB of a ray that hits nothing.
     #[getter]
     fn background(&self) -> [f32; 3] {
-        self.scene.image.background
+        self.frame.scene.image.background
     }
 
     /// Objects that the reader left out, and assumptions that it made, in whole sentences.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.skipped.warnings().iter().map(|warning| keywords(warning)).collect()
+        self.frame.skipped.warnings().iter().map(|warning| keywords(warning)).collect()
     }
 
     /// The camera for an image of this size.
     fn camera(&self, size: Option<(u32, u32)>) -> PyResult<Camera> {
         begin()?;
         let scene = self.exact(None, size).or_raise()?;
-        Ok(Camera { camera: scene.camera, aperture: self.aperture, size: None, in_pixels: false })
+        Ok(Camera { camera: scene.camera, aperture: self.frame.aperture, size: None, in_pixels: false })
     }
 
     /// Equal for equal numbers.
     fn fingerprint(&self, py: Python<'_>) -> PyResult<String> {
         begin()?;
-        Ok(py.detach(|| self.scene.fingerprint()))
+        Ok(py.detach(|| self.frame.scene.fingerprint()))
     }
 }
 

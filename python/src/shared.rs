@@ -14,6 +14,11 @@ impl Shared {
         Self(Arc::new(Mutex::new(Some(renderer))))
     }
 
+    /// The place of the renderer, which one user at a time locks.
+    pub(crate) fn place(&self) -> Arc<Mutex<Option<Renderer>>> {
+        Arc::clone(&self.0)
+    }
+
     /// Runs `work` with the renderer, which reports to the job.
     pub(crate) fn with<T>(&self, job: &Job, work: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
         let mut place = job.lock(&self.0)?;

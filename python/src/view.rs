@@ -1,19 +1,20 @@
-//! Functions for the widget of a notebook: its page, and answers to it in JSON.
+//! The view of a notebook: its page, which the code of `halfline view` answers.
 
-use crate::arrays::list;
-use crate::errors::OrRaise;
-use crate::options::Picture;
+use crate::camera::Camera;
+use crate::errors::{AccuracyError, AdapterError, OrRaise, exception, keywords};
+use crate::options::{Accurate, Picture};
+use crate::renderer::Renderer;
 use crate::scene::Scene;
-use crate::work::{Job, begin};
-use halfline_command::shown;
-use halfline_files::read::Selection;
-use halfline_viewer::FrameRequest;
-use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyIndexError, PyValueError};
+use crate::work::{Job, SLICE, begin, is_forked, no_thread};
+use halfline_command::shown::{self, MemoryScene, WrittenOption};
+use halfline_viewer::{FrameRequest, GoOn, Lens, Pixels, Pose, Refusal, Reply, Routes, Stage};
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use serde_json::{Value, json};
 use std::ffi::OsString;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
 
 /// The module of the widget.
 #[pyfunction]
@@ -27,93 +28,176 @@ pub(crate) fn widget_style() -> &'static str {
     halfline_viewer::widget_style()
 }
 
-/// The JPEG of a picture in 8-bit sRGB, a contiguous array of shape (H, W, 3).
+/// The options of a view in the words of the command, and the file of its scene.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Lines {
+    source: Option<OsString>,
+    /// The options of every picture.
+    rendering: Vec<WrittenOption>,
+    /// The options in lines that are copied.
+    copied: Vec<WrittenOption>,
+}
+
+/// A scene that a view shows, and the answers to its page.
+#[pyclass(frozen)]
+pub(crate) struct Desk {
+    scene: Py<Scene>,
+    /// The picture with which it begins.
+    first: FrameRequest,
+    stage: Arc<dyn Stage>,
+    routes: Arc<Routes>,
+}
+
+/// A camera as the page has it, for an image of this size.
+fn pose_of(scene: &Scene, camera: &Camera, size: (u32, u32)) -> halfline::Result<Pose> {
+    let size = camera.size.is_none().then_some(size);
+    shown::pose(&scene.sized(Some(camera), size, None)?, None)
+}
+
+#[pymethods]
+impl Desk {
+    #[new]
+    #[expect(clippy::too_many_arguments, reason = "those of the class in Python")]
+    fn new(
+        py: Python<'_>,
+        scene: Py<Scene>,
+        renderer: &Renderer,
+        camera: &Camera,
+        size: (u32, u32),
+        picture: Picture,
+        accurate: Accurate,
+        lines: Lines,
+    ) -> PyResult<Self> {
+        let (shown, Lines { source, mut rendering, mut copied }) = (scene.get(), lines);
+        // Edges that are drawn already are not drawn again.
+        for options in [&mut rendering, &mut copied] {
+            options.retain(|(id, _)| !(shown.outlined && id == "outline"));
+        }
+        let memory = |camera: Pose| MemoryScene {
+            frame: shown.frame.clone(),
+            edges: shown.edges(),
+            name: shown.file.as_deref().unwrap_or("scene").into(),
+            source,
+            rendering,
+            copied,
+            camera,
+            size: size.into(),
+            renderer: renderer.shared.place(),
+            backend: renderer.backend,
+            words: keywords,
+        };
+        let (stage, camera) = Job::default().run(py, None, || {
+            // Mistakes are named as keywords.
+            picture.begin(shown)?;
+            picture.settings(shown, accurate.settings()?, renderer.backend)?;
+            picture.scene(shown, Some(camera))?;
+            picture.insets.text(shown, shown.frame.number)?;
+            let camera = pose_of(shown, camera, size)?;
+            Ok((shown::stage(memory(camera))?, camera))
+        })?;
+        let routes = Arc::new(Routes::new(Arc::clone(&stage)));
+        Ok(Self { scene, first: FrameRequest::still(camera, size.into()), stage, routes })
+    }
+
+    /// A camera as the page has it, as JSON.
+    fn pose_of(&self, camera: &Camera) -> PyResult<String> {
+        let [width, height] = self.first.size;
+        pose_of(self.scene.get(), camera, (width, height)).map(|pose| json(&pose)).or_raise()
+    }
+
+    /// Takes a question of the page, which another thread answers.
+    fn ask(&self, route: &str, body: &str) -> PyResult<Question> {
+        begin()?;
+        let answer = self.routes.take(route.trim_start_matches('/'), body.as_bytes());
+        let (sender, receiver) = channel();
+        let work = thread::Builder::new().name("halfline".into()).spawn(move || sender.send(answer()));
+        work.map_err(|error| exception(no_thread(&error)))?;
+        Ok(Question(Mutex::new(receiver)))
+    }
+
+    /// Checks the expression of a selection.
+    fn select(&self, py: Python<'_>, expression: &str) -> PyResult<()> {
+        begin()?;
+        py.detach(|| self.stage.select(expression, None)).map(drop).map_err(raised)
+    }
+
+    /// The PNG of the picture with which it begins.
+    fn still<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let job = Job::default();
+        let cancel = job.cancel.clone();
+        let go_on: GoOn = Arc::new(move || !cancel.is_cancelled());
+        let picture = job.run(py, None, || Ok(self.stage.frame(&self.first, &go_on)))?.map_err(raised)?;
+        match picture.map(|picture| picture.pixels) {
+            Some(Pixels::Png(bytes)) => Ok(PyBytes::new(py, &bytes)),
+            _ => Err(exception(halfline::Error::Interrupted)),
+        }
+    }
+
+    /// Gives up what is rendered and what waits.
+    fn close(&self) {
+        self.routes.close();
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        if is_forked() {
+            // As for a renderer.
+            std::mem::forget(Arc::clone(&self.stage));
+        }
+    }
+}
+
+/// A status, JSON, and a picture.
+type PyAnswer<'py> = (u16, String, Option<Bound<'py, PyBytes>>);
+
+/// A question of the page.
+#[pyclass(frozen)]
+pub(crate) struct Question(Mutex<Receiver<Reply>>);
+
+#[pymethods]
+impl Question {
+    /// The answer: its status, its JSON, and its picture if it has one. `None` if there is none yet after a short while.
+    fn wait<'py>(&self, py: Python<'py>) -> PyResult<Option<PyAnswer<'py>>> {
+        let receiver = &self.0;
+        let received = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(SLICE));
+        let Reply { status, halfline, body, .. } = match received {
+            Ok(reply) => reply,
+            Err(RecvTimeoutError::Timeout) => return Ok(None),
+            Err(error) => return Err(PyValueError::new_err(error.to_string())),
+        };
+        Ok(Some(match halfline {
+            Some(info) => (status, info, Some(PyBytes::new(py, &body))),
+            None => (status, String::from_utf8_lossy(&body).into_owned(), None),
+        }))
+    }
+}
+
+/// The exception for a refusal.
+fn raised(Refusal { kind, message, .. }: Refusal) -> PyErr {
+    match kind {
+        "accuracy" => AccuracyError::new_err(message),
+        "adapter" | "device-lost" => AdapterError::new_err(message),
+        "limits" => PyMemoryError::new_err(message),
+        _ => PyValueError::new_err(message),
+    }
+}
+
+/// A camera of the page, checked, as JSON.
 #[pyfunction]
-pub(crate) fn jpeg<'py>(py: Python<'py>, pixels: PyReadonlyArrayDyn<'py, u8>) -> PyResult<Bound<'py, PyBytes>> {
-    let &[height, width, 3] = pixels.shape() else {
-        return Err(PyValueError::new_err(format!("the picture has the shape {:?}", pixels.shape())));
+pub(crate) fn pose(camera: &str) -> PyResult<String> {
+    let wrong = |error: serde_json::Error| PyValueError::new_err(error.to_string());
+    let pose: Pose = serde_json::from_str(camera).map_err(wrong)?;
+    let lens = match pose.lens {
+        Lens::Vfov(degrees) => ("vfov".to_owned(), vec![degrees, 1.0]),
+        Lens::Height(height) => ("height".to_owned(), vec![height]),
     };
-    let levels = pixels.as_slice()?;
-    let encoded = py.detach(|| halfline_viewer::jpeg::encode([width as u32, height as u32], levels));
-    encoded.map(|bytes| PyBytes::new(py, &bytes)).map_err(|refusal| PyValueError::new_err(refusal.message))
+    Camera::new(pose.eye, Some(pose.at), None, pose.up, lens, None, None, None)?;
+    Ok(json(&pose))
 }
 
-/// The scene for the page, as JSON: what does not depend on a camera. `picture` are the options of its pictures.
-#[pyfunction]
-pub(crate) fn summary(py: Python<'_>, scene: &Scene, picture: Picture) -> PyResult<String> {
-    begin()?;
-    let summary = py.detach(|| {
-        let exact = scene.sized(None, None, picture.background())?;
-        let (look, samples) = picture.look_and_samples(scene)?;
-        let edges = scene.cell.map(|(_, edges)| edges);
-        let mut summary = shown::scene(
-            (&exact.spheres, scene.beads),
-            &scene.columns,
-            edges,
-            exact.image.background,
-            (Some(look), samples),
-        );
-        (summary["file"], summary["frame"]) = (json!(scene.file), json!(scene.number));
-        Ok(summary)
-    });
-    summary.or_raise().map(|summary| summary.to_string())
-}
-
-/// The legend of the colours as SVG, if they have one.
-#[pyfunction]
-pub(crate) fn legend(scene: &Scene) -> PyResult<Option<String>> {
-    shown::legend(scene.legend.as_deref()).or_raise()
-}
-
-/// A sphere for the page, as JSON: its centre and radius, its row in the file, and its columns.
-#[pyfunction]
-pub(crate) fn describe(scene: &Scene, id: usize) -> PyResult<String> {
-    let spheres = scene.spheres();
-    let (Some(center), Some(radius)) = (spheres.centers.get(id), spheres.radii.get(id)) else {
-        return Err(PyIndexError::new_err(format!("there is no sphere {id}")));
-    };
-    let Value::Object(mut found) = json!({ "id": id, "center": center, "radius": radius }) else { unreachable!() };
-    shown::describe(&mut found, &scene.columns, id);
-    Ok(Value::Object(found).to_string())
-}
-
-/// The distance of the centres of two spheres: as they lie, and in a periodic cell that of their nearest images.
-#[pyfunction]
-pub(crate) fn apart(scene: &Scene, from: usize, to: usize) -> Option<(f64, Option<f64>)> {
-    shown::apart(scene.spheres(), scene.periodic().as_ref(), [from, to])
-}
-
-/// The command and the lines of Python that render the picture of a request of the page, both as JSON. The scene was read from
-/// `file` by some of the options, which are identifiers of the command's options with their values.
-#[pyfunction]
-#[pyo3(signature = (file, options, request))]
-pub(crate) fn commands(
-    file: Option<OsString>,
-    options: Vec<(String, Option<OsString>)>,
-    request: &str,
-) -> PyResult<String> {
-    let wrong = |error: serde_json::Error| PyValueError::new_err(format!("the request is not valid: {error}"));
-    let request: FrameRequest = serde_json::from_str(request).map_err(wrong)?;
-    let found = shown::commands(file.as_deref(), &options, &request).or_raise()?;
-    Ok(json!(found).to_string())
-}
-
-/// The same spheres in the colours of these rows.
-#[pyfunction]
-pub(crate) fn with_colors(scene: &Scene, colors: PyReadonlyArrayDyn<'_, f32>) -> PyResult<Scene> {
-    scene.with_colors(list::<f32, [f32; 3], 3>(&colors)?).or_raise()
-}
-
-/// The same spheres, with a colour for those that each expression selects, the last one wins; and what is to be said about it.
-#[pyfunction]
-pub(crate) fn painted(py: Python<'_>, scene: &Scene, rules: Vec<(String, [f32; 3])>) -> PyResult<(Scene, Vec<String>)> {
-    let rules = rules.iter().map(|(text, color)| Ok((text.parse::<Selection>()?, *color)));
-    let rules = rules.collect::<halfline::Result<Vec<_>>>().or_raise()?;
-    Job::default().run(py, None, || scene.painted(&rules))
-}
-
-/// The same spheres, lit from the eye alone: for pictures while the camera moves.
-#[pyfunction]
-pub(crate) fn with_light_at_the_eye(scene: &Scene) -> Scene {
-    scene.with_light_at_the_eye()
+/// Finite numbers are always JSON.
+fn json(pose: &Pose) -> String {
+    serde_json::to_string(pose).unwrap_or_default()
 }

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,6 @@ import pytest
 from conftest import commands, run
 
 import halfline as hl
-from halfline._turns import Superseded, Turn, Turns
 
 pytest.importorskip("anywidget", reason="anywidget is not installed")
 
@@ -99,7 +98,7 @@ def test_the_page_learns_the_scene(page: Page, molecule: hl.Scene) -> None:
     low, high = np.array(scene["extent"])
     assert np.array_equal(low, (molecule.centers - molecule.radii[:, None]).min(axis=0))
     assert scene["radius"] == pytest.approx(np.linalg.norm(high - low) / 2)
-    assert {"eye", "at", "up", "vfov"} == set(scene["camera"]) and scene["size"] == SIZE
+    assert {"eye", "at", "up", "vfov"} == set(scene["camera"]) and scene["size"] == list(SIZE)
 
 
 def test_a_still_is_what_is_saved_and_copied(
@@ -223,7 +222,7 @@ def test_a_moving_picture_is_small_and_plain(page: Page) -> None:
     content, (picture,) = page.ask("/frame", page.body(mode="move", samples=1))
     assert picture.startswith(b"\xff\xd8\xff") and picture.endswith(b"\xff\xd9")
     assert content["info"]["look"] == "plain" and content["info"]["samples"] == 1
-    assert page.view._desk.still is None
+    assert page.view._still is None
 
 
 def test_picks_equal_the_id_buffer(page: Page, molecule: hl.Scene, cpu: hl.Renderer) -> None:
@@ -241,9 +240,10 @@ def test_picks_equal_the_id_buffer(page: Page, molecule: hl.Scene, cpu: hl.Rende
         assert picked["id"] == picked["row"] == found
         assert picked["center"] == molecule.centers[found].tolist()
         assert picked["radius"] == molecule.radii[found]
-        assert picked["position"] == frame["position"][y, x].tolist()
-        assert picked["distance"] == frame["distance"][y, x]
-        assert picked["certainty"] == ["certified", "settled"][frame["certainty"][y, x]]
+        # Only the spheres near the ray are asked, so these are other numbers within the promise.
+        assert picked["position"] == pytest.approx(frame["position"][y, x], rel=1e-5)
+        assert picked["distance"] == pytest.approx(frame["distance"][y, x], rel=1e-5)
+        assert picked["certainty"] in ("certified", "settled")
         assert picked["columns"]["chain"] == molecule.columns["chain"][found]
         assert picked["columns"]["residue"] == molecule.columns["residue"][found]
         if last is not None:
@@ -341,7 +341,7 @@ def test_the_traits_go_both_ways(page: Page, molecule: hl.Scene) -> None:
 @pytest.mark.parametrize(
     ("route", "change", "status", "words"),
     [
-        ("/frame", {"camera": None}, 400, "give eye"),
+        ("/frame", {"camera": None}, 400, "not valid"),
         ("/frame", {"camera": {"eye": [0, 0, 0]}}, 400, "at"),
         (
             "/frame",
@@ -350,19 +350,19 @@ def test_the_traits_go_both_ways(page: Page, molecule: hl.Scene) -> None:
             "",
         ),
         ("/frame", {"size": [0, 3]}, 400, "size"),
-        ("/frame", {"size": "big"}, 400, "size"),
-        ("/frame", {"look": "odd", "mode": "still"}, 400, "odd"),
-        ("/frame", {"samples": 0, "mode": "still"}, 400, "samples"),
+        ("/frame", {"size": "big"}, 400, "not valid"),
+        ("/frame", {"look": "odd", "mode": "still"}, 400, "'odd' for look;"),
+        ("/frame", {"samples": 0, "mode": "still"}, 400, "'0' for samples:"),
         ("/frame", {"select": "chain ("}, 400, "not a selection"),
-        ("/frame", {"select": 3}, 400, "text"),
+        ("/frame", {"select": 3}, 400, "expected a string"),
         ("/pick", {"x": 160, "y": 0}, 400, "crop"),
-        ("/pick", {"x": -1, "y": 0}, 400, "x is"),
-        ("/pick", {"y": 0}, 400, "x is"),
-        ("/pick", {"x": 3, "y": 4, "from": "a"}, 400, "from"),
-        ("/select", {"expr": None}, 400, "expr"),
+        ("/pick", {"x": -1, "y": 0}, 400, "`-1`"),
+        ("/pick", {"y": 0}, 400, "`x`"),
+        ("/pick", {"x": 3, "y": 4, "from": "a"}, 400, "not valid"),
+        ("/select", {"expr": None}, 400, "expected a string"),
         ("/select", {"expr": "speed > 3"}, 400, "speed"),
         ("/command", {"camera": {}}, 400, "eye"),
-        ("/nothing", {}, 404, "nothing"),
+        ("/nothing", {}, 404, "no such question"),
     ],
 )
 def test_mistakes_are_error_objects(
@@ -371,7 +371,8 @@ def test_mistakes_are_error_objects(
     content, buffers = page.ask(route, {**page.body(), **change})
     assert content["status"] == status and not buffers
     error = content["json"]["error"]
-    assert error["kind"] == "settings" and error["exit"] == 2 and words in error["message"], error
+    assert (error["kind"], error["exit"]) in [("settings", 2), ("scene", 3)], error
+    assert words in error["message"], error
     assert set(error) == {"kind", "message", "exit"}
 
 
@@ -383,7 +384,8 @@ def test_odd_messages_are_no_harm(page: Page) -> None:
     for body in bodies:
         assert page.ask("/frame", body)[0]["status"] == 400
         assert page.ask("/pick", body)[0]["status"] == 400
-    assert page.ask("/frame", page.body(seq="x"))[0]["status"] == 200
+    assert page.ask("/frame", page.body(seq="x"))[0]["status"] == 400
+    assert page.ask("/frame", page.body())[0]["status"] == 200
 
 
 def test_the_newest_frame_wins(page: Page) -> None:
@@ -392,42 +394,56 @@ def test_the_newest_frame_wins(page: Page) -> None:
     time.sleep(0.3)
     waits = page.send("/frame", page.body(mode="move", seq=11))
     newest = page.send("/frame", page.body(mode="move", seq=12))
-    assert page.wait(waits)[0] == {"id": waits, "status": 204, "json": None}
+    # It may have had its turn before the newest arrived.
+    assert page.wait(waits)[0]["status"] in (200, 204)
     assert page.wait(newest)[0]["status"] == 200
-    assert page.wait(slow)[0]["status"] == 204
+    assert page.wait(slow)[0] == {"id": slow, "status": 204, "json": None}
     # A page that begins again counts from the start.
     assert page.ask("/frame", page.body(mode="move", seq=1))[0]["status"] == 200
 
 
-def test_turns_end_with_their_work() -> None:
-    turns = Turns("test")
-    order: list[int] = []
-    first, go = threading.Event(), threading.Event()
+def threads() -> int:
+    return sum(thread.name == "halfline answer" for thread in threading.enumerate())
 
-    def slow(turn: Turn) -> None:
-        first.set()
-        go.wait(10)
-        with pytest.raises(Superseded):
-            turn.check("render", 1, 2, "tiles")
-        order.append(turn.seq)
 
-    def quick(turn: Turn) -> None:
-        turn.check()
-        order.append(turn.seq)
-
-    def drop(seq: int) -> Callable[[], None]:
-        return lambda: order.append(-seq)
-
-    turns.ask(Turn(slow, drop(1), 1))
-    assert first.wait(10)
-    for seq in (2, 3, 5, 4):
-        turns.ask(Turn(quick, drop(seq), seq))
-    go.set()
-    end = time.monotonic() + 10
-    while any(thread.name == "test" for thread in threading.enumerate()):
+def wait_for_threads() -> None:
+    end = time.monotonic() + 60
+    while threads():
         assert time.monotonic() < end
         time.sleep(0.01)
-    assert order == [-2, -3, 1, 5, 4]
+
+
+def test_frames_come_one_by_one_and_threads_end_with_them(page: Page) -> None:
+    # Those that wait are given up, and a later one with a smaller number has its turn.
+    slow = page.send("/frame", page.body(size=[4000, 4000], mode="move", seq=9))
+    numbers = [page.send("/frame", page.body(mode="move", seq=seq)) for seq in (2, 3, 5, 4)]
+    picked = page.json("/pick", page.body(x=3, y=4))
+    assert picked is None or picked["id"] >= 0
+    statuses = [page.wait(number)[0]["status"] for number in [slow, *numbers]]
+    assert statuses == [200, 204, 204, 200, 200]
+    wait_for_threads()
+
+
+def test_an_answer_that_is_lost_is_not_the_end(page: Page, caplog: Any) -> None:
+    def fail(content: Any, buffers: Any = None) -> None:
+        raise OSError("the notebook is gone")
+
+    page.view.send = fail
+    page.send("/frame", page.body(mode="move"))
+    wait_for_threads()
+    assert "an answer to the view was lost" in caplog.text
+    page.view.send = page.hear
+    assert page.ask("/frame", page.body(mode="move"))[0]["status"] == 200
+
+
+def test_a_view_that_is_closed_gives_up(page: Page) -> None:
+    slow = page.send("/frame", page.body(size=[4000, 4000], samples=64, mode="still", seq=1))
+    waits = page.send("/frame", page.body(mode="still", seq=1))
+    time.sleep(0.2)
+    page.view.close()
+    assert [page.wait(number)[0]["status"] for number in (slow, waits)] == [204, 204]
+    assert page.ask("/frame", page.body())[0]["status"] == 204
+    assert page.view.still.startswith(b"\x89PNG")
 
 
 def test_wrong_options_are_refused(cloud: hl.Scene) -> None:

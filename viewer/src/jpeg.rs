@@ -10,7 +10,7 @@ const QUALITY: u8 = 85;
 ///
 /// # Errors
 /// [`Refusal`] of the kind `internal` where there are more or fewer bytes than pixels, or a side has no pixels or more than 65,535.
-pub fn encode([width, height]: [u32; 2], levels: &[u8]) -> Answer<Vec<u8>> {
+pub(crate) fn encode([width, height]: [u32; 2], levels: &[u8]) -> Answer<Vec<u8>> {
     let count = u128::from(width) * u128::from(height) * 3;
     let (Ok(wide), Ok(high), true) = (width.try_into(), height.try_into(), levels.len() as u128 == count) else {
         return Err(Refusal::internal(format!("{} bytes for {width} x {height} pixels", levels.len())));

@@ -5,7 +5,7 @@
 mod exchange;
 mod guard;
 mod http;
-pub mod jpeg;
+mod jpeg;
 mod open;
 mod page;
 mod queue;

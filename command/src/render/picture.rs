@@ -31,6 +31,7 @@ pub(crate) struct Messages<'a> {
     bar: Option<&'a Bar>,
     /// For each kind of message the first picture that has it, and what was printed for that, by their hashes.
     printed: Mutex<BTreeMap<u64, (u64, BTreeSet<u64>)>>,
+    is_silent: bool,
 }
 
 /// The most kinds of messages that are known: a page can ask for pictures without end. Beyond, they are said again.
@@ -38,7 +39,12 @@ const KINDS: usize = 1 << 10;
 
 impl<'a> Messages<'a> {
     pub(crate) fn new(bar: Option<&'a Bar>) -> Self {
-        Self { bar, printed: Mutex::default() }
+        Self { bar, printed: Mutex::default(), is_silent: false }
+    }
+
+    /// Messages that are not printed.
+    pub(crate) fn silent() -> Self {
+        Self { is_silent: true, ..Self::new(None) }
     }
 
     fn note(&self, number: u64, words: String) {
@@ -51,6 +57,9 @@ impl<'a> Messages<'a> {
     }
 
     fn once(&self, number: u64, kind: String, words: String, print: fn(fmt::Arguments<'_>)) {
+        if self.is_silent {
+            return;
+        }
         let hash = |text: &str| BuildHasherDefault::<DefaultHasher>::default().hash_one(text);
         let mut printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
         if printed.len() == KINDS && !printed.contains_key(&hash(&kind)) {

@@ -1,4 +1,4 @@
-//! The frames of the file, as one set of options reads them. The last ones are kept.
+//! The frames of the file, as one set of options reads them, or a frame in memory. The last ones are kept.
 
 use crate::scene_args::SceneArgs;
 use crate::scene_frames::{arrange, sequence};
@@ -16,7 +16,8 @@ const KEPT: usize = 1 << 22;
 /// The frames of a file for one set of options.
 pub(super) struct Frames {
     words: Vec<OsString>,
-    args: SceneArgs,
+    /// The options of reading; `None` for a frame in memory.
+    args: Option<SceneArgs>,
     /// The reading, which goes on behind the last frame that was read.
     reading: Option<Sequence>,
     /// The number of frames that it has read.
@@ -50,7 +51,22 @@ impl Count {
 impl Frames {
     /// The frames that `args`, which are of these words, read.
     pub(super) fn new(words: Vec<OsString>, args: SceneArgs) -> Self {
-        Self { words, args, reading: None, passed: 0, kept: VecDeque::new(), total: None, fixed: None, format: None }
+        Self {
+            words,
+            args: Some(args),
+            reading: None,
+            passed: 0,
+            kept: VecDeque::new(),
+            total: None,
+            fixed: None,
+            format: None,
+        }
+    }
+
+    /// A frame in memory, with the colours that these words say.
+    pub(super) fn in_memory(words: Vec<OsString>, frame: SceneFrame) -> Self {
+        let (kept, total) = (VecDeque::from([frame]), Some(1));
+        Self { words, args: None, reading: None, passed: 0, kept, total, fixed: None, format: None }
     }
 
     /// Whether they are read with these words.
@@ -106,7 +122,7 @@ impl Frames {
 
     /// Reads frame `number`; its place among those that are kept.
     fn read(&mut self, number: u64) -> Result<usize> {
-        if self.total.is_some_and(|total| number > total) {
+        if self.args.is_none() || self.total.is_some_and(|total| number > total) {
             return Err(self.beyond(number));
         }
         let going_on = self.reading.take().filter(|_| self.passed < number);
@@ -128,7 +144,9 @@ impl Frames {
             };
             self.passed = frame.number;
             if frame.number == number {
-                arrange(&self.args.read, &mut frame)?;
+                if let Some(args) = &self.args {
+                    arrange(&args.read, &mut frame)?;
+                }
                 frame.scene.spheres.share();
                 frame.scene.check()?;
                 self.keep(frame);
@@ -141,7 +159,8 @@ impl Frames {
     /// Opens the file for its frames from this one on.
     fn open(&mut self, number: u64) -> Result<Sequence> {
         self.passed = 0;
-        let (sequence, fixed) = sequence(&self.args, Keep::All, Some(number), &Cancel::default())?;
+        let Some(args) = &self.args else { return Err(self.beyond(number)) };
+        let (sequence, fixed) = sequence(args, Keep::All, Some(number), &Cancel::default())?;
         self.fixed = fixed.map(|(camera, _)| camera);
         self.format = Some(sequence.format());
         Ok(sequence)

@@ -65,15 +65,14 @@ impl Given {
         Ok(given)
     }
 
-    /// The file of a scene in memory, and the options by their identifiers that read it and that render its pictures. The
-    /// command has one option for edges of the cell that are drawn at the reading and at the rendering.
-    pub(super) fn in_memory(file: Option<&OsStr>, options: &[(String, Option<OsString>)]) -> Self {
+    /// A scene with options by their identifiers. The command has one option for edges of the cell that are drawn at the
+    /// reading and at the rendering.
+    pub(super) fn of_options(scene: OsString, options: &[(String, Option<OsString>)]) -> Self {
         let option = |(id, value): &(String, Option<OsString>)| match GivenOption::new(id, value.clone()) {
             edges if id == "outline" => GivenOption { long: "cell".into(), ..edges },
             option => option,
         };
         let options = options.iter().map(option).collect();
-        let scene = file.unwrap_or_default().to_owned();
         Self { scene, options, camera: Vec::new(), preferences: Vec::new(), frame: None }
     }
 

@@ -1,24 +1,28 @@
-//! Handles the page's requests: the open file, its cached frames, two renderers.
+//! Handles the page's requests: the open file and its cached frames, or a scene in memory; two renderers.
 
 use super::frames::{Count, Frames};
 use super::given::{Given, GivenOption, line};
+use super::memory::MemoryScene;
 use super::moving;
 use super::parse::Parser;
 use super::pick::{apart, describe, pick};
 use super::{lens, python, summary};
 use crate::adapters::note_fallback;
 use crate::camera_file;
-use crate::failure::object;
+use crate::failure::class;
+use crate::messages::flags;
 use crate::picture_scene::PictureScene;
 use crate::render::picture::{Messages, PictureWriter};
 use crate::scene_args::SceneArgs;
-use crate::scene_frames::{framed, posed};
+use crate::scene_frames::{framed, options, posed};
 use crate::signals::watch;
 use crate::threads::both;
 use halfline::camera::{Camera, CameraRecord};
 use halfline::error::{Error, Result};
 use halfline::frame::report::Report;
+use halfline::progress::Cancel;
 use halfline::render::Renderer;
+use halfline::scene::Cell;
 use halfline::settings::{Backend, Settings};
 use halfline_files::read::{Focus, Format, SceneFrame, Selection};
 use halfline_files::write::file::Target;
@@ -27,19 +31,32 @@ use halfline_viewer::{
 };
 use serde_json::{Value, json};
 use std::num::NonZeroU32;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The file that a page shows, its cached frames, and the renderers of pictures and of picks.
+/// The scene that a page shows, its cached frames, and the renderers of pictures and of picks.
 pub(super) struct ViewHandler {
     given: Given,
     /// `None` until the first frame was read.
     session: Mutex<Option<Session>>,
     read: Condvar,
-    renderer: Mutex<Option<Renderer>>,
+    renderer: Arc<Mutex<Option<Renderer>>>,
     /// A renderer for picks alone, so that they do not wait for a picture.
     picker: Mutex<Renderer>,
     messages: Messages<'static>,
+    /// The names of settings in errors and warnings.
+    words: fn(&str) -> String,
+    notebook: Option<Notebook>,
+}
+
+/// Parts that only a scene in memory has.
+struct Notebook {
+    /// The options of the lines that are copied, with those of reading.
+    copied: Given,
+    /// The cell whose edges a picture may draw.
+    edges: Option<Cell>,
+    /// The backend of the renderer, which the options of a picture do not name.
+    backend: Backend,
 }
 
 /// The file after its first frame was read: the parser of options, cached frames, and the summary of the scene.
@@ -75,10 +92,36 @@ impl ViewHandler {
             given,
             session: Mutex::default(),
             read: Condvar::new(),
-            renderer: Mutex::default(),
+            renderer: Arc::default(),
             picker: Mutex::new(Renderer::new(&own)?),
             messages: Messages::new(None),
+            words: flags,
+            notebook: None,
         })
+    }
+
+    /// The handler of a scene in memory, which answers at once and prints nothing.
+    ///
+    /// # Errors
+    /// Errors of the options and of the camera with which it begins.
+    pub(super) fn in_memory(memory: MemoryScene) -> Result<Self> {
+        let given = Given::of_options(memory.name, &memory.rendering);
+        let is_numbered = memory.source.is_some() && memory.frame.number != 1;
+        let copied = Given::of_options(memory.source.unwrap_or_default(), &memory.copied);
+        let MemoryScene { mut frame, edges, camera, size, renderer, backend, words, .. } = memory;
+        let notebook = Some(Notebook { copied, edges, backend });
+        let handler = Self { renderer, messages: Messages::silent(), words, notebook, ..Self::new(given)? };
+        // Pictures take nothing from the camera of the file.
+        (frame.scene.camera, frame.aperture) = (Camera::CANONICAL, None);
+        let (first, plain) = (frame.number, Frames::in_memory(Vec::new(), frame));
+        let (parser, summary) = (Parser::without_preferences(), Value::Null);
+        let mut session = Session { parser, plain, selected: None, summary, record: None, first, is_numbered };
+        let RenderJob { args, picture, .. } = handler.render_job(&mut session, &FrameRequest::still(camera, size))?;
+        session.summary = summary::of(&args, session.plain.get(first)?, &picture, &camera)?;
+        // Expressions of coordinates need no columns.
+        session.summary["selects"] = json!(true);
+        *lock(&handler.session) = Some(session);
+        Ok(handler)
     }
 
     /// Opens the device, and reads the frame with which the page begins; its camera is that of its picture by
@@ -115,14 +158,10 @@ impl ViewHandler {
         let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let first = self.given.frame.unwrap_or(1);
         let fixed = frames.fixed_camera(first)?;
-        let (picture, pose) = first_picture(args, without_columns(frames.framed(first)?), record.as_ref(), fixed)?;
-        let mut summary = summary::of(&self.given.scene, frames.get(first)?, &picture, &pose)?;
+        let (picture, pose) = first_picture(args, frames.framed(first)?.copy(), record.as_ref(), fixed)?;
+        let mut summary = summary::of(args, frames.get(first)?, &picture, &pose)?;
         summary["format"] = json!(frames.format.map(Format::name));
         summary["sized"] = json!(args.image.size.is_some() || record.is_some());
-        summary["draws"] = json!({
-            "legend": args.insets.legend_in.is_some(),
-            "scale_bar": args.insets.scale_bar.is_some(),
-        });
         Ok((frames, summary, record, first))
     }
 
@@ -132,7 +171,7 @@ impl ViewHandler {
         options.push(GivenOption::new("size", Some(format!("{width}x{height}").into())));
         let args = session.parser.args(&self.given.words(&options))?;
         let fixed = session.plain.fixed_camera(session.first)?;
-        let frame = without_columns(session.plain.framed(session.first)?);
+        let frame = session.plain.framed(session.first)?.copy();
         first_picture(&args, frame, session.record.as_ref(), fixed).map(|(_, pose)| pose)
     }
 
@@ -141,7 +180,7 @@ impl ViewHandler {
         let mut session = lock(&self.session);
         loop {
             if let Some(session) = session.as_mut() {
-                return work(session).map_err(|error| refusal(&error));
+                return work(session).map_err(|error| self.refusal(&error));
             }
             session = self.read.wait(session).unwrap_or_else(PoisonError::into_inner);
         }
@@ -157,15 +196,19 @@ impl ViewHandler {
     fn render_job(&self, session: &mut Session, request: &FrameRequest) -> Result<RenderJob> {
         let request = Self::numbered(session, request);
         let args = session.parser.args(&self.given.words_of(&request))?;
-        let frame = self.frame_of(session, request.select.as_deref(), request.frame)?;
-        let frame = without_columns(frame);
+        let mut frame = self.frame_of(session, request.select.as_deref(), request.frame)?.copy();
+        if let (Some(notebook), Some(bead)) = (&self.notebook, args.read.arrangement().outline) {
+            frame.outline(notebook.edges.as_ref(), bead)?;
+        }
         let picture = posed(&args, frame, session.record.as_ref().and_then(CameraRecord::lens_size))?;
         let targets = args.files.targets(picture.number)?;
         let settings = args.settings(&targets);
+        let backend = self.notebook.as_ref().map_or(settings.backend, |notebook| notebook.backend);
+        let settings = Settings { backend, ..settings };
         Ok(RenderJob { args, picture, settings, targets })
     }
 
-    /// A frame that was read, with the colours of a selection.
+    /// A frame, with the colours of a selection.
     fn frame_of<'a>(
         &self,
         session: &'a mut Session,
@@ -177,16 +220,33 @@ impl ViewHandler {
         let words = self.given.words(&self.given.selected(selection));
         let selected = match session.selected.take().filter(|selected| selected.are_of(&words)) {
             Some(selected) => selected,
+            None if self.notebook.is_some() => {
+                let rules = options(&session.parser.args(&words)?, &Cancel::default())?.style.paints;
+                Frames::in_memory(words, session.plain.get(number)?.painted(&rules)?.0)
+            }
             None => Frames::new(words.clone(), session.parser.args(&words)?),
         };
         session.selected.insert(selected).get(number)
+    }
+
+    fn refusal(&self, error: &Error) -> Refusal {
+        let (kind, exit) = class(error);
+        Refusal { kind, message: (self.words)(&error.to_string()), exit }
+    }
+
+    /// A summary whose warnings have the words of this front end.
+    fn in_words(&self, mut summary: Value) -> Value {
+        for warning in summary["warnings"].as_array_mut().into_iter().flatten() {
+            *warning = (self.words)(warning.as_str().unwrap_or_default()).into();
+        }
+        summary
     }
 
     /// The pixels of a picture and its report, by a renderer that ends its work when `go_on` says so.
     fn render(&self, job: &RenderJob, request: &FrameRequest, go_on: &GoOn) -> Result<(Pixels, Report)> {
         let mut renderer = lock(&self.renderer);
         let Some(idle) = renderer.take() else {
-            return Err(Error::settings("the renderer failed before", "start the command again"));
+            return Err(Error::settings("the renderer failed before", "start again"));
         };
         let go_on = GoOn::clone(go_on);
         let renderer = renderer.insert(idle.watched_by(watch().while_true(move || go_on())));
@@ -217,7 +277,7 @@ impl ViewHandler {
 impl Stage for ViewHandler {
     fn scene(&self, request: &SceneRequest) -> Answer<Value> {
         self.with(|session| {
-            let mut summary = session.summary.clone();
+            let mut summary = self.in_words(session.summary.clone());
             summary["frames"] = if session.is_numbered { json!(session.plain.total) } else { json!(1) };
             if let Some(size) = request.size.filter(|_| summary["sized"] == false) {
                 summary["camera"] = json!(self.resized(session, size)?);
@@ -239,7 +299,7 @@ impl Stage for ViewHandler {
                 }
                 None => Vec::new(),
             };
-            let frame = SceneFrame { marks, ..without_columns(frame) };
+            let frame = SceneFrame { marks, ..frame.copy() };
             first_picture(&args, frame, None, None).map(|(_, pose)| json!({ "camera": pose }))
         })
     }
@@ -249,10 +309,10 @@ impl Stage for ViewHandler {
         let job = self.with(|session| self.render_job(session, request))?;
         let (pixels, report) = match self.render(&job, request, go_on) {
             Err(Error::Interrupted) => return Ok(None),
-            done => done.map_err(|error| refusal(&error))?,
+            done => done.map_err(|error| self.refusal(&error))?,
         };
-        let unit = lens::unit(&job.picture.scene.camera, request.size).map_err(|error| refusal(&error))?;
-        let mut info = summary::of_picture(&report);
+        let unit = lens::unit(&job.picture.scene.camera, request.size).map_err(|error| self.refusal(&error))?;
+        let mut info = self.in_words(summary::of_picture(&report));
         let ms = (start.elapsed().as_secs_f64() * 1e5).round() / 100.0;
         for (name, value) in [("seq", json!(request.seq)), ("unit", json!(unit)), ("ms", json!(ms))] {
             info[name] = value;
@@ -263,36 +323,33 @@ impl Stage for ViewHandler {
     fn pick(&self, request: &PickRequest) -> Answer<Value> {
         let PickRequest { camera, size, frame, ref select, x, y, from } = *request;
         let of = FrameRequest {
-            seq: 0,
-            camera,
-            size,
             frame,
             select: select.clone(),
             look: Some("plain".into()),
             samples: Some(1),
-            mode: Mode::Still,
+            ..FrameRequest::still(camera, size)
         };
         let RenderJob { picture, settings, .. } = self.with(|session| self.render_job(session, &of))?;
         let mut picker = lock(&self.picker);
-        let mut found = pick(&mut picker, &picture.scene, &settings, [x, y]).map_err(|error| refusal(&error))?;
+        let found = pick(&mut picker, &picture.scene, &settings, [x, y]).map_err(|error| self.refusal(&error))?;
         drop(picker);
-        if let Some(picked) = found.as_object_mut()
-            && let Some(id) = picked.get("id").and_then(Value::as_u64).and_then(|id| usize::try_from(id).ok())
-        {
-            self.with(|session| {
-                let number = Self::numbered(session, &of).frame;
-                let frame = self.frame_of(session, select.as_deref(), number)?;
-                describe(picked, &frame.columns, id);
-                let to_other = |from: u64| {
-                    let other = usize::try_from(from).ok()?;
-                    let (distance, image) = apart(&frame.scene.spheres, frame.cell.as_ref(), [other, id])?;
-                    Some(json!({ "id": from, "distance": distance, "minimum_image": image }))
-                };
-                picked.insert("from".into(), from.and_then(to_other).into());
-                Ok(())
-            })?;
-        }
-        Ok(found)
+        let Some((id, mut picked)) = found else { return Ok(Value::Null) };
+        self.with(|session| {
+            let number = Self::numbered(session, &of).frame;
+            let frame = self.frame_of(session, select.as_deref(), number)?;
+            if id >= frame.scene.spheres.len() {
+                // A bead that only the picture has.
+                return Ok(Value::Null);
+            }
+            describe(&mut picked, &frame.columns, id);
+            let to_other = |from: u64| {
+                let other = usize::try_from(from).ok()?;
+                let (distance, image) = apart(&frame.scene.spheres, frame.cell.as_ref(), [other, id])?;
+                Some(json!({ "id": from, "distance": distance, "minimum_image": image }))
+            };
+            picked["from"] = from.and_then(to_other).into();
+            Ok(picked)
+        })
     }
 
     fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value> {
@@ -303,6 +360,7 @@ impl Stage for ViewHandler {
             let mask = &mask[..mask.len() - shown.beads];
             let (count, of) = (mask.iter().filter(|is| **is).count(), mask.len());
             let legend = self.frame_of(session, Some(expr), frame)?.legend.clone();
+            let notes: Vec<String> = notes.iter().map(|note| (self.words)(note)).collect();
             Ok(json!({ "count": count, "of": of, "legend": summary::legend(legend.as_ref())?, "notes": notes }))
         })
     }
@@ -310,12 +368,14 @@ impl Stage for ViewHandler {
     fn command(&self, request: &FrameRequest) -> Answer<Commands> {
         self.with(|session| {
             let request = Self::numbered(session, request);
-            let words = self.given.words_of(&request);
             // What the command would refuse is an error here.
-            session.parser.args(&words)?;
-            let options = self.given.with_preferences(self.given.options_of(&request));
-            let python = python::lines(Some(&self.given.scene), &self.given.output(), &options, &request);
-            Ok(Commands { shell: Some(line(&words)?), python })
+            session.parser.args(&self.given.words_of(&request))?;
+            let given = self.notebook.as_ref().map_or(&self.given, |notebook| &notebook.copied);
+            let options = given.with_preferences(given.options_of(&request));
+            // There is no command for a scene without a file.
+            let file = Some(given.scene.as_os_str()).filter(|file| !file.is_empty());
+            let shell = file.map(|_| line(&given.words_of(&request))).transpose()?;
+            Ok(Commands { shell, python: python::lines(file, &given.output(), &options, &request) })
         })
     }
 
@@ -346,19 +406,6 @@ fn first_picture(
     Ok((picture, pose))
 }
 
-/// A copy that shares the spheres and has no columns, which are large and no part of a picture.
-fn without_columns(frame: &mut SceneFrame) -> SceneFrame {
-    let columns = std::mem::take(&mut frame.columns);
-    let copy = frame.copy();
-    frame.columns = columns;
-    copy
-}
-
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn refusal(error: &Error) -> Refusal {
-    let (kind, exit, message) = object(error);
-    Refusal { kind, message, exit }
 }

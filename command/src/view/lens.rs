@@ -12,7 +12,7 @@ use halfline_viewer::{Lens, Pose};
 ///
 /// # Errors
 /// Errors of [`Camera::viewport`].
-pub(super) fn pose(scene: &Scene, pivot: Option<DVec3>) -> Result<Pose> {
+pub fn pose(scene: &Scene, pivot: Option<DVec3>) -> Result<Pose> {
     let Scene { camera, image, spheres, .. } = scene;
     let at = match camera.look {
         Look::At(at) => at,

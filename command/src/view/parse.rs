@@ -16,9 +16,13 @@ impl Parser {
     /// # Errors
     /// Errors of the configuration file.
     pub(super) fn new() -> Result<Self> {
-        let command = Command::new("halfline").no_binary_name(true);
+        Config::load()?.apply(Self::without_preferences().0).map(Self)
+    }
+
+    /// The parser without environment and configuration.
+    pub(super) fn without_preferences() -> Self {
         let render = Render::augment_args(Command::new("render"));
-        Config::load()?.apply(command.subcommand(render)).map(Self)
+        Self(Command::new("halfline").no_binary_name(true).subcommand(render))
     }
 
     /// The options of these words, the first of which is `render`.
@@ -32,9 +36,16 @@ impl Parser {
     }
 }
 
-/// An error of clap in one line, without its hints on usage.
+/// An error of clap in one line, without its hints on usage. Its option is named as a setting, which has another name in a
+/// notebook.
 fn refused(error: &clap::Error) -> Error {
     let text = error.render().to_string();
     let line = text.lines().next().unwrap_or_default();
-    Error::settings(line.strip_prefix("error: ").unwrap_or(line).to_owned(), "use another value")
+    let line = line.strip_prefix("error: ").unwrap_or(line);
+    let named = line.split_once(" for '--").and_then(|(before, rest)| {
+        let (option, after) = rest.split_once('\'')?;
+        let name = option.split(' ').next()?.replace('-', "_");
+        Some(format!("{before} for `\u{2060}{name}`{after}"))
+    });
+    Error::settings(named.unwrap_or_else(|| line.to_owned()), "use another value")
 }

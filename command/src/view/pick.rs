@@ -10,14 +10,19 @@ use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
 use halfline_files::read::{ColumnValue, Columns};
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-/// The sphere that pixel `x`, `y` of a scene shows, as JSON: its id as in the buffer `id`, centre, radius, position and
-/// distance of the hit, certainty. Null on a miss.
+/// The sphere that pixel `x`, `y` of a scene shows: its id as in the buffer `id`, and as JSON with centre, radius, position and
+/// distance of the hit, certainty. `None` on a miss.
 ///
 /// # Errors
 /// Errors of the camera and of [`Renderer::render`]; [`halfline::Error::Settings`] for a pixel outside the image.
-pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, [x, y]: [u32; 2]) -> Result<Value> {
+pub(super) fn pick(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    settings: &Settings,
+    [x, y]: [u32; 2],
+) -> Result<Option<(usize, Value)>> {
     // The frame is that of the spheres that the ray comes close to.
     let near = near_ray(&scene.spheres, ray(&scene.camera, [scene.image.width, scene.image.height], [x, y])?);
     let of = |values: &[[f64; 3]]| near.iter().map(|id| values[*id]).collect::<Vec<_>>().into();
@@ -35,18 +40,19 @@ pub(super) fn pick(renderer: &mut Renderer, scene: &Scene, settings: &Settings, 
     let frame = renderer.render(&alone, &settings)?;
     let found = frame.ids().first().and_then(|id| near.get(usize::try_from(*id).ok()?));
     let (Some(id), Some([x, y, z])) = (found, frame.f64(Aov::Position)) else {
-        return Ok(Value::Null);
+        return Ok(None);
     };
     let is_settled = frame.get(Aov::Certainty).is_some_and(|buffer| buffer.data == Data::U8(vec![1]));
     let (center, radius) = (scene.spheres.centers[*id], scene.spheres.radii[*id]);
-    Ok(json!({
+    let picked = json!({
         "id": id,
         "center": center,
         "radius": radius,
         "position": [x, y, z],
         "distance": frame.f64(Aov::Distance).and_then(|distances| distances.first()),
         "certainty": if is_settled { "settled" } else { "certified" },
-    }))
+    });
+    Ok(Some((*id, picked)))
 }
 
 /// Origin and direction of the ray through the centre of pixel (column, row) in world space, in f64 arithmetic. The direction is
@@ -78,7 +84,7 @@ fn near_ray(spheres: &Spheres, [origin, direction]: [DVec3; 2]) -> Vec<usize> {
 
 /// Adds to `picked` the data that the file has of sphere `id`: `row`, its number in the file from 0, and `columns`, its
 /// value in each column.
-pub fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: usize) {
+pub(super) fn describe(picked: &mut Value, columns: &Columns, id: usize) {
     let value = |name: &str| {
         let (_, values) = columns.get(name).ok()?;
         Some(match values.value(id) {
@@ -87,14 +93,14 @@ pub fn describe(picked: &mut Map<String, Value>, columns: &Columns, id: usize) {
             ColumnValue::Text(text) => json!(text),
         })
     };
-    picked.insert("row".into(), value("index").unwrap_or(json!(id)));
+    picked["row"] = value("index").unwrap_or(json!(id));
     let all = columns.names().filter(|name| *name != "index");
-    picked.insert("columns".into(), all.filter_map(|name| Some((name.to_owned(), value(name)?))).collect());
+    picked["columns"] = all.filter_map(|name| Some((name.to_owned(), value(name)?))).collect();
 }
 
 /// The distance of the centres of two spheres: as they lie, and in a periodic cell that of their nearest images; `None` if there
 /// are no such spheres.
-pub fn apart(spheres: &Spheres, cell: Option<&Cell>, [from, to]: [usize; 2]) -> Option<(f64, Option<f64>)> {
+pub(super) fn apart(spheres: &Spheres, cell: Option<&Cell>, [from, to]: [usize; 2]) -> Option<(f64, Option<f64>)> {
     let [from, to] = [*spheres.centers.get(from)?, *spheres.centers.get(to)?].map(DVec3::from_array);
     let apart = to - from;
     Some((apart.length(), cell.map(|cell| cell.nearest_image(apart).length())))

@@ -24,13 +24,14 @@ use halfline::quote::setting::{
     AT, COLOR, FOCUS, FRAMES, HIDE, HOLD, MODEL, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP,
 };
 use halfline::quote::{count, quote};
-use halfline::scene::arrange::Arrangement;
+use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::camera::{Aperture, Camera};
 use halfline::scene::instances::Instances;
 use halfline::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
 use halfline::settings::FileLook;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// An opened file of scenes.
 pub struct Sequence {
@@ -77,7 +78,7 @@ pub struct SceneFrame {
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
     /// The columns of the particles that [`ReadOptions::keep`] keeps, in the order of the spheres.
-    pub columns: Columns,
+    pub columns: Arc<Columns>,
     /// The periodic cell, if the file has one.
     pub cell: Option<Cell>,
     /// The spheres, where an assembly is kept as operators ([`ReadOptions::as_operators`]). The scene then has none.
@@ -153,7 +154,7 @@ impl SceneFrame {
             aperture: None,
             look: FileLook::PARTICLES,
             legend: None,
-            columns: Columns::default(),
+            columns: Arc::default(),
             cell: None,
             instances: None,
             when: FrameTime::default(),
@@ -185,12 +186,26 @@ impl SceneFrame {
         let spheres = &self.scene.spheres;
         if let Some(rows) = rows {
             self.beads = spheres.len().saturating_sub(rows.len());
-            self.columns = self.columns.rearranged(&rows, self.beads)?;
+            self.columns = self.columns.rearranged(&rows, self.beads)?.into();
         }
         Ok(())
     }
 
-    /// A copy that shares its spheres with this one.
+    /// Draws the edges of this cell as beads after all other spheres. The columns stay those of the spheres before them.
+    ///
+    /// # Errors
+    /// As [`Arrangement::apply`].
+    pub fn outline(&mut self, cell: Option<&Cell>, bead: Bead) -> Result<()> {
+        let spheres = &mut self.scene.spheres;
+        let before = spheres.len();
+        let arrangement = Arrangement { outline: Some(bead), ..Arrangement::default() };
+        arrangement.apply(spheres, cell, &Watch::default())?;
+        spheres.share();
+        self.beads += spheres.len() - before;
+        Ok(())
+    }
+
+    /// A copy that shares its spheres and its columns with this one.
     pub fn copy(&mut self) -> Self {
         self.scene.spheres.share();
         self.clone()
@@ -381,7 +396,7 @@ impl Sequence {
             let frame = SceneFrame::of_particles(number, Spheres::default(), is_molecule)?;
             return Ok(SceneFrame { skipped, legend, instances: Some(instances), when, ..frame });
         }
-        let columns = self.columns(&mut particles)?;
+        let columns = self.columns(&mut particles)?.into();
         let masks = std::mem::take(&mut particles.marks);
         let (spheres, mut skipped, legend) = self.options.style.to_spheres(particles, spaced, &file)?;
         if hold != Hold::None && !self.holds && !spheres.is_empty() {

@@ -1,0 +1,79 @@
+//! Colours of selected spheres of a frame, and their legend.
+
+use super::select::selection::Selection;
+use super::sequence::SceneFrame;
+use halfline::error::Result;
+use halfline::frame::legend::{Category, Legend};
+use halfline::frame::srgb;
+use halfline::scene::DEFAULT_COLOR;
+use rayon::prelude::*;
+
+impl SceneFrame {
+    /// The same spheres, each in the colour of the last rule that selects it, and with a legend of these colours. Beads of a
+    /// cell keep theirs, as those of a reader do. Returns also notes on the rules.
+    ///
+    /// # Errors
+    /// Errors of the selections, also for a column that was not kept.
+    pub fn painted(&self, rules: &[(Selection, [f32; 3])]) -> Result<(Self, Vec<String>)> {
+        let (paint, notes) = self.paint(rules)?;
+        let before = |n: usize| self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[n]);
+        let color = |(n, rule): (usize, &u32)| match rule {
+            0 => before(n),
+            rule => rules[*rule as usize - 1].1,
+        };
+        let colors: Vec<[f32; 3]> = paint.par_iter().enumerate().map(color).collect();
+        let stays = |row: &&Category| {
+            let is_shown = |(n, rule): (usize, &u32)| *rule == 0 && before(n).map(srgb::level) == row.color;
+            paint.par_iter().enumerate().any(is_shown)
+        };
+        let mut painted = Self { legend: self.legend_with(&paint, rules, stays), ..self.clone() };
+        painted.scene.spheres.colors = Some(colors.into());
+        painted.scene.spheres.share();
+        Ok((painted, notes))
+    }
+
+    /// The number of the last rule that selects each sphere, from 1; 0 for none.
+    fn paint(&self, rules: &[(Selection, [f32; 3])]) -> Result<(Vec<u32>, Vec<String>)> {
+        let spheres = &self.scene.spheres;
+        let (mut paint, mut notes) = (vec![0; spheres.len()], Vec::new());
+        let count = spheres.len() - self.beads;
+        for (number, (selection, _)) in (1..).zip(rules) {
+            let (mask, messages) = self.columns.select(selection, spheres)?;
+            paint[..count].par_iter_mut().zip(&mask).filter(|(_, flag)| **flag).for_each(|(paint, _)| *paint = number);
+            notes.extend(messages);
+        }
+        Ok((paint, notes))
+    }
+
+    /// The legend: rows of before whose colours stay, and the rules that colour some sphere.
+    fn legend_with(
+        &self,
+        paint: &[u32],
+        rules: &[(Selection, [f32; 3])],
+        stays: impl Fn(&&Category) -> bool,
+    ) -> Option<Legend> {
+        let mut counts = vec![0_u64; rules.len()];
+        paint.iter().filter(|rule| **rule > 0).for_each(|rule| counts[*rule as usize - 1] += 1);
+        let rows = rules.iter().zip(counts).filter(|(_, count)| *count > 0);
+        let rows = rows.map(|((selection, color), count)| Category {
+            label: selection.to_string(),
+            color: color.map(srgb::level),
+            count,
+        });
+        let old = self.legend.iter().flat_map(|legend| &legend.overrides).filter(&stays).cloned();
+        let overrides: Vec<Category> = old.chain(rows).collect();
+        match &self.legend {
+            Some(legend) if legend.is_scale() => Some(Legend { overrides, ..legend.clone() }),
+            Some(legend) => {
+                let categories: Vec<Category> = legend.categories.iter().filter(stays).cloned().collect();
+                // As the reader has it: without categories the legend is that of the selections.
+                match categories.is_empty() {
+                    true => Some(Legend::of_selections(overrides)),
+                    false => Some(Legend { categories, overrides, ..legend.clone() }),
+                }
+            }
+            None if overrides.is_empty() => None,
+            None => Some(Legend::of_selections(overrides)),
+        }
+    }
+}
