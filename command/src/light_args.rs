@@ -1,14 +1,15 @@
 //! Lights, sky and lines of the picture as options, and the looks that stand for several of them.
 
 use super::lens_args::PictureLens;
-use super::values::{length, numbers, whole};
+use super::process::is_typed;
+use super::values::{color, length, numbers, whole};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS, Sky};
-use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, Settings};
+use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, Outline, Settings};
 use halfline::shade::Shade;
 use halfline_files::read::SceneFrame;
 
@@ -41,6 +42,12 @@ pub(super) struct LightArgs {
     /// Draws dark lines where the depth jumps.
     #[arg(long)]
     silhouette: bool,
+    /// Width of these lines, from 0.1 to 40 pixels; below 1.3 they become paler instead of narrower [default: 1.3].
+    #[arg(long, value_name = "PIXELS", value_parser = outline_width, allow_negative_numbers = true)]
+    outline_width: Option<f64>,
+    /// Colour of these lines, as of --background [default: black].
+    #[arg(long, value_name = "COLOR", value_parser = color)]
+    outline_color: Option<[f32; 3]>,
     /// Fades colours to the background with depth.
     #[arg(long)]
     depth_cue: bool,
@@ -79,6 +86,11 @@ impl LightArgs {
         file.choose(has_picture, self.look, samples, shade).is_default
     }
 
+    /// Width and colour of outlines.
+    pub(super) fn outline(&self) -> Outline {
+        Outline::of(self.outline_width, self.outline_color)
+    }
+
     /// Applies the options to the scene, whose camera is final.
     ///
     /// # Errors
@@ -93,6 +105,10 @@ impl LightArgs {
         let LookRequest { file, has_picture, samples, shade } = request;
         let chosen = file.choose(has_picture, self.look, samples.or(lens.samples), shade);
         let look = chosen.look;
+        let silhouette = self.silhouette || look.has_silhouette();
+        // A preference from elsewhere may apply to no picture.
+        let typed = ["--outline-width", "--outline-color"].map(is_typed);
+        skipped.assumed.extend(Outline::idle(typed, has_picture, silhouette));
         let light = AddedLight {
             look,
             suns: self.sun.clone(),
@@ -118,7 +134,7 @@ impl LightArgs {
             lens,
             has_picture,
             shade: shade.or(look.shade()),
-            silhouette: self.silhouette || look.has_silhouette(),
+            silhouette,
             depth_cue: self.depth_cue || look.has_depth_cue(),
             buffer_sky: light.buffer_sky(),
             has_own_sky: self.occlusion.is_some(),
@@ -180,6 +196,12 @@ fn looks() -> impl TypedValueParser<Value = Look> {
         PossibleValue::new(look.name()).help(help)
     };
     PossibleValuesParser::new(Look::ALL.iter().map(value)).try_map(|name| name.parse())
+}
+
+fn outline_width(text: &str) -> Result<f64, String> {
+    let [least, most] = Outline::WIDTHS;
+    let width = text.parse().ok().filter(|width| (least..=most).contains(width));
+    width.ok_or_else(|| format!("expected a number of pixels from {least} to {most}"))
 }
 
 fn direction(text: &str) -> Result<DVec3, String> {

@@ -69,7 +69,7 @@ use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tu
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 81] = [
+const OPTIONS: [OptionRow; 83] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),
@@ -125,6 +125,8 @@ const OPTIONS: [OptionRow; 81] = [
     row("shadows", Keyword(Render, "shadows", Flag), CONFIG | NO_PART),
     row("bounces", Keyword(Render, "bounces", Number), CONFIG | NO_PART),
     row("silhouette", Keyword(Render, "silhouette", Flag), CONFIG | NO_PART),
+    row("outline_width", Keyword(Render, "outline_width", Number), CONFIG),
+    row("outline_color", Keyword(Render, "outline_color", Color), CONFIG | NO_PART),
     row("depth_cue", Keyword(Render, "depth_cue", Flag), CONFIG | NO_PART),
     row("background", Keyword(Render, "background", Color), CONFIG | NO_PART),
     row("legend_in", Keyword(Render, "legend", TextOrFlag), NO_PART),

@@ -16,7 +16,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
 use halfline::scene::Scene;
-use halfline::settings::{Accuracy, Backend, FileLook, Settings, Tolerance};
+use halfline::settings::{Accuracy, Backend, FileLook, Outline, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use halfline_files::parts;
@@ -230,10 +230,12 @@ impl SceneArgs {
             .fold(0, u64::saturating_add);
         let own = Settings { window, reserve, ..picture.look.settings(settings) };
         let Some(view) = &picture.part_view else { return Ok(own) };
+        let width = if is_typed("--outline-width") { own.outline.width } else { view.outline };
         Ok(Settings {
             window: Some(view.window),
             seed: if is_typed("--seed") { own.seed } else { view.seed },
             tolerance: if is_typed("--tolerance") { own.tolerance } else { parts::tolerance(view)? },
+            outline: Outline { width, ..own.outline },
             ..own
         })
     }
@@ -246,6 +248,7 @@ impl SceneArgs {
             seed: self.image.seed,
             tone: self.image.tone,
             exposure: self.image.exposure,
+            outline: self.light.outline(),
             ..self.accuracy.compute.settings()
         }
     }

@@ -43,7 +43,8 @@ pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target])
     let file = FileLook { samples: Some(view.samples), ..FileLook::default() };
     let request = args.look_request(file, settings.aovs.contains(&Aov::Color));
     let look = args.light.apply(&mut frame, &args.files.buffers(), request, PictureLens::default())?;
-    let mut picture = PictureScene { part_view: Some(view), ..PictureScene::bare(frame.scene, look) };
+    let mut picture =
+        PictureScene { part_view: Some(view), skipped: frame.skipped, ..PictureScene::bare(frame.scene, look) };
     picture.skipped.assumed.extend(part.gaps());
     note(format_args!("{}: {part}", count(args.visible.len() as u64, "part")));
     let settings = args.settings_for(&picture, settings, targets)?;

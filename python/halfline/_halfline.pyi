@@ -103,6 +103,7 @@ class Sieve:
         seed: int,
         crop: list[int] | None,
         tolerance: float | None,
+        outline_width: float,
         first_id: int,
     ) -> Sieve: ...
     def add(

@@ -146,6 +146,7 @@ class Sieve:
         crop: The window ``(x0, y0, x1, y1)`` of the frame; by default all of it.
         tolerance: The allowed relative error of distances, if the frame is to have another than the
             default.
+        outline_width: The width of outlines, if the frame is to have others than the default.
         first_id: The id of the first sphere.
 
     >>> import halfline as hl, numpy as np
@@ -167,6 +168,7 @@ class Sieve:
         seed: int = 0,
         crop: tuple[int, int, int, int] | None = None,
         tolerance: float | None = None,
+        outline_width: float = 1.3,
         first_id: int = 0,
     ) -> None:
         if not isinstance(camera, Camera):
@@ -178,6 +180,7 @@ class Sieve:
             whole("seed", seed),
             None if crop is None else list(wholes("crop", crop, 4)),
             None if tolerance is None else number("tolerance", tolerance),
+            number("outline_width", outline_width),
             whole("first_id", first_id, 0, 2**55),
         )
 
@@ -241,6 +244,7 @@ def sift(
     seed: int = 0,
     crop: tuple[int, int, int, int] | None = None,
     tolerance: float | None = None,
+    outline_width: float = 1.3,
     first_id: int = 0,
 ) -> Part:
     """The part of these spheres; see `Sieve`, whose `Sieve.add` says which arrays can be given."""
@@ -251,6 +255,7 @@ def sift(
         seed=seed,
         crop=crop,
         tolerance=tolerance,
+        outline_width=outline_width,
         first_id=first_id,
     )
     sieve.add(centers, radii, colors)

@@ -7,7 +7,7 @@ use halfline::camera::Aperture;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
-use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Search, Settings, Tolerance};
+use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Outline, Search, Settings, Tolerance};
 use halfline::window::Window;
 use halfline::{Aov, Shade};
 use halfline_drawing::inset::Panels;
@@ -58,6 +58,8 @@ pub(crate) struct Picture {
     tone: Option<String>,
     exposure: f64,
     silhouette: bool,
+    outline_width: Option<f64>,
+    outline_color: Option<[f32; 3]>,
     depth_cue: bool,
     crop: Option<[u32; 4]>,
     background: Option<[f32; 3]>,
@@ -96,6 +98,7 @@ impl Picture {
             exposure: self.exposure,
             shade: self.shade()?.or(look.shade()).unwrap_or_default(),
             silhouette: self.silhouette || look.has_silhouette(),
+            outline: Outline::of(self.outline_width, self.outline_color),
             depth_cue: self.depth_cue || look.has_depth_cue(),
             sky: light.buffer_sky(),
             window: crop,
@@ -126,6 +129,7 @@ impl Picture {
         let mut frame = render(&exact)?;
         frame.report.number = number;
         frame.report.look = self.look(scene)?;
+        frame.report.warnings.extend(self.idle_outline(scene)?);
         frame.report.warnings.extend(self.insets.warnings(scene, panels.as_ref()));
         Ok(Rendered { scene: exact, frame, panels, transparent: self.transparent })
     }
@@ -153,6 +157,18 @@ impl Picture {
     /// Columns and rows, if they are given.
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
         self.size
+    }
+
+    /// The width of outlines, if it is given.
+    pub(crate) fn outline_width(&self) -> Option<f64> {
+        self.outline_width
+    }
+
+    /// Warnings about the keywords of outlines, where none are drawn.
+    pub(crate) fn idle_outline(&self, scene: &Scene) -> Result<Vec<String>> {
+        let given = [self.outline_width.is_some(), self.outline_color.is_some()];
+        let silhouette = self.silhouette || self.chosen(scene)?.look.has_silhouette();
+        Ok(Outline::idle(given, self.aovs()?.contains(&Aov::Color), silhouette))
     }
 
     fn aovs(&self) -> Result<Vec<Aov>> {

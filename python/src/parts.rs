@@ -8,7 +8,7 @@ use crate::work::Job;
 use halfline::error::{Error, Result};
 use halfline::render::stream::{Part as CorePart, Stream};
 use halfline::scene::{ImagePlane, Lighting};
-use halfline::settings::{Settings, Tolerance};
+use halfline::settings::{Outline, Settings, Tolerance};
 use halfline::window::Window;
 use halfline::{Scene as CoreScene, Spheres};
 use halfline_files::parts;
@@ -35,6 +35,7 @@ fn ended() -> Error {
 #[pymethods]
 impl Sieve {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "those of the class in Python")]
     fn new(
         camera: &Camera,
         size: (u32, u32),
@@ -42,6 +43,7 @@ impl Sieve {
         seed: u32,
         crop: Option<[u32; 4]>,
         tolerance: Option<f64>,
+        outline_width: f64,
         first_id: u64,
     ) -> PyResult<Self> {
         let stream = || {
@@ -59,6 +61,7 @@ impl Sieve {
                 seed,
                 window: crop.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 }),
                 tolerance: tolerance.map(Tolerance::new).transpose()?,
+                outline: Outline { width: outline_width, ..Outline::default() },
                 ..Settings::default()
             };
             Stream::of_part(&scene, &settings, first_id)
@@ -100,7 +103,12 @@ impl Part {
     }
 
     /// The settings of a frame of the part; those that are given must be its own.
-    pub(crate) fn settings(&self, size: Option<(u32, u32)>, settings: Settings) -> Result<Settings> {
+    pub(crate) fn settings(
+        &self,
+        size: Option<(u32, u32)>,
+        outline_width: Option<f64>,
+        settings: Settings,
+    ) -> Result<Settings> {
         let view = self.0.view();
         let own = (view.size[0], view.size[1]);
         if let Some(size) = size.filter(|size| *size != own) {
@@ -110,7 +118,8 @@ impl Part {
         // 0 is the default of the keyword.
         let seed = if settings.seed == 0 { view.seed } else { settings.seed };
         let tolerance = settings.tolerance.or(parts::tolerance(view)?);
-        Ok(Settings { seed, tolerance, window: settings.window.or(Some(view.window)), ..settings })
+        let outline = Outline { width: outline_width.unwrap_or(view.outline), ..settings.outline };
+        Ok(Settings { seed, tolerance, outline, window: settings.window.or(Some(view.window)), ..settings })
     }
 }
 

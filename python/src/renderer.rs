@@ -88,7 +88,7 @@ impl Renderer {
     ) -> PyResult<Frame> {
         let scene = &part.scene();
         let settings = self.settings(scene, &picture, &accurate)?;
-        let settings = part.settings(picture.size(), settings).or_raise()?;
+        let settings = part.settings(picture.size(), picture.outline_width(), settings).or_raise()?;
         let job = Job::default();
         let rendered = job.run(py, progress.as_ref(), || {
             picture.begin(scene)?;
@@ -138,6 +138,7 @@ impl Renderer {
             self.shared.with(&job, |renderer| {
                 let mut plan = renderer.explain(&exact, &settings)?;
                 scene.frame.skipped.report(&mut plan.skipped, &mut plan.warnings, renderer.passed_over().len());
+                plan.warnings.extend(picture.idle_outline(scene)?);
                 Ok(plan)
             })
         })?;

@@ -298,6 +298,8 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         "tone",
         "exposure",
         "silhouette",
+        "outline_width",
+        "outline_color",
         "crop",
         "background",
         "sun",

@@ -18,8 +18,10 @@ settings! {
     AS_LISTED "as_listed", ASSEMBLY "assembly", AT "at", BACKEND "backend", BOUNCES "bounces", COLOR "color",
     COLOR_BY "color_by", COLUMNS "columns", CROP "crop", EYE "eye", FIT "fit", FOCUS "focus",
     FIRST_ID "first_id", FORMAT "format", FRAMES "frames", HIDE "hide", HOLD "hold", LABEL "label", LOG "log", LOOK "look", MAP "map",
-    METHOD "method", METHODS "methods", MODEL "model", OCCLUSION "occlusion", ORTHO "ortho", OUTLINE_WIDTH "outline_width", PATIENCE "patience",
+    METHOD "method", METHODS "methods", MODEL "model", OCCLUSION "occlusion", ORTHO "ortho", OUTLINE_COLOR "outline_color",
+    OUTLINE_WIDTH "outline_width", PATIENCE "patience",
     RADIUS "radius", RANGE "range", SAMPLES "samples", SCALE_BAR "scale_bar", SEARCH "search", SELECT "select",
-    SHADOWS "shadows", SIZE "size", SKIP_INVALID "skip_invalid", STREAM "stream", SUN "sun", TILE "tile", TOLERANCE "tolerance",
+    SHADOWS "shadows", SILHOUETTE "silhouette", SIZE "size", SKIP_INVALID "skip_invalid",
+    STREAM "stream", SUN "sun", TILE "tile", TOLERANCE "tolerance",
     TOPOLOGY "topology", UNIT "unit", UNWRAP "unwrap", VFOV "vfov", WRAP "wrap",
 }

@@ -1,7 +1,7 @@
 //! The lines that silhouettes draw.
 
 use crate::error::{Error, Result};
-use crate::quote::setting::OUTLINE_WIDTH;
+use crate::quote::setting::{OUTLINE_COLOR, OUTLINE_WIDTH, SILHOUETTE};
 use serde::Serialize;
 
 /// Width and colour of the lines of silhouettes.
@@ -20,6 +20,13 @@ impl Outline {
     /// The width of the narrowest line in its full colour, pixels, and the default.
     pub const LEAST_FULL: f64 = 1.3;
 
+    /// The outline with this width and this colour, where they are given.
+    #[must_use]
+    pub fn of(width: Option<f64>, color: Option<[f32; 3]>) -> Self {
+        let usual = Self::default();
+        Self { width: width.unwrap_or(usual.width), color: color.unwrap_or(usual.color) }
+    }
+
     /// Checks the width and the colour.
     ///
     /// # Errors
@@ -32,11 +39,24 @@ impl Outline {
         }
         if !self.color.iter().all(|c| c.is_finite() && *c >= 0.0) {
             return Err(Error::settings(
-                "the colour of outlines is negative or not finite",
+                format!("{OUTLINE_COLOR} is negative or not finite"),
                 "give linear RGB, 0 or more",
             ));
         }
         Ok(())
+    }
+
+    /// Warnings about a width and a colour that are given where no outline is drawn: in a picture without silhouettes, or
+    /// without a picture.
+    #[must_use]
+    pub fn idle([width, color]: [bool; 2], has_picture: bool, silhouette: bool) -> Vec<String> {
+        let why = match (has_picture, silhouette) {
+            (true, true) => return Vec::new(),
+            (true, false) => format!("the picture has no {SILHOUETTE}"),
+            (false, _) => "no picture is requested".to_owned(),
+        };
+        let given = [(width, OUTLINE_WIDTH), (color, OUTLINE_COLOR)].into_iter().filter(|(given, _)| *given);
+        given.map(|(_, setting)| format!("{setting} changes nothing: {why}")).collect()
     }
 }
 

@@ -209,6 +209,7 @@ impl<'a> Source<'a> {
                 "look plain: a stream is lit from the eye, because lights and a sky need all spheres in memory"
             ));
         }
+        facts.skipped.assumed.append(&mut picture.skipped.assumed);
         facts.skipped.assumed.append(&mut self.notes);
         (picture.legend, picture.when) = (facts.legend, facts.when);
         let framed = framed.then(|| "all spheres".to_owned());
@@ -249,8 +250,10 @@ impl<'a> Source<'a> {
         // The look of particles is plain unless another is requested, which the stream refuses.
         let file = if frame.has_camera { frame.look } else { FileLook::default() };
         let request = self.args.look_request(file, settings.aovs.contains(&Aov::Color));
+        // What the file leaves out is counted while its spheres are read.
+        frame.skipped = Skipped::default();
         let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, PictureLens::default())?;
-        let picture = PictureScene::bare(frame.scene, look);
+        let picture = PictureScene { skipped: frame.skipped, ..PictureScene::bare(frame.scene, look) };
         let settings = self.args.settings_for(&picture, settings, targets)?;
         Ok((picture, settings))
     }

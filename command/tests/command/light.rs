@@ -40,6 +40,10 @@ fn invalid_options_are_refused() {
         ("--aov depth=d.npy --reach 2", &["--reach", "--aov occlusion"]),
         ("-o a.png --bounces 65", &["--bounces", "between 0 and 64"]),
         ("-o a.png --bounces=-1", &["--bounces", "whole number"]),
+        ("-o a.png --silhouette --outline-width 0.05", &["--outline-width", "from 0.1 to 40"]),
+        ("-o a.png --silhouette --outline-width -1", &["--outline-width", "from 0.1 to 40"]),
+        ("-o a.png --silhouette --outline-width nan", &["--outline-width", "from 0.1 to 40"]),
+        ("-o a.png --silhouette --outline-color blak", &["--outline-color", "black"]),
         ("-o a.png --look pretty", &["--look", "pretty"]),
         ("--aov shadow=s.npy", &["shadow needs a light", "--sun", "[[light]]"]),
         ("-o a.exr --aov shadow --occlusion", &["light"]),
@@ -235,6 +239,40 @@ fn bounces_are_those_that_materials_ask_for() {
     dir.put("plain.toml", format!("{SCENE}{}", ball("")));
     dir.render("plain.toml -o p.npy");
     assert_eq!(dir.array("m.npy"), dir.array("p.npy"));
+}
+
+#[test]
+fn outlines_have_a_width_and_a_colour() {
+    let dir = dir();
+    let picture = |options: &str| {
+        dir.render(&format!("scene.toml --size 450x310 {options} -o o.npy"));
+        dir.array("o.npy").0
+    };
+    let [plain, thin] = ["", "--silhouette"].map(picture);
+    let wide = picture("--silhouette --outline-width 10 --outline-color 0,0,1");
+    let changed = |other: &[f64]| plain.chunks(3).zip(other.chunks(3)).filter(|(own, other)| own != other).count();
+    assert!(changed(&thin) > 0 && changed(&wide) > 4 * changed(&thin), "{} {}", changed(&thin), changed(&wide));
+    let is_blue = |rgb: &[f64]| rgb[0] < 0.1 && rgb[2] > 0.9;
+    assert!(wide.chunks(3).any(is_blue) && !plain.chunks(3).chain(thin.chunks(3)).any(is_blue));
+    assert!(picture("--silhouette --outline-width 1.3 --outline-color black") == thin, "the defaults");
+    dir.refused_render(
+        2,
+        "scene.toml --silhouette --outline-width 41 -o a.png",
+        &["--outline-width", "from 0.1 to 40"],
+    );
+    // Without lines they change nothing and say so, but for a preference.
+    dir.render("scene.toml -o a.png");
+    for options in ["--outline-width 3", "--outline-color red", "--outline-width 3 --stream"] {
+        let report = dir.render(&format!("scene.toml {options} -o b.png --json")).json();
+        let option = options.split(' ').next().expect("an option");
+        let words = format!("{option} changes nothing: the picture has no --silhouette");
+        assert_eq!(report["warnings"], json!([words]), "{options}");
+        assert!(dir.get("a.png") == dir.get("b.png"), "{options}: pixels and provenance");
+    }
+    let preferred = dir.run_with("render scene.toml --backend cpu -o b.png --json", &[("HALFLINE_OUTLINE_WIDTH", "3")]);
+    assert_eq!(preferred.json()["warnings"], json!([]));
+    let soft = dir.render("scene.toml --look soft --outline-width 3 -o b.png --json").json();
+    assert_eq!((&soft["warnings"], &soft["outline"]["width"]), (&json!([]), &json!(3.0)));
 }
 
 /// Kd changes a picture only where something beside the light at the eye lights it.

@@ -52,6 +52,7 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
         ("npy", format!("{CAMERA} --samples 16 --seed 3"), ""),
         ("npy", format!("{CAMERA} --tolerance 1e-3"), ""),
         ("npy", CAMERA.replace("64x48", "200x150"), "--label {count}"),
+        ("npy", format!("{CAMERA} --crop 9,9,40,30 --outline-width 4"), "--silhouette"),
         (
             "npy",
             "--eye 3,2,4 --at 0,0,0 --ortho 2 --size 64x48 --crop 10,5,50,33".to_owned(),
@@ -161,6 +162,7 @@ fn what_does_not_belong_together_is_refused() {
         (2, "render --visible 0.npz -o 0.npz", "0.npz is an input"),
         (2, "render --visible 0.npz --size 9x9 -o x.png", "the parts are of a frame of 64x48"),
         (2, "render --visible 0.npz --samples 4 -o x.png", "its number of samples is 1, and not 4"),
+        (2, "render --visible 0.npz --outline-width 3 -o x.png", "its width of outlines is 1.3, and not 3"),
         (2, "render --visible 0.npz --eye 1,2,3 -o x.png", "--eye belongs to the parts"),
         (2, "render --visible 0.npz --crop 0,0,3,3 -o x.png", "--crop belongs to the parts"),
         (2, "render --visible 0.npz --select all -o x.png", "--select belongs to the parts"),
@@ -173,6 +175,11 @@ fn what_does_not_belong_together_is_refused() {
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 -o 0.npy", "0.npy cannot hold a part"),
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 --copies 2,1,1 -o x.npz", "--copies is not an option of a part"),
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 --backend cpu -o x.npz", "--backend is not an option of a part"),
+        (
+            2,
+            "sift 0.npy --first-id 0 --eye 1,2,3 --outline-color red -o x.npz",
+            "--outline-color is not an option of a part",
+        ),
         (2, "sift 0.csv --first-id 0 --eye 1,2,3 --color-by v -o x.npz", "--range LOW,HIGH"),
         (2, "sift 0.csv --first-id 0 --eye 1,2,3 --select ligand -o x.npz", "`ligand` in the selection"),
         (2, "sift 0.csv --first-id 0 --eye 1,2,3 --at v>0 -o x.npz", "give --at a point"),

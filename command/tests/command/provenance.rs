@@ -6,7 +6,7 @@ use crate::rng::Rng;
 use crate::test_dir::TestDir;
 
 /// Values of options; "" is the option alone. Those of a scene file and of particles.
-const OF_SCENES: [(&str, &[&str]); 35] = [
+const OF_SCENES: [(&str, &[&str]); 37] = [
     ("--eye", &["0.3,0.2,4", "0,0,3"]),
     ("--at", &["0.1,0,0", "0,0.2,0"]),
     ("--view", &["0,0,-1", "left"]),
@@ -34,6 +34,8 @@ const OF_SCENES: [(&str, &[&str]); 35] = [
     ("--shadows", &[""]),
     ("--bounces", &["0", "2"]),
     ("--silhouette", &[""]),
+    ("--outline-width", &["0.5", "3"]),
+    ("--outline-color", &["teal", "1,0.5,0.2"]),
     ("--depth-cue", &[""]),
     ("--shade", &["flat", "headlight", "normal", "lights"]),
     ("--accuracy", &["fast", "certified", "exact"]),

@@ -319,6 +319,8 @@ fn drawn_options_have_the_bytes_of_their_command() {
         "--sun 1,2,3",
         "--shadows",
         "--silhouette",
+        "--outline-width 3",
+        "--outline-color teal",
         "--depth-cue",
         "--radius 0.4",
         "--radius=x>0.5=0.7",

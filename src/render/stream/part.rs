@@ -96,8 +96,10 @@ impl PartView {
     /// Settings of certified answers for these rays, and for silhouettes, whose lines look at pixels around the window.
     ///
     /// # Errors
-    /// As [`Tolerance::new`].
+    /// As [`Tolerance::new`] and [`Outline::check`].
     fn settings(&self) -> Result<Settings> {
+        let outline = Outline { width: self.outline, ..Outline::default() };
+        outline.check()?;
         Ok(Settings {
             accuracy: Accuracy::Certified,
             samples: self.samples,
@@ -105,7 +107,7 @@ impl PartView {
             window: Some(self.window),
             tolerance: Some(Tolerance::new(self.tolerance)?),
             silhouette: true,
-            outline: Outline { width: self.outline, ..Outline::default() },
+            outline,
             ..Settings::default()
         })
     }
@@ -132,10 +134,10 @@ impl PartView {
 
 impl Stream {
     /// The spheres of a part of a scene: those that are added next have the ids from `first_id` on. The frame is one of a scene like
-    /// `scene`, whose own spheres are not used, with the window, samples, seed and tolerance of `settings`.
+    /// `scene`, whose own spheres are not used, with the window, samples, seed, tolerance and width of outlines of `settings`.
     ///
     /// # Errors
-    /// Errors of [`Stream::new`]; [`Error::Limits`] for ids from 2^55 on.
+    /// Errors of [`Stream::new`] and [`Outline::check`]; [`Error::Limits`] for ids from 2^55 on.
     pub fn of_part(scene: &Scene, settings: &Settings, first_id: u64) -> Result<Self> {
         let view = PartView::new(scene, settings)?;
         check_id(first_id)?;
