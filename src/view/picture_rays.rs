@@ -1,7 +1,5 @@
 //! Hits of viewing rays on spheres, in f64 without bounds: accurate enough for the colours and lines of a picture.
 
-#![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
-
 use super::View;
 use super::ray::NONE;
 use crate::double_double as dd;
