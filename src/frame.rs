@@ -6,6 +6,7 @@ pub mod array;
 mod buffer;
 pub mod color_map;
 pub mod legend;
+pub mod outline;
 pub mod provenance;
 pub mod report;
 pub mod srgb;

@@ -1,10 +1,9 @@
 //! The settings of a rendering: backend, accuracy, buffers, samples, part of the frame.
 
 mod look;
-mod outline;
 
+pub use crate::frame::outline::Outline;
 pub use look::{AddedLight, ChosenLook, FileLook, Look};
-pub use outline::Outline;
 
 use crate::error::{Error, Place, Result, named};
 use crate::frame::tone::{Tone, Toning};

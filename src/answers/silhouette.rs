@@ -14,9 +14,9 @@
 mod tests;
 
 use crate::double_double as dd;
+use crate::frame::outline::Outline;
 use crate::number::larger;
 use crate::number::vector::{LANES, vectorized};
-use crate::settings::Outline;
 use crate::view::View;
 use crate::view::ray::NONE;
 use crate::window::Window;

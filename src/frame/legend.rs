@@ -120,7 +120,7 @@ fn powers(range: [f64; 2]) -> Vec<(f64, String)> {
     tries.into_iter().find(|marks| marks.len() <= Legend::MAX_TICKS).unwrap_or_default()
 }
 
-/// The number `digits` times ten to `power`, and its text: with as many decimals as the power has, or with an exponent where the
+/// The number `digits` times ten to `power`, and its text: with as many decimals as it needs, or with an exponent where the
 /// power is beyond 4, or below -4 and the number below 0.001.
 fn decimal(digits: i64, power: i32) -> (f64, String) {
     let exponent = format!("{digits}e{power}");
@@ -131,7 +131,7 @@ fn decimal(digits: i64, power: i32) -> (f64, String) {
         ..-4 if value.abs() >= 1e-3 => format!("{value:.*}", -power as usize),
         _ => format!("{value:e}"),
     };
-    (value, text)
+    (value, without_zeros(text))
 }
 
 /// A number to four digits.
@@ -141,7 +141,15 @@ fn short(value: f64) -> String {
         return if value == 0.0 { "0".into() } else { format!("{value:.3e}") };
     }
     let text = format!("{value:.*}", (3.0 - decade).max(0.0) as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    without_zeros(text)
+}
+
+/// A number without zeros at the end of its decimals.
+fn without_zeros(text: String) -> String {
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
 }
 
 #[cfg(test)]
@@ -161,7 +169,7 @@ mod tests {
     #[test]
     fn marks_are_round_numbers() {
         for (range, log, labels) in [
-            ([0.0, 1.0], false, &["0", "0.25", "0.50", "0.75", "1.00"][..]),
+            ([0.0, 1.0], false, &["0", "0.25", "0.5", "0.75", "1"][..]),
             ([0.0, 3.0], false, &["0", "1", "2", "3"]),
             ([-0.013, 0.021], false, &["-0.01", "0", "0.01", "0.02"]),
             ([5.3, 97.1], false, &["20", "40", "60", "80"]),
@@ -175,7 +183,7 @@ mod tests {
             ([3.0, 40.0], true, &["5", "10", "20"]),
             ([0.002, 70.0], true, &["0.01", "0.1", "1", "10"]),
             ([1e-9, 1e12], true, &["1e-5", "1", "1e5", "1e10"]),
-            ([2.1, 4.4], true, &["2.5", "3.0", "3.5", "4.0"]),
+            ([2.1, 4.4], true, &["2.5", "3", "3.5", "4"]),
         ] {
             let ticks = legend(range, log).ticks();
             assert_eq!(ticks.iter().map(|tick| &tick.label[..]).collect::<Vec<_>>(), labels, "{range:?}");

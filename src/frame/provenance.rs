@@ -1,11 +1,11 @@
 //! Provenance: everything that a file's bytes depend on, as keywords and texts written into it. It contains no time,
 //! path or machine name, so that the same command writes the same bytes.
 
+use super::outline::Outline;
 use super::report::{CPU_DRIVER, Report};
 use super::{Aov, MOST_LIGHTS};
 use crate::memory::ids_fit;
 use crate::scene::camera::CameraRecord;
-use crate::settings::Outline;
 use crate::trailer;
 use crate::window::Window;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};

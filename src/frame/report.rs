@@ -1,10 +1,10 @@
 //! The report of a rendering: adapter, method, times, counts, warnings.
 
+use super::outline::Outline;
 use super::tone::{Tone, Toning};
 use crate::intersect::predict::Prediction;
 use crate::scene::Sky;
 use crate::scene::camera::CameraRecord;
-use crate::settings::Outline;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;

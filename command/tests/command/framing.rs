@@ -316,10 +316,7 @@ fn a_legend_shows_elements_and_the_colours_of_selections() {
     assert!(drawn_with.contains("legend right: element, C, N, element O, index 0 ["), "rows of selections");
     assert!(drawn_with.contains("[255, 0, 255] [0, 0, 255]"), "their colours");
     let bar = drawn(&["--legend-in", "--color-by", "velo", "--color", "index 0=blue", "--color", "index 0=red"]);
-    assert!(
-        bar.contains("|velocity|, 2.975, 2.231, 1.488, 0.7438, 0, index 0, Viridis"),
-        "one row: the later rule wins"
-    );
+    assert!(bar.contains("|velocity|, 2, 1, 0, index 0, Viridis"), "one row: the later rule wins");
     let only = drawn(&["--legend-in", "--color", "gray", "--color", "index 0=blue"]);
     assert!(only.contains("legend right: selection, index 0 [0, 0, 255]"), "without other colours");
     dir.render(&[
@@ -361,7 +358,10 @@ fn the_velocity_has_one_name_in_all_formats() {
         };
         let (found, legend) = picture("velocity");
         assert_eq!(picture(other), (found, legend.clone()), "{file}");
-        assert!([">|velocity|<", ">0<", ">7<"].iter().all(|part| legend.contains(part)), "{file}: {legend}");
+        assert!(
+            [">|velocity|<", ">0<", ">2<", ">4<", ">6<"].iter().all(|part| legend.contains(part)),
+            "{file}: {legend}"
+        );
         let info = dir.good(&["info", file, "--json"]).json();
         let column = &info["columns"]["velocity"];
         assert_eq!((column["min"].as_f64(), column["max"].as_f64()), (Some(0.0), Some(7.0)), "{file}: {info}");

@@ -95,7 +95,7 @@ fn an_invalid_colouring_is_refused_with_the_valid_ones() {
 }
 
 #[test]
-fn a_legend_shows_the_ends_and_is_checked_before_any_work() {
+fn a_legend_shows_round_numbers_and_is_checked_before_any_work() {
     let dir = dir();
     let legend = |options: &str, name: &str| {
         dir.render(&format!("atoms.xyz --size 20x20 -o a.png {options} --legend {name}"));
@@ -103,10 +103,10 @@ fn a_legend_shows_the_ends_and_is_checked_before_any_work() {
     };
     let text = |options: &str| String::from_utf8(legend(options, "l.svg")).expect("UTF-8");
     let plain = text("--color-by vx,vy");
-    assert!([">|vx, vy|<", ">0<", ">5<", ">10<"].iter().all(|part| plain.contains(part)), "{plain}");
+    assert!([">|vx, vy|<", ">0<", ">2.5<", ">5<", ">7.5<", ">10<"].iter().all(|part| plain.contains(part)), "{plain}");
     let log = text("--color-by vx --log --range 1,100");
     assert!([">vx (logarithmic)<", ">1<", ">10<", ">100<"].iter().all(|part| log.contains(part)), "{log}");
-    // A single positive value is both ends.
+    // A single positive value has one mark.
     assert!(text("--color-by q --log").contains(">1<"));
     assert!(legend("--color-by vx", "l.png").starts_with(b"\x89PNG"));
     dir.put("none.xyz", "1\nProperties=species:S:1:pos:R:3:q:R:1\nC 0 0 0 nan\n");
