@@ -58,7 +58,7 @@ impl Legend {
             Tick { place: place.clamp(0.0, 1.0), label }
         };
         let powers = if self.log { powers(self.range) } else { Vec::new() };
-        let marks = if powers.len() > 1 { powers } else { multiples(self.range) };
+        let marks = if powers.len() > 1 { powers } else { multiples(self.range, if self.log { 0.0 } else { SLACK }) };
         let ends = || self.range.map(|end| (end, short(end))).to_vec();
         (if marks.len() > 1 { marks } else { ends() }).into_iter().map(tick).collect()
     }
@@ -90,17 +90,21 @@ pub struct Tick {
     pub label: String,
 }
 
+/// The share of a bar by which a number may lie beyond its end and have its mark there: less than a pixel.
+const SLACK: f64 = 0.002;
+
 /// The multiples of a round number in a range, with their texts: at most [`Legend::MAX_TICKS`], and three or more unless the range
 /// is too narrow for f64.
-fn multiples([low, high]: [f64; 2]) -> Vec<(f64, String)> {
+fn multiples([low, high]: [f64; 2], slack: f64) -> Vec<(f64, String)> {
     let most = Legend::MAX_TICKS as f64;
     let from = (high / most - low / most).log10().floor() as i32;
     // A step of 2.5 has one digit more.
     let steps = (from..from + 3).flat_map(|power| [(1, power), (2, power), (25, power - 1), (5, power)]);
     let inside = |(digits, power): (i64, i32)| {
         let step = digits as f64 * 10f64.powi(power);
-        // An end that is a multiple but for its rounding has a mark.
-        let [first, last] = [(low / step - 1e-9).ceil(), (high / step + 1e-9).floor()];
+        let [low, high] = [low / step, high / step];
+        let slack = slack * (high - low);
+        let [first, last] = [(low - slack).ceil(), (high + slack).floor()];
         let is_exact = first.abs().max(last.abs()) * (digits as f64) < 2f64.powi(50);
         is_exact.then(|| (first as i64..=last as i64).map(|n| decimal(n * digits, power)).collect::<Vec<_>>())
     };
@@ -110,11 +114,13 @@ fn multiples([low, high]: [f64; 2]) -> Vec<(f64, String)> {
 
 /// The powers of ten in a range, or 1, 2 and 5 times these where that is no more than [`Legend::MAX_TICKS`] numbers.
 fn powers(range: [f64; 2]) -> Vec<(f64, String)> {
-    let [low, high] = range.map(|end| end.log10().floor() as i32);
+    let slack = 10f64.powf(SLACK * (range[1].log10() - range[0].log10()));
+    let range = [range[0] / slack, (range[1] * slack).min(f64::MAX)];
+    let [low, high] = range.map(|end| end.log10().floor().max(-324.0) as i32);
     let inside = |digits: &'static [i64], every: usize| {
         let all = (low..=high).filter(move |power| power.rem_euclid(every as i32) == 0);
         let all = all.flat_map(move |power| digits.iter().map(move |digit| decimal(*digit, power)));
-        all.filter(|(value, _)| (range[0] * (1.0 - 1e-9)..=range[1] * (1.0 + 1e-9)).contains(value)).collect::<Vec<_>>()
+        all.filter(|(value, _)| (range[0]..=range[1]).contains(value)).collect::<Vec<_>>()
     };
     let tries = [inside(&[1, 2, 5], 1)].into_iter().chain((1..).map(|every| inside(&[1], every)));
     tries.into_iter().find(|marks| marks.len() <= Legend::MAX_TICKS).unwrap_or_default()
@@ -172,6 +178,7 @@ mod tests {
             ([0.0, 1.0], false, &["0", "0.25", "0.5", "0.75", "1"][..]),
             ([0.0, 3.0], false, &["0", "1", "2", "3"]),
             ([-0.013, 0.021], false, &["-0.01", "0", "0.01", "0.02"]),
+            ([5.96e-6, 2.975], false, &["0", "1", "2"]),
             ([5.3, 97.1], false, &["20", "40", "60", "80"]),
             ([0.1, 0.7], false, &["0.2", "0.4", "0.6"]),
             ([1e6, 1.000_004e6], false, &["1000000", "1000001", "1000002", "1000003", "1000004"]),
@@ -183,6 +190,8 @@ mod tests {
             ([3.0, 40.0], true, &["5", "10", "20"]),
             ([0.002, 70.0], true, &["0.01", "0.1", "1", "10"]),
             ([1e-9, 1e12], true, &["1e-5", "1", "1e5", "1e10"]),
+            ([5e-324, f64::MAX], true, &["1e-218", "1e-109", "1", "1e109", "1e218"]),
+            ([-f64::MAX, f64::MAX], false, &["-1e308", "0", "1e308"]),
             ([2.1, 4.4], true, &["2.5", "3", "3.5", "4"]),
         ] {
             let ticks = legend(range, log).ticks();
@@ -208,7 +217,7 @@ mod tests {
             for Tick { place, label } in ticks {
                 let value: f64 = label.parse().expect("a number");
                 let part = if log { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) };
-                assert!((part - place).abs() < 1e-6, "{label} at {place} of {low} to {high}");
+                assert!((part - place).abs() < 1.01 * SLACK, "{label} at {place} of {low} to {high}");
             }
         }
     }
