@@ -106,7 +106,7 @@ def page(folder: Path, words: list[str], **more: str) -> Iterator[Any]:
 def check(folder: Path, file: str, words: list[str], **more: str) -> None:
     with page(folder, [file, *words], **more) as ask:
         scene = json.loads(ask("/scene", {}))
-        body: dict[str, Any] = {"camera": scene["camera"], "size": [120, 90], "mode": "still"}
+        body: dict[str, Any] = {"camera": scene["camera"], "size": [200, 150], "mode": "still"}
         for select in (None, "x > 0.5"):
             body["select"] = select
             picture, lines = ask("/frame", body), json.loads(ask("/command", body))["python"]

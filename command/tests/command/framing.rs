@@ -332,7 +332,7 @@ fn a_legend_shows_elements_and_the_colours_of_selections() {
     ]);
     let svg = String::from_utf8(dir.get("l.svg")).expect("UTF-8");
     assert!(
-        [">|velocity|<", ">0<", ">2.975<", ">velocity &lt; 1<", "#ff0000"].iter().all(|part| svg.contains(part)),
+        [">|velocity|<", ">0<", ">1<", ">2<", ">velocity &lt; 1<", "#ff0000"].iter().all(|part| svg.contains(part)),
         "{svg}"
     );
     let bare = ["flat.xyz", "--color", "red", "--legend-in", "-o", "a.png"];
