@@ -124,8 +124,8 @@ pub(super) fn none_selected(option: &str, text: &str, notes: &[String], count: u
     Error::settings(problem, mend)
 }
 
-/// Applies the options of the camera to a frame, and frames the spheres where they do not give its place. `aside` is what a
-/// legend takes of the width. Returns how the scene is framed, if it is.
+/// Applies the options of the camera to a frame, and frames the spheres where they do not give its place. `legend_shares`
+/// are what a legend takes of the width at the left and at the right. Returns how the scene is framed, if it is.
 ///
 /// # Errors
 /// [`Error::Settings`] for a selection without spheres, and those of [`Camera::fit`].

@@ -103,7 +103,7 @@ class Sieve:
         seed: int,
         crop: list[int] | None,
         tolerance: float | None,
-        outline_width: float,
+        outline_width: float | None,
         first_id: int,
     ) -> Sieve: ...
     def add(

@@ -168,7 +168,7 @@ class Sieve:
         seed: int = 0,
         crop: tuple[int, int, int, int] | None = None,
         tolerance: float | None = None,
-        outline_width: float = 1.3,
+        outline_width: float | None = None,
         first_id: int = 0,
     ) -> None:
         if not isinstance(camera, Camera):
@@ -180,7 +180,7 @@ class Sieve:
             whole("seed", seed),
             None if crop is None else list(wholes("crop", crop, 4)),
             None if tolerance is None else number("tolerance", tolerance),
-            number("outline_width", outline_width),
+            None if outline_width is None else number("outline_width", outline_width),
             whole("first_id", first_id, 0, 2**55),
         )
 
@@ -244,7 +244,7 @@ def sift(
     seed: int = 0,
     crop: tuple[int, int, int, int] | None = None,
     tolerance: float | None = None,
-    outline_width: float = 1.3,
+    outline_width: float | None = None,
     first_id: int = 0,
 ) -> Part:
     """The part of these spheres; see `Sieve`, whose `Sieve.add` says which arrays can be given."""

@@ -43,7 +43,7 @@ impl Sieve {
         seed: u32,
         crop: Option<[u32; 4]>,
         tolerance: Option<f64>,
-        outline_width: f64,
+        outline_width: Option<f64>,
         first_id: u64,
     ) -> PyResult<Self> {
         let stream = || {
@@ -61,7 +61,7 @@ impl Sieve {
                 seed,
                 window: crop.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 }),
                 tolerance: tolerance.map(Tolerance::new).transpose()?,
-                outline: Outline { width: outline_width, ..Outline::default() },
+                outline: Outline::of(outline_width, None),
                 ..Settings::default()
             };
             Stream::of_part(&scene, &settings, first_id)

@@ -30,21 +30,29 @@ impl Finish {
         if self.depth_cue { DepthCue::of(scene, basis) } else { None }
     }
 
-    /// Draws silhouettes over the colours of a view, from the spheres `ids` that its rays hit.
-    pub(crate) fn draw(self, scene: &Scene, view: &View, ids: &[u32], color: &mut [f32]) {
+    /// Fades the colours of a view to the background by `cue`, if there is one, and draws silhouettes over them, from the
+    /// spheres `ids` that its rays hit; `uses_lights` as for [`Backdrop::new`].
+    pub(crate) fn draw(
+        self,
+        cue: Option<DepthCue>,
+        scene: &Scene,
+        (view, uses_lights): (&View, bool),
+        ids: &[u32],
+        color: &mut [f32],
+    ) {
+        if cue.is_none() && self.line.is_none() {
+            return;
+        }
+        let depths = &depths(scene, view, ids)[..];
+        if let Some(cue) = cue {
+            let backdrop = Backdrop::new(scene, view, uses_lights);
+            cue.apply(ids, depths, &|pixel| backdrop.at(pixel), color);
+        }
         if let Some(line) = self.line {
-            let (depths, width) = (depths(scene, view, ids), view.record.columns as usize);
-            let window = view.record.window();
-            let (pixel, radii) = (PixelSize::of(view), &scene.spheres.radii);
-            Shown { width, ids, depths: &depths, radii, pixel, line }.draw(window.inside(window), self.between, color);
+            let (width, pixel, radii) = (view.record.columns as usize, PixelSize::of(view), &scene.spheres.radii);
+            Shown { width, ids, depths, radii, pixel, line }.draw(self.between, color);
         }
     }
-}
-
-/// Fades the colours of a view's rays to the background; `uses_lights` as for [`Backdrop::new`].
-pub(crate) fn fade(cue: DepthCue, scene: &Scene, (view, uses_lights): (&View, bool), ids: &[u32], color: &mut [f32]) {
-    let backdrop = Backdrop::new(scene, view, uses_lights);
-    cue.apply(ids, &depths(scene, view, ids), &|pixel| backdrop.at(pixel), color);
 }
 
 /// The planar depth of each pixel's hit in the scene's unit, +inf on a miss.

@@ -19,7 +19,6 @@ use crate::number::larger;
 use crate::number::vector::{LANES, vectorized};
 use crate::view::View;
 use crate::view::ray::NONE;
-use crate::window::Window;
 use rayon::prelude::*;
 
 /// Columns and rows around a pixel that a line of the least full width depends on, in pixels.
@@ -139,21 +138,20 @@ pub(crate) struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// Draws the lines of the pixels of `part`, whose linear RGB is `color`; with `between`, also where two spheres meet
-    /// without a gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.
-    pub(crate) fn draw(&self, part: Window, between: bool, color: &mut [f32]) {
-        let width = part.width() as usize;
+    /// Draws the lines of all pixels, whose linear RGB is `color`; with `between`, also where two spheres meet without a
+    /// gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.
+    pub(crate) fn draw(&self, between: bool, color: &mut [f32]) {
         let pairs = &self.line.pairs()[..];
-        color.par_chunks_mut((3 * width).max(1)).zip(part.y0..part.y1).for_each(|(row, y)| {
-            vectorized!(self.draw_row(pairs, between, [part.x0 as isize, y as isize], row));
+        color.par_chunks_mut((3 * self.width).max(1)).enumerate().for_each(|(y, row)| {
+            vectorized!(self.draw_row(pairs, between, y as isize, row));
         });
     }
 
-    /// Draws the lines of a row of pixels from this column and row on.
+    /// Draws the lines of row `y`.
     #[inline(always)]
-    fn draw_row(&self, pairs: &[([isize; 2], [f64; 2])], between: bool, [x, y]: [isize; 2], row: &mut [f32]) {
+    fn draw_row(&self, pairs: &[([isize; 2], [f64; 2])], between: bool, y: isize, row: &mut [f32]) {
         for (n, pixels) in row.chunks_mut(3 * LANES).enumerate() {
-            let dark = self.darkness([x + (n * LANES) as isize, y], pairs, between);
+            let dark = self.darkness([(n * LANES) as isize, y], pairs, between);
             for (rgb, dark) in pixels.chunks_exact_mut(3).zip(dark) {
                 let dark = (self.line.strength() * dark) as f32;
                 if dark > 0.0 {
@@ -202,15 +200,17 @@ impl Shown<'_> {
         spots
     }
 
-    /// Whether all neighbours of [`LANES`] pixels from column `x` of row `y` on show sphere `id`, as do the pixels.
+    /// Whether [`LANES`] pixels from column `x` of row `y` on and all their neighbours show sphere `id`.
     #[inline(always)]
-    fn is_within(&self, id: u32, [x, y]: [isize; 2]) -> bool {
-        let margin = self.line.margin() as isize;
-        let (Ok(first), Ok(above)) = (usize::try_from(x - margin), usize::try_from(y - margin)) else { return false };
-        let (end, below) = ((x + margin) as usize + LANES, (y + margin) as usize);
-        let row = |row: usize| self.ids.get(row * self.width + first..row * self.width + end);
-        let shows = |row: &[u32]| row.iter().fold(true, |all, other| all & (*other == id));
-        end <= self.width && (above..=below).all(|n| row(n).is_some_and(shows))
+    fn is_within(&self, id: u32, [x, y]: [isize; 2], pairs: &[([isize; 2], [f64; 2])]) -> bool {
+        let shows = |x: isize, y: isize| {
+            let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return false };
+            let pixels = self.ids.get(y * self.width + x..y * self.width + x + LANES);
+            x + LANES <= self.width
+                && pixels.is_some_and(|ids| ids.iter().fold(true, |all, other| all & (*other == id)))
+        };
+        let both = |[right, down]: [isize; 2]| shows(x + right, y + down) && shows(x - right, y - down);
+        shows(x, y) && pairs.iter().all(|(offset, _)| both(*offset))
     }
 
     /// The darkness of the lines at [`LANES`] pixels from column `x` of row `y` on: 0 for none, 1 for black; 0 on a
@@ -222,7 +222,7 @@ impl Shown<'_> {
         if own.id == [NONE; LANES] {
             return dark;
         }
-        if self.is_within(own.id[0], [x, y]) {
+        if self.is_within(own.id[0], [x, y], pairs) {
             return dark;
         }
         let mut size = [0.0; LANES];

@@ -8,7 +8,7 @@ use super::plan::lights::center_rays;
 use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::answers::depth_cue::DepthCue;
-use crate::answers::finish::{Finish, fade};
+use crate::answers::finish::Finish;
 use crate::answers::light::{AROUND, OpenSky};
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
@@ -145,11 +145,9 @@ impl Renderer {
             let light = timings.time("light", || self.light(lights, frame, &request, &pool))?;
             pool.put_back(std::mem::replace(&mut raw.color, light.color));
         }
-        if let Some(cue) = cue {
-            timings.time("finish", || fade(cue, scene, (view, lights.is_some()), &raw.id, &mut raw.color));
-        }
         if let Some(finish) = sampling.finish() {
-            timings.time("finish", || finish.draw(scene, view, &raw.id, &mut raw.color));
+            let of = (view, lights.is_some());
+            timings.time("finish", || finish.draw(cue, scene, of, &raw.id, &mut raw.color));
         }
         Ok(())
     }

@@ -17,13 +17,7 @@ pub trait SphereSource {
     /// # Errors
     /// As [`SphereSource::each`].
     fn ends(&self) -> Result<[DVec3; 2]> {
-        let mut ends = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        self.each(&mut |block| {
-            let [low, high] = block.bounds();
-            ends = [ends[0].min(low), ends[1].max(high)];
-            Ok(())
-        })?;
-        Ok(ends)
+        ends_and_count(|visit| self.each(visit)).map(|(ends, _)| ends)
     }
 
     /// The least n.(c - p) - r of all of them along each of these normals; infinite along zero, and without spheres.
@@ -46,12 +40,7 @@ pub trait SphereSource {
     /// # Errors
     /// As [`SphereSource::each`].
     fn mean(&self) -> Result<Option<DVec3>> {
-        let (mut ends, mut count) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], 0);
-        self.each(&mut |block| {
-            let [low, high] = block.bounds();
-            (ends, count) = ([ends[0].min(low), ends[1].max(high)], count + block.len() as u64);
-            Ok(())
-        })?;
+        let (ends, count) = ends_and_count(|visit| self.each(visit))?;
         if count == 0 {
             return Ok(None);
         }
@@ -68,6 +57,19 @@ impl SphereSource for Spheres {
     fn each(&self, visit: &mut dyn FnMut(&Spheres) -> Result<()>) -> Result<()> {
         visit(self)
     }
+}
+
+/// The corners of the box around all spheres of a pass, and their number.
+fn ends_and_count(
+    pass: impl FnOnce(&mut dyn FnMut(&Spheres) -> Result<()>) -> Result<()>,
+) -> Result<([DVec3; 2], u64)> {
+    let (mut ends, mut count) = ([DVec3::INFINITY, DVec3::NEG_INFINITY], 0);
+    pass(&mut |block| {
+        let [low, high] = block.bounds();
+        (ends, count) = ([ends[0].min(low), ends[1].max(high)], count + block.len() as u64);
+        Ok(())
+    })?;
+    Ok((ends, count))
 }
 
 /// The middle of a box with these corners; the origin if they are not finite, as those around no spheres.

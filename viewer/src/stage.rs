@@ -138,7 +138,7 @@ pub struct FrameRequest {
 }
 
 impl FrameRequest {
-    /// The request for a picture at rest of which nothing else is asked.
+    /// A request for a still picture by this camera in this size, with the defaults of all else.
     pub fn still(camera: Pose, size: [u32; 2]) -> Self {
         Self { seq: 0, camera, size, frame: None, select: None, look: None, samples: None, mode: Mode::Still }
     }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::camera::{Camera, Lens};
 use crate::testing::Rng;
+use crate::window::Window;
 use crate::{ImagePlane, Scene, Spheres};
 
 /// A picture by parallel rays, a pixel being the unit of length.
@@ -49,10 +50,6 @@ impl Picture {
         picture
     }
 
-    fn full(&self) -> Window {
-        Window::full(self.width as u32, self.height() as u32)
-    }
-
     fn shown(&self, pixel: PixelSize) -> Shown<'_> {
         Shown {
             width: self.width,
@@ -67,7 +64,7 @@ impl Picture {
     /// The darkness of each pixel, 0 to 1, drawn over white.
     fn lines(&self, between: bool) -> Vec<f32> {
         let mut color = vec![1.0; 3 * self.ids.len()];
-        self.shown(PixelSize::Parallel(1.0)).draw(self.full(), between, &mut color);
+        self.shown(PixelSize::Parallel(1.0)).draw(between, &mut color);
         assert!(color.chunks_exact(3).all(|rgb| rgb[0] == rgb[1] && rgb[1] == rgb[2]));
         color.chunks_exact(3).map(|rgb| 1.0 - rgb[0]).collect()
     }
@@ -104,7 +101,7 @@ fn lines_have_the_width_of_the_outline() {
         let ink = [0.25, 0.5, 1.0];
         let line = Line::new(Outline { width, color: ink });
         let mut color = vec![0.0; 3 * picture.ids.len()];
-        Shown { line, ..picture.shown(PixelSize::Parallel(1.0)) }.draw(picture.full(), false, &mut color);
+        Shown { line, ..picture.shown(PixelSize::Parallel(1.0)) }.draw(false, &mut color);
         assert!(color.chunks_exact(3).all(|rgb| rgb[0] == ink[0] * rgb[2] && rgb[1] == ink[1] * rgb[2]), "{width}");
         let covered: Vec<f32> = color.chunks_exact(3).map(|rgb| rgb[2]).collect();
         let found = total(&covered) / (2.0 * std::f64::consts::PI * radius);
@@ -182,7 +179,7 @@ fn lines_grow_with_the_gap_and_not_with_the_unit() {
             planes(20, 9, |_, column| (column as u32 / 10, unit * if column < 10 { 64.0 } else { 64.0 + gap }));
         step.radii = vec![30.0 * unit; 2];
         let mut color = vec![1.0; 3 * 180];
-        step.shown(PixelSize::Parallel(unit)).draw(step.full(), false, &mut color);
+        step.shown(PixelSize::Parallel(unit)).draw(false, &mut color);
         1.0 - color[3 * (4 * 20 + 9)]
     };
     let dark: Vec<f32> = (0..40).map(|gap| step(f64::from(gap), 1.0)).collect();
@@ -245,7 +242,7 @@ fn a_plain_at_a_grazing_angle_is_not_dark() {
         _ => ((row * 64 + column) as u32, 3.0 / (slope * (row as f64 - 19.5))),
     });
     let mut color = vec![1.0; 3 * 64 * 80];
-    plain.shown(PixelSize::Perspective(slope)).draw(plain.full(), false, &mut color);
+    plain.shown(PixelSize::Perspective(slope)).draw(false, &mut color);
     let dark = |row: usize| (0..64).map(|column| 1.0 - color[3 * (row * 64 + column)]).fold(0.0, f32::max);
     assert!((28..80).all(|row| dark(row) == 0.0), "{:?}", (20..80).map(dark).collect::<Vec<_>>());
     assert_eq!([dark(19), dark(20)], [0.0, 1.0], "the horizon");
@@ -289,7 +286,7 @@ fn a_window_with_its_margin_has_the_bits_of_the_whole_on_any_number_of_threads()
         let between = rng.below(2) == 0;
         let pixel = [PixelSize::Parallel(1.0), PixelSize::Perspective(0.01)][rng.below(2) as usize];
         let mut whole = own.clone();
-        one.install(|| picture.shown(pixel).draw(picture.full(), between, &mut whole));
+        one.install(|| picture.shown(pixel).draw(between, &mut whole));
         assert!(whole.iter().zip(&own).all(|(new, old)| (0.0..=*old).contains(new)));
         assert!(width * height < 100 || whole != own, "some lines");
         let mut cut = |side: u32| {
@@ -311,8 +308,10 @@ fn a_window_with_its_margin_has_the_bits_of_the_whole_on_any_number_of_threads()
             depths: pixels().map(|pixel| picture.depths[pixel]).collect(),
             radii: picture.radii.clone(),
         };
-        let mut color = crop(&own, window);
-        piece.shown(pixel).draw(part, between, &mut color);
+        let mut color = crop(&own, wide);
+        piece.shown(pixel).draw(between, &mut color);
+        let rows = color.chunks_exact(3 * wide.width() as usize).skip(part.y0 as usize).take(part.height() as usize);
+        let color: Vec<f32> = rows.flat_map(|row| &row[3 * part.x0 as usize..3 * part.x1 as usize]).copied().collect();
         assert_eq!(color, crop(&whole, window), "{round}: {window} of {width} x {height}");
     }
 }
