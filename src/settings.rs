@@ -111,8 +111,8 @@ impl Settings {
         requested.or(scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color)))
     }
 
-    /// The sky of the buffer `occlusion`: the scene's, else that of the settings. A sky at the centres of every second pixel
-    /// is of the picture alone.
+    /// The sky of the buffer `occlusion`: the scene's, else that of the settings. A sky at the centres of pixels is of the
+    /// picture alone.
     pub(crate) fn buffer_sky(&self, scene: &Scene) -> Sky {
         scene.lighting.sky.filter(|sky| !sky.at_centers).unwrap_or(self.sky)
     }

@@ -39,7 +39,7 @@ impl InsetArgs {
     /// Checks the combination with other options before any work; `is_part` says whether a part of the picture is rendered.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a part of a picture, and for a picture that is neither PNG nor EXR.
+    /// [`Error::Settings`] for a part of a picture, and for a picture that is neither PNG nor EXR nor one of a film.
     pub(super) fn check(&self, is_part: bool, files: &FileArgs) -> Result<()> {
         if !self.is_given() {
             return Ok(());
@@ -48,9 +48,6 @@ impl InsetArgs {
             let what = "--legend-in, --label and --scale-bar";
             Err(Error::settings(format!("{what} {problem}"), mend))
         };
-        if let Some(film) = files.film() {
-            return refuse("are drawn into pictures, not into films", &film.of_pictures());
-        }
         if is_part {
             return refuse("are drawn into whole pictures, because parts would not merge", "remove --crop or --tile");
         }
@@ -59,8 +56,11 @@ impl InsetArgs {
             is_standard_output(path) || ending.is_some_and(|ending| ending == "png" || ending == "exr")
         };
         match files.output.as_deref() {
-            Some(path) if is_picture(path) && !files.raw => Ok(()),
-            _ => refuse("are drawn into a PNG or EXR picture", "use -o with the file name extension .png or .exr"),
+            Some(path) if (is_picture(path) || files.film().is_some()) && !files.raw => Ok(()),
+            _ => refuse(
+                "are drawn into PNG and EXR pictures and into films",
+                "use -o with the file name extension .png, .exr, .mp4 or .gif",
+            ),
         }
     }
 

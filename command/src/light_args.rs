@@ -17,8 +17,8 @@ use halfline_files::read::SceneFrame;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(super) struct LightArgs {
-    /// Look of the picture, to which other options add: plain (nothing), soft (--samples 4, --silhouette, a sky with 4 rays
-    /// from every second pixel, and a light from above left if the scene has none), figure (--shade flat --silhouette
+    /// Look of the picture, to which other options add: plain (nothing), soft (--samples 4, --silhouette, a sky with 3 rays
+    /// from each pixel's centre, and a light from above left if the scene has none), figure (--shade flat --silhouette
     /// --depth-cue) [default: the scene file's, else plain; for particles soft, unless --shade or --stream is given].
     #[arg(long, value_name = "L", value_parser = looks(), hide_possible_values = true)]
     look: Option<Look>,
@@ -174,10 +174,10 @@ impl PictureLook {
             Look::Soft => {
                 let light = "a light from above left without shadows if the scene has no light";
                 let (rays, samples) = (Sky::AT_CENTERS.rays, look.samples());
-                let own = "--occlusion at every sample, which takes much longer than its own";
-                let own = if self.has_own_sky { own } else { "--occlusion" };
-                let sky = format!("{own} {rays} at every second pixel's centre");
-                format!("{sky}, --silhouette --samples {samples}, and {light}")
+                let sky = format!("a sky with {rays} rays from each pixel's centre");
+                let longer = "--occlusion at every sample, which takes much longer";
+                let sky = if self.has_own_sky { format!("{longer} than {sky}") } else { sky };
+                format!("--silhouette --samples {samples}, {sky}, and {light}")
             }
             Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
         };

@@ -211,7 +211,7 @@ impl PlanText<'_> {
         e.lit_by.iter().try_for_each(|light| writeln!(f, "           {light}"))?;
         if let Some(Sky { rays, reach, at_centers, colors, share }) = e.occlusion {
             let reach = if reach.is_finite() { format!("that end after {reach}") } else { "without end".to_owned() };
-            let each = if at_centers { "from every second pixel's centre" } else { "for each point" };
+            let each = if at_centers { "from each pixel's centre" } else { "for each point" };
             let share = if share == 1.0 { String::new() } else { format!(", {share} of its light") };
             writeln!(f, "sky        {} {each}, {reach}{share}", count(rays.into(), "ray"))?;
             if let Some(SkyColors { zenith, horizon, is_shown }) = colors {

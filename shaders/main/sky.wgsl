@@ -9,7 +9,7 @@ struct Sky {
     lights: u32,       // and toward lights
     turns: u32,        // of the directions toward the sky, a power of two
     seed: u32,
-    chessboard: u32,   // 1: only from every second pixel
+    interleaved: u32,  // 1: the place of a pixel chooses its turn, 0: a hash does
     groups: u32,       // workgroups in a row of the dispatch
     sure_limit: f32,   // of rays toward the sky
     limit: f32,
@@ -90,7 +90,8 @@ fn start_of(pixel: u32, at: vec2<u32>) -> Start {
 
 fn next_ray(start: Start, number: u32) -> Next {
     let toward_sky = number < sky.rays;
-    let turn = pcg4d(vec4<u32>(start.at, 0u, sky.seed)).w & (sky.turns - 1u);
+    let hash = pcg4d(vec4<u32>(start.at, 0u, sky.seed)).w & (sky.turns - 1u);
+    let turn = select(hash, (start.at.y & 7u) * 8u + (start.at.x & 7u), sky.interleaved == 1u);
     let index = select(sky.turns * sky.rays + number - sky.rays, turn * sky.rays + number, toward_sky);
     let first = directions[2u * index];
     let second = bitcast<vec3<f32>>(directions[2u * index + 1u].xyz);
@@ -143,7 +144,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let id = frame_id[pixel];
     let at = vec2<u32>(view.first_column + pixel % view.columns, view.first_row + pixel / view.columns);
-    if (id == NONE || (sky.chessboard == 1u && ((at.x ^ at.y) & 1u) == 1u)) {
+    if (id == NONE) {
         return;
     }
     let words = pixel * ((each >> 5u) + 1u);

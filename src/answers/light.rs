@@ -1,7 +1,6 @@
-//! Light of the pixels of a frame: its buffers, the answers of devices, and the sky that samples share.
+//! Light of the pixels of a frame: its buffers and the answers of devices.
 
-use crate::view::ray::NONE;
-use crate::window::Window;
+use super::open_sky::SkyAtHit;
 use glam::DVec3;
 
 /// The certainty of a pixel of which the judge decided a ray.
@@ -18,19 +17,10 @@ pub(crate) struct LightBuffers {
     pub(crate) shadow: Vec<f32>,
     /// Share of the sky that is open.
     pub(crate) occlusion: Vec<f32>,
-    /// Light of the open sky in its colours, linear RGB, three numbers per pixel.
+    /// Rays toward the sky, as [`SkyAtHit`] writes them.
     pub(crate) sky: Vec<f32>,
     /// Pixels that are less than certain in f64, in their order, and their certainty.
     pub(crate) unsure: Vec<(u32, u8)>,
-}
-
-/// The light of the open sky at the centres of a window's pixels, for the samples around them.
-#[derive(Debug)]
-pub(crate) struct OpenSky {
-    pub(crate) window: Window,
-    /// The sphere of each pixel, and the light at its hit, linear RGB.
-    pub(crate) ids: Vec<u32>,
-    pub(crate) light: Vec<f32>,
 }
 
 /// A device's answers to the rays from the hits of a window's pixels. Every pixel has the same number of words, and a
@@ -63,36 +53,6 @@ impl<'a> Traced<'a> {
     }
 }
 
-/// Pixels on each side of a sample over which [`OpenSky::around`] takes the mean.
-pub(crate) const AROUND: u32 = 1;
-
-impl OpenSky {
-    /// The mean light over the pixels around this one that show the sphere, else over all that show any; 1 where none
-    /// shows one.
-    pub(crate) fn around(&self, row: u32, column: u32, id: u32) -> DVec3 {
-        let Window { x0, y0, x1, y1 } = self.window;
-        let near = |at: u32, first: u32, end: u32| at.saturating_sub(AROUND).max(first)..(at + AROUND + 1).min(end);
-        let columns = || near(column, x0, x1);
-        let at = |y: u32, x: u32| ((y - y0) * (x1 - x0) + x - x0) as usize;
-        // Sums and counts of the same sphere and of any.
-        let (mut same, mut any) = ((DVec3::ZERO, 0.0), (DVec3::ZERO, 0.0));
-        for y in near(row, y0, y1) {
-            for n in columns().map(|x| at(y, x)).filter(|n| self.ids[*n] != NONE) {
-                let light = DVec3::from_array([0, 1, 2].map(|k| self.light[3 * n + k].into()));
-                let add = |(sum, count): (DVec3, f64)| (sum + light, count + 1.0);
-                any = add(any);
-                if self.ids[n] == id {
-                    same = add(same);
-                }
-            }
-        }
-        match (same, any) {
-            ((sum, count), _) | (_, (sum, count)) if count > 0.0 => sum / count,
-            _ => DVec3::ONE,
-        }
-    }
-}
-
 /// Light of one pixel. Buffers that were not requested do not take its numbers.
 #[derive(Debug, Default)]
 pub(crate) struct PixelLight<'a> {
@@ -100,9 +60,10 @@ pub(crate) struct PixelLight<'a> {
     pub(crate) color: DVec3,
     /// Share of each light that is hidden.
     pub(crate) shadow: &'a [f32],
-    /// Share of the sky that is open, and its light.
+    /// Share of the sky that is open.
     pub(crate) occlusion: f32,
-    pub(crate) sky: DVec3,
+    /// Rays toward the sky.
+    pub(crate) sky: SkyAtHit,
     /// `None` where f64 is certain.
     pub(crate) certainty: Option<u8>,
 }
@@ -130,9 +91,8 @@ impl Chunk<'_> {
         if let Some(occlusion) = self.occlusion.get_mut(n) {
             *occlusion = light.occlusion;
         }
-        if let Some(sky) = self.sky.get_mut(3 * n..3 * n + 3) {
-            sky.copy_from_slice(&light.sky.as_vec3().to_array());
-        }
+        let each = self.sky.len() / self.count;
+        light.sky.write(&mut self.sky[n * each..][..each]);
     }
 }
 
@@ -151,7 +111,8 @@ impl LightBuffers {
         let mut colors = self.color.chunks_mut(3 * count);
         let mut shadows = self.shadow.chunks_mut((lights * count).max(1));
         let mut shares = self.occlusion.chunks_mut(count);
-        let mut skies = self.sky.chunks_mut(3 * count);
+        let rays = self.sky.len() / pixels.max(1);
+        let mut skies = self.sky.chunks_mut((rays * count).max(1));
         (0..pixels).step_by(count).map(move |first| Chunk {
             first,
             count: count.min(pixels - first),

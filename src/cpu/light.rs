@@ -109,7 +109,7 @@ impl<'a> PixelShader<'a> {
             lighting.surface(rays, pixel, id, at_hit)
         };
         let open = lighting.open.map(|open| open.around(row, column, id));
-        at_point.begin(&surface, along, open.unwrap_or(DVec3::ONE));
+        at_point.begin(&surface, along, open.unwrap_or_default());
         let mut light = PixelLight::default();
         if *rayless {
             light.color = at_point.color(&surface, along);
@@ -142,7 +142,7 @@ impl<'a> PixelShader<'a> {
         light.shadow = shadow;
         light.occlusion = at_point.open() as f32;
         if lighting.outputs.sky {
-            light.sky = at_point.sky_light();
+            light.sky = at_point.sky_at(&surface);
         }
         if color && !*rayless {
             light.color = at_point.color(&surface, along);

@@ -1,6 +1,7 @@
 //! The memory that a frame needs, compared with the memory that is free, and the number of spheres that would fit.
 
 use super::plan::Plan;
+use crate::answers::open_sky::SkyAtHit;
 use crate::answers::settle::Settled;
 use crate::certify::binned::BinnedScene;
 use crate::certify::general::{General, GeneralRecord};
@@ -70,9 +71,10 @@ impl Need {
         // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
             let colors = u64::from(kernel.shade.is_some() || plan.light_outputs.color);
-            // The spheres at the centres of pixels, and the light of the sky there.
-            let shared = plan.light_outputs.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
-            bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + if shared { 4 + 12 } else { 0 }
+            // The rays toward the sky, twice while they are put together, and the spheres of the pixels.
+            let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color);
+            let rays = sky.map_or(0, |sky| 4 + 2 * 4 * SkyAtHit::count(sky.colors.is_some()) as u64);
+            bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + rays
         });
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.

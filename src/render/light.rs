@@ -2,7 +2,8 @@
 
 use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
-use crate::answers::light::{LightBuffers, OpenSky, Traced};
+use crate::answers::light::{LightBuffers, Traced};
+use crate::answers::open_sky::{OpenSky, SkyAtHit};
 use crate::cpu::light::{LightOutputs, LightingContext};
 use crate::error::Result;
 use crate::exact::Judge;
@@ -32,20 +33,20 @@ pub(super) struct LightRequest<'a> {
     pub(super) sky: Option<Sky>,
     /// The sphere that each pixel shows; rays leave from its hits.
     pub(super) ids: &'a [u32],
-    /// Whether only every second pixel is requested, as on a chessboard.
-    pub(super) chessboard: bool,
-    /// The light of the open sky at the pixels' centres, if it was computed before; then no ray is traced toward the
-    /// sky.
+    /// Whether neighbours complement each other, for rays that are put together afterwards; alone they would show the pattern in
+    /// which they repeat.
+    pub(super) interleaved: bool,
+    /// The rays toward the sky, if they were traced before.
     pub(super) open_sky: Option<&'a OpenSky>,
 }
 
 impl<'a> LightRequest<'a> {
     /// A request for the light of all pixels, with rays toward the sky.
     pub(super) fn of(outputs: LightOutputs, sky: Option<Sky>, ids: &'a [u32]) -> Self {
-        Self { outputs, sky, ids, chessboard: false, open_sky: None }
+        Self { outputs, sky, ids, interleaved: false, open_sky: None }
     }
 
-    /// The sky toward which rays are traced; `None` where its light is known.
+    /// The sky toward which rays are traced; `None` where they were traced before.
     fn unknown_sky(&self) -> Option<Sky> {
         self.sky.filter(|_| self.open_sky.is_none())
     }
@@ -108,18 +109,18 @@ impl Renderer {
             return Ok(None);
         }
         let turned = directions.turned().iter().map(DirectionRecord::of_unit);
-        let directions: Vec<DirectionRecord> = turned.chain(all).collect();
+        let records: Vec<DirectionRecord> = turned.chain(all).collect();
         let [sure_limit, limit] = limits(tree, sky.map_or(f64::INFINITY, |sky| sky.reach));
         let record = SkyRecord {
             rays: count.rays as u32,
             lights: count.lights as u32,
             seed: settings.seed,
-            chessboard: request.chessboard.into(),
+            interleaved: directions.is_interleaved().into(),
             sure_limit,
             limit,
             ..bytemuck::Zeroable::zeroed()
         };
-        let rays = SkyRays { tree, view, directions: &directions, record };
+        let rays = SkyRays { tree, view, directions: &records, record };
         let pixels = view.record.pixels() as u64;
         let doing = self.watch.begin(Step::Light, pixels);
         match gpu.trace_sky(&rays, &|done| doing.reached(done))? {
@@ -155,10 +156,14 @@ impl Renderer {
         buffers.color = pool.values(some(outputs.color, 3))?;
         buffers.shadow = pool.values(some(outputs.shadow, lights.len()))?;
         buffers.occlusion = pool.values(some(outputs.occlusion, 1))?;
-        buffers.sky = pool.values(some(outputs.sky, 3))?;
+        buffers.sky = pool.values(some(outputs.sky, SkyAtHit::count(Gradient::of(scene).is_some())))?;
         let sized = lights.iter().any(|light| light.source.has_size());
         let ViewRecord { strata, sample, .. } = view.record;
-        let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays), strata, sample);
+        let rays = sky.map_or(0, |sky| sky.rays);
+        let directions = match request.interleaved {
+            true => SkyDirections::interleaved(rays, strata, sample, settings.seed),
+            false => SkyDirections::new(rays, strata, sample),
+        };
         let scattered = SkyDirections::one(strata, sample);
         let samples = strata * strata;
         let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples);

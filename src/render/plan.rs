@@ -96,10 +96,11 @@ impl Plan {
         // Its pixels are those of a finer or larger frame.
         plan.kernel.samples = matches!(scene.camera.lens, Lens::Intrinsics { .. });
         let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
-        // A sky at the centres of pixels is known before the colours.
-        let shared = plan.light_outputs.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
-        if finished || shared || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
-            let alone = shared && settings.aperture.is_none() && !scene.lighting.shadows;
+        // The open share of the sky is known before the colours.
+        let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color);
+        if finished || sky.is_some() || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
+            let at_centers = sky.is_some_and(|sky| sky.at_centers) && settings.aperture.is_none();
+            let alone = at_centers && !scene.lighting.shadows;
             let kernel = Kernel { samples: true, t: false, normal: false, ..plan.kernel };
             let of_sample = |of: Certificate| Certificate { depth_interval: false, starts: of.starts && !alone, ..of };
             plan.sampled = Some(kernel.certified_by(of_sample));

@@ -9,7 +9,7 @@ use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::answers::depth_cue::DepthCue;
 use crate::answers::finish::Finish;
-use crate::answers::light::{AROUND, OpenSky};
+use crate::answers::open_sky::{OpenSky, Smoothing};
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
@@ -21,10 +21,8 @@ use crate::kernel::Kernel;
 use crate::scene::{Scene, Sky};
 use crate::settings::Settings;
 use crate::view::raster::Raster;
-use crate::view::ray::NONE;
 use crate::view::{Records, View};
 use crate::window::Window;
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -46,16 +44,37 @@ impl Sampling<'_> {
         self.plan.finish.filter(|_| self.settings.asks(&[Aov::Color]))
     }
 
-    /// The sky whose light is found at the centres of pixels, for all samples. With an open lens a sample may hit spheres that no
-    /// centre sees.
-    fn sky_at_centers(&self) -> Option<Sky> {
-        let is_pinhole = self.settings.aperture.is_none();
-        self.scene.lighting.sky.filter(|sky| self.lights.is_some() && is_pinhole && sky.at_centers)
+    /// The sky that lights the picture, with the rays of a pixel's centre or of a sample, and the smoothing for pixels of so many
+    /// samples.
+    fn sky(&self, samples: u32) -> Option<PictureSky<'_>> {
+        let (lights, sky) = (self.lights?, self.scene.lighting.sky?);
+        // With an open lens a sample may hit spheres that no centre sees.
+        let at_centers = sky.at_centers && self.settings.aperture.is_none();
+        let rays = if at_centers { center_rays(sky, samples) } else { sky.rays };
+        let of_pixel = if at_centers { rays } else { rays.saturating_mul(samples) };
+        Some(PictureSky { lights, sky: Sky { rays, ..sky }, at_centers, smoothing: Smoothing::of(of_pixel) })
     }
 
     /// The kernel's plan.
     fn plan(&self) -> Plan {
         Plan { kernel: self.kernel, ..self.plan.clone() }
+    }
+}
+
+/// The sky of a picture.
+#[derive(Clone, Copy)]
+struct PictureSky<'a> {
+    lights: &'a LightSetup,
+    sky: Sky,
+    /// Rays leave from the centres of pixels, for all samples.
+    at_centers: bool,
+    smoothing: Smoothing,
+}
+
+impl PictureSky<'_> {
+    /// Pixels on each side of a window from which each pass of samples traces rays toward the sky.
+    fn margin(&self) -> u32 {
+        if self.at_centers { 0 } else { self.smoothing.margin() }
     }
 }
 
@@ -73,16 +92,18 @@ impl Renderer {
         let mut lens = LensPasses::new(scene, settings, raster)?;
         let pool = Arc::clone(&self.pool);
         let finish = sampling.finish();
-        // Each pass draws its own lines, from samples around the window, so that their mean is smooth and a lens blurs them.
-        raster.window = window.grown(finish.map_or(0, Finish::margin), scene.image.width, scene.image.height);
-        let open = match sampling.sky_at_centers() {
+        let sky = sampling.sky(raster.count());
+        // Each pass draws its own lines, and has its own rays toward the sky, with samples around the window, so that their mean is
+        // smooth and a lens blurs them.
+        let margin = finish.map_or(0, Finish::margin).max(sky.map_or(0, |sky| sky.margin()));
+        raster.window = window.grown(margin, scene.image.width, scene.image.height);
+        let at_centers = match sky.filter(|sky| sky.at_centers) {
             Some(sky) => {
-                let around = self.centers(sampling, window, centers, timings)?;
-                self.sky_of(sampling, &around, sky, raster.count(), timings)?
+                let Centers { window, view, ids } = self.centers(sampling, window, sky.smoothing, centers, timings)?;
+                Some(self.open_sky(sampling, &view, (window, &ids), sky, timings)?)
             }
             None => None,
         };
-        let open = open.as_ref();
         let basis = scene.camera.basis()?;
         let cue = finish.and_then(|finish| finish.cue(scene, &basis));
         let pixels = raster.window.width() as usize * raster.window.height() as usize;
@@ -106,7 +127,9 @@ impl Renderer {
                 none => none.insert(self.setup(sampling.plan(), scene, settings, raster, timings)?),
             };
             setup.view.record.sample = sample;
-            self.pass(Sampling { scene, ..sampling }, setup, open, cue, &mut raw, timings)?;
+            let sampling = Sampling { scene, ..sampling };
+            let of_pass = sky.filter(|sky| !sky.at_centers && !sky.smoothing.is_none());
+            self.pass(sampling, setup, (at_centers.as_ref(), of_pass), cue, &mut raw, timings)?;
             timings.time("samples", || sums.add(&raw));
         }
         let mut means = sums.means(raster.count(), &pool);
@@ -114,6 +137,9 @@ impl Renderer {
             means = means.part(window.inside(raster.window), raster.window.width());
         }
         raw.put_back(&pool);
+        if let Some(open) = at_centers {
+            open.put_back(&pool);
+        }
         if let Some(setup) = last {
             setup.put_back(&pool);
         }
@@ -125,7 +151,7 @@ impl Renderer {
         &mut self,
         sampling: Sampling<'_>,
         setup: &mut FrameSetup,
-        open_sky: Option<&OpenSky>,
+        (at_centers, of_pass): (Option<&OpenSky>, Option<PictureSky<'_>>),
         cue: Option<DepthCue>,
         raw: &mut Raw,
         timings: &mut Timings,
@@ -139,11 +165,19 @@ impl Renderer {
             timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
         }
         if let Some(lights) = lights {
+            let own = match of_pass {
+                Some(sky) => Some(self.open_sky(sampling, view, (view.record.window(), &raw.id), sky, timings)?),
+                None => None,
+            };
             let outputs = LightOutputs { color: true, ..LightOutputs::default() };
-            let request = LightRequest { open_sky, ..LightRequest::of(outputs, scene.lighting.sky, &raw.id) };
+            let of = LightRequest::of(outputs, scene.lighting.sky, &raw.id);
+            let request = LightRequest { open_sky: at_centers.or(own.as_ref()), ..of };
             let frame = FrameContext { scene, settings, view };
             let light = timings.time("light", || self.light(lights, frame, &request, &pool))?;
             pool.put_back(std::mem::replace(&mut raw.color, light.color));
+            if let Some(own) = own {
+                own.put_back(&pool);
+            }
         }
         if let Some(finish) = sampling.finish() {
             let of = (view, lights.is_some());
@@ -152,37 +186,39 @@ impl Renderer {
         Ok(())
     }
 
-    /// The light of the sky at every second pixel's centre, as on a chessboard.
-    fn sky_of(
+    /// The rays toward the sky from the hits of a view, whose window shows the spheres `ids`, with those of neighbours.
+    fn open_sky(
         &mut self,
         sampling: Sampling<'_>,
-        around: &Centers<'_>,
-        sky: Sky,
-        samples: u32,
+        view: &View,
+        (window, ids): (Window, &[u32]),
+        PictureSky { lights, sky, smoothing, .. }: PictureSky<'_>,
         timings: &mut Timings,
-    ) -> Result<Option<OpenSky>> {
-        let Sampling { scene, settings, lights: Some(lights), .. } = sampling else { return Ok(None) };
+    ) -> Result<OpenSky> {
+        let Sampling { scene, settings, .. } = sampling;
         let pool = Arc::clone(&self.pool);
-        let ids = every_second(&around.view, &around.ids);
         let outputs = LightOutputs { sky: true, ..LightOutputs::default() };
-        let sky = Sky { rays: center_rays(sky, samples), ..sky };
-        let request = LightRequest { chessboard: true, ..LightRequest::of(outputs, Some(sky), &ids) };
-        let frame = FrameContext { scene, settings, view: &around.view };
-        let light = timings.time("light", || self.light(lights, frame, &request, &pool))?;
-        Ok(Some(OpenSky { window: around.window, ids, light: light.sky }))
+        let frame = FrameContext { scene, settings, view };
+        let request = LightRequest { interleaved: !smoothing.is_none(), ..LightRequest::of(outputs, Some(sky), ids) };
+        let hits = timings.time("light", || self.light(lights, frame, &request, &pool))?.sky;
+        let mut own = pool.values(ids.len())?;
+        own.copy_from_slice(ids);
+        timings.time("smooth", || OpenSky::new(window, own, hits, smoothing, &pool))
     }
 
-    /// The spheres that the centres of a window's pixels show, and those around it as far as [`AROUND`] and the frame reach.
+    /// The spheres that the centres of a window's pixels show, and those around it as far as smoothing, the neighbours of a sample, and
+    /// the frame reach.
     fn centers<'a>(
         &mut self,
         sampling: Sampling<'_>,
         window: Window,
+        smoothing: Smoothing,
         centers: &'a [u32],
         timings: &mut Timings,
     ) -> Result<Centers<'a>> {
         let Sampling { plan, scene, settings, .. } = sampling;
         let pool = Arc::clone(&self.pool);
-        let wide = window.grown(AROUND, scene.image.width, scene.image.height);
+        let wide = window.grown(smoothing.margin() + 1, scene.image.width, scene.image.height);
         let raster = Raster::centres(wide);
         if wide == window {
             let view = View::for_rays(scene, raster, Records::None)?;
@@ -198,15 +234,6 @@ impl Renderer {
         let view = setup.put_back(&pool);
         Ok(Centers { window: wide, view, ids })
     }
-}
-
-/// The spheres of every second pixel, as on a chessboard: enough for a sky that is averaged over the pixels around.
-fn every_second(view: &View, ids: &[u32]) -> Vec<u32> {
-    let one = |(pixel, id): (usize, &u32)| {
-        let [row, column] = view.record.place(pixel as u32);
-        if (row ^ column) & 1 == 0 { *id } else { NONE }
-    };
-    ids.par_iter().enumerate().map(one).collect()
 }
 
 /// The spheres that pixels' centres show.

@@ -50,7 +50,18 @@ impl Gradient {
     /// 1 - (1 - s)^8, and none below: as in a clear sky, most of the change is near the horizon. Multiplications and sums alone, so that the
     /// bits are the same on every machine.
     pub(crate) fn toward(&self, direction: DVec3) -> DVec3 {
-        self.horizon + self.change * zenith_share(direction.dot(self.up))
+        self.horizon + self.change * self.zenith(direction)
+    }
+
+    /// The zenith's share of the colour in a direction of length 1.
+    pub(crate) fn zenith(&self, direction: DVec3) -> f64 {
+        zenith_share(direction.dot(self.up))
+    }
+
+    /// The sum of the colours in directions with weights: from the sum of the weights, and that of the weights times
+    /// [`Self::zenith`].
+    pub(crate) fn sum(&self, weights: f64, zenith: f64) -> DVec3 {
+        self.horizon * weights + self.change * zenith
     }
 }
 
@@ -101,6 +112,7 @@ impl SkyLight {
     }
 
     /// The light that an open sky gives to a surface with this normal of length 1.
+    #[inline(always)]
     pub(crate) fn open(&self, normal: DVec3) -> DVec3 {
         let Gradient { up, horizon, change, .. } = self.gradient;
         let place = (normal.dot(up).clamp(-1.0, 1.0) + 1.0) / 2.0 * CELLS as f64;

@@ -66,9 +66,8 @@ pub struct Sky {
     /// A sphere farther than this from a point, in the scene's unit of length, hides nothing from it; +inf for any
     /// distance.
     pub reach: f64,
-    /// Whether rays leave only from the hits of the centres of every second pixel, as on a chessboard, and a sample
-    /// takes the mean of the pixels around it that show its sphere: little noise from few rays. Otherwise rays leave
-    /// from every sample.
+    /// Whether rays leave only from the hits of the centres of pixels, for all samples around. Otherwise rays leave from every
+    /// sample. In both cases few rays are joined by those of the pixels around that show the same sphere.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub at_centers: bool,
     /// Its colours; `None` for white.
@@ -85,9 +84,8 @@ impl Sky {
     /// an open sky is white.
     pub const SHARE_WITH_LIGHTS: f32 = 0.5;
 
-    /// Few rays from the centres of pixels: about as little noise as from 8 times as many from every sample, in the time of
-    /// these.
-    pub const AT_CENTERS: Self = Self { rays: 4, reach: f64::INFINITY, at_centers: true, colors: None, share: 1.0 };
+    /// Few rays from the centres of pixels.
+    pub const AT_CENTERS: Self = Self { rays: 3, reach: f64::INFINITY, at_centers: true, colors: None, share: 1.0 };
 }
 
 /// The most rays for a point.

@@ -214,12 +214,12 @@ mod tests {
         for (light, sky, expected) in [
             (AddedLight::default(), None, None),
             (AddedLight::default(), own, Some((32, 7.0, false))),
-            (soft.clone(), None, Some((4, f64::INFINITY, true))),
+            (soft.clone(), None, Some((3, f64::INFINITY, true))),
             (soft.clone(), own, Some((32, 7.0, false))),
             (AddedLight { occlusion: Some(None), ..soft.clone() }, None, Some((16, f64::INFINITY, false))),
             (AddedLight { occlusion: Some(None), ..soft.clone() }, own, Some((32, 7.0, false))),
             (AddedLight { occlusion: Some(Some(9)), reach: Some(2.0), ..soft.clone() }, own, Some((9, 2.0, false))),
-            (AddedLight { reach: Some(2.0), ..soft.clone() }, None, Some((4, 2.0, true))),
+            (AddedLight { reach: Some(2.0), ..soft.clone() }, None, Some((3, 2.0, true))),
         ] {
             let mut scene = scene(sky);
             light.apply(&mut scene).expect("a camera");

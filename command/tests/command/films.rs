@@ -88,10 +88,12 @@ fn stand_in(dir: &TestDir, script: &str) -> OsString {
 fn ffmpeg_gets_the_bytes_of_the_pictures_in_order() {
     let dir = dir();
     let path = stand_in(&dir, "for last; do :; done\nexec cat > \"$last\"");
-    dir.render("s.toml --spin 9 --size 32x24 -o f.%d.png");
-    let pictures: Vec<u8> = (1..=9).flat_map(|n| dir.get(&format!("f.{n}.png"))).collect();
-    for options in ["", "--repeat 2", "--progress json"] {
-        let words = format!("render s.toml --backend cpu --spin 9 --size 32x24 -o film.mp4 {options}");
+    // What is drawn into pictures is drawn into those of a film.
+    let drawn = "--size 160x120 --label {frame} --scale-bar";
+    for options in ["--size 32x24", "--size 32x24 --repeat 2", "--size 32x24 --progress json", drawn] {
+        dir.render(&format!("s.toml --spin 9 -o f.%d.png {options}"));
+        let pictures: Vec<u8> = (1..=9).flat_map(|n| dir.get(&format!("f.{n}.png"))).collect();
+        let words = format!("render s.toml --backend cpu --spin 9 -o film.mp4 {options}");
         let done = dir.run_with(&words, &[("PATH", path.to_str().expect("text"))]);
         assert_eq!(done.code, 0, "{}", done.err);
         assert!(dir.get("film.mp4") == pictures, "{options}: other pictures");

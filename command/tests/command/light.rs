@@ -113,11 +113,11 @@ fn looks_stand_for_options() {
     let dir = dir();
     for (options, expected) in [
         ("scene.toml --look plain", json!([0, null, 1, false, false])),
-        ("scene.toml --look soft", json!([1, 4, 4, true, false])),
-        ("scene.toml --look soft --samples 1", json!([1, 4, 1, true, false])),
-        ("scene.toml --look soft --samples 16", json!([1, 4, 16, true, false])),
+        ("scene.toml --look soft", json!([1, 3, 4, true, false])),
+        ("scene.toml --look soft --samples 1", json!([1, 3, 1, true, false])),
+        ("scene.toml --look soft --samples 16", json!([1, 3, 16, true, false])),
         ("scene.toml --look soft --occlusion 64 --depth-cue", json!([1, 64, 4, true, true])),
-        ("scene.toml --look soft --sun 0,0,1 --sun 0,1,0", json!([2, 4, 4, true, false])),
+        ("scene.toml --look soft --sun 0,0,1 --sun 0,1,0", json!([2, 3, 4, true, false])),
         ("lit.toml --look soft", json!([1, 32, 4, true, false])),
         ("scene.toml --look figure", json!([0, null, 1, true, true])),
         ("scene.toml --silhouette", json!([0, null, 1, true, false])),
@@ -145,7 +145,7 @@ fn looks_stand_for_options() {
 #[test]
 fn pictures_of_particles_are_soft_unless_an_option_asks_for_another_light() {
     let dir = dir();
-    let soft = json!([1, 4, 4, true, false]);
+    let soft = json!([1, 3, 4, true, false]);
     let plain = json!([0, null, 1, false, false]);
     for (options, samples) in [
         ("-o a.png", 4),
@@ -163,7 +163,9 @@ fn pictures_of_particles_are_soft_unless_an_option_asks_for_another_light() {
         let mut expected = soft.clone();
         expected[2] = json!(samples);
         assert_eq!(parts(&planned.json()), expected, "{options}");
-        assert!(planned.err.contains("look soft (the default for particles; see --look plain): --occlusion 4"));
+        assert!(planned.err.contains(
+            "look soft (the default for particles; see --look plain): --silhouette --samples 4, a sky with 3"
+        ));
     }
     for (options, samples) in [
         ("-o a.png --look plain", 1),
@@ -187,9 +189,9 @@ fn pictures_of_particles_are_soft_unless_an_option_asks_for_another_light() {
     };
     assert_eq!(of("HALFLINE_LOOK", "plain"), plain);
     assert_eq!(of("HALFLINE_ACCURACY", "auto"), soft);
-    assert_eq!(of("HALFLINE_SAMPLES", "9"), json!([1, 4, 9, true, false]));
+    assert_eq!(of("HALFLINE_SAMPLES", "9"), json!([1, 3, 9, true, false]));
     assert_eq!(of("HALFLINE_SHADE", "normal"), plain);
-    assert_eq!(of("HALFLINE_DEPTH_CUE", "1"), json!([1, 4, 4, true, true]));
+    assert_eq!(of("HALFLINE_DEPTH_CUE", "1"), json!([1, 3, 4, true, true]));
     dir.put("c.toml", "occlusion = 8\nsilhouette = true\nlook = \"plain\"\nshadows = true\n");
     assert_eq!(of("HALFLINE_CONFIG", "c.toml"), json!([1, 8, 1, true, false]));
 }

@@ -43,6 +43,7 @@ mod messages;
 mod one_look;
 mod options;
 mod parts;
+mod pictures;
 mod provenance;
 mod requests;
 mod resume;

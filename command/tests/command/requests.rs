@@ -476,11 +476,12 @@ fn what_is_reported_about_spheres_is_true() {
         assert_eq!((&all["count"], &all["of"]), (&json!(expected), &json!(expected)), "{cell}");
     }
     let words = |options: &str| dir.render(&format!("cell.xyz --size 16x12 {options} -o a.png")).err;
-    assert!(words("").contains("soft (the default for particles; see --look plain): --occlusion 4 at every second"));
-    assert!(
-        words("--occlusion 8")
-            .contains("soft (the default for particles; see --look plain): --occlusion at every sample, which takes much longer than its own 4 at")
-    );
+    assert!(words("").contains(
+        "soft (the default for particles; see --look plain): --silhouette --samples 4, a sky with 3 rays from"
+    ));
+    assert!(words("--occlusion 8").contains(
+        "--silhouette --samples 4, --occlusion at every sample, which takes much longer than a sky with 3 rays"
+    ));
 }
 
 /// A name that is not UTF-8 arrives as it is, and is refused where a list in JSON would have to name it.

@@ -129,8 +129,8 @@ fn parts_of_a_frame_have_the_bytes_of_the_frame() {
             plan["lights"].as_u64(),
         )
     };
-    assert_eq!(plan(""), (Some(4), Some(true), Some(4), Some(1)));
-    assert_eq!(plan("--look plain --samples 9"), (Some(9), Some(false), Some(4), Some(0)));
+    assert_eq!(plan(""), (Some(4), Some(true), Some(3), Some(1)));
+    assert_eq!(plan("--look plain --samples 9"), (Some(9), Some(false), Some(3), Some(0)));
     let text = dir.good("plan m.toml -o p.png --backend cpu").text();
     assert!(text.contains("zenith 0, 0.25, 1, horizon 0.75, 0.5, 0.25"), "{text}");
 }

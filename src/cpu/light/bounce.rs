@@ -5,6 +5,7 @@ use super::super::given_certified::NearestSearch;
 use super::lighting::LightingContext;
 use super::point::PointLight;
 use super::surface::Surface;
+use crate::answers::open_sky::SkySums;
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::SurfacePoint;
 use crate::scene::{Material, NumberedBall};
@@ -71,7 +72,7 @@ pub(super) fn follow(
         proved &= sharp || lighting.judge.is_none();
         if hit.outside || !lighting.material(hit.id).is_clear() {
             let surface = Surface::from(&hit);
-            at_point.begin(&surface, ray.along, DVec3::ONE);
+            at_point.begin(&surface, ray.along, SkySums::default());
             at_point.trace_lights(&hit, at);
             at_point.trace_sky(&hit, &surface, at);
             proved &= !at_point.assume_blocked();

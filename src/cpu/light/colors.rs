@@ -4,6 +4,7 @@
 
 use super::lighting::LightingContext;
 use crate::answers::light::Chunk;
+use crate::answers::open_sky::SkySums;
 use crate::number::larger;
 use crate::number::vector::LANES;
 use crate::scene::Material;
@@ -28,7 +29,8 @@ struct Lanes {
     center: [[f64; LANES]; 3],
     radius: [f64; LANES],
     own: [[f64; LANES]; 3],
-    sky: [[f64; LANES]; 3],
+    /// The vectors of the rays toward the sky.
+    sky: [[[f64; LANES]; 3]; 4],
 }
 
 /// The components of a vector in one lane.
@@ -55,13 +57,14 @@ impl Colors<'_, '_, '_> {
             let [row, column] = record.place((self.chunk.first + first + l) as u32);
             let position = record.sample_position(row, column);
             (lanes.position[0][l], lanes.position[1][l]) = (position[0], position[1]);
-            let open = lighting.open.map_or(DVec3::ONE, |open| open.around(row, column, id));
-            // A sky without colours has white light.
-            let sky = if lighting.colors.is_some() { open } else { DVec3::splat(open.x) };
+            let sky = lighting.open.map(|open| open.around(row, column, id)).unwrap_or_default();
+            for (lanes, sum) in lanes.sky.iter_mut().zip([sky.all, sky.open, sky.zenith[0], sky.zenith[1]]) {
+                (lanes[0][l], lanes[1][l], lanes[2][l]) = (sum.x, sum.y, sum.z);
+            }
             let (center, own) = (spheres.centers[id as usize], lighting.own_color(id).to_array());
             lanes.radius[l] = spheres.radii[id as usize];
             for k in 0..3 {
-                (lanes.center[k][l], lanes.own[k][l], lanes.sky[k][l]) = (center[k], own[k], sky[k]);
+                (lanes.center[k][l], lanes.own[k][l]) = (center[k], own[k]);
             }
         }
         lanes
@@ -101,7 +104,11 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
             let mut white = [[0.0; LANES]; 3];
             for l in 0..LANES {
                 let light = match share {
-                    Some(share) => lane(&lanes.sky, l) * share,
+                    Some(share) => {
+                        let [all, open, zenith, open_zenith] = [0, 1, 2, 3].map(|k| lane(&lanes.sky[k], l));
+                        let sums = SkySums { all, open, zenith: [zenith, open_zenith] };
+                        sums.light(lane(&normal, l), lighting.colors.as_ref()) * share
+                    }
                     None if lights.is_empty() => DVec3::splat(facing[l]),
                     None => DVec3::ZERO,
                 };

@@ -1,7 +1,8 @@
 //! A scene set up for its lights.
 
 use super::surface::Surface;
-use crate::answers::light::{OpenSky, Traced};
+use crate::answers::light::Traced;
+use crate::answers::open_sky::OpenSky;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
 use crate::scene::{Ball, DEFAULT_COLOR, Material, NumberedBall, Scene, Sky, SkyLight};
@@ -21,7 +22,7 @@ pub(crate) struct LightOutputs {
     pub(crate) shadow: bool,
     /// The share of the sky that is open.
     pub(crate) occlusion: bool,
-    /// The light of the open sky, in its colours.
+    /// The share of the light of the sky that is open, a number for each channel.
     pub(crate) sky: bool,
 }
 
@@ -45,7 +46,7 @@ pub(crate) struct LightingContext<'a> {
     pub(crate) scattered: &'a SkyDirections,
     pub(crate) disc: &'a DiscPoints,
     pub(crate) seed: u32,
-    /// The light of the open sky at the hits of viewing rays, if it is known.
+    /// The share of the sky that is open at the hits of viewing rays, if it is known.
     pub(crate) open: Option<&'a OpenSky>,
     /// A device's answers to the rays from the hits of viewing rays; `None` if it traced none.
     pub(crate) traced: Option<Traced<'a>>,

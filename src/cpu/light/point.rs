@@ -3,6 +3,7 @@
 use super::super::hidden::LightRay;
 use super::lighting::LightingContext;
 use super::surface::Surface;
+use crate::answers::open_sky::{SkyAtHit, SkySums};
 use crate::certify::given::{AnyHit, CertifiedRay};
 use crate::certify::surface::SurfacePoint;
 use crate::exact::{LightQuestion, Toward};
@@ -62,30 +63,12 @@ impl LightShare {
     }
 }
 
-/// The sky's rays from one point: the sum of all cosines, and the sum over open rays.
+/// The sky's rays from one point: the sum of all cosines, that over open rays, and the sums for pictures.
 #[derive(Debug, Clone, Copy, Default)]
 struct SkyShare {
     all: f64,
     open: f64,
-    /// The sum of cosine times colour over all rays, for a sky with colours.
-    all_light: DVec3,
-    /// The same over the open rays.
-    open_light: DVec3,
-    /// The light of the whole sky.
-    whole: DVec3,
-}
-
-impl SkyShare {
-    fn open(&self) -> f64 {
-        if self.all > 0.0 { self.open / self.all } else { 1.0 }
-    }
-
-    /// The whole light, in the share that the rays found open.
-    fn light(&self) -> DVec3 {
-        let share = |all: f64, open: f64| if all > 0.0 { open / all } else { 1.0 };
-        let (all, open) = (self.all_light, self.open_light);
-        self.whole * DVec3::new(share(all.x, open.x), share(all.y, open.y), share(all.z, open.z))
-    }
+    sums: SkySums,
 }
 
 /// The sum that an undecided ray will be added to.
@@ -130,11 +113,10 @@ impl<'a> PointLight<'a> {
     }
 
     /// Begins the surface that a ray in the unit direction `along` meets, and forgets the one before. `sky` is the
-    /// light of the open sky there. Infinitely far lights are added at once, without rays, as if nothing hid them.
-    pub(super) fn begin(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
+    /// sums over the rays toward the sky there. Infinitely far lights are added at once, without rays, as if nothing hid them.
+    pub(super) fn begin(&mut self, surface: &Surface, along: DVec3, sky: SkySums) {
         self.unsure.clear();
-        // A white sky's light is its open share.
-        self.sky = SkyShare { all: 1.0, open: sky.x, all_light: DVec3::ONE, open_light: sky, whole: DVec3::ONE };
+        self.sky = SkyShare { sums: sky, ..SkyShare::default() };
         self.mirrored = reflected(along, surface.normal);
         self.shine = match self.lighting.material(surface.id) {
             Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
@@ -196,9 +178,9 @@ impl<'a> PointLight<'a> {
 
     /// Sums the sky's rays, whose answers are known. `is_open` tells for each whether nothing hides the sky there.
     pub(super) fn open_sky(&mut self, surface: &Surface, at: PixelSample, is_open: impl Fn(usize) -> bool) {
-        self.begin_sky(surface);
+        self.sky = SkyShare::default();
         let directions = self.lighting.directions.of(at, 0);
-        if self.lighting.colors.is_none() {
+        if self.lighting.outputs.occlusion {
             // The same sums without branches.
             let (mut all, mut open) = (0.0, 0.0);
             for (k, direction) in directions.iter().enumerate() {
@@ -224,20 +206,18 @@ impl<'a> PointLight<'a> {
 
     /// Share of the sky that is open.
     pub(super) fn open(&self) -> f64 {
-        self.sky.open()
+        if self.sky.all > 0.0 { self.sky.open / self.sky.all } else { 1.0 }
     }
 
-    /// The light of the open sky.
-    pub(super) fn sky_light(&self) -> DVec3 {
-        if self.lighting.colors.is_some() { self.sky.light() } else { DVec3::splat(self.sky.open()) }
+    /// The rays toward the sky from this surface.
+    pub(super) fn sky_at(&self, surface: &Surface) -> SkyAtHit {
+        SkyAtHit { normal: surface.normal, sums: self.sky.sums }
     }
 
     /// Counts a ray of the sky that is open.
     fn see_sky(&mut self, weight: f64, direction: [f64; 3]) {
         self.sky.open += weight;
-        if let Some(colors) = &self.lighting.colors {
-            self.sky.open_light += colors.gradient.toward(DVec3::from_array(direction)) * weight;
-        }
+        self.sky.sums.add_open(direction.into(), self.lighting.colors.as_ref());
     }
 
     /// Counts an infinitely far light as hidden, and with shadows takes its light away.
@@ -349,27 +329,20 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    fn begin_sky(&mut self, surface: &Surface) {
-        let whole = self.lighting.colors.as_ref().map_or(DVec3::ONE, |colors| colors.open(surface.normal));
-        self.sky = SkyShare { whole, ..SkyShare::default() };
-    }
-
     /// Counts a ray of the sky among all; its weight, and its direction on the side of the normal.
     #[inline(always)]
     fn weigh(&mut self, surface: &Surface, direction: [f64; 3]) -> (f64, [f64; 3]) {
         let cosine = surface.normal.dot(direction.into());
         let (weight, outward) = (cosine.abs(), if cosine < 0.0 { direction.map(|x| -x) } else { direction });
         self.sky.all += weight;
-        if let Some(colors) = &self.lighting.colors {
-            self.sky.all_light += colors.gradient.toward(DVec3::from_array(outward)) * weight;
-        }
+        self.sky.sums.add(outward.into(), self.lighting.colors.as_ref());
         (weight, outward)
     }
 
     /// Traces rays to the sky, if there is one.
     pub(super) fn trace_sky(&mut self, point: &SurfacePoint, surface: &Surface, at: PixelSample) {
         let (tree, Some(Sky { reach, .. })) = (self.lighting.tree, self.lighting.sky) else { return };
-        self.begin_sky(surface);
+        self.sky = SkyShare::default();
         for direction in self.lighting.directions.of(at, 0) {
             let direction = direction.map(f64::from);
             let toward = |direction: [f64; 3]| match reach {
@@ -468,7 +441,7 @@ impl<'a> PointLight<'a> {
             Material::Metal { .. } | Material::Glass { .. } => (0.0, 0.0),
         };
         let mut white = match scene.lighting.sky {
-            Some(sky) => self.sky_light() * f64::from(sky.share),
+            Some(sky) => self.sky.sums.light(surface.normal, self.lighting.colors.as_ref()) * f64::from(sky.share),
             None if lights.is_empty() => DVec3::splat((-along.dot(surface.normal)).max(0.0)),
             None => DVec3::ZERO,
         };

@@ -64,8 +64,8 @@ pub(crate) struct SkyRecord {
     pub(crate) lights: u32,
     pub(crate) turns: u32,
     pub(crate) seed: u32,
-    /// 1 for only every second pixel, as on a chessboard.
-    pub(crate) chessboard: u32,
+    /// 1 where the place of a pixel chooses its turn, 0 where a hash does.
+    pub(crate) interleaved: u32,
     pub(crate) groups: u32,
     /// Bounds below and above the exact limit of rays toward the sky, in the tree's unit for these directions.
     pub(crate) sure_limit: f32,

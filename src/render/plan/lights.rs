@@ -40,10 +40,10 @@ pub(crate) fn light_rays(samples: u32) -> u32 {
     light_points(samples) * samples + if samples == 1 { RIM } else { 0 }
 }
 
-/// The rays of a sky at a pixel's centre, for pixels of so many samples: no fewer than samples, so that the noise falls with
-/// their number.
+/// The rays of a sky at a pixel's centre, for pixels of so many samples: no fewer than half of the samples, so that the noise
+/// falls with their number.
 pub(crate) fn center_rays(sky: Sky, samples: u32) -> u32 {
-    sky.rays.max(samples)
+    sky.rays.max(samples / 2)
 }
 
 /// The points of a light with a size for each of so many samples of a pixel.

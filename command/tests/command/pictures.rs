@@ -1,0 +1,92 @@
+//! The promise of the pictures in the documentation: each is what the command beside it renders.
+
+use crate::amount::everything;
+use crate::data::{in_checkout, real};
+use crate::skip::skip;
+use crate::test_dir::TestDir;
+
+/// A picture of the documentation, and the words of the command that stands with it.
+struct Picture {
+    file: std::path::PathBuf,
+    words: Vec<String>,
+}
+
+/// The words of a line of a shell; quotes hold words together.
+fn words(line: &str) -> Vec<String> {
+    let mut quoted = false;
+    let between = |c: char| {
+        quoted ^= c == '\'';
+        c == ' ' && !quoted
+    };
+    line.split(between).filter(|word| !word.is_empty()).map(|word| word.replace('\'', "")).collect()
+}
+
+/// The pictures of docs/gallery.md, and those that README.md has beside its commands.
+fn pictures() -> Vec<Picture> {
+    let text = |file: &str| std::fs::read_to_string(in_checkout(file)).expect("a page");
+    let (gallery, readme) = (text("docs/gallery.md"), text("README.md"));
+    let shown = |page: &str, file: &str| page.contains(&format!("]({file})"));
+    let commands = gallery.lines().chain(readme.lines());
+    let commands = commands.map(|line| line.trim_start().replacen("cargo run --release --", "halfline", 1));
+    let of = |line: String| {
+        let line = line.split("  #").next().unwrap_or_default();
+        let words = words(line.strip_prefix("halfline render ")?);
+        let name = words.last()?;
+        let places = [("docs/", &readme), ("docs/gallery/", &readme), ("gallery/", &gallery)];
+        let place = places.into_iter().find(|(place, page)| shown(page, &format!("{place}{name}")))?.0;
+        let file = in_checkout(&format!("docs/{}{name}", place.trim_start_matches("docs/")));
+        Some(Picture { file, words })
+    };
+    commands.filter_map(of).collect()
+}
+
+/// Columns and rows of the part that is compared unless all tests run.
+const PART: usize = 40;
+
+#[test]
+fn pictures_of_the_documentation_are_what_their_commands_render() {
+    let pictures = pictures();
+    let names: Vec<_> = pictures.iter().filter_map(|picture| picture.file.file_name()?.to_str()).collect();
+    assert!(names.len() >= 10 && names.contains(&"weekend.png") && names.contains(&"capsid.png"), "{names:?}");
+    let mut compared = 0;
+    if !everything() {
+        println!("LEFT OUT: pixels of pictures of the documentation: {PART} x {PART} of each");
+    }
+    for Picture { file, words } in &pictures {
+        let scene = if words[0].starts_with("scenes/") { Some(in_checkout(&words[0])) } else { real(&words[0]) };
+        let Some(scene) = scene else {
+            println!("{} is not there", words[0]);
+            continue;
+        };
+        let dir = TestDir::new(&[]);
+        let (expected, shape) = dir.array(file.to_str().expect("a name"));
+        let [height, width, channels] = shape[..] else { panic!("{shape:?}") };
+        let crop = if everything() { [0, 0, width, height] } else { busiest(&expected, width, channels) };
+        let [x0, y0, x1, y1] = crop;
+        let mut arguments = vec![scene.to_str().expect("a name").to_owned()];
+        arguments.extend_from_slice(&words[1..]);
+        arguments.extend(["--crop".to_owned(), format!("{x0},{y0},{x1},{y1}")]);
+        dir.render(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+        let (found, _) = dir.array(words.last().expect("a name"));
+        let rows = (y0..y1).flat_map(|y| &expected[channels * (y * width + x0)..channels * (y * width + x1)]);
+        assert!(found.iter().eq(rows), "{} is another picture than that of {words:?}", file.display());
+        compared += 1;
+    }
+    println!("{compared} of {} pictures", pictures.len());
+    if compared == 0 {
+        skip("no scene of a picture is there");
+    }
+}
+
+/// The part with the most change from column to column, among some.
+fn busiest(values: &[f64], width: usize, channels: usize) -> [usize; 4] {
+    let height = values.len() / channels / width;
+    let change = |[x, y]: [usize; 2]| -> f64 {
+        let at = |x: usize, y: usize| values[channels * (y * width + x)];
+        (0..PART * PART).map(|n| [x + n % PART, y + n / PART]).map(|[x, y]| (at(x + 1, y) - at(x, y)).abs()).sum()
+    };
+    let places =
+        (0..height - PART).step_by(PART).flat_map(|y| (0..width - PART - 1).step_by(PART).map(move |x| [x, y]));
+    let [x, y] = places.max_by(|a, b| change(*a).total_cmp(&change(*b))).expect("a part");
+    [x, y, x + PART, y + PART]
+}

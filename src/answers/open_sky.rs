@@ -1,0 +1,327 @@
+//! The rays toward the sky from the hits of a view, as the samples of a picture take them: a sample also takes those of the pixels
+//! around it that show its sphere (a discontinuity buffer: Keller and Heidrich, *Interleaved Sampling*, 2001).
+
+use crate::error::Result;
+use crate::memory::Pool;
+use crate::number::vector::vectorized;
+use crate::scene::SkyLight;
+use crate::view::ray::NONE;
+use crate::window::Window;
+use glam::DVec3;
+use rayon::prelude::*;
+
+#[cfg(test)]
+mod tests;
+
+/// Sums over rays toward the sky, each of which counts as its direction, of length 1 and on the side of the normal. The product
+/// with a normal is the sum of the rays' cosines; so the rays of a point also tell the open share for normals near its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct SkySums {
+    /// Over all rays, and over those that nothing hides.
+    pub(crate) all: DVec3,
+    pub(crate) open: DVec3,
+    /// The same of each ray times the zenith's share of the colour there; of a sky with colours.
+    pub(crate) zenith: [DVec3; 2],
+}
+
+impl SkySums {
+    /// Counts a ray.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, direction: DVec3, colors: Option<&SkyLight>) {
+        self.all += direction;
+        if let Some(colors) = colors {
+            self.zenith[0] += direction * colors.gradient.zenith(direction);
+        }
+    }
+
+    /// Counts a ray as open.
+    #[inline(always)]
+    pub(crate) fn add_open(&mut self, direction: DVec3, colors: Option<&SkyLight>) {
+        self.open += direction;
+        if let Some(colors) = colors {
+            self.zenith[1] += direction * colors.gradient.zenith(direction);
+        }
+    }
+
+    /// Light of the sky on a surface with this normal, linear RGB: that of the whole sky, in the share that the rays find open,
+    /// channel by channel; without colours the share alone.
+    #[inline(always)]
+    pub(crate) fn light(&self, normal: DVec3, colors: Option<&SkyLight>) -> DVec3 {
+        let share = |all: f64, open: f64| if all > 0.0 { (open / all).clamp(0.0, 1.0) } else { 1.0 };
+        let [all, open] = [self.all, self.open].map(|sum| normal.dot(sum));
+        let Some(colors) = colors else { return DVec3::splat(share(all, open)) };
+        let zenith = self.zenith.map(|sum| normal.dot(sum));
+        let (all, open) = (colors.gradient.sum(all, zenith[0]), colors.gradient.sum(open, zenith[1]));
+        colors.open(normal) * DVec3::new(share(all.x, open.x), share(all.y, open.y), share(all.z, open.z))
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let zenith = [self.zenith[0] + other.zenith[0], self.zenith[1] + other.zenith[1]];
+        Self { all: self.all + other.all, open: self.open + other.open, zenith }
+    }
+
+    /// Components of the sums under a sky with colours or without.
+    fn count(has_colors: bool) -> usize {
+        if has_colors { 12 } else { 6 }
+    }
+
+    fn components(&self) -> [f32; 12] {
+        let mut all = [0.0; 12];
+        for (out, sum) in all.chunks_exact_mut(3).zip([self.all, self.open, self.zenith[0], self.zenith[1]]) {
+            out.copy_from_slice(&sum.as_vec3().to_array());
+        }
+        all
+    }
+}
+
+/// The rays toward the sky from the hit of a pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct SkyAtHit {
+    pub(crate) normal: DVec3,
+    pub(crate) sums: SkySums,
+}
+
+impl SkyAtHit {
+    /// Numbers of a pixel: its normal, then the components of its sums.
+    pub(crate) fn count(has_colors: bool) -> usize {
+        NORMAL + SkySums::count(has_colors)
+    }
+
+    /// Writes as many numbers as `out` has.
+    pub(crate) fn write(&self, out: &mut [f32]) {
+        let (normal, sums) = (self.normal.as_vec3().to_array(), self.sums.components());
+        out.iter_mut().zip(normal.into_iter().chain(sums)).for_each(|(out, number)| *out = number);
+    }
+}
+
+/// Components of a normal.
+const NORMAL: usize = 3;
+
+/// Rays of a pixel from which on it needs none of its neighbours.
+const ENOUGH: u32 = 64;
+
+/// The passes in which the rays of neighbours are put together. Each takes those of a pixel and of its eight neighbours at a
+/// distance, with the weights 4, 2 and 1; the distances 1, 2, .. have nothing left of a pattern that repeats after twice the last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Smoothing(&'static [u32]);
+
+impl Smoothing {
+    /// The smoothing for pixels with so many rays: none where they alone have little noise, so that more rays come ever closer to
+    /// the light of each point.
+    pub(crate) fn of(rays: u32) -> Self {
+        Self(if rays < ENOUGH { &[1, 2, 4] } else { &[] })
+    }
+
+    /// Whether a pixel has only its own rays.
+    pub(crate) fn is_none(self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Pixels on each side of a window whose rays count in the window.
+    pub(crate) fn margin(self) -> u32 {
+        self.0.iter().sum()
+    }
+}
+
+/// The sums over rays toward the sky at the pixels of a window, with those of their neighbours.
+#[derive(Debug)]
+pub(crate) struct OpenSky {
+    window: Window,
+    /// The sphere of each pixel.
+    ids: Vec<u32>,
+    /// Row by row, of each row first the first component of all pixels.
+    sums: Vec<f32>,
+    /// Components of a pixel.
+    count: usize,
+}
+
+impl OpenSky {
+    /// Puts the rays of a window's neighbours together: `ids` are the spheres that its pixels show, and `hits` holds the numbers
+    /// of each pixel ([`SkyAtHit`]).
+    ///
+    /// # Errors
+    /// [`crate::Error::Limits`] when the memory cannot be allocated.
+    pub(crate) fn new(
+        window: Window,
+        ids: Vec<u32>,
+        hits: Vec<f32>,
+        smoothing: Smoothing,
+        pool: &Pool,
+    ) -> Result<Self> {
+        let (width, numbers) = (window.width() as usize, hits.len() / ids.len());
+        let count = numbers - NORMAL;
+        let mut normals: Vec<f32> = pool.values(NORMAL * ids.len())?;
+        let mut sums: Vec<f32> = pool.values(count * ids.len())?;
+        let rows = normals.par_chunks_mut(NORMAL * width).zip(sums.par_chunks_mut(count * width));
+        rows.zip(hits.par_chunks(numbers * width)).for_each(|((normals, sums), hits)| {
+            for (x, hit) in hits.chunks_exact(numbers).enumerate() {
+                (0..NORMAL).for_each(|k| normals[k * width + x] = hit[k]);
+                (0..count).for_each(|k| sums[k * width + x] = hit[NORMAL + k]);
+            }
+        });
+        pool.put_back(hits);
+        let mut shares: Vec<f32> = pool.values(ids.len())?;
+        // Narrow steps multiply them by 0, which memory that was used before need not survive.
+        shares.fill(0.0);
+        for &step in smoothing.0 {
+            let mut next: Vec<f32> = pool.values(count * ids.len())?;
+            if step >= WIDE {
+                let rows = normals.par_chunks(NORMAL * width).zip(sums.par_chunks(count * width));
+                let write = |(shares, (normals, sums)): (&mut [f32], (&[f32], &[f32]))| {
+                    vectorized!(write_shares(normals, sums, shares))
+                };
+                shares.par_chunks_mut(width).zip(rows).for_each(write);
+            }
+            let pass =
+                &Pass { width, ids: &ids, normals: &normals, shares: &shares, sums: &sums, count, step: step as usize };
+            let add = |(y, out): (usize, &mut [f32])| {
+                out.fill(0.0);
+                let mut weights = vec![0.0; width];
+                vectorized!(pass.add_row(y, &mut weights, out));
+            };
+            next.par_chunks_mut(count * width).enumerate().for_each(add);
+            pool.put_back(std::mem::replace(&mut sums, next));
+        }
+        pool.put_back(normals);
+        pool.put_back(shares);
+        Ok(Self { window, ids, sums, count })
+    }
+
+    /// Returns its memory to the pool for the next frame.
+    pub(crate) fn put_back(self, pool: &Pool) {
+        pool.put_back(self.ids);
+        pool.put_back(self.sums);
+    }
+
+    #[inline(always)]
+    fn at(&self, row: usize, column: usize) -> SkySums {
+        let width = self.window.width() as usize;
+        let first = row * width * self.count + column;
+        let component = |k: usize| f64::from(self.sums[first + k * width]);
+        let sum = |k: usize| match 3 * k < self.count {
+            true => DVec3::new(component(3 * k), component(3 * k + 1), component(3 * k + 2)),
+            false => DVec3::ZERO,
+        };
+        SkySums { all: sum(0), open: sum(1), zenith: [sum(2), sum(3)] }
+    }
+
+    /// The sums for a sample of this pixel of the frame that shows the sphere: those of the pixel if it shows the sphere too, else
+    /// those of its neighbours that do, else of all that show any; zeros where none does.
+    #[inline(always)]
+    pub(crate) fn around(&self, row: u32, column: u32, id: u32) -> SkySums {
+        let Window { x0, y0, x1, y1 } = self.window;
+        if (y0..y1).contains(&row) && (x0..x1).contains(&column) {
+            let (y, x) = ((row - y0) as usize, (column - x0) as usize);
+            if self.ids[y * (x1 - x0) as usize + x] == id {
+                return self.at(y, x);
+            }
+        }
+        self.of_neighbors(row, column, id)
+    }
+
+    #[inline(never)]
+    fn of_neighbors(&self, row: u32, column: u32, id: u32) -> SkySums {
+        let Window { x0, y0, x1, y1 } = self.window;
+        let near = |at: u32, first: u32, end: u32| at.saturating_sub(1).max(first)..(at + 2).min(end);
+        let (mut same, mut any) = (SkySums::default(), SkySums::default());
+        for y in near(row, y0, y1).map(|y| (y - y0) as usize) {
+            for x in near(column, x0, x1).map(|x| (x - x0) as usize) {
+                let shown = self.ids[y * (x1 - x0) as usize + x];
+                if shown != NONE {
+                    let sums = self.at(y, x);
+                    any = any.plus(&sums);
+                    if shown == id {
+                        same = same.plus(&sums);
+                    }
+                }
+            }
+        }
+        if same == SkySums::default() { any } else { same }
+    }
+}
+
+/// Steps from which on pixels with other shares are left out.
+const WIDE: u32 = 4;
+/// The difference of open shares from which on a pixel is left out of a wide step: several times their noise after the steps
+/// before it.
+const ALIKE: f32 = 0.15;
+
+/// Writes the open share of the pixels of a row.
+#[inline(always)]
+fn write_shares(normals: &[f32], sums: &[f32], shares: &mut [f32]) {
+    let width = shares.len();
+    let component = |of: &[f32], k: usize, x: usize| of[k * width + x];
+    for x in 0..width {
+        let along = |first: usize| {
+            let product = |k: usize| component(normals, k, x) * component(sums, first + k, x);
+            product(0) + product(1) + product(2)
+        };
+        let (all, open) = (along(0), along(NORMAL));
+        shares[x] = if all > 0.0 { open / all } else { 1.0 };
+    }
+}
+
+/// One pass of a [`Smoothing`].
+struct Pass<'a> {
+    width: usize,
+    ids: &'a [u32],
+    normals: &'a [f32],
+    /// The share of the sky that is open by the sums, for wide steps.
+    shares: &'a [f32],
+    sums: &'a [f32],
+    count: usize,
+    step: usize,
+}
+
+impl Pass<'_> {
+    /// Adds the sums of the neighbours of row `y`. Those of the same sphere count, less the more their normal n differs from the
+    /// pixel's: times 1 - 2 |n - n'|^2, and not at all from 41 degrees on. On a sphere that also bounds how far apart they are.
+    /// In a wide step they also count less the more their open share s differs, times 1 - (s - s')^2 / [`ALIKE`]^2: where a
+    /// neighbour throws a shadow, the light changes within few pixels.
+    #[inline(always)]
+    fn add_row(&self, y: usize, weights: &mut [f32], out: &mut [f32]) {
+        let Self { width, count, step, .. } = *self;
+        let height = self.ids.len() / width;
+        let rows = [(y.checked_sub(step), 1.0), (Some(y), 2.0), (Some(y + step).filter(|y| *y < height), 1.0)];
+        for (row, factor) in rows.into_iter().filter_map(|(row, factor)| Some((row?, factor))) {
+            // The first column here and there, and how many there are.
+            let shifts: [(usize, usize, f32); 3] = [(step, 0, 1.0), (0, 0, 2.0), (0, step, 1.0)];
+            for (here, there, along) in shifts {
+                let n = width.saturating_sub(here.max(there));
+                if n == 0 {
+                    continue;
+                }
+                let weights = &mut weights[..n];
+                self.weigh([y, here], [row, there], factor * along, weights);
+                for k in 0..count {
+                    let from = &self.sums[(row * count + k) * width + there..][..n];
+                    let out = &mut out[k * width + here..][..n];
+                    for x in 0..n {
+                        out[x] += weights[x] * from[x];
+                    }
+                }
+            }
+        }
+    }
+
+    /// The weights of the pixels from one row and column on for those from another on.
+    #[inline(always)]
+    fn weigh(&self, [y, here]: [usize; 2], [row, there]: [usize; 2], factor: f32, weights: &mut [f32]) {
+        let (width, n) = (self.width, weights.len());
+        let of = |y: usize, x: usize| &self.ids[y * width + x..][..n];
+        let normal = |y: usize, x: usize| [0, 1, 2].map(|k| &self.normals[(y * NORMAL + k) * width + x..][..n]);
+        let (ids, other_ids, a, b) = (of(y, here), of(row, there), normal(y, here), normal(row, there));
+        let share = |y: usize, x: usize| &self.shares[y * width + x..][..n];
+        let (shares, other_shares) = (share(y, here), share(row, there));
+        // 0 for a step that is not wide.
+        let unlike = if self.step >= WIDE as usize { 1.0 / (ALIKE * ALIKE) } else { 0.0 };
+        for x in 0..n {
+            let cosine = a[0][x] * b[0][x] + a[1][x] * b[1][x] + a[2][x] * b[2][x];
+            let near = 4.0 * cosine - 3.0;
+            let change = shares[x] - other_shares[x];
+            let alike = 1.0 - change * change * unlike;
+            let is_same = (ids[x] == other_ids[x]) & (near > 0.0) & (alike > 0.0);
+            weights[x] = if is_same { factor * near * alike } else { 0.0 };
+        }
+    }
+}
