@@ -21,23 +21,26 @@ fn words(line: &str) -> Vec<String> {
     line.split(between).filter(|word| !word.is_empty()).map(|word| word.replace('\'', "")).collect()
 }
 
-/// The pictures of docs/gallery.md, and those that README.md has beside its commands.
+/// The pictures of docs/gallery.md and docs/figure.md, and those that README.md has beside its commands.
 fn pictures() -> Vec<Picture> {
     let text = |file: &str| std::fs::read_to_string(in_checkout(file)).expect("a page");
-    let (gallery, readme) = (text("docs/gallery.md"), text("README.md"));
-    let shown = |page: &str, file: &str| page.contains(&format!("]({file})"));
-    let commands = gallery.lines().chain(readme.lines());
-    let commands = commands.map(|line| line.trim_start().replacen("cargo run --release --", "halfline", 1));
-    let of = |line: String| {
-        let line = line.split("  #").next().unwrap_or_default();
-        let words = words(line.strip_prefix("halfline render ")?);
-        let name = words.last()?;
-        let places = [("docs/", &readme), ("docs/gallery/", &readme), ("gallery/", &gallery)];
-        let place = places.into_iter().find(|(place, page)| shown(page, &format!("{place}{name}")))?.0;
-        let file = in_checkout(&format!("docs/{}{name}", place.trim_start_matches("docs/")));
-        Some(Picture { file, words })
+    let pages = [
+        (text("README.md"), vec!["docs/", "docs/gallery/"]),
+        (text("docs/gallery.md"), vec!["gallery/"]),
+        (text("docs/figure.md"), vec!["figure/"]),
+    ];
+    let of_page = |(page, folders): &(String, Vec<&str>)| {
+        let of = |line: &str| {
+            let line = line.trim_start().replacen("cargo run --release --", "halfline", 1);
+            let words = words(line.split("  #").next()?.strip_prefix("halfline render ")?);
+            let name = words.last()?;
+            let folder = folders.iter().find(|folder| page.contains(&format!("]({folder}{name})")))?;
+            let file = in_checkout(&format!("docs/{}{name}", folder.trim_start_matches("docs/")));
+            Some(Picture { file, words })
+        };
+        page.lines().filter_map(of).collect::<Vec<_>>()
     };
-    commands.filter_map(of).collect()
+    pages.iter().flat_map(of_page).collect()
 }
 
 /// Columns and rows of the part that is compared unless all tests run.
@@ -47,7 +50,11 @@ const PART: usize = 40;
 fn pictures_of_the_documentation_are_what_their_commands_render() {
     let pictures = pictures();
     let names: Vec<_> = pictures.iter().filter_map(|picture| picture.file.file_name()?.to_str()).collect();
-    assert!(names.len() >= 10 && names.contains(&"weekend.png") && names.contains(&"capsid.png"), "{names:?}");
+    assert!(names.len() >= 14, "{names:?}");
+    assert!(
+        ["weekend.png", "capsid.png", "vortex.png", "pocket.png"].iter().all(|name| names.contains(name)),
+        "{names:?}"
+    );
     let mut compared = 0;
     if !everything() {
         println!("LEFT OUT: pixels of pictures of the documentation: {PART} x {PART} of each");
