@@ -437,10 +437,6 @@ fn a_film_of_one_picture_says_how_many_the_file_has() {
         dir.refused_render(2, &format!("run.dump {frames} -o a.mp4"), &["2 frames", "--frames 1-2"]);
     }
     dir.refused_render(2, "t.csv -o a.gif", &["one picture", "--frames A-B"]);
-    for inset in ["--legend-in", "--label x", "--scale-bar"] {
-        let words = format!("run.dump --frames 1-2 --color-by velocity {inset} -o a.mp4");
-        dir.refused_render(2, &words, &["films", "-o a.%04d.png", "ffmpeg -framerate"]);
-    }
 }
 
 #[test]
