@@ -251,13 +251,13 @@ const ALIKE: f32 = 0.15;
 fn write_shares(normals: &[f32], sums: &[f32], shares: &mut [f32]) {
     let width = shares.len();
     let component = |of: &[f32], k: usize, x: usize| of[k * width + x];
-    for x in 0..width {
+    for (x, share) in shares.iter_mut().enumerate() {
         let along = |first: usize| {
             let product = |k: usize| component(normals, k, x) * component(sums, first + k, x);
             product(0) + product(1) + product(2)
         };
         let (all, open) = (along(0), along(NORMAL));
-        shares[x] = if all > 0.0 { open / all } else { 1.0 };
+        *share = if all > 0.0 { open / all } else { 1.0 };
     }
 }
 
