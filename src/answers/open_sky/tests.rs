@@ -22,7 +22,7 @@ fn sky(window: Window, pixel: impl Fn(u32, u32) -> (u32, SkyAtHit), smoothing: S
     }
     // Memory of an earlier frame, with numbers that would show.
     let pool = Pool::default();
-    (1..=4).for_each(|each| pool.put_back(vec![f32::NAN; 12 * each * ids.len()]));
+    [1, 3, 6, 6].iter().for_each(|each| pool.put_back(vec![f32::NAN; each * ids.len()]));
     OpenSky::new(window, ids, hits, smoothing, &pool).expect("room")
 }
 
@@ -97,7 +97,7 @@ fn a_window_may_be_narrower_than_the_steps() {
     }
 }
 
-/// What repeats after 8 pixels, as interleaved directions do, is gone; in the middle of a window, where every pixel has all its
+/// A pattern that repeats after 8 pixels, as interleaved directions do, is gone; in the middle of a window, where every pixel has all its
 /// neighbours.
 #[test]
 fn a_pattern_of_the_interleaved_directions_vanishes() {
