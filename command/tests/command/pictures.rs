@@ -68,11 +68,14 @@ fn pictures_of_the_documentation_are_what_their_commands_render() {
         let dir = TestDir::new(&[]);
         let (expected, shape) = dir.array(file.to_str().expect("a name"));
         let [height, width, channels] = shape[..] else { panic!("{shape:?}") };
-        let crop = if everything() { [0, 0, width, height] } else { busiest(&expected, width, channels) };
-        let [x0, y0, x1, y1] = crop;
+        // A legend is drawn into whole pictures.
+        let is_whole = everything() || words.iter().any(|word| word.starts_with("--legend-in"));
+        let [x0, y0, x1, y1] = if is_whole { [0, 0, width, height] } else { busiest(&expected, width, channels) };
         let mut arguments = vec![scene.to_str().expect("a name").to_owned()];
         arguments.extend_from_slice(&words[1..]);
-        arguments.extend(["--crop".to_owned(), format!("{x0},{y0},{x1},{y1}")]);
+        if !is_whole {
+            arguments.extend(["--crop".to_owned(), format!("{x0},{y0},{x1},{y1}")]);
+        }
         dir.render(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
         let (found, _) = dir.array(words.last().expect("a name"));
         let rows = (y0..y1).flat_map(|y| &expected[channels * (y * width + x0)..channels * (y * width + x1)]);
