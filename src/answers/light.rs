@@ -17,8 +17,8 @@ pub(crate) struct LightBuffers {
     pub(crate) shadow: Vec<f32>,
     /// Share of the sky that is open.
     pub(crate) occlusion: Vec<f32>,
-    /// Rays toward the sky, as [`SkyAtHit`] writes them.
-    pub(crate) sky: Vec<f32>,
+    /// Normals and rays toward the sky, as [`SkyAtHit`] writes them.
+    pub(crate) sky: [Vec<i16>; 2],
     /// Pixels that are less than certain in f64, in their order, and their certainty.
     pub(crate) unsure: Vec<(u32, u8)>,
 }
@@ -75,7 +75,7 @@ pub(crate) struct Chunk<'a> {
     pub(crate) color: &'a mut [f32],
     pub(crate) shadow: &'a mut [f32],
     pub(crate) occlusion: &'a mut [f32],
-    pub(crate) sky: &'a mut [f32],
+    pub(crate) sky: [&'a mut [i16]; 2],
 }
 
 impl Chunk<'_> {
@@ -91,8 +91,9 @@ impl Chunk<'_> {
         if let Some(occlusion) = self.occlusion.get_mut(n) {
             *occlusion = light.occlusion;
         }
-        let each = self.sky.len() / self.count;
-        light.sky.write(&mut self.sky[n * each..][..each]);
+        let [normals, sums] = &mut self.sky;
+        let (three, each) = (normals.len() / self.count, sums.len() / self.count);
+        light.sky.write(&mut normals[n * three..][..three], &mut sums[n * each..][..each]);
     }
 }
 
@@ -102,7 +103,7 @@ impl LightBuffers {
         (0..).zip(self.color.chunks_exact_mut(3)).for_each(|(pixel, color)| color.copy_from_slice(&background(pixel)));
         self.shadow.fill(0.0);
         self.occlusion.fill(1.0);
-        self.sky.fill(0.0);
+        self.sky.iter_mut().for_each(|numbers| numbers.fill(0));
         self
     }
 
@@ -111,15 +112,17 @@ impl LightBuffers {
         let mut colors = self.color.chunks_mut(3 * count);
         let mut shadows = self.shadow.chunks_mut((lights * count).max(1));
         let mut shares = self.occlusion.chunks_mut(count);
-        let rays = self.sky.len() / pixels.max(1);
-        let mut skies = self.sky.chunks_mut((rays * count).max(1));
+        let mut skies = self.sky.each_mut().map(|numbers| {
+            let each = numbers.len() / pixels.max(1);
+            numbers.chunks_mut((each * count).max(1))
+        });
         (0..pixels).step_by(count).map(move |first| Chunk {
             first,
             count: count.min(pixels - first),
             color: colors.next().unwrap_or_default(),
             shadow: shadows.next().unwrap_or_default(),
             occlusion: shares.next().unwrap_or_default(),
-            sky: skies.next().unwrap_or_default(),
+            sky: skies.each_mut().map(|chunks| chunks.next().unwrap_or_default()),
         })
     }
 }

@@ -22,6 +22,8 @@ pub(crate) struct SkySums {
     pub(crate) open: DVec3,
     /// The same of each ray times the zenith's share of the colour there; of a sky with colours.
     pub(crate) zenith: [DVec3; 2],
+    /// The number of rays.
+    pub(crate) rays: u32,
 }
 
 impl SkySums {
@@ -29,6 +31,7 @@ impl SkySums {
     #[inline(always)]
     pub(crate) fn add(&mut self, direction: DVec3, colors: Option<&SkyLight>) {
         self.all += direction;
+        self.rays += 1;
         if let Some(colors) = colors {
             self.zenith[0] += direction * colors.gradient.zenith(direction);
         }
@@ -57,7 +60,7 @@ impl SkySums {
 
     fn plus(&self, other: &Self) -> Self {
         let zenith = [self.zenith[0] + other.zenith[0], self.zenith[1] + other.zenith[1]];
-        Self { all: self.all + other.all, open: self.open + other.open, zenith }
+        Self { all: self.all + other.all, open: self.open + other.open, zenith, rays: self.rays + other.rays }
     }
 
     /// Components of the sums under a sky with colours or without.
@@ -65,12 +68,10 @@ impl SkySums {
         if has_colors { 12 } else { 6 }
     }
 
-    fn components(&self) -> [f32; 12] {
-        let mut all = [0.0; 12];
-        for (out, sum) in all.chunks_exact_mut(3).zip([self.all, self.open, self.zenith[0], self.zenith[1]]) {
-            out.copy_from_slice(&sum.as_vec3().to_array());
-        }
-        all
+    /// The vectors over the number of rays, so that their length is at most 1.
+    fn means(&self) -> [DVec3; 4] {
+        let each = 1.0 / f64::from(self.rays.max(1));
+        [self.all, self.open, self.zenith[0], self.zenith[1]].map(|sum| sum * each)
     }
 }
 
@@ -82,20 +83,33 @@ pub(crate) struct SkyAtHit {
 }
 
 impl SkyAtHit {
-    /// Numbers of a pixel: its normal, then the components of its sums.
+    /// Numbers of a pixel for its sums.
     pub(crate) fn count(has_colors: bool) -> usize {
-        NORMAL + SkySums::count(has_colors)
+        SkySums::count(has_colors)
     }
 
-    /// Writes as many numbers as `out` has.
-    pub(crate) fn write(&self, out: &mut [f32]) {
-        let (normal, sums) = (self.normal.as_vec3().to_array(), self.sums.components());
-        out.iter_mut().zip(normal.into_iter().chain(sums)).for_each(|(out, number)| *out = number);
+    /// Writes the normal, and of the sums over the number of rays as many components as there is room for, all in units of
+    /// 1/[`UNIT`].
+    pub(crate) fn write(&self, normal: &mut [i16], sums: &mut [i16]) {
+        let put = |out: &mut [i16], numbers: &mut dyn Iterator<Item = f64>| {
+            out.iter_mut().zip(numbers).for_each(|(out, number)| *out = nearest((number * f64::from(UNIT)) as f32));
+        };
+        put(normal, &mut self.normal.to_array().into_iter());
+        put(sums, &mut self.sums.means().into_iter().flat_map(|vector| vector.to_array()));
     }
 }
 
 /// Components of a normal.
 const NORMAL: usize = 3;
+
+/// Steps of a number from 0 to 1. Two bytes hold it, a ten thousandth of what the noise of its rays is.
+const UNIT: f32 = 32767.0;
+
+/// The nearest whole number. Equal numbers stay equal, so that what is open stays the whole of all.
+#[inline(always)]
+fn nearest(x: f32) -> i16 {
+    (x + 0.5).floor() as i16
+}
 
 /// Rays of a pixel from which on it needs none of its neighbours.
 const ENOUGH: u32 = 64;
@@ -123,67 +137,45 @@ impl Smoothing {
     }
 }
 
-/// The sums over rays toward the sky at the pixels of a window, with those of their neighbours.
+/// The sums over rays toward the sky at the pixels of a window, with those of their neighbours, as [`SkyAtHit::write`] counts them.
 #[derive(Debug)]
 pub(crate) struct OpenSky {
     window: Window,
     /// The sphere of each pixel.
     ids: Vec<u32>,
     /// Row by row, of each row first the first component of all pixels.
-    sums: Vec<f32>,
+    sums: Vec<i16>,
     /// Components of a pixel.
     count: usize,
 }
 
 impl OpenSky {
-    /// Puts the rays of a window's neighbours together: `ids` are the spheres that its pixels show, and `hits` holds the numbers
-    /// of each pixel ([`SkyAtHit`]).
+    /// Puts the rays of a window's neighbours together: `ids` are the spheres that its pixels show, and [`SkyAtHit::write`] wrote
+    /// the normals and the sums.
     ///
     /// # Errors
     /// [`crate::Error::Limits`] when the memory cannot be allocated.
     pub(crate) fn new(
         window: Window,
         ids: Vec<u32>,
-        hits: Vec<f32>,
+        [mut normals, mut sums]: [Vec<i16>; 2],
         smoothing: Smoothing,
         pool: &Pool,
     ) -> Result<Self> {
-        let (width, numbers) = (window.width() as usize, hits.len() / ids.len());
-        let count = numbers - NORMAL;
-        let mut normals: Vec<f32> = pool.values(NORMAL * ids.len())?;
-        let mut sums: Vec<f32> = pool.values(count * ids.len())?;
-        let rows = normals.par_chunks_mut(NORMAL * width).zip(sums.par_chunks_mut(count * width));
-        rows.zip(hits.par_chunks(numbers * width)).for_each(|((normals, sums), hits)| {
-            for (x, hit) in hits.chunks_exact(numbers).enumerate() {
-                (0..NORMAL).for_each(|k| normals[k * width + x] = hit[k]);
-                (0..count).for_each(|k| sums[k * width + x] = hit[NORMAL + k]);
-            }
-        });
-        pool.put_back(hits);
-        let mut shares: Vec<f32> = pool.values(ids.len())?;
-        // Narrow steps multiply them by 0, which memory that was used before need not survive.
-        shares.fill(0.0);
+        let (width, count) = (window.width() as usize, sums.len() / ids.len());
+        by_component(&mut normals, width, NORMAL);
+        by_component(&mut sums, width, count);
         for &step in smoothing.0 {
-            let mut next: Vec<f32> = pool.values(count * ids.len())?;
-            if step >= WIDE {
-                let rows = normals.par_chunks(NORMAL * width).zip(sums.par_chunks(count * width));
-                let write = |(shares, (normals, sums)): (&mut [f32], (&[f32], &[f32]))| {
-                    vectorized!(write_shares(normals, sums, shares))
-                };
-                shares.par_chunks_mut(width).zip(rows).for_each(write);
-            }
-            let pass =
-                &Pass { width, ids: &ids, normals: &normals, shares: &shares, sums: &sums, count, step: step as usize };
-            let add = |(y, out): (usize, &mut [f32])| {
-                out.fill(0.0);
-                let mut weights = vec![0.0; width];
-                vectorized!(pass.add_row(y, &mut weights, out));
+            let mut next: Vec<i16> = pool.values(count * ids.len())?;
+            let pass = &Pass { width, ids: &ids, normals: &normals, sums: &sums, count, step: step as usize };
+            let write = |(y, out): (usize, &mut [i16])| {
+                let mut memory = RowMemory::new(width, count);
+                vectorized!(pass.write_row(y, &mut memory, out));
             };
-            next.par_chunks_mut(count * width).enumerate().for_each(add);
+            next.par_chunks_mut(count * width).enumerate().for_each(write);
             pool.put_back(std::mem::replace(&mut sums, next));
         }
         pool.put_back(normals);
-        pool.put_back(shares);
         Ok(Self { window, ids, sums, count })
     }
 
@@ -202,7 +194,7 @@ impl OpenSky {
             true => DVec3::new(component(3 * k), component(3 * k + 1), component(3 * k + 2)),
             false => DVec3::ZERO,
         };
-        SkySums { all: sum(0), open: sum(1), zenith: [sum(2), sum(3)] }
+        SkySums { all: sum(0), open: sum(1), zenith: [sum(2), sum(3)], rays: 1 }
     }
 
     /// The sums for a sample of this pixel of the frame that shows the sphere: those of the pixel if it shows the sphere too, else
@@ -236,7 +228,7 @@ impl OpenSky {
                 }
             }
         }
-        if same == SkySums::default() { any } else { same }
+        if same.all == DVec3::ZERO { any } else { same }
     }
 }
 
@@ -246,18 +238,30 @@ const WIDE: u32 = 4;
 /// before it.
 const ALIKE: f32 = 0.15;
 
-/// Writes the open share of the pixels of a row.
-#[inline(always)]
-fn write_shares(normals: &[f32], sums: &[f32], shares: &mut [f32]) {
-    let width = shares.len();
-    let component = |of: &[f32], k: usize, x: usize| of[k * width + x];
-    for (x, share) in shares.iter_mut().enumerate() {
-        let along = |first: usize| {
-            let product = |k: usize| component(normals, k, x) * component(sums, first + k, x);
-            product(0) + product(1) + product(2)
-        };
-        let (all, open) = (along(0), along(NORMAL));
-        *share = if all > 0.0 { open / all } else { 1.0 };
+/// Orders the numbers of each row by component: of pixels with `count` numbers each, first the first of all of them.
+fn by_component(values: &mut [i16], width: usize, count: usize) {
+    let order = |row: &mut [i16]| {
+        let pixels = row.to_vec();
+        for (k, out) in row.chunks_exact_mut(width).enumerate() {
+            out.iter_mut().zip(pixels[k..].iter().step_by(count)).for_each(|(out, number)| *out = *number);
+        }
+    };
+    values.par_chunks_mut(count * width).for_each(order);
+}
+
+/// Memory for a row of a pass.
+struct RowMemory {
+    weights: Vec<f32>,
+    /// The shares of the sky that are open in the row, and in the row of its neighbours.
+    shares: [Vec<f32>; 2],
+    /// Sums of weighted components, and of the weights.
+    added: Vec<f32>,
+}
+
+impl RowMemory {
+    fn new(width: usize, count: usize) -> Self {
+        let row = || vec![0.0; width];
+        Self { weights: row(), shares: [row(), row()], added: vec![0.0; (count + 1) * width] }
     }
 }
 
@@ -265,25 +269,26 @@ fn write_shares(normals: &[f32], sums: &[f32], shares: &mut [f32]) {
 struct Pass<'a> {
     width: usize,
     ids: &'a [u32],
-    normals: &'a [f32],
-    /// The share of the sky that is open by the sums, for wide steps.
-    shares: &'a [f32],
-    sums: &'a [f32],
+    normals: &'a [i16],
+    sums: &'a [i16],
     count: usize,
     step: usize,
 }
 
 impl Pass<'_> {
-    /// Adds the sums of the neighbours of row `y`. Those of the same sphere count, less the more their normal n differs from the
+    /// Writes the mean sums of row `y` and its neighbours. Those of the same sphere count, less the more their normal n differs from the
     /// pixel's: times 1 - 2 |n - n'|^2, and not at all from 41 degrees on. On a sphere that also bounds how far apart they are.
     /// In a wide step they also count less the more their open share s differs, times 1 - (s - s')^2 / [`ALIKE`]^2: where a
     /// neighbour throws a shadow, the light changes within few pixels.
     #[inline(always)]
-    fn add_row(&self, y: usize, weights: &mut [f32], out: &mut [f32]) {
+    fn write_row(&self, y: usize, memory: &mut RowMemory, out: &mut [i16]) {
         let Self { width, count, step, .. } = *self;
+        let RowMemory { weights, shares, added } = memory;
+        self.write_shares(y, &mut shares[0]);
         let height = self.ids.len() / width;
         let rows = [(y.checked_sub(step), 1.0), (Some(y), 2.0), (Some(y + step).filter(|y| *y < height), 1.0)];
         for (row, factor) in rows.into_iter().filter_map(|(row, factor)| Some((row?, factor))) {
+            self.write_shares(row, &mut shares[1]);
             // The first column here and there, and how many there are.
             let shifts: [(usize, usize, f32); 3] = [(step, 0, 1.0), (0, 0, 2.0), (0, step, 1.0)];
             for (here, there, along) in shifts {
@@ -292,34 +297,66 @@ impl Pass<'_> {
                     continue;
                 }
                 let weights = &mut weights[..n];
-                self.weigh([y, here], [row, there], factor * along, weights);
+                self.weigh([y, here], [row, there], factor * along, shares, weights);
                 for k in 0..count {
                     let from = &self.sums[(row * count + k) * width + there..][..n];
-                    let out = &mut out[k * width + here..][..n];
+                    let added = &mut added[k * width + here..][..n];
                     for x in 0..n {
-                        out[x] += weights[x] * from[x];
+                        added[x] += weights[x] * f32::from(from[x]);
                     }
                 }
+                let all = &mut added[count * width + here..][..n];
+                all.iter_mut().zip(weights).for_each(|(all, weight)| *all += *weight);
             }
+        }
+        let (sums, all) = added.split_at(count * width);
+        for (out, sums) in out.chunks_exact_mut(width).zip(sums.chunks_exact(width)) {
+            for x in 0..width {
+                out[x] = nearest(if all[x] > 0.0 { sums[x] / all[x] } else { 0.0 });
+            }
+        }
+    }
+
+    /// Writes the open share of the pixels of a row; 0 for a step that is not wide.
+    #[inline(always)]
+    fn write_shares(&self, y: usize, shares: &mut [f32]) {
+        if self.step < WIDE as usize {
+            return;
+        }
+        let component =
+            |of: &[i16], planes: usize, k: usize, x: usize| f32::from(of[(y * planes + k) * self.width + x]);
+        for (x, share) in shares.iter_mut().enumerate() {
+            let along = |first: usize| {
+                let product =
+                    |k: usize| component(self.normals, NORMAL, k, x) * component(self.sums, self.count, first + k, x);
+                product(0) + product(1) + product(2)
+            };
+            let (all, open) = (along(0), along(NORMAL));
+            *share = if all > 0.0 { open / all } else { 1.0 };
         }
     }
 
     /// The weights of the pixels from one row and column on for those from another on.
     #[inline(always)]
-    fn weigh(&self, [y, here]: [usize; 2], [row, there]: [usize; 2], factor: f32, weights: &mut [f32]) {
+    fn weigh(
+        &self,
+        [y, here]: [usize; 2],
+        [row, there]: [usize; 2],
+        factor: f32,
+        shares: &[Vec<f32>; 2],
+        weights: &mut [f32],
+    ) {
         let (width, n) = (self.width, weights.len());
         let of = |y: usize, x: usize| &self.ids[y * width + x..][..n];
         let normal = |y: usize, x: usize| [0, 1, 2].map(|k| &self.normals[(y * NORMAL + k) * width + x..][..n]);
         let (ids, other_ids, a, b) = (of(y, here), of(row, there), normal(y, here), normal(row, there));
-        let share = |y: usize, x: usize| &self.shares[y * width + x..][..n];
-        let (shares, other_shares) = (share(y, here), share(row, there));
-        // 0 for a step that is not wide.
-        let unlike = if self.step >= WIDE as usize { 1.0 / (ALIKE * ALIKE) } else { 0.0 };
+        let (shares, other_shares) = (&shares[0][here..][..n], &shares[1][there..][..n]);
         for x in 0..n {
-            let cosine = a[0][x] * b[0][x] + a[1][x] * b[1][x] + a[2][x] * b[2][x];
+            let product = |k: usize| f32::from(a[k][x]) * f32::from(b[k][x]);
+            let cosine = (product(0) + product(1) + product(2)) * (1.0 / (UNIT * UNIT));
             let near = 4.0 * cosine - 3.0;
             let change = shares[x] - other_shares[x];
-            let alike = 1.0 - change * change * unlike;
+            let alike = 1.0 - change * change * (1.0 / (ALIKE * ALIKE));
             let is_same = (ids[x] == other_ids[x]) & (near > 0.0) & (alike > 0.0);
             weights[x] = if is_same { factor * near * alike } else { 0.0 };
         }

@@ -71,9 +71,9 @@ impl Need {
         // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
             let colors = u64::from(kernel.shade.is_some() || plan.light_outputs.color);
-            // The rays toward the sky, twice while they are put together, and the spheres of the pixels.
+            // The spheres and the normals of the pixels, and the rays toward the sky, twice while they are put together.
             let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color);
-            let rays = sky.map_or(0, |sky| 4 + 2 * 4 * SkyAtHit::count(sky.colors.is_some()) as u64);
+            let rays = sky.map_or(0, |sky| 4 + 6 + 2 * 2 * SkyAtHit::count(sky.colors.is_some()) as u64);
             bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + rays
         });
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);

@@ -156,7 +156,8 @@ impl Renderer {
         buffers.color = pool.values(some(outputs.color, 3))?;
         buffers.shadow = pool.values(some(outputs.shadow, lights.len()))?;
         buffers.occlusion = pool.values(some(outputs.occlusion, 1))?;
-        buffers.sky = pool.values(some(outputs.sky, SkyAtHit::count(Gradient::of(scene).is_some())))?;
+        let sums = SkyAtHit::count(Gradient::of(scene).is_some());
+        buffers.sky = [pool.values(some(outputs.sky, 3))?, pool.values(some(outputs.sky, sums))?];
         let sized = lights.iter().any(|light| light.source.has_size());
         let ViewRecord { strata, sample, .. } = view.record;
         let rays = sky.map_or(0, |sky| sky.rays);

@@ -12,23 +12,24 @@ fn window([x0, y0]: [u32; 2], [width, height]: [u32; 2]) -> Window {
 /// A window whose pixels show these spheres and have these hits.
 fn sky(window: Window, pixel: impl Fn(u32, u32) -> (u32, SkyAtHit), smoothing: Smoothing) -> OpenSky {
     let places = (window.y0..window.y1).flat_map(|row| (window.x0..window.x1).map(move |column| [row, column]));
-    let (mut ids, mut hits) = (Vec::new(), Vec::new());
+    let (mut ids, mut all) = (Vec::new(), [Vec::new(), Vec::new()]);
     for [row, column] in places {
         let (id, hit) = pixel(row, column);
-        let mut numbers = vec![0.0; SkyAtHit::count(false)];
-        hit.write(&mut numbers);
+        let mut numbers = [vec![0; 3], vec![0; SkyAtHit::count(false)]];
+        let [normal, sum] = &mut numbers;
+        hit.write(normal, sum);
         ids.push(id);
-        hits.extend(numbers);
+        all.iter_mut().zip(numbers).for_each(|(all, numbers)| all.extend(numbers));
     }
     // Memory of an earlier frame, with numbers that would show.
     let pool = Pool::default();
-    [1, 3, 6, 6].iter().for_each(|each| pool.put_back(vec![f32::NAN; each * ids.len()]));
-    OpenSky::new(window, ids, hits, smoothing, &pool).expect("room")
+    [6, 6].iter().for_each(|each| pool.put_back(vec![i16::MAX; each * ids.len()]));
+    OpenSky::new(window, ids, all, smoothing, &pool).expect("room")
 }
 
 /// A hit with this normal, one ray along it, and this part of the ray open.
 fn hit(normal: DVec3, open: f64) -> SkyAtHit {
-    SkyAtHit { normal, sums: SkySums { all: normal, open: normal * open, ..SkySums::default() } }
+    SkyAtHit { normal, sums: SkySums { all: normal, open: normal * open, rays: 1, ..SkySums::default() } }
 }
 
 fn share(sky: &OpenSky, row: u32, column: u32, id: u32) -> f64 {

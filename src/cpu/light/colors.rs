@@ -106,7 +106,7 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
                 let light = match share {
                     Some(share) => {
                         let [all, open, zenith, open_zenith] = [0, 1, 2, 3].map(|k| lane(&lanes.sky[k], l));
-                        let sums = SkySums { all, open, zenith: [zenith, open_zenith] };
+                        let sums = SkySums { all, open, zenith: [zenith, open_zenith], rays: 1 };
                         sums.light(lane(&normal, l), lighting.colors.as_ref()) * share
                     }
                     None if lights.is_empty() => DVec3::splat(facing[l]),
