@@ -64,7 +64,7 @@ impl SkySums {
     }
 
     /// Components of the sums under a sky with colours or without.
-    fn count(has_colors: bool) -> usize {
+    pub(crate) fn count(has_colors: bool) -> usize {
         if has_colors { 12 } else { 6 }
     }
 
@@ -83,11 +83,6 @@ pub(crate) struct SkyAtHit {
 }
 
 impl SkyAtHit {
-    /// Numbers of a pixel for its sums.
-    pub(crate) fn count(has_colors: bool) -> usize {
-        SkySums::count(has_colors)
-    }
-
     /// Writes the normal, and of the sums over the number of rays as many components as there is room for, all in units of
     /// 1/[`UNIT`].
     pub(crate) fn write(&self, normal: &mut [i16], sums: &mut [i16]) {
@@ -122,7 +117,7 @@ pub(crate) struct Smoothing(&'static [u32]);
 impl Smoothing {
     /// The smoothing for pixels with so many rays: none where they alone have little noise, so that more rays come ever closer to
     /// the light of each point.
-    pub(crate) fn of(rays: u32) -> Self {
+    pub(crate) const fn of(rays: u32) -> Self {
         Self(if rays < ENOUGH { &[1, 2, 4] } else { &[] })
     }
 

@@ -1,7 +1,7 @@
 //! The memory that a frame needs, compared with the memory that is free, and the number of spheres that would fit.
 
 use super::plan::Plan;
-use crate::answers::open_sky::SkyAtHit;
+use crate::answers::open_sky::SkySums;
 use crate::answers::settle::Settled;
 use crate::certify::binned::BinnedScene;
 use crate::certify::general::{General, GeneralRecord};
@@ -73,7 +73,7 @@ impl Need {
             let colors = u64::from(kernel.shade.is_some() || plan.light_outputs.color);
             // The spheres and the normals of the pixels, and the rays toward the sky, twice while they are put together.
             let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color);
-            let rays = sky.map_or(0, |sky| 4 + 6 + 2 * 2 * SkyAtHit::count(sky.colors.is_some()) as u64);
+            let rays = sky.map_or(0, |sky| 4 + 6 + 2 * 2 * SkySums::count(sky.colors.is_some()) as u64);
             bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + rays
         });
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);

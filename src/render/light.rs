@@ -3,7 +3,7 @@
 use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
 use crate::answers::light::{LightBuffers, Traced};
-use crate::answers::open_sky::{OpenSky, SkyAtHit};
+use crate::answers::open_sky::{OpenSky, SkySums};
 use crate::cpu::light::{LightOutputs, LightingContext};
 use crate::error::Result;
 use crate::exact::Judge;
@@ -156,16 +156,19 @@ impl Renderer {
         buffers.color = pool.values(some(outputs.color, 3))?;
         buffers.shadow = pool.values(some(outputs.shadow, lights.len()))?;
         buffers.occlusion = pool.values(some(outputs.occlusion, 1))?;
-        let sums = SkyAtHit::count(Gradient::of(scene).is_some());
+        let sums = SkySums::count(Gradient::of(scene).is_some());
         buffers.sky = [pool.values(some(outputs.sky, 3))?, pool.values(some(outputs.sky, sums))?];
         let sized = lights.iter().any(|light| light.source.has_size());
         let ViewRecord { strata, sample, .. } = view.record;
-        let rays = sky.map_or(0, |sky| sky.rays);
+        let bounces = bounces(scene);
+        // Rays toward the sky leave from the hits, unless they were traced before, and from the points after a bounce.
+        let leaves = request.unknown_sky().is_some() || bounces > 0;
+        let rays = sky.filter(|_| leaves).map_or(0, |sky| sky.rays);
         let directions = match request.interleaved {
             true => SkyDirections::interleaved(rays, strata, sample, settings.seed),
             false => SkyDirections::new(rays, strata, sample),
         };
-        let scattered = SkyDirections::one(strata, sample);
+        let scattered = if bounces > 0 { SkyDirections::one(strata, sample) } else { SkyDirections::none() };
         let samples = strata * strata;
         let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples);
         let backdrop = Backdrop::new(scene, view, true);
@@ -197,7 +200,7 @@ impl Renderer {
             seed: settings.seed,
             open: open_sky,
             traced,
-            bounces: bounces(scene),
+            bounces,
         };
         let doing = self.watch.begin(Step::Light, ids.len() as u64);
         lighting.fill(ids, &mut buffers, &|pixels| doing.next(pixels));

@@ -99,8 +99,8 @@ impl Renderer {
         raster.window = window.grown(margin, scene.image.width, scene.image.height);
         let at_centers = match sky.filter(|sky| sky.at_centers) {
             Some(sky) => {
-                let Centers { window, view, ids } = self.centers(sampling, window, sky.smoothing, centers, timings)?;
-                Some(self.open_sky(sampling, &view, (window, &ids), sky, timings)?)
+                let Centers { view, ids } = self.centers(sampling, window, sky.smoothing, centers, timings)?;
+                Some(self.open_sky(sampling, &view, &ids, sky, timings)?)
             }
             None => None,
         };
@@ -128,8 +128,7 @@ impl Renderer {
             };
             setup.view.record.sample = sample;
             let sampling = Sampling { scene, ..sampling };
-            let of_pass = sky.filter(|sky| !sky.at_centers && !sky.smoothing.is_none());
-            self.pass(sampling, setup, (at_centers.as_ref(), of_pass), cue, &mut raw, timings)?;
+            self.pass(sampling, setup, at_centers.as_ref(), cue, &mut raw, timings)?;
             timings.time("samples", || sums.add(&raw));
         }
         let mut means = sums.means(raster.count(), &pool);
@@ -151,7 +150,7 @@ impl Renderer {
         &mut self,
         sampling: Sampling<'_>,
         setup: &mut FrameSetup,
-        (at_centers, of_pass): (Option<&OpenSky>, Option<PictureSky<'_>>),
+        at_centers: Option<&OpenSky>,
         cue: Option<DepthCue>,
         raw: &mut Raw,
         timings: &mut Timings,
@@ -165,8 +164,9 @@ impl Renderer {
             timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
         }
         if let Some(lights) = lights {
-            let own = match of_pass {
-                Some(sky) => Some(self.open_sky(sampling, view, (view.record.window(), &raw.id), sky, timings)?),
+            let sky = sampling.sky(view.record.strata * view.record.strata);
+            let own = match sky.filter(|sky| !sky.at_centers && !sky.smoothing.is_none()) {
+                Some(sky) => Some(self.open_sky(sampling, view, &raw.id, sky, timings)?),
                 None => None,
             };
             let outputs = LightOutputs { color: true, ..LightOutputs::default() };
@@ -186,12 +186,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// The rays toward the sky from the hits of a view, whose window shows the spheres `ids`, with those of neighbours.
+    /// The rays toward the sky from the hits of a view, which shows the spheres `ids`, with those of neighbours.
     fn open_sky(
         &mut self,
         sampling: Sampling<'_>,
         view: &View,
-        (window, ids): (Window, &[u32]),
+        ids: &[u32],
         PictureSky { lights, sky, smoothing, .. }: PictureSky<'_>,
         timings: &mut Timings,
     ) -> Result<OpenSky> {
@@ -203,7 +203,7 @@ impl Renderer {
         let hits = timings.time("light", || self.light(lights, frame, &request, &pool))?.sky;
         let mut own = pool.values(ids.len())?;
         own.copy_from_slice(ids);
-        timings.time("smooth", || OpenSky::new(window, own, hits, smoothing, &pool))
+        timings.time("smooth", || OpenSky::new(view.record.window(), own, hits, smoothing, &pool))
     }
 
     /// The spheres that the centres of a window's pixels show, and those around it as far as smoothing, the neighbours of a sample, and
@@ -222,7 +222,7 @@ impl Renderer {
         let raster = Raster::centres(wide);
         if wide == window {
             let view = View::for_rays(scene, raster, Records::None)?;
-            return Ok(Centers { window, view, ids: centers.into() });
+            return Ok(Centers { view, ids: centers.into() });
         }
         let kernel = plan.kernel.ids_only();
         let mut setup = self.setup(Plan { kernel, ..plan.clone() }, scene, settings, raster, timings)?;
@@ -232,13 +232,12 @@ impl Renderer {
         let ids = std::mem::take(&mut raw.id).into();
         raw.put_back(&pool);
         let view = setup.put_back(&pool);
-        Ok(Centers { window: wide, view, ids })
+        Ok(Centers { view, ids })
     }
 }
 
 /// The spheres that pixels' centres show.
 struct Centers<'a> {
-    window: Window,
     view: View,
     ids: Cow<'a, [u32]>,
 }

@@ -2,7 +2,7 @@ use super::*;
 use crate::testing::Rng;
 use std::f32::consts::TAU;
 
-const MOST: Smoothing = Smoothing(&[1, 2, 4]);
+const MOST: Smoothing = Smoothing::of(1);
 
 /// The window from column `x0` and row `y0` on.
 fn window([x0, y0]: [u32; 2], [width, height]: [u32; 2]) -> Window {
@@ -15,7 +15,7 @@ fn sky(window: Window, pixel: impl Fn(u32, u32) -> (u32, SkyAtHit), smoothing: S
     let (mut ids, mut all) = (Vec::new(), [Vec::new(), Vec::new()]);
     for [row, column] in places {
         let (id, hit) = pixel(row, column);
-        let mut numbers = [vec![0; 3], vec![0; SkyAtHit::count(false)]];
+        let mut numbers = [vec![0; 3], vec![0; SkySums::count(false)]];
         let [normal, sum] = &mut numbers;
         hit.write(normal, sum);
         ids.push(id);

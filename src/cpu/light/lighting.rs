@@ -22,7 +22,7 @@ pub(crate) struct LightOutputs {
     pub(crate) shadow: bool,
     /// The share of the sky that is open.
     pub(crate) occlusion: bool,
-    /// The share of the light of the sky that is open, a number for each channel.
+    /// The rays toward the sky.
     pub(crate) sky: bool,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct LightingContext<'a> {
     pub(crate) scattered: &'a SkyDirections,
     pub(crate) disc: &'a DiscPoints,
     pub(crate) seed: u32,
-    /// The share of the sky that is open at the hits of viewing rays, if it is known.
+    /// The rays toward the sky from the hits of viewing rays, if they were traced before.
     pub(crate) open: Option<&'a OpenSky>,
     /// A device's answers to the rays from the hits of viewing rays; `None` if it traced none.
     pub(crate) traced: Option<Traced<'a>>,

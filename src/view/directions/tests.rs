@@ -47,6 +47,27 @@ fn open_share(directions: &[Direction], n: Direction, open: impl Fn(Direction) -
     sum / all
 }
 
+/// Caps that hide the sky from surfaces: the normal, the axis of the cap, and the cosine of its angle, at random.
+struct Caps(Vec<(Direction, Direction, f64)>);
+
+impl Caps {
+    fn new(seed: u64) -> Self {
+        let rng = &mut Rng(seed);
+        Self((0..40).map(|_| (random_direction(rng), random_direction(rng), rng.between(-1.0, 1.0))).collect())
+    }
+
+    /// Root mean square over the caps of the standard error of the open share, over trials. The share of a trial is the mean
+    /// over its sets of directions.
+    fn error(&self, trials: &[Vec<Vec<Direction>>]) -> f64 {
+        let variance = |&(n, axis, cosine): &(Direction, Direction, f64)| {
+            let share = |set: &Vec<Direction>| open_share(set, n, |l| dot(l, axis) <= cosine);
+            let mean = |sets: &Vec<Vec<_>>| sets.iter().map(share).sum::<f64>() / sets.len() as f64;
+            moments(&trials.iter().map(mean).collect::<Vec<_>>())[1].powi(2)
+        };
+        (self.0.iter().map(variance).sum::<f64>() / self.0.len() as f64).sqrt()
+    }
+}
+
 /// Mean and standard deviation.
 fn moments(values: &[f64]) -> [f64; 2] {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -227,19 +248,12 @@ fn the_open_share_has_the_standard_error_that_is_stated() {
 #[test]
 fn samples_share_a_lattice_of_which_each_has_an_even_part() {
     const PIXELS: u32 = 300;
-    let mut rng = Rng(3);
-    let cases: Vec<_> =
-        (0..40).map(|_| (random_direction(&mut rng), random_direction(&mut rng), rng.between(-1.0, 1.0))).collect();
-    // Root mean square over the caps of the standard error over the rotations, of the shares' mean over some samples.
+    let caps = Caps::new(3);
+    // Over the rotations, of the shares' mean over some samples.
     let error = |sets: &[SkyDirections]| {
         let turned: Vec<Vec<_>> =
             (0..PIXELS).map(|number| sets.iter().map(|set| sky(set, pixel(number))).collect()).collect();
-        let variance = |&(n, axis, cosine): &(Direction, Direction, f64)| {
-            let share = |set: &Vec<Direction>| open_share(set, n, |l| dot(l, axis) <= cosine);
-            let mean = |sets: &Vec<Vec<_>>| sets.iter().map(share).sum::<f64>() / sets.len() as f64;
-            moments(&turned.iter().map(mean).collect::<Vec<_>>())[1].powi(2)
-        };
-        (cases.iter().map(variance).sum::<f64>() / cases.len() as f64).sqrt()
+        caps.error(&turned)
     };
     for (rays, strata) in [(4, 2), (4, 3), (4, 4), (4, 8), (4, 12), (16, 3)] {
         let samples = strata * strata;
@@ -263,30 +277,20 @@ fn samples_share_a_lattice_of_which_each_has_an_even_part() {
 #[test]
 fn neighbors_of_a_picture_share_a_lattice_of_which_each_has_an_even_part() {
     const SEEDS: u32 = 100;
-    let mut rng = Rng(5);
-    let cases: Vec<_> =
-        (0..40).map(|_| (random_direction(&mut rng), random_direction(&mut rng), rng.between(-1.0, 1.0))).collect();
+    let caps = Caps::new(5);
     // The directions of the pixels of a square of this side, at a place that is a multiple of it.
     let square_of = |set: &SkyDirections, side: u32| -> Vec<Direction> {
         let places = (0..side * side).map(|n| [24 + n / side, 40 + n % side]);
         places.flat_map(|[row, column]| sky(set, PixelSample { row, column, sample: 0, seed: 0 })).collect()
     };
-    // Root mean square over the caps of the standard error over the seeds.
-    let error = |directions: &[Vec<Direction>]| {
-        let variance = |&(n, axis, cosine): &(Direction, Direction, f64)| {
-            let share = |set: &Vec<Direction>| open_share(set, n, |l| dot(l, axis) <= cosine);
-            moments(&directions.iter().map(share).collect::<Vec<_>>())[1].powi(2)
-        };
-        (cases.iter().map(variance).sum::<f64>() / cases.len() as f64).sqrt()
-    };
     for rays in [1, 3, 4, 8] {
         let sets: Vec<_> = (0..SEEDS).map(|seed| SkyDirections::interleaved(rays, 1, 0, seed)).collect();
         for side in [1, 2, 4, 8] {
-            let found = error(&sets.iter().map(|set| square_of(set, side)).collect::<Vec<_>>());
+            let found = caps.error(&sets.iter().map(|set| vec![square_of(set, side)]).collect::<Vec<_>>());
             let count = rays * side * side;
             // As many directions as one lattice of them all, turned at random.
             let one = SkyDirections::new(count, 1, 0);
-            let alone = error(&(0..SEEDS).map(|number| sky(&one, pixel(number))).collect::<Vec<_>>());
+            let alone = caps.error(&(0..SEEDS).map(|number| vec![sky(&one, pixel(number))]).collect::<Vec<_>>());
             println!("{side} x {side} pixels of {rays}: {:.3} of one lattice", found / alone);
             // Measured: up to 1.25, of single pixels at the top and the bottom of the lattice; and a tenth for the noise of caps and
             // rotations.
