@@ -12,6 +12,7 @@ mod place;
 pub mod plan;
 mod renderer;
 mod sample;
+mod see_through;
 mod setup;
 pub mod stream;
 pub mod trace;

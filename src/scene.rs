@@ -13,6 +13,7 @@ pub mod lidar;
 mod light;
 pub(crate) mod list;
 mod material;
+mod opacity;
 mod orient;
 mod outlook;
 pub(crate) mod same;
@@ -32,6 +33,7 @@ pub(crate) use gradient::{Gradient, SkyLight};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, Materials};
+pub use opacity::{check_opacity, is_opacity};
 pub use orient::{Facing, NamedView, Spread};
 pub use outlook::{Outlook, Surroundings};
 pub use source::{SphereSource, middle};
@@ -81,6 +83,8 @@ pub struct Spheres {
     pub colors: Option<List<[f32; 3]>>,
     /// Materials of the spheres; `None` where all of them reflect diffusely only.
     pub materials: Option<Materials>,
+    /// Opacities in pictures, above 0 and at most 1; `None` where all spheres are opaque. No other buffer depends on them.
+    pub opacities: Option<List<f32>>,
 }
 
 impl Spheres {
@@ -93,7 +97,7 @@ impl Spheres {
     pub fn clear(&mut self) {
         self.centers.to_mut().clear();
         self.radii.to_mut().clear();
-        (self.colors, self.materials) = (None, None);
+        (self.colors, self.materials, self.opacities) = (None, None, None);
     }
 
     /// Whether there are no spheres.
@@ -110,6 +114,9 @@ impl Spheres {
         }
         if let Some(materials) = &mut self.materials {
             keep(materials.of.to_mut(), flags);
+        }
+        if let Some(opacities) = &mut self.opacities {
+            keep(opacities.to_mut(), flags);
         }
     }
 
@@ -201,6 +208,9 @@ impl Spheres {
         if let Some(materials) = &mut self.materials {
             materials.of.share();
         }
+        if let Some(opacities) = &mut self.opacities {
+            opacities.share();
+        }
     }
 
     /// Adds one sphere. The first colour creates the colour list; spheres without one get [`DEFAULT_COLOR`] in it.
@@ -216,6 +226,9 @@ impl Spheres {
         }
         if let Some(materials) = &mut self.materials {
             materials.push(Material::default());
+        }
+        if let Some(opacities) = &mut self.opacities {
+            opacities.to_mut().push(1.0);
         }
         self.centers.to_mut().push(center);
         self.radii.to_mut().push(radius);
@@ -282,6 +295,7 @@ impl Scene {
                 material.check(|field| Place::field(format!("material {index} {field}")))?;
             }
         }
+        s.check_opacities()?;
         self.image.check()?;
         self.lighting.check(s.radii.len())?;
         self.camera.basis().map(drop)?;
@@ -319,6 +333,10 @@ impl Scene {
         if let Some(materials) = &self.spheres.materials {
             hash.update(format!("{:?}", materials.kinds).as_bytes());
             hash.update(materials.of.digest().as_bytes());
+        }
+        if let Some(opacities) = &self.spheres.opacities {
+            hash.update(b"opacities");
+            hash.update(opacities.digest().as_bytes());
         }
         hash.finalize().to_hex()[..32].to_owned()
     }

@@ -9,7 +9,7 @@ use crate::error::{Error, Place, Result, named};
 use crate::frame::tone::{Tone, Toning};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
-use crate::quote::setting::SUN;
+use crate::quote::setting::{LAYERS, OPACITY, OPACITY_SHADOWS, SUN};
 use crate::scene::camera::Aperture;
 use crate::scene::{Scene, Sky};
 use crate::shade::Shade;
@@ -47,6 +47,9 @@ pub enum Accuracy {
 
 named! { Accuracy, "accuracy", Auto "auto" Fast "fast" Certified "certified" Exact "exact" }
 
+/// The most layers of translucent spheres in a picture.
+pub const MOST_LAYERS: u32 = 64;
+
 /// The settings of a rendering, besides its scene.
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
@@ -70,6 +73,11 @@ pub struct Settings {
     /// A lens with a size, for colour and alpha; `None` for a pinhole. It needs several samples, each of which leaves from
     /// another point of it.
     pub aperture: Option<Aperture>,
+    /// Layers of translucent spheres in the picture: the nearest hits of each ray before the first opaque one, composed over it in
+    /// order, at most [`MOST_LAYERS`]. 0 and 1 are one layer.
+    pub layers: u32,
+    /// Whether translucent spheres block the lights and the sky of the picture as opaque ones do.
+    pub opacity_shadows: bool,
     /// Whether dark lines are drawn in the colour where the depth jumps by several pixels, or behind the last sphere.
     pub silhouette: bool,
     /// Width and colour of these lines.
@@ -133,6 +141,10 @@ impl Settings {
     pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
         Toning::check_stops(self.exposure)?;
         self.outline.check()?;
+        if self.layers > MOST_LAYERS {
+            let problem = format!("{LAYERS} is {}", self.layers);
+            return Err(Error::settings(problem, format!("give a whole number from 1 to {MOST_LAYERS}")));
+        }
         let lights = scene.lighting.lights.len();
         if self.aovs.contains(&Aov::Shadow) && lights == 0 {
             return Err(Self::no_light());
@@ -142,6 +154,13 @@ impl Settings {
             return Err(Error::settings(problem, format!("use at most {MOST_LIGHTS} lights")));
         }
         self.sky.check(|field| Place::field(format!("occlusion.{field}")))
+    }
+
+    /// Warnings about settings of translucent spheres that change nothing, since a picture has none of them.
+    pub(crate) fn idle_layers(&self) -> impl Iterator<Item = String> {
+        let given = [(self.layers > 0, LAYERS), (self.opacity_shadows, OPACITY_SHADOWS)];
+        let why = format!("no sphere of the picture has an {OPACITY} below 1");
+        given.into_iter().filter(|(given, _)| *given).map(move |(_, setting)| format!("{setting} changes nothing: {why}"))
     }
 
     /// The error for the buffer `shadow` without a light.

@@ -9,7 +9,7 @@ use glam::DVec3;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS, Sky};
-use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, Outline, Settings};
+use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, MOST_LAYERS, Outline, Settings};
 use halfline::shade::Shade;
 use halfline_files::read::SceneFrame;
 
@@ -51,6 +51,12 @@ pub(super) struct LightArgs {
     /// Fades colours to the background with depth.
     #[arg(long)]
     depth_cue: bool,
+    /// Shows so many translucent spheres before the first opaque one, the nearest, up to 64; see --opacity [default: 1].
+    #[arg(long, value_name = "N", value_parser = whole(1..=MOST_LAYERS))]
+    layers: Option<u32>,
+    /// Lets translucent spheres block lights and sky as opaque ones do.
+    #[arg(long)]
+    opacity_shadows: bool,
 }
 
 /// The inputs that choose a look together with `--look`.
@@ -86,9 +92,14 @@ impl LightArgs {
         file.choose(has_picture, self.look, samples, shade).is_default
     }
 
-    /// Width and colour of outlines.
-    pub(super) fn outline(&self) -> Outline {
-        Outline::of(self.outline_width, self.outline_color)
+    /// The settings with width and colour of outlines, and with the layers of translucent spheres.
+    pub(super) fn drawn(&self, settings: Settings) -> Settings {
+        Settings {
+            outline: Outline::of(self.outline_width, self.outline_color),
+            layers: self.layers.unwrap_or_default(),
+            opacity_shadows: self.opacity_shadows,
+            ..settings
+        }
     }
 
     /// Applies the options to the scene, whose camera is final.

@@ -69,7 +69,7 @@ use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tu
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 83] = [
+const OPTIONS: [OptionRow; 86] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),
@@ -92,6 +92,7 @@ const OPTIONS: [OptionRow; 83] = [
     row("clip", Keyword(Read, "clip", Tuples), 0),
     row("cell", Keyword(Read, "cell", NumberOrFlag), NO_PART),
     row("color", Keyword(Read, "color", Rules), 0),
+    row("opacity", Keyword(Read, "opacity", Rules), 0),
     row("color_by", Keyword(Read, "color_by", Text), 0),
     row("map", Keyword(Read, "map", Text), CONFIG),
     row("range", Keyword(Read, "range", Tuple), 0),
@@ -128,6 +129,8 @@ const OPTIONS: [OptionRow; 83] = [
     row("outline_width", Keyword(Render, "outline_width", Number), CONFIG),
     row("outline_color", Keyword(Render, "outline_color", Color), CONFIG | NO_PART),
     row("depth_cue", Keyword(Render, "depth_cue", Flag), CONFIG | NO_PART),
+    row("layers", Keyword(Render, "layers", Number), NO_PART),
+    row("opacity_shadows", Keyword(Render, "opacity_shadows", Flag), NO_PART),
     row("background", Keyword(Render, "background", Color), CONFIG | NO_PART),
     row("legend_in", Keyword(Render, "legend", TextOrFlag), NO_PART),
     row("label", Keyword(Render, "label", Text), NO_PART),

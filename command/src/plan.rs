@@ -238,6 +238,11 @@ impl PlanText<'_> {
                 onward => writeln!(f, ", up to {onward} onward, and lights and sky again at their hits")?,
             }
         }
+        if let Some(layers) = e.layers {
+            let nearest = if layers == 1 { "the nearest".to_owned() } else { format!("the {layers} nearest") };
+            let what = "of the translucent spheres before the first opaque one, over the picture of the opaque ones";
+            writeln!(f, "layers     {nearest} {what}")?;
+        }
         let drawn = [(e.silhouette, "silhouette"), (e.depth_cue, "depth cue")];
         let drawn: Vec<_> = drawn.iter().filter(|(drawn, _)| *drawn).map(|(_, name)| *name).collect();
         if !drawn.is_empty() {

@@ -8,6 +8,7 @@ use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::scene::arrange::{Arrangement, Bead};
+use halfline::scene::is_opacity;
 use halfline_files::read::style::{Coloring, Radii, Scale};
 use halfline_files::read::{
     Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style,
@@ -106,6 +107,9 @@ pub(super) struct ColorArgs {
     /// r,g,b in linear RGB. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
     color: Vec<Rule<[f32; 3]>>,
+    /// Opacity in pictures of all spheres, or with EXPR=A of selected ones: above 0, and at most 1. Repeated, later ones win.
+    #[arg(long, value_name = "[EXPR=]A", value_parser = opacity_rule, allow_negative_numbers = true)]
+    opacity: Vec<Rule<f32>>,
     /// Colours by element, chain, x, y, z, or any column of the file; several columns (vx,vy,vz) by their length.
     #[arg(long, value_name = "COLUMN,...")]
     pub(super) color_by: Option<String>,
@@ -197,7 +201,13 @@ impl ColorArgs {
     /// # Errors
     /// [`Error::Settings`] for one colour and a column.
     pub(super) fn of(&self, options: ReadOptions) -> Result<ReadOptions> {
-        let style = Style { coloring: self.coloring()?, paints: Rule::selected(&self.color), ..options.style };
+        let style = Style {
+            coloring: self.coloring()?,
+            paints: Rule::selected(&self.color),
+            opacity: Rule::for_all(&self.opacity),
+            fades: Rule::selected(&self.opacity),
+            ..options.style
+        };
         Ok(ReadOptions { style, ..options })
     }
 
@@ -264,6 +274,11 @@ fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
 
 fn color_rule(text: &str) -> Result<Rule<[f32; 3]>, String> {
     Rule::parse(text, color)
+}
+
+fn opacity_rule(text: &str) -> Result<Rule<f32>, String> {
+    let expected = "expected a number above 0 and at most 1; --hide leaves spheres out";
+    Rule::parse(text, |text| text.parse().ok().filter(|opacity| is_opacity(*opacity)).ok_or_else(|| expected.into()))
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {

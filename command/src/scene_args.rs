@@ -242,15 +242,14 @@ impl SceneArgs {
 
     /// The settings for these files, without those that depend on the scene.
     pub(super) fn settings(&self, targets: &[Target]) -> Settings {
-        Settings {
+        self.light.drawn(Settings {
             tolerance: self.accuracy.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
             seed: self.image.seed,
             tone: self.image.tone,
             exposure: self.image.exposure,
-            outline: self.light.outline(),
             ..self.accuracy.compute.settings()
-        }
+        })
     }
 }
 

@@ -1,5 +1,5 @@
 //! Parts of a scene in files: an .npz of plain NumPy arrays. `centers` (n, 3) and `radii` (n) in float64, `id` (n) in int64, in
-//! increasing order, `colors` (n, 3) in float32 where the spheres have any, and `about`, the bytes of a JSON text: the rays that the
+//! increasing order, `colors` (n, 3) and `opacities` (n) in float32 where the spheres have any, and `about`, the bytes of a JSON text: the rays that the
 //! part is made for, and of which spheres. Equal parts have equal bytes.
 
 use crate::npy::Header;
@@ -59,7 +59,7 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Part> {
     let missing = |field: &str| fail(field, "the file has no such array");
     let mut get = |field: &str| found(field).ok_or_else(|| missing(field));
     let (about, ids, radii, centers) = (get("about")?, get("id")?, get("radii")?, get("centers")?);
-    let colors = get("colors").ok();
+    let (colors, opacities) = (get("colors").ok(), get("opacities").ok());
     let n = radii.values().len();
     let shape = |array: &Array, field: &str, rows: &[usize]| match array.shape() == rows {
         true => Ok(()),
@@ -85,8 +85,16 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Part> {
         }
         Some((colors, _)) => return Err(dtype(colors, "colors")),
     };
+    let opacities = match opacities.as_ref().map(|opacities| (opacities, opacities.values())) {
+        None => None,
+        Some((opacities, Values::F32(values))) => {
+            shape(opacities, "opacities", &[n])?;
+            Some(values.clone().into())
+        }
+        Some((opacities, _)) => return Err(dtype(opacities, "opacities")),
+    };
     let (centers, radii) = (xyz.as_chunks().0.to_vec().into(), r.clone().into());
-    Part::new(name.into(), about, ids, Spheres { centers, radii, colors, materials: None })
+    Part::new(name.into(), about, ids, Spheres { centers, radii, colors, materials: None, opacities })
 }
 
 /// Writes a part, completely or not at all.
@@ -118,6 +126,9 @@ fn write_to(part: &Part, out: &mut dyn Write) -> io::Result<()> {
     ];
     if let Some(colors) = &spheres.colors {
         members.push(("colors", "<f4", vec![n, 3], bytemuck::cast_slice(colors)));
+    }
+    if let Some(opacities) = &spheres.opacities {
+        members.push(("opacities", "<f4", vec![n], bytemuck::cast_slice(opacities)));
     }
     write_archive(out, |archive| {
         members.iter().try_for_each(|(name, dtype, shape, bytes)| {

@@ -45,6 +45,7 @@ class Scene:
         centers: NDArray[np.float64],
         radii: NDArray[np.float64],
         colors: NDArray[np.float32] | None,
+        opacities: NDArray[np.float32] | None,
         background: Vector,
     ) -> Scene: ...
     def with_facts(
@@ -70,6 +71,8 @@ class Scene:
     def radii(self) -> NDArray[np.float64]: ...
     @property
     def colors(self) -> NDArray[np.float32] | None: ...
+    @property
+    def opacities(self) -> NDArray[np.float32] | None: ...
     @property
     def size(self) -> Size: ...
     @property
@@ -111,6 +114,7 @@ class Sieve:
         centers: NDArray[np.float64],
         radii: NDArray[np.float64],
         colors: NDArray[np.float32] | None,
+        opacities: NDArray[np.float32] | None,
     ) -> None: ...
     def part(self) -> Part: ...
 

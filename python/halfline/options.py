@@ -89,6 +89,12 @@ class Options(TypedDict, total=False):
     """The colour of these lines; black by default."""
     depth_cue: bool
     """Whether colours fade to the background with depth."""
+    layers: int | None
+    """So many translucent spheres before the first opaque one are shown, the nearest: 1 to 64, 1 by
+    default. ``opacity`` of `read`, or ``opacities`` of `Scene`, makes spheres translucent.
+    """
+    opacity_shadows: bool
+    """Whether translucent spheres block lights and sky as opaque ones do."""
     crop: tuple[int, int, int, int] | None
     """Columns x0 to x1 and rows y0 to y1 of the frame, ends excluded: ``(x0, y0, x1, y1)``."""
     background: Color | None
@@ -154,7 +160,9 @@ def checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
     size, crop, background, shade, reach, bounces = (
         given.get(name) for name in ("size", "crop", "background", "shade", "reach", "bounces")
     )
-    samples, look, tone = (given.get(name) for name in ("samples", "look", "tone"))
+    samples, look, tone, layers = (
+        given.get(name) for name in ("samples", "look", "tone", "layers")
+    )
     width, ink = given.get("outline_width"), given.get("outline_color")
     occlusion = given.get("occlusion", False)
     suns = array("sun", given.get("sun", np.empty((0, 3))), np.float64, "(..., 3)").reshape(-1, 3)
@@ -187,6 +195,8 @@ def checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
         "outline_width": None if width is None else number("outline_width", width),
         "outline_color": None if ink is None else color("outline_color", ink),
         "depth_cue": bool(given.get("depth_cue", False)),
+        "layers": 0 if layers is None else whole("layers", layers, 1),
+        "opacity_shadows": bool(given.get("opacity_shadows", False)),
         "crop": None if crop is None else list(wholes("crop", crop, 4)),
         "background": None if background is None else color("background", background),
         "transparent": transparent,

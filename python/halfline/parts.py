@@ -184,7 +184,7 @@ class Sieve:
             whole("first_id", first_id, 0, 2**55),
         )
 
-    def add(self, centers: Any, radii: Any, colors: Any = None) -> None:
+    def add(self, centers: Any, radii: Any, colors: Any = None, *, opacities: Any = None) -> None:
         """Takes the next spheres.
 
         Arrays may be NumPy's, memory maps, data sets of h5py and zarr, columns of Arrow, dask
@@ -196,6 +196,8 @@ class Sieve:
             radii: Radii, n numbers, or one for all.
             colors: Linear RGB, shape (n, 3), or one colour for all as for `Scene`. Either all
                 spheres have colours or none.
+            opacities: Opacities in pictures, n numbers, or one for all: above 0, and at most 1.
+                Either all spheres have opacities or none.
 
         Raises:
             ValueError: with the argument, the row and what to give instead.
@@ -212,6 +214,9 @@ class Sieve:
             colors = np.array(checked_color("colors", colors), dtype=np.float32)
         elif colors is not None:
             _same("colors", colors, count)
+        one_opacity = opacities is not None and _is_number(opacities)
+        if opacities is not None and not one_opacity:
+            _same("opacities", opacities, count)
         for rows in _blocks(count):
             block = (
                 array("centers", _part(centers, rows), np.float64, "(n, 3)")
@@ -226,7 +231,14 @@ class Sieve:
                 if one_color
                 else array("colors", _part(colors, rows), np.float32, "(n, 3)")
             )
-            self._native.add(block, array("radii", sizes, np.float64, "(n,)"), shades)
+            shares = (
+                None
+                if opacities is None
+                else np.full(len(block), opacities, dtype=np.float32)
+                if one_opacity
+                else array("opacities", _part(opacities, rows), np.float32, "(n,)")
+            )
+            self._native.add(block, array("radii", sizes, np.float64, "(n,)"), shades, shares)
 
     def part(self) -> Part:
         """The part of all spheres that were added; it ends the sieve."""
@@ -238,6 +250,7 @@ def sift(
     radii: Any,
     colors: Any = None,
     *,
+    opacities: Any = None,
     camera: Camera,
     size: tuple[int, int],
     samples: int = 1,
@@ -258,7 +271,7 @@ def sift(
         outline_width=outline_width,
         first_id=first_id,
     )
-    sieve.add(centers, radii, colors)
+    sieve.add(centers, radii, colors, opacities=opacities)
     return sieve.part()
 
 

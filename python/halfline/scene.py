@@ -53,6 +53,8 @@ class Scene:
         radii: Radii in the same unit, shape (n,), or one number for all; positive and finite.
         colors: Linear RGB, shape (n, 3), 0 or more; or one colour for all: three numbers, a CSS
             name such as ``"red"``, or ``"#rrggbb"``. The default is a light grey.
+        opacities: Opacities in pictures, shape (n,), or one for all: above 0, and at most 1, the
+            default. No other buffer depends on them.
         background: Colour of rays that hit nothing: linear RGB, a CSS name, or ``"#rrggbb"``.
 
     Raises:
@@ -79,6 +81,7 @@ class Scene:
         radii: ArrayLike,
         colors: Color | None = None,
         *,
+        opacities: ArrayLike | None = None,
         background: Color = (0.0, 0.0, 0.0),
     ) -> None:
         points = array("centers", centers, np.float64, "(n, 3)")
@@ -88,13 +91,18 @@ class Scene:
             sizes = np.full(count, sizes, dtype=np.float64)
         sizes = array("radii", sizes, np.float64, "(n,)")
         rows = None if colors is None else _rows(colors, count)
-        for name, others in (("radii", sizes), ("colors", rows)):
+        shares = None if opacities is None else np.asarray(opacities)
+        if shares is not None and shares.ndim == 0 and shares.dtype.kind in "fiu":
+            shares = np.full(count, shares, dtype=np.float32)
+        if shares is not None:
+            shares = array("opacities", shares, np.float32, "(n,)")
+        for name, others in (("radii", sizes), ("colors", rows), ("opacities", shares)):
             if others is not None and len(others) != count:
                 raise ValueError(
                     f"{name} has {len(others)} rows, and centers has {count}; give one per sphere"
                 )
         self._native = _halfline.Scene(
-            points, sizes, rows, checked_color("background", background)
+            points, sizes, rows, shares, checked_color("background", background)
         )
         self._source: Source | None = None
 
@@ -236,6 +244,11 @@ class Scene:
         return self._native.colors
 
     @property
+    def opacities(self) -> NDArray[np.float32] | None:
+        """Opacities in pictures, shape (n,), float32, read-only; ``None`` where all spheres are opaque."""
+        return self._native.opacities
+
+    @property
     def camera(self) -> Camera:
         """The camera of the file, or one that looks along -z and shows all spheres."""
         return Camera._of(self._native.camera(None), None)
@@ -312,6 +325,7 @@ def read(
     radius: float | Mapping[str, float] | None = None,
     radius_scale: float = 1.0,
     color: Color | Mapping[str, Color] | None = None,
+    opacity: float | Mapping[str, float] | None = None,
     color_by: str | Iterable[str] | None = None,
     map: str | None = None,
     range: tuple[float, float] | None = None,
@@ -350,6 +364,7 @@ def read(
         radius_scale: Multiplies every radius.
         color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, or
             linear RGB.
+        opacity: One opacity in pictures for all, or ``{expression: opacity}``: above 0, and at most 1.
         color_by: The column, or the columns of a vector, that gives the colours: ``"element"``,
             ``"chain"``, ``"vx,vy,vz"``.
         map: Colour map of ``color_by``.
@@ -453,9 +468,10 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
     if limits is not None or given["log"] or given["map"] is not None:
         if color_by is None:
             raise ValueError("map, range and log belong to color_by; give a column with color_by=")
-    radius, color = given["radius"], given["color"]
+    radius, color, opacity = given["radius"], given["color"], given["opacity"]
     sizes = dict(radius) if isinstance(radius, Mapping) else {}
     paints = dict(color) if isinstance(color, Mapping) else {}
+    fades = dict(opacity) if isinstance(opacity, Mapping) else {}
     planes = [
         [number(f"clip[{k}]", x) for x in _several(f"clip[{k}]", plane, 4)]
         for k, plane in enumerate(given["clip"])
@@ -495,6 +511,13 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         "color_of": [
             (word("color", key), checked_color(f"color[{key!r}]", value))
             for key, value in paints.items()
+        ],
+        "opacity": None
+        if opacity is None or isinstance(opacity, Mapping)
+        else number("opacity", opacity),
+        "opacity_of": [
+            (word("opacity", key), number(f"opacity[{key!r}]", value))
+            for key, value in fades.items()
         ],
         "color_by": color_by,
         "range": limits,

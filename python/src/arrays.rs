@@ -39,6 +39,7 @@ pub(crate) trait Plain<E, const N: usize>: Sync + 'static {}
 impl Plain<f64, 3> for [f64; 3] {}
 impl Plain<f32, 3> for [f32; 3] {}
 impl Plain<f64, 1> for f64 {}
+impl Plain<f32, 1> for f32 {}
 
 /// The rows of a contiguous array as a list that shares its memory.
 ///

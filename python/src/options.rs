@@ -61,6 +61,8 @@ pub(crate) struct Picture {
     outline_width: Option<f64>,
     outline_color: Option<[f32; 3]>,
     depth_cue: bool,
+    layers: u32,
+    opacity_shadows: bool,
     crop: Option<[u32; 4]>,
     background: Option<[f32; 3]>,
     transparent: bool,
@@ -100,6 +102,8 @@ impl Picture {
             silhouette: self.silhouette || look.has_silhouette(),
             outline: Outline::of(self.outline_width, self.outline_color),
             depth_cue: self.depth_cue || look.has_depth_cue(),
+            layers: self.layers,
+            opacity_shadows: self.opacity_shadows,
             sky: light.buffer_sky(),
             window: crop,
             ..accurate

@@ -69,19 +69,21 @@ impl Sieve {
         Ok(Self(Mutex::new(Some(stream().or_raise()?))))
     }
 
-    /// Takes a block of spheres; the package passes contiguous arrays of shape (n, 3), (n,) and (n, 3).
+    /// Takes a block of spheres; the package passes contiguous arrays of shape (n, 3), (n,), (n, 3) and (n,).
     fn add(
         &self,
         py: Python<'_>,
         centers: PyReadonlyArrayDyn<'_, f64>,
         radii: PyReadonlyArrayDyn<'_, f64>,
         colors: Option<PyReadonlyArrayDyn<'_, f32>>,
+        opacities: Option<PyReadonlyArrayDyn<'_, f32>>,
     ) -> PyResult<()> {
         let block = Spheres {
             centers: list::<f64, [f64; 3], 3>(&centers)?,
             radii: list::<f64, f64, 1>(&radii)?,
             colors: colors.map(|colors| list::<f32, [f32; 3], 3>(&colors)).transpose()?,
             materials: None,
+            opacities: opacities.map(|opacities| list::<f32, f32, 1>(&opacities)).transpose()?,
         };
         Job::default().run(py, None, || self.stream().as_mut().ok_or_else(ended)?.add(&block))
     }

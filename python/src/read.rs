@@ -5,6 +5,7 @@ use crate::scene::{Scene, bead};
 use crate::work::Job;
 use halfline::error::{Error, Result};
 use halfline::scene::arrange::Arrangement;
+use halfline::scene::is_opacity;
 use halfline_files::read::style::{self, Coloring, Scale};
 use halfline_files::read::{
     Altloc, ColumnNames, FixedCamera, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection,
@@ -38,6 +39,8 @@ pub(crate) struct Options {
     radius_scale: f64,
     color: Option<[f32; 3]>,
     color_of: Vec<(String, [f32; 3])>,
+    opacity: Option<f32>,
+    opacity_of: Vec<(String, f32)>,
     color_by: Option<String>,
     map: Option<String>,
     range: Option<[f64; 2]>,
@@ -59,6 +62,14 @@ fn parsed<T: FromStr<Err = Error>>(text: Option<&String>) -> Result<Option<T>> {
 /// Rules for selected particles.
 fn rules<T: Copy>(given: &[(String, T)]) -> Result<Vec<(Selection, T)>> {
     given.iter().map(|(expression, value)| Ok((expression.parse()?, *value))).collect()
+}
+
+/// An opacity.
+fn opacity(opacity: f32) -> Result<f32> {
+    match is_opacity(opacity) {
+        true => Ok(opacity),
+        false => Err(Error::settings(format!("the opacity is {opacity}"), "give a number above 0 and at most 1")),
+    }
 }
 
 impl Options {
@@ -117,6 +128,8 @@ impl Options {
                 coloring: self.coloring()?,
                 paints: rules(&self.color_of)?,
                 sizes: rules(&self.radius_of)?,
+                opacity: self.opacity.map(opacity).transpose()?,
+                fades: rules(&self.opacity_of)?.into_iter().map(|(of, x)| Ok((of, opacity(x)?))).collect::<Result<_>>()?,
                 ..Style::default()
             },
             keep: match self.keep.0.as_str() {

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
 use crate::work::{Job, begin};
 use halfline::scene::arrange::{Arrangement, Bead};
-use halfline::scene::{Cell, Framing, ImagePlane, check_color};
+use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
 use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
@@ -128,21 +128,24 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    /// The package passes contiguous arrays of shape (n, 3), (n,) and (n, 3).
+    /// The package passes contiguous arrays of shape (n, 3), (n,), (n, 3) and (n,).
     #[new]
     fn new(
         py: Python<'_>,
         centers: PyReadonlyArrayDyn<'_, f64>,
         radii: PyReadonlyArrayDyn<'_, f64>,
         colors: Option<PyReadonlyArrayDyn<'_, f32>>,
+        opacities: Option<PyReadonlyArrayDyn<'_, f32>>,
         background: [f32; 3],
     ) -> PyResult<Self> {
         let colors = colors.map(|colors| list::<f32, [f32; 3], 3>(&colors)).transpose()?;
+        let opacities = opacities.map(|opacities| list::<f32, f32, 1>(&opacities)).transpose()?;
         let spheres = Spheres {
             centers: list::<f64, [f64; 3], 3>(&centers)?,
             radii: list::<f64, f64, 1>(&radii)?,
             colors,
             materials: None,
+            opacities,
         };
         py.detach(|| check(&spheres)).or_raise()?;
         check_color(background, || "background".into()).or_raise()?;
@@ -272,6 +275,16 @@ impl Scene {
         }
     }
 
+    #[getter]
+    fn opacities<'py>(this: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArrayDyn<f32>>>> {
+        let Some(values) = &this.get().frame.scene.spheres.opacities else { return Ok(None) };
+        #[expect(unsafe_code, reason = "an array of the memory of this scene")]
+        // SAFETY: as for the centres.
+        unsafe {
+            shown(values, &[values.len()], this.clone().into_any()).map(Some)
+        }
+    }
+
     /// Whether a selection selects each sphere, and what is to be said about it.
     fn select<'py>(&self, py: Python<'py>, expression: &str) -> PyResult<(Bound<'py, PyArrayDyn<u8>>, Vec<String>)> {
         let selection = expression.parse::<Selection>().or_raise()?;
@@ -331,9 +344,13 @@ fn check(spheres: &Spheres) -> halfline::Result<()> {
     if let Some(row) = spheres.radii.iter().position(|radius| !(*radius > 0.0 && radius.is_finite())) {
         return wrong("radii", row, spheres.radii[row].to_string(), "remove the sphere or give it a radius");
     }
-    let Some(colors) = &spheres.colors else { return Ok(()) };
-    match colors.iter().position(|color| color.iter().any(|c| !(c.is_finite() && *c >= 0.0))) {
-        Some(row) => wrong("colors", row, three(colors[row].map(f64::from)), "give linear RGB, 0 or more"),
+    let colors = spheres.colors.as_deref().unwrap_or_default();
+    if let Some(row) = colors.iter().position(|color| color.iter().any(|c| !(c.is_finite() && *c >= 0.0))) {
+        return wrong("colors", row, three(colors[row].map(f64::from)), "give linear RGB, 0 or more");
+    }
+    let opacities = spheres.opacities.as_deref().unwrap_or_default();
+    match opacities.iter().position(|opacity| !is_opacity(*opacity)) {
+        Some(row) => wrong("opacities", row, opacities[row].to_string(), "remove the sphere or give it an opacity"),
         None => Ok(()),
     }
 }
@@ -342,6 +359,7 @@ fn rule(name: &str) -> &'static str {
     match name {
         "centers" => "coordinates are finite",
         "radii" => "radii are positive and finite",
+        "opacities" => "opacities are above 0 and at most 1",
         _ => "components are finite and not negative",
     }
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 pub(crate) struct Means {
     /// Linear RGB, three numbers per pixel; empty if colour is not requested.
     pub(crate) color: Vec<f32>,
-    /// Share of the samples that hit a sphere.
+    /// Share of the samples that hit a sphere, of translucent ones by their opacity.
     pub(crate) alpha: Vec<f32>,
 }
 
@@ -33,7 +33,8 @@ impl Means {
 /// Sums over samples. f64 holds the sum of equal colours exactly, so flat areas keep their colour to the last bit.
 pub(crate) struct Sums {
     color: Vec<f64>,
-    hits: Vec<u32>,
+    /// Of what is covered; f32 holds the sum of so many ones exactly.
+    cover: Vec<f32>,
 }
 
 impl Sums {
@@ -42,16 +43,20 @@ impl Sums {
     /// # Errors
     /// [`crate::Error::Limits`] when the memory cannot be allocated.
     pub(crate) fn new(pixels: usize, color: bool, pool: &Pool) -> Result<Self> {
-        let mut sums = Self { color: pool.values(if color { 3 * pixels } else { 0 })?, hits: pool.values(pixels)? };
+        let mut sums = Self { color: pool.values(if color { 3 * pixels } else { 0 })?, cover: pool.values(pixels)? };
         sums.color.fill(0.0);
-        sums.hits.fill(0);
+        sums.cover.fill(0.0);
         Ok(sums)
     }
 
-    /// Adds one sample of every pixel.
-    pub(crate) fn add(&mut self, raw: &Raw) {
+    /// Adds one sample of every pixel; `passing` is the share of what it shows that layers before it let pass, empty without layers.
+    pub(crate) fn add(&mut self, raw: &Raw, passing: &[f32]) {
         self.color.par_iter_mut().zip(&raw.color).for_each(|(sum, x)| *sum += f64::from(*x));
-        self.hits.par_iter_mut().zip(&raw.id).for_each(|(hits, id)| *hits += u32::from(*id != NONE));
+        let hits = self.cover.par_iter_mut().zip(&raw.id);
+        match passing {
+            [] => hits.for_each(|(cover, id)| *cover += f32::from(*id != NONE)),
+            _ => hits.zip(passing).for_each(|((cover, id), passing)| *cover += if *id == NONE { 1.0 - passing } else { 1.0 }),
+        }
     }
 
     /// The means of `count` samples.
@@ -59,10 +64,10 @@ impl Sums {
         let count = f64::from(count);
         let means = Means {
             color: self.color.par_iter().map(|sum| (sum / count) as f32).collect(),
-            alpha: self.hits.par_iter().map(|hits| (f64::from(*hits) / count) as f32).collect(),
+            alpha: self.cover.par_iter().map(|cover| (f64::from(*cover) / count) as f32).collect(),
         };
         pool.put_back(self.color);
-        pool.put_back(self.hits);
+        pool.put_back(self.cover);
         means
     }
 }

@@ -6,7 +6,7 @@ use super::entry::Bin;
 use super::general::GeneralRecord;
 use super::general_lists::{GeneralLists, GeneralTree};
 use super::grouped::{Grouped, GroupedBins};
-use super::projection::ProjectionBounds;
+use super::projection::{ProjectionBounds, host_cull_margin};
 use super::projection::cover::Coverage;
 use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
@@ -55,13 +55,15 @@ pub(crate) struct Binning<'a> {
     pub(crate) terms: &'a Terms,
     /// Tiles share candidate lists from this level on ([`Lists::new`]).
     pub(crate) level: u32,
+    /// Whether spheres that others certainly hide from all rays of a tile are left out.
+    pub(crate) culls: bool,
     pub(crate) pool: &'a Pool,
 }
 
 impl<'a> Binning<'a> {
     /// All spheres of a scene, in lists of single tiles.
     pub(crate) fn of(scene: &'a Scene, view: &'a View, tolerance: f64, pool: &'a Pool) -> Self {
-        Self { scene, groups: None, view, tolerance, terms: &TERMS, level: 0, pool }
+        Self { scene, groups: None, view, tolerance, terms: &TERMS, level: 0, culls: true, pool }
     }
 }
 
@@ -131,12 +133,13 @@ impl Binning<'_> {
         order: SphereOrder<'_>,
         reference: f32,
     ) -> BinnedScene {
-        let Self { scene, view, tolerance, level, pool, .. } = *self;
+        let Self { scene, view, tolerance, level, culls, pool, .. } = *self;
         let SphereBins { bins, generals, projected_count, entries, .. } = bins;
         let size = [scene.image.width, scene.image.height];
         let record = projection.record(reference, tolerance, generals.len());
         let reference = reference.into();
-        let coverage = Coverage::new(projection, size, reference, tolerance, projection.per_pixel);
+        let margin = if culls { host_cull_margin(tolerance) } else { f64::INFINITY };
+        let coverage = Coverage::new(projection, size, reference, margin, projection.per_pixel);
         let mut maker = RecordMaker { projection, order, coverage, reference, ready: Vec::new() };
         if entries >= PROJECTION_MIN_LISTS * bins.len() as u64 {
             maker.project_all(pool);
@@ -144,7 +147,7 @@ impl Binning<'_> {
         let lists = Lists::new(&bins, entries, view.record.tiles(), level, &maker, pool);
         pool.put_back(maker.ready);
         pool.put_back(bins);
-        let near = GeneralTree::new(projection, &generals, size, tolerance);
+        let near = GeneralTree::new(projection, &generals, size, margin);
         let general_lists = near.lists(view.record.tiles(), level);
         BinnedScene { projection: record, lists, generals, general_lists, projected_count }
     }

@@ -5,7 +5,7 @@
 mod cell;
 
 use super::general::{General, GeneralRecord};
-use super::projection::{ProjectionBounds, host_cull_margin};
+use super::projection::ProjectionBounds;
 use super::tiles::Grid;
 use crate::tile::TILE;
 use cell::TileBlock;
@@ -45,15 +45,14 @@ pub(in crate::certify) struct GeneralTree<'a> {
 }
 
 impl<'a> GeneralTree<'a> {
-    /// The tree for an image of `size` pixels and distances that are promised to `tolerance`.
+    /// The tree for an image of `size` pixels with this cull margin, infinite where nothing hides a sphere.
     pub(in crate::certify) fn new(
         projection: &'a ProjectionBounds,
         generals: &[GeneralRecord],
         size: [u32; 2],
-        tolerance: f64,
+        margin: f64,
     ) -> Self {
         let spheres = generals.iter().map(General::new).collect();
-        let margin = host_cull_margin(tolerance);
         Self { projection, tiles: size.map(|n| n.div_ceil(TILE)), spheres, margin }
     }
 

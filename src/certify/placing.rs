@@ -6,7 +6,7 @@ pub(crate) use super::placing_record::PlacingRecord;
 use super::binned::BinnedScene;
 use super::general_lists::GeneralTree;
 use super::projection::stage::Staged;
-use super::projection::{ProjectionBounds, WIDEST};
+use super::projection::{ProjectionBounds, WIDEST, host_cull_margin};
 use super::reference::{joined, reference};
 use super::tiles::{Lists, Placed};
 use super::{TERMS, answer::ProjectionRecord};
@@ -107,7 +107,8 @@ impl Placer {
             }
         }
         let tiles = view.record.tiles();
-        let general_lists = GeneralTree::new(&self.projection, &generals, self.image, self.tolerance).lists(tiles, 0);
+        let margin = host_cull_margin(self.tolerance);
+        let general_lists = GeneralTree::new(&self.projection, &generals, self.image, margin).lists(tiles, 0);
         let projection = self.projection.record(reference, self.tolerance, generals.len());
         let lists = Lists::of_tiles(tiles, &[]);
         ByHost {

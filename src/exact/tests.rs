@@ -266,6 +266,7 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
             radii: vec![1.0].into(),
             colors: None,
             materials: None,
+            opacities: None,
         };
         let outside = judge_ray([0.0; 3], [1.0, 0.0, 0.0], &spheres).expect("looking in");
         // t = c/(b + sqrt(D)) for c = 2^2k, b = 1 and D = 1 - 2^2k.
@@ -276,7 +277,7 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
     for k in 30..60 {
         let x = 2f64.powi(-k);
         let spheres =
-            Spheres { centers: vec![[3.0, 4.0, 0.0]].into(), radii: vec![5.0].into(), colors: None, materials: None };
+            Spheres { centers: vec![[3.0, 4.0, 0.0]].into(), radii: vec![5.0].into(), colors: None, materials: None, opacities: None };
         let outside = judge_ray([-4.0 * x, 3.0 * x, 0.0], [3.0, 4.0, 0.0], &spheres).expect("looking in");
         assert_eq!((outside.root, outside.t), (Root::Near, x * x / 2.0), "2^-{k}");
     }
@@ -285,6 +286,7 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
         radii: vec![1.0].into(),
         colors: None,
         materials: None,
+        opacities: None,
     };
     let truth = judge_ray([0.0; 3], [-1.0, 0.0, 0.0], &inside).expect("inside");
     assert_eq!((truth.root, truth.distance), (Root::Far, 2f64.powi(-53)));
@@ -376,6 +378,7 @@ fn a_given_ray_agrees_with_the_pixel_that_it_passes() {
         radii: vec![f64::NAN, -1.0, 1.0].into(),
         colors: None,
         materials: None,
+        opacities: None,
     };
     assert_eq!(judge_ray([0.0; 3], [0.0, 0.0, 1.0], &bad).map(|truth| (truth.id, truth.t)), Some((2, 2.0)));
 }
@@ -415,6 +418,7 @@ fn the_ends_of_the_range_are_judged_too() {
                 radii: vec![x / 2.0].into(),
                 colors: None,
                 materials: None,
+                opacities: None,
             },
         )
     };
@@ -430,6 +434,7 @@ fn the_ends_of_the_range_are_judged_too() {
             radii: vec![r].into(),
             colors: None,
             materials: None,
+            opacities: None,
         };
         let truth = judge_ray([0.0; 3], [1e-300, 0.0, 0.0], &spheres);
         assert_eq!(truth.map(|truth| truth.tangent), hit.then_some(true));

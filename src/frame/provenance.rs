@@ -76,6 +76,12 @@ impl Provenance {
                 words.set("halfline:outline", format!("{width} pixels, {color:?}"));
             }
         }
+        if let (Some(layers), true) = (report.layers, aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha))) {
+            words.set("halfline:layers", layers);
+            if report.opacity_shadows {
+                words.set("halfline:opacity-shadows", "true");
+            }
+        }
         if aovs.contains(&Aov::Shadow) {
             words.set(LIGHTS, report.lights);
         }

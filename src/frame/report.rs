@@ -52,6 +52,10 @@ pub struct Report {
     pub outline: Option<Outline>,
     /// Whether colours fade with depth.
     pub depth_cue: bool,
+    /// The layers of translucent spheres in the picture; `None` where it shows none.
+    pub layers: Option<u32>,
+    /// Whether translucent spheres block its lights and its sky.
+    pub opacity_shadows: bool,
     /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` if colour is not requested.
     pub tone: Option<Tone>,
     /// The exposure of these pictures, stops.

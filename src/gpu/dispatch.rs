@@ -42,6 +42,8 @@ pub(crate) struct Gpu {
     pub(super) budget: SubmissionBudget,
     pub(super) verdict: Option<Verdict>,
     pub(super) resident: Option<ResidentScene>,
+    /// The scene with which the resident one takes turns.
+    pub(super) other: Option<ResidentScene>,
     /// The frame whose hits the device keeps, as starts of rays, or the reason why it keeps none; `None` where the last
     /// hits are invalid.
     pub(super) starts: Option<Result<Starts, &'static str>>,
@@ -86,6 +88,7 @@ impl Gpu {
             budget: SubmissionBudget::default(),
             verdict: None,
             resident: None,
+            other: None,
             starts: None,
             block: BLOCK,
             #[cfg(test)]

@@ -61,9 +61,18 @@ impl Gpu {
         if !can_hold(spheres) {
             return Ok(None);
         }
-        if self.resident.as_ref().is_none_or(|resident| !resident.is_of(spheres, frame)) {
-            self.resident = None;
+        let is_held = |one: &ResidentScene| one.is_of(spheres, frame);
+        if !self.resident.as_ref().is_some_and(is_held) {
             self.forget_tree();
+            // A picture that shows something through translucent spheres has two scenes, which take turns within a frame.
+            let last = self.resident.take().filter(|last| last.used == frame);
+            self.resident = std::mem::replace(&mut self.other, last).filter(is_held);
+            if let Some(resident) = &mut self.resident {
+                // Buffers that both share hold what belongs to the last one.
+                (resident.placed, resident.has_colors, resident.has_lists) = (None, false, false);
+            }
+        }
+        if self.resident.is_none() {
             self.guarded(|gpu| {
                 gpu.check_size("spheres", ResidentScene::largest(spheres.len().min(gpu.block)))?;
                 let (resident, bytes) = ResidentScene::new(&gpu.open, spheres, frame, gpu.block);
@@ -72,7 +81,10 @@ impl Gpu {
                 Ok(())
             })?;
         }
-        Ok(self.resident.as_ref().map(|resident| resident.reach))
+        Ok(self.resident.as_mut().map(|resident| {
+            resident.used = frame;
+            resident.reach
+        }))
     }
 
     /// The reach that [`Gpu::hold`] would return, without sending a sphere.

@@ -123,6 +123,7 @@ impl Renderer {
             rays_per_pixel: rays_per_pixel(plan, scene, settings, samples.map_or(1, |raster| raster.count())),
             silhouette: settings.silhouette && shading(plan).is_some(),
             depth_cue: settings.depth_cue && shading(plan).is_some(),
+            layers: plan.see_through.then(|| settings.layers.max(1)),
             tone: shading(plan).map(|_| settings.toning(scene).tone),
             exposure: settings.exposure,
             backend: if gpu.is_some() { "gpu" } else { "cpu" },

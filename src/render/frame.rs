@@ -166,8 +166,12 @@ impl Renderer {
         };
         let sampled = match (samples, plan.sampled) {
             (Some(raster), Some(kernel)) => {
-                let lights = lights.as_ref().filter(|_| plan.light_outputs.color);
-                let sampling = Sampling { plan, kernel, scene, settings, lights };
+                let opaque = self.opaque(plan, scene)?;
+                // Of a picture, not of the buffers, translucent spheres block neither lights nor sky.
+                let through = opaque.as_deref().filter(|_| plan.light_outputs.color);
+                let through = through.map(|opaque| timings.time("tree", || self.light_through(plan, scene, settings, opaque)));
+                let lights = through.as_ref().or(lights.as_ref()).filter(|_| plan.light_outputs.color);
+                let sampling = Sampling { plan, kernel, scene, settings, lights, opaque: opaque.as_deref() };
                 Some(self.sample(sampling, raster, &raw.id, &mut timings)?)
             }
             _ => None,
@@ -212,6 +216,7 @@ impl Renderer {
     /// The report of a frame before it is computed: the decisions of the plan; counts and times are 0 or empty.
     fn report(&self, plan: &Plan, scene: &Scene, settings: &Settings, samples: Option<Raster>) -> Report {
         let on_device = self.is_gpu() && self.refused.is_none();
+        let idle = settings.idle_layers().filter(|_| !plan.see_through);
         Report {
             schema: "halfline-render",
             version: 1,
@@ -233,10 +238,12 @@ impl Renderer {
             silhouette: settings.silhouette,
             outline: settings.silhouette.then_some(settings.outline),
             depth_cue: settings.depth_cue,
+            layers: plan.see_through.then(|| settings.layers.max(1)),
+            opacity_shadows: plan.see_through && settings.opacity_shadows,
             tone: settings.asks(&[Aov::Color]).then(|| settings.toning(scene).tone),
             exposure: settings.exposure,
             setup_ms: self.setup_ms,
-            warnings: self.device.passed_over.clone(),
+            warnings: self.device.passed_over.iter().cloned().chain(idle).collect(),
             ..Report::default()
         }
     }
@@ -258,7 +265,8 @@ impl Renderer {
         };
         let pool = Arc::clone(&self.pool);
         let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
-        let ordered = || self.order.groups(&scene.spheres, self.frames, pixels);
+        let last = if self.opaque.is_of(&scene.spheres) { &mut self.opaque.order } else { &mut self.order };
+        let ordered = || last.groups(&scene.spheres, self.frames, pixels);
         let order = (plan.accuracy == Accuracy::Certified).then(ordered).flatten();
         let groups = order.as_ref().map(Ordered::groups);
         FrameSetup::new(plan, (scene, groups), settings, raster, &pool, timings)
@@ -377,6 +385,9 @@ impl Renderer {
         timings: &mut Timings,
     ) -> Result<Rendered> {
         let Some(gpu) = &mut self.device.gpu else { return Ok(Rendered::Left("there is no device".into())) };
+        if gpu.hold(scene, self.frames)?.is_none() {
+            return Ok(Rendered::Left(NOTHING.into()));
+        }
         let pool = Arc::clone(&self.pool);
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
         let frame = ResidentFrame { scene, view: &setup.view, placer, pool: &pool };

@@ -27,6 +27,9 @@ pub(super) struct FrameContext<'a> {
     pub(super) view: &'a View,
 }
 
+/// The start of the message for rays that a device did not trace.
+const LEFT: &str = "the host traced the rays to lights and sky of this frame";
+
 /// The light that is requested of a frame.
 pub(super) struct LightRequest<'a> {
     pub(super) outputs: LightOutputs,
@@ -54,9 +57,11 @@ impl<'a> LightRequest<'a> {
 
 /// Data for the lights of one scene, shared by the pixels' centres and all samples.
 pub(super) struct LightSetup {
-    /// The tree over the spheres; `None` without spheres.
-    tree: Option<Arc<Tree>>,
-    accuracy: Accuracy,
+    /// The tree over the spheres that rays from mirrors and through glass meet; `None` without spheres.
+    pub(super) tree: Option<Arc<Tree>>,
+    /// The tree over the spheres that block rays to lights and sky, where they are not all.
+    pub(super) blockers: Option<Arc<Tree>>,
+    pub(super) accuracy: Accuracy,
 }
 
 impl LightSetup {
@@ -80,7 +85,7 @@ fn limits(tree: &Tree, reach: f64) -> [f32; 2] {
 
 impl Renderer {
     pub(super) fn light_setup(&mut self, scene: &Scene, accuracy: Accuracy) -> LightSetup {
-        LightSetup { tree: self.order.tree(&scene.spheres, self.frames), accuracy }
+        LightSetup { tree: self.order.tree(&scene.spheres, self.frames), blockers: None, accuracy }
     }
 
     /// Traces rays from the hits that are still on the device: toward the sky in these directions, and one to each
@@ -130,8 +135,7 @@ impl Renderer {
                 Ok(Some((count, words)))
             }
             SkyTraced::Refused(reason) => {
-                let left = format!("the host traced the rays to lights and sky of this frame: {reason}");
-                self.left_to_host.get_or_insert(left);
+                self.left_to_host.get_or_insert_with(|| format!("{LEFT}: {reason}"));
                 Ok(None)
             }
         }
@@ -177,6 +181,10 @@ impl Renderer {
         };
         let judge = setup.judge(scene, view)?;
         let found = match setup.accuracy {
+            Accuracy::Certified if setup.blockers.is_some() && self.is_gpu() => {
+                self.left_to_host.get_or_insert_with(|| format!("{LEFT}: not all spheres block them"));
+                None
+            }
             Accuracy::Certified => self.trace_from_hits(tree, frame, request, &directions)?,
             _ => None,
         };
@@ -188,6 +196,7 @@ impl Renderer {
             scene,
             view,
             tree,
+            blockers: setup.blockers.as_deref().unwrap_or(tree),
             outputs,
             judge: judge.as_ref(),
             exact: setup.accuracy == Accuracy::Exact,

@@ -34,6 +34,8 @@ pub struct Plan {
     pub engine: Engine,
     /// The outputs of lights and sky that are computed.
     pub(crate) light_outputs: LightOutputs,
+    /// The picture shows something through translucent spheres.
+    pub(crate) see_through: bool,
     /// The effects that are drawn over the colours; `None` without any.
     pub(crate) finish: Option<Finish>,
     pub(crate) kernel: Kernel,
@@ -66,6 +68,7 @@ impl Plan {
         let line = silhouette.then(|| Line::new(settings.outline));
         plan.finish = (silhouette || depth_cue).then_some(Finish { line, between, depth_cue });
         plan.light_outputs = lights::outputs(scene, settings);
+        plan.see_through = settings.asks(&[Aov::Color, Aov::Alpha]) && scene.spheres.is_translucent();
         let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.light_outputs.color);
         plan.kernel.shade = shade;
         plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);
@@ -98,9 +101,11 @@ impl Plan {
         let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
         // The open share of the sky is known before the colours.
         let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color);
-        if finished || sky.is_some() || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
+        let several = settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]);
+        if finished || sky.is_some() || several || plan.see_through {
             let at_centers = sky.is_some_and(|sky| sky.at_centers) && settings.aperture.is_none();
-            let alone = at_centers && !scene.lighting.shadows;
+            // Through translucent spheres the host traces the rays from hits.
+            let alone = at_centers && !scene.lighting.shadows || plan.see_through;
             let kernel = Kernel { samples: true, t: false, normal: false, ..plan.kernel };
             let of_sample = |of: Certificate| Certificate { depth_interval: false, starts: of.starts && !alone, ..of };
             plan.sampled = Some(kernel.certified_by(of_sample));
@@ -128,6 +133,7 @@ impl Plan {
             predicted: None,
             engine: Engine::Method,
             light_outputs: LightOutputs::default(),
+            see_through: false,
             finish: None,
             kernel: Kernel::of_method(method),
             sampled: None,

@@ -4,6 +4,7 @@ use super::light_state::LightOnDevice;
 use super::order::LastOrder;
 use super::place::ChosenDevice;
 use super::plan::Plan;
+use super::see_through::LastOpaque;
 use crate::cpu;
 use crate::error::Result;
 use crate::frame::report::milliseconds;
@@ -33,6 +34,8 @@ pub struct Renderer {
     pub(super) left_to_host: Option<String>,
     /// The spheres in tree order, cached between frames, for rays from hits and for groups of hidden spheres.
     pub(super) order: LastOrder,
+    /// The opaque spheres, cached between frames, of a picture that shows something through others.
+    pub(super) opaque: LastOpaque,
     /// The device's share of the light of the current frame.
     pub(super) light_on_device: LightOnDevice,
 }
@@ -72,6 +75,7 @@ impl Renderer {
             refused: None,
             left_to_host: None,
             order: LastOrder::default(),
+            opaque: LastOpaque::default(),
             light_on_device: LightOnDevice::default(),
         }
     }

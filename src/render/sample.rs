@@ -6,9 +6,11 @@ use super::light::{FrameContext, LightRequest, LightSetup};
 use super::plan::Plan;
 use super::plan::lights::center_rays;
 use super::renderer::Renderer;
+use super::see_through::{Opaque, WholeFrame, lay_over};
 use super::setup::FrameSetup;
 use crate::answers::depth_cue::DepthCue;
 use crate::answers::finish::Finish;
+use crate::answers::layers;
 use crate::answers::open_sky::{OpenSky, Smoothing};
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
@@ -18,12 +20,13 @@ use crate::error::Result;
 use crate::frame::Aov;
 use crate::frame::report::Timings;
 use crate::kernel::Kernel;
+use crate::memory::Pool;
 use crate::scene::{Scene, Sky};
 use crate::settings::Settings;
 use crate::view::raster::Raster;
+use crate::view::ray::NONE;
 use crate::view::{Records, View};
 use crate::window::Window;
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The inputs that all samples of a frame share.
@@ -36,6 +39,8 @@ pub(super) struct Sampling<'a> {
     pub(super) settings: &'a Settings,
     /// `None` where the kernel shades.
     pub(super) lights: Option<&'a LightSetup>,
+    /// The opaque spheres, where some are translucent. The samples are then those of the opaque ones, with layers over them.
+    pub(super) opaque: Option<&'a Opaque>,
 }
 
 impl Sampling<'_> {
@@ -98,92 +103,160 @@ impl Renderer {
         let margin = finish.map_or(0, Finish::margin).max(sky.map_or(0, |sky| sky.margin()));
         raster.window = window.grown(margin, scene.image.width, scene.image.height);
         let at_centers = match sky.filter(|sky| sky.at_centers) {
-            Some(sky) => {
-                let Centers { view, ids } = self.centers(sampling, window, sky.smoothing, centers, timings)?;
-                Some(self.open_sky(sampling, &view, &ids, sky, timings)?)
-            }
-            None => None,
+            Some(sky) => self.sky_at_centers(sampling, window, sky, centers, timings)?,
+            None => Vec::new(),
         };
         let basis = scene.camera.basis()?;
         let cue = finish.and_then(|finish| finish.cue(scene, &basis));
         let pixels = raster.window.width() as usize * raster.window.height() as usize;
         let mut raw = Raw::new(&kernel, pixels, &pool)?;
+        let mut passing = pool.values(if sampling.opaque.is_some() { pixels } else { 0 })?;
         let mut sums = Sums::new(pixels, kernel.shade.is_some() || lights.is_some(), &pool)?;
-        let mut last: Option<FrameSetup> = None;
+        let mut last: Option<Setups> = None;
         for sample in 0..raster.count() {
             let (scene, raster) = match &mut lens {
                 Some(lens) => {
                     // Each pass has another eye.
-                    if let Some(setup) = last.take() {
-                        setup.put_back(&pool);
+                    if let Some(setups) = last.take() {
+                        setups.put_back(&pool);
                     }
                     lens.pass(sample, raster.window)?
                 }
                 None => (scene, raster),
             };
-            // The spheres are binned once for all passes of one eye, as only the positions within the pixels differ.
-            let setup = match &mut last {
-                Some(setup) => setup,
-                none => none.insert(self.setup(sampling.plan(), scene, settings, raster, timings)?),
-            };
-            setup.view.record.sample = sample;
             let sampling = Sampling { scene, ..sampling };
-            self.pass(sampling, setup, at_centers.as_ref(), cue, &mut raw, timings)?;
-            timings.time("samples", || sums.add(&raw));
+            // The spheres are binned once for all passes of one eye, as only the positions within the pixels differ.
+            let setups = match &mut last {
+                Some(setups) => setups,
+                none => none.insert(self.setups(&sampling, sampling.plan(), raster, timings)?),
+            };
+            setups.set_sample(sample);
+            self.pass(sampling, setups, (&at_centers, cue), (&mut raw, &mut passing), timings)?;
+            timings.time("samples", || sums.add(&raw, &passing));
         }
         let mut means = sums.means(raster.count(), &pool);
         if raster.window != window {
             means = means.part(window.inside(raster.window), raster.window.width());
         }
         raw.put_back(&pool);
-        if let Some(open) = at_centers {
-            open.put_back(&pool);
-        }
-        if let Some(setup) = last {
-            setup.put_back(&pool);
+        pool.put_back(passing);
+        at_centers.into_iter().for_each(|open| open.put_back(&pool));
+        if let Some(setups) = last {
+            setups.put_back(&pool);
         }
         Ok(means)
     }
 
-    /// One sample of every pixel, with its colour. The scene is that of the pass's eye.
+    /// The setups for the rays of a raster.
+    fn setups(
+        &mut self,
+        sampling: &Sampling<'_>,
+        plan: Plan,
+        raster: Raster,
+        timings: &mut Timings,
+    ) -> Result<Setups> {
+        let Sampling { scene, settings, opaque, .. } = *sampling;
+        let Some(opaque) = opaque else {
+            let first = self.setup(plan, scene, settings, raster, timings)?;
+            return Ok(Setups { first, opaque: None, whole: None });
+        };
+        let alone = opaque.scene(scene);
+        let first = self.setup(plan, &alone, settings, raster, timings)?;
+        let whole = self.whole_frame(sampling, raster, timings)?;
+        Ok(Setups { first, opaque: Some(alone), whole: Some(whole) })
+    }
+
+    /// One sample of every pixel, with its colour, and the share of it that layers let pass. The scene is that of the pass's eye.
     fn pass(
         &mut self,
         sampling: Sampling<'_>,
-        setup: &mut FrameSetup,
-        at_centers: Option<&OpenSky>,
-        cue: Option<DepthCue>,
-        raw: &mut Raw,
+        setups: &mut Setups,
+        (at_centers, cue): (&[OpenSky], Option<DepthCue>),
+        (raw, passing): (&mut Raw, &mut [f32]),
         timings: &mut Timings,
     ) -> Result<()> {
-        let Sampling { kernel, scene, settings, lights, .. } = sampling;
-        let pool = Arc::clone(&self.pool);
-        let settled = self.answer(setup, scene, settings, raw, timings)?;
+        let Sampling { kernel, scene, settings, lights, opaque, .. } = sampling;
+        let Setups { first, opaque: alone, whole } = setups;
+        let of = alone.as_ref().unwrap_or(scene);
+        let settled = self.answer(first, of, settings, raw, timings)?;
         raw.settle(&settled);
-        let view = &setup.view;
+        let view = &first.view;
         if let Some(shade) = kernel.shade {
-            timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
+            timings.time("shade", || settle::shade(shade, of, view, &settled, &mut raw.color));
         }
+        if let Some(opaque) = opaque {
+            opaque.rename(&mut raw.id);
+        }
+        let mut below = at_centers.iter();
         if let Some(lights) = lights {
-            let sky = sampling.sky(view.record.strata * view.record.strata);
-            let own = match sky.filter(|sky| !sky.at_centers && !sky.smoothing.is_none()) {
-                Some(sky) => Some(self.open_sky(sampling, view, &raw.id, sky, timings)?),
-                None => None,
-            };
-            let outputs = LightOutputs { color: true, ..LightOutputs::default() };
-            let of = LightRequest::of(outputs, scene.lighting.sky, &raw.id);
-            let request = LightRequest { open_sky: at_centers.or(own.as_ref()), ..of };
-            let frame = FrameContext { scene, settings, view };
-            let light = timings.time("light", || self.light(lights, frame, &request, &pool))?;
-            pool.put_back(std::mem::replace(&mut raw.color, light.color));
-            if let Some(own) = own {
-                own.put_back(&pool);
+            let color = self.lit(sampling, lights, view, &raw.id, below.next(), timings)?;
+            self.pool.put_back(std::mem::replace(&mut raw.color, color));
+        }
+        self.finish(sampling, view, &raw.id, cue, &mut raw.color, timings);
+        if let Some(whole) = whole {
+            passing.fill(1.0);
+            let mut layers = self.layers(&sampling, whole, &raw.id, timings)?;
+            let view = &whole.setup.view;
+            // Back to front.
+            while let Some(mut layer) = layers.pop() {
+                let open = at_centers.get(1 + layers.len());
+                let mut over = match (lights, kernel.shade) {
+                    (Some(lights), _) => self.lit(sampling, lights, view, &layer, open, timings)?,
+                    (None, Some(shade)) => timings.time("shade", || layers::shade(shade, scene, view, &layer))?,
+                    (None, None) => Vec::new(),
+                };
+                let hits = layer.clone();
+                // Where the layer shows nothing, what is behind it is no farther surface to draw a line before.
+                layer.iter_mut().zip(&raw.id).filter(|(id, _)| **id == NONE).for_each(|(id, behind)| *id = *behind);
+                self.finish(sampling, view, &layer, cue, &mut over, timings);
+                lay_over(&scene.spheres, &hits, &over, &mut raw.color, passing);
             }
         }
-        if let Some(finish) = sampling.finish() {
-            let of = (view, lights.is_some());
-            timings.time("finish", || finish.draw(cue, scene, of, &raw.id, &mut raw.color));
-        }
         Ok(())
+    }
+
+    /// The colours of what a view shows under lights and a sky.
+    fn lit(
+        &mut self,
+        sampling: Sampling<'_>,
+        lights: &LightSetup,
+        view: &View,
+        ids: &[u32],
+        at_centers: Option<&OpenSky>,
+        timings: &mut Timings,
+    ) -> Result<Vec<f32>> {
+        let Sampling { scene, settings, .. } = sampling;
+        let pool = Arc::clone(&self.pool);
+        let sky = sampling.sky(view.record.strata * view.record.strata);
+        let own = match sky.filter(|sky| !sky.at_centers && !sky.smoothing.is_none()) {
+            Some(sky) => Some(self.open_sky(sampling, view, ids, sky, timings)?),
+            None => None,
+        };
+        let outputs = LightOutputs { color: true, ..LightOutputs::default() };
+        let of = LightRequest::of(outputs, scene.lighting.sky, ids);
+        let request = LightRequest { open_sky: at_centers.or(own.as_ref()), ..of };
+        let frame = FrameContext { scene, settings, view };
+        let light = timings.time("light", || self.light(lights, frame, &request, &pool))?;
+        if let Some(own) = own {
+            own.put_back(&pool);
+        }
+        Ok(light.color)
+    }
+
+    /// Draws the depth cue and the lines over the colours of what a view shows.
+    fn finish(
+        &self,
+        sampling: Sampling<'_>,
+        view: &View,
+        ids: &[u32],
+        cue: Option<DepthCue>,
+        color: &mut [f32],
+        timings: &mut Timings,
+    ) {
+        if let Some(finish) = sampling.finish() {
+            let of = (view, sampling.lights.is_some());
+            timings.time("finish", || finish.draw(cue, sampling.scene, of, ids, color));
+        }
     }
 
     /// The rays toward the sky from the hits of a view, which shows the spheres `ids`, with those of neighbours.
@@ -206,38 +279,69 @@ impl Renderer {
         timings.time("smooth", || OpenSky::new(view.record.window(), own, hits, smoothing, &pool))
     }
 
-    /// The spheres that the centres of a window's pixels show, and those around it as far as smoothing, the neighbours of a sample, and
-    /// the frame reach.
-    fn centers<'a>(
+    /// The rays toward the sky from the centres of a window's pixels, and from those around it as far as smoothing, the neighbours
+    /// of a sample, and the frame reach: from the opaque hits, then from those of each layer. `centers` are the spheres that the
+    /// centres show.
+    fn sky_at_centers(
         &mut self,
         sampling: Sampling<'_>,
         window: Window,
-        smoothing: Smoothing,
-        centers: &'a [u32],
+        sky: PictureSky<'_>,
+        centers: &[u32],
         timings: &mut Timings,
-    ) -> Result<Centers<'a>> {
-        let Sampling { plan, scene, settings, .. } = sampling;
+    ) -> Result<Vec<OpenSky>> {
+        let Sampling { plan, scene, settings, opaque, .. } = sampling;
         let pool = Arc::clone(&self.pool);
-        let wide = window.grown(smoothing.margin() + 1, scene.image.width, scene.image.height);
+        let wide = window.grown(sky.smoothing.margin() + 1, scene.image.width, scene.image.height);
         let raster = Raster::centres(wide);
-        if wide == window {
+        if wide == window && opaque.is_none() {
             let view = View::for_rays(scene, raster, Records::None)?;
-            return Ok(Centers { view, ids: centers.into() });
+            return Ok(vec![self.open_sky(sampling, &view, centers, sky, timings)?]);
         }
-        let kernel = plan.kernel.ids_only();
-        let mut setup = self.setup(Plan { kernel, ..plan.clone() }, scene, settings, raster, timings)?;
-        let mut raw = Raw::new(&setup.plan.kernel, setup.view.record.pixels(), &pool)?;
-        let settled = self.answer(&mut setup, scene, settings, &mut raw, timings)?;
+        let plan = Plan { kernel: plan.kernel.ids_only(), ..plan.clone() };
+        let Setups { mut first, opaque: alone, whole } = self.setups(&sampling, plan, raster, timings)?;
+        let mut raw = Raw::new(&first.plan.kernel, first.view.record.pixels(), &pool)?;
+        let settled = self.answer(&mut first, alone.as_ref().unwrap_or(scene), settings, &mut raw, timings)?;
         raw.settle(&settled);
-        let ids = std::mem::take(&mut raw.id).into();
+        if let Some(opaque) = opaque {
+            opaque.rename(&mut raw.id);
+        }
+        let mut all = vec![self.open_sky(sampling, &first.view, &raw.id, sky, timings)?];
+        if let Some(mut whole) = whole {
+            for layer in self.layers(&sampling, &mut whole, &raw.id, timings)? {
+                all.push(self.open_sky(sampling, &whole.setup.view, &layer, sky, timings)?);
+            }
+            whole.put_back(&pool);
+        }
         raw.put_back(&pool);
-        let view = setup.put_back(&pool);
-        Ok(Centers { view, ids })
+        first.put_back(&pool);
+        Ok(all)
     }
 }
 
-/// The spheres that pixels' centres show.
-struct Centers<'a> {
-    view: View,
-    ids: Cow<'a, [u32]>,
+/// The setups for the rays of a raster, of all passes of one eye.
+struct Setups {
+    /// The frame of the opaque spheres, which may be all.
+    first: FrameSetup,
+    /// The scene of the opaque spheres, where some are translucent.
+    opaque: Option<Scene>,
+    /// The frame of all spheres, where some are translucent.
+    whole: Option<WholeFrame>,
+}
+
+impl Setups {
+    fn set_sample(&mut self, sample: u32) {
+        self.first.view.record.sample = sample;
+        if let Some(whole) = &mut self.whole {
+            whole.setup.view.record.sample = sample;
+        }
+    }
+
+    /// Returns the memory to the pool for the next frame.
+    fn put_back(self, pool: &Pool) {
+        self.first.put_back(pool);
+        if let Some(whole) = self.whole {
+            whole.put_back(pool);
+        }
+    }
 }

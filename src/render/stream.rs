@@ -17,7 +17,7 @@ use crate::double_double::exponent;
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
 use crate::memory::{check_wide_ids, ids_fit};
-use crate::quote::setting::{ACCURACY, APERTURE, LOOK, METHOD, STREAM};
+use crate::quote::setting::{ACCURACY, APERTURE, LAYERS, LOOK, METHOD, STREAM};
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
@@ -53,6 +53,8 @@ pub struct Stream {
     limit: usize,
     witnesses: Witnesses,
     digests: Digests,
+    /// The stream of the opaque spheres alone, where some may be translucent: a picture shows what these hide.
+    opaque: Option<Box<Self>>,
 }
 
 /// The remains of a stream: every sphere that some ray of the frame hits first.
@@ -105,6 +107,7 @@ impl Stream {
             limit: CULL_MIN_SPHERES,
             witnesses,
             digests,
+            opaque: None,
         })
     }
 
@@ -112,13 +115,14 @@ impl Stream {
     /// `halfline_files::read::SphereBlocks` were checked by their reader, and others are checked here.
     ///
     /// # Errors
-    /// [`Error::Scene`] for spheres that cannot be rendered, and for colours or materials that only some have;
+    /// [`Error::Scene`] for spheres that cannot be rendered, and for colours, opacities or materials that only some have;
     /// [`Error::Limits`] for more spheres than ids can number, and where memory is short.
     pub fn add(&mut self, block: &Spheres) -> Result<()> {
         if block.is_empty() {
             return Ok(());
         }
         block.check()?;
+        block.check_opacities()?;
         let (first, size) = (self.first + self.count, block.len());
         check_wide_ids(first.saturating_add(size as u64))?;
         let mut digests = std::mem::take(&mut self.digests);
@@ -132,13 +136,16 @@ impl Stream {
     /// Adds the spheres of a block, whose numbers `number` gives, without a fingerprint.
     fn add_block(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let is_first = self.kept.numbers.is_empty() && self.sieves.is_empty();
-        if block.materials.is_some() || !is_first && block.colors.is_some() != self.kept.spheres.colors.is_some() {
-            let problem = "some spheres have colours or materials and others do not";
+        let kept = &self.kept.spheres;
+        let unlike = [kept.colors.is_some(), kept.opacities.is_some()] != [block.colors.is_some(), block.opacities.is_some()];
+        if block.materials.is_some() || !is_first && unlike {
+            let problem = "some spheres have colours, opacities or materials and others do not";
             return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));
         }
         if is_first {
             self.make_sieves(unit(self.scene.camera.basis()?.e, &block.centers, &block.radii)?)?;
         }
+        self.add_opaque(block, number)?;
         self.witnesses.add_first(block, number);
         self.witnesses.see(block, number);
         self.keep_open(block, number)?;
@@ -147,6 +154,27 @@ impl Stream {
             self.refresh();
         }
         Ok(())
+    }
+
+    /// Adds the opaque spheres of a block to the stream of these alone, where the spheres have opacities.
+    fn add_opaque(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
+        let Some(opacities) = &block.opacities else { return Ok(()) };
+        let flags: Vec<bool> = opacities.par_iter().map(|opacity| *opacity == 1.0).collect();
+        let places: Vec<u32> = (0..block.len() as u32).filter(|n| flags[*n as usize]).collect();
+        let mut alone = Spheres { opacities: None, ..block.clone() };
+        alone.keep(&flags);
+        let opaque = match self.opaque.take() {
+            Some(opaque) => opaque,
+            None => Box::new(Self::new(&self.scene, &self.settings)?),
+        };
+        let opaque = self.opaque.insert(opaque);
+        let numbers: Vec<u64> = places.iter().map(|n| number(*n as usize)).collect();
+        if alone.is_empty() { Ok(()) } else { opaque.add_numbered(&alone, &numbers) }
+    }
+
+    /// Adds spheres with these numbers, without a fingerprint.
+    fn add_numbered(&mut self, block: &Spheres, numbers: &[u64]) -> Result<()> {
+        self.add_block(block, &|n| numbers[n])
     }
 
     /// Keeps the spheres of a block that some ray may hit first, and those that the frame takes numbers from.
@@ -188,7 +216,11 @@ impl Stream {
         self.forget();
         self.check_unit()?;
         drop(std::mem::take(&mut self.sieves));
-        std::mem::take(&mut self.kept).with(self.witnesses.all())
+        let kept = std::mem::take(&mut self.kept).with(self.witnesses.all())?;
+        let Some(mut opaque) = self.opaque.take() else { return Ok(kept) };
+        let mut behind = opaque.rest()?;
+        behind.spheres.opacities = Some(vec![1.0; behind.numbers.len()].into());
+        kept.united(&behind)
     }
 
     /// Makes the sieves in the unit 2^`unit`.
@@ -235,6 +267,9 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
             "lights and a sky need all spheres in memory",
             format!("use {LOOK} plain, without lights, shadow and occlusion"),
         )
+    } else if settings.layers > 1 {
+        let problem = "more than one layer of translucent spheres needs all spheres in memory";
+        return Err(Error::settings(problem, format!("remove {LAYERS}, or {STREAM}")));
     } else if settings.aperture.is_some() {
         ("a lens with a size sees spheres that a stream has forgotten", format!("remove {APERTURE}, or {STREAM}"))
     } else {
@@ -245,12 +280,13 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
 
 /// A scene of these spheres with the fingerprint of all.
 fn visible(scene: Scene, spheres: Spheres, ids: StreamIds, digests: &Digests) -> Visible {
-    let [centers, radii, colors] = digests.all();
+    let [centers, radii, colors, opacities] = digests.all();
     let spheres = Spheres {
         centers: List::part_of(spheres.centers.into_vec(), centers),
         radii: List::part_of(spheres.radii.into_vec(), radii),
         colors: spheres.colors.map(|values| List::part_of(values.into_vec(), colors)),
         materials: None,
+        opacities: spheres.opacities.map(|values| List::part_of(values.into_vec(), opacities)),
     };
     Visible { scene: Scene { spheres, ..scene }, ids }
 }

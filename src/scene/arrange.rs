@@ -165,6 +165,7 @@ fn repeat(spheres: &mut Spheres, lattice: &Lattice, watch: &Watch) -> Result<()>
         .materials
         .map(|Materials { kinds, of }| Ok(Materials { kinds, of: repeated(of, total, watch)? }))
         .transpose()?;
+    spheres.opacities = own.opacities.map(|opacities| repeated(opacities, total, watch)).transpose()?;
     spheres.colors = own.colors.map(|colors| repeated(colors, total, watch)).transpose()?;
     Ok(())
 }

@@ -90,9 +90,10 @@ impl Instances {
             let colored = spheres.colors.is_some() || tints.is_some();
             let unlike = parts.first().is_some_and(|part: &Part| part.colors() != colored);
             let uncounted = tints.as_ref().is_some_and(|tints| tints.len() as u64 != placement.count());
-            if spheres.materials.is_some() || unlike || uncounted {
-                let problem = "the spheres of copies have materials, or colours that only some have";
-                return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));
+            if spheres.materials.is_some() || spheres.opacities.is_some() || unlike || uncounted {
+                let problem = "the spheres of copies have materials or opacities, or colours that only some have";
+                let mend = "use the same for all, without materials and opacities";
+                return Err(Error::scene(Place::field("spheres"), problem, mend));
             }
             let count = (spheres.len() as u64).saturating_mul(placement.count());
             let clusters = Clusters::of(&spheres.centers, &spheres.radii)?;

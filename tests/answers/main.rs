@@ -33,6 +33,7 @@ mod fast;
 mod frames;
 mod given;
 mod instances;
+mod layers;
 mod lecture;
 mod light;
 mod light_on_device;

@@ -45,6 +45,7 @@ pub(crate) fn blocks(spheres: &Spheres, size: usize) -> impl Iterator<Item = Sph
         for n in first..(first + size).min(spheres.len()) {
             block.push(spheres.centers[n], spheres.radii[n], spheres.colors.as_ref().map(|colors| colors[n]));
         }
+        block.opacities = spheres.opacities.as_ref().map(|all| (first..first + block.len()).map(|n| all[n]).collect());
         block
     })
 }

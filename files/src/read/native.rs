@@ -108,9 +108,20 @@ fn bytes(mut reader: Input, path: &Path) -> Result<Vec<u8>> {
     }
 }
 
-/// The keys of a `[[sphere]]`; those after the colour are its material.
-const SPHERE: [&str; 10] =
-    ["center", "radius", "color", "material", "diffuse", "specular", "shine", "transmission", "index", "fuzz"];
+/// The keys of a `[[sphere]]`; those after the opacity are its material.
+const SPHERE: [&str; 11] = [
+    "center",
+    "radius",
+    "color",
+    "opacity",
+    "material",
+    "diffuse",
+    "specular",
+    "shine",
+    "transmission",
+    "index",
+    "fuzz",
+];
 
 struct Document<'a> {
     text: &'a TomlText<'a>,
@@ -210,8 +221,10 @@ impl Document<'_> {
         check_sphere(center, length, || radius.place().named(format!("sphere {}", spheres.len())))?;
         let color = table.get("color").map(|color| color.color()).transpose()?;
         let material = material::read(table, spheres.len())?;
+        let opacity = table.get("opacity").map(|value| value.opacity(spheres.len())).transpose()?.unwrap_or(1.0);
         spheres.add(center, length, color)?;
         spheres.set_last_material(material);
+        spheres.set_last_opacity(opacity);
         Ok(())
     }
 }

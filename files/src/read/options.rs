@@ -154,6 +154,7 @@ impl ReadOptions {
             marks: &self.marks,
             paints: self.style.paints.iter().map(|(selection, _)| selection).collect(),
             sizes: self.style.sizes.iter().map(|(selection, _)| selection).collect(),
+            fades: self.style.fades.iter().map(|(selection, _)| selection).collect(),
         }
     }
 }

@@ -369,6 +369,10 @@ impl InBlocks {
             let problem = format!("{STREAM}: mirrors and glass need all spheres in memory");
             return Err(Error::settings(problem, "remove the materials of the scene"));
         }
+        if own.opacities.is_some() {
+            let problem = format!("{STREAM}: the opacities of a scene file need all its spheres in memory");
+            return Err(Error::settings(problem, format!("remove the opacities of the scene, or {STREAM}")));
+        }
         let colored = files.iter().map(|file| file.is_colored(&watch));
         let is_colored = own.colors.is_some() || colored.collect::<Result<Vec<_>>>()?.contains(&true);
         Ok(Self { own, files, is_colored, watch })

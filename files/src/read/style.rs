@@ -41,6 +41,10 @@ pub struct Style {
     pub default_radius: Option<f64>,
     /// Radii of selected particles, before they are scaled; later ones win.
     pub sizes: Vec<(Selection, f64)>,
+    /// One opacity for all, overriding the file.
+    pub opacity: Option<f32>,
+    /// Opacities of selected particles; later ones win.
+    pub fades: Vec<(Selection, f32)>,
 }
 
 impl Default for Style {
@@ -54,6 +58,8 @@ impl Default for Style {
             default_radius: None,
             paints: Vec::new(),
             sizes: Vec::new(),
+            opacity: None,
+            fades: Vec::new(),
         }
     }
 }
@@ -124,7 +130,8 @@ impl Style {
     /// The selections of its rules.
     pub(super) fn selections(&self) -> impl Iterator<Item = &Selection> {
         let paints = self.paints.iter().map(|(selection, _)| selection);
-        paints.chain(self.sizes.iter().map(|(selection, _)| selection))
+        let sizes = self.sizes.iter().map(|(selection, _)| selection);
+        paints.chain(sizes).chain(self.fades.iter().map(|(selection, _)| selection))
     }
 
     /// Applies the style to spheres that already have radii.
@@ -134,6 +141,9 @@ impl Style {
     pub(super) fn restyle(&self, spheres: &mut Spheres) -> Result<()> {
         if self.selections().next().is_some() {
             return Err(no_selections());
+        }
+        if let Some(opacity) = self.opacity {
+            spheres.opacities = Some(vec![opacity; spheres.len()].into());
         }
         let scale = self.radius_scale;
         spheres.radii.to_mut().par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
@@ -188,9 +198,10 @@ impl Style {
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let mut radii = self.radii_of(&particles, spaced, &mut skipped);
         self.apply_rules(&particles, &mut colors, &mut radii);
+        let opacities = self.opacities(&particles).map(Into::into);
         let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (std::mem::take(&mut particles.positions).into(), colors.map(Into::into));
-        let spheres = Spheres { centers, radii: radii.into(), colors, materials: None };
+        let spheres = Spheres { centers, radii: radii.into(), colors, materials: None, opacities };
         let of_two = |(center, radius)| !(is_center(center) & is_radius(radius));
         let all = || spheres.centers.par_iter().zip(&spheres.radii);
         if let Some(n) = (!are_checked).then(all).and_then(|all| all.position_first(of_two)) {
@@ -237,6 +248,17 @@ impl Style {
         radii.par_iter_mut().zip(&particles.size).for_each(|(radius, number)| {
             *radius = rule(*number).map_or(*radius, |rule| self.sizes[rule].1 * self.radius_scale);
         });
+    }
+
+    /// The opacities, where the style has any, so that all parts of a file have them or none.
+    fn opacities(&self, particles: &Particles) -> Option<Vec<f32>> {
+        if self.opacity.is_none() && self.fades.is_empty() {
+            return None;
+        }
+        let of_all = self.opacity.unwrap_or(1.0);
+        let rule = |number: Option<&u16>| number.and_then(|number| usize::from(*number).checked_sub(1));
+        let of = |n: usize| rule(particles.fade.get(n)).map_or(of_all, |rule| self.fades[rule].1);
+        Some((0..particles.positions.len()).into_par_iter().map(of).collect())
     }
 
     /// The number of particles that each rule colours.

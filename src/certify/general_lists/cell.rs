@@ -51,7 +51,7 @@ impl TileBlock {
         let mut lows = Vec::with_capacity(slots.len());
         let mut least = f64::INFINITY;
         pulp::Arch::new().dispatch(Weigh { cell: self, spheres, slots, lows: &mut lows, least: &mut least });
-        let limit = least * (1.0 + margin);
+        let limit = if margin < f64::INFINITY { least * (1.0 + margin) } else { margin };
         let kept = |(slot, low): (&u32, f64)| (low <= limit && low < f64::INFINITY).then_some(*slot);
         slots.iter().zip(lows).filter_map(kept).collect()
     }

@@ -1,7 +1,7 @@
 //! Coverage of a tile's pixels from front to back: a sphere behind full coverage cannot be the nearest hit of any ray.
 
 use super::project::{floor, whole};
-use super::{ProjectionBounds, host_cull_margin};
+use super::ProjectionBounds;
 use crate::certify::entry::Placed;
 use crate::number::{larger, smaller};
 use crate::tile::TILE;
@@ -36,13 +36,14 @@ pub(in crate::certify) struct Coverage {
 }
 
 impl Coverage {
-    /// The coverage of an image of `size` pixels, with depths relative to `reference`, for answers within `tolerance`.
+    /// The coverage of an image of `size` pixels, with depths relative to `reference`; `behind` is the cull margin, infinite where
+    /// nothing hides a sphere.
     /// `per_pixel` pixels of the view's frame are a pixel's side, or 1 for the places of rays one by one.
     pub(in crate::certify) fn new(
         projection: &ProjectionBounds,
         size: [u32; 2],
         reference: f64,
-        tolerance: f64,
+        behind: f64,
         per_pixel: f64,
     ) -> Self {
         let ProjectionBounds { step, fixed, corner, scale, .. } = *projection;
@@ -60,7 +61,7 @@ impl Coverage {
             middle: corner.map(|corner| corner + 0.5 * (per_pixel - 1.0)),
             margin: widest * (SHRINK[0] + 1.0 / fixed) + sample_reach,
             rise: 0.5 * scale[0],
-            behind: host_cull_margin(tolerance),
+            behind,
         }
     }
 
@@ -75,7 +76,7 @@ impl Coverage {
         // Under parallel projection, a sphere that may intersect the eye plane has no depth and occludes nothing.
         let center = f64::from(detail.center);
         let depth = center + reference;
-        if inner <= 0.0 || depth <= 0.0 {
+        if inner <= 0.0 || depth <= 0.0 || self.behind == f64::INFINITY {
             return None;
         }
         let [x, y] = [(record.x, 0), (record.y, 1)].map(|(n, k)| (f64::from(n) * per_fixed - middle[k]) * per_fine);

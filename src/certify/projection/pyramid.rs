@@ -3,7 +3,7 @@
 
 use super::cover::{Coverage, Outline};
 use super::project::{Landed, Pixels, floor, whole};
-use super::{ProjectionBounds, not_below};
+use super::{ProjectionBounds, host_cull_margin, not_below};
 use crate::certify::entry::{Placed, number, ordered};
 use crate::number::vector::LANES;
 use crate::number::{larger, smaller};
@@ -76,7 +76,7 @@ impl DepthPyramid {
         window: Window,
         tolerance: f64,
     ) -> Self {
-        let coverage = Coverage::new(projection, size, 0.0, tolerance, projection.per_pixel);
+        let coverage = Coverage::new(projection, size, 0.0, host_cull_margin(tolerance), projection.per_pixel);
         let pixels = window.width() as usize * window.height() as usize;
         let limits = (0..pixels).map(|_| AtomicU32::new(ordered(f32::INFINITY))).collect();
         let corner = projection.corner;
@@ -108,7 +108,7 @@ impl DepthPyramid {
         };
         let row = |row: u32| (x0..x1).flat_map(move |column| pixel(row, column));
         let places = (y0..y1).into_par_iter().flat_map_iter(row).collect();
-        let coverage = Coverage::new(projection, self.coverage.size, 0.0, tolerance, 1.0);
+        let coverage = Coverage::new(projection, self.coverage.size, 0.0, host_cull_margin(tolerance), 1.0);
         self.samples = Some(SamplePlaces { coverage, fine, count, places });
         self.limits = (0..all).map(|_| AtomicU32::new(ordered(f32::INFINITY))).collect();
         self

@@ -2,7 +2,7 @@
 
 use crate::certify::TERMS;
 use crate::certify::binned::{BinnedScene, Binning};
-use crate::certify::projection::ProjectionBounds;
+use crate::certify::projection::{ProjectionBounds, host_cull_margin};
 use crate::certify::projection::cover::{Cover, Coverage};
 use crate::certify::projection::stage::Staged;
 use crate::exact::Judge;
@@ -54,7 +54,7 @@ fn covered_pixels_are_hit() {
         let view = View::new(&scene).expect("a view");
         let (width, height) = (scene.image.width, scene.image.height);
         let lens = ProjectionBounds::new(&scene.camera, &view, [width, height], &TERMS).expect("a lens");
-        let coverage = Coverage::new(&lens, [width, height], 0.0, 0.0, 1.0);
+        let coverage = Coverage::new(&lens, [width, height], 0.0, host_cull_margin(0.0), 1.0);
         let judge = Judge::new(&scene).expect("a judge");
         let unit = crate::double_double::ldexp(1.0, view.unit);
         for id in 0..scene.spheres.len() {
@@ -95,7 +95,7 @@ fn a_disc_closes_its_pixels_and_no_others() {
     let Staged::Projected(landed) = lens.stage(0, [0.0, 0.0, -100.0], 0.159, 0.0) else { panic!("a projected sphere") };
     let judge = Judge::new(&scene).expect("a judge");
     for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-        let mut cover = Cover::new(Coverage::new(&lens, [16, 13], 0.0, 0.0, 1.0), [column, row]);
+        let mut cover = Cover::new(Coverage::new(&lens, [16, 13], 0.0, host_cull_margin(0.0), 1.0), [column, row]);
         assert_eq!(cover.open.count_ones(), TILE * if row == 0 { 8 } else { 5 }, "only what lies in the image");
         assert_eq!(cover.limit(), None);
         cover.add(&landed.placed);

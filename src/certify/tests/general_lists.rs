@@ -5,7 +5,7 @@ use super::wild::{Mode, Value, Wild, under};
 use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::general::{General, general_low};
 use crate::certify::general_lists::{GeneralLists, GeneralTree};
-use crate::certify::projection::ProjectionBounds;
+use crate::certify::projection::{ProjectionBounds, host_cull_margin};
 use crate::certify::{Certify, TERMS};
 use crate::double_double as dd;
 use crate::kernel::Kernel;
@@ -177,7 +177,7 @@ fn the_bounds_of_a_cell_hold_for_its_rays_however_the_device_rounds() {
         let view = view(&scene, Raster::centres(Window::full(SIZE[0], SIZE[1])));
         let binned = binned(&scene, &view, 1e-5);
         let projection = ProjectionBounds::new(&scene.camera, &view, SIZE, &TERMS).expect("a lens");
-        let near = GeneralTree::new(&projection, &binned.generals, SIZE, 1e-5);
+        let near = GeneralTree::new(&projection, &binned.generals, SIZE, host_cull_margin(1e-5));
         let judge = view.judge(&scene).expect("a judge");
         let twin = Certify::<f32>::new(&view.record, &binned);
         for _ in 0..40 {

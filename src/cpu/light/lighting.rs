@@ -31,6 +31,8 @@ pub(crate) struct LightingContext<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) view: &'a View,
     pub(crate) tree: &'a Tree,
+    /// The spheres that block rays to lights and sky, in the placement of `tree`.
+    pub(crate) blockers: &'a Tree,
     pub(crate) outputs: LightOutputs,
     /// Decides the answers that f64 leaves unsure; `None` for answers that are not certified.
     pub(crate) judge: Option<&'a Judge>,

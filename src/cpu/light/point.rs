@@ -316,7 +316,7 @@ impl<'a> PointLight<'a> {
         ray: Option<&CertifiedRay>,
         light: Option<Ball>,
     ) -> (AnyHit, Option<LightQuestion>) {
-        let tree = self.lighting.tree;
+        let tree = self.lighting.blockers;
         let question = |among| Some(LightQuestion::Hidden { toward: *toward, turned: false, among });
         let Some(ray) = ray else {
             // A ray of unknown direction may meet anything.
@@ -341,7 +341,7 @@ impl<'a> PointLight<'a> {
 
     /// Traces rays to the sky, if there is one.
     pub(super) fn trace_sky(&mut self, point: &SurfacePoint, surface: &Surface, at: PixelSample) {
-        let (tree, Some(Sky { reach, .. })) = (self.lighting.tree, self.lighting.sky) else { return };
+        let (tree, Some(Sky { reach, .. })) = (self.lighting.blockers, self.lighting.sky) else { return };
         self.sky = SkyShare::default();
         for direction in self.lighting.directions.of(at, 0) {
             let direction = direction.map(f64::from);

@@ -97,6 +97,8 @@ pub(super) struct PlacedFor {
 /// The spheres of a scene on a device.
 pub(crate) struct ResidentScene {
     of: SameSpheres,
+    /// The last frame that used them.
+    pub(super) used: u64,
     count: u32,
     pub(super) reach: Reach,
     pub(super) blocks: Vec<Block>,
@@ -136,6 +138,7 @@ impl ResidentScene {
         }
         let resident = Self {
             of: SameSpheres::of(spheres, frame),
+            used: frame,
             count: spheres.len() as u32,
             reach: Reach::of(spheres),
             blocks,

@@ -51,6 +51,8 @@ pub struct Explanation {
     pub silhouette: bool,
     /// Whether colours fade with depth.
     pub depth_cue: bool,
+    /// The layers of translucent spheres in the picture; `None` where it shows none.
+    pub layers: Option<u32>,
     /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` where no picture is requested.
     pub tone: Option<Tone>,
     /// The exposure of these pictures, stops.

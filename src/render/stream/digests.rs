@@ -15,6 +15,8 @@ pub(super) struct Digests {
     centers: Pieces,
     radii: Pieces,
     colors: Pieces,
+    #[serde(default, skip_serializing_if = "Pieces::is_empty")]
+    opacities: Pieces,
 }
 
 impl Digests {
@@ -22,7 +24,8 @@ impl Digests {
     pub(super) fn add(&mut self, first: u64, block: &Spheres) -> Result<(), Differing> {
         add(&mut self.centers, first, &block.centers)?;
         add(&mut self.radii, first, &block.radii)?;
-        block.colors.as_ref().map_or(Ok(()), |colors| add(&mut self.colors, first, colors))
+        block.colors.as_ref().map_or(Ok(()), |colors| add(&mut self.colors, first, colors))?;
+        block.opacities.as_ref().map_or(Ok(()), |opacities| add(&mut self.opacities, first, opacities))
     }
 
     /// Adds bytes that stand for the centres, from place `at` on.
@@ -35,7 +38,8 @@ impl Digests {
     pub(super) fn join(&mut self, other: &Self) -> Result<(), Differing> {
         self.centers.join(&other.centers)?;
         self.radii.join(&other.radii)?;
-        self.colors.join(&other.colors)
+        self.colors.join(&other.colors)?;
+        self.opacities.join(&other.opacities)
     }
 
     /// The intervals of ids whose spheres were added, in order.
@@ -43,9 +47,9 @@ impl Digests {
         self.radii.known().into_iter().map(|ends| ends.map(|byte| byte / size_of::<f64>() as u64)).collect()
     }
 
-    /// The digests of all centres, radii and colours; of what is known of them where spheres are missing.
-    pub(super) fn all(&self) -> [Hash; 3] {
-        [&self.centers, &self.radii, &self.colors].map(|list| list.whole().unwrap_or_else(|| list.of_parts()))
+    /// The digests of all centres, radii, colours and opacities; of what is known of them where spheres are missing.
+    pub(super) fn all(&self) -> [Hash; 4] {
+        [&self.centers, &self.radii, &self.colors, &self.opacities].map(|list| list.whole().unwrap_or_else(|| list.of_parts()))
     }
 }
 

@@ -18,6 +18,9 @@ impl NumberedSpheres {
         if let Some(colors) = &block.colors {
             self.spheres.colors.get_or_insert_default().to_mut().extend(indices().map(|n| colors[n]));
         }
+        if let Some(opacities) = &block.opacities {
+            self.spheres.opacities.get_or_insert_default().to_mut().extend(indices().map(|n| opacities[n]));
+        }
         Ok(())
     }
 
@@ -31,12 +34,23 @@ impl NumberedSpheres {
     pub(super) fn with(mut self, more: impl Iterator<Item = Witness>) -> Result<Self> {
         self.sort()?;
         let known = self.numbers.len();
-        for Witness { number, center, radius, color } in more {
+        for Witness { number, center, radius, color, opacity } in more {
             if self.numbers[..known].binary_search(&number).is_err() && !self.numbers[known..].contains(&number) {
                 self.spheres.add(center, radius, color)?;
+                self.spheres.set_last_opacity(opacity);
                 self.numbers.push(number);
             }
         }
+        self.sort()?;
+        Ok(self)
+    }
+
+    /// The same with all of another list, in the order of their numbers, each once.
+    pub(super) fn united(mut self, other: &Self) -> Result<Self> {
+        self.sort()?;
+        let is_new = |n: &u32| self.numbers.binary_search(&other.numbers[*n as usize]).is_err();
+        let new: Vec<u32> = (0..other.numbers.len() as u32).filter(is_new).collect();
+        self.add(&other.spheres, &|n| other.numbers[n], &new)?;
         self.sort()?;
         Ok(self)
     }
@@ -47,7 +61,7 @@ impl NumberedSpheres {
             return Ok(());
         }
         let count = self.numbers.len() as u64;
-        check(count * 36, || format!("the order of {count} spheres"))?;
+        check(count * 40, || format!("the order of {count} spheres"))?;
         let mut order: Vec<u32> = (0..count as u32).collect();
         order.sort_by_key(|n| self.numbers[*n as usize]);
         fn sorted<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
@@ -58,6 +72,9 @@ impl NumberedSpheres {
         sorted(self.spheres.radii.to_mut(), &order);
         if let Some(colors) = &mut self.spheres.colors {
             sorted(colors.to_mut(), &order);
+        }
+        if let Some(opacities) = &mut self.spheres.opacities {
+            sorted(opacities.to_mut(), &order);
         }
         Ok(())
     }

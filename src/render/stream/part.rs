@@ -172,7 +172,8 @@ impl Part {
         }
         let are_alike = spheres.radii.len() == ids.len()
             && spheres.centers.len() == ids.len()
-            && spheres.colors.as_ref().is_none_or(|colors| colors.len() == ids.len());
+            && spheres.colors.as_ref().is_none_or(|colors| colors.len() == ids.len())
+            && spheres.opacities.as_ref().is_none_or(|opacities| opacities.len() == ids.len());
         let kept = NumberedSpheres { numbers: ids, spheres };
         if !are_alike || header.arrays != kept.digest() {
             return Err(damaged(&"its arrays are not those that were written"));
@@ -183,6 +184,7 @@ impl Part {
             return Err(damaged(&"its ids are not those of its digests"));
         }
         kept.spheres.check()?;
+        kept.spheres.check_opacities()?;
         let scene = header.view.scene();
         let settings = scene.check().and_then(|()| header.view.settings());
         settings.and_then(|settings| settings.window_of(&scene)).map_err(|error| damaged(&error))?;
@@ -266,7 +268,7 @@ impl Part {
     }
 
     /// Adds the spheres of another part, of which others may hide some. Checks that both parts are of one frame, that no id has two
-    /// spheres, and that both have colours or none. Returns whether there are new spheres.
+    /// spheres, and that both have colours or none, and opacities or none. Returns whether there are new spheres.
     fn append(&mut self, other: &Self) -> Result<bool> {
         if let Some((what, [own, others])) = self.view.difference(&other.view) {
             let problem = format!(
@@ -278,10 +280,11 @@ impl Part {
         let mut digests = self.digests.clone();
         digests.join(&other.digests).map_err(|_| self.differ(other, "an id that both have".into()))?;
         let new = self.new_ones(other)?;
-        let [own, others] = [self, other].map(|part| part.kept.spheres.colors.is_some());
-        if !self.kept.numbers.is_empty() && !new.is_empty() && own != others {
-            let problem = format!("only one of {} and {} has colours", self.name, other.name);
-            return Err(Error::settings(problem, "give all parts colours, or none"));
+        let has = |part: &Self| [part.kept.spheres.colors.is_some(), part.kept.spheres.opacities.is_some()];
+        let unlike = has(self).into_iter().zip(has(other)).zip(["colours", "opacities"]).find(|((a, b), _)| a != b);
+        if let (Some((_, what)), false) = (unlike, self.kept.numbers.is_empty() || new.is_empty()) {
+            let problem = format!("only one of {} and {} has {what}", self.name, other.name);
+            return Err(Error::settings(problem, format!("give all parts {what}, or none")));
         }
         self.digests = digests;
         self.kept.add(&other.kept.spheres, &|n| other.kept.numbers[n], &new)?;
@@ -366,6 +369,7 @@ impl Part {
             } else if a.centers[own] != b.centers[n]
                 || a.radii[own] != b.radii[n]
                 || color(self, own) != color(other, n)
+                || a.opacity(own as u32) != b.opacity(n as u32)
             {
                 return Err(self.differ(other, format!("id {id}")));
             }
@@ -384,6 +388,10 @@ impl NumberedSpheres {
         }
         if let Some(colors) = &self.spheres.colors {
             hasher.update(colors.digest().as_bytes());
+        }
+        if let Some(opacities) = &self.spheres.opacities {
+            hasher.update(b"opacities");
+            hasher.update(opacities.digest().as_bytes());
         }
         hasher.finalize().to_hex().to_string()
     }

@@ -41,6 +41,11 @@ struct Record {
 pub(super) struct Differing;
 
 impl Pieces {
+    /// Whether nothing is known.
+    pub(super) fn is_empty(&self) -> bool {
+        self.trees.is_empty() && self.runs.is_empty()
+    }
+
     /// Adds the bytes from place `at` on.
     pub(super) fn add(&mut self, mut at: u64, mut bytes: &[u8]) -> Result<(), Differing> {
         while !bytes.is_empty() {

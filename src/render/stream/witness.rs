@@ -17,6 +17,7 @@ pub(super) struct Witness {
     pub(super) center: [f64; 3],
     pub(super) radius: f64,
     pub(super) color: Option<[f32; 3]>,
+    pub(super) opacity: f32,
 }
 
 /// The spheres with the least and the largest sizes, depths and coordinates so far.
@@ -156,6 +157,7 @@ fn witness(block: &Spheres, number: u64, place: usize) -> Witness {
         center: block.centers[place],
         radius: block.radii[place],
         color: block.colors.as_ref().map(|colors| colors[place]),
+        opacity: block.opacity(place as u32),
     }
 }
 

@@ -18,14 +18,22 @@ const PARALLEL_MIN_ITEMS: usize = 1 << 12;
 impl Tree {
     /// The tree of these spheres; `None` for none or more than [`MAX_SPHERES`].
     pub(crate) fn new(centers: &[[f64; 3]], radii: &[f64]) -> Option<Self> {
-        let count = radii.len();
-        if count == 0 || count > MAX_SPHERES {
+        Self::of(centers, radii, (0..radii.len() as u32).into_par_iter())
+    }
+
+    /// The tree of some of these spheres, which may be none of them, in the placement of all.
+    pub(crate) fn of_some(centers: &[[f64; 3]], radii: &[f64], ids: &[u32]) -> Option<Self> {
+        Self::of(centers, radii, ids.par_iter().copied())
+    }
+
+    fn of(centers: &[[f64; 3]], radii: &[f64], ids: impl IndexedParallelIterator<Item = u32>) -> Option<Self> {
+        if radii.is_empty() || radii.len() > MAX_SPHERES {
             return None;
         }
         let placement = Placement::new(centers, radii);
-        let item = |(c, id): (&[f64; 3], u32)| Item { at: placement.point(*c).map(|x| x as f32), id };
-        let mut items: Vec<Item> = centers.par_iter().zip(0..count as u32).map(item).collect();
-        let mut sizes = vec![count.div_ceil(WIDE).div_ceil(WIDE)];
+        let item = |id: u32| Item { at: placement.point(centers[id as usize]).map(|x| x as f32), id };
+        let mut items: Vec<Item> = ids.map(item).collect();
+        let mut sizes = vec![items.len().div_ceil(WIDE).div_ceil(WIDE).max(1)];
         while sizes[sizes.len() - 1] > 1 {
             sizes.push(sizes[sizes.len() - 1].div_ceil(WIDE));
         }
@@ -44,7 +52,7 @@ impl Tree {
         let spheres: Vec<[f64; 4]> = ids.par_iter().map(exact).collect();
         let (blocks, mut boxes): (Vec<Block>, Vec<[[f32; 3]; 2]>) =
             spheres.par_chunks(WIDE).map(|spheres| block(&placement, spheres)).unzip();
-        let mut nodes = vec![Node { planes: [[0.0; WIDE]; 6] }; firsts[sizes.len()] as usize];
+        let mut nodes = vec![Node::of([]); firsts[sizes.len()] as usize];
         for level in (0..sizes.len()).rev() {
             let nodes = &mut nodes[firsts[level] as usize..firsts[level + 1] as usize];
             let join = |(node, children): (&mut Node, &[[[f32; 3]; 2]])| {

@@ -3,7 +3,7 @@
 use crate::read::nearest::did_you_mean;
 use crate::read::style::color;
 use halfline::error::{Error, Place, Result};
-use halfline::scene::check_color;
+use halfline::scene::{check_color, check_opacity};
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
@@ -86,6 +86,7 @@ impl TomlName {
             (_, "transmission") => "transmission = 0.5",
             (_, "index") => "index = 1.5",
             (_, "fuzz") => "fuzz = 0.1",
+            (_, "opacity") => "opacity = 0.3",
             _ => "color = [0.8, 0.8, 0.8]",
         }
     }
@@ -204,6 +205,13 @@ impl<'a> TomlValue<'a> {
 
     pub(super) fn number(&self) -> Result<f64> {
         self.finite(self.value)
+    }
+
+    /// The opacity of the sphere with this index.
+    pub(super) fn opacity(&self, sphere: usize) -> Result<f32> {
+        let opacity = self.number()? as f32;
+        check_opacity(opacity, || self.place().named(format!("sphere {sphere} opacity")))?;
+        Ok(opacity)
     }
 
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N]> {

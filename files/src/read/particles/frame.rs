@@ -49,9 +49,10 @@ pub(crate) struct Particles {
     pub(in crate::read) places: Vec<u32>,
     /// The number of particles in the file, where some were removed.
     pub(in crate::read) listed: usize,
-    /// The numbers from 1 of the style's rules for colour and radius, 0 for none; empty without rules.
+    /// The numbers from 1 of the style's rules for colour, radius and opacity, 0 for none; empty without rules.
     pub(crate) paint: Vec<u16>,
     pub(crate) size: Vec<u16>,
+    pub(crate) fade: Vec<u16>,
     /// The particles of each of [`ReadOptions::marks`](crate::read::ReadOptions::marks), and what its evaluation said.
     pub(in crate::read) marks: Vec<(Vec<bool>, Vec<Note>)>,
     /// The periodic cell, if the file has one.
@@ -342,6 +343,7 @@ impl Particles {
         keep(&mut self.places, stays);
         keep(&mut self.paint, stays);
         keep(&mut self.size, stays);
+        keep(&mut self.fade, stays);
         self.marks.iter_mut().for_each(|(mask, _)| keep(mask, stays));
         keep(&mut self.positions, stays);
         keep(&mut self.radii, stays);

@@ -17,19 +17,20 @@ pub(in crate::read) struct Selections<'a> {
     pub(in crate::read) hide: &'a [Selection],
     /// The particles that are reported to the caller.
     pub(in crate::read) marks: &'a [Selection],
-    /// The selections of the style's rules for colour and for radius, one for each rule.
+    /// The selections of the style's rules for colour, for radius and for opacity, one for each rule.
     pub(in crate::read) paints: Vec<&'a Selection>,
     pub(in crate::read) sizes: Vec<&'a Selection>,
+    pub(in crate::read) fades: Vec<&'a Selection>,
 }
 
-/// Marks the particles that a style's rules colour or resize, then removes those that are not selected. Returns the
+/// Marks the particles that a style's rules colour, resize or make translucent, then removes those that are not selected. Returns the
 /// messages about the selections.
 ///
 /// # Errors
 /// As [`Evaluator::mask`], and [`Error::Limits`](halfline::error::Error::Limits) where memory is short.
 pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Particles) -> Result<Vec<Note>> {
-    let Selections { select, hide, marks, paints, sizes } = selections;
-    let rules = paints.len() + sizes.len() + marks.len();
+    let Selections { select, hide, marks, paints, sizes, fades } = selections;
+    let rules = paints.len() + sizes.len() + fades.len() + marks.len();
     let count = particles.positions.len();
     // A frame without particles may have no columns either.
     if count == 0 || select.is_empty() && hide.is_empty() && rules == 0 {
@@ -56,6 +57,7 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
     };
     let paint = last(paints)?;
     let size = last(sizes)?;
+    let fade = last(fades)?;
     let mut stays = vec![select.is_empty(); count];
     for selection in *select {
         let mask = of(selection)?;
@@ -65,7 +67,7 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
         let mask = of(selection)?;
         stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays &= !flag);
     }
-    (particles.paint, particles.size, particles.marks) = (paint, size, marks);
+    (particles.paint, particles.size, particles.fade, particles.marks) = (paint, size, fade, marks);
     if !(select.is_empty() && hide.is_empty()) {
         particles.keep(&stays);
         if particles.positions.is_empty() {
@@ -144,7 +146,7 @@ impl SelectedSpheres {
             keep(colors.to_mut(), &mask);
         }
         let (centers, radii) = (particles.positions.into(), particles.radii.into());
-        Ok(Spheres { centers, radii, colors, materials: None })
+        Ok(Spheres { centers, radii, colors, materials: None, opacities: None })
     }
 
     /// The messages about the selection, for use after the last block.

@@ -77,13 +77,15 @@ impl Style {
     }
 }
 
-/// Some of the spheres, with their colours or without.
+/// Some of the spheres, with their colours or without, and with their opacities.
 fn part_of(spheres: &Spheres, range: Range<usize>, colored: bool) -> Spheres {
     let colors = spheres.colors.as_ref().filter(|_| colored).map(|colors| colors[range.clone()].to_vec().into());
+    let opacities = spheres.opacities.as_ref().map(|opacities| opacities[range.clone()].to_vec().into());
     Spheres {
         centers: spheres.centers[range.clone()].to_vec().into(),
         radii: spheres.radii[range].to_vec().into(),
         colors,
         materials: None,
+        opacities,
     }
 }
