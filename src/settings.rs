@@ -160,7 +160,10 @@ impl Settings {
     pub(crate) fn idle_layers(&self) -> impl Iterator<Item = String> {
         let given = [(self.layers > 0, LAYERS), (self.opacity_shadows, OPACITY_SHADOWS)];
         let why = format!("no sphere of the picture has an {OPACITY} below 1");
-        given.into_iter().filter(|(given, _)| *given).map(move |(_, setting)| format!("{setting} changes nothing: {why}"))
+        given
+            .into_iter()
+            .filter(|(given, _)| *given)
+            .map(move |(_, setting)| format!("{setting} changes nothing: {why}"))
     }
 
     /// The error for the buffer `shadow` without a light.

@@ -129,7 +129,10 @@ impl Options {
                 paints: rules(&self.color_of)?,
                 sizes: rules(&self.radius_of)?,
                 opacity: self.opacity.map(opacity).transpose()?,
-                fades: rules(&self.opacity_of)?.into_iter().map(|(of, x)| Ok((of, opacity(x)?))).collect::<Result<_>>()?,
+                fades: rules(&self.opacity_of)?
+                    .into_iter()
+                    .map(|(of, x)| Ok((of, opacity(x)?)))
+                    .collect::<Result<_>>()?,
                 ..Style::default()
             },
             keep: match self.keep.0.as_str() {

@@ -55,11 +55,14 @@ impl Peeling<'_> {
             let pixels = (n * PIXELS_PER_JOB..).zip(first).enumerate().filter(|(_, (_, id))| **id != NONE);
             match (&twin, &all) {
                 (Some(twin), _) => {
-                    let lists: Vec<_> = pixels.map(|(at, (pixel, id))| (at, pixel, self.candidates(twin, pixel, *id))).collect();
+                    let lists: Vec<_> =
+                        pixels.map(|(at, (pixel, id))| (at, pixel, self.candidates(twin, pixel, *id))).collect();
                     let few = Few::of(self, lists.iter().flat_map(|(.., list)| list))?;
                     lists.into_iter().for_each(|(at, pixel, list)| few.peel(twin, pixel, list, at, &mut layers));
                 }
-                (None, Some(judge)) => pixels.for_each(|(at, (pixel, id))| self.peel_all(judge, pixel, *id, at, &mut layers)),
+                (None, Some(judge)) => {
+                    pixels.for_each(|(at, (pixel, id))| self.peel_all(judge, pixel, *id, at, &mut layers))
+                }
                 (None, None) => {}
             }
             Ok(layers)
@@ -91,7 +94,9 @@ impl Peeling<'_> {
         let count = self.scene.spheres.len() as u32;
         let mut open: Vec<u32> = (0..count).filter(|id| self.counts(*id, first, opaque)).collect();
         for layer in layers {
-            let Some(next) = judge.among(row, column, &open).map(|truth| truth.id).filter(|id| *id != opaque) else { return };
+            let Some(next) = judge.among(row, column, &open).map(|truth| truth.id).filter(|id| *id != opaque) else {
+                return;
+            };
             layer[at] = next;
             open.retain(|id| *id != next);
         }
@@ -120,7 +125,14 @@ impl<'a> Few<'a> {
     }
 
     /// Writes the layers of one pixel: of its candidates each time the nearest.
-    fn peel(&self, twin: &Certify<'_, f32>, pixel: usize, mut open: Vec<Candidate>, at: usize, layers: &mut [Vec<u32>]) {
+    fn peel(
+        &self,
+        twin: &Certify<'_, f32>,
+        pixel: usize,
+        mut open: Vec<Candidate>,
+        at: usize,
+        layers: &mut [Vec<u32>],
+    ) {
         for layer in layers {
             let next = self.nearest(twin, pixel, &mut open).filter(|id| *id != self.peeling.opaque[pixel]);
             let Some(next) = next else { return };

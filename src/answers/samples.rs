@@ -55,7 +55,9 @@ impl Sums {
         let hits = self.cover.par_iter_mut().zip(&raw.id);
         match passing {
             [] => hits.for_each(|(cover, id)| *cover += f32::from(*id != NONE)),
-            _ => hits.zip(passing).for_each(|((cover, id), passing)| *cover += if *id == NONE { 1.0 - passing } else { 1.0 }),
+            _ => hits
+                .zip(passing)
+                .for_each(|((cover, id), passing)| *cover += if *id == NONE { 1.0 - passing } else { 1.0 }),
         }
     }
 

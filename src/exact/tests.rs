@@ -276,8 +276,13 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
     // p = (3 + 4 x, 4 - 3 x, 0) and r = 5: c = 25 x^2, which is lost in a product of double-doubles.
     for k in 30..60 {
         let x = 2f64.powi(-k);
-        let spheres =
-            Spheres { centers: vec![[3.0, 4.0, 0.0]].into(), radii: vec![5.0].into(), colors: None, materials: None, opacities: None };
+        let spheres = Spheres {
+            centers: vec![[3.0, 4.0, 0.0]].into(),
+            radii: vec![5.0].into(),
+            colors: None,
+            materials: None,
+            opacities: None,
+        };
         let outside = judge_ray([-4.0 * x, 3.0 * x, 0.0], [3.0, 4.0, 0.0], &spheres).expect("looking in");
         assert_eq!((outside.root, outside.t), (Root::Near, x * x / 2.0), "2^-{k}");
     }

@@ -61,12 +61,12 @@ impl Gpu {
         if !can_hold(spheres) {
             return Ok(None);
         }
-        let is_held = |one: &ResidentScene| one.is_of(spheres, frame);
-        if !self.resident.as_ref().is_some_and(is_held) {
+        let is_resident = |one: &ResidentScene| one.is_of(spheres, frame);
+        if !self.resident.as_ref().is_some_and(is_resident) {
             self.forget_tree();
             // A picture that shows something through translucent spheres has two scenes, which take turns within a frame.
             let last = self.resident.take().filter(|last| last.used == frame);
-            self.resident = std::mem::replace(&mut self.other, last).filter(is_held);
+            self.resident = std::mem::replace(&mut self.other, last).filter(is_resident);
             if let Some(resident) = &mut self.resident {
                 // Buffers that both share hold what belongs to the last one.
                 (resident.placed, resident.has_colors, resident.has_lists) = (None, false, false);

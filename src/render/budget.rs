@@ -66,6 +66,9 @@ impl Need {
             _ => records + if wide { 48 } else { 24 },
         };
         let sphere = sphere + if plan.light_outputs.is_any() { Tree::bytes(1) } else { 0 };
+        // The opaque spheres, with their ids and their tree, and the second frame while it is made.
+        let through = SPHERE + 4 + STAGED + if plan.light_outputs.is_any() { Tree::bytes(1) } else { 0 };
+        let sphere = sphere + if plan.see_through { through } else { 0 };
         // The scene of the eyes on a lens.
         let sphere = sphere + if settings.aperture.is_some() { SPHERE } else { 0 };
         // The buffers of the samples, their sums, and the means.
@@ -74,7 +77,10 @@ impl Need {
             // The spheres and the normals of the pixels, and the rays toward the sky, twice while they are put together.
             let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color);
             let rays = sky.map_or(0, |sky| 4 + 6 + 2 * 2 * SkySums::count(sky.colors.is_some()) as u64);
-            bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + rays
+            // Of layers: the ids and colours of one, its shares and what passes, the ids of all, and the rays of each.
+            let layers = u64::from(settings.layers.max(1));
+            let through = if plan.see_through { 4 + 12 + 4 + 4 + layers * (4 + rays) } else { 0 };
+            bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + rays + through
         });
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.

@@ -169,7 +169,8 @@ impl Renderer {
                 let opaque = self.opaque(plan, scene)?;
                 // Of a picture, not of the buffers, translucent spheres block neither lights nor sky.
                 let through = opaque.as_deref().filter(|_| plan.light_outputs.color);
-                let through = through.map(|opaque| timings.time("tree", || self.light_through(plan, scene, settings, opaque)));
+                let through =
+                    through.map(|opaque| timings.time("tree", || self.light_through(plan, scene, settings, opaque)));
                 let lights = through.as_ref().or(lights.as_ref()).filter(|_| plan.light_outputs.color);
                 let sampling = Sampling { plan, kernel, scene, settings, lights, opaque: opaque.as_deref() };
                 Some(self.sample(sampling, raster, &raw.id, &mut timings)?)

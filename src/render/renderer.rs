@@ -1,10 +1,10 @@
 //! A renderer: a device or the CPU path, with its caches between frames.
 
 use super::light_state::LightOnDevice;
+use super::opaque::LastOpaque;
 use super::order::LastOrder;
 use super::place::ChosenDevice;
 use super::plan::Plan;
-use super::see_through::LastOpaque;
 use crate::cpu;
 use crate::error::Result;
 use crate::frame::report::milliseconds;

@@ -3,10 +3,11 @@
 
 use super::lens::LensPasses;
 use super::light::{FrameContext, LightRequest, LightSetup};
+use super::opaque::Opaque;
 use super::plan::Plan;
 use super::plan::lights::center_rays;
 use super::renderer::Renderer;
-use super::see_through::{Opaque, WholeFrame, lay_over};
+use super::see_through::{WholeFrame, lay_over};
 use super::setup::FrameSetup;
 use crate::answers::depth_cue::DepthCue;
 use crate::answers::finish::Finish;
@@ -148,21 +149,15 @@ impl Renderer {
     }
 
     /// The setups for the rays of a raster.
-    fn setups(
-        &mut self,
-        sampling: &Sampling<'_>,
-        plan: Plan,
-        raster: Raster,
-        timings: &mut Timings,
-    ) -> Result<Setups> {
+    fn setups(&mut self, sampling: &Sampling<'_>, plan: Plan, raster: Raster, timings: &mut Timings) -> Result<Setups> {
         let Sampling { scene, settings, opaque, .. } = *sampling;
         let Some(opaque) = opaque else {
             let first = self.setup(plan, scene, settings, raster, timings)?;
             return Ok(Setups { first, opaque: None, whole: None });
         };
         let alone = opaque.scene(scene);
+        let whole = self.whole_frame(&plan, scene, settings, raster, timings)?;
         let first = self.setup(plan, &alone, settings, raster, timings)?;
-        let whole = self.whole_frame(sampling, raster, timings)?;
         Ok(Setups { first, opaque: Some(alone), whole: Some(whole) })
     }
 
@@ -189,19 +184,19 @@ impl Renderer {
         }
         let mut below = at_centers.iter();
         if let Some(lights) = lights {
-            let color = self.lit(sampling, lights, view, &raw.id, below.next(), timings)?;
+            let color = self.light_color(sampling, lights, view, &raw.id, below.next(), timings)?;
             self.pool.put_back(std::mem::replace(&mut raw.color, color));
         }
         self.finish(sampling, view, &raw.id, cue, &mut raw.color, timings);
         if let Some(whole) = whole {
             passing.fill(1.0);
-            let mut layers = self.layers(&sampling, whole, &raw.id, timings)?;
+            let mut layers = self.layers(whole, scene, settings, &raw.id, timings)?;
             let view = &whole.setup.view;
             // Back to front.
             while let Some(mut layer) = layers.pop() {
                 let open = at_centers.get(1 + layers.len());
                 let mut over = match (lights, kernel.shade) {
-                    (Some(lights), _) => self.lit(sampling, lights, view, &layer, open, timings)?,
+                    (Some(lights), _) => self.light_color(sampling, lights, view, &layer, open, timings)?,
                     (None, Some(shade)) => timings.time("shade", || layers::shade(shade, scene, view, &layer))?,
                     (None, None) => Vec::new(),
                 };
@@ -216,7 +211,7 @@ impl Renderer {
     }
 
     /// The colours of what a view shows under lights and a sky.
-    fn lit(
+    fn light_color(
         &mut self,
         sampling: Sampling<'_>,
         lights: &LightSetup,
@@ -308,7 +303,7 @@ impl Renderer {
         }
         let mut all = vec![self.open_sky(sampling, &first.view, &raw.id, sky, timings)?];
         if let Some(mut whole) = whole {
-            for layer in self.layers(&sampling, &mut whole, &raw.id, timings)? {
+            for layer in self.layers(&mut whole, scene, settings, &raw.id, timings)? {
                 all.push(self.open_sky(sampling, &whole.setup.view, &layer, sky, timings)?);
             }
             whole.put_back(&pool);

@@ -137,7 +137,8 @@ impl Stream {
     fn add_block(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let is_first = self.kept.numbers.is_empty() && self.sieves.is_empty();
         let kept = &self.kept.spheres;
-        let unlike = [kept.colors.is_some(), kept.opacities.is_some()] != [block.colors.is_some(), block.opacities.is_some()];
+        let unlike =
+            [kept.colors.is_some(), kept.opacities.is_some()] != [block.colors.is_some(), block.opacities.is_some()];
         if block.materials.is_some() || !is_first && unlike {
             let problem = "some spheres have colours, opacities or materials and others do not";
             return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));

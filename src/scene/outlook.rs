@@ -13,7 +13,7 @@ use std::collections::HashSet;
 pub struct Outlook {
     /// The camera.
     pub camera: Camera,
-    /// The share of their picture that no other sphere covers, 0 to 1, estimated on a coarse grid.
+    /// The share of their picture that no other opaque sphere covers, 0 to 1, estimated on a coarse grid.
     pub visible_share: f64,
     /// The number of squares of the grid in which they are seen.
     area: u32,
@@ -68,7 +68,7 @@ pub struct Surroundings<'a> {
     framing: &'a Framing,
     part: &'a Spheres,
     all: &'a Spheres,
-    /// The indices of the scene's spheres that are not in the part.
+    /// The indices of the scene's opaque spheres that are not in the part.
     others: Vec<usize>,
 }
 
@@ -82,7 +82,8 @@ impl<'a> Surroundings<'a> {
     #[must_use]
     pub fn new(image: ImagePlane, part: &'a Spheres, all: &'a Spheres, framing: &'a Framing) -> Self {
         let own: HashSet<[u64; 4]> = part.centers.iter().zip(&part.radii).map(|(c, r)| bits(c, *r)).collect();
-        let others = (0..all.len()).filter(|n| !own.contains(&bits(&all.centers[*n], all.radii[*n]))).collect();
+        let hides = |n: &usize| all.opacity(*n as u32) == 1.0 && !own.contains(&bits(&all.centers[*n], all.radii[*n]));
+        let others = (0..all.len()).filter(hides).collect();
         Self { image, framing, part, all, others }
     }
 

@@ -41,6 +41,7 @@ mod looks;
 mod merge;
 mod messages;
 mod one_look;
+mod opacity;
 mod options;
 mod parts;
 mod pictures;

@@ -126,7 +126,7 @@ impl SphereBlocks {
             marked: Vec::new(),
             mark_notes: options.marks.iter().map(|_| Notes::default()).collect(),
             legend: None,
-            painted: vec![0; options.style.paints.len()],
+            painted: vec![0; options.style.paints.len() + options.style.fades.len()],
             is_colored,
             surveys,
             range: None,

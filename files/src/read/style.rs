@@ -108,6 +108,9 @@ pub enum Coloring {
 /// Linear RGB of each particle.
 type Colors = Vec<[f32; 3]>;
 
+/// Linear light of the grey by which legends show an opacity.
+const VEILED_GREY: f32 = 0.2;
+
 /// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
 const UNKNOWN_RADIUS: f64 = 1.6;
 
@@ -261,22 +264,31 @@ impl Style {
         Some((0..particles.positions.len()).into_par_iter().map(of).collect())
     }
 
-    /// The number of particles that each rule colours.
+    /// The number of particles that each rule for colours applies to, then of those that each rule for opacities does.
     pub(super) fn painted(&self, particles: &Particles) -> Vec<u64> {
-        let mut counts = vec![0_u64; self.paints.len()];
-        particles.paint.iter().filter_map(|rule| usize::from(*rule).checked_sub(1)).for_each(|rule| counts[rule] += 1);
-        counts
+        let count = |rules: usize, numbers: &[u16]| {
+            let mut counts = vec![0_u64; rules];
+            numbers.iter().filter_map(|rule| usize::from(*rule).checked_sub(1)).for_each(|rule| counts[rule] += 1);
+            counts
+        };
+        [count(self.paints.len(), &particles.paint), count(self.fades.len(), &particles.fade)].concat()
     }
 
-    /// The legend with a row for each rule that gives some particle its colour, by the numbers of [`Self::painted`]; a legend of these
-    /// where there is none.
+    /// The legend with a row for each rule that gives some particle its colour or its opacity, by the numbers of [`Self::painted`]; a
+    /// legend of these where there is none.
     pub(super) fn with_overrides(&self, legend: Option<Legend>, painted: &[u64]) -> Option<Legend> {
-        let row = |((selection, color), count): (&(Selection, [f32; 3]), u64)| Category {
-            label: selection.to_string(),
+        let paints = self.paints.iter().map(|(selection, color)| (selection.to_string(), *color));
+        // Grey on white, as translucent as they are.
+        let fades = self.fades.iter().map(|(selection, opacity)| {
+            let mixed = 1.0 + opacity * (VEILED_GREY - 1.0);
+            (format!("{selection}: opacity {opacity}"), [mixed; 3])
+        });
+        let rows = paints.chain(fades).zip(painted.iter().copied()).filter(|(_, count)| *count > 0);
+        let row = |((label, color), count): ((String, [f32; 3]), u64)| Category {
+            label,
             color: color.map(srgb::level),
             count,
         };
-        let rows = self.paints.iter().zip(painted.iter().copied()).filter(|(_, count)| *count > 0);
         let overrides: Vec<Category> = rows.map(row).collect();
         match legend {
             Some(legend) if overrides.is_empty() => Some(legend),

@@ -1,7 +1,7 @@
 //! Coverage of a tile's pixels from front to back: a sphere behind full coverage cannot be the nearest hit of any ray.
 
-use super::project::{floor, whole};
 use super::ProjectionBounds;
+use super::project::{floor, whole};
 use crate::certify::entry::Placed;
 use crate::number::{larger, smaller};
 use crate::tile::TILE;

@@ -2,9 +2,9 @@
 
 use crate::certify::TERMS;
 use crate::certify::binned::{BinnedScene, Binning};
-use crate::certify::projection::{ProjectionBounds, host_cull_margin};
 use crate::certify::projection::cover::{Cover, Coverage};
 use crate::certify::projection::stage::Staged;
+use crate::certify::projection::{ProjectionBounds, host_cull_margin};
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::scene::Scene;

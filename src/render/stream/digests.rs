@@ -49,7 +49,8 @@ impl Digests {
 
     /// The digests of all centres, radii, colours and opacities; of what is known of them where spheres are missing.
     pub(super) fn all(&self) -> [Hash; 4] {
-        [&self.centers, &self.radii, &self.colors, &self.opacities].map(|list| list.whole().unwrap_or_else(|| list.of_parts()))
+        [&self.centers, &self.radii, &self.colors, &self.opacities]
+            .map(|list| list.whole().unwrap_or_else(|| list.of_parts()))
     }
 }
 

@@ -1,0 +1,121 @@
+//! The opaque spheres of a scene, kept from frame to frame: a picture shows them through translucent ones.
+
+use super::order::LastOrder;
+use crate::error::Result;
+use crate::memory::check;
+use crate::scene::list::List;
+use crate::scene::same::SameSpheres;
+use crate::scene::{Lighting, Scene, Spheres};
+use crate::search::tree::Tree;
+use crate::view::ray::NONE;
+use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
+
+/// The opaque spheres of a scene.
+pub(super) struct Opaque {
+    spheres: Spheres,
+    /// Their ids in the scene.
+    ids: Vec<u32>,
+    /// The tree over them, in the placement of all spheres.
+    tree: OnceLock<Option<Arc<Tree>>>,
+}
+
+impl Opaque {
+    fn of(spheres: &Spheres) -> Result<Self> {
+        let count = spheres.len() as u64;
+        check(48 * count, || format!("the opaque ones of {count} spheres"))?;
+        let ids: Vec<u32> = (0..spheres.len() as u32).filter(|id| spheres.opacity(*id) == 1.0).collect();
+        let all = || ids.par_iter().map(|id| *id as usize);
+        let mut own = Spheres {
+            centers: List::sound(all().map(|n| spheres.centers[n]).collect()),
+            radii: List::sound(all().map(|n| spheres.radii[n]).collect()),
+            colors: spheres.colors.as_ref().map(|colors| all().map(|n| colors[n]).collect::<Vec<_>>().into()),
+            materials: None,
+            opacities: None,
+        };
+        own.share();
+        Ok(Self { spheres: own, ids, tree: OnceLock::new() })
+    }
+
+    /// A scene of these spheres alone, as the camera of another sees them.
+    pub(super) fn scene(&self, of: &Scene) -> Scene {
+        let lighting = Lighting::default();
+        Scene { camera: of.camera, image: of.image, spheres: self.spheres.clone(), lighting }
+    }
+
+    /// Gives spheres of [`Opaque::scene`] the ids that they have in the whole scene.
+    pub(super) fn rename(&self, ids: &mut [u32]) {
+        ids.par_iter_mut().filter(|id| **id != NONE).for_each(|id| *id = self.ids[*id as usize]);
+    }
+
+    /// The tree over them, for rays that only opaque spheres block; `None` where the scene has no spheres.
+    pub(super) fn tree(&self, scene: &Scene) -> Option<Arc<Tree>> {
+        let build = || Tree::of_some(&scene.spheres.centers, &scene.spheres.radii, &self.ids).map(Arc::new);
+        self.tree.get_or_init(build).clone()
+    }
+}
+
+/// The opaque spheres of the scene that a renderer saw last, and their order.
+#[derive(Default)]
+pub(super) struct LastOpaque {
+    known: Option<Known>,
+    pub(super) order: LastOrder,
+}
+
+struct Known {
+    same: SameSpheres,
+    /// The opacities and the colours where no one can change them; otherwise they are those of one frame.
+    opacities: Option<List<f32>>,
+    colors: Option<List<[f32; 3]>>,
+    frame: u64,
+    opaque: Arc<Opaque>,
+}
+
+impl Known {
+    fn of(spheres: &Spheres, frame: u64) -> Result<Self> {
+        Ok(Self {
+            same: SameSpheres::of(spheres, frame),
+            opacities: spheres.opacities.as_ref().and_then(List::kept),
+            colors: spheres.colors.as_ref().and_then(List::kept),
+            frame,
+            opaque: Arc::new(Opaque::of(spheres)?),
+        })
+    }
+
+    fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
+        fn same<T>(known: Option<&List<T>>, own: Option<&List<T>>, is_same_frame: bool) -> bool {
+            match (known, own) {
+                (Some(known), Some(own)) => known.is_same(own),
+                (None, None) => true,
+                (None, Some(_)) => is_same_frame,
+                (Some(_), None) => false,
+            }
+        }
+        let is_same_frame = self.frame == frame;
+        same(self.opacities.as_ref(), spheres.opacities.as_ref(), is_same_frame)
+            && same(self.colors.as_ref(), spheres.colors.as_ref(), is_same_frame)
+            && self.same.is_of(spheres, frame)
+    }
+}
+
+impl LastOpaque {
+    /// The opaque ones of these spheres.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limits`] where memory is short.
+    pub(super) fn of(&mut self, spheres: &Spheres, frame: u64) -> Result<Arc<Opaque>> {
+        let known = match self.known.take().filter(|known| known.is_of(spheres, frame)) {
+            Some(known) => known,
+            None => {
+                self.order = LastOrder::default();
+                Known::of(spheres, frame)?
+            }
+        };
+        Ok(Arc::clone(&self.known.insert(known).opaque))
+    }
+
+    /// Whether a scene is one of [`Opaque::scene`].
+    pub(super) fn is_of(&self, spheres: &Spheres) -> bool {
+        self.known.as_ref().is_some_and(|known| known.opaque.spheres.centers.is_same(&spheres.centers))
+    }
+}
