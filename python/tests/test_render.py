@@ -199,20 +199,20 @@ def test_translucent_spheres_are_those_of_the_command(cpu: hl.Renderer, tmp_path
     run(commands()[0], "render", file, "-o", picture, "--size", "80x60", *rules)
     scene = hl.read(file, size=(80, 60), opacity={"element C": 0.25})
     frame = cpu.render(scene, layers=2, opacity_shadows=True)
-    assert frame.color.tobytes() == np.load(picture).tobytes()
+    assert frame["color"].tobytes() == np.load(picture).tobytes()
     assert (frame.report["layers"], frame.report["opacity_shadows"]) == (2, True)
     shares = scene.opacities
     assert shares is not None
     assert np.array_equal(shares, np.where(np.arange(200) % 2, 1, 0.25).astype("f4"))
     made = hl.Scene(scene.centers, scene.radii, scene.colors, opacities=shares)
     options: dict[str, Any] = {"size": (80, 60), "look": "soft", "layers": 2, "opacity_shadows": True}
-    assert cpu.render(made, scene.camera, **options).color.tobytes() == frame.color.tobytes()
+    assert cpu.render(made, scene.camera, **options)["color"].tobytes() == frame["color"].tobytes()
     opaque = hl.Scene(scene.centers, scene.radii, scene.colors)
     plain = cpu.render(opaque, scene.camera, size=(80, 60), look="soft")
     assert opaque.opacities is None and plain.report["layers"] is None
-    assert np.array_equal(plain.id, frame.id) and not np.array_equal(plain.color, frame.color)
+    assert np.array_equal(plain["id"], frame["id"]) and not np.array_equal(plain["color"], frame["color"])
     part = hl.sift(made.centers, made.radii, made.colors, opacities=shares, camera=scene.camera, size=(80, 60))
-    assert np.array_equal(cpu.render(part).color, cpu.render(made, scene.camera, size=(80, 60)).color)
+    assert np.array_equal(cpu.render(part)["color"], cpu.render(made, scene.camera, size=(80, 60))["color"])
     for wrong, words in (
         ({"opacities": [0.5]}, "opacities has 1 rows"),
         ({"opacities": np.where(np.arange(200) == 7, 0, 0.5)}, r"opacities\[7\] is 0"),
