@@ -13,6 +13,7 @@ use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::cell::OnceCell;
 
 /// Pixels that one job peels.
 const PIXELS_PER_JOB: usize = 256;
@@ -55,10 +56,12 @@ impl Peeling<'_> {
             let pixels = (n * PIXELS_PER_JOB..).zip(first).enumerate().filter(|(_, (_, id))| **id != NONE);
             match (&twin, &all) {
                 (Some(twin), _) => {
+                    let candidates = |pixel, id| self.candidates(twin, pixel, id);
                     let lists: Vec<_> =
-                        pixels.map(|(at, (pixel, id))| (at, pixel, self.candidates(twin, pixel, *id))).collect();
-                    let few = Few::of(self, lists.iter().flat_map(|(.., list)| list))?;
-                    lists.into_iter().for_each(|(at, pixel, list)| few.peel(twin, pixel, list, at, &mut layers));
+                        pixels.map(|(at, (pixel, id))| Listed { at, pixel, list: candidates(pixel, *id) }).collect();
+                    let few = OnceCell::new();
+                    let nearest = Nearest { peeling: self, twin, few: &few, lists: &lists };
+                    lists.iter().for_each(|listed| nearest.peel(listed, &mut layers));
                 }
                 (None, Some(judge)) => {
                     pixels.for_each(|(at, (pixel, id))| self.peel_all(judge, pixel, *id, at, &mut layers))
@@ -103,79 +106,84 @@ impl Peeling<'_> {
     }
 }
 
-/// The spheres that the rays of some pixels may hit.
-struct Few<'a> {
+/// The candidates of a pixel, the pixel `at` of its job.
+struct Listed {
+    at: usize,
+    pixel: usize,
+    list: Vec<Candidate>,
+}
+
+/// The search for the nearest hits among the candidates of some pixels.
+struct Nearest<'a> {
     peeling: &'a Peeling<'a>,
+    twin: &'a Certify<'a, f32>,
+    lists: &'a [Listed],
+    /// The judge of these candidates, once it is asked.
+    few: &'a OnceCell<Option<Few>>,
+}
+
+/// A judge of few spheres, with their ids in increasing order, so that the lower id stays the lower.
+struct Few {
     judge: Judge,
-    /// Their ids in the scene, in increasing order, so that the lower id stays the lower.
     ids: Vec<u32>,
 }
 
-impl<'a> Few<'a> {
-    fn of<'b>(peeling: &'a Peeling<'a>, all: impl Iterator<Item = &'b Candidate>) -> Result<Self> {
-        let mut ids: Vec<u32> = all.map(|one| one.id).collect();
-        ids.sort_unstable();
-        ids.dedup();
-        let (scene, mut spheres) = (peeling.scene, Spheres::default());
-        for id in &ids {
-            spheres.push(scene.spheres.centers[*id as usize], scene.spheres.radii[*id as usize], None);
-        }
-        let judge = peeling.view.judge(&Scene { spheres, ..scene.bare() })?;
-        Ok(Self { peeling, judge, ids })
-    }
-
+impl Nearest<'_> {
     /// Writes the layers of one pixel: of its candidates each time the nearest.
-    fn peel(
-        &self,
-        twin: &Certify<'_, f32>,
-        pixel: usize,
-        mut open: Vec<Candidate>,
-        at: usize,
-        layers: &mut [Vec<u32>],
-    ) {
+    fn peel(&self, listed: &Listed, layers: &mut [Vec<u32>]) {
+        let mut open = listed.list.clone();
         for layer in layers {
-            let next = self.nearest(twin, pixel, &mut open).filter(|id| *id != self.peeling.opaque[pixel]);
+            let next = self.of(listed.pixel, &mut open).filter(|id| *id != self.peeling.opaque[listed.pixel]);
             let Some(next) = next else { return };
-            layer[at] = next;
+            layer[listed.at] = next;
             open.retain(|one| one.id != next);
         }
     }
 
     /// The nearest hit among the candidates of a pixel; those that are found to be missed are removed.
-    fn nearest(&self, twin: &Certify<'_, f32>, pixel: usize, open: &mut Vec<Candidate>) -> Option<u32> {
-        let [row, column] = twin.view.position(pixel as u32);
-        let slopes = twin.slopes(row, column);
+    fn of(&self, pixel: usize, open: &mut Vec<Candidate>) -> Option<u32> {
+        let [row, column] = self.twin.view.position(pixel as u32);
+        let slopes = self.twin.slopes(row, column);
         while let Some(foremost) = open.first() {
-            let answer = twin.answer(&slopes, foremost.slot);
+            let answer = self.twin.answer(&slopes, foremost.slot);
             let second = open.get(1).map_or(f32::MAX, |one| one.low);
-            if twin.certain(&answer, [foremost.low, second]) {
+            if self.twin.certain(&answer, [foremost.low, second]) {
                 return Some(foremost.id);
             }
             let limit = if answer.hits { answer.high + VANISH } else { second };
             let count = open.iter().take_while(|one| one.low <= limit).count().max(1);
-            let mut some: Vec<u32> = open[..count].iter().map(|one| self.local(one.id)).collect();
-            some.sort_unstable();
-            some.dedup();
-            match self.judge.among(row, column, &some) {
+            match self.judged([row, column], &open[..count]) {
                 // A hit behind other lower bounds is not known to be the nearest.
-                Some(_) if !answer.hits && count < open.len() => return self.among_all(row, column, open),
-                Some(truth) => return Some(self.ids[truth.id as usize]),
+                Some(_) if !answer.hits && count < open.len() => return self.judged([row, column], open),
+                Some(id) => return Some(id),
                 None => drop(open.drain(..count)),
             }
         }
         None
     }
 
-    fn among_all(&self, row: u32, column: u32, open: &[Candidate]) -> Option<u32> {
-        let mut all: Vec<u32> = open.iter().map(|one| self.local(one.id)).collect();
-        all.sort_unstable();
-        all.dedup();
-        self.judge.among(row, column, &all).map(|truth| self.ids[truth.id as usize])
+    /// The nearest hit of a ray among some spheres, in exact arithmetic.
+    fn judged(&self, [row, column]: [u32; 2], some: &[Candidate]) -> Option<u32> {
+        let Few { judge, ids } = self.few.get_or_init(|| self.few()).as_ref()?;
+        let local = |one: &Candidate| ids.binary_search(&one.id).map_or(u32::MAX, |n| n as u32);
+        let mut some: Vec<u32> = some.iter().map(local).collect();
+        some.sort_unstable();
+        some.dedup();
+        judge.among(row, column, &some).map(|truth| ids[truth.id as usize])
     }
 
-    /// The index of a sphere among these.
-    fn local(&self, id: u32) -> u32 {
-        self.ids.binary_search(&id).map_or(u32::MAX, |n| n as u32)
+    fn few(&self) -> Option<Few> {
+        let Peeling { scene, view, .. } = self.peeling;
+        let mut ids: Vec<u32> = self.lists.iter().flat_map(|listed| &listed.list).map(|one| one.id).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        let mut spheres = Spheres::default();
+        for id in &ids {
+            spheres.push(scene.spheres.centers[*id as usize], scene.spheres.radii[*id as usize], None);
+        }
+        // The view has this camera, and the scene these spheres, so that both are valid.
+        let judge = view.judge(&Scene { spheres, ..scene.bare() }).ok()?;
+        Some(Few { judge, ids })
     }
 }
 
