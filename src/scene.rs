@@ -32,7 +32,7 @@ pub use gradient::SkyColors;
 pub(crate) use gradient::{Gradient, SkyLight};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
-pub use material::{Material, Materials};
+pub use material::{Material, MaterialName, Materials};
 pub use opacity::{check_opacity, is_opacity};
 pub use orient::{Facing, NamedView, Spread};
 pub use outlook::{Outlook, Surroundings};

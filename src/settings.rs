@@ -9,9 +9,9 @@ use crate::error::{Error, Place, Result, named};
 use crate::frame::tone::{Tone, Toning};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
-use crate::quote::setting::{LAYERS, OPACITY, OPACITY_SHADOWS, SUN};
+use crate::quote::setting::{LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN};
 use crate::scene::camera::Aperture;
-use crate::scene::{Scene, Sky};
+use crate::scene::{Material, Scene, Sky};
 use crate::shade::Shade;
 use crate::window::Window;
 use serde::Serialize;
@@ -164,6 +164,15 @@ impl Settings {
             .into_iter()
             .filter(|(given, _)| *given)
             .map(move |(_, setting)| format!("{setting} changes nothing: {why}"))
+    }
+
+    /// A warning about plastic in a picture without a light, whose highlights it would have.
+    pub(crate) fn idle_plastic(&self, scene: &Scene) -> Option<String> {
+        let has_highlights = !scene.lighting.lights.is_empty() && self.shade == Shade::Headlight;
+        let materials = scene.spheres.materials.as_ref().filter(|_| self.asks(&[Aov::Color]) && !has_highlights)?;
+        let is_plastic = |material: &Material| matches!(material, Material::Plastic { .. });
+        let idle = format!("plastic has no highlights: the picture has no light; {SUN} and {LOOK} soft add one");
+        materials.kinds.iter().any(is_plastic).then_some(idle)
     }
 
     /// The error for the buffer `shadow` without a light.

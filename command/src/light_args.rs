@@ -18,8 +18,8 @@ use halfline_files::read::SceneFrame;
 #[command(next_help_heading = "Light")]
 pub(super) struct LightArgs {
     /// Look of the picture, to which other options add: plain (nothing), soft (--samples 4, --silhouette, a sky with 3 rays
-    /// from each pixel's centre, and a light from above left if the scene has none), figure (--shade flat --silhouette
-    /// --depth-cue) [default: the scene file's, else plain; for particles soft, unless --shade or --stream is given].
+    /// from each pixel's centre, and a light from above left if the scene has none), figure (--samples 16, --silhouette,
+    /// and a sky with 8 rays) [default: the scene file's, else plain; for particles soft, unless --shade or --stream is given].
     #[arg(long, value_name = "L", value_parser = looks(), hide_possible_values = true)]
     look: Option<Look>,
     /// Ambient occlusion: a white sky, part of which other spheres hide; N rays for each point [default: the scene
@@ -58,6 +58,9 @@ pub(super) struct LightArgs {
     #[arg(long)]
     opacity_shadows: bool,
 }
+
+/// The light of the look `soft`, in words.
+const LIGHT: &str = ", and a light from above left without shadows if the scene has no light";
 
 /// The inputs that choose a look together with `--look`.
 #[derive(Debug, Clone, Copy)]
@@ -144,9 +147,9 @@ impl LightArgs {
             chosen,
             lens,
             has_picture,
-            shade: shade.or(look.shade()),
+            shade,
             silhouette,
-            depth_cue: self.depth_cue || look.has_depth_cue(),
+            depth_cue: self.depth_cue,
             buffer_sky: light.buffer_sky(),
             has_own_sky: self.occlusion.is_some(),
         })
@@ -180,18 +183,15 @@ impl PictureLook {
     /// The options that the look stands for; `None` for the plain one.
     fn look_words(&self) -> Option<String> {
         let ChosenLook { look, is_default, .. } = self.chosen;
-        let stands_for = match look {
-            Look::Plain => return None,
-            Look::Soft => {
-                let light = "a light from above left without shadows if the scene has no light";
-                let (rays, samples) = (Sky::AT_CENTERS.rays, look.samples());
-                let sky = format!("a sky with {rays} rays from each pixel's centre");
-                let longer = "--occlusion at every sample, which takes much longer";
-                let sky = if self.has_own_sky { format!("{longer} than {sky}") } else { sky };
-                format!("--silhouette --samples {samples}, {sky}, and {light}")
-            }
-            Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
-        };
+        if look == Look::Plain {
+            return None;
+        }
+        let (rays, samples) = (Sky::AT_CENTERS.rays_at_center(look.samples()), look.samples());
+        let sky = format!("a sky with {rays} rays from each pixel's centre");
+        let longer = "--occlusion at every sample, which takes much longer";
+        let sky = if self.has_own_sky { format!("{longer} than {sky}") } else { sky };
+        let light = if look == Look::Soft { LIGHT } else { "" };
+        let stands_for = format!("--silhouette --samples {samples}, {sky}{light}");
         let default = if is_default { " (the default for particles; see --look plain)" } else { "" };
         Some(format!("look {}{default}: {stands_for}", look.name()))
     }
@@ -202,7 +202,7 @@ fn looks() -> impl TypedValueParser<Value = Look> {
         let help = match look {
             Look::Plain => "Nothing",
             Look::Soft => "For particles: depth is visible without any setting",
-            Look::Figure => "For print: flat colours and lines",
+            Look::Figure => "For print: smooth shade and lines",
         };
         PossibleValue::new(look.name()).help(help)
     };

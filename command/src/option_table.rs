@@ -69,7 +69,7 @@ use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tu
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 86] = [
+const OPTIONS: [OptionRow; 88] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),
@@ -93,6 +93,8 @@ const OPTIONS: [OptionRow; 86] = [
     row("cell", Keyword(Read, "cell", NumberOrFlag), NO_PART),
     row("color", Keyword(Read, "color", Rules), 0),
     row("opacity", Keyword(Read, "opacity", Rules), 0),
+    row("material", Keyword(Read, "material", Rules), NO_PART),
+    row("shine", Keyword(Read, "shine", Number), NO_PART),
     row("color_by", Keyword(Read, "color_by", Text), 0),
     row("map", Keyword(Read, "map", Text), CONFIG),
     row("range", Keyword(Read, "range", Tuple), 0),

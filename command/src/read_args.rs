@@ -8,7 +8,7 @@ use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::scene::arrange::{Arrangement, Bead};
-use halfline::scene::is_opacity;
+use halfline::scene::{MaterialName, is_opacity};
 use halfline_files::read::style::{Coloring, Radii, Scale};
 use halfline_files::read::{
     Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style,
@@ -107,6 +107,13 @@ pub(super) struct ColorArgs {
     /// r,g,b in linear RGB. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
     color: Vec<Rule<[f32; 3]>>,
+    /// Material in pictures of all spheres, or with EXPR=M of selected ones: matte, plastic (with highlights of lights), metal (a
+    /// mirror of its colour), glass. Repeated, later ones win.
+    #[arg(long, value_name = "[EXPR=]M", value_parser = material_rule)]
+    material: Vec<Rule<MaterialName>>,
+    /// Exponent of the highlights of plastic; the greater, the smaller they are [default: 40].
+    #[arg(long, value_name = "N", value_parser = positive("number"), allow_negative_numbers = true)]
+    shine: Option<f64>,
     /// Opacity in pictures of all spheres, or with EXPR=A of selected ones: above 0, and at most 1. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]A", value_parser = opacity_rule, allow_negative_numbers = true)]
     opacity: Vec<Rule<f32>>,
@@ -201,11 +208,20 @@ impl ColorArgs {
     /// # Errors
     /// [`Error::Settings`] for one colour and a column.
     pub(super) fn of(&self, options: ReadOptions) -> Result<ReadOptions> {
+        let is_plastic = |rule: &Rule<MaterialName>| rule.value == MaterialName::Plastic;
+        if self.shine.is_some() && !self.material.iter().any(is_plastic) {
+            let problem = "--shine belongs to plastic, and no sphere is made of it";
+            return Err(Error::settings(problem, "add --material plastic, or remove --shine"));
+        }
+        let shine = self.shine.map(|shine| shine as f32);
+        let material = |name: MaterialName| name.material(shine);
         let style = Style {
             coloring: self.coloring()?,
             paints: Rule::selected(&self.color),
             opacity: Rule::for_all(&self.opacity),
             fades: Rule::selected(&self.opacity),
+            material: Rule::for_all(&self.material).map(material),
+            matters: Rule::selected(&self.material).into_iter().map(|(of, name)| (of, material(name))).collect(),
             ..options.style
         };
         Ok(ReadOptions { style, ..options })
@@ -274,6 +290,10 @@ fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
 
 fn color_rule(text: &str) -> Result<Rule<[f32; 3]>, String> {
     Rule::parse(text, color)
+}
+
+fn material_rule(text: &str) -> Result<Rule<MaterialName>, String> {
+    Rule::parse(text, |name| name.parse().map_err(|error: Error| error.to_string()))
 }
 
 fn opacity_rule(text: &str) -> Result<Rule<f32>, String> {

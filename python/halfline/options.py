@@ -59,7 +59,7 @@ class Options(TypedDict, total=False):
     """The allowed relative error of distances; 1e-5 where it is not given."""
     samples: int | None
     """Samples per pixel of color and alpha; all other buffers are those of the pixel's centre. By
-    default those of the scene file, else those of the look: 1, or 4 for soft.
+    default those of the scene file, else those of the look: 1, 4 for soft, 16 for figure.
     """
     seed: int
     """Seed of the sample positions."""
@@ -67,9 +67,8 @@ class Options(TypedDict, total=False):
     """How a hit is shaded."""
     look: Literal["plain", "soft", "figure"] | None
     """Several options in one: soft is 4 samples, silhouette, a sky and a light from above left;
-    figure is flat colours, silhouette and depth_cue. By default that of the scene file; a scene
-    that was read from a file of particles is soft unless shade is given. ``report["look"]`` names
-    it.
+    figure is 16 samples, silhouette and a sky. By default that of the scene file; a scene that was
+    read from a file of particles is soft unless shade is given. ``report["look"]`` names it.
     """
     exposure: float
     """Light of pictures in 8 and 16 bits is multiplied by 2 to this power; the buffer color and

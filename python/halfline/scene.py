@@ -326,6 +326,8 @@ def read(
     radius_scale: float = 1.0,
     color: Color | Mapping[str, Color] | None = None,
     opacity: float | Mapping[str, float] | None = None,
+    material: str | Mapping[str, str] | None = None,
+    shine: float | None = None,
     color_by: str | Iterable[str] | None = None,
     map: str | None = None,
     range: tuple[float, float] | None = None,
@@ -365,6 +367,9 @@ def read(
         color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, or
             linear RGB.
         opacity: One opacity in pictures for all, or ``{expression: opacity}``: above 0, and at most 1.
+        material: One material in pictures for all, or ``{expression: material}``: ``"matte"``,
+            ``"plastic"``, ``"metal"`` or ``"glass"``.
+        shine: Exponent of the highlights of plastic, 40 by default.
         color_by: The column, or the columns of a vector, that gives the colours: ``"element"``,
             ``"chain"``, ``"vx,vy,vz"``.
         map: Colour map of ``color_by``.
@@ -469,9 +474,11 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         if color_by is None:
             raise ValueError("map, range and log belong to color_by; give a column with color_by=")
     radius, color, opacity = given["radius"], given["color"], given["opacity"]
+    material, shine = given["material"], given["shine"]
     sizes = dict(radius) if isinstance(radius, Mapping) else {}
     paints = dict(color) if isinstance(color, Mapping) else {}
     fades = dict(opacity) if isinstance(opacity, Mapping) else {}
+    matters = dict(material) if isinstance(material, Mapping) else {}
     planes = [
         [number(f"clip[{k}]", x) for x in _several(f"clip[{k}]", plane, 4)]
         for k, plane in enumerate(given["clip"])
@@ -519,6 +526,14 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
             (word("opacity", key), number(f"opacity[{key!r}]", value))
             for key, value in fades.items()
         ],
+        "material": None
+        if material is None or isinstance(material, Mapping)
+        else word("material", material),
+        "material_of": [
+            (word("material", key), word(f"material[{key!r}]", value))
+            for key, value in matters.items()
+        ],
+        "shine": None if shine is None else number("shine", shine),
         "color_by": color_by,
         "range": limits,
         "copies": None if copies is None else list(wholes("copies", copies, 3, 1)),

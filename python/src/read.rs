@@ -5,7 +5,7 @@ use crate::scene::{Scene, bead};
 use crate::work::Job;
 use halfline::error::{Error, Result};
 use halfline::scene::arrange::Arrangement;
-use halfline::scene::is_opacity;
+use halfline::scene::{Material, MaterialName, is_opacity};
 use halfline_files::read::style::{self, Coloring, Scale};
 use halfline_files::read::{
     Altloc, ColumnNames, FixedCamera, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection,
@@ -41,6 +41,9 @@ pub(crate) struct Options {
     color_of: Vec<(String, [f32; 3])>,
     opacity: Option<f32>,
     opacity_of: Vec<(String, f32)>,
+    material: Option<String>,
+    material_of: Vec<(String, String)>,
+    shine: Option<f32>,
     color_by: Option<String>,
     map: Option<String>,
     range: Option<[f64; 2]>,
@@ -91,6 +94,25 @@ impl Options {
         })
     }
 
+    /// The material with this name.
+    fn material(&self, name: &str) -> Result<Material> {
+        Ok(name.parse::<MaterialName>()?.material(self.shine))
+    }
+
+    /// The materials of selected particles.
+    fn matters(&self) -> Result<Vec<(Selection, Material)>> {
+        let plastic = |name: &str| name == MaterialName::Plastic.name();
+        let mut names = self.material.iter().chain(self.material_of.iter().map(|(_, name)| name));
+        if self.shine.is_some() && !names.any(|name| plastic(name)) {
+            let problem = "shine belongs to plastic, and no sphere is made of it";
+            return Err(Error::settings(problem, "add material=\"plastic\", or remove shine"));
+        }
+        if let Some(shine) = self.shine.filter(|shine| !(*shine > 0.0 && shine.is_finite())) {
+            return Err(Error::settings(format!("shine is {shine}"), "give a positive number"));
+        }
+        self.material_of.iter().map(|(expression, name)| Ok((expression.parse()?, self.material(name)?))).collect()
+    }
+
     fn options(&self, job: &Job) -> Result<ReadOptions> {
         let selections = |given: &[String]| given.iter().map(|text| text.parse()).collect::<Result<Vec<Selection>>>();
         // The package has checked that they are numbers.
@@ -133,6 +155,8 @@ impl Options {
                     .into_iter()
                     .map(|(of, x)| Ok((of, opacity(x)?)))
                     .collect::<Result<_>>()?,
+                material: self.material.as_deref().map(|name| self.material(name)).transpose()?,
+                matters: self.matters()?,
                 ..Style::default()
             },
             keep: match self.keep.0.as_str() {

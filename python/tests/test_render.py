@@ -226,6 +226,23 @@ def test_translucent_spheres_are_those_of_the_command(cpu: hl.Renderer, tmp_path
         cpu.render(scene, layers=65)
 
 
+def test_materials_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> None:
+    file = tmp_path / "two.xyz"
+    file.write_text("2\ntwo\nC -1.8 0 0\nO 1.8 0 0\n")
+    picture = tmp_path / "command.npy"
+    rules = ("--material", "element O=plastic", "--material", "element C=metal", "--shine", "9")
+    run(commands()[0], "render", file, "-o", picture, "--size", "80x60", "--backend", "cpu", *rules)
+    materials = {"element O": "plastic", "element C": "metal"}
+    scene = hl.read(file, size=(80, 60), material=materials, shine=9)
+    assert cpu.render(scene)["color"].tobytes() == np.load(picture).tobytes()
+    with pytest.raises(ValueError, match="wood"):
+        hl.read(file, material="wood")
+    with pytest.raises(ValueError, match="shine belongs to plastic"):
+        hl.read(file, shine=9)
+    with pytest.raises(ValueError, match="shine is -1"):
+        hl.read(file, material="plastic", shine=-1)
+
+
 def test_poses_of_opengl_are_those_of_opencv_with_two_axes_turned() -> None:
     q, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
     opencv = np.eye(4)

@@ -327,6 +327,8 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         "radius",
         "color",
         "opacity",
+        "material",
+        "shine",
         "color_by",
         "range",
         "clip",

@@ -233,7 +233,7 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
     let lights: u64 = scene.lighting.lights.iter().map(of_light).sum();
     let lights = if has_shadows(plan, scene, settings) { lights } else { 0 };
     let of_sky = |sky: Sky| match sky.at_centers && settings.aperture.is_none() {
-        true => u64::from(lights::center_rays(sky, samples)) * points.min(1),
+        true => u64::from(sky.rays_at_center(samples)) * points.min(1),
         false => u64::from(sky.rays) * points,
     };
     let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color).or(settings.sky(scene)).map_or(0, of_sky);

@@ -217,7 +217,7 @@ impl Renderer {
     /// The report of a frame before it is computed: the decisions of the plan; counts and times are 0 or empty.
     fn report(&self, plan: &Plan, scene: &Scene, settings: &Settings, samples: Option<Raster>) -> Report {
         let on_device = self.is_gpu() && self.refused.is_none();
-        let idle = settings.idle_layers().filter(|_| !plan.see_through);
+        let idle = settings.idle_layers().filter(|_| !plan.see_through).chain(settings.idle_plastic(scene));
         Report {
             schema: "halfline-render",
             version: 1,

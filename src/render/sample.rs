@@ -5,7 +5,6 @@ use super::lens::LensPasses;
 use super::light::{FrameContext, LightRequest, LightSetup};
 use super::opaque::Opaque;
 use super::plan::Plan;
-use super::plan::lights::center_rays;
 use super::renderer::Renderer;
 use super::see_through::{WholeFrame, lay_over};
 use super::setup::FrameSetup;
@@ -56,7 +55,7 @@ impl Sampling<'_> {
         let (lights, sky) = (self.lights?, self.scene.lighting.sky?);
         // With an open lens a sample may hit spheres that no centre sees.
         let at_centers = sky.at_centers && self.settings.aperture.is_none();
-        let rays = if at_centers { center_rays(sky, samples) } else { sky.rays };
+        let rays = if at_centers { sky.rays_at_center(samples) } else { sky.rays };
         let of_pixel = if at_centers { rays } else { rays.saturating_mul(samples) };
         Some(PictureSky { lights, sky: Sky { rays, ..sky }, at_centers, smoothing: Smoothing::of(of_pixel) })
     }

@@ -86,6 +86,13 @@ impl Sky {
 
     /// Few rays from the centres of pixels.
     pub const AT_CENTERS: Self = Self { rays: 3, reach: f64::INFINITY, at_centers: true, colors: None, share: 1.0 };
+
+    /// The rays at a pixel's centre, for pixels of so many samples: no fewer than half of the samples, so that the noise falls with
+    /// their number.
+    #[must_use]
+    pub fn rays_at_center(&self, samples: u32) -> u32 {
+        self.rays.max(samples / 2)
+    }
 }
 
 /// The most rays for a point.

@@ -1,7 +1,7 @@
 //! Materials of spheres.
 
 use super::List;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, named};
 
 /// The reflection and transmission of light by a sphere. The sphere's colour is that of its diffuse reflection, and of
 /// a metal's mirror image.
@@ -20,6 +20,13 @@ pub enum Material {
         /// Index of refraction.
         index: f64,
     },
+    /// Diffuse reflection by Lambert's law, with the white highlights of lights on it, and no mirror image.
+    Plastic {
+        /// The share of a light that its highlight adds, 0 to 1.
+        gloss: f32,
+        /// The exponent of the cosine in a highlight.
+        shine: f32,
+    },
     /// A mirror that takes the sphere's colour.
     Metal {
         /// Radius of the ball by which reflected directions of length 1 are scattered, 0 to 1.
@@ -32,6 +39,34 @@ pub enum Material {
     },
 }
 
+/// The name of a material, whose numbers are the usual ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MaterialName {
+    /// Diffuse reflection only.
+    Matte,
+    /// [`Material::Plastic`].
+    Plastic,
+    /// [`Material::Metal`], without scattering.
+    Metal,
+    /// [`Material::Glass`].
+    Glass,
+}
+
+named! { MaterialName, "material", Matte "matte" Plastic "plastic" Metal "metal" Glass "glass" }
+
+impl MaterialName {
+    /// The material, with this exponent for highlights of plastic.
+    #[must_use]
+    pub fn material(self, shine: Option<f32>) -> Material {
+        match self {
+            Self::Matte => Material::default(),
+            Self::Plastic => Material::Plastic { gloss: Material::GLOSS, shine: shine.unwrap_or(Material::SHINE) },
+            Self::Metal => Material::Metal { fuzz: 0.0 },
+            Self::Glass => Material::Glass { index: Material::INDEX },
+        }
+    }
+}
+
 impl Default for Material {
     /// Diffuse reflection only.
     fn default() -> Self {
@@ -40,12 +75,19 @@ impl Default for Material {
 }
 
 impl Material {
+    /// The usual gloss and shine of plastic.
+    pub const GLOSS: f32 = 0.8;
+    /// The usual exponent of highlights.
+    pub const SHINE: f32 = 40.0;
+    /// The usual index of refraction of glass.
+    pub const INDEX: f64 = 1.5;
+
     /// Whether light passes through it.
     #[must_use]
     pub fn is_clear(&self) -> bool {
         match *self {
             Self::Phong { transmission, .. } => transmission > 0.0,
-            Self::Metal { .. } => false,
+            Self::Plastic { .. } | Self::Metal { .. } => false,
             Self::Glass { .. } => true,
         }
     }
@@ -55,6 +97,7 @@ impl Material {
     pub fn bounces(&self) -> bool {
         match *self {
             Self::Phong { specular, transmission, .. } => specular > 0.0 || transmission > 0.0,
+            Self::Plastic { .. } => false,
             Self::Metal { .. } | Self::Glass { .. } => true,
         }
     }
@@ -79,6 +122,10 @@ impl Material {
                 share("shine", shine, f32::MAX)?;
                 share("transmission", transmission, 1.0)?;
                 if transmission > 0.0 { index(n) } else { Ok(()) }
+            }
+            Self::Plastic { gloss, shine } => {
+                share("gloss", gloss, 1.0)?;
+                share("shine", shine, f32::MAX)
             }
             Self::Metal { fuzz } => share("fuzz", fuzz, 1.0),
             Self::Glass { index: n } => index(n),

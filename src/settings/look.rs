@@ -6,10 +6,11 @@ use crate::scene::{Light, LightSource, Lighting, Materials, Scene, Sky};
 use crate::shade::Shade;
 use glam::DVec3;
 
-/// Samples per pixel of the look `soft`.
+/// Samples per pixel of the looks `soft` and `figure`.
 const SOFT_SAMPLES: u32 = 4;
+const FIGURE_SAMPLES: u32 = 16;
 
-/// A preset: one name for shading, lines, depth cue, sky and samples.
+/// A preset: one name for lines, sky, light and samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Look {
     /// No preset.
@@ -17,41 +18,33 @@ pub enum Look {
     Plain,
     /// For particles: a sky, lines, and a light from above left of the camera where the scene has none.
     Soft,
-    /// For print: flat colours, lines, and depth that fades.
+    /// For print: a sky alone, lines, and many samples.
     Figure,
 }
 
 named! { Look, "look", Plain "plain" Soft "soft" Figure "figure" }
 
 impl Look {
-    /// The shading that it stands for, if any.
-    #[must_use]
-    pub fn shade(self) -> Option<Shade> {
-        (self == Self::Figure).then_some(Shade::Flat)
-    }
-
     /// Whether dark lines are drawn where the depth jumps.
     #[must_use]
     pub fn has_silhouette(self) -> bool {
         self != Self::Plain
     }
 
-    /// Whether colours fade with depth.
-    #[must_use]
-    pub fn has_depth_cue(self) -> bool {
-        self == Self::Figure
-    }
-
     /// The sky that it stands for, if any.
     #[must_use]
     pub fn sky(self) -> Option<Sky> {
-        (self == Self::Soft).then_some(Sky::AT_CENTERS)
+        (self != Self::Plain).then_some(Sky::AT_CENTERS)
     }
 
     /// Samples per pixel that it stands for.
     #[must_use]
     pub fn samples(self) -> u32 {
-        if self == Self::Soft { SOFT_SAMPLES } else { 1 }
+        match self {
+            Self::Plain => 1,
+            Self::Soft => SOFT_SAMPLES,
+            Self::Figure => FIGURE_SAMPLES,
+        }
     }
 }
 

@@ -119,7 +119,8 @@ fn looks_stand_for_options() {
         ("scene.toml --look soft --occlusion 64 --depth-cue", json!([1, 64, 4, true, true])),
         ("scene.toml --look soft --sun 0,0,1 --sun 0,1,0", json!([2, 3, 4, true, false])),
         ("lit.toml --look soft", json!([1, 32, 4, true, false])),
-        ("scene.toml --look figure", json!([0, null, 1, true, true])),
+        ("scene.toml --look figure", json!([0, 3, 16, true, false])),
+        ("scene.toml --look figure --samples 4 --depth-cue", json!([0, 3, 4, true, true])),
         ("scene.toml --silhouette", json!([0, null, 1, true, false])),
         ("scene.toml --depth-cue", json!([0, null, 1, false, true])),
     ] {

@@ -38,6 +38,7 @@ mod lens;
 mod light;
 mod limits;
 mod looks;
+mod materials;
 mod merge;
 mod messages;
 mod one_look;

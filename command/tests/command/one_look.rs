@@ -54,7 +54,7 @@ fn what_is_requested_besides_leaves_the_look() {
         assert_eq!(code, 0, "{err}");
         assert!(dir.array("p.png").0 == usual, "{variable:?}");
     }
-    // Smoother or coarser outlines move pixels by 1 to 4 levels in the mean, another light by 13 or more.
+    // Smoother or coarser outlines move pixels by 1 to 4 levels in the mean, another light by 9 or more.
     let off = |other: &[f64]| usual.iter().zip(other).map(|(a, b)| (a - b).abs()).sum::<f64>() / usual.len() as f64;
     for (options, is_near) in [
         ("--samples 1", true),
@@ -66,7 +66,7 @@ fn what_is_requested_besides_leaves_the_look() {
         ("--look figure", false),
     ] {
         let off = off(&picture(&dir, options));
-        assert!(if is_near { off < 5.0 } else { off > 10.0 }, "{options}: {off}");
+        assert!(if is_near { off < 5.0 } else { off > 8.0 }, "{options}: {off}");
     }
     let larger = mean(&picture(&dir, "--size 120x100"));
     // Lines are 1.3 pixels wide at each size: they darken the smaller picture by 2 levels more.

@@ -6,7 +6,7 @@ use crate::rng::Rng;
 use crate::test_dir::TestDir;
 
 /// Values of options; "" is the option alone. Those of a scene file and of particles.
-const OF_SCENES: [(&str, &[&str]); 37] = [
+const OF_SCENES: [(&str, &[&str]); 40] = [
     ("--eye", &["0.3,0.2,4", "0,0,3"]),
     ("--at", &["0.1,0,0", "0,0.2,0"]),
     ("--view", &["0,0,-1", "left"]),
@@ -37,6 +37,9 @@ const OF_SCENES: [(&str, &[&str]); 37] = [
     ("--outline-width", &["0.5", "3"]),
     ("--outline-color", &["teal", "1,0.5,0.2"]),
     ("--depth-cue", &[""]),
+    ("--opacity", &["0.4", "0.9"]),
+    ("--layers", &["1", "2"]),
+    ("--opacity-shadows", &[""]),
     ("--shade", &["flat", "headlight", "normal", "lights"]),
     ("--accuracy", &["fast", "certified", "exact"]),
     ("--method", &["textbook", "stable", "double-float"]),
@@ -45,7 +48,7 @@ const OF_SCENES: [(&str, &[&str]); 37] = [
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),
 ];
-const OF_PARTICLES: [(&str, &[&str]); 17] = [
+const OF_PARTICLES: [(&str, &[&str]); 20] = [
     ("--select", &["x > 0", "element O"]),
     ("--hide", &["element H"]),
     ("--radii", &["vdw", "covalent"]),
@@ -57,6 +60,9 @@ const OF_PARTICLES: [(&str, &[&str]); 17] = [
     ("--cell", &["", "=0.05"]),
     ("--color", &["red", "element O=blue"]),
     ("--color-by", &["vx", "element", "x"]),
+    ("--opacity", &["0.4", "element O=0.5"]),
+    ("--material", &["plastic", "element O=plastic", "metal"]),
+    ("--shine", &["5"]),
     ("--map", &["magma", "grays"]),
     ("--range", &["0,1", "0,3"]),
     ("--log", &[""]),

@@ -109,7 +109,7 @@ fn bytes(mut reader: Input, path: &Path) -> Result<Vec<u8>> {
 }
 
 /// The keys of a `[[sphere]]`; those after the opacity are its material.
-const SPHERE: [&str; 11] = [
+const SPHERE: [&str; 12] = [
     "center",
     "radius",
     "color",
@@ -117,6 +117,7 @@ const SPHERE: [&str; 11] = [
     "material",
     "diffuse",
     "specular",
+    "gloss",
     "shine",
     "transmission",
     "index",

@@ -148,14 +148,7 @@ impl ReadOptions {
 
     /// The selections of the options and of the style, by their use.
     pub(super) fn selections(&self) -> Selections<'_> {
-        Selections {
-            select: &self.select,
-            hide: &self.hide,
-            marks: &self.marks,
-            paints: self.style.paints.iter().map(|(selection, _)| selection).collect(),
-            sizes: self.style.sizes.iter().map(|(selection, _)| selection).collect(),
-            fades: self.style.fades.iter().map(|(selection, _)| selection).collect(),
-        }
+        Selections { select: &self.select, hide: &self.hide, marks: &self.marks, rules: self.style.rules() }
     }
 }
 

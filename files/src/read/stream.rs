@@ -6,7 +6,7 @@ use super::native::{self, NamedSpheres};
 use super::open::open as open_particles;
 use super::options::ReadOptions;
 use super::particles::colors::ColorSurvey;
-use super::particles::frame::{ParticleFrames, Particles};
+use super::particles::frame::{ParticleFrames, Particles, RuleTarget};
 use super::particles::periodic::Periodic;
 use super::particles::survey::{Part, Survey};
 use super::select::{self, Note, Notes};
@@ -19,7 +19,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
 use halfline::quote::count;
-use halfline::quote::setting::{COLOR, FRAMES, MAP, RADIUS, RANGE, STREAM, UNWRAP, WRAP};
+use halfline::quote::setting::{COLOR, FRAMES, MAP, MATERIAL, RADIUS, RANGE, STREAM, UNWRAP, WRAP};
 use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -248,7 +248,7 @@ impl SphereBlocks {
         if left == 0 {
             return Ok(Spheres::default());
         }
-        let lacks_radius = || (0..left).any(|n| !part.is_sized(n));
+        let lacks_radius = || (0..left).any(|n| part.rule(RuleTarget::Radius, n).is_none());
         if style.default_radius.is_none() && spaced.is_some() && lacks_radius() {
             let problem = "the file has no radii, and half the mean spacing needs all particles";
             return Err(Error::settings(problem, format!("add {RADIUS}, or remove {STREAM}")));
@@ -462,6 +462,11 @@ fn check(options: &ReadOptions) -> Result<()> {
         (format!("{WRAP} and {UNWRAP} need all particles in memory"), "remove them".to_owned())
     } else if options.topology.is_some() {
         ("a trajectory with a topology is not read as a stream".to_owned(), format!("remove {STREAM}"))
+    } else if options.style.has_materials() {
+        (
+            "materials are seen under lights, which need all particles in memory".to_owned(),
+            format!("remove {MATERIAL}, or {STREAM}"),
+        )
     } else if options.frames.count() > 1 {
         ("a stream is one frame".to_owned(), format!("select one with {FRAMES} N"))
     } else {

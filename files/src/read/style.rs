@@ -8,7 +8,7 @@ mod scale;
 pub use super::color::color;
 pub use scale::Scale;
 
-use super::particles::frame::Particles;
+use super::particles::frame::{Particles, RuleTarget};
 use super::select::selection::Selection;
 use super::skipped::Skipped;
 pub(super) use categories::joined_elements;
@@ -18,7 +18,7 @@ use halfline::frame::srgb;
 use halfline::memory::check_spheres;
 use halfline::quote::setting::{COLOR_BY, RADIUS};
 use halfline::quote::{number, quote};
-use halfline::scene::{DEFAULT_COLOR, Spheres, check_sphere, is_center, is_radius};
+use halfline::scene::{DEFAULT_COLOR, Material, Materials, Spheres, check_sphere, is_center, is_radius};
 
 use super::color::of_hex;
 use super::elements::{Element, element};
@@ -45,6 +45,10 @@ pub struct Style {
     pub opacity: Option<f32>,
     /// Opacities of selected particles; later ones win.
     pub fades: Vec<(Selection, f32)>,
+    /// One material for all, overriding the file.
+    pub material: Option<Material>,
+    /// Materials of selected particles; later ones win.
+    pub matters: Vec<(Selection, Material)>,
 }
 
 impl Default for Style {
@@ -60,6 +64,8 @@ impl Default for Style {
             sizes: Vec::new(),
             opacity: None,
             fades: Vec::new(),
+            material: None,
+            matters: Vec::new(),
         }
     }
 }
@@ -130,11 +136,17 @@ impl Style {
         }
     }
 
-    /// The selections of its rules.
+    /// The selections of its rules, by [`RuleTarget`].
+    pub(super) fn rules(&self) -> [Vec<&Selection>; RuleTarget::COUNT] {
+        fn of<T>(rules: &[(Selection, T)]) -> Vec<&Selection> {
+            rules.iter().map(|(selection, _)| selection).collect()
+        }
+        [of(&self.paints), of(&self.sizes), of(&self.fades), of(&self.matters)]
+    }
+
+    /// The selections of all its rules.
     pub(super) fn selections(&self) -> impl Iterator<Item = &Selection> {
-        let paints = self.paints.iter().map(|(selection, _)| selection);
-        let sizes = self.sizes.iter().map(|(selection, _)| selection);
-        paints.chain(sizes).chain(self.fades.iter().map(|(selection, _)| selection))
+        self.rules().into_iter().flatten()
     }
 
     /// Applies the style to spheres that already have radii.
@@ -147,6 +159,9 @@ impl Style {
         }
         if let Some(opacity) = self.opacity {
             spheres.opacities = Some(vec![opacity; spheres.len()].into());
+        }
+        if let Some(material) = self.material {
+            spheres.materials = Some(Materials { kinds: vec![material], of: vec![0; spheres.len()].into() });
         }
         let scale = self.radius_scale;
         spheres.radii.to_mut().par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
@@ -202,9 +217,10 @@ impl Style {
         let mut radii = self.radii_of(&particles, spaced, &mut skipped);
         self.apply_rules(&particles, &mut colors, &mut radii);
         let opacities = self.opacities(&particles).map(Into::into);
+        let materials = self.materials(&particles);
         let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (std::mem::take(&mut particles.positions).into(), colors.map(Into::into));
-        let spheres = Spheres { centers, radii: radii.into(), colors, materials: None, opacities };
+        let spheres = Spheres { centers, radii: radii.into(), colors, materials, opacities };
         let of_two = |(center, radius)| !(is_center(center) & is_radius(radius));
         let all = || spheres.centers.par_iter().zip(&spheres.radii);
         if let Some(n) = (!are_checked).then(all).and_then(|all| all.position_first(of_two)) {
@@ -216,7 +232,10 @@ impl Style {
 
     /// Whether the radii of the spheres are those of the file.
     fn keeps_radii(&self, particles: &Particles) -> bool {
-        self.radius.is_none() && self.radius_scale == 1.0 && !particles.radii.is_empty() && particles.size.is_empty()
+        self.radius.is_none()
+            && self.radius_scale == 1.0
+            && !particles.radii.is_empty()
+            && !particles.has_rules(RuleTarget::Radius)
     }
 
     /// The radius before it is scaled, where the file has neither radii nor elements. It is of all particles of a frame, before some are
@@ -240,17 +259,18 @@ impl Style {
 
     /// Applies the colours and radii of selected particles.
     fn apply_rules(&self, particles: &Particles, colors: &mut Option<Colors>, radii: &mut [f64]) {
-        // Rules count from 1; 0 is none.
-        let rule = |number: u16| usize::from(number).checked_sub(1);
-        if !particles.paint.is_empty() {
+        if particles.has_rules(RuleTarget::Color) {
             let colors = colors.get_or_insert_with(|| vec![DEFAULT_COLOR; radii.len()]);
-            colors.par_iter_mut().zip(&particles.paint).for_each(|(color, number)| {
-                *color = rule(*number).map_or(*color, |rule| self.paints[rule].1);
+            colors.par_iter_mut().enumerate().for_each(|(n, color)| {
+                *color = particles.rule(RuleTarget::Color, n).map_or(*color, |rule| self.paints[rule].1);
             });
         }
-        radii.par_iter_mut().zip(&particles.size).for_each(|(radius, number)| {
-            *radius = rule(*number).map_or(*radius, |rule| self.sizes[rule].1 * self.radius_scale);
-        });
+        if particles.has_rules(RuleTarget::Radius) {
+            radii.par_iter_mut().enumerate().for_each(|(n, radius)| {
+                let own = |rule: usize| self.sizes[rule].1 * self.radius_scale;
+                *radius = particles.rule(RuleTarget::Radius, n).map_or(*radius, own);
+            });
+        }
     }
 
     /// The opacities, where the style has any, so that all parts of a file have them or none.
@@ -259,19 +279,34 @@ impl Style {
             return None;
         }
         let of_all = self.opacity.unwrap_or(1.0);
-        let rule = |number: Option<&u16>| number.and_then(|number| usize::from(*number).checked_sub(1));
-        let of = |n: usize| rule(particles.fade.get(n)).map_or(of_all, |rule| self.fades[rule].1);
+        let of = |n: usize| particles.rule(RuleTarget::Opacity, n).map_or(of_all, |rule| self.fades[rule].1);
         Some((0..particles.positions.len()).into_par_iter().map(of).collect())
+    }
+
+    /// Whether it gives spheres materials.
+    pub(super) fn has_materials(&self) -> bool {
+        self.material.is_some() || !self.matters.is_empty()
+    }
+
+    /// The materials, where the style has any.
+    fn materials(&self, particles: &Particles) -> Option<Materials> {
+        if !self.has_materials() {
+            return None;
+        }
+        let of_all = self.material.unwrap_or_default();
+        let kinds = [of_all].into_iter().chain(self.matters.iter().map(|(_, material)| *material)).collect();
+        let of = |n: usize| particles.rule(RuleTarget::Material, n).map_or(0, |rule| rule as u32 + 1);
+        Some(Materials { kinds, of: (0..particles.positions.len()).into_par_iter().map(of).collect::<Vec<_>>().into() })
     }
 
     /// The number of particles that each rule for colours applies to, then of those that each rule for opacities does.
     pub(super) fn painted(&self, particles: &Particles) -> Vec<u64> {
-        let count = |rules: usize, numbers: &[u16]| {
+        let count = |rules: usize, target: RuleTarget| {
             let mut counts = vec![0_u64; rules];
-            numbers.iter().filter_map(|rule| usize::from(*rule).checked_sub(1)).for_each(|rule| counts[rule] += 1);
+            (0..particles.positions.len()).filter_map(|n| particles.rule(target, n)).for_each(|rule| counts[rule] += 1);
             counts
         };
-        [count(self.paints.len(), &particles.paint), count(self.fades.len(), &particles.fade)].concat()
+        [count(self.paints.len(), RuleTarget::Color), count(self.fades.len(), RuleTarget::Opacity)].concat()
     }
 
     /// The legend with a row for each rule that gives some particle its colour or its opacity, by the numbers of [`Self::painted`]; a
@@ -306,7 +341,7 @@ impl Style {
             return vec![radius * scale; n];
         }
         let count = |lacks: &(dyn Fn(usize) -> bool + Sync)| {
-            (0..n).into_par_iter().filter(|n| !particles.is_sized(*n) && lacks(*n)).count()
+            (0..n).into_par_iter().filter(|n| particles.rule(RuleTarget::Radius, *n).is_none() && lacks(*n)).count()
         };
         if !particles.radii.is_empty() {
             let missing = count(&|n| particles.radii[n].is_nan());
@@ -357,7 +392,7 @@ impl Style {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
             Coloring::File if !particles.colors.is_empty() => Some(std::mem::take(&mut particles.colors)),
             Coloring::File => {
-                let legend = || categories::elements(&particles.elements, &particles.paint);
+                let legend = || categories::elements(&particles.elements, &particles.rules[RuleTarget::Color as usize]);
                 return Ok(elements().map_or((None, None), |colors| (Some(colors), Some(legend()))));
             }
             Coloring::Element => {
@@ -367,7 +402,10 @@ impl Style {
                         format!("remove {COLOR_BY}, or use a column"),
                     )
                 })?;
-                return Ok((Some(colors), Some(categories::elements(&particles.elements, &particles.paint))));
+                return Ok((
+                    Some(colors),
+                    Some(categories::elements(&particles.elements, &particles.rules[RuleTarget::Color as usize])),
+                ));
             }
             Coloring::Column(scale) => {
                 let (colors, legend) = scale.apply(particles, skipped)?;

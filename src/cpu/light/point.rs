@@ -120,6 +120,7 @@ impl<'a> PointLight<'a> {
         self.mirrored = reflected(along, surface.normal);
         self.shine = match self.lighting.material(surface.id) {
             Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
+            Material::Plastic { shine, .. } => shine,
             _ => 0.0,
         };
         for n in 0..self.lights.len() {
@@ -436,6 +437,7 @@ impl<'a> PointLight<'a> {
         let lights = &scene.lighting.lights;
         let (diffuse, specular) = match self.lighting.material(surface.id) {
             Material::Phong { diffuse, specular, .. } => (diffuse, specular),
+            Material::Plastic { gloss, .. } => (1.0, gloss),
             // Without bounces mirrors and glass are like any other sphere.
             Material::Metal { .. } | Material::Glass { .. } if self.lighting.bounces == 0 => (1.0, 0.0),
             Material::Metal { .. } | Material::Glass { .. } => (0.0, 0.0),

@@ -2,7 +2,7 @@
 
 use crate::cpu::light::LightOutputs;
 use crate::frame::Aov;
-use crate::scene::{BOUNCES, Materials, Scene, Sky};
+use crate::scene::{BOUNCES, Materials, Scene};
 use crate::settings::Settings;
 use crate::shade::Shade;
 use crate::view::directions::RIM;
@@ -38,12 +38,6 @@ const LIGHT_POINTS: u32 = 64;
 /// The rays of a pixel to one light with a size, over all its samples; one sample has more rays, to the rim.
 pub(crate) fn light_rays(samples: u32) -> u32 {
     light_points(samples) * samples + if samples == 1 { RIM } else { 0 }
-}
-
-/// The rays of a sky at a pixel's centre, for pixels of so many samples: no fewer than half of the samples, so that the noise
-/// falls with their number.
-pub(crate) fn center_rays(sky: Sky, samples: u32) -> u32 {
-    sky.rays.max(samples / 2)
 }
 
 /// The points of a light with a size for each of so many samples of a pixel.

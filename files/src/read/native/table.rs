@@ -82,6 +82,7 @@ impl TomlName {
             (_, "material") => "material = \"metal\"",
             (_, "diffuse") => "diffuse = 1.0",
             (_, "specular") => "specular = 0.5",
+            (_, "gloss") => "gloss = 0.8",
             (_, "shine") => "shine = 30.0",
             (_, "transmission") => "transmission = 0.5",
             (_, "index") => "index = 1.5",

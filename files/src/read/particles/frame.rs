@@ -20,6 +20,20 @@ use halfline::quote::setting::STREAM;
 use halfline::scene::{Cell, keep};
 use std::collections::BTreeMap;
 
+/// A property of spheres that the style's rules give to selected particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::read) enum RuleTarget {
+    Color,
+    Radius,
+    Opacity,
+    Material,
+}
+
+impl RuleTarget {
+    /// The number of properties.
+    pub(in crate::read) const COUNT: usize = 4;
+}
+
 /// One frame of particles, as the file has them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Particles {
@@ -49,10 +63,8 @@ pub(crate) struct Particles {
     pub(in crate::read) places: Vec<u32>,
     /// The number of particles in the file, where some were removed.
     pub(in crate::read) listed: usize,
-    /// The numbers from 1 of the style's rules for colour, radius and opacity, 0 for none; empty without rules.
-    pub(crate) paint: Vec<u16>,
-    pub(crate) size: Vec<u16>,
-    pub(crate) fade: Vec<u16>,
+    /// By [`RuleTarget`] the numbers from 1 of the style's rules for each particle, 0 for none; empty without rules.
+    pub(in crate::read) rules: [Vec<u16>; RuleTarget::COUNT],
     /// The particles of each of [`ReadOptions::marks`](crate::read::ReadOptions::marks), and what its evaluation said.
     pub(in crate::read) marks: Vec<(Vec<bool>, Vec<Note>)>,
     /// The periodic cell, if the file has one.
@@ -310,9 +322,14 @@ impl Particles {
         reading || self.labels.contains_key(name)
     }
 
-    /// Whether a rule gives particle `n` its radius.
-    pub(in crate::read) fn is_sized(&self, n: usize) -> bool {
-        self.size.get(n).is_some_and(|rule| *rule != 0)
+    /// The index of the rule that gives particle `n` this property; `None` where none does.
+    pub(in crate::read) fn rule(&self, target: RuleTarget, n: usize) -> Option<usize> {
+        self.rules[target as usize].get(n).and_then(|number| usize::from(*number).checked_sub(1))
+    }
+
+    /// Whether rules give some particles this property.
+    pub(in crate::read) fn has_rules(&self, target: RuleTarget) -> bool {
+        !self.rules[target as usize].is_empty()
     }
 
     /// Makes the colours of a whole file linear light, and adds what is assumed of them. Particles that are selected do not tell
@@ -341,9 +358,7 @@ impl Particles {
             self.listed = self.positions.len();
         }
         keep(&mut self.places, stays);
-        keep(&mut self.paint, stays);
-        keep(&mut self.size, stays);
-        keep(&mut self.fade, stays);
+        self.rules.iter_mut().for_each(|rules| keep(rules, stays));
         self.marks.iter_mut().for_each(|(mask, _)| keep(mask, stays));
         keep(&mut self.positions, stays);
         keep(&mut self.radii, stays);

@@ -3,7 +3,7 @@
 use super::evaluate::{Evaluator, Mask};
 use super::note::{Note, Notes};
 use super::selection::Selection;
-use crate::read::particles::frame::Particles;
+use crate::read::particles::frame::{Particles, RuleTarget};
 use halfline::error::Result;
 use halfline::memory::check;
 use halfline::scene::{Spheres, keep};
@@ -17,23 +17,21 @@ pub(in crate::read) struct Selections<'a> {
     pub(in crate::read) hide: &'a [Selection],
     /// The particles that are reported to the caller.
     pub(in crate::read) marks: &'a [Selection],
-    /// The selections of the style's rules for colour, for radius and for opacity, one for each rule.
-    pub(in crate::read) paints: Vec<&'a Selection>,
-    pub(in crate::read) sizes: Vec<&'a Selection>,
-    pub(in crate::read) fades: Vec<&'a Selection>,
+    /// By [`RuleTarget`] the selections of the style's rules, one for each rule.
+    pub(in crate::read) rules: [Vec<&'a Selection>; RuleTarget::COUNT],
 }
 
-/// Marks the particles that a style's rules colour, resize or make translucent, then removes those that are not selected. Returns the
+/// Marks the particles that a style's rules give a property, then removes those that are not selected. Returns the
 /// messages about the selections.
 ///
 /// # Errors
 /// As [`Evaluator::mask`], and [`Error::Limits`](halfline::error::Error::Limits) where memory is short.
 pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Particles) -> Result<Vec<Note>> {
-    let Selections { select, hide, marks, paints, sizes, fades } = selections;
-    let rules = paints.len() + sizes.len() + fades.len() + marks.len();
+    let Selections { select, hide, marks, rules } = selections;
+    let has_rules = !marks.is_empty() || rules.iter().any(|rules| !rules.is_empty());
     let count = particles.positions.len();
     // A frame without particles may have no columns either.
-    if count == 0 || select.is_empty() && hide.is_empty() && rules == 0 {
+    if count == 0 || select.is_empty() && hide.is_empty() && !has_rules {
         return Ok(Vec::new());
     }
     check(8 * count as u64, || format!("the selections of {count} particles"))?;
@@ -55,9 +53,10 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
         }
         Ok(rule)
     };
-    let paint = last(paints)?;
-    let size = last(sizes)?;
-    let fade = last(fades)?;
+    let mut numbers: [Vec<u16>; RuleTarget::COUNT] = Default::default();
+    for (numbers, rules) in numbers.iter_mut().zip(rules) {
+        *numbers = last(rules)?;
+    }
     let mut stays = vec![select.is_empty(); count];
     for selection in *select {
         let mask = of(selection)?;
@@ -67,7 +66,7 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
         let mask = of(selection)?;
         stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays &= !flag);
     }
-    (particles.paint, particles.size, particles.fade, particles.marks) = (paint, size, fade, marks);
+    (particles.rules, particles.marks) = (numbers, marks);
     if !(select.is_empty() && hide.is_empty()) {
         particles.keep(&stays);
         if particles.positions.is_empty() {

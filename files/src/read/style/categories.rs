@@ -2,7 +2,7 @@
 
 use super::scale::{Colored, Scale};
 use crate::read::elements::element;
-use crate::read::particles::frame::{Column, Particles};
+use crate::read::particles::frame::{Column, Particles, RuleTarget};
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
@@ -79,7 +79,7 @@ pub(super) fn apply(
     let name = scale.columns.join(", ");
     let column = only(scale, columns, &name)?;
     let categories = Categories::new(scale, labels.map(|labels| &labels[..]));
-    let counts = Counts::of(&categories, column, &particles.paint);
+    let counts = Counts::of(&categories, column, &particles.rules[RuleTarget::Color as usize]);
     skipped.assumed.extend(counts.notes(&name, column.values.len(), categories.map));
     let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
     let legend = Legend {

@@ -5,7 +5,7 @@ use crate::read::particles::frame::{Column, Particles};
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
-use halfline::quote::setting::{RADIUS, STREAM};
+use halfline::quote::setting::{MATERIAL, OPACITY, RADIUS, STREAM};
 use halfline::scene::Spheres;
 use halfline::scene::instances::Instances;
 use std::ops::Range;
@@ -70,6 +70,10 @@ impl Style {
                 "colours by the copy and other columns need all copies in memory",
                 format!("use one column, or remove {STREAM}"),
             )
+        } else if self.has_materials() {
+            ("materials need all copies in memory", format!("remove {MATERIAL}, or {STREAM}"))
+        } else if self.opacity.is_some() || !self.fades.is_empty() {
+            ("opacities need all copies in memory", format!("remove {OPACITY}, or {STREAM}"))
         } else {
             return Ok(());
         };
