@@ -4,9 +4,11 @@ use super::file_args::FileArgs;
 use super::picture_scene::PictureScene;
 use clap::Args;
 use halfline::error::{Error, Result};
+use halfline::frame::Frame;
 use halfline::frame::legend::Legend;
-use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
+use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar, Thing};
 use halfline_files::read::SceneFrame;
+use halfline_files::read::mark::{self, MarkRule, Marked};
 use halfline_files::write::file::is_standard_output;
 use std::ffi::OsString;
 use std::path::Path;
@@ -27,13 +29,20 @@ pub(super) struct InsetArgs {
     /// camera the length is that at the distance of the scene's middle.
     #[arg(long, value_name = "UNIT", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     pub(super) scale_bar: Option<String>,
+    /// Writes a text at what an expression selects: at each residue, or at each particle of files without residues. {COLUMN} in the
+    /// text is replaced by the value of a column. A text has no equals sign; the option may be repeated.
+    #[arg(long, value_name = "EXPR=TEXT")]
+    pub(super) mark: Vec<MarkRule>,
+    /// Writes the texts of --mark also at what is hidden.
+    #[arg(long, requires = "mark")]
+    mark_all: bool,
 }
 
 const LEGEND_IN: &str = "--legend-in";
 
 impl InsetArgs {
     fn is_given(&self) -> bool {
-        self.legend_in.is_some() || self.label.is_some() || self.scale_bar.is_some()
+        self.legend_in.is_some() || self.label.is_some() || self.scale_bar.is_some() || !self.mark.is_empty()
     }
 
     /// Checks the combination with other options before any work; `is_part` says whether a part of the picture is rendered.
@@ -45,7 +54,7 @@ impl InsetArgs {
             return Ok(());
         }
         let refuse = |problem: &str, mend: &str| {
-            let what = "--legend-in, --label and --scale-bar";
+            let what = "--legend-in, --label, --scale-bar and --mark";
             Err(Error::settings(format!("{what} {problem}"), mend))
         };
         if is_part {
@@ -91,7 +100,26 @@ impl InsetArgs {
             label: self.label.as_ref().map(|label| label.text(&values(file, picture))).transpose()?,
             scale_bar: self.scale_bar.as_ref().map(|unit| ScaleBar::of(scene, unit)).transpose()?,
         };
-        insets.panels(scene.image.width, scene.image.height).map(Some)
+        let mut panels = insets.panels(scene.image.width, scene.image.height)?;
+        if !self.mark.is_empty() {
+            panels.also_drawn(&mark::words(&picture.marked, self.mark_all));
+        }
+        Ok(Some(panels))
+    }
+
+    /// Adds the marks of a frame to its panels. Returns a warning about those that find no place.
+    ///
+    /// # Errors
+    /// Errors of the camera.
+    pub(super) fn add_marks(
+        &self,
+        panels: &mut Panels,
+        picture: &PictureScene,
+        frame: &Frame,
+    ) -> Result<Option<String>> {
+        let things: Vec<Thing> =
+            picture.marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
+        panels.add_marks(&picture.scene, frame, &things, self.mark_all)
     }
 
     /// Sentences on the limits of the panels: a scale bar that holds at one distance only, a legend that may cover

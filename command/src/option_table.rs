@@ -69,7 +69,7 @@ use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tu
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 88] = [
+const OPTIONS: [OptionRow; 90] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),
@@ -137,6 +137,8 @@ const OPTIONS: [OptionRow; 88] = [
     row("legend_in", Keyword(Render, "legend", TextOrFlag), NO_PART),
     row("label", Keyword(Render, "label", Text), NO_PART),
     row("scale_bar", Keyword(Render, "scale_bar", TextOrFlag), NO_PART),
+    row("mark", Keyword(Render, "mark", Rules), NO_PART),
+    row("mark_all", Keyword(Render, "mark_all", Flag), NO_PART),
     row("accuracy", Keyword(Render, "accuracy", Text), CONFIG | NO_PART),
     row("method", Keyword(Render, "method", Text), CONFIG | NO_PART),
     row("tolerance", Keyword(Render, "tolerance", Number), CONFIG),

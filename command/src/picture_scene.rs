@@ -4,6 +4,7 @@ use super::light_args::PictureLook;
 use halfline::frame::legend::Legend;
 use halfline::render::stream::{PartView, StreamIds};
 use halfline::scene::Scene;
+use halfline_files::read::mark::Marked;
 use halfline_files::read::{FrameTime, Skipped};
 
 /// A scene that is ready to render, and its number for file names.
@@ -21,6 +22,8 @@ pub(super) struct PictureScene {
     pub(super) framed: Option<String>,
     /// The ids in the stream of the spheres that are left of it; `None` for a scene that is read as a whole.
     pub(super) ids: Option<StreamIds>,
+    /// The things that have marks, with their texts.
+    pub(super) marked: Vec<Marked>,
     /// The frame that the parts were made for; `None` for a scene that is not of parts.
     pub(super) part_view: Option<PartView>,
 }
@@ -38,6 +41,7 @@ impl PictureScene {
             when: FrameTime::default(),
             framed: None,
             ids: None,
+            marked: Vec::new(),
             part_view: None,
         }
     }

@@ -161,6 +161,10 @@ pub(super) fn sequence(
     from: Option<u64>,
     cancel: &Cancel,
 ) -> Result<(Sequence, Option<(Camera, DVec3)>)> {
+    let keep = match keep {
+        Keep::Nothing if !args.insets.mark.is_empty() => Keep::All,
+        keep => keep,
+    };
     let mut options = ReadOptions { keep, ..options(args, cancel)? };
     if let Some(from) = from {
         options.frames = format!("{from}-").parse()?;
@@ -214,8 +218,10 @@ fn light(
     turn(&mut frame);
     // The light from above left belongs to the final camera.
     let look = args.light.apply(&mut frame, &args.files.buffers(), request, lens)?;
+    let (marked, notes) = frame.marked(&args.insets.mark)?;
+    frame.skipped.assumed.extend(notes);
     let SceneFrame { number, scene, skipped, legend, when, beads, .. } = frame;
-    let mut picture = PictureScene { number, beads, skipped, legend, when, ..PictureScene::bare(scene, look) };
+    let mut picture = PictureScene { number, beads, skipped, legend, when, marked, ..PictureScene::bare(scene, look) };
     legend::check_content(args, &mut picture)?;
     Ok(picture)
 }

@@ -68,6 +68,9 @@ fn combined(args: &SceneArgs) -> Result<Part> {
 
 /// Refuses options that read a scene or give its camera.
 fn check(args: &SceneArgs) -> Result<()> {
+    if !args.insets.mark.is_empty() {
+        return Err(Error::settings("--mark: parts have no columns", "remove it"));
+    }
     if args.insets.legend_in.is_some() {
         return Err(Error::settings("--legend-in: parts have no legend", "remove it"));
     }

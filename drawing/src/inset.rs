@@ -2,6 +2,7 @@
 //! which is readable on dark and on light backgrounds. The size of the letters follows the picture's.
 
 mod label;
+mod mark;
 mod page;
 mod scale;
 
@@ -16,6 +17,7 @@ use std::collections::BTreeSet;
 use tiny_skia::Pixmap;
 
 pub use label::{Label, LabelValues};
+pub use mark::Thing;
 
 /// The place of the legend in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,7 +61,7 @@ pub struct Insets {
 }
 
 /// Drawn panels at their places in the picture.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Panels {
     panels: Vec<Panel>,
     words: String,
@@ -176,11 +178,17 @@ impl Insets {
 }
 
 impl Panels {
-    /// The texts of the panels and the place of the legend, for provenance. The panels depend on nothing else but the
-    /// picture's size.
+    /// The texts of the panels and the place of the legend, for provenance; marks are among them if [`Panels::also_drawn`] adds
+    /// them. The panels depend on nothing else but the picture's size.
     #[must_use]
     pub fn words(&self) -> &str {
         &self.words
+    }
+
+    /// Adds what else is drawn, such as marks, to the words for provenance.
+    pub fn also_drawn(&mut self, words: &str) {
+        self.words += if self.words.is_empty() { "" } else { "; " };
+        self.words += words;
     }
 
     /// A warning about letters that the font lacks, in a whole sentence; `None` if it lacks none.

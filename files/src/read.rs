@@ -14,6 +14,7 @@ mod frame_range;
 pub mod info;
 mod input;
 mod lines;
+pub mod mark;
 mod native;
 mod nearest;
 mod nff;

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from os import PathLike, fspath
 from typing import Any, Literal, TypedDict
 
@@ -124,6 +124,13 @@ class Options(TypedDict, total=False):
     ``{step}`` stand for the frame's number, the file's name, the number of spheres, and the
     frame's time and step.
     """
+    mark: Mapping[str, str]
+    """Texts at what expressions select, ``{expression: text}``: at each residue, or at each particle
+    of files without residues. ``{column}`` in a text stands for the value of a column, which
+    ``keep`` of `read` keeps. What is hidden has none.
+    """
+    mark_all: bool
+    """Whether the texts of ``mark`` are also at what is hidden."""
     scale_bar: bool | str
     """A bar of a round length at the bottom left of the picture, with this unit in its label; with
     a perspective camera the length is that at the distance of the middle of all spheres.
@@ -235,6 +242,9 @@ def _insets(given: dict[str, Any]) -> dict[str, Any]:
             )
     else:
         raise ValueError(f"legend is {shown(legend)}; give True, a corner or a file name")
+    marks = given.get("mark") or {}
+    if not isinstance(marks, Mapping):
+        raise ValueError(f"mark is {shown(marks)}; give {{expression: text}}")
     if bar is not None and not isinstance(bar, (bool, str)):
         raise ValueError(f"scale_bar is {shown(bar)}; give True, or the unit as a text")
     return {
@@ -242,6 +252,8 @@ def _insets(given: dict[str, Any]) -> dict[str, Any]:
         "legend_file": file,
         "label": None if label is None else word("label", label),
         "scale_bar": "" if bar is True else bar or None,
+        "mark": [(word("mark", key), word(f"mark[{key!r}]", text)) for key, text in marks.items()],
+        "mark_all": bool(given.get("mark_all", False)),
     }
 
 

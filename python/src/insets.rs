@@ -1,10 +1,12 @@
 //! Insets in the pictures of a frame: legend, label, scale bar.
 
 use crate::scene::Scene;
+use halfline::Frame;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::scene::ImagePlane;
-use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar};
+use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar, Thing};
+use halfline_files::read::mark::{self, MarkRule, Marked};
 use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
 use pyo3::prelude::*;
@@ -21,19 +23,41 @@ pub(crate) struct Insets {
     label: Option<String>,
     /// The unit; empty for none.
     scale_bar: Option<String>,
+    /// Expressions and their texts.
+    mark: Vec<(String, String)>,
+    mark_all: bool,
 }
 
 impl Insets {
     /// Whether anything is drawn into the picture.
     fn is_given(&self) -> bool {
-        self.legend.is_some() || self.label.is_some() || self.scale_bar.is_some()
+        self.legend.is_some() || self.label.is_some() || self.scale_bar.is_some() || !self.mark.is_empty()
+    }
+
+    /// The things of a scene that have marks, with their texts, and messages about the expressions.
+    pub(crate) fn marked(&self, scene: &Scene) -> Result<(Vec<Marked>, Vec<String>)> {
+        let rules = self.mark.iter().map(|(expression, text)| MarkRule::new(expression, text));
+        scene.frame.marked(&rules.collect::<Result<Vec<_>>>()?)
+    }
+
+    /// Adds the marks of a frame to its panels. Returns a warning about those that find no place.
+    pub(crate) fn add_marks(
+        &self,
+        panels: &mut Panels,
+        exact: &halfline::Scene,
+        frame: &Frame,
+        marked: &[Marked],
+    ) -> Result<Option<String>> {
+        panels.also_drawn(&mark::words(marked, self.mark_all));
+        let things: Vec<Thing> = marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
+        panels.add_marks(exact, frame, &things, self.mark_all)
     }
 
     /// Checks what does not depend on a camera; `cropped` says whether a part of the picture is rendered, `colored` whether
     /// there is a picture.
     pub(crate) fn check(&self, scene: &Scene, cropped: bool, colored: bool) -> Result<()> {
         let refuse = |problem: &str, mend: &str| {
-            Err(Error::settings(format!("legend, label and scale_bar are drawn into {problem}"), mend))
+            Err(Error::settings(format!("legend, label, scale_bar and mark are drawn into {problem}"), mend))
         };
         self.label()?;
         if let Some(path) = &self.legend_file {

@@ -129,8 +129,13 @@ impl Picture {
     ) -> Result<Rendered> {
         let exact = self.scene(scene, camera)?;
         exact.check()?;
-        let panels = self.insets.panels(scene, &exact, number)?;
+        let mut panels = self.insets.panels(scene, &exact, number)?;
+        let (marked, notes) = self.insets.marked(scene)?;
         let mut frame = render(&exact)?;
+        frame.report.warnings.extend(notes);
+        if let Some(panels) = panels.as_mut().filter(|_| !marked.is_empty()) {
+            frame.report.warnings.extend(self.insets.add_marks(panels, &exact, &frame, &marked)?);
+        }
         frame.report.number = number;
         frame.report.look = self.look(scene)?;
         frame.report.warnings.extend(self.idle_outline(scene)?);

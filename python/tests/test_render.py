@@ -243,6 +243,23 @@ def test_materials_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) ->
         hl.read(file, material="plastic", shine=-1)
 
 
+def test_marks_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> None:
+    file = tmp_path / "moons.csv"
+    file.write_text("name,x,y,z,radius,mass\nIo,0,0,0,1,0.0149\nEuropa,5,2,0,1,0.008\n")
+    picture = tmp_path / "command.png"
+    rules = ("--mark", "name Io={name} of {mass}", "--backend", "cpu", "--size", "160x120")
+    run(commands()[0], "render", file, "-o", picture, *rules)
+    scene = hl.read(file, size=(160, 120), keep=True)
+    frame = cpu.render(scene, mark={"name Io": "{name} of {mass}"})
+    own = tmp_path / "own.png"
+    frame.save(own)
+    assert own.read_bytes() == picture.read_bytes()
+    with pytest.raises(ValueError, match="no such column"):
+        cpu.render(scene, mark={"all": "{colour}"})
+    with pytest.raises(ValueError, match="mark is 'x'"):
+        cpu.render(scene, mark="x")  # type: ignore[arg-type]
+
+
 def test_poses_of_opengl_are_those_of_opencv_with_two_axes_turned() -> None:
     q, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
     opencv = np.eye(4)

@@ -314,6 +314,8 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         "legend",
         "label",
         "scale_bar",
+        "mark",
+        "mark_all",
         "cell",
         "dtype",
     ]

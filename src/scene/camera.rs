@@ -18,10 +18,12 @@
 
 mod aperture;
 mod centred;
+mod project;
 mod record;
 
 pub use aperture::Aperture;
 pub(crate) use centred::{CentredFrame, ExactViewport};
+pub use project::Projected;
 pub use record::{CameraRecord, Intrinsics};
 
 use crate::double_double::{Dd, Dd3};

@@ -103,7 +103,7 @@ impl PictureWriter<'_> {
         let mut targets = self.args.files.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
         let written = |files, report, still| Picture { number, files, report, still };
-        let panels = self.args.insets.panels(self.args.path(), numbered)?;
+        let mut panels = self.args.insets.panels(self.args.path(), numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
             target.set_drawn(panels.words());
         }
@@ -131,7 +131,10 @@ impl PictureWriter<'_> {
         frame.report.number = number;
         frame.report.hold = self.args.read.hold();
         frame.report.look = numbered.look.name();
-        frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
+        if let Some(panels) = &mut panels {
+            frame.report.warnings.extend(self.args.insets.add_marks(panels, numbered, &frame)?);
+            frame.report.warnings.extend(panels.warning());
+        }
         let of_legend = legend::warning(self.args, numbered.legend.as_ref());
         frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
         self.args

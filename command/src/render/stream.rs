@@ -129,6 +129,9 @@ impl<'a> Source<'a> {
         if args.camera.focus.is_some() {
             return refuse("what --focus shows is chosen among all spheres in memory", "use --at, or remove --focus");
         }
+        if !args.insets.mark.is_empty() {
+            return refuse("marks need the columns of all spheres in memory", "remove --mark, or --stream");
+        }
         let arrangement = args.read.arrangement();
         if arrangement.outline.is_some() {
             return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");

@@ -38,6 +38,7 @@ mod lens;
 mod light;
 mod limits;
 mod looks;
+mod marks;
 mod materials;
 mod merge;
 mod messages;

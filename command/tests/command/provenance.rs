@@ -48,7 +48,7 @@ const OF_SCENES: [(&str, &[&str]); 40] = [
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),
 ];
-const OF_PARTICLES: [(&str, &[&str]); 20] = [
+const OF_PARTICLES: [(&str, &[&str]); 22] = [
     ("--select", &["x > 0", "element O"]),
     ("--hide", &["element H"]),
     ("--radii", &["vdw", "covalent"]),
@@ -63,6 +63,8 @@ const OF_PARTICLES: [(&str, &[&str]); 20] = [
     ("--opacity", &["0.4", "element O=0.5"]),
     ("--material", &["plastic", "element O=plastic", "metal"]),
     ("--shine", &["5"]),
+    ("--mark", &["element O={element}", "all=x"]),
+    ("--mark-all", &[""]),
     ("--map", &["magma", "grays"]),
     ("--range", &["0,1", "0,3"]),
     ("--log", &[""]),

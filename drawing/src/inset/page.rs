@@ -6,7 +6,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::legend::{Category, Legend, Tick};
 use halfline::quote::setting::SIZE;
 use std::fmt::Write;
-use tiny_skia::{Color, FillRule, Paint, Pixmap, Rect, Transform};
+use tiny_skia::{Color, FillRule, LineJoin, Paint, Pixmap, Rect, Stroke, Transform};
 
 /// The longest label of a category, in letters, as in the legend's own file.
 const LETTERS: usize = 41;
@@ -166,6 +166,19 @@ impl Page {
         }
         self.write(&mut pixels, &more, false, [margin, top + row * shown as f32 + (row - side) / 2.0]);
         Ok((pixels, [title, words]))
+    }
+
+    /// A line of text with a halo; `None` for blanks.
+    pub(super) fn haloed(&self, text: &str) -> Option<Pixmap> {
+        let halo = (0.22 * self.size).max(2.0);
+        let [wide, high] = [letters_width(text, false, self.size), self.size].map(|side| (side + 2.0 * halo).ceil());
+        let mut pixels = Pixmap::new(wide as u32, high as u32)?;
+        // The capitals of DejaVu Sans are 0.73 of its size high; a line is centred on them.
+        let path = letters(text, false, self.size, (halo, halo + 0.5 * (1.0 + 0.73) * self.size))?;
+        let stroke = Stroke { width: halo, line_join: LineJoin::Round, ..Stroke::default() };
+        pixels.stroke_path(&path, &paint([255; 3]), &stroke, Transform::identity(), None);
+        pixels.fill_path(&path, &paint(INK), FillRule::Winding, Transform::identity(), None);
+        Some(pixels)
     }
 
     /// Writes a line of text whose top left is at a point.

@@ -1,0 +1,166 @@
+//! Marks of a picture: texts beside the things that they name, dark with a light halo, none over another.
+
+use super::page::Page;
+use super::{Panel, Panels};
+use crate::canvas::plain;
+use crate::raster::missing;
+use glam::DVec2;
+use halfline::error::Result;
+use halfline::frame::{Aov, Data, Frame};
+use halfline::quote::count;
+use halfline::quote::setting::MARK;
+use halfline::scene::Scene;
+
+/// Spheres of a scene, with the text that names them.
+pub type Thing = (String, Vec<u32>);
+
+/// A text at a thing in the picture.
+#[derive(Debug, Clone, PartialEq)]
+struct Mark {
+    text: String,
+    /// The middle of the thing, columns and rows of the picture.
+    at: [f64; 2],
+    /// Half of its width, pixels.
+    reach: f64,
+}
+
+/// A thing that is so many times as wide as its text has the text on it, else beside it.
+const ROOMY: f32 = 1.15;
+
+impl Panels {
+    /// Adds marks of things in a whole frame of a scene, in their order: of those that some pixel's centre shows, or of `all` in front
+    /// of the camera. Returns a warning about those that find no place.
+    ///
+    /// # Errors
+    /// Errors of [`Camera::project`](halfline::Camera::project).
+    pub fn add_marks(&mut self, scene: &Scene, frame: &Frame, things: &[Thing], all: bool) -> Result<Option<String>> {
+        let mut is_shown = vec![false; scene.spheres.len()];
+        if let Some(Data::I32(ids)) = frame.get(Aov::Id).map(|buffer| &buffer.data) {
+            for id in ids.iter().filter_map(|id| usize::try_from(*id).ok()) {
+                is_shown[id] = true;
+            }
+        }
+        let mut marks = Vec::new();
+        for (text, ids) in things.iter().filter(|(_, ids)| all || ids.iter().any(|id| is_shown[*id as usize])) {
+            if let Some((at, reach)) = extent(scene, ids)? {
+                marks.push(Mark { text: text.clone(), at, reach });
+            }
+        }
+        let left_out = self.mark(scene.image.width, scene.image.height, &marks);
+        let words = |n: usize| count(n as u64, "mark");
+        let warning =
+            || format!("{} of {MARK} of {} find no place beside the others", words(left_out), words(marks.len()));
+        Ok((left_out > 0).then(warning))
+    }
+
+    /// Adds marks to a picture of `width` x `height` pixels, in their order: on their things where these are wide, else beside them.
+    /// Returns the number of those that find no place in the picture beside the others.
+    fn mark(&mut self, width: u32, height: u32, marks: &[Mark]) -> usize {
+        let page = Page::new(width, height);
+        let mut left_out = 0;
+        for mark in marks {
+            let text = plain(&mark.text);
+            let placed = page.haloed(&text).and_then(|pixels| {
+                let size = [pixels.width() as f32, pixels.height() as f32];
+                let at = places(mark, size).into_iter().find(|at| self.is_free(&page, *at, size))?;
+                Some(Panel { at: at.map(|x| x as usize), pixels })
+            });
+            match placed {
+                Some(panel) => {
+                    self.unknown.extend(missing(&text, false));
+                    self.panels.push(panel);
+                }
+                None => left_out += 1,
+            }
+        }
+        left_out
+    }
+
+    /// Whether a rectangle lies in the picture, beside all panels.
+    fn is_free(&self, page: &Page, [left, top]: [f32; 2], [wide, high]: [f32; 2]) -> bool {
+        let inside = left >= 0.0 && top >= 0.0 && left + wide <= page.width && top + high <= page.height;
+        let is_beside = |panel: &Panel| {
+            let [x, y] = panel.at.map(|x| x as f32);
+            let [w, h] = [panel.pixels.width() as f32, panel.pixels.height() as f32];
+            left >= x + w || x >= left + wide || top >= y + h || y >= top + high
+        };
+        inside && self.panels.iter().all(is_beside)
+    }
+}
+
+/// The middle of some spheres in the picture, and half of the width of the disc around them; `None` where none is in front of the
+/// camera.
+fn extent(scene: &Scene, ids: &[u32]) -> Result<Option<([f64; 2], f64)>> {
+    let mut discs = Vec::new();
+    for n in ids.iter().map(|id| *id as usize) {
+        let projected =
+            scene.camera.project([scene.image.width, scene.image.height], scene.spheres.centers[n].into())?;
+        discs.extend(projected.map(|disc| (DVec2::from(disc.at), scene.spheres.radii[n] * disc.scale)));
+    }
+    if discs.is_empty() {
+        return Ok(None);
+    }
+    let middle = discs.iter().map(|(at, _)| *at).sum::<DVec2>() / discs.len() as f64;
+    let reach = discs.iter().map(|(at, radius)| at.distance(middle) + radius).fold(0.0, f64::max);
+    Ok(Some((middle.to_array(), reach)))
+}
+
+/// The places of a text of this size, in the order in which they are tried: whole columns and rows of its top left corner.
+fn places(mark: &Mark, [wide, high]: [f32; 2]) -> Vec<[f32; 2]> {
+    let ([x, y], reach) = (mark.at.map(|x| x as f32), mark.reach as f32);
+    let middle = [x - wide / 2.0, y - high / 2.0];
+    // Diagonals begin at the edge of a disc.
+    let near = 0.71 * reach;
+    let beside = [
+        [x + reach, middle[1]],
+        [x + near, y - near - high],
+        [x + near, y + near],
+        [x - reach - wide, middle[1]],
+        [middle[0], y - reach - high],
+        [middle[0], y + reach],
+    ];
+    let on_it = Some(middle).filter(|_| 2.0 * reach >= ROOMY * wide.max(high));
+    on_it.into_iter().chain(beside).map(|at| at.map(f32::round)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mark(at: [f64; 2], reach: f64) -> Mark {
+        Mark { text: "Io".into(), at, reach }
+    }
+
+    #[test]
+    fn a_text_is_on_a_wide_thing_and_beside_a_small_one() {
+        let mut panels = Panels::default();
+        let two = [mark([200.0, 150.0], 60.0), mark([320.0, 50.0], 3.0)];
+        assert_eq!(panels.mark(400, 300, &two), 0);
+        let [on, beside] = &panels.panels[..] else { panic!("two marks") };
+        let middle = |panel: &Panel| {
+            [panel.at[0] + panel.pixels.width() as usize / 2, panel.at[1] + panel.pixels.height() as usize / 2]
+        };
+        assert_eq!(middle(on), [200, 150]);
+        assert_eq!(beside.at[0], 323);
+        assert!(middle(beside)[1].abs_diff(50) <= 1);
+    }
+
+    #[test]
+    fn no_text_covers_another_or_leaves_the_picture() {
+        let mut panels = Panels::default();
+        let crowd: Vec<Mark> = (0..40).map(|n| mark([50.0 + f64::from(n % 7), 30.0 + f64::from(n / 7)], 2.0)).collect();
+        let left_out = panels.mark(100, 60, &crowd);
+        assert_eq!(left_out + panels.panels.len(), 40);
+        assert!(panels.panels.len() >= 3, "{}", panels.panels.len());
+        for (n, a) in panels.panels.iter().enumerate() {
+            let end = |panel: &Panel| {
+                [panel.at[0] + panel.pixels.width() as usize, panel.at[1] + panel.pixels.height() as usize]
+            };
+            assert!(end(a)[0] <= 100 && end(a)[1] <= 60);
+            for b in &panels.panels[n + 1..] {
+                let apart = (0..2).any(|k| a.at[k] >= end(b)[k] || b.at[k] >= end(a)[k]);
+                assert!(apart, "{:?} {:?}", a.at, b.at);
+            }
+        }
+    }
+}
