@@ -50,7 +50,8 @@ impl Finish {
         }
         if let Some(line) = self.line {
             let (width, pixel, radii) = (view.record.columns as usize, PixelSize::of(view), &scene.spheres.radii);
-            Shown { width, ids, depths, radii, pixel, line }.draw(self.between, color);
+            let materials = scene.spheres.materials.as_ref();
+            Shown { width, ids, depths, radii, materials, pixel, line }.draw(self.between, color);
         }
     }
 }

@@ -17,6 +17,7 @@ use crate::double_double as dd;
 use crate::frame::outline::Outline;
 use crate::number::larger;
 use crate::number::vector::{LANES, vectorized};
+use crate::scene::Materials;
 use crate::view::View;
 use crate::view::ray::NONE;
 use rayon::prelude::*;
@@ -132,6 +133,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) depths: &'a [f64],
     /// The radius of each sphere of the scene.
     pub(crate) radii: &'a [f64],
+    /// The materials of the spheres: those of ink have no lines.
+    pub(crate) materials: Option<&'a Materials>,
     /// The size of a pixel.
     pub(crate) pixel: PixelSize,
     pub(crate) line: Line,
@@ -249,6 +252,11 @@ impl Shown<'_> {
             let edge = sums.ramp(l, &sums.behind) * larger(large, company);
             let darkness = larger(edge, sums.ramp(l, &sums.behind_or_border) * large);
             dark[l] = if own.id[l] == NONE { 0.0 } else { darkness };
+        }
+        if let Some(materials) = self.materials {
+            for l in 0..LANES {
+                dark[l] = if materials.is_ink(own.id[l]) { 0.0 } else { dark[l] };
+            }
         }
         dark
     }

@@ -1,7 +1,7 @@
 //! Arranges spheres between reading and rendering: periodic copies, clip planes, the outline of the cell.
 
 use super::instances::{Instances, Lattice, is_kept};
-use super::{Cell, List, Materials, Spheres};
+use super::{Cell, List, Material, Materials, Spheres};
 use crate::error::{Error, Result};
 use crate::memory::{check, check_spheres, extend_to};
 use crate::progress::Watch;
@@ -211,6 +211,7 @@ fn outline(spheres: &mut Spheres, origin: DVec3, edges: [DVec3; 3], bead: Bead) 
             for n in 0..=steps {
                 let at = origin + corner + along * (f64::from(n) / f64::from(steps));
                 spheres.add(at.to_array(), radius, Some(OUTLINE))?;
+                spheres.set_last_material(Material::Ink);
             }
         }
     }

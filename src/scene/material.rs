@@ -27,6 +27,8 @@ pub enum Material {
         /// The exponent of the cosine in a highlight.
         shine: f32,
     },
+    /// Its colour without light and without outlines, as of the edges of a cell.
+    Ink,
     /// A mirror that takes the sphere's colour.
     Metal {
         /// Radius of the ball by which reflected directions of length 1 are scattered, 0 to 1.
@@ -87,7 +89,7 @@ impl Material {
     pub fn is_clear(&self) -> bool {
         match *self {
             Self::Phong { transmission, .. } => transmission > 0.0,
-            Self::Plastic { .. } | Self::Metal { .. } => false,
+            Self::Plastic { .. } | Self::Ink | Self::Metal { .. } => false,
             Self::Glass { .. } => true,
         }
     }
@@ -97,7 +99,7 @@ impl Material {
     pub fn bounces(&self) -> bool {
         match *self {
             Self::Phong { specular, transmission, .. } => specular > 0.0 || transmission > 0.0,
-            Self::Plastic { .. } => false,
+            Self::Plastic { .. } | Self::Ink => false,
             Self::Metal { .. } | Self::Glass { .. } => true,
         }
     }
@@ -127,6 +129,7 @@ impl Material {
                 share("gloss", gloss, 1.0)?;
                 share("shine", shine, f32::MAX)
             }
+            Self::Ink => Ok(()),
             Self::Metal { fuzz } => share("fuzz", fuzz, 1.0),
             Self::Glass { index: n } => index(n),
         }
@@ -151,6 +154,11 @@ impl Materials {
     #[must_use]
     pub fn of(&self, id: u32) -> Material {
         self.of.get(id as usize).and_then(|kind| self.kinds.get(*kind as usize)).copied().unwrap_or_default()
+    }
+
+    /// Whether a sphere is of [`Material::Ink`].
+    pub(crate) fn is_ink(&self, id: u32) -> bool {
+        self.of(id) == Material::Ink
     }
 
     /// Whether a ray goes on from any sphere.

@@ -256,3 +256,18 @@ fn radii_follow_the_options() {
         dir.refused_render(2, &format!("atoms.xyz -o a.png {bad}"), &[bad.split(' ').next().expect("an option")]);
     }
 }
+
+/// The edges of a cell have one colour without lines and shade: between it and the background there is nothing darker.
+#[test]
+fn the_edges_of_a_cell_are_solid() {
+    let cell = "Lattice=\"9 0 0 2 8 0 0 1 7\" Properties=species:S:1:pos:R:3";
+    let dir = TestDir::new(&[("cell.xyz", &format!("1\n{cell}\nC 5 4 3\n"))]);
+    for options in ["", "--samples 16", "--look figure", "--sun 1,2,3 --shadows", "--ortho 20"] {
+        dir.render(&format!("cell.xyz --cell=0.12 --background white --size 200x160 --radius 0.01 {options} -o a.png"));
+        let (levels, _) = dir.array("a.png");
+        let darkest = levels.iter().copied().fold(255.0, f64::min);
+        // 0.35 of linear light.
+        assert_eq!(darkest, 160.0, "{options}");
+        assert!(levels.iter().filter(|level| **level < 200.0).count() > 600, "{options}: the edges are there");
+    }
+}

@@ -37,7 +37,7 @@ fn changed(a: &[f64], b: &[f64]) -> Option<[usize; 4]> {
 }
 
 #[test]
-fn texts_stand_at_what_is_seen() {
+fn texts_stand_at_visible_things() {
     let dir = dir();
     let (plain, _) = picture(&dir, "m.pdb");
     let marked = |options: &str| changed(&plain, &picture(&dir, &format!("m.pdb {options}")).0);

@@ -79,12 +79,12 @@ impl Panels {
     /// Whether a rectangle lies in the picture, beside all panels.
     fn is_free(&self, page: &Page, [left, top]: [f32; 2], [wide, high]: [f32; 2]) -> bool {
         let inside = left >= 0.0 && top >= 0.0 && left + wide <= page.width && top + high <= page.height;
-        let is_beside = |panel: &Panel| {
+        let is_apart = |panel: &Panel| {
             let [x, y] = panel.at.map(|x| x as f32);
             let [w, h] = [panel.pixels.width() as f32, panel.pixels.height() as f32];
             left >= x + w || x >= left + wide || top >= y + h || y >= top + high
         };
-        inside && self.panels.iter().all(is_beside)
+        inside && self.panels.iter().all(is_apart)
     }
 }
 
@@ -111,7 +111,7 @@ fn places(mark: &Mark, [wide, high]: [f32; 2]) -> Vec<[f32; 2]> {
     let middle = [x - wide / 2.0, y - high / 2.0];
     // Diagonals begin at the edge of a disc.
     let near = 0.71 * reach;
-    let beside = [
+    let around = [
         [x + reach, middle[1]],
         [x + near, y - near - high],
         [x + near, y + near],
@@ -120,7 +120,7 @@ fn places(mark: &Mark, [wide, high]: [f32; 2]) -> Vec<[f32; 2]> {
         [middle[0], y + reach],
     ];
     let on_it = Some(middle).filter(|_| 2.0 * reach >= ROOMY * wide.max(high));
-    on_it.into_iter().chain(beside).map(|at| at.map(f32::round)).collect()
+    on_it.into_iter().chain(around).map(|at| at.map(f32::round)).collect()
 }
 
 #[cfg(test)]
@@ -132,17 +132,17 @@ mod tests {
     }
 
     #[test]
-    fn a_text_is_on_a_wide_thing_and_beside_a_small_one() {
+    fn a_text_is_on_a_wide_thing_and_next_to_a_small_one() {
         let mut panels = Panels::default();
         let two = [mark([200.0, 150.0], 60.0), mark([320.0, 50.0], 3.0)];
         assert_eq!(panels.mark(400, 300, &two), 0);
-        let [on, beside] = &panels.panels[..] else { panic!("two marks") };
+        let [on, other] = &panels.panels[..] else { panic!("two marks") };
         let middle = |panel: &Panel| {
             [panel.at[0] + panel.pixels.width() as usize / 2, panel.at[1] + panel.pixels.height() as usize / 2]
         };
         assert_eq!(middle(on), [200, 150]);
-        assert_eq!(beside.at[0], 323);
-        assert!(middle(beside)[1].abs_diff(50) <= 1);
+        assert_eq!(other.at[0], 323);
+        assert!(middle(other)[1].abs_diff(50) <= 1);
     }
 
     #[test]

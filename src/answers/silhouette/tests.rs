@@ -56,6 +56,7 @@ impl Picture {
             ids: &self.ids,
             depths: &self.depths,
             radii: &self.radii,
+            materials: None,
             pixel,
             line: Line::new(Outline::default()),
         }

@@ -121,7 +121,7 @@ fn push(
             add((specular > 0.0 && point.outside).then(|| mirror(DVec3::splat(specular.into()))));
             add((transmission > 0.0).then(|| through(DVec3::splat(transmission.into()), index)));
         }
-        Material::Plastic { .. } => {}
+        Material::Plastic { .. } | Material::Ink => {}
         Material::Metal { fuzz } => {
             let mut ray = mirror(lighting.own_color(point.id));
             if fuzz > 0.0 {

@@ -40,9 +40,11 @@ fn lane(components: &[[f64; LANES]; 3], l: usize) -> DVec3 {
 }
 
 impl Colors<'_, '_, '_> {
-    /// Whether all spheres of a scene reflect only diffusely, and the rays are not parallel.
+    /// Whether all spheres of a scene reflect only diffusely or are of ink, and the rays are not parallel.
     pub(super) fn fit(lighting: &LightingContext<'_>) -> bool {
-        lighting.scene.spheres.materials.is_none() && !lighting.view.parallel
+        let is_plain = |kind: &Material| *kind == Material::default() || *kind == Material::Ink;
+        let materials = lighting.scene.spheres.materials.as_ref();
+        materials.is_none_or(|materials| materials.kinds.iter().all(is_plain)) && !lighting.view.parallel
     }
 
     #[inline(always)]
@@ -72,7 +74,7 @@ impl Colors<'_, '_, '_> {
 }
 
 impl NullaryFnOnce for Colors<'_, '_, '_> {
-    /// The pixels that are left: f64 alone does not know their normals.
+    /// The pixels that are left: f64 alone does not know their normals, or they show ink.
     type Output = Vec<usize>;
 
     #[inline(always)]
@@ -89,6 +91,7 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
             .collect();
         let share = lighted.sky.map(|sky| f64::from(sky.share));
         let Material::Phong { diffuse, .. } = Material::default() else { return (0..ids.len()).collect() };
+        let materials = lighting.scene.spheres.materials.as_ref();
         let mut left = Vec::new();
         for first in (0..ids.len()).step_by(LANES) {
             let lanes = self.gathered(first);
@@ -133,7 +136,7 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
                 if id == NONE {
                     let pixel = (self.chunk.first + n) as u32;
                     self.chunk.color[3 * n..3 * n + 3].copy_from_slice(&lighting.backdrop.at(pixel));
-                } else if near[l] != 0 {
+                } else if near[l] != 0 && materials.is_none_or(|materials| !materials.is_ink(id)) {
                     self.chunk.color[3 * n..3 * n + 3].copy_from_slice(&[rgb[0][l], rgb[1][l], rgb[2][l]]);
                 } else {
                     left.push(n);

@@ -438,6 +438,7 @@ impl<'a> PointLight<'a> {
         let (diffuse, specular) = match self.lighting.material(surface.id) {
             Material::Phong { diffuse, specular, .. } => (diffuse, specular),
             Material::Plastic { gloss, .. } => (1.0, gloss),
+            Material::Ink => return own,
             // Without bounces mirrors and glass are like any other sphere.
             Material::Metal { .. } | Material::Glass { .. } if self.lighting.bounces == 0 => (1.0, 0.0),
             Material::Metal { .. } | Material::Glass { .. } => (0.0, 0.0),

@@ -204,7 +204,7 @@ impl MaterialCounts {
                 }
                 Some(Material::Metal { .. }) => counts.metals += 1,
                 Some(Material::Glass { .. }) => counts.clear += 1,
-                Some(Material::Plastic { .. }) | None => {}
+                Some(Material::Plastic { .. } | Material::Ink) | None => {}
             }
         }
         counts
