@@ -4,9 +4,11 @@ use super::file_args::FileArgs;
 use super::picture_scene::PictureScene;
 use clap::Args;
 use halfline::error::{Error, Result};
-use halfline::frame::Frame;
 use halfline::frame::legend::Legend;
-use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar, Thing};
+use halfline::frame::{Aov, Frame};
+use halfline::render::Renderer;
+use halfline::settings::Settings;
+use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar, Thing, visible_ids};
 use halfline_files::read::SceneFrame;
 use halfline_files::read::mark::{self, MarkRule, Marked};
 use halfline_files::write::file::is_standard_output;
@@ -107,19 +109,26 @@ impl InsetArgs {
         Ok(Some(panels))
     }
 
-    /// Adds the marks of a frame to its panels. Returns a warning about those that find no place.
+    /// Adds the marks of a frame to its panels: of what its ids show, also through translucent spheres. Returns a warning about those
+    /// that find no place.
     ///
     /// # Errors
-    /// Errors of the camera.
+    /// Errors of the camera, and of the renderer.
     pub(super) fn add_marks(
         &self,
         panels: &mut Panels,
         picture: &PictureScene,
         frame: &Frame,
+        (renderer, settings): (&mut Renderer, &Settings),
     ) -> Result<Option<String>> {
         let things: Vec<Thing> =
             picture.marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
-        panels.add_marks(&picture.scene, frame, &things, self.mark_all)
+        if self.mark_all || things.is_empty() {
+            return panels.add_marks(&picture.scene, None, &things);
+        }
+        let settings = Settings { aovs: vec![Aov::Id], ..settings.clone() };
+        let shown = visible_ids(&picture.scene, frame.ids(), |scene| renderer.render(scene, &settings))?;
+        panels.add_marks(&picture.scene, Some(&shown), &things)
     }
 
     /// Sentences on the limits of the panels: a scale bar that holds at one distance only, a legend that may cover

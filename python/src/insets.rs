@@ -1,11 +1,10 @@
 //! Insets in the pictures of a frame: legend, label, scale bar.
 
 use crate::scene::Scene;
-use halfline::Frame;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::scene::ImagePlane;
-use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar, Thing};
+use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar, Thing, visible_ids};
 use halfline_files::read::mark::{self, MarkRule, Marked};
 use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
@@ -40,17 +39,22 @@ impl Insets {
         scene.frame.marked(&rules.collect::<Result<Vec<_>>>()?)
     }
 
-    /// Adds the marks of a frame to its panels. Returns a warning about those that find no place.
+    /// Adds the marks of a frame to its panels: of what its ids show, also through translucent spheres, of which
+    /// `render` renders a frame without them. Returns a warning about those that find no place.
     pub(crate) fn add_marks(
         &self,
         panels: &mut Panels,
         exact: &halfline::Scene,
-        frame: &Frame,
+        ids: &[i32],
         marked: &[Marked],
+        render: impl FnOnce(&halfline::Scene) -> Result<halfline::Frame>,
     ) -> Result<Option<String>> {
         panels.also_drawn(&mark::words(marked, self.mark_all));
         let things: Vec<Thing> = marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
-        panels.add_marks(exact, frame, &things, self.mark_all)
+        if self.mark_all || things.is_empty() {
+            return panels.add_marks(exact, None, &things);
+        }
+        panels.add_marks(exact, Some(&visible_ids(exact, ids, render)?), &things)
     }
 
     /// Checks what does not depend on a camera; `cropped` says whether a part of the picture is rendered, `colored` whether

@@ -125,7 +125,7 @@ impl Picture {
         scene: &Scene,
         camera: Option<&Camera>,
         number: u64,
-        render: impl FnOnce(&halfline::Scene) -> Result<halfline::Frame>,
+        mut render: impl FnMut(&halfline::Scene) -> Result<halfline::Frame>,
     ) -> Result<Rendered> {
         let exact = self.scene(scene, camera)?;
         exact.check()?;
@@ -134,7 +134,8 @@ impl Picture {
         let mut frame = render(&exact)?;
         frame.report.warnings.extend(notes);
         if let Some(panels) = panels.as_mut().filter(|_| !marked.is_empty()) {
-            frame.report.warnings.extend(self.insets.add_marks(panels, &exact, &frame, &marked)?);
+            let ids = frame.ids().to_vec();
+            frame.report.warnings.extend(self.insets.add_marks(panels, &exact, &ids, &marked, render)?);
         }
         frame.report.number = number;
         frame.report.look = self.look(scene)?;

@@ -132,7 +132,7 @@ impl PictureWriter<'_> {
         frame.report.hold = self.args.read.hold();
         frame.report.look = numbered.look.name();
         if let Some(panels) = &mut panels {
-            frame.report.warnings.extend(self.args.insets.add_marks(panels, numbered, &frame)?);
+            frame.report.warnings.extend(self.args.insets.add_marks(panels, numbered, &frame, (renderer, settings))?);
             frame.report.warnings.extend(panels.warning());
         }
         let of_legend = legend::warning(self.args, numbered.legend.as_ref());

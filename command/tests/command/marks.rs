@@ -48,6 +48,9 @@ fn texts_stand_at_visible_things() {
     assert_eq!(marked("--mark resname~HID=x"), None, "hidden");
     assert!(marked("--mark resname~HID=x --mark-all").is_some());
     assert_eq!(marked("--mark resname~ALA=x"), None, "nothing is selected");
+    let (ghost, _) = picture(&dir, "m.pdb --opacity resname~LIG=0.5");
+    let through = picture(&dir, "m.pdb --opacity resname~LIG=0.5 --mark resname~HID=x").0;
+    assert!(changed(&ghost, &through).is_some(), "seen through a translucent residue");
     // One text for a residue, and one for each particle of a table.
     let (one, two) = (marked("--mark resname~LIG=w").expect("a mark"), marked("--mark name~C=w").expect("a mark"));
     assert!(one[2] - one[0] <= 12 && two[2] - two[0] <= 12, "{one:?} {two:?}");

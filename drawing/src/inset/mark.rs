@@ -6,7 +6,7 @@ use crate::canvas::plain;
 use crate::raster::missing;
 use glam::DVec2;
 use halfline::error::Result;
-use halfline::frame::{Aov, Data, Frame};
+use halfline::frame::Frame;
 use halfline::quote::count;
 use halfline::quote::setting::MARK;
 use halfline::scene::Scene;
@@ -28,18 +28,17 @@ struct Mark {
 const ROOMY: f32 = 1.15;
 
 impl Panels {
-    /// Adds marks of things in a whole frame of a scene, in their order: of those that some pixel's centre shows, or of `all` in front
-    /// of the camera. Returns a warning about those that find no place.
+    /// Adds marks of things in a whole frame of a scene, in their order: of those among the ids `shown` of its pixels; where these are
+    /// `None`, of all in front of the camera. Returns a warning about those that find no place.
     ///
     /// # Errors
     /// Errors of [`Camera::project`](halfline::Camera::project).
-    pub fn add_marks(&mut self, scene: &Scene, frame: &Frame, things: &[Thing], all: bool) -> Result<Option<String>> {
+    pub fn add_marks(&mut self, scene: &Scene, shown: Option<&[i32]>, things: &[Thing]) -> Result<Option<String>> {
         let mut is_shown = vec![false; scene.spheres.len()];
-        if let Some(Data::I32(ids)) = frame.get(Aov::Id).map(|buffer| &buffer.data) {
-            for id in ids.iter().filter_map(|id| usize::try_from(*id).ok()) {
-                is_shown[id] = true;
-            }
+        for id in shown.unwrap_or_default().iter().filter_map(|id| usize::try_from(*id).ok()) {
+            is_shown[id] = true;
         }
+        let all = shown.is_none();
         let mut marks = Vec::new();
         for (text, ids) in things.iter().filter(|(_, ids)| all || ids.iter().any(|id| is_shown[*id as usize])) {
             if let Some((at, reach)) = extent(scene, ids)? {
@@ -86,6 +85,23 @@ impl Panels {
         };
         inside && self.panels.iter().all(is_apart)
     }
+}
+
+/// The ids that the pixels of a frame show, with those of the opaque spheres that they show through translucent ones, of which
+/// `render` renders a frame.
+///
+/// # Errors
+/// Those of `render`.
+pub fn visible_ids(scene: &Scene, ids: &[i32], render: impl FnOnce(&Scene) -> Result<Frame>) -> Result<Vec<i32>> {
+    let mut all = ids.to_vec();
+    if scene.spheres.is_translucent() {
+        let is_opaque: Vec<bool> = (0..scene.spheres.len() as u32).map(|id| scene.spheres.opacity(id) == 1.0).collect();
+        let opaque: Vec<i32> = (0..).zip(&is_opaque).filter(|(_, flag)| **flag).map(|(id, _)| id).collect();
+        let (spheres, lighting) = (scene.spheres.part(&is_opaque), Default::default());
+        let frame = render(&Scene { camera: scene.camera, image: scene.image, spheres, lighting })?;
+        all.extend(frame.ids().iter().filter_map(|id| opaque.get(usize::try_from(*id).ok()?)));
+    }
+    Ok(all)
 }
 
 /// The middle of some spheres in the picture, and half of the width of the disc around them; `None` where none is in front of the
