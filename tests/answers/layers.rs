@@ -357,3 +357,28 @@ fn streams_and_parts_keep_the_spheres_behind_translucent_ones() {
     let refused = Stream::new(&scene, &Settings { layers: 2, ..stream_settings() }).map(drop);
     assert!(refused.expect_err("all spheres are needed").to_string().contains("layer"));
 }
+
+/// A sphere that is nearly opaque, and blocks light as opaque ones do, looks like an opaque one: its layer has its own light and sky.
+/// Tolerance: what passes, 2^-20 of colours up to 1, and a few roundings.
+#[test]
+fn nearly_opaque_spheres_look_opaque() {
+    let mut cpu = cpu();
+    for (what, scene, settings) in kinds() {
+        // Lines of an opaque sphere are those before what is opaque behind it.
+        let settings = Settings { opacity_shadows: true, layers: 1, silhouette: false, ..settings };
+        let nearly = 1.0 - 2f32.powi(-20);
+        let mut ghosts = scene.clone();
+        let of = |n: usize| if scene.spheres.opacity(n as u32) < 1.0 { nearly } else { 1.0 };
+        ghosts.spheres.opacities = Some((0..scene.spheres.len()).map(of).collect());
+        let whole = Scene { spheres: opaque(&scene.spheres), ..scene };
+        let [a, b] = [&ghosts, &whole].map(|scene| render(&mut cpu, scene, &settings));
+        let [a, b] = [&a, &b].map(|frame| frame.f32(Aov::Color).expect("colours"));
+        let off: Vec<f64> = a.iter().zip(b).map(|(a, b)| f64::from((a - b).abs())).collect();
+        let most = off.iter().copied().fold(0.0, f64::max);
+        let mean = off.iter().sum::<f64>() / off.len() as f64;
+        // Samples under a sky take the rays of pixels around them, of which a layer has others: 0.0022 in the mean of all pixels here,
+        // and 0.013 with the rays of another layer.
+        let is_near = if settings.sky(&ghosts).is_some() { mean < 0.005 } else { most < 2f64.powi(-18) };
+        assert!(is_near, "{what}: {most}, mean {mean}");
+    }
+}
