@@ -171,7 +171,11 @@ impl Settings {
         let has_highlights = !scene.lighting.lights.is_empty() && self.shade == Shade::Headlight;
         let materials = scene.spheres.materials.as_ref().filter(|_| self.asks(&[Aov::Color]) && !has_highlights)?;
         let is_plastic = |material: &Material| matches!(material, Material::Plastic { .. });
-        let idle = format!("plastic has no highlights: the picture has no light; {SUN} and {LOOK} soft add one");
+        let why = match self.shade {
+            Shade::Headlight => format!("the picture has no light; {SUN} and {LOOK} soft add one"),
+            other => format!("the shading {} shows none", other.name()),
+        };
+        let idle = format!("plastic has no highlights: {why}");
         materials.kinds.iter().any(is_plastic).then_some(idle)
     }
 

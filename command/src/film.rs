@@ -68,7 +68,10 @@ impl FilmKind {
                 "+faststart",
             ],
             Self::Gif => {
-                vec!["-vf", "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer"]
+                vec![
+                    "-vf",
+                    "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=5",
+                ]
             }
         }
     }

@@ -297,7 +297,8 @@ fn material_rule(text: &str) -> Result<Rule<MaterialName>, String> {
 }
 
 fn opacity_rule(text: &str) -> Result<Rule<f32>, String> {
-    let expected = "expected a number above 0 and at most 1; --hide leaves spheres out";
+    let expected =
+        "expected a number above 0 and at most 1, or EXPR=A such as 'chain A=0.3'; --hide leaves spheres out";
     Rule::parse(text, |text| text.parse().ok().filter(|opacity| is_opacity(*opacity)).ok_or_else(|| expected.into()))
 }
 

@@ -17,7 +17,7 @@ pub fn check_opacity(opacity: f32, place: impl FnOnce() -> Place) -> Result<()> 
     if is_opacity(opacity) {
         return Ok(());
     }
-    Err(Error::scene(place(), format!("found {opacity}"), "give an opacity above 0 and at most 1, the opaque one"))
+    Err(Error::scene(place(), format!("found {opacity}"), "give a number above 0 and at most 1; 1 is opaque"))
 }
 
 impl Spheres {

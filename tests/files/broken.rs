@@ -191,7 +191,12 @@ fn assert_lines_refused(cases: &[(&str, &str, &str, &str)]) {
 fn a_broken_material_is_refused_at_its_place() {
     // (lines after the last [[sphere]], place, field, a part of the message)
     let cases = [
-        ("material = 'wood'", ":17:12", "sphere 1 material", "\"phong\", \"metal\" or \"glass\""),
+        (
+            "material = 'wood'",
+            ":17:12",
+            "sphere 1 material",
+            "\"phong\", \"matte\", \"plastic\", \"metal\" or \"glass\"",
+        ),
         ("material = 1", ":17:12", "sphere 1 material", "material = \"metal\""),
         ("material = 'metal'\nindex = 1.5", ":18:9", "sphere 1 index", "the keys of metal are fuzz"),
         ("material = 'metal'\ndiffuse = 1", ":18:11", "sphere 1 diffuse", "remove it"),

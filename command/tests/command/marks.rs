@@ -68,7 +68,7 @@ fn marks_that_find_no_place_are_counted_and_never_cover_another() {
         (0..90).map(|n| format!("{},{},0,0.2\n", f64::from(n % 10) * 0.2, f64::from(n / 10) * 0.2)).collect();
     dir.put("crowd.csv", format!("x,y,z,radius\n{crowd}"));
     let (_, err) = picture(&dir, "crowd.csv --mark all=moon");
-    assert!(err.contains("marks of --mark of 90 marks find no place beside the others"), "{err}");
+    assert!(err.contains("of 90 marks have no place in the picture beside the others (moon, moon"), "{err}");
     dir.put("many.csv", format!("x,y,z,radius\n{}", "0,0,0,1\n".repeat(501)));
     dir.refused_render(
         2,
@@ -95,7 +95,7 @@ fn marks_are_in_the_provenance() {
 fn invalid_marks_are_refused() {
     let dir = dir();
     for (options, words) in [
-        ("moons.csv --mark name -o b.png", &["--mark", "EXPR=TEXT"][..]),
+        ("moons.csv --mark name -o b.png", &["--mark <EXPR=TEXT>", "a mark has no text"][..]),
         ("moons.csv --mark all= -o b.png", &["--mark", "empty"]),
         ("moons.csv --mark all={name -o b.png", &["--mark", "brace"]),
         ("moons.csv --mark all={colour} -o b.png", &["--mark", "`colour`", "mass"]),

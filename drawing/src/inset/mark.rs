@@ -7,8 +7,8 @@ use crate::raster::missing;
 use glam::DVec2;
 use halfline::error::Result;
 use halfline::frame::Frame;
-use halfline::quote::count;
-use halfline::quote::setting::MARK;
+use halfline::quote::setting::{MARK, SIZE};
+use halfline::quote::{count, list};
 use halfline::scene::Scene;
 
 /// Spheres of a scene, with the text that names them.
@@ -22,6 +22,11 @@ struct Mark {
     at: [f64; 2],
     /// Half of its width, pixels.
     reach: f64,
+}
+
+/// Whether dark letters are hard to read on a colour in linear light: of less luminance than a middle grey.
+fn is_dark([red, green, blue]: [f32; 3]) -> bool {
+    0.2126 * red + 0.7152 * green + 0.0722 * blue < 0.18
 }
 
 /// A thing that is so many times as wide as its text has the text on it, else beside it.
@@ -45,21 +50,24 @@ impl Panels {
                 marks.push(Mark { text: text.clone(), at, reach });
             }
         }
-        let left_out = self.mark(scene.image.width, scene.image.height, &marks);
-        let words = |n: usize| count(n as u64, "mark");
-        let warning =
-            || format!("{} of {MARK} of {} find no place beside the others", words(left_out), words(marks.len()));
-        Ok((left_out > 0).then(warning))
+        let left_out = self.mark([scene.image.width, scene.image.height], is_dark(scene.image.background), &marks);
+        let warning = || {
+            let (some, all) = (left_out.len(), count(marks.len() as u64, "mark"));
+            let problem =
+                format!("{some} of {all} have no place in the picture beside the others ({})", list(&left_out));
+            format!("{problem}: a larger {SIZE}, or fewer by {MARK}, leave more room")
+        };
+        Ok((!left_out.is_empty()).then(warning))
     }
 
-    /// Adds marks to a picture of `width` x `height` pixels, in their order: on their things where these are wide, else beside them.
-    /// Returns the number of those that find no place in the picture beside the others.
-    fn mark(&mut self, width: u32, height: u32, marks: &[Mark]) -> usize {
+    /// Adds marks to a picture of this size, light ones with a dark halo or dark ones with a light halo, in their order: on their things
+    /// where these are wide, else beside them. Returns the texts of those that have no place in the picture beside the others.
+    fn mark<'a>(&mut self, [width, height]: [u32; 2], are_light: bool, marks: &'a [Mark]) -> Vec<&'a str> {
         let page = Page::new(width, height);
-        let mut left_out = 0;
+        let mut left_out = Vec::new();
         for mark in marks {
             let text = plain(&mark.text);
-            let placed = page.haloed(&text).and_then(|pixels| {
+            let placed = page.haloed(&text, are_light).and_then(|pixels| {
                 let size = [pixels.width() as f32, pixels.height() as f32];
                 let at = places(mark, size).into_iter().find(|at| self.is_free(&page, *at, size))?;
                 Some(Panel { at: at.map(|x| x as usize), pixels })
@@ -69,7 +77,7 @@ impl Panels {
                     self.unknown.extend(missing(&text, false));
                     self.panels.push(panel);
                 }
-                None => left_out += 1,
+                None => left_out.push(mark.text.as_str()),
             }
         }
         left_out
@@ -151,7 +159,7 @@ mod tests {
     fn a_text_is_on_a_wide_thing_and_next_to_a_small_one() {
         let mut panels = Panels::default();
         let two = [mark([200.0, 150.0], 60.0), mark([320.0, 50.0], 3.0)];
-        assert_eq!(panels.mark(400, 300, &two), 0);
+        assert_eq!(panels.mark([400, 300], false, &two), [""; 0]);
         let [on, other] = &panels.panels[..] else { panic!("two marks") };
         let middle = |panel: &Panel| {
             [panel.at[0] + panel.pixels.width() as usize / 2, panel.at[1] + panel.pixels.height() as usize / 2]
@@ -165,7 +173,7 @@ mod tests {
     fn no_text_covers_another_or_leaves_the_picture() {
         let mut panels = Panels::default();
         let crowd: Vec<Mark> = (0..40).map(|n| mark([50.0 + f64::from(n % 7), 30.0 + f64::from(n / 7)], 2.0)).collect();
-        let left_out = panels.mark(100, 60, &crowd);
+        let left_out = panels.mark([100, 60], true, &crowd).len();
         assert_eq!(left_out + panels.panels.len(), 40);
         assert!(panels.panels.len() >= 3, "{}", panels.panels.len());
         for (n, a) in panels.panels.iter().enumerate() {

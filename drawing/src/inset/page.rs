@@ -19,6 +19,7 @@ const LEAST: f32 = 9.0;
 /// Opacity of a panel: text on it has a contrast of at least 9 on black, where it is grey, by the formula of WCAG 2.
 const OPACITY: f32 = 0.8;
 const INK: [u8; 3] = [0x16, 0x16, 0x16];
+const PAPER: [u8; 3] = [0xff; 3];
 const LINE: [u8; 3] = [0x80, 0x80, 0x80];
 
 /// The picture that panels are for; lengths are pixels.
@@ -168,16 +169,17 @@ impl Page {
         Ok((pixels, [title, words]))
     }
 
-    /// A line of text with a halo; `None` for blanks.
-    pub(super) fn haloed(&self, text: &str) -> Option<Pixmap> {
+    /// A line of text with a halo, light on dark or dark on light; `None` for blanks.
+    pub(super) fn haloed(&self, text: &str, is_light: bool) -> Option<Pixmap> {
+        let (ink, halo_ink) = if is_light { (PAPER, INK) } else { (INK, PAPER) };
         let halo = (0.22 * self.size).max(2.0);
         let [wide, high] = [letters_width(text, false, self.size), self.size].map(|side| (side + 2.0 * halo).ceil());
         let mut pixels = Pixmap::new(wide as u32, high as u32)?;
         // The capitals of DejaVu Sans are 0.73 of its size high; a line is centred on them.
         let path = letters(text, false, self.size, (halo, halo + 0.5 * (1.0 + 0.73) * self.size))?;
         let stroke = Stroke { width: halo, line_join: LineJoin::Round, ..Stroke::default() };
-        pixels.stroke_path(&path, &paint([255; 3]), &stroke, Transform::identity(), None);
-        pixels.fill_path(&path, &paint(INK), FillRule::Winding, Transform::identity(), None);
+        pixels.stroke_path(&path, &paint(halo_ink), &stroke, Transform::identity(), None);
+        pixels.fill_path(&path, &paint(ink), FillRule::Winding, Transform::identity(), None);
         Some(pixels)
     }
 

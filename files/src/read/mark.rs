@@ -5,7 +5,7 @@ use super::select::selection::Selection;
 use super::sequence::SceneFrame;
 use halfline::error::{Error, Result};
 use halfline::quote::setting::MARK;
-use halfline::quote::{count, number, quote};
+use halfline::quote::{count, list, number, quote};
 use std::str::FromStr;
 
 /// The most marks of a picture.
@@ -63,7 +63,7 @@ impl MarkRule {
         if text.trim().is_empty() || text.chars().count() > LETTERS {
             let what = if text.trim().is_empty() { "empty" } else { "too long" };
             return Err(Error::settings(
-                format!("the text of {MARK} is {what}"),
+                format!("the text of a mark is {what}"),
                 format!("use 1 to {LETTERS} letters"),
             ));
         }
@@ -72,7 +72,7 @@ impl MarkRule {
             let (before, from) = rest.split_at(start);
             let inside = from.strip_prefix('{').and_then(|from| from.split_once('}'));
             let Some((name, after)) = inside.filter(|(name, _)| !name.trim().is_empty()) else {
-                let problem = format!("a brace in the text of {MARK} is alone");
+                let problem = "a brace in the text of a mark is alone";
                 return Err(Error::settings(problem, "write {column} for the value of a column"));
             };
             parts.extend([Part::Text(before.to_owned()), Part::Column(name.trim().to_owned())]);
@@ -92,7 +92,7 @@ impl FromStr for MarkRule {
     /// Errors of [`MarkRule::new`], and [`Error::Settings`] without an equals sign.
     fn from_str(rule: &str) -> Result<Self> {
         let Some((expression, text)) = rule.rsplit_once('=') else {
-            return Err(Error::settings(format!("{MARK} has no text"), "write EXPR=TEXT, such as 'ligand={resname}'"));
+            return Err(Error::settings("a mark has no text", "write EXPR=TEXT, such as 'ligand={resname}'"));
         };
         Self::new(expression, text)
     }
@@ -142,24 +142,46 @@ impl SceneFrame {
         (0..particles).map(number).collect()
     }
 
+    /// The number of a sphere that every scene has: a coordinate, its radius, its index.
+    fn own_number(&self, name: &str, n: usize) -> Option<f64> {
+        let spheres = &self.scene.spheres;
+        let [x, y, z] = spheres.centers[n];
+        match name {
+            "x" => Some(x),
+            "y" => Some(y),
+            "z" => Some(z),
+            "radius" => Some(spheres.radii[n]),
+            "index" => Some(n as f64),
+            _ => None,
+        }
+    }
+
     /// The text of a rule for the thing of a sphere.
     fn text_of(&self, rule: &MarkRule, n: usize) -> Result<String> {
         let part = |part: &Part| match part {
             Part::Text(text) => Ok(text.clone()),
-            Part::Column(name) => match self.columns.get(name) {
-                Ok((_, values)) => Ok(match values.value(n) {
+            Part::Column(name) => match (self.columns.get(name), self.own_number(name, n)) {
+                (Ok((_, values)), _) => Ok(match values.value(n) {
                     ColumnValue::Text(text) => text.to_owned(),
-                    ColumnValue::Number(x) if x.is_nan() => String::new(),
-                    ColumnValue::Number(x) if x == x.trunc() && x.abs() < 1e15 => format!("{x:.0}"),
-                    ColumnValue::Number(x) => number(x, 5),
+                    ColumnValue::Number(x) => brief(x),
                 }),
-                Err(Error::Settings { mend, .. }) => {
+                (Err(_), Some(x)) => Ok(brief(x)),
+                (Err(_), None) => {
                     let problem = format!("the text of {MARK} has {}, and there is no such column", quote(name));
-                    Err(Error::settings(problem, mend))
+                    let names = self.columns.names().chain(["x", "y", "z", "radius"]);
+                    Err(Error::settings(problem, format!("use one of {}", list(names))))
                 }
-                Err(other) => Err(other),
             },
         };
         rule.parts.iter().map(part).collect()
+    }
+}
+
+/// A number of five digits, a whole one with all of its digits; blank for NaN.
+fn brief(x: f64) -> String {
+    match x {
+        x if x.is_nan() => String::new(),
+        x if x == x.trunc() && x.abs() < 1e15 => format!("{x:.0}"),
+        x => number(x, 5),
     }
 }
