@@ -56,7 +56,10 @@ impl InsetArgs {
             return Ok(());
         }
         let refuse = |problem: &str, mend: &str| {
-            let what = "--legend-in, --label, --scale-bar and --mark";
+            let what = match self.mark.is_empty() {
+                true => "--legend-in, --label and --scale-bar",
+                false => "texts of --mark",
+            };
             Err(Error::settings(format!("{what} {problem}"), mend))
         };
         if is_part {

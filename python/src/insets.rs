@@ -60,9 +60,8 @@ impl Insets {
     /// Checks what does not depend on a camera; `cropped` says whether a part of the picture is rendered, `colored` whether
     /// there is a picture.
     pub(crate) fn check(&self, scene: &Scene, cropped: bool, colored: bool) -> Result<()> {
-        let refuse = |problem: &str, mend: &str| {
-            Err(Error::settings(format!("legend, label, scale_bar and mark are drawn into {problem}"), mend))
-        };
+        let what = if self.mark.is_empty() { "legend, label and scale_bar" } else { "texts of mark" };
+        let refuse = |problem: &str, mend: &str| Err(Error::settings(format!("{what} are drawn into {problem}"), mend));
         self.label()?;
         if let Some(path) = &self.legend_file {
             figure::check(path)?;
