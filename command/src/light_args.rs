@@ -180,13 +180,13 @@ impl PictureLook {
         self.look_words().into_iter().chain(self.lens.words())
     }
 
-    /// The options that the look stands for; `None` for the plain one.
+    /// The options that the look stands for, with the samples of this picture; `None` for the plain one.
     fn look_words(&self) -> Option<String> {
-        let ChosenLook { look, is_default, .. } = self.chosen;
+        let ChosenLook { look, is_default, samples } = self.chosen;
         if look == Look::Plain {
             return None;
         }
-        let (rays, samples) = (Sky::AT_CENTERS.rays_at_center(look.samples()), look.samples());
+        let rays = Sky::AT_CENTERS.rays_at_center(samples);
         let sky = format!("a sky with {rays} rays from each pixel's centre");
         let longer = "--occlusion at every sample, which takes much longer";
         let sky = if self.has_own_sky { format!("{longer} than {sky}") } else { sky };
