@@ -33,15 +33,15 @@ impl Spheres {
         self.opacities.as_ref().is_some_and(|all| all.iter().any(|opacity| *opacity < 1.0))
     }
 
-    /// Changes the opacity of the sphere that was added last.
-    pub fn set_last_opacity(&mut self, opacity: f32) {
+    /// Changes the opacity of the spheres from this index on.
+    pub fn set_opacity_from(&mut self, first: usize, opacity: f32) {
         let count = self.len();
-        if count == 0 || self.opacities.is_none() && opacity == 1.0 {
+        if first >= count || self.opacities.is_none() && opacity == 1.0 {
             return;
         }
         let all = self.opacities.get_or_insert_with(|| vec![1.0; count].into()).to_mut();
-        all.pop();
-        all.push(opacity);
+        all.truncate(first);
+        all.resize(count, opacity);
     }
 
     /// Checks that every sphere has an opacity, if any has.

@@ -44,7 +44,7 @@ impl Case {
         for (sphere, opaque) in self.spheres.iter().zip(&self.opaque) {
             let [x, y, z, radius] = sphere.each_ref().map(number);
             spheres.push([x, y, z], radius, Some(rng.cube().map(|c| 0.5 + 0.5 * c as f32)));
-            spheres.set_last_opacity(if *opaque { 1.0 } else { 0.1 + 0.8 * rng.unit() as f32 });
+            spheres.set_opacity_from(spheres.len() - 1, if *opaque { 1.0 } else { 0.1 + 0.8 * rng.unit() as f32 });
         }
         let [vw, vh] = self.viewport.each_ref().map(number);
         let lens =
@@ -206,7 +206,7 @@ fn reversed(spheres: &Spheres) -> Spheres {
     let mut turned = Spheres::default();
     for n in (0..spheres.len()).rev() {
         turned.push(spheres.centers[n], spheres.radii[n], spheres.colors.as_ref().map(|colors| colors[n]));
-        turned.set_last_opacity(spheres.opacity(n as u32));
+        turned.set_opacity_from(turned.len() - 1, spheres.opacity(n as u32));
     }
     turned
 }
@@ -274,7 +274,7 @@ fn translucent_spheres_cast_shadows_with_opacity_shadows_alone() {
     let mut spheres = Spheres::default();
     spheres.push([0.0, -1000.0, 0.0], 1000.0, Some([0.8; 3]));
     spheres.push([0.0, 2.0, 0.0], 1.0, Some([0.9, 0.2, 0.1]));
-    spheres.set_last_opacity(0.4);
+    spheres.set_opacity_from(spheres.len() - 1, 0.4);
     let scene = oblique::scene(SIZE, [0.0, 5.0, 12.0], [0.0, 1.0, 0.0], vfov(30.0), spheres);
     let lights = vec![Light::white(LightSource::Direction(DVec3::Y))];
     let sky = Some(Sky { rays: 16, ..Sky::default() });
@@ -306,7 +306,7 @@ fn mirrors_show_translucent_spheres_as_opaque() {
     spheres.push([0.0, 3.0, 6.0], 2.0, Some([0.9, 0.1, 0.1]));
     let colors_with = |opacity: f32, cpu: &mut Renderer| {
         let mut spheres = spheres.clone();
-        spheres.set_last_opacity(opacity);
+        spheres.set_opacity_from(spheres.len() - 1, opacity);
         let scene = oblique::scene(SIZE, [0.0, 0.0, 0.0], [0.0, 0.0, -1.0], vfov(60.0), spheres);
         let settings = Settings { aovs: vec![Aov::Color, Aov::Id], ..Settings::default() };
         let frame = render(cpu, &scene, &settings);

@@ -94,9 +94,21 @@ fn scene_files_give_spheres_opacities() {
     assert_ne!(dir.array("ghost.toml.npy"), dir.array("full.toml.npy"));
     dir.render("full.toml --opacity 0.5 -o both.npy");
     assert_ne!(dir.array("full.toml.npy"), dir.array("both.npy"), "the option is of all spheres");
+    // A file of spheres has one opacity, and its absence is that of a sphere.
+    dir.put("ball.csv", "x,y,z,radius\n0.3,0.1,-1.5,0.3\n");
+    let file = |opacity: &str| format!("{SCENE}[[spheres]]\nfile = \"ball.csv\"\nopacity = {opacity}\n");
+    for (name, opacity) in [("ghost", "0.5"), ("full", "1")] {
+        dir.put("file.toml", file(opacity));
+        dir.render("file.toml -o file.npy");
+        assert!(dir.get("file.npy") == dir.get(&format!("{name}.toml.npy")), "{name}");
+    }
+    dir.put("file.toml", file("0.5"));
+    dir.refused_render(2, "file.toml --stream -o a.png", &["--stream", "opacities"]);
     for (opacity, words) in [("0", "above 0"), ("1.5", "at most 1"), ("-0.5", "above 0"), ("\"red\"", "a number")] {
-        dir.put("wrong.toml", ball(opacity));
-        dir.refused_render(3, "wrong.toml -o a.png", &["wrong.toml:18:11", "opacity", words]);
+        for (wrong, line) in [(ball(opacity), 18), (file(opacity), 17)] {
+            dir.put("wrong.toml", wrong);
+            dir.refused_render(3, "wrong.toml -o a.png", &[&format!("wrong.toml:{line}:11"), "opacity", words]);
+        }
     }
     dir.refused_render(2, "ghost.toml --stream -o a.png", &["opacities", "--stream"]);
     let plan = dir.good("plan ghost.toml --layers 2 --backend cpu").text();

@@ -369,7 +369,7 @@ impl InBlocks {
             let problem = format!("{STREAM}: mirrors and glass need all spheres in memory");
             return Err(Error::settings(problem, "remove the materials of the scene"));
         }
-        if own.opacities.is_some() {
+        if own.opacities.is_some() || files.iter().any(|file| file.opacity < 1.0) {
             let problem = format!("{STREAM}: the opacities of a scene file need all its spheres in memory");
             return Err(Error::settings(problem, format!("remove the opacities of the scene, or {STREAM}")));
         }

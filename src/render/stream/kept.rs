@@ -37,7 +37,7 @@ impl NumberedSpheres {
         for Witness { number, center, radius, color, opacity } in more {
             if self.numbers[..known].binary_search(&number).is_err() && !self.numbers[known..].contains(&number) {
                 self.spheres.add(center, radius, color)?;
-                self.spheres.set_last_opacity(opacity);
+                self.spheres.set_opacity_from(self.spheres.len() - 1, opacity);
                 self.numbers.push(number);
             }
         }

@@ -22,6 +22,8 @@ pub(in crate::read) struct NamedSpheres {
     /// The file, from the folder of the scene file.
     pub(super) path: PathBuf,
     selection: Option<Selection>,
+    /// The opacity of its spheres.
+    pub(in crate::read) opacity: f32,
     /// The place of the file's name and of the selection.
     place: Place,
     selected_at: Place,
@@ -34,7 +36,7 @@ impl NamedSpheres {
     /// [`Error::Scene`] for keys that are unknown, missing or of another type, for an expression that is not a
     /// selection, and for a file whose name has no supported extension.
     pub(super) fn of(table: &TomlTable<'_>, scene: &Path) -> Result<Self> {
-        table.allow(&["file", "select"])?;
+        table.allow(&["file", "select", "opacity"])?;
         let file = table.need("file")?;
         let path = scene.parent().unwrap_or(Path::new("")).join(file.string()?);
         let chosen = table.get("select");
@@ -46,7 +48,19 @@ impl NamedSpheres {
             let mend = "use a .csv or .npy file, or a particle file such as .pdb or .xyz";
             return Err(Error::scene(file.place(), problem, mend));
         }
-        Ok(Self { path, selection, place: file.place(), selected_at })
+        let opacity = table.get("opacity").map(|value| value.opacity("spheres")).transpose()?.unwrap_or(1.0);
+        Ok(Self { path, selection, opacity, place: file.place(), selected_at })
+    }
+
+    /// Appends the spheres with their opacity; returns messages about them.
+    ///
+    /// # Errors
+    /// Errors of the file's reader and of the selection.
+    pub(super) fn read(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
+        let first = spheres.len();
+        let messages = self.shapes(spheres, watch)?;
+        spheres.set_opacity_from(first, self.opacity);
+        Ok(messages)
     }
 
     /// Appends the spheres; returns messages about them. Tables and arrays (.csv, .npy) have the columns of spheres; of
@@ -54,7 +68,7 @@ impl NamedSpheres {
     ///
     /// # Errors
     /// Errors of the file's reader and of the selection.
-    pub(super) fn read(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
+    fn shapes(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
         let strict = match ending(&self.path).as_str() {
             "csv" => csv::read,
             "npy" => npy::read,

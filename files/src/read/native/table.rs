@@ -4,6 +4,7 @@ use crate::read::nearest::did_you_mean;
 use crate::read::style::color;
 use halfline::error::{Error, Place, Result};
 use halfline::scene::{check_color, check_opacity};
+use std::fmt::Display;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
@@ -208,10 +209,10 @@ impl<'a> TomlValue<'a> {
         self.finite(self.value)
     }
 
-    /// The opacity of the sphere with this index.
-    pub(super) fn opacity(&self, sphere: usize) -> Result<f32> {
+    /// The opacity of `owner`, which errors name.
+    pub(super) fn opacity(&self, owner: impl Display) -> Result<f32> {
         let opacity = self.number()? as f32;
-        check_opacity(opacity, || self.place().named(format!("sphere {sphere} opacity")))?;
+        check_opacity(opacity, || self.place().named(format!("{owner} opacity")))?;
         Ok(opacity)
     }
 
