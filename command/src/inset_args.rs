@@ -8,7 +8,7 @@ use halfline::frame::legend::Legend;
 use halfline::frame::{Aov, Frame};
 use halfline::render::Renderer;
 use halfline::settings::Settings;
-use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar, Thing, visible_ids};
+use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar, Thing};
 use halfline_files::read::SceneFrame;
 use halfline_files::read::mark::{self, MarkRule, Marked};
 use halfline_files::write::file::is_standard_output;
@@ -126,12 +126,9 @@ impl InsetArgs {
     ) -> Result<Option<String>> {
         let things: Vec<Thing> =
             picture.marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
-        if self.mark_all || things.is_empty() {
-            return panels.add_marks(&picture.scene, None, &things);
-        }
+        let ids = (!self.mark_all).then(|| frame.ids());
         let settings = Settings { aovs: vec![Aov::Id], ..settings.clone() };
-        let shown = visible_ids(&picture.scene, frame.ids(), |scene| renderer.render(scene, &settings))?;
-        panels.add_marks(&picture.scene, Some(&shown), &things)
+        panels.add_marks(&picture.scene, &things, ids, |scene| renderer.render(scene, &settings))
     }
 
     /// Sentences on the limits of the panels: a scale bar that holds at one distance only, a legend that may cover

@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 use tiny_skia::Pixmap;
 
 pub use label::{Label, LabelValues};
-pub use mark::{Thing, visible_ids};
+pub use mark::Thing;
 
 /// The place of the legend in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
@@ -86,16 +86,11 @@ class Scene:
     ) -> None:
         points = array("centers", centers, np.float64, "(n, 3)")
         count = len(points)
-        sizes = np.asarray(radii)
-        if sizes.ndim == 0 and sizes.dtype.kind in "fiu":
-            sizes = np.full(count, sizes, dtype=np.float64)
-        sizes = array("radii", sizes, np.float64, "(n,)")
+        sizes = _per_sphere("radii", radii, count, np.float64)
         rows = None if colors is None else _rows(colors, count)
-        shares = None if opacities is None else np.asarray(opacities)
-        if shares is not None and shares.ndim == 0 and shares.dtype.kind in "fiu":
-            shares = np.full(count, shares, dtype=np.float32)
-        if shares is not None:
-            shares = array("opacities", shares, np.float32, "(n,)")
+        shares = None
+        if opacities is not None:
+            shares = _per_sphere("opacities", opacities, count, np.float32)
         for name, others in (("radii", sizes), ("colors", rows), ("opacities", shares)):
             if others is not None and len(others) != count:
                 raise ValueError(
@@ -298,6 +293,14 @@ class Scene:
         return self._native.fingerprint()
 
 
+def _per_sphere(name: str, values: ArrayLike, count: int, dtype: type) -> NDArray[Any]:
+    """A number for each sphere."""
+    numbers = np.asarray(values)
+    if numbers.ndim == 0 and numbers.dtype.kind in "fiu":
+        numbers = np.full(count, numbers, dtype=dtype)
+    return array(name, numbers, dtype, "(n,)")
+
+
 def _rows(colors: Color, count: int) -> NDArray[np.float32]:
     """A colour for each sphere."""
     if isinstance(colors, str) or np.shape(colors) == (3,):
@@ -473,12 +476,6 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
     if limits is not None or given["log"] or given["map"] is not None:
         if color_by is None:
             raise ValueError("map, range and log belong to color_by; give a column with color_by=")
-    radius, color, opacity = given["radius"], given["color"], given["opacity"]
-    material, shine = given["material"], given["shine"]
-    sizes = dict(radius) if isinstance(radius, Mapping) else {}
-    paints = dict(color) if isinstance(color, Mapping) else {}
-    fades = dict(opacity) if isinstance(opacity, Mapping) else {}
-    matters = dict(material) if isinstance(material, Mapping) else {}
     planes = [
         [number(f"clip[{k}]", x) for x in _several(f"clip[{k}]", plane, 4)]
         for k, plane in enumerate(given["clip"])
@@ -504,41 +501,34 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         "assembly": None if given["assembly"] is None else str(given["assembly"]),
         "select": words("select", given["select"]),
         "hide": words("hide", given["hide"]),
-        "radius": None
-        if radius is None or isinstance(radius, Mapping)
-        else number("radius", radius),
-        "radius_of": [
-            (word("radius", key), positive(f"radius[{key!r}]", value))
-            for key, value in sizes.items()
-        ],
+        **_of_all_or_some("radius", given, number, positive),
         "radius_scale": number("radius_scale", given["radius_scale"]),
-        "color": None
-        if color is None or isinstance(color, Mapping)
-        else checked_color("color", color),
-        "color_of": [
-            (word("color", key), checked_color(f"color[{key!r}]", value))
-            for key, value in paints.items()
-        ],
-        "opacity": None
-        if opacity is None or isinstance(opacity, Mapping)
-        else number("opacity", opacity),
-        "opacity_of": [
-            (word("opacity", key), number(f"opacity[{key!r}]", value))
-            for key, value in fades.items()
-        ],
-        "material": None
-        if material is None or isinstance(material, Mapping)
-        else word("material", material),
-        "material_of": [
-            (word("material", key), word(f"material[{key!r}]", value))
-            for key, value in matters.items()
-        ],
-        "shine": None if shine is None else number("shine", shine),
+        **_of_all_or_some("color", given, checked_color),
+        **_of_all_or_some("opacity", given, number),
+        **_of_all_or_some("material", given, word),
+        "shine": None if given["shine"] is None else number("shine", given["shine"]),
         "color_by": color_by,
         "range": limits,
         "copies": None if copies is None else list(wholes("copies", copies, 3, 1)),
         "clip": planes,
         "cell": cell_radius(given["cell"]),
+    }
+
+
+def _of_all_or_some(
+    name: str,
+    given: Mapping[str, Any],
+    check: Callable[[str, Any], Any],
+    check_some: Callable[[str, Any], Any] | None = None,
+) -> dict[str, Any]:
+    """An option that is one value for all, or a value for each expression."""
+    value, check_some = given[name], check_some or check
+    some = value if isinstance(value, Mapping) else {}
+    return {
+        name: None if value is None or isinstance(value, Mapping) else check(name, value),
+        f"{name}_of": [
+            (word(name, key), check_some(f"{name}[{key!r}]", one)) for key, one in some.items()
+        ],
     }
 
 

@@ -4,7 +4,7 @@ use crate::scene::Scene;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::scene::ImagePlane;
-use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar, Thing, visible_ids};
+use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar, Thing};
 use halfline_files::read::mark::{self, MarkRule, Marked};
 use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
@@ -51,10 +51,7 @@ impl Insets {
     ) -> Result<Option<String>> {
         panels.also_drawn(&mark::words(marked, self.mark_all));
         let things: Vec<Thing> = marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
-        if self.mark_all || things.is_empty() {
-            return panels.add_marks(exact, None, &things);
-        }
-        panels.add_marks(exact, Some(&visible_ids(exact, ids, render)?), &things)
+        panels.add_marks(exact, &things, (!self.mark_all).then_some(ids), render)
     }
 
     /// Checks what does not depend on a camera; `cropped` says whether a part of the picture is rendered, `colored` whether

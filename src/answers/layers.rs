@@ -59,8 +59,7 @@ impl Peeling<'_> {
                     let candidates = |pixel, id| self.candidates(twin, pixel, id);
                     let lists: Vec<_> =
                         pixels.map(|(at, (pixel, id))| Listed { at, pixel, list: candidates(pixel, *id) }).collect();
-                    let few = OnceCell::new();
-                    let nearest = Nearest { peeling: self, twin, few: &few, lists: &lists };
+                    let nearest = Nearest { peeling: self, twin, few: OnceCell::new(), lists: &lists };
                     lists.iter().for_each(|listed| nearest.peel(listed, &mut layers));
                 }
                 (None, Some(judge)) => {
@@ -118,8 +117,8 @@ struct Nearest<'a> {
     peeling: &'a Peeling<'a>,
     twin: &'a Certify<'a, f32>,
     lists: &'a [Listed],
-    /// The judge of these candidates, once it is asked.
-    few: &'a OnceCell<Option<Few>>,
+    /// The judge of all these candidates, made for the first pixel that needs exact arithmetic.
+    few: OnceCell<Option<Few>>,
 }
 
 /// A judge of few spheres, with their ids in increasing order, so that the lower id stays the lower.

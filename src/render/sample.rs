@@ -192,18 +192,17 @@ impl Renderer {
             let mut layers = self.layers(whole, scene, settings, &raw.id, timings)?;
             let view = &whole.setup.view;
             // Back to front.
-            while let Some(mut layer) = layers.pop() {
+            while let Some(layer) = layers.pop() {
                 let open = at_centers.get(1 + layers.len());
                 let mut over = match (lights, kernel.shade) {
                     (Some(lights), _) => self.light_color(sampling, lights, view, &layer, open, timings)?,
                     (None, Some(shade)) => timings.time("shade", || layers::shade(shade, scene, view, &layer))?,
                     (None, None) => Vec::new(),
                 };
-                let hits = layer.clone();
                 // Where the layer shows nothing, what is behind it is no farther surface to draw a line before.
-                layer.iter_mut().zip(&raw.id).filter(|(id, _)| **id == NONE).for_each(|(id, behind)| *id = *behind);
-                self.finish(sampling, view, &layer, cue, &mut over, timings);
-                lay_over(&scene.spheres, &hits, &over, &mut raw.color, passing);
+                let shown = layer.iter().zip(&raw.id).map(|(id, behind)| if *id == NONE { *behind } else { *id });
+                self.finish(sampling, view, &shown.collect::<Vec<_>>(), cue, &mut over, timings);
+                lay_over(&scene.spheres, &layer, &over, &mut raw.color, passing);
             }
         }
         Ok(())

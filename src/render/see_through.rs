@@ -15,7 +15,6 @@ use crate::frame::report::Timings;
 use crate::memory::Pool;
 use crate::scene::{Scene, Spheres};
 use crate::settings::Settings;
-use crate::view::View;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
 use rayon::prelude::*;
@@ -30,11 +29,11 @@ pub(super) struct WholeFrame {
 
 impl WholeFrame {
     /// Returns its memory to the pool for the next frame.
-    pub(super) fn put_back(self, pool: &Pool) -> View {
+    pub(super) fn put_back(self, pool: &Pool) {
         if let Some(lists) = self.lists {
             lists.put_back(pool);
         }
-        self.setup.put_back(pool)
+        self.setup.put_back(pool);
     }
 }
 

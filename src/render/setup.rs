@@ -152,11 +152,10 @@ impl FrameSetup {
         }
     }
 
-    /// Returns its memory to the pool for the next frame; the view is left.
-    pub(crate) fn put_back(self, pool: &Pool) -> View {
+    /// Returns its memory to the pool for the next frame.
+    pub(crate) fn put_back(self, pool: &Pool) {
         if let Stage::Binned(binned) = self.stage {
             binned.put_back(pool);
         }
-        self.view
     }
 }

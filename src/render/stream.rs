@@ -161,7 +161,6 @@ impl Stream {
     fn add_opaque(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let Some(opacities) = &block.opacities else { return Ok(()) };
         let flags: Vec<bool> = opacities.par_iter().map(|opacity| *opacity == 1.0).collect();
-        let places: Vec<u32> = (0..block.len() as u32).filter(|n| flags[*n as usize]).collect();
         let mut alone = Spheres { opacities: None, ..block.clone() };
         alone.keep(&flags);
         let opaque = match self.opaque.take() {
@@ -169,7 +168,7 @@ impl Stream {
             None => Box::new(Self::new(&self.scene, &self.settings)?),
         };
         let opaque = self.opaque.insert(opaque);
-        let numbers: Vec<u64> = places.iter().map(|n| number(*n as usize)).collect();
+        let numbers: Vec<u64> = (0..block.len()).filter(|n| flags[*n]).map(number).collect();
         if alone.is_empty() { Ok(()) } else { opaque.add_numbered(&alone, &numbers) }
     }
 

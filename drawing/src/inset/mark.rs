@@ -33,17 +33,28 @@ fn is_dark([red, green, blue]: [f32; 3]) -> bool {
 const ROOMY: f32 = 1.15;
 
 impl Panels {
-    /// Adds marks of things in a whole frame of a scene, in their order: of those among the ids `shown` of its pixels; where these are
-    /// `None`, of all in front of the camera. Returns a warning about those that find no place.
+    /// Adds marks of things in a whole frame of a scene, in their order: of those among the `ids` of its pixels, and of those that are
+    /// seen through translucent spheres, of which `render` renders a frame without them; without ids of all in front of the camera.
+    /// Returns a warning about those that find no place.
     ///
     /// # Errors
-    /// Errors of [`Camera::project`](halfline::Camera::project).
-    pub fn add_marks(&mut self, scene: &Scene, shown: Option<&[i32]>, things: &[Thing]) -> Result<Option<String>> {
+    /// Errors of [`Camera::project`](halfline::Camera::project) and of `render`.
+    pub fn add_marks(
+        &mut self,
+        scene: &Scene,
+        things: &[Thing],
+        ids: Option<&[i32]>,
+        render: impl FnOnce(&Scene) -> Result<Frame>,
+    ) -> Result<Option<String>> {
+        let all = ids.is_none();
+        let shown = match ids.filter(|_| !things.is_empty()) {
+            Some(ids) => visible_ids(scene, ids, render)?,
+            None => Vec::new(),
+        };
         let mut is_shown = vec![false; scene.spheres.len()];
-        for id in shown.unwrap_or_default().iter().filter_map(|id| usize::try_from(*id).ok()) {
+        for id in shown.iter().filter_map(|id| usize::try_from(*id).ok()) {
             is_shown[id] = true;
         }
-        let all = shown.is_none();
         let mut marks = Vec::new();
         for (text, ids) in things.iter().filter(|(_, ids)| all || ids.iter().any(|id| is_shown[*id as usize])) {
             if let Some((at, reach)) = extent(scene, ids)? {
@@ -100,7 +111,7 @@ impl Panels {
 ///
 /// # Errors
 /// Those of `render`.
-pub fn visible_ids(scene: &Scene, ids: &[i32], render: impl FnOnce(&Scene) -> Result<Frame>) -> Result<Vec<i32>> {
+fn visible_ids(scene: &Scene, ids: &[i32], render: impl FnOnce(&Scene) -> Result<Frame>) -> Result<Vec<i32>> {
     let mut all = ids.to_vec();
     if scene.spheres.is_translucent() {
         let is_opaque: Vec<bool> = (0..scene.spheres.len() as u32).map(|id| scene.spheres.opacity(id) == 1.0).collect();

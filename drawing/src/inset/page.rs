@@ -6,7 +6,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::legend::{Category, Legend, Tick};
 use halfline::quote::setting::SIZE;
 use std::fmt::Write;
-use tiny_skia::{Color, FillRule, LineJoin, Paint, Pixmap, Rect, Stroke, Transform};
+use tiny_skia::{Color, FillRule, LineJoin, Paint, Path, Pixmap, Rect, Stroke, Transform};
 
 /// The longest label of a category, in letters, as in the legend's own file.
 const LETTERS: usize = 41;
@@ -175,18 +175,22 @@ impl Page {
         let halo = (0.22 * self.size).max(2.0);
         let [wide, high] = [letters_width(text, false, self.size), self.size].map(|side| (side + 2.0 * halo).ceil());
         let mut pixels = Pixmap::new(wide as u32, high as u32)?;
-        // The capitals of DejaVu Sans are 0.73 of its size high; a line is centred on them.
-        let path = letters(text, false, self.size, (halo, halo + 0.5 * (1.0 + 0.73) * self.size))?;
+        let path = self.line(text, false, [halo, halo])?;
         let stroke = Stroke { width: halo, line_join: LineJoin::Round, ..Stroke::default() };
         pixels.stroke_path(&path, &paint(halo_ink), &stroke, Transform::identity(), None);
         pixels.fill_path(&path, &paint(ink), FillRule::Winding, Transform::identity(), None);
         Some(pixels)
     }
 
-    /// Writes a line of text whose top left is at a point.
-    fn write(&self, pixels: &mut Pixmap, text: &str, bold: bool, [left, top]: [f32; 2]) {
+    /// The letters of a line of text whose top left is at a point; `None` for blanks.
+    fn line(&self, text: &str, bold: bool, [left, top]: [f32; 2]) -> Option<Path> {
         // The capitals of DejaVu Sans are 0.73 of its size high; a line is centred on them.
-        if let Some(path) = letters(text, bold, self.size, (left, top + 0.5 * (1.0 + 0.73) * self.size)) {
+        letters(text, bold, self.size, (left, top + 0.5 * (1.0 + 0.73) * self.size))
+    }
+
+    /// Writes a line of text whose top left is at a point.
+    fn write(&self, pixels: &mut Pixmap, text: &str, bold: bool, at: [f32; 2]) {
+        if let Some(path) = self.line(text, bold, at) {
             pixels.fill_path(&path, &paint(INK), FillRule::Winding, Transform::identity(), None);
         }
     }

@@ -222,8 +222,7 @@ impl Document<'_> {
         check_sphere(center, length, || radius.place().named(format!("sphere {}", spheres.len())))?;
         let color = table.get("color").map(|color| color.color()).transpose()?;
         let material = material::read(table, spheres.len())?;
-        let owner = format_args!("sphere {}", spheres.len());
-        let opacity = table.get("opacity").map(|value| value.opacity(owner)).transpose()?.unwrap_or(1.0);
+        let opacity = table.opacity(format_args!("sphere {}", spheres.len()))?;
         spheres.add(center, length, color)?;
         spheres.set_last_material(material);
         spheres.set_opacity_from(spheres.len() - 1, opacity);

@@ -392,7 +392,7 @@ impl Style {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
             Coloring::File if !particles.colors.is_empty() => Some(std::mem::take(&mut particles.colors)),
             Coloring::File => {
-                let legend = || categories::elements(&particles.elements, &particles.rules[RuleTarget::Color as usize]);
+                let legend = || categories::elements(&particles.elements, particles.rule_numbers(RuleTarget::Color));
                 return Ok(elements().map_or((None, None), |colors| (Some(colors), Some(legend()))));
             }
             Coloring::Element => {
@@ -404,7 +404,7 @@ impl Style {
                 })?;
                 return Ok((
                     Some(colors),
-                    Some(categories::elements(&particles.elements, &particles.rules[RuleTarget::Color as usize])),
+                    Some(categories::elements(&particles.elements, particles.rule_numbers(RuleTarget::Color))),
                 ));
             }
             Coloring::Column(scale) => {

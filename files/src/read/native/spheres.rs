@@ -48,8 +48,7 @@ impl NamedSpheres {
             let mend = "use a .csv or .npy file, or a particle file such as .pdb or .xyz";
             return Err(Error::scene(file.place(), problem, mend));
         }
-        let opacity = table.get("opacity").map(|value| value.opacity("spheres")).transpose()?.unwrap_or(1.0);
-        Ok(Self { path, selection, opacity, place: file.place(), selected_at })
+        Ok(Self { path, selection, opacity: table.opacity("spheres")?, place: file.place(), selected_at })
     }
 
     /// Appends the spheres with their opacity; returns messages about them.

@@ -125,6 +125,14 @@ impl<'a> TomlTable<'a> {
         self.get(key).ok_or_else(|| self.missing(key, format!("add {}", self.name.example(key))))
     }
 
+    /// The opacity of `owner`, which errors name; 1 without the key.
+    pub(super) fn opacity(&self, owner: impl Display) -> Result<f32> {
+        let Some(value) = self.get("opacity") else { return Ok(1.0) };
+        let opacity = value.number()? as f32;
+        check_opacity(opacity, || value.place().named(format!("{owner} opacity")))?;
+        Ok(opacity)
+    }
+
     /// The place of a key's value; without the key, that of the key `other` or of the table.
     pub(super) fn place_of(&self, key: &str, other: &str) -> Place {
         let value = self.keys.get(key).or_else(|| self.keys.get(other));
@@ -207,13 +215,6 @@ impl<'a> TomlValue<'a> {
 
     pub(super) fn number(&self) -> Result<f64> {
         self.finite(self.value)
-    }
-
-    /// The opacity of `owner`, which errors name.
-    pub(super) fn opacity(&self, owner: impl Display) -> Result<f32> {
-        let opacity = self.number()? as f32;
-        check_opacity(opacity, || self.place().named(format!("{owner} opacity")))?;
-        Ok(opacity)
     }
 
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N]> {

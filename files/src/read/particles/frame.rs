@@ -322,14 +322,19 @@ impl Particles {
         reading || self.labels.contains_key(name)
     }
 
+    /// The numbers from 1 of the rules that give the particles this property, 0 for none; empty without rules.
+    pub(in crate::read) fn rule_numbers(&self, target: RuleTarget) -> &[u16] {
+        &self.rules[target as usize]
+    }
+
     /// The index of the rule that gives particle `n` this property; `None` where none does.
     pub(in crate::read) fn rule(&self, target: RuleTarget, n: usize) -> Option<usize> {
-        self.rules[target as usize].get(n).and_then(|number| usize::from(*number).checked_sub(1))
+        self.rule_numbers(target).get(n).and_then(|number| usize::from(*number).checked_sub(1))
     }
 
     /// Whether rules give some particles this property.
     pub(in crate::read) fn has_rules(&self, target: RuleTarget) -> bool {
-        !self.rules[target as usize].is_empty()
+        !self.rule_numbers(target).is_empty()
     }
 
     /// Makes the colours of a whole file linear light, and adds what is assumed of them. Particles that are selected do not tell

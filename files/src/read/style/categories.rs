@@ -79,7 +79,7 @@ pub(super) fn apply(
     let name = scale.columns.join(", ");
     let column = only(scale, columns, &name)?;
     let categories = Categories::new(scale, labels.map(|labels| &labels[..]));
-    let counts = Counts::of(&categories, column, &particles.rules[RuleTarget::Color as usize]);
+    let counts = Counts::of(&categories, column, particles.rule_numbers(RuleTarget::Color));
     skipped.assumed.extend(counts.notes(&name, column.values.len(), categories.map));
     let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
     let legend = Legend {
