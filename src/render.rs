@@ -7,6 +7,7 @@ mod lens;
 mod light;
 mod light_state;
 mod missed;
+mod on_device;
 mod opaque;
 mod order;
 mod place;

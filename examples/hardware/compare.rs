@@ -9,14 +9,18 @@ use serde_json::{Map, Value, json};
 use std::time::Instant;
 
 /// The largest differences of two certified frames: each is within 1e-5 of the true distance and within 1e-3 of the true normal, of
-/// which a headlight's colours are made. Ids, masks and shares of the sky have no tolerance.
+/// which colours are made. Ids, masks and shares of the sky have no tolerance.
 const DISTANCE: f64 = 2e-5;
 const NORMAL: f64 = 2e-3;
+/// The share of colours that may differ by more: where a comparison decides, of depths for a line or of a neighbour's rays.
+const DECIDED: f64 = 1e-4;
 
 /// The difference of two buffers: the number of values, of those that differ, and the largest differences.
 struct Difference {
     values: usize,
     differ: usize,
+    /// Those that differ by more than [`NORMAL`].
+    beyond: usize,
     most: f64,
     relative: f64,
 }
@@ -34,11 +38,18 @@ impl Difference {
             _ => return Err("buffers of other types".into()),
         };
         let differing = pairs.iter().filter(|[a, b]| a != b && !(a.is_nan() && b.is_nan()));
-        let none = Self { values: pairs.len(), differ: 0, most: 0.0, relative: 0.0 };
+        let none = Self { values: pairs.len(), differ: 0, beyond: 0, most: 0.0, relative: 0.0 };
         Ok(differing.fold(none, |all, [a, b]| {
             let off = (a - b).abs();
             let relative = off / b.abs().max(f64::MIN_POSITIVE);
-            Self { differ: all.differ + 1, most: all.most.max(off), relative: all.relative.max(relative), ..all }
+            let beyond = all.beyond + usize::from(off > NORMAL);
+            Self {
+                differ: all.differ + 1,
+                beyond,
+                most: all.most.max(off),
+                relative: all.relative.max(relative),
+                ..all
+            }
         }))
     }
 
@@ -46,7 +57,8 @@ impl Difference {
     fn is_within(&self, aov: Aov) -> bool {
         match aov {
             Aov::Distance => self.relative <= DISTANCE,
-            Aov::Normal | Aov::Color => self.most <= NORMAL,
+            Aov::Normal => self.beyond == 0,
+            Aov::Color => self.beyond as f64 <= DECIDED * self.values as f64,
             _ => self.differ == 0,
         }
     }
@@ -64,8 +76,8 @@ pub(crate) fn frames(count: usize, look: &str, side: u32) -> Result {
         let other = host.get(buffer.aov).ok_or("a buffer is missing")?;
         let difference = Difference::of(&buffer.data, &other.data)?;
         good &= difference.is_within(buffer.aov);
-        let Difference { values, differ, most, relative } = difference;
-        let shown = json!({ "values": values, "differ": differ, "most": most, "relative": relative });
+        let Difference { values, differ, beyond, most, relative } = difference;
+        let shown = json!({ "values": values, "differ": differ, "beyond": beyond, "most": most, "relative": relative });
         buffers.insert(buffer.aov.name().to_owned(), shown);
     }
     Ok(json!({

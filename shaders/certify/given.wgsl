@@ -11,28 +11,11 @@ struct CertifiedRay {
     blur: f32,             // bound of the error of the places of ray and sphere, in each component
 }
 
-struct PlacedSphere {
-    steps: vec3<i32>,
-    radius: f32,
-    rest: vec3<f32>,
-}
-
 // The t at which a ray hits a sphere, if it does. `low` is MISS for a certain miss.
 struct Bounds {
     low: f32,
     high: f32,
     sure: bool,
-}
-
-const PLACED_ROW_BITS: u32 = 11u; // a row of the texture holds 2^11 spheres
-
-@group(0) @binding(BIND_PLACED) var placed: texture_2d<u32>; // two texels each
-
-fn placed_at(n: u32) -> PlacedSphere {
-    let first = vec2<u32>((n << 1u) & ((2u << PLACED_ROW_BITS) - 1u), n >> PLACED_ROW_BITS);
-    let a = textureLoad(placed, first, 0);
-    let b = textureLoad(placed, first + vec2<u32>(1u, 0u), 0);
-    return PlacedSphere(bitcast<vec3<i32>>(a.xyz), bitcast<f32>(a.w), bitcast<vec3<f32>>(b.xyz));
 }
 
 // Bounds of t for a ray and a sphere. `tilt` is the bound of the direction's error, relative to its length.

@@ -2,36 +2,10 @@
 // sets its bit if nothing hides its target. If f32 leaves one ray of a pixel unsure, one more bit is set, which leaves
 // all rays of the pixel to the host.
 
-struct Sky {
-    first: u32,        // pixel of the band, and one past the last
-    end: u32,
-    rays: u32,         // of each pixel toward the sky
-    lights: u32,       // and toward lights
-    turns: u32,        // of the directions toward the sky, a power of two
-    seed: u32,
-    interleaved: u32,  // 1: the place of a pixel chooses its turn, 0: a hash does
-    groups: u32,       // workgroups in a row of the dispatch
-    sure_limit: f32,   // of rays toward the sky
-    limit: f32,
-    unit: f32,         // the frame's unit in that of the tree; 0 where ways from the eye are of no use
-    steps: u32,        // of the tree in an invocation; beyond them the host traces the pixel
-    eye: vec3<i32>,    // on the grid of places: whole steps, and the rest
-    first_ray: u32,    // the first ray of each pixel in this dispatch, and one past the last
-    eye_rest: vec3<f32>,
-    end_ray: u32,
-}
-
-@group(0) @binding(BIND_SKY) var<uniform> sky: Sky;
 @group(0) @binding(BIND_FRAME_ID) var<storage, read> frame_id: array<u32>;
 @group(0) @binding(BIND_STARTS) var<storage, read> starts: array<vec4<f32>>;
 // The place of every sphere in the order of the tree.
 @group(0) @binding(BIND_PLACES) var<storage, read> places: array<u32>;
-// Two vectors each: a direction and the reciprocals of its components, for all turns of the sky and then for the
-// lights. A light that is not infinitely far has its place instead, as steps and a rest, and the fourth number of the
-// first vector is 1.
-@group(0) @binding(BIND_DIRECTIONS) var<storage, read> directions: array<vec4<u32>>;
-@group(0) @binding(BIND_OPEN) var<storage, read_write> open: array<u32>;
-
 var<private> local_index: u32; // of this pixel in its workgroup
 var<private> own: u32;         // place of the sphere of the hit, which is decided by the side of its surface
 
@@ -90,9 +64,7 @@ fn start_of(pixel: u32, at: vec2<u32>) -> Start {
 
 fn next_ray(start: Start, number: u32) -> Next {
     let toward_sky = number < sky.rays;
-    let hash = pcg4d(vec4<u32>(start.at, 0u, sky.seed)).w & (sky.turns - 1u);
-    let turn = select(hash, (start.at.y & 7u) * 8u + (start.at.x & 7u), sky.interleaved == 1u);
-    let index = select(sky.turns * sky.rays + number - sky.rays, turn * sky.rays + number, toward_sky);
+    let index = select(sky.turns * sky.rays + number - sky.rays, turn_of(start.at) * sky.rays + number, toward_sky);
     let first = directions[2u * index];
     let second = bitcast<vec3<f32>>(directions[2u * index + 1u].xyz);
     var d = bitcast<vec3<f32>>(first.xyz);

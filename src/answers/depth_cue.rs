@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// The share of the background in the colour of the farthest point. At 1 that point could not be seen at all. With 0.6,
 /// on black, 0.4 of its light is left, which is two thirds of its value in sRGB: visibly darker, and its own colour is
 /// still seen.
-const MAX_SHARE: f64 = 0.6;
+pub(crate) const MAX_SHARE: f64 = 0.6;
 
 /// The least and the largest depth of a sphere along the view axis; +inf and -inf for one that is behind the eye, or beyond f64.
 #[inline(always)]

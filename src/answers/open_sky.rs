@@ -112,7 +112,7 @@ const ENOUGH: u32 = 64;
 /// The passes in which the rays of neighbours are put together. Each takes those of a pixel and of its eight neighbours at a
 /// distance, with the weights 4, 2 and 1; the distances 1, 2, .. have nothing left of a pattern that repeats after twice the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Smoothing(&'static [u32]);
+pub(crate) struct Smoothing(pub(crate) &'static [u32]);
 
 impl Smoothing {
     /// The smoothing for pixels with so many rays: none where they alone have little noise, so that more rays come ever closer to

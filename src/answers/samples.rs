@@ -17,6 +17,24 @@ pub(crate) struct Means {
 }
 
 impl Means {
+    /// The means of `count` samples in a window, from the sums of colour and coverage, four numbers a pixel, of rows of `width` pixels.
+    pub(crate) fn of_part(sums: &[f32], window: Window, width: u32, count: u32) -> Self {
+        let pixels = window.width() as usize * window.height() as usize;
+        let mut means = Self { color: vec![0.0; 3 * pixels], alpha: vec![0.0; pixels] };
+        let each = window.width() as usize;
+        let rows = means.color.par_chunks_exact_mut(3 * each).zip(means.alpha.par_chunks_exact_mut(each));
+        rows.zip(window.y0..window.y1).for_each(|((color, alpha), y)| {
+            let first = 4 * (y as usize * width as usize + window.x0 as usize);
+            let pixels = sums[first..first + 4 * each].chunks_exact(4);
+            for ((sums, color), alpha) in pixels.zip(color.chunks_exact_mut(3)).zip(alpha) {
+                let [red, green, blue, cover] = [0, 1, 2, 3].map(|k| sums[k] / count as f32);
+                color.copy_from_slice(&[red, green, blue]);
+                *alpha = cover;
+            }
+        });
+        means
+    }
+
     /// The pixels of a window alone, of rows of `width` pixels.
     pub(crate) fn part(&self, window: Window, width: u32) -> Self {
         let rows = |values: &[f32], each: usize| {

@@ -63,7 +63,7 @@ const COMPANY: [f64; 2] = [6.0, 12.0];
 pub(crate) struct Line {
     /// The width over that of the neighbourhood of [`REACH`].
     scale: f64,
-    color: [f32; 3],
+    pub(crate) color: [f32; 3],
 }
 
 impl Line {
@@ -72,7 +72,7 @@ impl Line {
     }
 
     /// The distances of neighbours over those of the narrowest line.
-    fn stretch(self) -> f64 {
+    pub(crate) fn stretch(self) -> f64 {
         larger(self.scale, 1.0)
     }
 
@@ -82,14 +82,18 @@ impl Line {
     }
 
     /// The darkness of a line that is narrower than the narrowest, over that of the narrowest.
-    fn strength(self) -> f64 {
+    pub(crate) fn strength(self) -> f64 {
         if self.scale < 1.0 { self.scale } else { 1.0 }
+    }
+
+    /// The distance in pixels of neighbour number `x` on one side.
+    pub(crate) fn distance(self, x: isize) -> isize {
+        (x as f64 * self.stretch()).round() as isize
     }
 
     /// The offsets to half of the neighbours, and the unit vectors toward them.
     fn pairs(self) -> Vec<([isize; 2], [f64; 2])> {
-        let far = |x: isize| (x as f64 * self.stretch()).round() as isize;
-        pairs().map(|offset| (offset.map(far), unit(offset))).collect()
+        pairs().map(|offset| (offset.map(|x| self.distance(x)), unit(offset))).collect()
     }
 }
 

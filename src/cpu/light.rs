@@ -10,6 +10,7 @@ mod point;
 mod surface;
 
 use crate::answers::light::{Chunk, LightBuffers, NOT_CERTIFIED, PixelLight, SETTLED};
+use crate::answers::open_sky::SkyAtHit;
 use crate::search::tree::lanes::RAYS_PER_TASK;
 use crate::view::directions::PixelSample;
 use crate::view::picture_rays::PictureRays;
@@ -23,6 +24,9 @@ use rayon::prelude::*;
 use std::cell::OnceCell;
 use surface::Surface;
 
+/// Hits whose rays one task traces.
+const HITS_PER_TASK: usize = 16;
+
 impl LightingContext<'_> {
     /// Fills `buffers` for the pixels that show these spheres. `go_on` is called before every part of a row with its number
     /// of pixels; after `false` the rest is left unchanged.
@@ -34,6 +38,15 @@ impl LightingContext<'_> {
             if go_on(ids.len() as u64) { self.fill_chunk(ids, &mut chunk) } else { Vec::new() }
         };
         buffers.unsure = chunks.into_par_iter().flat_map_iter(work).collect();
+    }
+
+    /// The rays toward the sky from the hits of some pixels, each on a sphere.
+    pub(crate) fn sky_at(&self, hits: &[(u32, u32)]) -> Vec<SkyAtHit> {
+        let work = |hits: &[(u32, u32)]| {
+            let mut shader = PixelShader::new(self);
+            hits.iter().map(|(pixel, id)| shader.shade_pixel(*pixel, *id).sky).collect::<Vec<_>>()
+        };
+        hits.par_chunks(HITS_PER_TASK).flat_map_iter(work).collect()
     }
 
     /// Fills some pixels of one row or more. Returns the pixels that are not certain, each with its certainty.

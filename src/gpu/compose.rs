@@ -27,12 +27,12 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 72] = files![
+const FILES: [(&str, &str); 84] = files![
     "view.wgsl" "math.wgsl" "hash.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
     "search/closer_hit.wgsl" "search/residuals.wgsl" "search/no_residuals.wgsl" "search/fixed_origin.wgsl"
-    "search/moved_origin.wgsl" "search/all.wgsl" "search/tree.wgsl"
+    "search/moved_origin.wgsl" "search/all.wgsl" "search/tree.wgsl" "search/placed.wgsl"
     "place/float64.wgsl" "place/placing.wgsl" "place/low.wgsl" "place/rectangle.wgsl" "place/place.wgsl" "place/cut.wgsl" "place/guests.wgsl"
     "splat/order.wgsl" "splat/frame.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
@@ -41,8 +41,10 @@ const FILES: [(&str, &str); 72] = files![
     "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
     "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
     "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
-    "main/sample.wgsl" "main/start.wgsl" "main/no_start.wgsl" "main/sky.wgsl"
-    "shade/world.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
+    "main/sample.wgsl" "main/start.wgsl" "main/no_start.wgsl" "main/sky_rays.wgsl" "main/sky.wgsl"
+    "picture/record.wgsl" "picture/means.wgsl" "picture/sky_sums.wgsl" "picture/smooth.wgsl" "picture/list.wgsl" "picture/unsure.wgsl"
+    "picture/scatter.wgsl" "picture/line.wgsl" "picture/picture.wgsl"
+    "shade/world.wgsl" "shade/world_normal.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
     "shade/headlight.wgsl"
     "selftest/main.wgsl" "selftest/operations.wgsl" "selftest/transforms.wgsl" "selftest/double_float.wgsl"
     "selftest/solve.wgsl" "selftest/f64.wgsl"
@@ -195,7 +197,7 @@ fn certify(Certificate { generals, unproved, starts, .. }: Certificate, parts: &
 fn certify_given(any: bool, tree: bool, parts: &mut Vec<Part>) {
     let query = if any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
     parts.extend(files(["main/given_certified.wgsl", "certify/constants.wgsl", "certify/given_constants.wgsl"]));
-    parts.extend(files(["certify/given.wgsl", query]));
+    parts.extend(files(["search/placed.wgsl", "certify/given.wgsl", query]));
     match tree {
         true => {
             parts.push(sizes());
@@ -224,6 +226,19 @@ pub(crate) enum Step {
     },
     /// Rays leave from the hits toward the sky and lights.
     Sky,
+    /// The rays toward the sky are added up at each hit.
+    SkySums,
+    /// The rays of neighbours are put together.
+    Smooth,
+    /// The pixels that are not proved are listed.
+    Unsure,
+    /// Words that the host decided are written to a buffer.
+    Scatter,
+    /// The colours of a sample are added to a picture.
+    Picture {
+        /// The spheres have individual colours.
+        colors: bool,
+    },
 }
 
 /// The parts that give the place of a pixel's ray: its centre, or a sample.
@@ -251,14 +266,18 @@ pub(crate) fn compose_step(step: Step) -> Source {
             let given = [
                 "certify/constants.wgsl",
                 "certify/given_constants.wgsl",
+                "search/placed.wgsl",
                 "certify/given.wgsl",
                 "certify/given_any.wgsl",
             ];
             let mut parts = vec![binding_numbers()];
             parts.extend(files(["view.wgsl", "math.wgsl", "hash.wgsl"]));
             parts.extend(files(given));
-            parts.extend(files(["search/tree.wgsl", "main/sky.wgsl"]));
+            parts.extend(files(["search/tree.wgsl", "main/sky_rays.wgsl", "main/sky.wgsl"]));
             return Source::new(parts);
+        }
+        Step::SkySums | Step::Smooth | Step::Unsure | Step::Scatter | Step::Picture { .. } => {
+            return Source::new(picture(step));
         }
         Step::Small { samples } => (samples, "splat/small.wgsl"),
         Step::Large { samples } => (samples, "splat/large.wgsl"),
@@ -270,6 +289,32 @@ pub(crate) fn compose_step(step: Step) -> Source {
     Source::new(parts)
 }
 
+/// The parts of a step of a picture whose colours a device computes.
+fn picture(step: Step) -> Vec<Part> {
+    let mut parts = vec![binding_numbers(), sizes()];
+    parts.extend(files(["view.wgsl", "math.wgsl", "main/window.wgsl"]));
+    match step {
+        Step::SkySums => {
+            parts.extend(files(["hash.wgsl", "main/sky_rays.wgsl", "place/placing.wgsl", "picture/list.wgsl"]));
+            parts.extend(files(["picture/record.wgsl", "picture/means.wgsl", "picture/sky_sums.wgsl"]));
+        }
+        Step::Smooth => parts.extend(files(["picture/record.wgsl", "picture/means.wgsl", "picture/smooth.wgsl"])),
+        Step::Unsure => parts.extend(files(["place/placing.wgsl", "picture/list.wgsl", "picture/unsure.wgsl"])),
+        Step::Picture { colors } => {
+            parts.extend(files(["hash.wgsl", "main/sample.wgsl", "number/f32.wgsl", "ray.wgsl", "search/placed.wgsl"]));
+            parts.extend(files([
+                "shade/world.wgsl",
+                "picture/record.wgsl",
+                "picture/line.wgsl",
+                "picture/picture.wgsl",
+            ]));
+            parts.extend(colors_of_spheres(colors));
+        }
+        _ => parts.extend(files(["picture/scatter.wgsl"])),
+    }
+    parts
+}
+
 /// The sizes that the host and the shaders share.
 fn sizes() -> Part {
     emitted("emitted: sizes", declarations())
@@ -278,7 +323,7 @@ fn sizes() -> Part {
 /// World normals and colours, if computed.
 fn shade(kernel: &Kernel, parts: &mut Vec<Part>) {
     if kernel.has_normals() || kernel.leaves_starts() {
-        parts.extend(files(["shade/world.wgsl"]));
+        parts.extend(files(["shade/world.wgsl", "shade/world_normal.wgsl"]));
     }
     let Some(shade) = kernel.shade else { return };
     let by = match shade {
@@ -287,11 +332,14 @@ fn shade(kernel: &Kernel, parts: &mut Vec<Part>) {
         Shade::Headlight => "shade/headlight.wgsl",
     };
     parts.extend(files([by, "shade/color.wgsl"]));
-    if kernel.colors {
-        parts.extend(files(["shade/sphere_color.wgsl"]));
-    } else if shade.needs_colors() {
-        parts.push(default_color());
+    if shade.needs_colors() {
+        parts.extend(colors_of_spheres(kernel.colors));
     }
+}
+
+/// `sphere_color`: from a buffer where spheres have individual colours.
+fn colors_of_spheres(individual: bool) -> Vec<Part> {
+    if individual { files(["shade/sphere_color.wgsl"]).collect() } else { vec![default_color()] }
 }
 
 /// The binding number of every buffer: its index in [`buffers`].

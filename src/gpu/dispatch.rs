@@ -52,6 +52,9 @@ pub(crate) struct Gpu {
     /// Blocks leave their minima in the reverse order.
     #[cfg(test)]
     pub(super) reversed: bool,
+    /// The device computes the colours of pictures although it is software.
+    #[cfg(test)]
+    pub(crate) draws: bool,
 }
 
 /// A shader of frames.
@@ -93,6 +96,8 @@ impl Gpu {
             block: BLOCK,
             #[cfg(test)]
             reversed: false,
+            #[cfg(test)]
+            draws: false,
         }
     }
 
@@ -260,7 +265,7 @@ impl Gpu {
 
     /// A pass that the clock times, if the device has one.
     pub(super) fn pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::ComputePass<'a> {
-        let timestamp_writes = self.clock.as_ref().map(Clock::writes);
+        let timestamp_writes = self.clock.as_ref().and_then(Clock::writes);
         encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes })
     }
 

@@ -14,7 +14,7 @@ pub(crate) struct Binding {
 }
 
 /// The inputs of kernels by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 28] = [
+const INPUTS: [&str; 35] = [
     "view",
     "spheres",
     "residuals",
@@ -41,6 +41,13 @@ const INPUTS: [&str; 28] = [
     "places",
     "directions",
     "open",
+    "picture",
+    "sky_hits",
+    "sky_sums",
+    "sky_means",
+    "patches",
+    "patched",
+    "picture_sums",
     "cases",
     "answers",
 ];
@@ -143,7 +150,9 @@ mod tests {
     /// Every step of a resident frame.
     fn steps() -> impl Iterator<Item = Step> {
         let splats = [false, true].into_iter().flat_map(|samples| [Step::Small { samples }, Step::Large { samples }]);
-        splats.chain([Step::Place, Step::Guests, Step::Sky])
+        let pictures = [false, true].map(|colors| Step::Picture { colors });
+        let of_pictures = [Step::SkySums, Step::Smooth, Step::Unsure, Step::Scatter];
+        splats.chain([Step::Place, Step::Guests, Step::Sky]).chain(of_pictures).chain(pictures)
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! (shaders/splat), and each pixel's winner is certified (shaders/main/certified.wgsl). The host sends a camera, the spheres
 //! around the eye, which it projects or lists, and decides the pixels that are not proved.
 
+pub(crate) mod picture;
 pub(crate) mod scene;
 pub(crate) mod sky;
 pub(crate) mod steps;
@@ -192,7 +193,7 @@ impl Gpu {
                 return Err(Error::Interrupted);
             }
             self.upload_general_lists(record, &band, binned)?;
-            output.timings.time("trace", || self.trace_band(kernel, record, &band))?;
+            output.timings.time("trace", || self.trace_band(kernel, record, &band, true))?;
             output.timings.time("readback", || self.read_back(kernel, record, &band, output.raw))?;
             let Some(found) = self.take_pairs()? else { return Ok(None) };
             pairs.extend(found.into_iter().map(|[pixel, slot]| [pixel + before as u32, slot]));
@@ -302,8 +303,9 @@ impl Gpu {
         ((rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE).max(TILE)
     }
 
-    /// Runs the passes of minima, the certifying kernel and the pass of pairs for a band.
-    fn trace_band(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
+    /// Runs the passes of minima, the certifying kernel and the pass of pairs for a band. Unless the host `reads` the outputs, they stay
+    /// on the device, and the pairs also list the pixels that are not proved.
+    fn trace_band(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, reads: bool) -> Result<()> {
         let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
         let pixels = record.pixels() as u64;
         self.refill("view", bytemuck::bytes_of(&record))?;
@@ -312,6 +314,6 @@ impl Gpu {
         if kernel.leaves_starts() {
             self.reserve("starts", START * pixels, wgpu::BufferUsages::STORAGE);
         }
-        self.with_resident(|gpu, resident| gpu.submit_steps(kernel, resident, pixels, record.tiles())).map(drop)
+        self.with_resident(|gpu, resident| gpu.submit_steps(kernel, resident, &record, reads)).map(drop)
     }
 }

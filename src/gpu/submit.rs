@@ -60,6 +60,11 @@ impl Gpu {
         Ok(())
     }
 
+    /// Submits commands without a wait: what reads their results waits for both.
+    pub(super) fn enqueue(&mut self, encoder: wgpu::CommandEncoder) {
+        self.open.queue.submit([encoder.finish()]);
+    }
+
     /// Submits commands and reads the first `size` bytes of a buffer after them, as numbers.
     pub(super) fn fetch(
         &mut self,
@@ -80,11 +85,16 @@ impl Gpu {
 
     /// The first numbers of a copy whose mapping was asked for before the last wait.
     pub(super) fn take(&mut self, name: &'static str, size: u64) -> Result<Vec<u32>> {
+        self.with_taken(name, size, bytemuck::pod_collect_to_vec)
+    }
+
+    /// What `read` makes of the first bytes of such a copy.
+    pub(super) fn with_taken<T>(&mut self, name: &'static str, size: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T> {
         let buffer = &self.staging[name];
-        let numbers = bytemuck::pod_collect_to_vec(&mapped(buffer, size)?);
+        let done = read(&mapped(buffer, size)?);
         buffer.unmap();
         self.traffic.down += size;
-        Ok(numbers)
+        Ok(done)
     }
 
     /// Seconds of the last timed pass, by the device's clock if it has one, else since `start`.

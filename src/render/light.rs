@@ -7,6 +7,7 @@ use crate::answers::open_sky::{OpenSky, SkySums};
 use crate::cpu::light::{LightOutputs, LightingContext};
 use crate::error::Result;
 use crate::exact::Judge;
+use crate::gpu::Gpu;
 use crate::gpu::resident::sky::{SkyRays, SkyRecord, SkyTraced};
 use crate::memory::Pool;
 use crate::progress::Step;
@@ -53,6 +54,57 @@ impl<'a> LightRequest<'a> {
     fn unknown_sky(&self) -> Option<Sky> {
         self.sky.filter(|_| self.open_sky.is_none())
     }
+
+    /// The directions toward the sky. Rays leave from the hits, unless they were traced before, and from the points after a bounce.
+    pub(super) fn directions(&self, FrameContext { scene, settings, view }: FrameContext<'_>) -> SkyDirections {
+        let ViewRecord { strata, sample, .. } = view.record;
+        let leaves = self.unknown_sky().is_some() || bounces(scene) > 0;
+        let rays = self.sky.filter(|_| leaves).map_or(0, |sky| sky.rays);
+        match self.interleaved {
+            true => SkyDirections::interleaved(rays, strata, sample, settings.seed),
+            false => SkyDirections::new(rays, strata, sample),
+        }
+    }
+}
+
+/// The rays from each hit of a frame.
+pub(super) struct HitRays<'a> {
+    /// Toward the sky.
+    pub(super) directions: &'a SkyDirections,
+    /// To lights, one each.
+    pub(super) lights: &'a [DirectionRecord],
+    /// The length of rays toward the sky, in the scene's unit.
+    pub(super) reach: f64,
+    pub(super) seed: u32,
+}
+
+impl HitRays<'_> {
+    /// The rays as a device reads them.
+    pub(super) fn records(&self, tree: &Tree) -> (Vec<DirectionRecord>, SkyRecord) {
+        let turned = self.directions.turned().iter().map(DirectionRecord::of_unit);
+        let records = turned.chain(self.lights.iter().copied()).collect();
+        let [sure_limit, limit] = limits(tree, self.reach);
+        let record = SkyRecord {
+            rays: self.directions.len() as u32,
+            lights: self.lights.len() as u32,
+            seed: self.seed,
+            interleaved: self.directions.is_interleaved().into(),
+            sure_limit,
+            limit,
+            ..bytemuck::Zeroable::zeroed()
+        };
+        (records, record)
+    }
+}
+
+/// The lights of a scene, for rays to them; empty where one has a size.
+fn lights_of(tree: &Tree, scene: &Scene) -> Vec<DirectionRecord> {
+    let without_size = |light: &Light| match light.source {
+        LightSource::Direction(direction) => Some(DirectionRecord::new(direction.to_array())),
+        LightSource::Point(place) => DirectionRecord::place(tree, place.to_array()),
+        LightSource::Sphere(_) | LightSource::Ball { .. } => None,
+    };
+    scene.lighting.lights.iter().map(without_size).collect::<Option<_>>().unwrap_or_default()
 }
 
 /// Data for the lights of one scene, shared by the pixels' centres and all samples.
@@ -65,6 +117,44 @@ pub(super) struct LightSetup {
 }
 
 impl LightSetup {
+    /// Does `work` in the context of a frame's light, whose rays toward the sky have these directions.
+    ///
+    /// # Errors
+    /// Errors of the judge.
+    pub(super) fn with_context<T>(
+        &self,
+        tree: &Tree,
+        FrameContext { scene, settings, view }: FrameContext<'_>,
+        request: &LightRequest<'_>,
+        directions: &SkyDirections,
+        work: impl FnOnce(LightingContext<'_>) -> T,
+    ) -> Result<T> {
+        let LightRequest { outputs, sky, open_sky, .. } = *request;
+        let ViewRecord { strata, sample, .. } = view.record;
+        let (bounces, samples) = (bounces(scene), strata * strata);
+        let sized = scene.lighting.lights.iter().any(|light| light.source.has_size());
+        let judge = self.judge(scene, view)?;
+        Ok(work(LightingContext {
+            scene,
+            view,
+            tree,
+            blockers: self.blockers.as_deref().unwrap_or(tree),
+            outputs,
+            judge: judge.as_ref(),
+            exact: self.accuracy == Accuracy::Exact,
+            sky,
+            colors: Gradient::of(scene).filter(|_| outputs.color || outputs.sky).map(SkyLight::new),
+            backdrop: Backdrop::new(scene, view, true),
+            directions,
+            scattered: &if bounces > 0 { SkyDirections::one(strata, sample) } else { SkyDirections::none() },
+            disc: &DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples),
+            seed: settings.seed,
+            open: open_sky,
+            traced: None,
+            bounces,
+        }))
+    }
+
     /// The judge of rays that f64 leaves unsure; `None` where answers are not certified. It holds no spheres: each
     /// question brings its own.
     fn judge(&self, scene: &Scene, view: &View) -> Result<Option<Judge>> {
@@ -94,45 +184,38 @@ impl Renderer {
     fn trace_from_hits(
         &mut self,
         tree: &Tree,
-        FrameContext { scene, settings, view }: FrameContext<'_>,
+        frame: FrameContext<'_>,
         request: &LightRequest<'_>,
         directions: &SkyDirections,
     ) -> Result<Option<(Traced<'static>, Vec<u32>)>> {
-        let Some(gpu) = &mut self.device.gpu else { return Ok(None) };
-        let casts_shadows = request.outputs.shadow || request.outputs.color && scene.lighting.shadows;
         let (none, sky) = (SkyDirections::none(), request.unknown_sky());
         let directions = if sky.is_some() { directions } else { &none };
-        let without_size = |light: &Light| match light.source {
-            LightSource::Direction(direction) => Some(DirectionRecord::new(direction.to_array())),
-            LightSource::Point(place) => DirectionRecord::place(tree, place.to_array()),
-            LightSource::Sphere(_) | LightSource::Ball { .. } => None,
-        };
-        let all: Option<Vec<DirectionRecord>> = scene.lighting.lights.iter().map(without_size).collect();
-        let all = all.filter(|_| casts_shadows).unwrap_or_default();
-        let count = Traced { words: &[], rays: directions.len(), lights: all.len() };
+        let casts_shadows = request.outputs.shadow || request.outputs.color && frame.scene.lighting.shadows;
+        let lights = if casts_shadows { lights_of(tree, frame.scene) } else { Vec::new() };
+        let count = Traced { words: &[], rays: directions.len(), lights: lights.len() };
         if count.rays + count.lights == 0 {
             return Ok(None);
         }
-        let turned = directions.turned().iter().map(DirectionRecord::of_unit);
-        let records: Vec<DirectionRecord> = turned.chain(all).collect();
-        let [sure_limit, limit] = limits(tree, sky.map_or(f64::INFINITY, |sky| sky.reach));
-        let record = SkyRecord {
-            rays: count.rays as u32,
-            lights: count.lights as u32,
-            seed: settings.seed,
-            interleaved: directions.is_interleaved().into(),
-            sure_limit,
-            limit,
-            ..bytemuck::Zeroable::zeroed()
-        };
-        let rays = SkyRays { tree, view, directions: &records, record };
-        let pixels = view.record.pixels() as u64;
-        let doing = self.watch.begin(Step::Light, pixels);
-        match gpu.trace_sky(&rays, &|done| doing.reached(done))? {
+        let reach = sky.map_or(f64::INFINITY, |sky| sky.reach);
+        let (records, record) = HitRays { directions, lights: &lights, reach, seed: frame.settings.seed }.records(tree);
+        let rays = SkyRays { tree, view: frame.view, directions: &records, record };
+        let words = self.on_hits(&rays, Gpu::trace_sky)?;
+        Ok(words.map(|words| (count, words)))
+    }
+
+    /// Has the device do `work` with rays from the hits that it still holds; `None` where the host has to.
+    pub(super) fn on_hits<T>(
+        &mut self,
+        rays: &SkyRays<'_>,
+        work: impl FnOnce(&mut Gpu, &SkyRays<'_>, &dyn Fn(u64) -> bool) -> Result<SkyTraced<T>>,
+    ) -> Result<Option<T>> {
+        let Some(gpu) = &mut self.device.gpu else { return Ok(None) };
+        let doing = self.watch.begin(Step::Light, rays.view.record.pixels() as u64);
+        match work(gpu, rays, &|done| doing.reached(done))? {
             SkyTraced::NoHits => Ok(None),
-            SkyTraced::Words(words) => {
+            SkyTraced::Traced(found) => {
                 doing.end()?;
-                Ok(Some((count, words)))
+                Ok(Some(found))
             }
             SkyTraced::Refused(reason) => {
                 self.left_to_host.get_or_insert_with(|| format!("{LEFT}: {reason}"));
@@ -152,8 +235,8 @@ impl Renderer {
         request: &LightRequest<'_>,
         pool: &Pool,
     ) -> Result<LightBuffers> {
-        let FrameContext { scene, settings, view } = frame;
-        let LightRequest { outputs, sky, ids, open_sky, .. } = *request;
+        let FrameContext { scene, view, .. } = frame;
+        let LightRequest { outputs, ids, .. } = *request;
         let mut buffers = LightBuffers::default();
         let lights = &scene.lighting.lights;
         let some = |is_requested: bool, each: usize| if is_requested { each * ids.len() } else { 0 };
@@ -162,24 +245,11 @@ impl Renderer {
         buffers.occlusion = pool.values(some(outputs.occlusion, 1))?;
         let sums = SkySums::count(Gradient::of(scene).is_some());
         buffers.sky = [pool.values(some(outputs.sky, 3))?, pool.values(some(outputs.sky, sums))?];
-        let sized = lights.iter().any(|light| light.source.has_size());
-        let ViewRecord { strata, sample, .. } = view.record;
-        let bounces = bounces(scene);
-        // Rays toward the sky leave from the hits, unless they were traced before, and from the points after a bounce.
-        let leaves = request.unknown_sky().is_some() || bounces > 0;
-        let rays = sky.filter(|_| leaves).map_or(0, |sky| sky.rays);
-        let directions = match request.interleaved {
-            true => SkyDirections::interleaved(rays, strata, sample, settings.seed),
-            false => SkyDirections::new(rays, strata, sample),
-        };
-        let scattered = if bounces > 0 { SkyDirections::one(strata, sample) } else { SkyDirections::none() };
-        let samples = strata * strata;
-        let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples);
-        let backdrop = Backdrop::new(scene, view, true);
+        let directions = request.directions(frame);
         let Some(tree) = &setup.tree else {
+            let backdrop = Backdrop::new(scene, view, true);
             return Ok(buffers.of_nothing(|pixel| backdrop.at(pixel)));
         };
-        let judge = setup.judge(scene, view)?;
         let found = match setup.accuracy {
             Accuracy::Certified if setup.blockers.is_some() && self.is_gpu() => {
                 self.left_to_host.get_or_insert_with(|| format!("{LEFT}: not all spheres block them"));
@@ -192,27 +262,11 @@ impl Renderer {
         if let Some(traced) = &traced {
             self.light_on_device.add(ids, traced);
         }
-        let lighting = LightingContext {
-            scene,
-            view,
-            tree,
-            blockers: setup.blockers.as_deref().unwrap_or(tree),
-            outputs,
-            judge: judge.as_ref(),
-            exact: setup.accuracy == Accuracy::Exact,
-            sky,
-            colors: Gradient::of(scene).filter(|_| outputs.color || outputs.sky).map(SkyLight::new),
-            backdrop,
-            directions: &directions,
-            scattered: &scattered,
-            disc: &disc,
-            seed: settings.seed,
-            open: open_sky,
-            traced,
-            bounces,
-        };
         let doing = self.watch.begin(Step::Light, ids.len() as u64);
-        lighting.fill(ids, &mut buffers, &|pixels| doing.next(pixels));
+        setup.with_context(tree, frame, request, &directions, |context| {
+            let context = LightingContext { traced, ..context };
+            context.fill(ids, &mut buffers, &|pixels| doing.next(pixels));
+        })?;
         doing.end()?;
         Ok(buffers)
     }

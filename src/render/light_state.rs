@@ -17,6 +17,13 @@ impl LightOnDevice {
         (self.hits > 0).then(|| self.decided as f64 / self.hits as f64)
     }
 
+    /// Adds the hits of a frame of which the device left so many to the host.
+    pub(super) fn add_left(&mut self, ids: &[u32], left: usize) {
+        let hits = ids.par_iter().filter(|id| **id != NONE).count();
+        self.hits += hits;
+        self.decided += hits.saturating_sub(left);
+    }
+
     pub(super) fn add(&mut self, ids: &[u32], traced: &Traced<'_>) {
         let hits = (0..ids.len() as u32).into_par_iter().filter(|pixel| ids[*pixel as usize] != NONE);
         self.hits += hits.clone().count();

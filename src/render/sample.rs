@@ -45,7 +45,7 @@ pub(super) struct Sampling<'a> {
 
 impl Sampling<'_> {
     /// The effects that are drawn over the colours; `None` where colour is not requested.
-    fn finish(&self) -> Option<Finish> {
+    pub(super) fn finish(&self) -> Option<Finish> {
         self.plan.finish.filter(|_| self.settings.asks(&[Aov::Color]))
     }
 
@@ -68,15 +68,21 @@ impl Sampling<'_> {
 
 /// The sky of a picture.
 #[derive(Clone, Copy)]
-struct PictureSky<'a> {
-    lights: &'a LightSetup,
-    sky: Sky,
+pub(super) struct PictureSky<'a> {
+    pub(super) lights: &'a LightSetup,
+    pub(super) sky: Sky,
     /// Rays leave from the centres of pixels, for all samples.
-    at_centers: bool,
-    smoothing: Smoothing,
+    pub(super) at_centers: bool,
+    pub(super) smoothing: Smoothing,
 }
 
 impl PictureSky<'_> {
+    /// The window of the pixels from whose centres rays leave, for the samples of a window: with those around it as far as smoothing,
+    /// and the neighbours of a sample, reach.
+    pub(super) fn window(&self, window: Window, scene: &Scene) -> Window {
+        window.grown(self.smoothing.margin() + 1, scene.image.width, scene.image.height)
+    }
+
     /// Pixels on each side of a window from which each pass of samples traces rays toward the sky.
     fn margin(&self) -> u32 {
         if self.at_centers { 0 } else { self.smoothing.margin() }
@@ -84,7 +90,7 @@ impl PictureSky<'_> {
 }
 
 impl Renderer {
-    /// Renders all samples of `raster`, in their order. `centers` are the spheres that the pixels' centres show.
+    /// Renders all samples of `raster`, in their order, on the device where it draws pictures. `centers` are the spheres that the pixels' centres show.
     pub(super) fn sample(
         &mut self,
         sampling: Sampling<'_>,
@@ -102,6 +108,11 @@ impl Renderer {
         // smooth and a lens blurs them.
         let margin = finish.map_or(0, Finish::margin).max(sky.map_or(0, |sky| sky.margin()));
         raster.window = window.grown(margin, scene.image.width, scene.image.height);
+        if let Some(sky) = sky.filter(|sky| sky.at_centers)
+            && let Some(means) = self.draw_on_device(sampling, sky, (window, raster), centers, timings)?
+        {
+            return Ok(means);
+        }
         let at_centers = match sky.filter(|sky| sky.at_centers) {
             Some(sky) => self.sky_at_centers(sampling, window, sky, centers, timings)?,
             None => Vec::new(),
@@ -285,7 +296,7 @@ impl Renderer {
     ) -> Result<Vec<OpenSky>> {
         let Sampling { plan, scene, settings, opaque, .. } = sampling;
         let pool = Arc::clone(&self.pool);
-        let wide = window.grown(sky.smoothing.margin() + 1, scene.image.width, scene.image.height);
+        let wide = sky.window(window, scene);
         let raster = Raster::centres(wide);
         if wide == window && opaque.is_none() {
             let view = View::for_rays(scene, raster, Records::None)?;

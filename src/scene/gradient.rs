@@ -28,10 +28,10 @@ impl SkyColors {
 /// The colours of a scene's sky by direction.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gradient {
-    up: DVec3,
-    horizon: DVec3,
+    pub(crate) up: DVec3,
+    pub(crate) horizon: DVec3,
     /// From the horizon to the zenith.
-    change: DVec3,
+    pub(crate) change: DVec3,
     pub(crate) is_shown: bool,
 }
 
@@ -74,7 +74,7 @@ fn zenith_share(sine: f64) -> f64 {
 }
 
 /// Cells of the table of [`SkyLight`], and points of its sums: elevations, and angles of half a turn about the zenith.
-const CELLS: usize = 32;
+pub(crate) const CELLS: usize = 32;
 const ELEVATIONS: usize = 64;
 const ANGLES: usize = 16;
 
@@ -84,7 +84,7 @@ const ANGLES: usize = 16;
 pub(crate) struct SkyLight {
     pub(crate) gradient: Gradient,
     /// The zenith's share for normals whose product with `up` is -1, -1 + 2/CELLS, .. 1.
-    shares: [f64; CELLS + 1],
+    pub(crate) shares: [f64; CELLS + 1],
 }
 
 impl SkyLight {

@@ -26,7 +26,7 @@ const SKY: Program = Program::Step(Step::Sky);
 
 /// The tree over the spheres that the device holds, as textures; given rays have another.
 const NODES: &str = "nodes of hits";
-const SPHERES: &str = "spheres of hits";
+pub(super) const SPHERES: &str = "spheres of hits";
 
 /// A request for rays from the hits of the last frame toward the sky and lights.
 #[derive(Clone, Copy)]
@@ -43,10 +43,8 @@ pub(crate) struct SkyRays<'a> {
 
 /// The result of tracing rays from the hits on a device.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) enum SkyTraced {
-    /// For each pixel the words of [`Traced`], a bit for each ray whose end nothing hides, and behind them one if the host has to
-    /// trace the pixel's rays.
-    Words(Vec<u32>),
+pub(crate) enum SkyTraced<T> {
+    Traced(T),
     /// The last frame was not this one, or left no hits.
     NoHits,
     /// The reason why the device cannot trace.
@@ -96,11 +94,22 @@ impl Gpu {
         self.starts = None;
     }
 
-    /// Traces rays from the hits of the last frame. `go_on` is called with the number of completed pixels.
+    /// Traces rays from the hits of the last frame: for each pixel the words of [`Traced`], a bit for each ray whose end nothing
+    /// hides, and behind them one if the host has to trace the pixel's rays. `go_on` is called with the number of completed pixels.
     ///
     /// # Errors
     /// Errors of the device, and [`Error::Interrupted`].
-    pub(crate) fn trace_sky(&mut self, rays: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<SkyTraced> {
+    pub(crate) fn trace_sky(&mut self, rays: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<SkyTraced<Vec<u32>>> {
+        self.trace_hits(rays, go_on, |gpu, bytes| gpu.fetch(gpu.encoder(), false, "open", bytes))
+    }
+
+    /// Traces rays from the hits of the last frame, and takes the answers, which are so many bytes on the device, by `take`.
+    pub(super) fn trace_hits<T>(
+        &mut self,
+        rays: &SkyRays<'_>,
+        go_on: &dyn Fn(u64) -> bool,
+        take: impl FnOnce(&mut Self, u64) -> Result<T>,
+    ) -> Result<SkyTraced<T>> {
         let is_of = |starts: &Starts| window(&starts.record) == window(&rays.view.record);
         let starts = match self.starts {
             Some(Ok(starts)) if self.resident.is_some() && is_of(&starts) => starts,
@@ -113,13 +122,14 @@ impl Gpu {
                 rays.each()
             )));
         }
-        match self.guarded(|gpu| gpu.trace_from(starts, rays, go_on)) {
+        match self.guarded(|gpu| gpu.trace_from(starts, rays, go_on).and_then(|bytes| take(gpu, bytes))) {
             Err(Error::Limits { problem, .. }) => Ok(SkyTraced::Refused(problem)),
-            words => words.map(SkyTraced::Words),
+            traced => traced.map(SkyTraced::Traced),
         }
     }
 
-    fn trace_from(&mut self, starts: Starts, rays: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<Vec<u32>> {
+    /// The number of bytes of the answers.
+    fn trace_from(&mut self, starts: Starts, rays: &SkyRays<'_>, go_on: &dyn Fn(u64) -> bool) -> Result<u64> {
         self.hold_tree(rays.tree)?;
         self.compile(SKY)?;
         let pixels = rays.view.record.pixels() as u64;
@@ -164,7 +174,7 @@ impl Gpu {
             }
             first = end;
         }
-        self.fetch(self.encoder(), false, "open", bytes)
+        Ok(bytes)
     }
 
     /// One dispatch.

@@ -13,6 +13,7 @@ use crate::gpu::sizes::{
     HOST_SPHERES, LEAST, PAIRS, PAIRS_OF_UNSURE, PIECES, SLOTS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_PAIRS,
 };
 use crate::kernel::Kernel;
+use crate::view::ViewRecord;
 use bytemuck::{Pod, Zeroable};
 use std::num::NonZeroU64;
 
@@ -98,32 +99,42 @@ impl Gpu {
         &mut self,
         kernel: &Kernel,
         resident: &ResidentScene,
-        pixels: u64,
-        tiles: [[u32; 2]; 2],
+        record: &ViewRecord,
+        reads: bool,
     ) -> Result<()> {
-        let [columns, rows] = tiles.map(|[first, last]| last - first + 1);
-        let program = Program::Kernel(*kernel);
-        let certify = |block| Job { program, block, pass: block.pass(0, 0, 0), groups: (columns, rows) };
+        let pixels = record.pixels() as u64;
+        let [columns, rows] = record.tiles().map(|[first, last]| last - first + 1);
+        let of_tiles = |program, block| Job { program, block, pass: block.pass(0, 0, 0), groups: (columns, rows) };
         let mut jobs = self.splats(kernel, resident, LEAST);
         jobs.extend(self.splats(kernel, resident, SLOTS));
-        jobs.extend(resident.blocks.iter().map(certify));
+        jobs.extend(resident.blocks.iter().map(|block| of_tiles(Program::Kernel(*kernel), block)));
         jobs.extend(self.splats(kernel, resident, PAIRS_OF_UNSURE));
+        let unsure = resident.blocks.first().filter(|_| !reads);
+        jobs.extend(unsure.map(|block| of_tiles(Program::Step(Step::Unsure), block)));
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.buffers["minima"], 0, Some(MINIMA * pixels));
         encoder.clear_buffer(&self.buffers["summary"], 4 * u64::from(SUMMARY_PAIRS), Some(4));
         self.encode(&mut encoder, &jobs, pixels)?;
+        if !reads {
+            return self.finish_pairs(encoder, |_| {});
+        }
         self.copy_outputs(&mut encoder, kernel, pixels);
+        self.finish_pairs(encoder, |gpu| gpu.ask_outputs(kernel, pixels))
+    }
+
+    /// Submits commands that end with a list of pairs, and waits for both.
+    pub(super) fn finish_pairs(&mut self, mut encoder: wgpu::CommandEncoder, ask: impl FnOnce(&Self)) -> Result<()> {
         let counted = [("summary", HEAD), ("pairs", 8 * u64::from(FIRST))];
         for (name, size) in counted {
             self.copy(&mut encoder, name, size);
         }
         self.finish(encoder, true, |gpu| {
-            gpu.ask_outputs(kernel, pixels);
+            ask(gpu);
             counted.iter().for_each(|(name, size)| gpu.ask(name, *size));
         })
     }
 
-    /// The pairs of an unproved pixel and a sphere's slot, after [`Gpu::submit_steps`]; `None` where there are too
+    /// The pairs of an unproved pixel and a sphere's slot, after [`Gpu::finish_pairs`]; `None` where there are too
     /// many.
     pub(super) fn take_pairs(&mut self) -> Result<Option<Vec<[u32; 2]>>> {
         let count = self.take("summary", HEAD)?[SUMMARY_PAIRS as usize];

@@ -176,7 +176,7 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
             submissions.set(submissions.get() + 1);
             true
         };
-        let SkyTraced::Words(words) = gpu.trace_sky(&rays, &count).expect("a device") else { panic!("no rays") };
+        let SkyTraced::Traced(words) = gpu.trace_sky(&rays, &count).expect("a device") else { panic!("no rays") };
         assert!(submissions.get() > 1, "several submissions");
         let open: u32 = words.iter().map(|word| word.count_ones()).sum();
         println!("blocks of {block}: {open} rays of {} pixels are open", raw.id.len());
@@ -187,7 +187,7 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         // Another view of the same pixels in another unit changes nothing.
         let other = View::in_unit(&scene, raster, Some(view.unit + 3)).expect("a view");
         let again = gpu.trace_sky(&SkyRays { view: &other, ..rays }, &count).expect("a device");
-        assert!(again == SkyTraced::Words(words.clone()));
+        assert!(again == SkyTraced::Traced(words.clone()));
         let most = gpu
             .trace_sky(&SkyRays { record: SkyRecord { rays: 5000, ..rays.record }, ..rays }, &count)
             .expect("a device");

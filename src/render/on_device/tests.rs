@@ -1,0 +1,96 @@
+//! Pictures that a device draws, beside those of the host.
+
+use super::*;
+use crate::frame::Data;
+use crate::frame::outline::Outline;
+use crate::scene::camera::{Camera, Lens, Look};
+use crate::scene::{ImagePlane, Light, LightSource, Lighting, Sky, SkyColors, Spheres};
+use crate::settings::{Backend, Settings};
+use crate::testing::{Rng, adapter_or_skip};
+use crate::{Aov, Frame};
+
+/// A cloud of spheres of many sizes before the eye, with a large one as ground.
+fn cloud(count: usize, colors: bool, seed: u64) -> Scene {
+    let mut rng = Rng(seed);
+    let mut spheres = Spheres::default();
+    for _ in 0..count {
+        let center = [0; 3].map(|_| rng.between(-1.0, 1.0));
+        let color = colors.then(|| [0; 3].map(|_| rng.between(0.1, 1.0) as f32));
+        spheres.push(center, 0.3 * rng.between(0.1, 1.0) * (count as f64).powf(-1.0 / 3.0) * 3.0, color);
+    }
+    spheres.push([0.0, -101.3, 0.0], 100.0, colors.then_some([0.5, 0.6, 0.7]));
+    let camera = Camera {
+        eye: DVec3::new(0.4, 0.7, 4.0),
+        look: Look::At(DVec3::ZERO),
+        lens: Lens::Vfov { degrees: 40.0, distance: 1.0 },
+        ..Camera::CANONICAL
+    };
+    let image = ImagePlane { width: 161, height: 118, background: [0.9, 0.95, 1.0] };
+    let light = Light {
+        source: LightSource::Direction(DVec3::new(-0.4, 0.8, 0.5).normalize()),
+        color: [0.9; 3],
+        intensity: 0.6,
+    };
+    let lighting =
+        Lighting { lights: vec![light], sky: Some(Sky { share: 0.5, ..Sky::AT_CENTERS }), ..Lighting::default() };
+    Scene { camera, image, spheres, lighting }
+}
+
+fn settings(backend: Backend) -> Settings {
+    let aovs = vec![Aov::Color, Aov::Alpha, Aov::Id];
+    Settings { backend, aovs, samples: 4, silhouette: true, ..Settings::default() }
+}
+
+fn values(frame: &Frame, aov: Aov) -> &[f32] {
+    match frame.buffers.iter().find(|buffer| buffer.aov == aov).map(|buffer| &buffer.data) {
+        Some(Data::F32(values)) => values,
+        _ => panic!("{aov:?} is a buffer of f32"),
+    }
+}
+
+/// The most that a colour differs: normals of hits are within 1e-3 of the true ones on either side, the light of a surface changes
+/// with the normal by at most as much as colour times 1 for the sun and 1 for the sky, and sums over rays are rounded to 2^-16.
+const MOST: f32 = 2e-3;
+/// The share of values that may differ by more: where a comparison decides, of depths for a line or of a neighbour's rays.
+const DECIDED: f64 = 1e-4;
+
+#[test]
+fn a_picture_of_a_device_is_that_of_the_host_within_roundings() {
+    let Some(_) = adapter_or_skip() else { return };
+    let mut renderer = Renderer::new(&settings(Backend::Gpu)).expect("an adapter; tests/run installs and pins one");
+    let mut host = Renderer::new(&settings(Backend::Cpu)).expect("the CPU path");
+    renderer.device.gpu.as_mut().expect("a device").draws = true;
+    let colors = SkyColors { zenith: [0.3, 0.5, 1.0], horizon: [1.0, 0.9, 0.8], is_shown: true };
+    let soft = settings(Backend::Gpu);
+    let wide = Settings { outline: Outline { width: 3.0, ..Outline::default() }, depth_cue: true, ..soft.clone() };
+    let crop = Settings { window: Some(Window { x0: 37, y0: 20, x1: 120, y1: 90 }), ..soft.clone() };
+    let bare = Settings { silhouette: false, samples: 1, ..soft.clone() };
+    let many = Settings { samples: 16, ..soft.clone() };
+    for (n, settings) in [soft, wide, crop, bare, many].iter().enumerate() {
+        for (count, seed) in [(12, 1), (3000, 2)] {
+            let mut scene = cloud(count, n % 2 == 0, seed);
+            if n % 3 == 1 {
+                scene.lighting.sky = Some(Sky { colors: Some(colors), ..Sky::AT_CENTERS });
+            }
+            let drawn = renderer.render(&scene, settings).expect("a frame");
+            let expected =
+                host.render(&scene, &Settings { backend: Backend::Cpu, ..settings.clone() }).expect("a frame");
+            assert_eq!(drawn.report.warnings, expected.report.warnings, "{n}, {count}");
+            assert_eq!(values(&drawn, Aov::Alpha), values(&expected, Aov::Alpha), "{n}, {count}");
+            let differences =
+                values(&drawn, Aov::Color).iter().zip(values(&expected, Aov::Color)).map(|(a, b)| (a - b).abs());
+            let differences: Vec<f32> = differences.collect();
+            let most = differences.iter().copied().fold(0.0, f32::max);
+            let beyond = differences.iter().filter(|x| **x > MOST).count();
+            let differ = differences.iter().filter(|x| **x > 0.0).count();
+            let share = drawn.report.light_on_device.expect("rays from hits");
+            println!(
+                "{n}, {count}: {differ} of {} differ, {beyond} beyond {MOST}, at most {most}; {share} of hits",
+                differences.len()
+            );
+            assert!(beyond as f64 <= DECIDED * differences.len() as f64, "{n}, {count}: {beyond}");
+            // The device drew it: sums in f32 differ from those in f64 somewhere, and nearly all hits are its own.
+            assert!(differ > 100 && share > 0.9, "{n}, {count}: {differ}, {share}");
+        }
+    }
+}
