@@ -164,7 +164,7 @@ impl Gpu {
         self.reserve("answers", size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
         let mut encoder = self.encoder();
         let groups = (count as u32).div_ceil(super::input::GROUP);
-        self.dispatch(&mut self.pass(&mut encoder), &program, |name| self.bound(name, 0), (groups, 1));
+        self.dispatch(&mut self.pass(&mut encoder), &program, |name| self.bound(name, None), (groups, 1));
         self.fetch(encoder, true, "answers", size)
     }
 }
