@@ -122,6 +122,8 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
                 number += 1;
                 let (device, host, left) = both(gpu, &scene, raster, number);
                 assert_eq!(left, None);
+                let partial = gpu.buffers.get("generals_storage").map_or(0, |buffer| buffer.size() % 16);
+                assert_eq!(partial, 0, "an array of vectors would lose the numbers after its last whole one");
                 let what = format!("{near} near, {raster:?}, blocks of {block}, {groups} groups, {binding} bytes");
                 let hits = host.id.iter().filter(|id| **id < UNSURE).count();
                 assert!(hits > 1000, "{hits} hits: {what}");
