@@ -67,6 +67,8 @@ pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
 
 #[cfg(test)]
 mod tests {
+    mod compilers;
+
     use super::*;
     use crate::certify::ProjectionRecord;
     use crate::certify::general::GeneralRecord;

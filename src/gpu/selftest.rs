@@ -28,7 +28,7 @@ type Evaluate = fn(&[u32], &[u32]) -> Vec<Check>;
 
 /// One shader of the test, its cases and the function that evaluates its answers.
 pub(super) struct Trial {
-    name: &'static str,
+    pub(super) name: &'static str,
     pub(super) parts: Vec<Part>,
     capabilities: Capabilities,
     /// 32-bit words per case and per answer; the shader declares them in its own number type.
