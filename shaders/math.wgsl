@@ -1,8 +1,8 @@
 // Constants of a miss, and vectors of f32.
 
-const MISS: f32 = 3.40282347e+38; // t of a miss: the largest f32, because WGSL has no reliable infinity
-const NONE: u32 = 0xffffffffu;    // id of a ray that hits nothing
-const UNSURE: u32 = 0xfffffffeu;  // id where f32 cannot prove the answer; the host settles the pixel
+const MISS: f32 = 0x1.fffffep+127; // t of a miss: the largest f32, because WGSL has no reliable infinity
+const NONE: u32 = 0xffffffffu;     // id of a ray that hits nothing
+const UNSURE: u32 = 0xfffffffeu;   // id where f32 cannot prove the answer; the host settles the pixel
 
 // x if it is positive, else +0; the sign of a zero from max is not defined.
 fn positive(x: f32) -> f32 {

@@ -207,9 +207,8 @@ impl Kernel {
     }
 }
 
-/// A buffer that kernels write, with one entry per pixel or given ray.
+/// Values that kernels write, for each pixel or given ray.
 pub(crate) struct KernelOutput {
-    /// Its binding's name in WGSL.
     pub(crate) name: &'static str,
     /// The WGSL type of its values, 4 bytes each.
     pub(crate) number: &'static str,
@@ -221,7 +220,7 @@ pub(crate) struct KernelOutput {
     is_written: fn(&Kernel) -> bool,
 }
 
-/// All output buffers. `gpu/compose.rs` declares, computes and stores only those that a kernel writes.
+/// All outputs. `gpu/compose.rs` declares, computes and stores only those that a kernel writes.
 pub(crate) const OUTPUTS: [KernelOutput; 7] = [
     output("frame_id", "u32", 1, "written_id(hit)", |_| true),
     output("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
@@ -231,6 +230,10 @@ pub(crate) const OUTPUTS: [KernelOutput; 7] = [
     output("frame_normal", "f32", 3, "world_normal(ray, hit)", |kernel| kernel.normal),
     output("frame_color", "f32", 3, "hit_color(ray, hit)", |kernel| kernel.shade.is_some()),
 ];
+
+/// The buffers of outputs: ids, which other kernels read too, and all others one after the other, because adapters bind few
+/// buffers.
+pub(crate) const OUTPUT_BUFFERS: [&str; 2] = ["frame_id", "frame_values"];
 
 const fn output(
     name: &'static str,
@@ -246,6 +249,29 @@ impl KernelOutput {
     /// The outputs that `kernel` writes.
     pub(crate) fn of(kernel: &Kernel) -> impl Iterator<Item = &'static Self> {
         OUTPUTS.iter().filter(move |output| (output.is_written)(kernel))
+    }
+
+    /// The outputs that `kernel` writes to a buffer, each with the values per pixel before it: it begins at so many
+    /// times the number of pixels.
+    pub(crate) fn in_buffer(kernel: &Kernel, buffer: &str) -> impl Iterator<Item = (&'static Self, usize)> {
+        let [ids, _] = OUTPUT_BUFFERS;
+        let of_ids = buffer == ids;
+        Self::of(kernel).filter(move |output| (output.name == ids) == of_ids).scan(0, |next, output| {
+            let before = *next;
+            *next += output.channels;
+            Some((output, before))
+        })
+    }
+
+    /// The buffers that `kernel` writes, and their bytes per pixel.
+    pub(crate) fn buffers(kernel: &Kernel) -> impl Iterator<Item = (&'static str, u64)> {
+        let bytes = |buffer| Self::in_buffer(kernel, buffer).map(|(output, _)| output.bytes()).sum();
+        OUTPUT_BUFFERS.map(|buffer| (buffer, bytes(buffer))).into_iter().filter(|(_, bytes)| *bytes > 0)
+    }
+
+    /// Bytes per pixel of the largest buffer that `kernel` writes.
+    pub(crate) fn largest(kernel: &Kernel) -> u64 {
+        Self::buffers(kernel).map(|(_, bytes)| bytes).max().unwrap_or_default()
     }
 
     /// Bytes per pixel.

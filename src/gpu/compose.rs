@@ -348,19 +348,25 @@ pub(crate) fn binding_numbers() -> Part {
     emitted("emitted: binding numbers", buffers().enumerate().map(number).collect())
 }
 
-/// The output buffers of a kernel, and `write_outputs`, which stores a pixel's values in them.
+/// The output buffers of a kernel, and `write_outputs`, which stores a pixel's values in them, as bits.
 fn outputs(kernel: &Kernel) -> Part {
     let (mut buffers, mut stores) = (String::new(), String::new());
-    for KernelOutput { name, number, value, channels, .. } in KernelOutput::of(kernel) {
-        let binding = name.to_uppercase();
-        buffers += &format!("@group(0) @binding(BIND_{binding}) var<storage, read_write> {name}: array<{number}>;\n");
-        if *channels == 1 {
-            stores += &format!("    {name}[pixel] = {value};\n");
-            continue;
-        }
-        stores += &format!("    let {name}_value = {value};\n");
-        for channel in 0..*channels {
-            stores += &format!("    {name}[{channels}u * pixel + {channel}u] = {name}_value[{channel}];\n");
+    let pixels = if kernel.has_pixels() { "view.columns * view.rows" } else { "view.width" };
+    for (buffer, _) in KernelOutput::buffers(kernel) {
+        let binding = buffer.to_uppercase();
+        buffers += &format!("@group(0) @binding(BIND_{binding}) var<storage, read_write> {buffer}: array<u32>;\n");
+        for (KernelOutput { name, number, value, channels, .. }, before) in KernelOutput::in_buffer(kernel, buffer) {
+            let bits = if *channels == 1 { "u32".into() } else { format!("vec{channels}<u32>") };
+            let value = if *number == "u32" { (*value).into() } else { format!("bitcast<{bits}>({value})") };
+            let first = if before == 0 { String::new() } else { format!("{before}u * {pixels} + ") };
+            if *channels == 1 {
+                stores += &format!("    {buffer}[{first}pixel] = {value};\n");
+                continue;
+            }
+            stores += &format!("    let {name} = {value};\n");
+            for channel in 0..*channels {
+                stores += &format!("    {buffer}[{first}{channels}u * pixel + {channel}u] = {name}[{channel}];\n");
+            }
         }
     }
     let text = format!("{buffers}\nfn write_outputs(pixel: u32, ray: Ray, hit: Hit) {{\n{stores}}}\n");

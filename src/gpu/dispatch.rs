@@ -13,7 +13,7 @@ use crate::gpu::traffic::Traffic;
 use crate::gpu::transfers::{Band, Bands, largest_binding, most_spheres, uploads};
 use crate::gpu::validate::{compile, validate};
 use crate::intersect::Method;
-use crate::kernel::{Kernel, OUTPUTS};
+use crate::kernel::{Kernel, KernelOutput};
 use crate::quote::setting::{ADAPTER, BACKEND, SIZE};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
@@ -195,7 +195,7 @@ impl Gpu {
             });
         }
         let widest = (self.limits.max_compute_workgroups_per_dimension * TILE)
-            .min((largest / (3 * 4 * u64::from(TILE))).min(u64::from(u32::MAX)) as u32);
+            .min((largest / (KernelOutput::largest(kernel) * u64::from(TILE))).min(u64::from(u32::MAX)) as u32);
         if kernel.has_pixels() && record.columns > widest {
             return Err(Error::Limits {
                 problem: format!(
@@ -254,7 +254,8 @@ impl Gpu {
         self.reserve_outputs(kernel, pixels);
         let mut encoder = self.encoder();
         let program = &self.programs[&Program::Kernel(*kernel)];
-        self.dispatch(&mut self.pass(&mut encoder), program, |name| self.bound(name, pixels), groups);
+        let bound = |name| self.bound(name, Some((kernel, pixels)));
+        self.dispatch(&mut self.pass(&mut encoder), program, bound, groups);
         self.copy_outputs(&mut encoder, kernel, pixels);
         self.finish(encoder, true, |gpu| gpu.ask_outputs(kernel, pixels))
     }
@@ -286,14 +287,17 @@ impl Gpu {
         pass.dispatch_workgroups(columns, rows, 1);
     }
 
-    /// The binding of a texture or a buffer. Of an output it is the part that `pixels` pixels use, since a buffer that
-    /// is kept between frames may be larger.
-    pub(super) fn bound(&self, name: &'static str, pixels: u64) -> wgpu::BindingResource<'_> {
+    /// The binding of a texture or a buffer. Of outputs it is the part that the kernel uses for its number of pixels,
+    /// since a buffer that is kept between frames may be larger.
+    pub(super) fn bound(&self, name: &'static str, outputs: Option<(&Kernel, u64)>) -> wgpu::BindingResource<'_> {
         if let Some((_, view)) = self.textures.get(name) {
             return wgpu::BindingResource::TextureView(view);
         }
         let buffer = &self.buffers[name];
-        let size = OUTPUTS.iter().find(|o| o.name == name).and_then(|o| NonZeroU64::new(pixels * o.bytes()));
+        let size = outputs.and_then(|(kernel, pixels)| {
+            let written = KernelOutput::buffers(kernel).find(|(buffer, _)| *buffer == name);
+            written.and_then(|(_, bytes)| NonZeroU64::new(pixels * bytes))
+        });
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
     }
 
@@ -331,7 +335,8 @@ impl Gpu {
         self.filled.remove(name);
         // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never
         // read.
-        let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(MIN_BUFFER_BYTES);
+        // Arrays of vectors end with a whole one.
+        let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(MIN_BUFFER_BYTES).next_multiple_of(16);
         self.check_size(name, size)?;
         self.reserve(name, size, FILLED);
         let mut offset = 0;

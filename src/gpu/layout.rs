@@ -1,7 +1,7 @@
 //! The bindings that naga finds in a shader; the shaders are their only declaration.
 
 use crate::intersect::Method;
-use crate::kernel::{Kernel, OUTPUTS};
+use crate::kernel::{Kernel, OUTPUT_BUFFERS};
 use naga::valid::Capabilities;
 
 /// A buffer or a texture that the shader binds in group 0.
@@ -14,7 +14,7 @@ pub(crate) struct Binding {
 }
 
 /// The inputs of kernels by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 35] = [
+const INPUTS: [&str; 34] = [
     "view",
     "spheres",
     "residuals",
@@ -28,7 +28,6 @@ const INPUTS: [&str; 35] = [
     "projected",
     "generals_storage",
     "generals_uniform",
-    "lists",
     "placing",
     "block_pass",
     "resident",
@@ -54,7 +53,7 @@ const INPUTS: [&str; 35] = [
 
 /// Every buffer that a shader binds, by its WGSL name. The binding number is the index in this list.
 pub(crate) fn buffers() -> impl Iterator<Item = &'static str> {
-    INPUTS.into_iter().chain(OUTPUTS.iter().map(|output| output.name))
+    INPUTS.into_iter().chain(OUTPUT_BUFFERS)
 }
 
 /// The bindings that the entry point uses.
@@ -75,6 +74,8 @@ pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
 
 #[cfg(test)]
 mod tests {
+    mod compilers;
+
     use super::*;
     use crate::certify::ProjectionRecord;
     use crate::certify::general::GeneralRecord;
@@ -194,13 +195,8 @@ mod tests {
                 (certified, "minima"),
                 (generals == Generals::Few, "generals_uniform"),
                 (generals == Generals::Lists, "generals_storage"),
-                (generals == Generals::Lists, "lists"),
                 (kernel.leaves_starts(), "starts"),
-                (kernel.has_depths(), "frame_depth"),
-                (kernel.has_depth_interval(), "frame_depth_interval"),
-                (kernel.t, "frame_t"),
-                (kernel.normal, "frame_normal"),
-                (kernel.shade.is_some(), "frame_color"),
+                (kernel.has_depths() || kernel.t || kernel.normal || kernel.shade.is_some(), "frame_values"),
                 (kernel.colors, "colors"),
                 (method && !kernel.has_pixels(), "rays"),
                 (given, "certified_rays"),
@@ -208,7 +204,6 @@ mod tests {
                 (tree, "nodes"),
                 (tree, "boxes"),
                 (kernel.reads_residuals(), "residuals"),
-                (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
             .filter_map(|(is_needed, name)| is_needed.then_some(name))

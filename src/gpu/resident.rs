@@ -41,7 +41,7 @@ pub(crate) enum Rendered {
     Left(String),
 }
 
-/// Bytes of a pixel in the largest binding of a frame: three minima, or two vectors of a ray's start.
+/// Bytes of a pixel in the largest binding of a frame besides the outputs: three minima, or two vectors of a ray's start.
 const MINIMA: u64 = 12;
 const START: u64 = 32;
 
@@ -127,7 +127,9 @@ impl Gpu {
             };
             output.timings.time("pipeline", || gpu.compile_for_frame(&kernel))?;
             output.timings.time("upload", || gpu.upload_resident(&kernel, scene, view, &binned))?;
-            let rows = gpu.rows_of_band(&kernel, &record);
+            let Some(rows) = gpu.rows_of_band(&kernel, &record) else {
+                return Ok(Rendered::Left("a row of tiles exceeds the adapter's largest binding".into()));
+            };
             let Some(mut pairs) = gpu.trace_bands(&kernel, &record, rows, &binned, output, go_on)? else {
                 return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
             };
@@ -153,9 +155,9 @@ impl Gpu {
     /// binds one buffer more. The error is the reason why the adapter cannot bind the kernel.
     fn kernel_of_frame(&self, kernel: &Kernel, binned: &BinnedScene) -> std::result::Result<Kernel, String> {
         let generals = Generals::of(binned.generals.len());
-        let lists = if generals == Generals::Lists { 2 } else { 0 };
+        let lists = usize::from(generals == Generals::Lists);
         // Besides the outputs: records, minima, general spheres with their lists, colours.
-        let bound = KernelOutput::of(kernel).count() + 2 + lists + usize::from(kernel.colors);
+        let bound = KernelOutput::buffers(kernel).count() + 2 + lists + usize::from(kernel.colors);
         let most = self.limits.max_storage_buffers_per_shader_stage as usize;
         if bound > most {
             return Err(format!("the kernel binds {bound} buffers, and the adapter at most {most}"));
@@ -210,8 +212,9 @@ impl Gpu {
         let known = self.resident.as_ref().is_some_and(|resident| resident.has_lists);
         if has_lists && !(is_whole && known) {
             let (tiles, slots) = general_lists(binned, band);
-            self.fill("generals_storage", bytemuck::cast_slice(&binned.generals))?;
-            self.fill_parts("lists", &[bytemuck::cast_slice(&tiles), bytemuck::cast_slice(slots)])?;
+            let generals = bytemuck::cast_slice(&binned.generals);
+            let parts = [generals, bytemuck::cast_slice(&tiles), bytemuck::cast_slice(slots)];
+            self.fill_parts("generals_storage", &parts)?;
         }
         if let Some(resident) = &mut self.resident {
             resident.has_lists = is_whole;
@@ -296,11 +299,12 @@ impl Gpu {
         Ok(())
     }
 
-    /// Rows of a band whose minima and outputs fit a binding: a multiple of a tile's rows.
-    fn rows_of_band(&self, kernel: &Kernel, record: &ViewRecord) -> u32 {
-        let bytes = if kernel.leaves_starts() { START } else { MINIMA };
+    /// Rows of a band whose minima and outputs fit a binding: a multiple of a tile's rows. `None` where not one tile's do.
+    fn rows_of_band(&self, kernel: &Kernel, record: &ViewRecord) -> Option<u32> {
+        let bytes = if kernel.leaves_starts() { START } else { MINIMA }.max(KernelOutput::largest(kernel));
         let rows = largest_binding(&self.limits) / (bytes * u64::from(record.columns));
-        ((rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE).max(TILE)
+        let rows = (rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE;
+        (rows > 0).then_some(rows)
     }
 
     /// Runs the passes of minima, the certifying kernel and the pass of pairs for a band. Unless the host `reads` the outputs, they stay

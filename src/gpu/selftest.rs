@@ -28,7 +28,7 @@ type Evaluate = fn(&[u32], &[u32]) -> Vec<Check>;
 
 /// One shader of the test, its cases and the function that evaluates its answers.
 pub(super) struct Trial {
-    name: &'static str,
+    pub(super) name: &'static str,
     pub(super) parts: Vec<Part>,
     capabilities: Capabilities,
     /// 32-bit words per case and per answer; the shader declares them in its own number type.
@@ -164,7 +164,7 @@ impl Gpu {
         self.reserve("answers", size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
         let mut encoder = self.encoder();
         let groups = (count as u32).div_ceil(super::input::GROUP);
-        self.dispatch(&mut self.pass(&mut encoder), &program, |name| self.bound(name, 0), (groups, 1));
+        self.dispatch(&mut self.pass(&mut encoder), &program, |name| self.bound(name, None), (groups, 1));
         self.fetch(encoder, true, "answers", size)
     }
 }

@@ -13,9 +13,9 @@ use std::time::Instant;
 impl Gpu {
     /// The buffers of the kernel's outputs.
     pub(super) fn reserve_outputs(&mut self, kernel: &Kernel, pixels: u64) {
-        for output in KernelOutput::of(kernel) {
+        for (buffer, bytes) in KernelOutput::buffers(kernel) {
             let reading = if self.direct { wgpu::BufferUsages::MAP_READ } else { wgpu::BufferUsages::COPY_SRC };
-            self.reserve(output.name, pixels * output.bytes(), wgpu::BufferUsages::STORAGE | reading);
+            self.reserve(buffer, pixels * bytes, wgpu::BufferUsages::STORAGE | reading);
         }
     }
 
@@ -29,7 +29,7 @@ impl Gpu {
     /// The same for all outputs, unless the host reads them in place.
     pub(super) fn copy_outputs(&mut self, encoder: &mut wgpu::CommandEncoder, kernel: &Kernel, pixels: u64) {
         if !self.direct {
-            KernelOutput::of(kernel).for_each(|output| self.copy(encoder, output.name, pixels * output.bytes()));
+            KernelOutput::buffers(kernel).for_each(|(buffer, bytes)| self.copy(encoder, buffer, pixels * bytes));
         }
     }
 
@@ -103,15 +103,15 @@ impl Gpu {
         clocked.unwrap_or_else(|| start.elapsed().as_secs_f64())
     }
 
-    /// The buffer in which the host reads an output.
-    fn read_from(&self, output: &KernelOutput) -> &wgpu::Buffer {
-        &(if self.direct { &self.buffers } else { &self.staging })[output.name]
+    /// The buffer in which the host reads outputs.
+    fn read_from(&self, buffer: &str) -> &wgpu::Buffer {
+        &(if self.direct { &self.buffers } else { &self.staging })[buffer]
     }
 
     /// Requests the mapping of the outputs, which completes with the next wait.
     pub(super) fn ask_outputs(&self, kernel: &Kernel, pixels: u64) {
-        for output in KernelOutput::of(kernel) {
-            self.read_from(output).map_async(wgpu::MapMode::Read, 0..pixels * output.bytes(), |_| {});
+        for (buffer, bytes) in KernelOutput::buffers(kernel) {
+            self.read_from(buffer).map_async(wgpu::MapMode::Read, 0..pixels * bytes, |_| {});
         }
     }
 
@@ -119,10 +119,15 @@ impl Gpu {
     pub(super) fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
         let row = if kernel.has_pixels() { record.columns as usize } else { 1 };
         let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
-        for output in KernelOutput::of(kernel) {
-            let bytes = pixels as u64 * output.bytes();
-            let buffer = self.read_from(output);
-            raw.store(output.name, first, pixels, &mapped(buffer, bytes)?);
+        for (name, bytes) in KernelOutput::buffers(kernel) {
+            let bytes = pixels as u64 * bytes;
+            let buffer = self.read_from(name);
+            let all = mapped(buffer, bytes)?;
+            for (output, before) in KernelOutput::in_buffer(kernel, name) {
+                let [begin, size] = [before, output.channels].map(|values| 4 * values * pixels);
+                raw.store(output.name, first, pixels, &all[begin..begin + size]);
+            }
+            drop(all);
             buffer.unmap();
             self.traffic.down += bytes;
         }

@@ -4,7 +4,7 @@ use super::input::{GROUP, Input, KernelRays};
 use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::binned::BinnedScene;
 use crate::certify::general::GeneralRecord;
-use crate::kernel::{Generals, Kernel, Task};
+use crate::kernel::{Generals, Kernel, KernelOutput, Task};
 use crate::tile::TILE;
 use crate::view::{SphereRecord, ViewRecord};
 
@@ -74,7 +74,7 @@ impl<'a> Bands<'a> {
             return None;
         }
         let (unit, pixels) = self.unit();
-        let fit = (largest_binding(&self.limits) / (12 * pixels))
+        let fit = (largest_binding(&self.limits) / (KernelOutput::largest(self.kernel) * pixels))
             .clamp(1, self.limits.max_compute_workgroups_per_dimension.into());
         let each = self.tests(&Band { first, count: unit });
         let paid = (budget.next(self.tests(&Band { first, count: left })) / each).max(1.0) as u64;

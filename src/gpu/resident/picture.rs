@@ -162,7 +162,8 @@ impl Gpu {
                 Ok(_) => return Ok(Rendered::Left("the adapter binds too few buffers to keep the hits".into())),
                 Err(reason) => return Ok(Rendered::Left(reason)),
             };
-            if gpu.rows_of_band(&kernel, &record) < record.rows + record.first_row % TILE {
+            let rows = gpu.rows_of_band(&kernel, &record);
+            if rows.is_none_or(|rows| rows < record.rows + record.first_row % TILE) {
                 return Ok(Rendered::Left("the adapter holds the hits of a part of the image only".into()));
             }
             gpu.compile_for_frame(&kernel)?;
@@ -233,8 +234,8 @@ impl Gpu {
         self.compile(Program::Step(step))?;
         let [columns, rows] = record.tiles().map(|[first, last]| last - first + 1);
         let bound = |name| match name {
-            "placed" => self.bound(SPHERES, 0),
-            _ => self.bound(name, record.pixels() as u64),
+            "placed" => self.bound(SPHERES, None),
+            _ => self.bound(name, None),
         };
         self.dispatch(&mut self.pass(encoder), &self.programs[&Program::Step(step)], bound, (columns, rows));
         Ok(())
@@ -250,7 +251,7 @@ impl Gpu {
         let mut all = patches.0.clone();
         all.resize(groups * GROUP as usize, *last);
         self.fill("patches", bytemuck::cast_slice(&all))?;
-        let bound = |binding| self.bound(if binding == "patched" { name } else { binding }, 0);
+        let bound = |binding| self.bound(if binding == "patched" { name } else { binding }, None);
         let mut encoder = self.encoder();
         self.dispatch(&mut self.pass(&mut encoder), &self.programs[&program], bound, (groups as u32, 1));
         self.enqueue(encoder);

@@ -180,9 +180,9 @@ impl Gpu {
     /// One dispatch.
     fn submit_sky(&mut self, groups: (u32, u32)) -> Result<()> {
         let bound = |name| match name {
-            "nodes" => self.bound(NODES, 0),
-            "placed" => self.bound(SPHERES, 0),
-            _ => self.bound(name, 0),
+            "nodes" => self.bound(NODES, None),
+            "placed" => self.bound(SPHERES, None),
+            _ => self.bound(name, None),
         };
         let mut encoder = self.encoder();
         self.dispatch(&mut self.pass(&mut encoder), &self.programs[&SKY], bound, groups);

@@ -84,7 +84,7 @@ impl Gpu {
         let most = self.limits.max_compute_workgroups_per_dimension;
         let jobs: Vec<_> = blocks.into_iter().map(|block| block.job(program, 0, 0, most)).collect();
         let mut encoder = self.encoder();
-        self.encode(&mut encoder, &jobs, 0)?;
+        self.encode(&mut encoder, &jobs, None)?;
         let size = |host: u32| 4 * u64::from(SUMMARY_LIST + host);
         let numbers = self.fetch(encoder, true, "summary", size(FIRST))?;
         let host = numbers[SUMMARY_HOST as usize].min(HOST_SPHERES);
@@ -114,7 +114,7 @@ impl Gpu {
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.buffers["minima"], 0, Some(MINIMA * pixels));
         encoder.clear_buffer(&self.buffers["summary"], 4 * u64::from(SUMMARY_PAIRS), Some(4));
-        self.encode(&mut encoder, &jobs, pixels)?;
+        self.encode(&mut encoder, &jobs, Some((kernel, pixels)))?;
         if !reads {
             return self.finish_pairs(encoder, |_| {});
         }
@@ -167,8 +167,13 @@ impl Gpu {
         jobs
     }
 
-    /// Adds a pass of these dispatches.
-    fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, jobs: &[Job<'_>], pixels: u64) -> Result<()> {
+    /// Adds a pass of these dispatches; `outputs` as of [`Gpu::bound`].
+    fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        jobs: &[Job<'_>],
+        outputs: Option<(&Kernel, u64)>,
+    ) -> Result<()> {
         let size = size_of::<BlockPass>();
         let stride = size.next_multiple_of(self.limits.min_uniform_buffer_offset_alignment as usize);
         let mut bytes = vec![0; jobs.len() * stride];
@@ -186,7 +191,7 @@ impl Gpu {
                     offset: (n * stride) as u64,
                     size: NonZeroU64::new(size as u64),
                 }),
-                _ => self.bound(name, pixels),
+                _ => self.bound(name, outputs),
             };
             self.dispatch(&mut pass, &self.programs[program], bound, *groups);
         }

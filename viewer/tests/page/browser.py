@@ -26,7 +26,7 @@ class Failed(Exception):
 
 
 class Browser:
-    def __init__(self, program, limit=30):
+    def __init__(self, program, limit=30, gpu=("--disable-gpu",)):
         self.limit, self.last, self.answers, self.events = limit, 0, {}, []
         self.changed = threading.Condition()
         self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
@@ -34,7 +34,7 @@ class Browser:
         pairs = [[fcntl.fcntl(fd, fcntl.F_DUPFD, 10) for fd in os.pipe()] for _ in range(2)]
         (child_in, self.out), (self.into, child_out) = pairs
         flags = [
-            "--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe", f"--user-data-dir={self.folder.name}",
+            "--headless", "--no-sandbox", *gpu, "--remote-debugging-pipe", f"--user-data-dir={self.folder.name}",
             "--no-first-run", "--hide-scrollbars", "--disable-dev-shm-usage", "about:blank",
         ]
         self.process = subprocess.Popen(
