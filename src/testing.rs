@@ -95,14 +95,14 @@ impl Rng {
     }
 }
 
-/// Spheres that are not entirely in front of the eye plane, or too near it.
+/// Spheres that are not entirely in front of the eye plane, or too near it, and not aside.
 const NEAR: [([f64; 3], f64); 6] = [
     ([0.0, -101.0, 0.0], 100.0),
-    ([3.0, 0.0, -0.5], 1.0),
-    ([-3.0, 0.2, -0.4], 0.9),
-    ([0.0, 4.0, 0.2], 1.5),
-    ([2.0, -2.0, 0.3], 0.8),
-    ([-2.0, -2.0, 0.1], 0.7),
+    ([3.0, 0.0, -0.5], 2.0),
+    ([-3.0, 0.2, -0.4], 2.0),
+    ([0.0, 2.2, 0.2], 1.6),
+    ([2.0, -2.0, 0.3], 1.4),
+    ([-2.0, -2.0, 0.1], 1.3),
 ];
 
 /// The first so many of six spheres around the eye, between spheres in front.

@@ -22,7 +22,25 @@ fn dot64(p: array<Float, 3>, axis: u32) -> Float {
     return plus64(plus64(x, y), z);
 }
 
-fn for_host(slot: u32) {
+// Whether a sphere is aside: beyond the plane of one side of the image by more than a 16th of its distance and radius, so that every
+// kernel proves for every ray that it misses the sphere, and the sphere is not projected onto the image (docs/certificate.md,
+// section 11). f32 demands 0.07 in place of 1/16. The difference is 0.0075 (far + r) (1 + edge). The left side is off by 2^-20 (far + r)
+// (1 + edge), since c is off by that much along each axis, and all roundings by less than 2^-18 of the same, in any order.
+fn is_missed(c: vec3<f32>, r: f32, far: f32) -> bool {
+    let edge = placing.edge;
+    let wide = vec2<f32>(1.0) + 0.5 * edge * edge;
+    let apart = 1.07 * r * wide + 0.07 * (far + r) * (vec2<f32>(1.0) + edge);
+    return placing.narrow == 1u && any(abs(c.xy) - edge * c.z > apart);
+}
+
+// Leaves a sphere to the host. It is left out if it is aside; the host learns of the first such sphere, which may be general.
+fn leave(slot: u32, missed: bool) {
+    if (missed) {
+        if (slot < atomicLoad(&summary[SUMMARY_MISSED])) {
+            atomicMin(&summary[SUMMARY_MISSED], slot);
+        }
+        return;
+    }
     let at = atomicAdd(&summary[SUMMARY_HOST], 1u);
     if (at < HOST_SPHERES) {
         atomicStore(&summary[SUMMARY_LIST + at], slot);
@@ -65,8 +83,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (parallel) {
         clear = c.z - r > 4.0 * error + spare && error * 2e13 < c.z;
     }
-    if (!clear) {
-        for_host(slot);
+    // For parallel rays every sphere has a rectangle, which is compared with the image first.
+    if (!clear && !parallel) {
+        leave(slot, is_missed(c, r, far));
         return;
     }
     var inverse = float_of_int(1);
@@ -86,7 +105,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let in_range = rho > 1e-18 && rho < 1e18 && size > 1e-24 && size < 1e24 && total * placing.low_scale.x < 0.7499
         && max(blur.x, blur.y) < 7.4e-9;
     if (!in_range) {
-        for_host(slot);
+        leave(slot, is_missed(c, r, far));
         return;
     }
     // The pixels that it may reach, surely and perhaps.
@@ -97,8 +116,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (any(high + doubt < placing.corner) || any(low - doubt > placing.end - vec2<f32>(1.0))) {
         return;
     }
-    if (max(out.x, out.y) > placing.farthest - 1.0) {
-        for_host(slot);
+    if (!clear || max(out.x, out.y) > placing.farthest - 1.0) {
+        leave(slot, false);
         return;
     }
     let inside = ceil(max(low + doubt, placing.corner)) <= floor(min(high - doubt, placing.end - vec2<f32>(1.0)));

@@ -31,8 +31,8 @@ struct Placing {
     parallel: u32,
     columns: u32,                   // of the image
     rows: u32,
+    narrow: u32,                    // 1 where a sphere may be aside
     unused_a: u32,
-    unused_b: u32,
 }
 
 @group(0) @binding(BIND_PLACING) var<uniform> placing: Placing;
@@ -54,7 +54,8 @@ struct BlockPass {
 // The results of placing a frame, over all of its blocks. SUMMARY_DEPTHS: least and largest depth of the spheres whose
 // rectangle certainly contains a pixel, as bits of f32. SUMMARY_PERHAPS: the same of the spheres for which f32 cannot
 // tell that. Then the numbers of spheres for the host, of pieces of large spheres and of pairs of unsure pixels.
-// SUMMARY_MORE: above 0 where the pieces are too many to be counted. Then the slots of the spheres for the host.
+// SUMMARY_MORE: above 0 where the pieces are too many to be counted. SUMMARY_MISSED: the least slot of the spheres aside. Then the
+// slots of the spheres for the host.
 @group(0) @binding(BIND_SUMMARY) var<storage, read_write> summary: array<atomic<u32>>;
 
 // The number of an invocation in the block.

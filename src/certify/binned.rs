@@ -154,11 +154,11 @@ impl Binning<'_> {
 }
 
 impl ProjectionBounds {
-    /// The least and the largest depth of the projected spheres.
-    pub(super) fn range(&self, spheres: &Spheres, pool: &Pool) -> Option<[f64; 2]> {
-        let SphereBins { bins, range, .. } = self.bin_spheres(SphereOrder::of(spheres), 0.0, pool);
+    /// The reference depth of all spheres.
+    pub(super) fn reference_of(&self, spheres: &Spheres, pool: &Pool) -> f32 {
+        let SphereBins { bins, range, generals, .. } = self.bin_spheres(SphereOrder::of(spheres), 0.0, pool);
         pool.put_back(bins);
-        range
+        reference(range, !generals.is_empty())
     }
 
     /// Bins spheres, with depths of projected ones relative to `reference`.

@@ -13,6 +13,8 @@ use super::{TERMS, answer::ProjectionRecord};
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::scene::Scene;
+#[cfg(test)]
+use crate::scene::instances::enclosure::Enclosure;
 use crate::tile::TILE;
 use crate::view::View;
 use rayon::prelude::*;
@@ -26,6 +28,8 @@ pub(crate) struct PlacedSummary {
     pub(crate) perhaps: Option<[f64; 2]>,
     /// The ids of the spheres that the host has to place, in order.
     pub(crate) for_host: Vec<u32>,
+    /// The first of the spheres aside, which every ray misses by far and which may be general.
+    pub(crate) missed: Option<u32>,
 }
 
 /// The spheres that a device left to the host.
@@ -76,9 +80,8 @@ impl Placer {
     /// Places the spheres that a device left, and decides the reference depth, which equals that of
     /// [`BinnedScene::new`].
     pub(crate) fn by_host(&self, scene: &Scene, view: &View, summary: &PlacedSummary, pool: &Pool) -> ByHost {
-        let sphere = |id: u32| (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
         let stage = |reference: f64| -> Vec<Staged> {
-            let one = |id: &u32| self.projection.stage(*id, sphere(*id).0, sphere(*id).1, reference);
+            let one = |id: &u32| self.stage(scene, *id, reference);
             summary.for_host.par_iter().map(one).collect()
         };
         let mut staged = stage(0.0);
@@ -88,12 +91,19 @@ impl Placer {
             _ => None,
         });
         let range = depths.chain(summary.depths).reduce(joined);
-        let has_generals = staged.iter().any(general);
+        let is_general = |id: u32| general(&self.stage(scene, id, 0.0));
+        let has_generals = staged.iter().any(general) || summary.missed.is_some_and(is_general);
         let mut reference = reference(range, has_generals);
-        // Further spheres only widen the range, and a range that is too wide stays so.
+        // Further spheres only widen the range, and a range that is too wide stays so. If the first sphere aside is not general,
+        // another one may be.
         let within = |[a, b]: [f64; 2]| range.is_some_and(|[least, most]| least <= a && b <= most);
-        if (reference > 0.0 || range.is_none()) && !has_generals && summary.perhaps.is_some_and(|few| !within(few)) {
-            reference = super::reference::reference(self.projection.range(&scene.spheres, pool), has_generals);
+        let is_wider = summary.perhaps.is_some_and(|few| !within(few));
+        let is_open = match reference > 0.0 {
+            true => is_wider || summary.missed.is_some(),
+            false => is_wider && range.is_none() && !has_generals,
+        };
+        if is_open {
+            reference = self.projection.reference_of(&scene.spheres, pool);
         }
         if reference > 0.0 && !staged.is_empty() {
             staged = stage(reference.into());
@@ -118,12 +128,27 @@ impl Placer {
         }
     }
 
+    fn stage(&self, scene: &Scene, id: u32, reference: f64) -> Staged {
+        let (center, radius) = (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
+        self.projection.stage(id, center, radius, reference)
+    }
+
     /// A sphere as the host places it; `None` where it has no projected record.
     pub(crate) fn placed(&self, scene: &Scene, id: u32, reference: f32) -> Option<Placed> {
-        let (center, radius) = (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
-        match self.projection.stage(id, center, radius, reference.into()) {
+        match self.stage(scene, id, reference.into()) {
             Staged::Projected(landed) => Some(landed.placed),
             _ => None,
+        }
+    }
+
+    /// Whether a sphere is general, and whether no ray hits it: it is behind or outside of the image, or general and missed by far.
+    #[cfg(test)]
+    pub(crate) fn is_general_and_missed(&self, scene: &Scene, id: u32) -> [bool; 2] {
+        let (center, radius) = (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
+        match self.stage(scene, id, 0.0) {
+            Staged::Unseen => [false, true],
+            Staged::Projected(_) => [false, false],
+            Staged::General(_) => [true, self.projection.misses(&Enclosure::of(center, radius))],
         }
     }
 

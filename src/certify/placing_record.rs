@@ -47,6 +47,6 @@ pub(crate) struct PlacingRecord {
     pub(crate) parallel: u32,
     pub(crate) columns: u32,
     pub(crate) rows: u32,
+    pub(crate) narrow: u32,
     pub(crate) unused_a: u32,
-    pub(crate) unused_b: u32,
 }

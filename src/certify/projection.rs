@@ -321,8 +321,8 @@ impl ProjectionBounds {
             parallel: u32::from(self.parallel),
             columns: image[0],
             rows: image[1],
+            narrow: u32::from(self.is_narrow()),
             unused_a: 0,
-            unused_b: 0,
         }
     }
 

@@ -239,7 +239,7 @@ mod tests {
         let (place, _) = validate(&compose_step(Step::Place), Capabilities::empty()).expect("a step");
         same!(place "Placing", PlacingRecord, eye axes per_slope middle reference low_blurred low_center low_offset
             low_coordinates low_total low_scale per_step slope edge reach per_slope_f32 middle_f32 corner end rotated wider
-            farthest per_unit to_frame shift fine parallel columns rows unused_a unused_b);
+            farthest per_unit to_frame shift fine parallel columns rows narrow unused_a);
         same!(place "BlockPass", BlockPass, first count mode pieces groups unused_a unused_b unused_c);
         same!(certified "Projection", ProjectionRecord, slope step fixed shift unit errors edge depth tolerance generals
             cull_margin size);

@@ -32,8 +32,10 @@ sizes! {
     SUMMARY_PAIRS 6;
     /// Above 0 where pieces are too many to be counted.
     SUMMARY_MORE 7;
+    /// The least slot of the spheres aside that may be general; more than any slot where there is none.
+    SUMMARY_MISSED 8;
     /// First word of the list of spheres for the host.
-    SUMMARY_LIST 8;
+    SUMMARY_LIST 9;
     /// Pixels along a side of a piece.
     PIECE 32;
     /// The most pieces of this size of a sphere; beyond, its pieces are wider.

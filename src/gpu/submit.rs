@@ -60,9 +60,12 @@ impl Gpu {
         Ok(())
     }
 
-    /// Submits commands without a wait: what reads their results waits for both.
+    /// Submits commands without a wait: what reads their results waits for both. Drivers of software run them before they return.
     pub(super) fn enqueue(&mut self, encoder: wgpu::CommandEncoder) {
-        self.open.queue.submit([encoder.finish()]);
+        let commands = encoder.finish();
+        let start = Instant::now();
+        self.open.queue.submit([commands]);
+        self.traffic.busy += start.elapsed();
     }
 
     /// Submits commands and reads the first `size` bytes of a buffer after them, as numbers.

@@ -113,10 +113,15 @@ impl ProjectionBounds {
         Enclosed::Projected { least: below(least - least.abs() * SLACK), pixels }
     }
 
+    /// Whether [`Self::misses`] is derived for the rays.
+    pub(super) fn is_narrow(&self) -> bool {
+        !self.parallel && self.widest <= NARROW
+    }
+
     /// Whether every kernel proves for every ray that it misses each sphere in the box, whichever form the sphere has, and
     /// none of them is projected onto the image.
     pub(in crate::certify) fn misses(&self, around: &Enclosure) -> bool {
-        if self.parallel || self.widest > NARROW {
+        if !self.is_narrow() {
             return false;
         }
         let radius = around.radii[1] * self.to_frame;

@@ -8,7 +8,8 @@ use crate::certify::tiles::Placed;
 use crate::double_double as dd;
 use crate::gpu::device::Open;
 use crate::gpu::sizes::{
-    HOST_SPHERES, SUMMARY_DEPTHS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MORE, SUMMARY_PERHAPS, SUMMARY_PIECES,
+    HOST_SPHERES, SUMMARY_DEPTHS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MISSED, SUMMARY_MORE, SUMMARY_PERHAPS,
+    SUMMARY_PIECES,
 };
 use crate::scene::Spheres;
 use crate::scene::camera::Camera;
@@ -239,7 +240,9 @@ impl Counts {
         let host = numbers[SUMMARY_HOST as usize];
         let mut for_host: Vec<u32> = numbers[SUMMARY_LIST as usize..][..host.min(HOST_SPHERES) as usize].to_vec();
         for_host.sort_unstable();
-        let summary = PlacedSummary { depths: range(SUMMARY_DEPTHS), perhaps: range(SUMMARY_PERHAPS), for_host };
+        let missed = Some(numbers[SUMMARY_MISSED as usize]).filter(|slot| *slot < u32::MAX);
+        let summary =
+            PlacedSummary { depths: range(SUMMARY_DEPTHS), perhaps: range(SUMMARY_PERHAPS), for_host, missed };
         Self { summary, host, pieces: pieces(numbers) }
     }
 }

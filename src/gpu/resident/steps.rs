@@ -10,7 +10,8 @@ use crate::gpu::compose::Step;
 use crate::gpu::dispatch::Program;
 use crate::gpu::input::GROUP;
 use crate::gpu::sizes::{
-    HOST_SPHERES, LEAST, PAIRS, PAIRS_OF_UNSURE, PIECES, SLOTS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_PAIRS,
+    HOST_SPHERES, LEAST, PAIRS, PAIRS_OF_UNSURE, PIECES, SLOTS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MISSED,
+    SUMMARY_PAIRS,
 };
 use crate::kernel::Kernel;
 use crate::view::ViewRecord;
@@ -56,8 +57,8 @@ impl Gpu {
     /// Runs the kernel that places every block.
     pub(super) fn place_blocks(&mut self, resident: &ResidentScene) -> Result<Counts> {
         let mut head = [0u32; SUMMARY_LIST as usize];
-        // No depth yet: the least above the largest.
-        (head[0], head[2]) = (u32::MAX, u32::MAX);
+        // No depth yet: the least above the largest. No sphere aside.
+        (head[0], head[2], head[SUMMARY_MISSED as usize]) = (u32::MAX, u32::MAX, u32::MAX);
         self.reserve_summary();
         self.open.queue.write_buffer(&self.buffers["summary"], 0, bytemuck::cast_slice(&head));
         let blocks = resident.blocks.iter().filter(|block| block.spheres.is_some());

@@ -2,7 +2,7 @@
 //! the host. On adapters that keep bits (tests/common/strict.rs) frames have those of the CPU path; on others what both prove
 //! agrees.
 
-use super::scene::BLOCK;
+use super::scene::{BLOCK, Counts};
 use super::sky::{SkyRays, SkyRecord, SkyTraced};
 use super::*;
 use crate::answers::raw::Raw;
@@ -16,7 +16,7 @@ use crate::scene::{ImagePlane, Spheres};
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::shade::Shade;
-use crate::testing::{Rng, adapter_or_skip, keeps_bits, near_and_far};
+use crate::testing::{Rng, adapter_or_skip, amount, keeps_bits, near_and_far};
 use crate::view::directions::SkyDirections;
 use crate::view::middle;
 use crate::view::raster::Raster;
@@ -41,11 +41,12 @@ const TOLERANCE: f64 = 1e-5;
 
 /// The device's buffers for a scene, the reason where it leaves the frame to the host, and the view.
 fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Option<String>, View) {
-    let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
+    let pool = Pool::default();
     let reach = gpu.hold(scene, number).expect("a device").expect("spheres");
     let mut view =
         View::in_unit(scene, raster, Some(middle(reach.sizes(scene.camera.eye).expect("sizes")))).expect("a view");
     view.record.sample = raster.count() / 2;
+    let kernel = kernel(!view.record.is_plain());
     let placer = Placer::new(scene, &view, TOLERANCE).expect("a lens").expect("a projection");
     let mut device = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
     let frame = ResidentFrame { scene, view: &view, placer: &placer, pool: &pool };
@@ -61,7 +62,7 @@ fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw,
 /// host.
 fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw, Option<String>) {
     let (mut device, left, view) = on_device(gpu, scene, raster, number);
-    let (pool, kernel) = (Pool::default(), kernel(raster.count() > 1));
+    let (pool, kernel) = (Pool::default(), kernel(!view.record.is_plain()));
     let binned = BinnedScene::new(&Binning::of(scene, &view, TOLERANCE, &pool)).expect("a stage").expect("a lens");
     let mut host = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
     cpu::certified(&kernel, &view, &binned, scene.spheres.colors.as_deref(), &mut host, &|| true);
@@ -71,6 +72,12 @@ fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw,
         depth.iter_mut().zip(id).filter(|(_, id)| **id >= UNSURE).for_each(|(depth, _)| *depth = 0.0);
     }
     (device, host, left)
+}
+
+/// The general spheres of the last frame.
+fn generals(gpu: &Gpu) -> usize {
+    let placed = gpu.resident.as_ref().and_then(|resident| resident.placed.as_ref());
+    placed.map_or(0, |(_, binned)| binned.generals.len())
 }
 
 /// Asserts that device and host agree where both prove: ids; depths within twice the tolerance, normals within twice
@@ -124,6 +131,7 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
                 assert_eq!(left, None);
                 let partial = gpu.buffers.get("generals_storage").map_or(0, |buffer| buffer.size() % 16);
                 assert_eq!(partial, 0, "an array of vectors would lose the numbers after its last whole one");
+                assert_eq!(generals(gpu), near, "as many as choose between no list, a uniform and lists");
                 let what = format!("{near} near, {raster:?}, blocks of {block}, {groups} groups, {binding} bytes");
                 let hits = host.id.iter().filter(|id| **id < UNSURE).count();
                 assert!(hits > 1000, "{hits} hits: {what}");
@@ -213,6 +221,163 @@ const LOW: [f64; 2] = [1.0 / 65_536.0, 1.0 / 4_194_304.0];
 /// The largest loss of `low` where subnormal numbers are flushed: FLUSHED, 2^-124, twice.
 const LOW_FLUSHED: f64 = 1e-37;
 
+/// The eye in a cloud of equal spheres that fill 3 % of a unit cube, as in examples/cloud.
+fn within_cloud(rng: &mut Rng, count: usize, lens: Lens) -> Scene {
+    let radius = (0.03 / count as f64 * 3.0 / (4.0 * std::f64::consts::PI)).cbrt();
+    let mut spheres = Spheres::default();
+    (0..count).for_each(|_| spheres.push([0; 3].map(|_| rng.unit()), radius, Some([0.5; 3])));
+    let look = Look::At([0; 3].map(|_| rng.unit()).into());
+    let eye = [0; 3].map(|_| rng.between(0.2, 0.8)).into();
+    let camera = Camera { eye, look, lens, ..Camera::CANONICAL };
+    let image = ImagePlane { width: 64, height: 48, background: [0.0; 3] };
+    Scene { camera, image, spheres, lighting: Default::default() }
+}
+
+/// Lenses of every kind: long and wide ones, one as wide as spheres are left out for, and wider ones; off-centre ones; parallel rays.
+fn lenses_within(rng: &mut Rng) -> Vec<Lens> {
+    let vfov = |degrees| Lens::Vfov { degrees, distance: 1.0 };
+    let off = |share: f64| Lens::Intrinsics { fx: 60.0, fy: 50.0, cx: share * 64.0, cy: 20.25 };
+    let mut all = [0.01, 5.0, 32.0, 90.0, 132.0, 140.0, 165.0].map(vfov).to_vec();
+    all.extend([off(0.3), off(-0.8)]);
+    all.extend([0.01, 0.2, 3.0].map(|height| Lens::Orthographic { height: height * rng.between(0.5, 1.0) }));
+    all
+}
+
+/// The counts of a placing on the device with the host's part for it.
+fn placed_counts(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Counts, Placer) {
+    let reach = gpu.hold(scene, number).expect("a device").expect("spheres");
+    let unit = middle(reach.sizes(scene.camera.eye).expect("sizes"));
+    let view = View::in_unit(scene, raster, Some(unit)).expect("a view");
+    let placer = Placer::new(scene, &view, TOLERANCE).expect("a lens").expect("a projection");
+    gpu.refill("placing", bytemuck::bytes_of(&placer.record(0.0))).expect("room");
+    gpu.refill("view", bytemuck::bytes_of(&view.record)).expect("room");
+    let counts = gpu.with_resident(|gpu, resident| gpu.place_blocks(resident)).expect("a device").expect("spheres");
+    (counts, placer)
+}
+
+/// A device neither places a sphere nor leaves it to the host only if no ray can hit it, and names a general one among those.
+#[test]
+fn spheres_that_a_device_leaves_out_are_missed() {
+    let Some(mut gpu) = open() else { return };
+    let (mut rng, mut number, mut out, mut generals) = (Rng(0xa51de), 4000, 0, 0);
+    for case in 0..amount("clouds around the eye", 6, 60) {
+        for lens in lenses_within(&mut rng) {
+            let mut scene = within_cloud(&mut rng, 3000, lens);
+            // Of many sizes, up to the distance of the eye: most are general, and planes of the image pass between them.
+            for radius in scene.spheres.radii.to_mut() {
+                *radius *= 10f64.powf(rng.between(-2.0, 0.7));
+            }
+            number += 1;
+            let window = Window::full(64, 48);
+            let samples = Raster::samples(window, 4, 7, &scene.image).expect("room").filter(|_| case % 2 == 1);
+            let (counts, placer) = placed_counts(&mut gpu, &scene, samples.unwrap_or(Raster::centres(window)), number);
+            let has_record = gpu.records().expect("records");
+            for id in 0..scene.spheres.len() as u32 {
+                if has_record[id as usize].is_some() || counts.summary.for_host.binary_search(&id).is_ok() {
+                    continue;
+                }
+                let [is_general, is_missed] = placer.is_general_and_missed(&scene, id);
+                assert!(is_missed, "case {case}, {lens:?}: sphere {id} is left out");
+                assert!(!is_general || counts.summary.missed.is_some_and(|first| first <= id), "{lens:?}: sphere {id}");
+                out += 1;
+                generals += u32::from(is_general);
+            }
+        }
+    }
+    println!("{out} spheres are left out, of which {generals} are general");
+    assert!(generals > 5000, "{generals} of {out}");
+}
+
+/// In a cloud around the eye the host looks at the spheres near the eye alone, in place of all near its plane: 2,471 with this
+/// lens, 2,069 with parallel rays.
+#[test]
+fn of_a_cloud_around_the_eye_few_spheres_are_left_to_the_host() {
+    let Some(mut gpu) = open() else { return };
+    let lenses = [Lens::Vfov { degrees: 32.0, distance: 1.0 }, Lens::Orthographic { height: 0.1 }];
+    for (number, (lens, most)) in (4900..).zip(lenses.into_iter().zip([40, 200])) {
+        let scene = within_cloud(&mut Rng(0xc10d), 200_000, lens);
+        let (counts, _) = placed_counts(&mut gpu, &scene, Raster::centres(Window::full(64, 48)), number);
+        println!("{lens:?}: {} of {} spheres are left to the host", counts.host, scene.spheres.len());
+        assert!(counts.host < most, "{lens:?}: {}", counts.host);
+    }
+}
+
+/// Sets the numbers of pixels that are not proved to 0.
+fn blank_unproved(raw: &mut Raw) {
+    for n in (0..raw.id.len()).filter(|&n| raw.id[n] == UNSURE) {
+        raw.t[n] = 0.0;
+        raw.normal[3 * n..3 * n + 3].fill(0.0);
+        raw.color[3 * n..3 * n + 3].fill(0.0);
+    }
+}
+
+/// Frames from places in clouds have the bits of the CPU path.
+#[test]
+fn frames_within_clouds_have_the_bits_of_the_cpu_path() {
+    let Some(mut gpu) = open() else { return };
+    let strict = keeps_bits(&gpu.summary.name);
+    let (mut rng, mut number, mut proved, mut general_spheres) = (Rng(0x1d5), 6000, 0, 0);
+    for case in 0..amount("frames within clouds", 4, 40) {
+        for lens in lenses_within(&mut rng) {
+            let mut scene = within_cloud(&mut rng, 1000, lens);
+            scene.spheres.radii.to_mut().iter_mut().for_each(|radius| *radius *= 10f64.powf(rng.between(-1.0, 0.7)));
+            let part = Window { x0: 11, y0: 5, x1: 50, y1: 41 };
+            let raster = match case % 3 {
+                0 => Raster::centres(Window::full(64, 48)),
+                1 => Raster::centres(part),
+                _ => Raster::samples(part, 9, 3, &scene.image).expect("room").expect("several samples"),
+            };
+            number += 1;
+            let (mut device, mut host, left) = both(&mut gpu, &scene, raster, number);
+            assert_eq!(left, None, "case {case}, {lens:?}");
+            let differ = device.id.iter().zip(&host.id).filter(|(a, b)| a != b).count();
+            if strict {
+                // What is not proved is left to the host, and may be NaN.
+                blank_unproved(&mut device);
+                blank_unproved(&mut host);
+                assert!(device == host, "case {case}, {lens:?}: {differ} ids differ");
+            } else {
+                assert_proved_alike(&device, &host, &format!("case {case}, {lens:?}"));
+            }
+            proved += host.id.iter().filter(|id| **id != UNSURE).count();
+            general_spheres += generals(&gpu);
+        }
+    }
+    println!("{proved} pixels are proved, beside {general_spheres} general spheres");
+    assert!(proved > 50_000 && general_spheres > 100, "{proved}, {general_spheres}");
+}
+
+/// A general sphere aside makes the reference depth 0, as on the CPU path, also where another sphere aside comes before it that is
+/// not general; without one, depths are relative to the far cluster.
+#[test]
+fn a_general_sphere_that_is_missed_decides_the_reference_depth() {
+    let Some(mut gpu) = open() else { return };
+    // As far from the axis as the host still projects, and farther than f32 is sure of.
+    let nearly = ([-63.97, 0.0, -1.0], 0.01);
+    let (lateral, ahead) = (([60.0, 3.0, 0.2], 1.0), ([0.0, 0.0, -1000.0], 10.0));
+    for (number, (some, is_relative)) in
+        (7000..).zip([(vec![], true), (vec![nearly], true), (vec![lateral], false), (vec![nearly, lateral], false)])
+    {
+        let mut spheres = Spheres::default();
+        some.into_iter().chain([ahead]).for_each(|(center, radius)| spheres.push(center, radius, Some([0.5; 3])));
+        let lens = Lens::Vfov { degrees: 10.0, distance: 1.0 };
+        let image = ImagePlane { width: 64, height: 48, background: [0.0; 3] };
+        let camera = Camera { lens, ..Camera::CANONICAL };
+        let scene = Scene { camera, image, spheres, lighting: Default::default() };
+        let (_, left, view) = on_device(&mut gpu, &scene, Raster::centres(Window::full(64, 48)), number);
+        assert_eq!(left, None);
+        let pool = Pool::default();
+        let host = BinnedScene::new(&Binning::of(&scene, &view, TOLERANCE, &pool))
+            .expect("a stage")
+            .expect("a lens")
+            .projection
+            .depth;
+        let placed = gpu.resident.as_ref().and_then(|resident| resident.placed.as_ref());
+        let device = placed.map(|(_, binned)| binned.projection.depth);
+        assert_eq!((device, host > 0.0), (Some(host), is_relative), "{} spheres", scene.spheres.len());
+    }
+}
+
 /// Cameras from near to far, through long and wide lenses, for parallel rays too.
 #[test]
 fn places_have_the_bits_of_the_host() {
@@ -278,7 +443,7 @@ fn what_a_device_cannot_hold_is_left_to_the_host() {
     let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
     let mut crowd = Spheres::default();
     (0..=HOST_SPHERES)
-        .for_each(|n| crowd.push([f64::from(n % 256) - 128.0, f64::from(n / 256) - 128.0, 0.0], 0.4, Some([1.0; 3])));
+        .for_each(|n| crowd.push([1e-3 * f64::from(n % 256), 1e-3 * f64::from(n / 256), 0.0], 0.4, Some([1.0; 3])));
     let scene = Scene { camera: Camera::CANONICAL, image, spheres: crowd, lighting: Default::default() };
     let raster = Raster::centres(Window::full(64, 64));
     let (_, left, _) = on_device(&mut gpu, &scene, raster, 1);
