@@ -25,7 +25,7 @@ use std::time::Instant;
 /// An open device with its pipelines and buffers, kept between frames.
 pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
-    pub(super) open: device::Open,
+    pub(crate) open: device::Open,
     pub(crate) limits: wgpu::Limits,
     pub(super) programs: HashMap<Program, Pipeline>,
     pub(super) buffers: HashMap<&'static str, wgpu::Buffer>,
@@ -331,7 +331,7 @@ impl Gpu {
         self.reserve(name, size, FILLED);
         let mut offset = 0;
         for part in parts {
-            self.open.queue.write_buffer(&self.buffers[name], offset, part);
+            self.open.write(&self.buffers[name], offset, part)?;
             offset += part.len() as u64;
         }
         self.traffic.up += offset;

@@ -107,21 +107,24 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
         let samples = Raster::samples(part, 4, 7, &scene.image).expect("room").expect("several samples");
         for raster in [Raster::centres(full), Raster::centres(part), samples] {
             let mut first: Option<Raw> = None;
-            // Blocks, their order, workgroups in a row, and bytes of a binding: several blocks, rows and bands.
-            for (block, reversed, groups, binding) in [
-                (BLOCK, false, 65_535, 128 << 20),
-                (7, false, 65_535, 128 << 20),
-                (7, true, 2, 128 << 20),
-                (64, true, 3, 26 << 10),
+            // Blocks, bytes of a submission, their order, workgroups in a row, and bytes of a binding: several blocks, submissions
+            // of one or of a part, rows and bands.
+            for (block, part, reversed, groups, binding) in [
+                (BLOCK, 1 << 26, false, 65_535, 128 << 20),
+                (7, 1 << 26, false, 65_535, 128 << 20),
+                (7, 7 * 32, true, 2, 128 << 20),
+                (64, 100, true, 3, 26 << 10),
             ] {
                 let gpu = if reversed { &mut far } else { &mut near_by };
-                (gpu.block, gpu.reversed) = (block, reversed);
+                (gpu.block, gpu.open.part, gpu.reversed) = (block, part, reversed);
                 gpu.limits.max_compute_workgroups_per_dimension = groups;
                 gpu.limits.max_storage_buffer_binding_size = binding;
                 number += 1;
                 let (device, host, left) = both(gpu, &scene, raster, number);
                 assert_eq!(left, None);
-                let what = format!("{near} near, {raster:?}, blocks of {block}, {groups} groups, {binding} bytes");
+                let what = format!(
+                    "{near} near, {raster:?}, blocks of {block}, {part} bytes, {groups} groups, {binding} bytes"
+                );
                 let hits = host.id.iter().filter(|id| **id < UNSURE).count();
                 assert!(hits > 1000, "{hits} hits: {what}");
                 let same = |a: &Raw, b: &Raw, what: &str| {
