@@ -202,6 +202,13 @@ impl ResidentScene {
         Ok(offset)
     }
 
+    /// Makes its buffers useless.
+    #[cfg(test)]
+    pub(in crate::gpu) fn destroy(&self) {
+        let buffers = self.blocks.iter().flat_map(|block| block.spheres.iter().chain([&block.projected]));
+        buffers.for_each(wgpu::Buffer::destroy);
+    }
+
     /// The block of the spheres that the host placed.
     pub(super) fn guests(&self) -> Option<&Block> {
         self.blocks.last().filter(|block| block.spheres.is_none())
