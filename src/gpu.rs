@@ -7,6 +7,7 @@ pub(crate) mod dispatch;
 pub(crate) mod input;
 pub(crate) mod layout;
 pub(crate) mod resident;
+pub(crate) mod room;
 pub(crate) mod selftest;
 mod sizes;
 pub(crate) mod submission_budget;

@@ -136,6 +136,7 @@ impl Trace {
         let start = Instant::now();
         let bar = Bar::with_output(self.progress.progress, 1);
         let mut work = Work { bar: &bar, total: source.count().unwrap_or(0), any: self.any, tally: Tally::default() };
+        let is_known = tracer.warning().is_some();
         let scan = source.lidar().map(|lidar| [lidar.rings(), lidar.azimuths()]);
         let cloud = match file {
             Some(file) => file
@@ -148,6 +149,8 @@ impl Trace {
         }
         let mut warnings = work.tally.warnings(spheres);
         warnings.extend(cloud.as_ref().and_then(Cloud::warning));
+        // Of an adapter that failed meanwhile.
+        warnings.extend(tracer.warning().filter(|_| !is_known).map(str::to_owned));
         bar.suspended(|| warn(&warnings));
         let report = TraceReport {
             spheres: spheres.len() as u64,

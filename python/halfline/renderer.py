@@ -156,7 +156,7 @@ class Renderer:
             ValueError: for a scene or options that cannot be rendered, with the mend.
             AccuracyError: where the accuracy cannot be reached on this adapter.
             MemoryError: where the frame does not fit.
-            AdapterError: if the device was lost.
+            AdapterError: if the device was lost, with `backend="gpu"`.
             KeyboardInterrupt: ctrl-C.
         """
         picture, accurate = checked(options)

@@ -34,6 +34,11 @@ impl AdapterSummary {
         self.kind == "software"
     }
 
+    /// Whether device and host share memory. If not, kernels would write slowly to memory that the host can map.
+    pub(crate) fn shares_memory(&self) -> bool {
+        ["software", "integrated"].contains(&self.kind)
+    }
+
     /// The description of a device that the caller opened.
     pub(crate) fn of_device(device: &wgpu::Device) -> Self {
         summary(0, device.adapter_info(), device.features(), &device.limits())
@@ -164,33 +169,76 @@ pub(crate) fn none_found() -> Error {
     }
 }
 
-impl Open {
-    /// Whether the output buffers can be read in place without a copy, and doing so is faster.
-    pub(crate) fn is_direct(&self, summary: &AdapterSummary) -> bool {
-        shares_memory(summary) && self.device.features().contains(DIRECT)
-    }
-}
-
 /// An open device, and the record of its loss.
 pub(crate) struct Open {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) lost: Arc<Mutex<Option<String>>>,
+    /// Bytes that are written in one submission. Until it is done, wgpu keeps a copy of them on the host.
+    pub(crate) part: usize,
+    /// Bytes that were written since the last submission of such, and this submission.
+    unsent: usize,
+    sent: Option<wgpu::SubmissionIndex>,
+}
+
+/// The usual [`Open::part`].
+const PART: usize = 64 << 20;
+
+impl Open {
+    pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        Self { device, queue, lost: Arc::default(), part: PART, unsent: 0, sent: None }
+    }
+
+    /// Whether the output buffers can be read in place without a copy, and doing so is faster.
+    pub(crate) fn is_direct(&self, summary: &AdapterSummary) -> bool {
+        summary.shares_memory() && self.device.features().contains(DIRECT)
+    }
+
+    /// Writes bytes into a buffer.
+    ///
+    /// # Errors
+    /// As [`Open::wrote`].
+    pub(super) fn write(&mut self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) -> Result<()> {
+        let size = self.part;
+        bytes.chunks(size).enumerate().try_for_each(|(n, part)| {
+            self.queue.write_buffer(buffer, offset + (n * size) as u64, part);
+            self.wrote(part.len())
+        })
+    }
+
+    /// Counts bytes that were written. After [`Open::part`] of them they are submitted, and the submission before them is waited for, so that
+    /// wgpu has copies of two at most.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
+    pub(super) fn wrote(&mut self, bytes: usize) -> Result<()> {
+        self.unsent += bytes;
+        if self.unsent < self.part {
+            return Ok(());
+        }
+        self.unsent = 0;
+        let last = self.sent.replace(self.queue.submit([]));
+        last.map_or(Ok(()), |last| self.wait(Some(last)))
+    }
+
+    /// Waits for a submission, or for all.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
+    pub(super) fn wait(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
+        let wait = wgpu::PollType::Wait { submission_index, timeout: None };
+        self.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
+    }
 }
 
 /// Lets the host map the output buffers of a kernel.
 const DIRECT: wgpu::Features = wgpu::Features::MAPPABLE_PRIMARY_BUFFERS;
 
-/// Whether device and host share memory. If not, kernels would write slowly to memory that the host can map.
-fn shares_memory(summary: &AdapterSummary) -> bool {
-    ["software", "integrated"].contains(&summary.kind)
-}
-
 /// Opens a device with all limits of the adapter and the features that kernels can use, and creates a clock if there is
 /// one.
 pub(crate) fn open(found: &FoundAdapter) -> Result<Open> {
     let features = wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
-    let features = features | if shares_memory(&found.summary) { DIRECT } else { wgpu::Features::empty() };
+    let features = features | if found.summary.shares_memory() { DIRECT } else { wgpu::Features::empty() };
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("halfline"),
         required_features: found.adapter.features() & features,
@@ -202,12 +250,18 @@ pub(crate) fn open(found: &FoundAdapter) -> Result<Open> {
             problem: format!("{} cannot be opened: {e}", found.summary.name),
             mend: format!("choose another {ADAPTER}, or {BACKEND} cpu"),
         })?;
-    let lost = Arc::new(Mutex::new(None));
-    let note = Arc::clone(&lost);
-    device.set_device_lost_callback(move |reason, message| {
-        if let Ok(mut note) = note.lock() {
-            *note = Some(if message.is_empty() { format!("{reason:?}") } else { message });
+    let open = Open::new(device, queue);
+    let note = |lost: &Mutex<Option<String>>, message| {
+        if let Ok(mut lost) = lost.lock() {
+            lost.get_or_insert(message);
         }
+    };
+    let lost = Arc::clone(&open.lost);
+    open.device.set_device_lost_callback(move |reason, message| {
+        note(&lost, if message.is_empty() { format!("{reason:?}") } else { message });
     });
-    Ok(Open { device, queue, lost })
+    // Outside of `Gpu::guarded` only small buffers are made: a device that has no memory even for these is as good as lost.
+    let lost = Arc::clone(&open.lost);
+    open.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&lost, error.to_string())));
+    Ok(open)
 }

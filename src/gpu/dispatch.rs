@@ -7,6 +7,9 @@ use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings, capabilities};
 use crate::gpu::resident::scene::{BLOCK, ResidentScene, Starts};
+#[cfg(test)]
+use crate::gpu::room::Fault;
+use crate::gpu::room::Room;
 use crate::gpu::selftest::verdict::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::traffic::Traffic;
@@ -25,7 +28,7 @@ use std::time::Instant;
 /// An open device with its pipelines and buffers, kept between frames.
 pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
-    pub(super) open: device::Open,
+    pub(crate) open: device::Open,
     pub(crate) limits: wgpu::Limits,
     pub(super) programs: HashMap<Program, Pipeline>,
     pub(super) buffers: HashMap<&'static str, wgpu::Buffer>,
@@ -49,6 +52,10 @@ pub(crate) struct Gpu {
     pub(super) starts: Option<Result<Starts, &'static str>>,
     /// The number of spheres in a block.
     pub(super) block: usize,
+    pub(crate) room: Room,
+    /// The number of the guarded call that fails, from 1 for the next.
+    #[cfg(test)]
+    pub(crate) fault: Option<(u32, Fault)>,
     /// Blocks leave their minima in the reverse order.
     #[cfg(test)]
     pub(super) reversed: bool,
@@ -94,6 +101,9 @@ impl Gpu {
             other: None,
             starts: None,
             block: BLOCK,
+            room: Room::default(),
+            #[cfg(test)]
+            fault: None,
             #[cfg(test)]
             reversed: false,
             #[cfg(test)]
@@ -155,7 +165,7 @@ impl Gpu {
         Traffic { kernel_ms: self.clock.as_mut().map(Clock::take), ..std::mem::take(&mut self.traffic) }
     }
 
-    /// Runs `work` and converts errors that the device reports meanwhile.
+    /// Runs `work` and converts errors that the device reports meanwhile. Where it is out of memory, it keeps nothing.
     pub(super) fn guarded<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
         let device = self.open.device.clone();
         let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
@@ -165,20 +175,57 @@ impl Gpu {
         for scope in scopes.into_iter().rev() {
             failure = pollster::block_on(scope.pop()).or(failure);
         }
+        #[cfg(test)]
+        let failure = self.next_fault().or(failure);
         if let Some(message) = self.open.lost.lock().ok().and_then(|lost| lost.clone()) {
             return Err(Error::DeviceLost(message));
         }
         match failure {
             None => outcome,
-            Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::Limits {
-                problem: format!("{} is out of memory", self.summary.name),
-                mend: format!("render fewer spheres, or use a smaller {SIZE}"),
-            }),
+            Some(wgpu::Error::OutOfMemory { .. }) => {
+                self.room.exhaust();
+                self.forget();
+                Err(Error::Limits {
+                    problem: self.exhausted(),
+                    mend: format!("render fewer spheres, or use a smaller {SIZE}"),
+                })
+            }
             Some(error) => Err(Error::Adapter {
                 problem: format!("{} failed: {error}", self.summary.name),
                 mend: format!("use another {ADAPTER} or {BACKEND} cpu, and report this as a bug"),
             }),
         }
+    }
+
+    /// Forgets every buffer, texture and sphere: those for which there was no memory are invalid.
+    fn forget(&mut self) {
+        (self.resident, self.other, self.starts) = (None, None, None);
+        (self.buffers, self.staging) = Default::default();
+        (self.filled, self.textures) = Default::default();
+    }
+
+    /// The message for a device without memory for its work.
+    pub(crate) fn exhausted(&self) -> String {
+        format!("{} is out of memory", self.summary.name)
+    }
+
+    /// The failure of this guarded call of a test. What is on the device becomes useless, as buffers are for which there was no memory.
+    #[cfg(test)]
+    fn next_fault(&mut self) -> Option<wgpu::Error> {
+        let (count, fault) = self.fault.as_mut()?;
+        *count -= 1;
+        let fault = (*count == 0).then_some(*fault)?;
+        self.fault = None;
+        if fault == Fault::Lost {
+            self.open.device.destroy();
+            // The loss is reported by a poll.
+            let _ = self.open.wait(None);
+            return None;
+        }
+        self.buffers.values().chain(self.staging.values()).for_each(wgpu::Buffer::destroy);
+        self.textures.values().for_each(|(texture, _)| texture.destroy());
+        self.resident.iter().chain(&self.other).for_each(ResidentScene::destroy);
+        Some(wgpu::Error::OutOfMemory { source: "a test".into() })
     }
 
     /// Checks the adapter's limits before any work.
@@ -341,7 +388,7 @@ impl Gpu {
         self.reserve(name, size, FILLED);
         let mut offset = 0;
         for part in parts {
-            self.open.queue.write_buffer(&self.buffers[name], offset, part);
+            self.open.write(&self.buffers[name], offset, part)?;
             offset += part.len() as u64;
         }
         self.traffic.up += offset;

@@ -74,13 +74,13 @@ impl Gpu {
             }
         }
         if self.resident.is_none() {
-            self.guarded(|gpu| {
+            // All buffers come first: where there is no memory for one of them, nothing is written.
+            let resident = self.guarded(|gpu| {
                 gpu.check_size("spheres", ResidentScene::largest(spheres.len().min(gpu.block)))?;
-                let (resident, bytes) = ResidentScene::new(&gpu.open, spheres, frame, gpu.block);
-                gpu.resident = Some(resident);
-                gpu.traffic.up += bytes;
-                Ok(())
+                Ok(ResidentScene::new(&gpu.open, spheres, frame, gpu.block))
             })?;
+            self.traffic.up += self.guarded(|gpu| resident.send(&mut gpu.open, spheres))?;
+            self.resident = Some(resident);
         }
         Ok(self.resident.as_mut().map(|resident| {
             resident.used = frame;
@@ -257,7 +257,7 @@ impl Gpu {
             counts = self.place_blocks(resident)?;
         }
         self.check_size("spheres", ResidentScene::largest(guests.len()))?;
-        self.traffic.up += resident.set_guests(&self.open, &guests);
+        self.traffic.up += resident.set_guests(&mut self.open, &guests)?;
         if let Some(block) = resident.guests() {
             counts.pieces = self.cut_guests(block)?;
         }

@@ -52,7 +52,7 @@ impl Gpu {
             clock.ask();
         }
         ask(self);
-        self.wait()?;
+        self.open.wait(None)?;
         self.traffic.busy += start.elapsed();
         if let Some(clock) = self.clock.as_mut().filter(|_| timed) {
             clock.add();
@@ -135,11 +135,6 @@ impl Gpu {
             self.traffic.down += bytes;
         }
         Ok(())
-    }
-
-    fn wait(&self) -> Result<()> {
-        let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
-        self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
     }
 }
 

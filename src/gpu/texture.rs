@@ -42,18 +42,19 @@ impl Gpu {
         }
         let texture = &self.textures[name].0;
         let (whole, rest) = bytes.split_at(bytes.len() / row * row);
-        for (part, first) in [(whole, 0), (rest, whole.len() / row)] {
-            if part.is_empty() {
-                continue;
-            }
+        let mut first = 0;
+        // Rows that are full, as many as one submission writes, then the part of one.
+        for part in whole.chunks((self.open.part / row).max(1) * row).chain((!rest.is_empty()).then_some(rest)) {
             let (width, height) = ((part.len() / TEXEL).min(ROW as usize) as u32, part.len().div_ceil(row) as u32);
-            let origin = wgpu::Origin3d { x: 0, y: first as u32, z: 0 };
+            let origin = wgpu::Origin3d { x: 0, y: first, z: 0 };
             self.open.queue.write_texture(
                 wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() },
                 part,
                 wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row as u32), rows_per_image: None },
                 wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             );
+            self.open.wrote(part.len())?;
+            first += height;
         }
         self.traffic.up += bytes.len() as u64;
         Ok(())

@@ -8,6 +8,7 @@ use crate::certify::general::{General, GeneralRecord};
 use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
+use crate::gpu::device::AdapterSummary;
 use crate::kernel::Kernel;
 use crate::memory::SPHERE;
 use crate::quote::setting::{CROP, SIZE, TILE};
@@ -54,13 +55,21 @@ pub(crate) struct Need {
 
 impl Need {
     /// The need of a window of a planned frame, on an adapter or on the CPU path.
-    pub(crate) fn of(plan: &Plan, settings: &Settings, scene: &Scene, window: Window, gpu: bool) -> Self {
+    pub(crate) fn of(
+        plan: &Plan,
+        settings: &Settings,
+        scene: &Scene,
+        window: Window,
+        adapter: Option<&AdapterSummary>,
+    ) -> Self {
+        let (gpu, shares) = (adapter.is_some(), adapter.is_some_and(AdapterSummary::shares_memory));
         let (record, wide) = (size_of::<SphereRecord>() as u64, plan.kernel.is_wide());
         let records = record + if wide { size_of::<SphereResiduals>() as u64 } else { 0 };
         let sphere = match plan.accuracy {
             Accuracy::Exact => exact::BYTES_PER_SPHERE,
             _ if plan.kernel.is_certified() => STAGED,
-            // Two copies while it is uploaded.
+            // Two copies while it is uploaded, and what the device holds.
+            _ if shares => 3 * records,
             _ if gpu => 2 * records,
             // The twin has copies in its own number type.
             _ => records + if wide { 48 } else { 24 },
@@ -85,8 +94,8 @@ impl Need {
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.
         let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
-        // The kernel's buffers also exist on the device, which may share the host's memory.
-        let device = if gpu { kernel } else { 0 };
+        // The kernel's buffers also exist on the device.
+        let device = if shares { kernel } else { 0 };
         let each = bytes_per_pixel(&plan.kernel, &settings.aovs, scene.lighting.lights.len() as u64, gpu)
             + sampled
             + exact
@@ -157,6 +166,16 @@ impl Need {
     }
 }
 
+/// Bytes on a device for each sphere: itself, its records, its colour; and besides a kernel's outputs for each pixel: minima and a ray's start.
+const SPHERE_ON_DEVICE: u64 = 32 + 48 + 12;
+const PIXEL_ON_DEVICE: u64 = 12 + 32;
+
+/// Bytes of so many spheres on a device, and of the pixels of a kernel: an estimate, by which frames are compared.
+pub(crate) fn on_device(spheres: usize, kernel: &Kernel, pixels: u64) -> u64 {
+    let each = bytes_per_pixel(kernel, &[], 0, true) + PIXEL_ON_DEVICE;
+    (spheres as u64).saturating_mul(SPHERE_ON_DEVICE).saturating_add(pixels.saturating_mul(each))
+}
+
 /// Bytes per pixel held at once: the kernel's buffers and those made from them.
 fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], lights: u64, gpu: bool) -> u64 {
     let made = aovs.iter().map(|aov| match aov {
@@ -182,6 +201,7 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], lights: u64, gpu: bool) -> u64
 mod tests {
     use super::*;
     use crate::frame::report::Timings;
+    use crate::intersect::Method;
     use crate::memory::Pool;
     use crate::render::setup::FrameSetup;
     use crate::scene::camera::{Camera, Lens};
@@ -208,7 +228,7 @@ mod tests {
             let plan = Plan::new(&scene, &settings, &mut |_| true).expect("a plan");
             let window = settings.window_of(&scene).expect("a window");
             let raster = Raster::centres(window);
-            let bare = Need::of(&plan, &settings, &scene, window, false);
+            let bare = Need::of(&plan, &settings, &scene, window, None);
             let setup =
                 FrameSetup::new(plan, (&scene, None), &settings, raster, &Pool::default(), &mut Timings::default());
             let setup = setup.expect("a setup");
@@ -230,6 +250,40 @@ mod tests {
                 allocated as u64 <= counted && counted <= 5 * allocated as u64,
                 "{count}: {counted} bytes counted, {allocated} held"
             );
+        }
+    }
+
+    /// The buffers of a device are memory of the host where both share it.
+    #[test]
+    fn buffers_of_a_device_with_memory_of_its_own_are_not_counted() {
+        let mut spheres = Spheres::default();
+        (0..9).for_each(|n| spheres.push([f64::from(n), 0.0, -9.0], 0.4, None));
+        let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
+        let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+        let certified = Settings { accuracy: Accuracy::Certified, ..Settings::default() };
+        let method = Settings { method: Some(Method::Stable), ..Settings::default() };
+        for (settings, copies) in [(certified, 0), (method, size_of::<SphereRecord>() as u64)] {
+            let plan = Plan::new(&scene, &settings, &mut |_| true).expect("a plan").on_device();
+            let window = settings.window_of(&scene).expect("a window");
+            let need = |kind| {
+                let [name, backend, driver] = [(); 3].map(|()| String::new());
+                let (index, subgroup, max_binding, max_buffer) = (0, None, GIB, GIB);
+                let of = AdapterSummary {
+                    index,
+                    name,
+                    kind,
+                    backend,
+                    driver,
+                    subgroup,
+                    f64: false,
+                    max_binding,
+                    max_buffer,
+                };
+                Need::of(&plan, &settings, &scene, window, Some(&of))
+            };
+            let [shared, own] = ["integrated", "discrete"].map(need);
+            let outputs = 64 * 64 * bytes_per_pixel(&plan.kernel, &[], 0, true);
+            assert_eq!((shared.pixels - own.pixels, shared.sphere - own.sphere), (outputs, copies), "{settings:?}");
         }
     }
 

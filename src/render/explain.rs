@@ -84,7 +84,7 @@ impl Renderer {
         let plan = self.as_set_up(plan, scene, settings, Raster::centres(window))?;
         let refused = self.refused.take();
         let gpu = self.device.gpu.as_deref().filter(|_| refused.is_none());
-        let need = Need::of(&plan, settings, scene, window, gpu.is_some());
+        let need = Need::of(&plan, settings, scene, window, gpu.map(|gpu| &gpu.summary));
         let free = memory::free(&self.pool);
         let setup = bare_setup(plan, scene, settings, Raster::centres(window))?;
         let (plan, view, binned) = (&setup.plan, &setup.view, setup.binned());

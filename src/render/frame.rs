@@ -1,11 +1,12 @@
 //! One frame the whole way: plan, setup, kernel, exact decisions, buffers, report.
 
-use super::budget::Need;
+use super::budget::{self, Need};
 use super::lens;
 use super::light::{FrameContext, LightRequest};
 use super::light_state::LightOnDevice;
 use super::missed::missed;
 use super::order::Ordered;
+use super::place::INSTEAD;
 use super::plan::Plan;
 use super::plan::engine::Engine;
 use super::renderer::Renderer;
@@ -78,12 +79,30 @@ impl Renderer {
         self.planned(scene, settings, known).map(|(report, _)| report)
     }
 
-    /// Runs `work` with the plan: on the CPU path with a warning if the adapter may not certify.
+    /// Runs `work` with the plan: on the CPU path with a warning if the adapter may not certify, and once more there where it fails.
     pub(super) fn planned<T>(
         &mut self,
         scene: &Scene,
         settings: &Settings,
-        work: impl FnOnce(&mut Self, Plan, FrameRays) -> Result<T>,
+        work: impl Fn(&mut Self, Plan, FrameRays) -> Result<T>,
+    ) -> Result<(T, Option<String>)> {
+        match self.planned_once(scene, settings, &work) {
+            Err(error) => {
+                let warning = self.device.leave(error, settings.backend)?;
+                let (done, _) = self.on_host(|this| this.planned_once(scene, settings, &work))?;
+                // A loss is a warning of every report from now on.
+                Ok((done, Some(warning).filter(|_| self.is_gpu())))
+            }
+            done => done,
+        }
+    }
+
+    /// Runs `work` with the plan, on the CPU path with a warning if the adapter may not certify or was out of memory for as much.
+    fn planned_once<T>(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        work: impl Fn(&mut Self, Plan, FrameRays) -> Result<T>,
     ) -> Result<(T, Option<String>)> {
         let by_host = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
         let plan = if self.is_gpu() { by_host.clone().on_device() } else { by_host.clone() };
@@ -94,17 +113,29 @@ impl Renderer {
         let samples = lens::raster(samples, scene, settings)?;
         let samples = plan.sampled.map(|_| samples.unwrap_or(Raster::centres(window)));
         let rays = FrameRays { window, samples };
-        Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
+        let adapter = self.device.gpu.as_ref().map(|gpu| &gpu.summary);
+        Need::of(&plan, settings, scene, window, adapter).check(memory::free(&self.pool))?;
         if let Some(method) = plan.kernel.method() {
             self.check_method(method)?;
         }
-        let Some(warning) = self.certification_blocker(plan.accuracy, settings.backend)? else {
-            return work(self, plan, rays).map(|done| (done, None));
+        let pixels = u64::from(window.width()) * u64::from(window.height());
+        let load = budget::on_device(scene.spheres.len(), &plan.kernel, pixels);
+        let blocker = match self.device.memory_blocker(load, settings.backend) {
+            None => self.certification_blocker(plan.accuracy, settings.backend)?,
+            blocker => blocker,
         };
-        let adapter = self.device.gpu.take();
-        let done = work(self, by_host, rays);
-        self.device.gpu = adapter;
-        done.map(|done| (done, Some(warning)))
+        match blocker {
+            None => work(self, plan, rays).map(|done| (done, None)),
+            blocker => self.on_host(|this| work(this, by_host, rays)).map(|done| (done, blocker)),
+        }
+    }
+
+    /// Runs `work` on the CPU path.
+    pub(super) fn on_host<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
+        let gpu = self.device.gpu.take();
+        let done = work(self);
+        self.device.gpu = gpu;
+        done
     }
 
     /// The warning that the CPU path takes over, where an adapter may not certify.
@@ -125,7 +156,7 @@ impl Renderer {
                 let mend = format!("use {BACKEND} auto or cpu, or {ACCURACY} fast");
                 Err(Error::Accuracy { problem, mend })
             }
-            _ => Ok(Some(format!("{problem}: the CPU path is used instead"))),
+            _ => Ok(Some(format!("{problem}: {INSTEAD}"))),
         }
     }
 

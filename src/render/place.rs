@@ -1,10 +1,16 @@
 //! The place of rendering: an adapter or the CPU path, and the reason.
 
+#[cfg(test)]
+mod tests;
+
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, FoundAdapter};
 use crate::quote::setting::{ADAPTER, BACKEND};
 use crate::settings::{Backend, Settings};
+
+/// The end of a warning that an adapter is not used although the settings allow it.
+pub(super) const INSTEAD: &str = "the CPU path is used instead";
 
 /// The device of a renderer, and the reason for it.
 pub(super) struct ChosenDevice {
@@ -59,6 +65,34 @@ impl ChosenDevice {
 
     fn open(found: &FoundAdapter, reason: &str) -> Result<Self> {
         Ok(Self::adapter(Gpu::new(device::open(found)?, found.summary.clone()), reason))
+    }
+
+    /// Leaves the adapter that failed: for good where it was lost; where it was out of memory, for frames that are as large. Returns the
+    /// warning that the CPU path takes over.
+    ///
+    /// # Errors
+    /// The same error where a device was requested, and any error that is not the device's.
+    pub(super) fn leave(&mut self, error: Error, backend: Backend) -> Result<String> {
+        let Some(gpu) = self.gpu.as_ref().filter(|_| backend != Backend::Gpu) else { return Err(error) };
+        match error {
+            Error::DeviceLost(why) => {
+                let warning = format!("{} was lost ({why}): {INSTEAD}", gpu.summary.name);
+                self.gpu = None;
+                self.reason.clone_from(&warning);
+                self.passed_over.push(warning.clone());
+                Ok(warning)
+            }
+            Error::Limits { .. } if gpu.room.is_exhausted() => Ok(format!("{}: {INSTEAD}", gpu.exhausted())),
+            error => Err(error),
+        }
+    }
+
+    /// The warning that the CPU path takes over, where the adapter was out of memory for no more than this work. A device that was requested
+    /// is tried again.
+    pub(super) fn memory_blocker(&mut self, load: u64, backend: Backend) -> Option<String> {
+        let gpu = self.gpu.as_mut()?;
+        gpu.room.begin(load);
+        (gpu.room.is_exhausted() && backend != Backend::Gpu).then(|| format!("{}: {INSTEAD}", gpu.exhausted()))
     }
 
     /// The first adapter that opens, hardware before software. The CPU path instead of a software adapter, and where none opens.

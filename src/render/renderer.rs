@@ -17,7 +17,7 @@ use crate::intersect::Method;
 use crate::memory::Pool;
 use crate::progress::Watch;
 use crate::settings::Settings;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// A device with its pipelines and buffers, or the CPU reference path, kept for many frames.
@@ -60,8 +60,8 @@ impl Renderer {
     #[must_use]
     pub fn with_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let summary = AdapterSummary::of_device(&device);
-        let open = Open { device, queue, lost: Arc::new(Mutex::new(None)) };
-        Self::on(ChosenDevice::adapter(Gpu::new(open, summary), "the caller opened the device"), 0.0)
+        let gpu = Gpu::new(Open::new(device, queue), summary);
+        Self::on(ChosenDevice::adapter(gpu, "the caller opened the device"), 0.0)
     }
 
     /// A renderer on this device, before its first frame.

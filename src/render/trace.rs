@@ -4,6 +4,7 @@ mod by_method;
 mod certified;
 mod on_device;
 
+use super::budget;
 use super::plan::GivenPlan;
 use super::renderer::Renderer;
 use crate::cpu;
@@ -11,7 +12,7 @@ use crate::error::Result;
 use crate::frame::report::milliseconds;
 use crate::scene::Spheres;
 use crate::search::tree::Tree;
-use crate::settings::{Accuracy, Search, Settings};
+use crate::settings::{Accuracy, Backend, Search, Settings};
 pub use crate::view::given::Rays;
 use on_device::OnDevice;
 use std::time::Instant;
@@ -66,6 +67,9 @@ pub struct Tracer<'a> {
     /// Present if an adapter certifies.
     device: Option<OnDevice>,
     warning: Option<String>,
+    backend: Backend,
+    /// Whether an adapter that is open is not used.
+    on_host: bool,
     tolerance: f64,
     build_ms: f64,
 }
@@ -78,10 +82,7 @@ impl Tracer<'_> {
     /// [`Error::Settings`](crate::Error::Settings) for invalid rays, [`Error::Interrupted`](crate::Error::Interrupted), and errors of the device.
     pub fn hits(&mut self, rays: &Rays) -> Result<Hits> {
         rays.check()?;
-        if self.plan.certifies() {
-            return self.certified_hits(rays);
-        }
-        self.hits_by_method(rays)
+        self.answered(|this| if this.plan.certifies() { this.certified_hits(rays) } else { this.hits_by_method(rays) })
     }
 
     /// Whether each ray hits any sphere within its limit.
@@ -91,16 +92,31 @@ impl Tracer<'_> {
     pub fn occluded(&mut self, rays: &Rays) -> Result<Occlusion> {
         rays.check()?;
         if self.plan.certifies() {
-            return self.certified_occlusion(rays);
+            return self.answered(|this| this.certified_occlusion(rays));
         }
         let hits = self.hits(rays)?;
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
     }
 
+    /// Runs `work`, and where the adapter fails once more on the CPU path, which answers all calls from then on.
+    fn answered<T>(&mut self, work: impl Fn(&mut Self) -> Result<T>) -> Result<T> {
+        if !self.on_host {
+            match work(self) {
+                Err(error) => self.warning = Some(self.renderer.device.leave(error, self.backend)?),
+                done => return done,
+            }
+            (self.on_host, self.device) = (true, None);
+        }
+        let gpu = self.renderer.device.gpu.take();
+        let done = work(self);
+        self.renderer.device.gpu = gpu;
+        done
+    }
+
     /// Whether an adapter traces. Exact answers come from the CPU path with every backend.
     #[must_use]
     pub fn is_gpu(&self) -> bool {
-        if self.plan.certifies() { self.device.is_some() } else { self.renderer.is_gpu() }
+        if self.plan.certifies() { self.device.is_some() } else { self.renderer.is_gpu() && !self.on_host }
     }
 
     /// Rays so far that the adapter's f32 left unsure and that f64 or the judge decided; 0 on the CPU path.
@@ -109,7 +125,7 @@ impl Tracer<'_> {
         self.device.as_ref().map_or(0, |device| device.refined)
     }
 
-    /// The reason why an adapter does not certify although the settings allow it.
+    /// The reason why an adapter is not used although the settings allow it.
     #[must_use]
     pub fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
@@ -172,13 +188,20 @@ impl Renderer {
         spheres.check()?;
         let plan = GivenPlan::new(settings, spheres.len())?;
         let tolerance = settings.promise().relative();
-        let warning = self.certification_blocker(plan.accuracy, settings.backend)?;
+        let load = budget::on_device(spheres.len(), &plan.kernel, 0);
+        let warning = match self.device.memory_blocker(load, settings.backend) {
+            None => self
+                .certification_blocker(plan.accuracy, settings.backend)
+                .or_else(|error| self.device.leave(error, settings.backend).map(Some))?,
+            warning => warning,
+        };
         let certifies = self.is_gpu() && plan.accuracy == Accuracy::Certified && warning.is_none();
         let device = certifies.then(OnDevice::default);
         let start = Instant::now();
         let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten();
         let build_ms = if tree.is_some() { milliseconds(start) } else { 0.0 };
-        Ok(Tracer { renderer: self, spheres, plan, tree, device, warning, tolerance, build_ms })
+        let (backend, on_host) = (settings.backend, warning.is_some());
+        Ok(Tracer { renderer: self, spheres, plan, tree, device, warning, backend, on_host, tolerance, build_ms })
     }
 
     /// The nearest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single

@@ -5,6 +5,8 @@
 //   HOSTILE_SEED=n      HOSTILE_FUSE, HOSTILE_ORDER, HOSTILE_ROUND: the percentage of sums, of chains, of divisions and roots
 //   HOSTILE_LOG=file    gets one line for each module
 //   HOSTILE_MODULE=n    rewrites the nth module alone, to find the one that a fault depends on
+//   HOSTILE_LOSE=n      the nth submission of an instance loses its device
+//   HOSTILE_EXHAUST=n   there is no memory for the nth allocation of an instance; with HOSTILE_EXHAUST_FROM=n for none from the nth on
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +16,7 @@
 
 static PFN_vkGetInstanceProcAddr next_instance;
 static PFN_vkGetDeviceProcAddr next_device;
+static VkDevice last_device;
 
 static uint32_t number(const char *name, uint32_t usual) {
     const char *text = getenv(name);
@@ -169,6 +172,19 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_module(VkDevice device, const VkSha
     return result;
 }
 
+static uint32_t submissions, allocations;
+static int is_lost;
+
+static VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, uint32_t count, const VkSubmitInfo *infos, VkFence fence) {
+    if (++submissions == number("HOSTILE_LOSE", 0)) is_lost = 1;
+    return is_lost ? VK_ERROR_DEVICE_LOST : ((PFN_vkQueueSubmit)next_device(last_device, "vkQueueSubmit"))(queue, count, infos, fence);
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo *info, const VkAllocationCallbacks *a, VkDeviceMemory *memory) {
+    if (++allocations == number("HOSTILE_EXHAUST", 0) || allocations >= number("HOSTILE_EXHAUST_FROM", ~0u)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    return ((PFN_vkAllocateMemory)next_device(device, "vkAllocateMemory"))(device, info, a, memory);
+}
+
 static VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo *info, const VkAllocationCallbacks *a, VkInstance *instance) {
     VkLayerInstanceCreateInfo *link = (VkLayerInstanceCreateInfo *)info->pNext;
     while (link && !(link->sType == VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO && link->function == VK_LAYER_LINK_INFO))
@@ -190,13 +206,17 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice gpu, const 
     next_device = link->u.pLayerInfo->pfnNextGetDeviceProcAddr;
     link->u.pLayerInfo = link->u.pLayerInfo->pNext;
     PFN_vkCreateDevice create = (PFN_vkCreateDevice)instance(last_instance, "vkCreateDevice");
-    return create(gpu, info, a, device);
+    VkResult result = create(gpu, info, a, device);
+    last_device = *device, is_lost = 0;
+    return result;
 }
 
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_proc(VkDevice device, const char *name);
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instance_proc(VkInstance instance, const char *name);
 static PFN_vkVoidFunction own(const char *name) {
     if (!strcmp(name, "vkCreateShaderModule")) return (PFN_vkVoidFunction)create_module;
+    if (!strcmp(name, "vkQueueSubmit")) return (PFN_vkVoidFunction)submit;
+    if (!strcmp(name, "vkAllocateMemory")) return (PFN_vkVoidFunction)allocate;
     if (!strcmp(name, "vkGetDeviceProcAddr")) return (PFN_vkVoidFunction)device_proc;
     return 0;
 }

@@ -244,12 +244,24 @@ impl ViewHandler {
 
     /// The pixels of a picture and its report, by a renderer that ends its work when `go_on` says so.
     fn render(&self, job: &RenderJob, request: &FrameRequest, go_on: &GoOn) -> Result<(Pixels, Report)> {
-        let mut renderer = lock(&self.renderer);
-        let Some(idle) = renderer.take() else {
-            return Err(Error::settings("the renderer failed before", "start again"));
+        let mut place = lock(&self.renderer);
+        let idle = match place.take() {
+            Some(idle) => idle,
+            None if self.notebook.is_none() => Renderer::new(&job.settings)?,
+            None => return Err(Error::settings("the renderer failed before", "start again")),
         };
         let go_on = GoOn::clone(go_on);
-        let renderer = renderer.insert(idle.watched_by(watch().while_true(move || go_on())));
+        let renderer = place.insert(idle.watched_by(watch().while_true(move || go_on())));
+        let rendered = self.rendered(job, request, renderer);
+        if matches!(rendered, Err(Error::DeviceLost(_))) && self.notebook.is_none() {
+            // The next picture opens the device again.
+            *place = None;
+        }
+        rendered
+    }
+
+    /// The pixels of a picture by this renderer, and its report.
+    fn rendered(&self, job: &RenderJob, request: &FrameRequest, renderer: &mut Renderer) -> Result<(Pixels, Report)> {
         let RenderJob { args, picture, settings, targets } = job;
         match request.mode {
             Mode::Move => {

@@ -6,6 +6,7 @@ use crate::certify::placing::{PlacedSummary, PlacingRecord};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::Placed;
 use crate::double_double as dd;
+use crate::error::Result;
 use crate::gpu::device::Open;
 use crate::gpu::sizes::{
     HOST_SPHERES, SUMMARY_DEPTHS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MISSED, SUMMARY_MORE, SUMMARY_PERHAPS,
@@ -125,32 +126,41 @@ impl ResidentScene {
         Block::records(count as u32)
     }
 
-    /// Sends the spheres of a scene in blocks of `size` spheres; returns also the number of bytes sent.
-    pub(super) fn new(open: &Open, spheres: &Spheres, frame: u64, size: usize) -> (Self, u64) {
-        let (mut blocks, mut sent) = (Vec::new(), 0);
-        let all = spheres.centers.chunks(size).zip(spheres.radii.chunks(size));
-        for (n, (centers, radii)) in all.enumerate() {
-            let mut packed: Vec<[f64; 4]> = vec![[0.0; 4]; centers.len()];
-            let jobs = packed.par_iter_mut().zip(centers).zip(radii);
-            jobs.with_min_len(SPHERES_PER_JOB).for_each(|((to, [x, y, z]), r)| *to = [*x, *y, *z, *r]);
-            let bytes: &[u8] = bytemuck::cast_slice(&packed);
-            sent += bytes.len() as u64;
-            blocks.push(Block::new(open, (n * size) as u32, centers.len() as u32, Some(bytes)));
-        }
-        let resident = Self {
+    /// Room for the spheres of a scene in blocks of `size` spheres.
+    pub(super) fn new(open: &Open, spheres: &Spheres, frame: u64, size: usize) -> Self {
+        let block = |n: usize| Block::new(open, n as u32, size.min(spheres.len() - n) as u32, true);
+        Self {
             of: SameSpheres::of(spheres, frame),
             used: frame,
             count: spheres.len() as u32,
             reach: Reach::of(spheres),
-            blocks,
+            blocks: (0..spheres.len()).step_by(size).map(block).collect(),
             guests: Vec::new(),
             pieces: 0,
             placed: None,
             has_colors: false,
             has_lists: false,
             colors: (spheres.colors.as_ref().and_then(List::kept), address_of_colors(spheres), frame),
-        };
-        (resident, sent)
+        }
+    }
+
+    /// Sends the spheres; returns the number of bytes.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`](crate::Error::DeviceLost).
+    pub(super) fn send(&self, open: &mut Open, spheres: &Spheres) -> Result<u64> {
+        let mut sent = 0;
+        for Block { first, count, spheres: to, .. } in &self.blocks {
+            let range = *first as usize..(first + count) as usize;
+            let (centers, radii) = (&spheres.centers[range.clone()], &spheres.radii[range]);
+            let mut packed: Vec<[f64; 4]> = vec![[0.0; 4]; centers.len()];
+            let jobs = packed.par_iter_mut().zip(centers).zip(radii);
+            jobs.with_min_len(SPHERES_PER_JOB).for_each(|((to, [x, y, z]), r)| *to = [*x, *y, *z, *r]);
+            let bytes: &[u8] = bytemuck::cast_slice(&packed);
+            to.as_ref().map_or(Ok(()), |to| open.write(to, 0, bytes))?;
+            sent += bytes.len() as u64;
+        }
+        Ok(sent)
     }
 
     /// Whether the resident spheres, with their colours, are those of a scene in frame `frame`.
@@ -169,13 +179,16 @@ impl ResidentScene {
     }
 
     /// Replaces the spheres that the host placed, in a block of their own; returns the number of bytes sent.
-    pub(super) fn set_guests(&mut self, open: &Open, guests: &[Placed]) -> u64 {
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`](crate::Error::DeviceLost).
+    pub(super) fn set_guests(&mut self, open: &mut Open, guests: &[Placed]) -> Result<u64> {
         self.blocks.retain(|block| block.spheres.is_some());
         self.guests = guests.iter().map(|placed| placed.detail.id).collect();
         if guests.is_empty() {
-            return 0;
+            return Ok(0);
         }
-        let block = Block::new(open, self.count, guests.len() as u32, None);
+        let block = Block::new(open, self.count, guests.len() as u32, false);
         let records: Vec<ProjectedRecord> = guests.iter().map(|placed| placed.record).collect();
         let details: Vec<ProjectedDetailRecord> = guests.iter().map(|placed| placed.detail).collect();
         let depths: Vec<f64> = guests.iter().map(|placed| placed.depth).collect();
@@ -183,11 +196,18 @@ impl ResidentScene {
             [bytemuck::cast_slice(&records), bytemuck::cast_slice(&details), bytemuck::cast_slice(&depths)];
         let mut offset = 0;
         for part in parts {
-            open.queue.write_buffer(&block.projected, offset, part);
+            open.write(&block.projected, offset, part)?;
             offset += part.len() as u64;
         }
         self.blocks.push(block);
-        offset
+        Ok(offset)
+    }
+
+    /// Makes its buffers useless.
+    #[cfg(test)]
+    pub(in crate::gpu) fn destroy(&self) {
+        let buffers = self.blocks.iter().flat_map(|block| block.spheres.iter().chain([&block.projected]));
+        buffers.for_each(wgpu::Buffer::destroy);
     }
 
     /// The block of the spheres that the host placed.
@@ -202,19 +222,15 @@ impl Block {
         32 * u64::from(count) + 16 * u64::from(count.div_ceil(2))
     }
 
-    /// A block with room for records; `bytes` are its spheres.
-    fn new(open: &Open, first: u32, count: u32, bytes: Option<&[u8]>) -> Self {
+    /// A block with room for records, and for spheres where the device places them.
+    fn new(open: &Open, first: u32, count: u32, places: bool) -> Self {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         let buffer = |label, size| {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             open.device.create_buffer(&descriptor)
         };
-        let spheres = bytes.map(|_| buffer("resident", 32 * u64::from(count)));
-        let projected = buffer("projected", Self::records(count));
-        if let (Some(spheres), Some(bytes)) = (&spheres, bytes) {
-            open.queue.write_buffer(spheres, 0, bytes);
-        }
-        Self { first, count, spheres, projected }
+        let spheres = places.then(|| buffer("resident", 32 * u64::from(count)));
+        Self { first, count, spheres, projected: buffer("projected", Self::records(count)) }
     }
 }
 

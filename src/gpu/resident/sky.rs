@@ -122,8 +122,18 @@ impl Gpu {
                 rays.each()
             )));
         }
+        let (least, tree) = (self.room.least, rays.tree.ids.len());
+        if tree >= self.room.tree {
+            return Ok(SkyTraced::Refused(self.exhausted()));
+        }
         match self.guarded(|gpu| gpu.trace_from(starts, rays, go_on).and_then(|bytes| take(gpu, bytes))) {
-            Err(Error::Limits { problem, .. }) => Ok(SkyTraced::Refused(problem)),
+            Err(Error::Limits { problem, .. }) => {
+                if self.room.is_exhausted() {
+                    // The frame without these rays has room.
+                    (self.room.least, self.room.tree) = (least, tree);
+                }
+                Ok(SkyTraced::Refused(problem))
+            }
             traced => traced.map(SkyTraced::Traced),
         }
     }

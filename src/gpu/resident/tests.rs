@@ -115,15 +115,16 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
         let samples = Raster::samples(part, 4, 7, &scene.image).expect("room").expect("several samples");
         for raster in [Raster::centres(full), Raster::centres(part), samples] {
             let mut first: Option<Raw> = None;
-            // Blocks, their order, workgroups in a row, and bytes of a binding: several blocks, rows and bands.
-            for (block, reversed, groups, binding) in [
-                (BLOCK, false, 65_535, 128 << 20),
-                (7, false, 65_535, 128 << 20),
-                (7, true, 2, 128 << 20),
-                (64, true, 3, 44 << 10),
+            // Blocks, bytes of a submission, their order, workgroups in a row, and bytes of a binding: several blocks, submissions
+            // of one or of a part, rows and bands.
+            for (block, part, reversed, groups, binding) in [
+                (BLOCK, 1 << 26, false, 65_535, 128 << 20),
+                (7, 1 << 26, false, 65_535, 128 << 20),
+                (7, 7 * 32, true, 2, 128 << 20),
+                (64, 100, true, 3, 44 << 10),
             ] {
                 let gpu = if reversed { &mut far } else { &mut near_by };
-                (gpu.block, gpu.reversed) = (block, reversed);
+                (gpu.block, gpu.open.part, gpu.reversed) = (block, part, reversed);
                 gpu.limits.max_compute_workgroups_per_dimension = groups;
                 gpu.limits.max_storage_buffer_binding_size = binding;
                 number += 1;
@@ -132,7 +133,9 @@ fn a_frame_has_the_same_bits_in_every_order_and_division() {
                 let partial = gpu.buffers.get("generals_storage").map_or(0, |buffer| buffer.size() % 16);
                 assert_eq!(partial, 0, "an array of vectors would lose the numbers after its last whole one");
                 assert_eq!(generals(gpu), near, "as many as choose between no list, a uniform and lists");
-                let what = format!("{near} near, {raster:?}, blocks of {block}, {groups} groups, {binding} bytes");
+                let what = format!(
+                    "{near} near, {raster:?}, blocks of {block}, {part} bytes, {groups} groups, {binding} bytes"
+                );
                 let hits = host.id.iter().filter(|id| **id < UNSURE).count();
                 assert!(hits > 1000, "{hits} hits: {what}");
                 let same = |a: &Raw, b: &Raw, what: &str| {
