@@ -19,7 +19,7 @@ const DECIDED: f64 = 1e-4;
 struct Difference {
     values: usize,
     differ: usize,
-    /// Those that differ by more than [`NORMAL`].
+    /// Values that differ by more than [`NORMAL`].
     beyond: usize,
     most: f64,
     relative: f64,
