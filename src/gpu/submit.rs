@@ -91,7 +91,7 @@ impl Gpu {
         self.with_taken(name, size, bytemuck::pod_collect_to_vec)
     }
 
-    /// What `read` makes of the first bytes of such a copy.
+    /// The result of `read` with the first bytes of such a copy.
     pub(super) fn with_taken<T>(&mut self, name: &'static str, size: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T> {
         let buffer = &self.staging[name];
         let done = read(&mapped(buffer, size)?);
