@@ -3,7 +3,6 @@
 
 use super::light::{FrameContext, HitRays, LightRequest};
 use super::plan::Plan;
-use super::plan::lights::bounces;
 use super::renderer::Renderer;
 use super::sample::{PictureSky, Sampling};
 use super::setup::{FrameSetup, Stage};
@@ -44,17 +43,17 @@ const LEAST_PIXEL: f64 = 1.0 / (1 << 19) as f64;
 const LEFT: &str = "the host drew the samples of this picture";
 
 impl Sampling<'_> {
-    /// Whether the colours of the picture are those of shaders/picture: no shadows, no materials, lights infinitely far and few.
+    /// Whether the colours of the picture are those of shaders/picture: no shadows, no materials, no lens with a size, lights infinitely
+    /// far and few.
     fn fits_device(&self) -> bool {
         let Scene { lighting, spheres, .. } = self.scene;
         let far = lighting.lights.iter().all(|light| light.source.far().is_some());
         self.plan.accuracy == Accuracy::Certified
             && self.opaque.is_none()
-            && self.lights.is_some_and(|lights| lights.blockers.is_none())
+            && self.settings.aperture.is_none()
             && far
             && lighting.lights.len() <= MAX_SOURCES
             && !lighting.shadows
-            && bounces(self.scene) == 0
             && spheres.materials.is_none()
     }
 
@@ -126,12 +125,9 @@ impl Renderer {
         let Sampling { kernel, scene, settings, plan, .. } = sampling;
         let draws = self.device.gpu.as_ref().is_some_and(|gpu| gpu.draws_pictures());
         let (Some(tree), true) = (&sky.lights.tree, draws && sampling.fits_device()) else { return Ok(None) };
-        if settings.aperture.is_some() {
-            return Ok(None);
-        }
         let kernel = kernel.certified_by(|of| Certificate { starts: true, ..of });
         let sums = sky.window(window, scene);
-        let setup = self.setup(Plan { kernel, ..plan.clone() }, scene, settings, raster, timings)?;
+        let mut setup = self.setup(Plan { kernel, ..plan.clone() }, scene, settings, raster, timings)?;
         let pool = Arc::clone(&self.pool);
         let Some(record) = sampling.record(&setup, tree, sums)?.filter(|_| matches!(setup.stage, Stage::Placed(_)))
         else {
@@ -141,7 +137,6 @@ impl Renderer {
         if !self.sum_sky_on_device(sampling, sky, tree, (window, sums), (centers, &record), timings)? {
             return Ok(None);
         }
-        let mut setup = setup;
         for sample in 0..raster.count() {
             setup.view.record.sample = sample;
             if let Some(reason) = self.sample_on_device(&setup, scene, timings)? {
