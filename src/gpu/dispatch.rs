@@ -59,9 +59,8 @@ pub(crate) struct Gpu {
     /// Blocks leave their minima in the reverse order.
     #[cfg(test)]
     pub(super) reversed: bool,
-    /// The device computes the colours of pictures although it is software.
-    #[cfg(test)]
-    pub(crate) draws: bool,
+    /// Whether the device draws pictures as the host does; `None` before the trial. Software leaves them to the host, with its bits.
+    pub(crate) draws: Option<bool>,
 }
 
 /// A shader of frames.
@@ -83,6 +82,7 @@ impl Gpu {
         let limits = open.device.limits();
         let clock = Clock::new(&open);
         let direct = open.is_direct(&summary);
+        let draws = summary.is_software().then_some(false);
         Self {
             clock,
             traffic: Traffic::default(),
@@ -106,8 +106,7 @@ impl Gpu {
             fault: None,
             #[cfg(test)]
             reversed: false,
-            #[cfg(test)]
-            draws: false,
+            draws,
         }
     }
 

@@ -33,6 +33,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
+mod trial;
+
 #[cfg(test)]
 mod tests;
 
@@ -123,8 +125,12 @@ impl Renderer {
         timings: &mut Timings,
     ) -> Result<Option<Means>> {
         let Sampling { kernel, scene, settings, plan, .. } = sampling;
-        let draws = self.device.gpu.as_ref().is_some_and(|gpu| gpu.draws_pictures());
-        let (Some(tree), true) = (&sky.lights.tree, draws && sampling.fits_device()) else { return Ok(None) };
+        let Some(gpu) = self.device.gpu.as_ref().filter(|_| sampling.fits_device()) else { return Ok(None) };
+        if gpu.draws == Some(false) && !gpu.summary.is_software() {
+            let reason = format!("those of {} differ from the host's", gpu.summary.name);
+            self.left_to_host.get_or_insert_with(|| format!("{LEFT}: {reason}"));
+        }
+        let (Some(tree), Some(true)) = (&sky.lights.tree, gpu.draws) else { return Ok(None) };
         let kernel = kernel.certified_by(|of| Certificate { starts: true, ..of });
         let sums = sky.window(window, scene);
         let mut setup = self.setup(Plan { kernel, ..plan.clone() }, scene, settings, raster, timings)?;

@@ -16,7 +16,8 @@
 
 static PFN_vkGetInstanceProcAddr next_instance;
 static PFN_vkGetDeviceProcAddr next_device;
-static VkDevice last_device;
+// The same of every device, since one driver made them: a device may end while others submit.
+static PFN_vkQueueSubmit next_submit;
 
 static uint32_t number(const char *name, uint32_t usual) {
     const char *text = getenv(name);
@@ -177,7 +178,7 @@ static int is_lost;
 
 static VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, uint32_t count, const VkSubmitInfo *infos, VkFence fence) {
     if (++submissions == number("HOSTILE_LOSE", 0)) is_lost = 1;
-    return is_lost ? VK_ERROR_DEVICE_LOST : ((PFN_vkQueueSubmit)next_device(last_device, "vkQueueSubmit"))(queue, count, infos, fence);
+    return is_lost ? VK_ERROR_DEVICE_LOST : next_submit(queue, count, infos, fence);
 }
 
 static VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo *info, const VkAllocationCallbacks *a, VkDeviceMemory *memory) {
@@ -207,7 +208,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice gpu, const 
     link->u.pLayerInfo = link->u.pLayerInfo->pNext;
     PFN_vkCreateDevice create = (PFN_vkCreateDevice)instance(last_instance, "vkCreateDevice");
     VkResult result = create(gpu, info, a, device);
-    last_device = *device, is_lost = 0;
+    if (result == VK_SUCCESS) next_submit = (PFN_vkQueueSubmit)next_device(*device, "vkQueueSubmit"), is_lost = 0;
     return result;
 }
 

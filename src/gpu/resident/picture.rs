@@ -16,6 +16,8 @@ use crate::tile::TILE;
 use crate::view::ViewRecord;
 use crate::view::ray::NONE;
 use bytemuck::{Pod, Zeroable};
+#[cfg(test)]
+use {crate::gpu::compose::compose_step, naga::valid::Capabilities};
 
 /// The most lights of a picture whose colours a device computes.
 pub(crate) const MAX_SOURCES: usize = 8;
@@ -68,13 +70,13 @@ const HIT_WORDS: u64 = 3;
 const SUMS: u64 = 16;
 
 impl Gpu {
-    /// Whether the device computes the colours of pictures: hardware does. Software adapters leave them to the host, with its bits.
-    pub(crate) fn draws_pictures(&self) -> bool {
-        #[cfg(test)]
-        if self.draws {
-            return true;
+    /// Replaces the kernels that colour samples by one that does not.
+    #[cfg(test)]
+    pub(crate) fn spoil_pictures(&mut self) {
+        for colors in [false, true] {
+            let wrong = self.built(&compose_step(Step::Unsure), Capabilities::empty(), "wrong").expect("a pipeline");
+            self.programs.insert(Program::Step(Step::Picture { colors }), wrong);
         }
-        !self.summary.is_software()
     }
 
     /// Traces rays toward the sky from the hits of the last frame and adds them up at each hit. Returns the pixels of the hits of

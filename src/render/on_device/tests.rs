@@ -1,8 +1,10 @@
 //! Pictures that a device draws, beside those of the host.
 
+use super::trial::{DECIDED, MOST, colors, is_alike};
 use super::*;
 use crate::frame::Data;
 use crate::frame::outline::Outline;
+use crate::gpu::room::Fault;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Light, LightSource, Lighting, Sky, SkyColors, Spheres};
 use crate::settings::{Backend, Settings};
@@ -41,26 +43,17 @@ fn settings(backend: Backend) -> Settings {
     Settings { backend, aovs, samples: 4, silhouette: true, ..Settings::default() }
 }
 
-fn values(frame: &Frame, aov: Aov) -> &[f32] {
-    match frame.buffers.iter().find(|buffer| buffer.aov == aov).map(|buffer| &buffer.data) {
-        Some(Data::F32(values)) => values,
-        _ => panic!("{aov:?} is a buffer of f32"),
-    }
+fn alpha(frame: &Frame) -> &Data {
+    &frame.get(Aov::Alpha).expect("coverage").data
 }
-
-/// The most that a colour differs: normals of hits are within 1e-3 of the true ones on either side, the light of a surface changes
-/// with the normal by at most as much as colour times 1 for the sun and 1 for the sky, and sums over rays are rounded to 2^-16.
-const MOST: f32 = 2e-3;
-/// The share of values that may differ by more: where a comparison decides, of depths for a line or of a neighbour's rays.
-const DECIDED: f64 = 1e-4;
 
 #[test]
 fn a_picture_of_a_device_is_that_of_the_host_within_roundings() {
     let Some(_) = adapter_or_skip() else { return };
     let mut renderer = Renderer::new(&settings(Backend::Gpu)).expect("an adapter; tests/run installs and pins one");
     let mut host = Renderer::new(&settings(Backend::Cpu)).expect("the CPU path");
-    renderer.device.gpu.as_mut().expect("a device").draws = true;
-    let colors = SkyColors { zenith: [0.3, 0.5, 1.0], horizon: [1.0, 0.9, 0.8], is_shown: true };
+    renderer.device.gpu.as_mut().expect("a device").draws = None;
+    let gradient = SkyColors { zenith: [0.3, 0.5, 1.0], horizon: [1.0, 0.9, 0.8], is_shown: true };
     let soft = settings(Backend::Gpu);
     let wide = Settings { outline: Outline { width: 3.0, ..Outline::default() }, depth_cue: true, ..soft.clone() };
     let crop = Settings { window: Some(Window { x0: 37, y0: 20, x1: 120, y1: 90 }), ..soft.clone() };
@@ -70,15 +63,14 @@ fn a_picture_of_a_device_is_that_of_the_host_within_roundings() {
         for (count, seed) in [(12, 1), (3000, 2)] {
             let mut scene = cloud(count, n % 2 == 0, seed);
             if n % 3 == 1 {
-                scene.lighting.sky = Some(Sky { colors: Some(colors), ..Sky::AT_CENTERS });
+                scene.lighting.sky = Some(Sky { colors: Some(gradient), ..Sky::AT_CENTERS });
             }
             let drawn = renderer.render(&scene, settings).expect("a frame");
             let expected =
                 host.render(&scene, &Settings { backend: Backend::Cpu, ..settings.clone() }).expect("a frame");
             assert_eq!(drawn.report.warnings, expected.report.warnings, "{n}, {count}");
-            assert_eq!(values(&drawn, Aov::Alpha), values(&expected, Aov::Alpha), "{n}, {count}");
-            let differences =
-                values(&drawn, Aov::Color).iter().zip(values(&expected, Aov::Color)).map(|(a, b)| (a - b).abs());
+            assert_eq!(alpha(&drawn), alpha(&expected), "{n}, {count}");
+            let differences = colors(&drawn).iter().zip(colors(&expected)).map(|(a, b)| (a - b).abs());
             let differences: Vec<f32> = differences.collect();
             let most = differences.iter().copied().fold(0.0, f32::max);
             let beyond = differences.iter().filter(|x| **x > MOST).count();
@@ -92,5 +84,56 @@ fn a_picture_of_a_device_is_that_of_the_host_within_roundings() {
             // The device drew it: sums in f32 differ from those in f64 somewhere, and nearly all hits are its own.
             assert!(differ > 100 && share > 0.9, "{n}, {count}: {differ}, {share}");
         }
+    }
+}
+
+/// A device whose pictures are wrong leaves them to the host.
+#[test]
+fn a_device_that_fails_the_trial_draws_no_picture() {
+    let Some(_) = adapter_or_skip() else { return };
+    let mut renderer = Renderer::new(&settings(Backend::Gpu)).expect("an adapter; tests/run installs and pins one");
+    let scene = cloud(12, true, 1);
+    let picture = |renderer: &mut Renderer| {
+        let frame = renderer.render(&scene, &settings(Backend::Gpu)).expect("a frame");
+        (colors(&frame).to_vec(), renderer.device.gpu.as_ref().expect("a device").draws)
+    };
+    let of_host = picture(&mut renderer);
+    assert_eq!(of_host.1, Some(false), "software leaves pictures to the host");
+    renderer.device.gpu.as_mut().expect("a device").draws = None;
+    let drawn = picture(&mut renderer);
+    assert!(drawn.1 == Some(true) && drawn.0 != of_host.0, "the device drew it");
+    let gpu = renderer.device.gpu.as_mut().expect("a device");
+    gpu.draws = None;
+    gpu.spoil_pictures();
+    assert!(picture(&mut renderer) == of_host, "a picture of the host");
+}
+
+/// Whatever call of a device fails while it draws, there is a picture, and a warning.
+#[test]
+fn a_device_that_fails_while_it_draws_leaves_a_picture() {
+    let Some(_) = adapter_or_skip() else { return };
+    let scene = cloud(12, true, 1);
+    let mut host = Renderer::new(&settings(Backend::Cpu)).expect("the CPU path");
+    let expected = host.render(&scene, &settings(Backend::Cpu)).expect("a frame");
+    for (fault, word) in [(Fault::Lost, " was lost"), (Fault::OutOfMemory, " is out of memory")] {
+        let mut calls = 0;
+        loop {
+            let mut renderer =
+                Renderer::new(&settings(Backend::Gpu)).expect("an adapter; tests/run installs and pins one");
+            renderer.verdict().expect("a self-test");
+            let gpu = renderer.device.gpu.as_mut().expect("a device");
+            (gpu.draws, gpu.fault) = (Some(true), Some((calls + 1, fault)));
+            let frame = renderer.render(&scene, &settings(Backend::Auto)).expect("a frame");
+            assert!(is_alike(colors(&frame), colors(&expected)), "{fault:?} at call {}", calls + 1);
+            if renderer.device.gpu.as_ref().is_some_and(|gpu| gpu.fault.is_some()) {
+                break;
+            }
+            let warnings = &frame.report.warnings;
+            assert!(warnings.iter().any(|warning| warning.contains(word)), "{calls}: {warnings:?}");
+            calls += 1;
+        }
+        // The spheres, the centres, their rays, the means, two of each sample, and the picture.
+        println!("{fault:?}: {calls} calls");
+        assert!(calls >= 13, "{calls}");
     }
 }
