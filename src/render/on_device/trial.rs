@@ -1,12 +1,14 @@
 //! The trial of a device that draws pictures: a small one, before the first picture of a renderer, beside the host's.
 
 use crate::error::Result;
+use crate::frame::report::milliseconds;
 use crate::frame::{Aov, Data, Frame};
 use crate::render::renderer::Renderer;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Sky, SkyColors, Spheres};
 use crate::settings::{Accuracy, Settings};
 use glam::DVec3;
+use std::time::Instant;
 
 /// The most that a colour differs: normals of hits are within 1e-3 of the true ones on either side, the light of a surface changes
 /// with the normal by at most as much as colour times 1 for the sun and 1 for the sky, and sums over rays are rounded to 2^-16.
@@ -56,14 +58,16 @@ pub(super) fn is_alike(a: &[f32], b: &[f32]) -> bool {
 }
 
 impl Renderer {
-    /// Has the device draw a small picture, unless it did before or leaves pictures to the host, and compares it with the host's.
-    /// An error of the device is that of the frame that follows.
+    /// Has the device draw a small picture, unless it did before or leaves pictures to the host, and compares it with the host's, as a
+    /// part of the setup. An error of the device is that of the frame that follows.
     pub(in crate::render) fn try_drawing(&mut self) {
         let Some(gpu) = self.device.gpu.as_mut().filter(|gpu| gpu.draws.is_none()) else { return };
         gpu.draws = Some(true);
+        let start = Instant::now();
         let watch = std::mem::take(&mut self.watch);
         let is_alike = self.draws_alike();
         self.watch = watch;
+        self.setup_ms += milliseconds(start);
         if let Some(gpu) = &mut self.device.gpu {
             gpu.draws = Some(is_alike.unwrap_or(false));
         }
