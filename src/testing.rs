@@ -120,3 +120,8 @@ pub(crate) fn near_and_far(near: usize) -> Scene {
     let image = ImagePlane { width: 131, height: 74, background: [0.1, 0.2, 0.3] };
     Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() }
 }
+
+/// The number of calls of a device from one that fails in a test to the next: every one fails on llvmpipe, the adapter of most tests.
+pub(crate) fn calls_apart(adapter: &str) -> u32 {
+    if adapter.contains("llvmpipe") { 1 } else { 4 / amount("calls that fail on another adapter, in fourths", 1, 4) }
+}

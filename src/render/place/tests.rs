@@ -8,7 +8,7 @@ use crate::render::Renderer;
 use crate::render::trace::{Rays, Tracer};
 use crate::scene::{Light, LightSource, Lighting, Scene, Sky, Spheres};
 use crate::settings::{Accuracy, Backend, Settings};
-use crate::testing::{Rng, adapter_or_skip, keeps_bits, near_and_far};
+use crate::testing::{Rng, adapter_or_skip, calls_apart, keeps_bits, near_and_far};
 use crate::window::Window;
 
 /// The failures, with a word of their warnings.
@@ -64,13 +64,14 @@ fn count(frame: &Frame, word: &str) -> usize {
 fn the_cpu_path_takes_over_from_an_adapter_that_fails() {
     let Some(found) = adapter_or_skip() else { return };
     let strict = keeps_bits(&found.summary.name);
+    let apart = calls_apart(&found.summary.name) as usize;
     for (scene, settings) in kinds() {
         let host = Settings { backend: Backend::Cpu, ..settings.clone() };
         let known = Renderer::new(&host).expect("the CPU path").render(&scene, &host).expect("a frame");
         for (fault, word) in FAULTS {
             let mut calls = 0;
             // Until a frame ends before the call that would fail.
-            for n in 1.. {
+            for n in (1..).step_by(apart) {
                 let mut renderer = failing(n, fault);
                 let what = format!("{settings:?}, {fault:?} at call {n}");
                 let first = renderer.render(&scene, &auto(&settings)).expect(&what);
