@@ -2,6 +2,7 @@
 
 mod budget;
 pub mod explain;
+mod fallback;
 mod frame;
 mod lens;
 mod light;

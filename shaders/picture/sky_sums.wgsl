@@ -3,7 +3,6 @@
 
 @group(0) @binding(BIND_FRAME_ID) var<storage, read> frame_id: array<u32>;
 @group(0) @binding(BIND_STARTS) var<storage, read> starts: array<vec4<f32>>;
-@group(0) @binding(BIND_PAIRS) var<storage, read_write> pairs: array<vec2<u32>>;
 
 fn is_open(words: u32, ray: u32) -> bool {
     return ((open[words + (ray >> 5u)] >> (ray & 31u)) & 1u) == 1u;
@@ -22,7 +21,7 @@ fn main(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index)
     var normal = vec3<f32>();
     var sums = NO_SUMS;
     if (id != NONE && is_open(words, each)) {
-        list_for_host(place, id);
+        list_for_host(place, NONE);
     } else if (id != NONE) {
         normal = starts[2u * place].xyz;
         let first = turn_of(at) * sky.rays;

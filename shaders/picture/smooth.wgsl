@@ -6,8 +6,7 @@ const WIDE: u32 = 4u;
 
 fn share_at(place: u32, sums: Sums) -> f32 {
     let normal = normal_at(place);
-    let all = dot3(normal, sums.all);
-    return select(1.0, dot3(normal, sums.open) / all, all > 0.0);
+    return open_share(dot3(normal, sums.all), dot3(normal, sums.open));
 }
 
 @compute @workgroup_size(GROUP)

@@ -1,7 +1,6 @@
 // Lists the pixels that are not proved, without a slot: some have no projected sphere near.
 
 @group(0) @binding(BIND_FRAME_ID) var<storage, read> frame_id: array<u32>;
-@group(0) @binding(BIND_PAIRS) var<storage, read_write> pairs: array<vec2<u32>>;
 
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index) index: u32) {

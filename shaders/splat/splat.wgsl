@@ -5,8 +5,6 @@
 // For every pixel of the band the least depth, then the slots, then the second least depths, all inverted, so that 0 is none.
 @group(0) @binding(BIND_MINIMA) var<storage, read_write> minima: array<atomic<u32>>;
 @group(0) @binding(BIND_FRAME_ID) var<storage, read_write> frame_id: array<u32>;
-// Pixel of the band and slot.
-@group(0) @binding(BIND_PAIRS) var<storage, read_write> pairs: array<vec2<u32>>;
 
 fn splat(c: Frame, f: Projected, slot: u32, at: vec2<u32>) {
     let pixel = (at.y - c.first.y) * c.columns + (at.x - c.first.x);
@@ -35,13 +33,7 @@ fn splat(c: Frame, f: Projected, slot: u32, at: vec2<u32>) {
         }
     } else if (key >= atomicLoad(&minima[2u * c.pixels + pixel])) {
         // main/certified.wgsl has left the depth that the nearest hit does not exceed.
-        // The host asks only whether there are more than PAIRS, so the count stops soon after, and cannot wrap.
-        if (atomicLoad(&summary[SUMMARY_PAIRS]) <= PAIRS) {
-            let place = atomicAdd(&summary[SUMMARY_PAIRS], 1u);
-            if (place < PAIRS) {
-                pairs[place] = vec2<u32>(pixel, slot);
-            }
-        }
+        list_for_host(pixel, slot);
     }
 }
 

@@ -34,7 +34,7 @@ const FILES: [(&str, &str); 84] = files![
     "search/closer_hit.wgsl" "search/residuals.wgsl" "search/no_residuals.wgsl" "search/fixed_origin.wgsl"
     "search/moved_origin.wgsl" "search/all.wgsl" "search/tree.wgsl" "search/placed.wgsl"
     "place/float64.wgsl" "place/placing.wgsl" "place/low.wgsl" "place/rectangle.wgsl" "place/place.wgsl" "place/cut.wgsl" "place/guests.wgsl"
-    "splat/order.wgsl" "splat/frame.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
+    "splat/order.wgsl" "splat/frame.wgsl" "splat/list.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
     "certify/nearest_general.wgsl" "certify/general_few.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
     "certify/nearest_two.wgsl" "certify/certify_winner.wgsl" "certify/take_proved.wgsl" "certify/take_nearest.wgsl"
@@ -42,7 +42,7 @@ const FILES: [(&str, &str); 84] = files![
     "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
     "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
     "main/sample.wgsl" "main/start.wgsl" "main/no_start.wgsl" "main/sky_rays.wgsl" "main/sky.wgsl"
-    "picture/record.wgsl" "picture/means.wgsl" "picture/sky_sums.wgsl" "picture/smooth.wgsl" "picture/list.wgsl" "picture/unsure.wgsl"
+    "picture/record.wgsl" "picture/means.wgsl" "picture/sky_sums.wgsl" "picture/smooth.wgsl" "picture/unsure.wgsl"
     "picture/scatter.wgsl" "picture/line.wgsl" "picture/picture.wgsl"
     "shade/world.wgsl" "shade/world_normal.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
     "shade/headlight.wgsl"
@@ -285,7 +285,14 @@ pub(crate) fn compose_step(step: Step) -> Source {
     parts.extend(files(["main/window.wgsl"]));
     parts.extend(position(samples));
     parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl"]));
-    parts.extend(files(["certify/projected.wgsl", "splat/order.wgsl", "splat/frame.wgsl", "splat/splat.wgsl", main]));
+    parts.extend(files([
+        "certify/projected.wgsl",
+        "splat/order.wgsl",
+        "splat/frame.wgsl",
+        "splat/list.wgsl",
+        "splat/splat.wgsl",
+        main,
+    ]));
     Source::new(parts)
 }
 
@@ -295,11 +302,11 @@ fn picture(step: Step) -> Vec<Part> {
     parts.extend(files(["view.wgsl", "math.wgsl", "main/window.wgsl"]));
     match step {
         Step::SkySums => {
-            parts.extend(files(["hash.wgsl", "main/sky_rays.wgsl", "place/placing.wgsl", "picture/list.wgsl"]));
+            parts.extend(files(["hash.wgsl", "main/sky_rays.wgsl", "place/placing.wgsl", "splat/list.wgsl"]));
             parts.extend(files(["picture/record.wgsl", "picture/means.wgsl", "picture/sky_sums.wgsl"]));
         }
         Step::Smooth => parts.extend(files(["picture/record.wgsl", "picture/means.wgsl", "picture/smooth.wgsl"])),
-        Step::Unsure => parts.extend(files(["place/placing.wgsl", "picture/list.wgsl", "picture/unsure.wgsl"])),
+        Step::Unsure => parts.extend(files(["place/placing.wgsl", "splat/list.wgsl", "picture/unsure.wgsl"])),
         Step::Picture { colors } => {
             parts.extend(files(["hash.wgsl", "main/sample.wgsl", "number/f32.wgsl", "ray.wgsl", "search/placed.wgsl"]));
             parts.extend(files([

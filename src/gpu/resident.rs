@@ -19,6 +19,7 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{ByHost, Placer};
 use crate::certify::tiles::Placed;
 use crate::error::{Error, Result};
+use crate::frame::report::Timings;
 use crate::kernel::{Certificate, Generals, Kernel, KernelOutput};
 use crate::memory::Pool;
 use crate::scene::{Scene, Spheres};
@@ -39,6 +40,23 @@ pub(crate) struct ResidentFrame<'a> {
 pub(crate) enum Rendered {
     Frame(Box<BinnedScene>),
     Left(String),
+}
+
+/// A frame on the device before its rays.
+struct Begun {
+    /// The kernel for its general spheres.
+    kernel: Kernel,
+    /// Rows of a band.
+    rows: u32,
+    /// The spheres that the host placed or listed.
+    binned: Box<BinnedScene>,
+    /// The starts of rays that its hits will be, where the kernel was to leave them, or the reason why they will not.
+    starts: Option<std::result::Result<Starts, &'static str>>,
+}
+
+/// The reason why a frame with too many pairs is left to the host.
+fn too_many_pairs() -> String {
+    format!("more than {PAIRS} spheres lie at pixels that are not proved")
 }
 
 /// Bytes of a pixel in the largest binding of a frame besides the outputs: three minima, or two vectors of a ray's start.
@@ -112,43 +130,65 @@ impl Gpu {
         output: &mut Output<'_>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Rendered> {
-        let ResidentFrame { scene, view, placer, .. } = frame;
-        let record = view.record;
+        let record = frame.view.record;
         self.forget_hits();
         self.guarded(|gpu| {
-            let mut binned = match output.timings.time("place", || gpu.place(frame))? {
-                Rendered::Frame(binned) => binned,
-                left => return Ok(left),
-            };
-            let leaves_starts = kernel.leaves_starts();
-            let kernel = match gpu.kernel_of_frame(kernel, &binned) {
-                Ok(kernel) => kernel,
+            let Begun { kernel, rows, mut binned, starts } = match gpu.begin_frame(kernel, frame, output.timings)? {
+                Ok(begun) => begun,
                 Err(reason) => return Ok(Rendered::Left(reason)),
             };
-            output.timings.time("pipeline", || gpu.compile_for_frame(&kernel))?;
-            output.timings.time("upload", || gpu.upload_resident(&kernel, scene, view, &binned))?;
-            let Some(rows) = gpu.rows_of_band(&kernel, &record) else {
-                return Ok(Rendered::Left("a row of tiles exceeds the adapter's largest binding".into()));
+            let Some(pairs) = gpu.trace_bands(&kernel, &record, rows, &binned, output, go_on)? else {
+                return Ok(Rendered::Left(too_many_pairs()));
             };
-            let Some(mut pairs) = gpu.trace_bands(&kernel, &record, rows, &binned, output, go_on)? else {
-                return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
-            };
-            if leaves_starts {
-                gpu.starts = Some(if !kernel.leaves_starts() {
-                    Err("the adapter binds too few buffers to keep the hits")
-                } else if rows < record.rows + record.first_row % TILE {
-                    Err("the adapter holds the hits of a part of the image only")
-                } else {
-                    Ok(Starts { record, unit: view.unit })
-                });
-            }
-            if !pairs.is_empty() {
-                let resident = gpu.resident.as_ref();
-                pairs.iter_mut().for_each(|[_, slot]| *slot = resident.map_or(*slot, |resident| resident.id(*slot)));
-                output.timings.time("settle", || placer.list(scene, view, &mut binned, pairs));
-            }
+            gpu.starts = starts;
+            output.timings.time("settle", || gpu.list_pairs(frame, &mut binned, pairs));
             Ok(Rendered::Frame(binned))
         })
+    }
+
+    /// Places the spheres, and compiles and sends the rest of what a frame needs. The error is the reason why the device leaves the frame to
+    /// the host.
+    fn begin_frame(
+        &mut self,
+        kernel: &Kernel,
+        frame: ResidentFrame<'_>,
+        timings: &mut Timings,
+    ) -> Result<std::result::Result<Begun, String>> {
+        let ResidentFrame { scene, view, .. } = frame;
+        let record = view.record;
+        let binned = match timings.time("place", || self.place(frame))? {
+            Rendered::Frame(binned) => binned,
+            Rendered::Left(reason) => return Ok(Err(reason)),
+        };
+        let leaves_starts = kernel.leaves_starts();
+        let kernel = match self.kernel_of_frame(kernel, &binned) {
+            Ok(kernel) => kernel,
+            Err(reason) => return Ok(Err(reason)),
+        };
+        timings.time("pipeline", || self.compile_for_frame(&kernel))?;
+        timings.time("upload", || self.upload_resident(&kernel, scene, view, &binned))?;
+        let Some(rows) = self.rows_of_band(&kernel, &record) else {
+            return Ok(Err("a row of tiles exceeds the adapter's largest binding".into()));
+        };
+        let starts = leaves_starts.then(|| {
+            if !kernel.leaves_starts() {
+                Err("the adapter binds too few buffers to keep the hits")
+            } else if rows < record.rows + record.first_row % TILE {
+                Err("the adapter holds the hits of a part of the image only")
+            } else {
+                Ok(Starts { record, unit: view.unit })
+            }
+        });
+        Ok(Ok(Begun { kernel, rows, binned, starts }))
+    }
+
+    /// Adds the spheres among which the host decides unproved pixels, from pairs of a pixel and a slot, to what it placed.
+    fn list_pairs(&self, frame: ResidentFrame<'_>, binned: &mut BinnedScene, mut pairs: Vec<[u32; 2]>) {
+        let ResidentFrame { scene, view, placer, .. } = frame;
+        if let (false, Some(resident)) = (pairs.is_empty(), &self.resident) {
+            pairs.iter_mut().for_each(|[_, slot]| *slot = resident.id(*slot));
+            placer.list(scene, view, binned, pairs);
+        }
     }
 
     /// The kernel for a frame with these general spheres. It writes starts of rays from the hits only where the adapter

@@ -1,12 +1,9 @@
 //! One frame the whole way: plan, setup, kernel, exact decisions, buffers, report.
 
-use super::budget::{self, Need};
-use super::lens;
 use super::light::{FrameContext, LightRequest};
 use super::light_state::LightOnDevice;
 use super::missed::missed;
 use super::order::Ordered;
-use super::place::INSTEAD;
 use super::plan::Plan;
 use super::plan::engine::Engine;
 use super::renderer::Renderer;
@@ -18,8 +15,9 @@ use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::Placer;
+use crate::cpu;
 use crate::cpu::light::LightOutputs;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
@@ -28,14 +26,12 @@ use crate::gpu::resident::scene::Reach;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::gpu::traffic::Traffic;
 use crate::progress::Step;
-use crate::quote::setting::{ACCURACY, BACKEND};
 use crate::scene::Scene;
 use crate::scene::camera::CameraRecord;
-use crate::settings::{Accuracy, Backend, Settings};
+use crate::settings::{Accuracy, Settings};
 use crate::view::View;
 use crate::view::raster::Raster;
 use crate::window::Window;
-use crate::{cpu, memory};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -80,87 +76,6 @@ impl Renderer {
             Ok(report)
         };
         self.planned(scene, settings, known).map(|(report, _)| report)
-    }
-
-    /// Runs `work` with the plan: on the CPU path with a warning if the adapter may not certify, and once more there where it fails.
-    pub(super) fn planned<T>(
-        &mut self,
-        scene: &Scene,
-        settings: &Settings,
-        work: impl Fn(&mut Self, Plan, FrameRays) -> Result<T>,
-    ) -> Result<(T, Option<String>)> {
-        match self.planned_once(scene, settings, &work) {
-            Err(error) => {
-                let warning = self.device.leave(error, settings.backend)?;
-                let (done, _) = self.on_host(|this| this.planned_once(scene, settings, &work))?;
-                // A loss is a warning of every report from now on.
-                Ok((done, Some(warning).filter(|_| self.is_gpu())))
-            }
-            done => done,
-        }
-    }
-
-    /// Runs `work` with the plan, on the CPU path with a warning if the adapter may not certify or was out of memory for as much.
-    fn planned_once<T>(
-        &mut self,
-        scene: &Scene,
-        settings: &Settings,
-        work: impl Fn(&mut Self, Plan, FrameRays) -> Result<T>,
-    ) -> Result<(T, Option<String>)> {
-        let by_host = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
-        let plan = if self.is_gpu() { by_host.clone().on_device() } else { by_host.clone() };
-        self.refused = None;
-        let window = settings.window_of(scene)?;
-        settings.check_lighting(scene)?;
-        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
-        let samples = lens::raster(samples, scene, settings)?;
-        let samples = plan.sampled.map(|_| samples.unwrap_or(Raster::centres(window)));
-        let rays = FrameRays { window, samples };
-        let adapter = self.device.gpu.as_ref().map(|gpu| &gpu.summary);
-        Need::of(&plan, settings, scene, window, adapter).check(memory::free(&self.pool))?;
-        if let Some(method) = plan.kernel.method() {
-            self.check_method(method)?;
-        }
-        let pixels = u64::from(window.width()) * u64::from(window.height());
-        let load = budget::on_device(scene.spheres.len(), &plan.kernel, pixels);
-        let blocker = match self.device.memory_blocker(load, settings.backend) {
-            None => self.certification_blocker(plan.accuracy, settings.backend)?,
-            blocker => blocker,
-        };
-        match blocker {
-            None => work(self, plan, rays).map(|done| (done, None)),
-            blocker => self.on_host(|this| work(this, by_host, rays)).map(|done| (done, blocker)),
-        }
-    }
-
-    /// Runs `work` on the CPU path.
-    pub(super) fn on_host<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
-        let gpu = self.device.gpu.take();
-        let done = work(self);
-        self.device.gpu = gpu;
-        done
-    }
-
-    /// The warning that the CPU path takes over, where an adapter may not certify.
-    ///
-    /// # Errors
-    /// [`Error::Accuracy`] where a device was asked for, and the errors of the self-test.
-    pub(super) fn certification_blocker(&mut self, accuracy: Accuracy, backend: Backend) -> Result<Option<String>> {
-        let certified = accuracy == Accuracy::Certified;
-        let Some(gpu) = self.device.gpu.as_mut().filter(|_| certified) else { return Ok(None) };
-        if gpu.verdict()?.f32 {
-            return Ok(None);
-        }
-        let name = &gpu.summary.name;
-        let problem =
-            format!("{name} failed the self-test of its f32 arithmetic (see halfline adapters) and cannot certify");
-        match backend {
-            Backend::Gpu => {
-                let mend = format!("use {BACKEND} auto or cpu, or {ACCURACY} fast");
-                Err(Error::Accuracy { problem, mend })
-            }
-            _ => Ok(Some(format!("{problem}: {INSTEAD}"))),
-        }
     }
 
     /// Renders a window of one frame with the plan.
@@ -486,37 +401,5 @@ fn bound(buffers: &[Buffer], promised: f64) -> f64 {
             bounds.iter().zip(distances).map(|(b, d)| b / d).fold(0.0, f64::max)
         }
         _ => promised,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Aov, Camera, ImagePlane, Spheres};
-
-    /// An adapter that failed the self-test does not certify: the CPU path is used with a warning, or it is an error.
-    #[test]
-    fn an_adapter_that_failed_the_self_test_does_not_certify() {
-        let Some(_) = crate::testing::adapter_or_skip() else { return };
-        let mut spheres = Spheres::default();
-        spheres.push([0.0, 0.0, -3.0], 1.0, None);
-        let image = ImagePlane { width: 16, height: 16, background: [0.0; 3] };
-        let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
-        let gpu = Settings { backend: Backend::Gpu, aovs: vec![Aov::Id], ..Settings::default() };
-        let mut renderer = Renderer::new(&gpu).expect("an adapter; tests/run installs and pins one");
-        assert_eq!(renderer.render(&scene, &gpu).expect("a frame").report.backend, "gpu");
-        let Some(adapter) = &mut renderer.device.gpu else { panic!("a GPU was requested") };
-        adapter.distrust();
-        let error = renderer.render(&scene, &gpu).expect_err("the CPU path is not allowed");
-        assert!(matches!(error, Error::Accuracy { .. }), "{error}");
-        let auto = Settings { backend: Backend::Auto, ..gpu.clone() };
-        let report = renderer.render(&scene, &auto).expect("a frame").report;
-        assert_eq!((report.backend, report.accuracy), ("cpu", "certified"));
-        assert!(report.warnings.iter().any(|w| w.contains("self-test")), "{:?}", report.warnings);
-        let plan = renderer.explain(&scene, &auto).expect("a plan");
-        assert_eq!((plan.backend, plan.accuracy, &plan.warnings), ("cpu", "certified", &report.warnings));
-        assert!(matches!(renderer.explain(&scene, &gpu), Err(Error::Accuracy { .. })), "as rendering does");
-        let fast = Settings { accuracy: Accuracy::Fast, ..gpu };
-        assert_eq!(renderer.render(&scene, &fast).expect("a frame").report.backend, "gpu", "fast promises nothing");
     }
 }

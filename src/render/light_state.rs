@@ -25,8 +25,7 @@ impl LightOnDevice {
     }
 
     pub(super) fn add(&mut self, ids: &[u32], traced: &Traced<'_>) {
-        let hits = (0..ids.len() as u32).into_par_iter().filter(|pixel| ids[*pixel as usize] != NONE);
-        self.hits += hits.clone().count();
-        self.decided += hits.filter(|pixel| traced.of(*pixel).is_some()).count();
+        let is_left = |pixel: &u32| ids[*pixel as usize] != NONE && traced.of(*pixel).is_none();
+        self.add_left(ids, (0..ids.len() as u32).into_par_iter().filter(is_left).count());
     }
 }

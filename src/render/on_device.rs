@@ -1,18 +1,16 @@
 //! Pictures of several samples whose colours a device computes (gpu/resident/picture.rs): under a sky whose rays leave from the
 //! centres of pixels, and lights without shadows. The host decides the pixels and the rays that f32 does not prove.
 
-use super::light::{FrameContext, HitRays, LightRequest};
+use super::light::{FrameContext, HitRays};
 use super::plan::Plan;
 use super::renderer::Renderer;
-use super::sample::{PictureSky, Sampling};
+use super::sample::{CenterHits, PictureSky, Sampling};
 use super::setup::{FrameSetup, Stage};
 use crate::answers::depth_cue::MAX_SHARE;
 use crate::answers::open_sky::{SkyAtHit, SkySums};
-use crate::answers::raw::Raw;
 use crate::answers::samples::Means;
 use crate::answers::settle::{self, Settled};
 use crate::answers::silhouette::PixelSize;
-use crate::cpu::light::LightOutputs;
 use crate::double_double as dd;
 use crate::error::Result;
 use crate::frame::report::Timings;
@@ -24,9 +22,9 @@ use crate::progress::Step;
 use crate::scene::{Gradient, Scene, SkyLight};
 use crate::search::tree::Tree;
 use crate::settings::Accuracy;
+use crate::view::View;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
-use crate::view::{Records, View};
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
@@ -168,28 +166,11 @@ impl Renderer {
         (centers, picture): (&[u32], &PictureRecord),
         timings: &mut Timings,
     ) -> Result<bool> {
-        let Sampling { plan, scene, settings, .. } = sampling;
-        let raster = Raster::centres(sums);
-        let around = match sums == window {
-            // The hits of these pixels are those of the frame.
-            true => None,
-            false => {
-                let plan = Plan { kernel: plan.kernel.ids_only(), ..plan.clone() };
-                let mut setup = self.setup(plan, scene, settings, raster, timings)?;
-                let mut raw = Raw::new(&setup.plan.kernel, setup.view.record.pixels(), &self.pool)?;
-                let settled = self.answer(&mut setup, scene, settings, &mut raw, timings)?;
-                raw.settle(&settled);
-                Some((setup.view, raw.id))
-            }
-        };
-        let (view, ids) = match &around {
-            Some((view, ids)) => (view, &ids[..]),
-            None => (&View::for_rays(scene, raster, Records::None)?, centers),
-        };
+        let Sampling { scene, settings, .. } = sampling;
+        let center_hits = self.center_hits(sampling, (window, sums), centers, timings)?;
+        let CenterHits { view, ids, .. } = &center_hits;
         let frame = FrameContext { scene, settings, view };
-        let outputs = LightOutputs { sky: true, ..LightOutputs::default() };
-        let request =
-            LightRequest { interleaved: !sky.smoothing.is_none(), ..LightRequest::of(outputs, Some(sky.sky), ids) };
+        let request = sky.request(ids);
         let directions = request.directions(frame);
         let hits = HitRays { directions: &directions, lights: &[], reach: sky.sky.reach, seed: settings.seed };
         let (records, record) = hits.records(tree);
@@ -208,6 +189,7 @@ impl Renderer {
         misses.into_iter().for_each(|(pixel, id)| patches[0].set(pixel as usize, id));
         let Some(gpu) = &mut self.device.gpu else { return Ok(false) };
         gpu.smooth_sky(&view.record, picture, [&patches[0], &patches[1]], sky.smoothing.0)?;
+        center_hits.put_back(&self.pool);
         Ok(true)
     }
 
@@ -220,7 +202,7 @@ impl Renderer {
         let doing = self.watch.begin(Step::Trace, view.record.pixels() as u64);
         let frame = ResidentFrame { scene, view, placer, pool: &pool };
         let mut unsure = Vec::new();
-        let hit = timings.time("trace", || gpu.hit_sample(&setup.plan.kernel, frame, &mut unsure))?;
+        let hit = gpu.hit_sample(&setup.plan.kernel, frame, &mut unsure, timings)?;
         let binned = match hit {
             Rendered::Frame(binned) => binned,
             Rendered::Left(reason) => return Ok(Some(reason)),

@@ -27,6 +27,7 @@ use crate::view::raster::Raster;
 use crate::view::ray::NONE;
 use crate::view::{Records, View};
 use crate::window::Window;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The inputs that all samples of a frame share.
@@ -77,6 +78,12 @@ pub(super) struct PictureSky<'a> {
 }
 
 impl PictureSky<'_> {
+    /// A request for the rays toward the sky from the hits of pixels that show these spheres.
+    pub(super) fn request<'a>(&self, ids: &'a [u32]) -> LightRequest<'a> {
+        let outputs = LightOutputs { sky: true, ..LightOutputs::default() };
+        LightRequest { interleaved: !self.smoothing.is_none(), ..LightRequest::of(outputs, Some(self.sky), ids) }
+    }
+
     /// The window of the pixels from whose centres rays leave, for the samples of a window: with those around it as far as smoothing,
     /// and the neighbours of a sample, reach.
     pub(super) fn window(&self, window: Window, scene: &Scene) -> Window {
@@ -269,18 +276,17 @@ impl Renderer {
         sampling: Sampling<'_>,
         view: &View,
         ids: &[u32],
-        PictureSky { lights, sky, smoothing, .. }: PictureSky<'_>,
+        sky: PictureSky<'_>,
         timings: &mut Timings,
     ) -> Result<OpenSky> {
         let Sampling { scene, settings, .. } = sampling;
         let pool = Arc::clone(&self.pool);
-        let outputs = LightOutputs { sky: true, ..LightOutputs::default() };
         let frame = FrameContext { scene, settings, view };
-        let request = LightRequest { interleaved: !smoothing.is_none(), ..LightRequest::of(outputs, Some(sky), ids) };
-        let hits = timings.time("light", || self.light(lights, frame, &request, &pool))?.sky;
+        let request = sky.request(ids);
+        let hits = timings.time("light", || self.light(sky.lights, frame, &request, &pool))?.sky;
         let mut own = pool.values(ids.len())?;
         own.copy_from_slice(ids);
-        timings.time("smooth", || OpenSky::new(view.record.window(), own, hits, smoothing, &pool))
+        timings.time("smooth", || OpenSky::new(view.record.window(), own, hits, sky.smoothing, &pool))
     }
 
     /// The rays toward the sky from the centres of a window's pixels, and from those around it as far as smoothing, the neighbours
@@ -294,13 +300,32 @@ impl Renderer {
         centers: &[u32],
         timings: &mut Timings,
     ) -> Result<Vec<OpenSky>> {
+        let Sampling { scene, settings, .. } = sampling;
+        let mut hits = self.center_hits(sampling, (window, sky.window(window, scene)), centers, timings)?;
+        let mut all = vec![self.open_sky(sampling, &hits.view, &hits.ids, sky, timings)?];
+        if let Some(whole) = &mut hits.whole {
+            for layer in self.layers(whole, scene, settings, &hits.ids, timings)? {
+                all.push(self.open_sky(sampling, &whole.setup.view, &layer, sky, timings)?);
+            }
+        }
+        hits.put_back(&self.pool);
+        Ok(all)
+    }
+
+    /// The hits from which rays toward the sky leave: of the centres of the pixels of `wide`, around a window whose centres show the spheres
+    /// `centers`. On a device they are the last ones.
+    pub(super) fn center_hits<'a>(
+        &mut self,
+        sampling: Sampling<'_>,
+        (window, wide): (Window, Window),
+        centers: &'a [u32],
+        timings: &mut Timings,
+    ) -> Result<CenterHits<'a>> {
         let Sampling { plan, scene, settings, opaque, .. } = sampling;
-        let pool = Arc::clone(&self.pool);
-        let wide = sky.window(window, scene);
-        let raster = Raster::centres(wide);
+        let (raster, pool) = (Raster::centres(wide), Arc::clone(&self.pool));
         if wide == window && opaque.is_none() {
             let view = View::for_rays(scene, raster, Records::None)?;
-            return Ok(vec![self.open_sky(sampling, &view, centers, sky, timings)?]);
+            return Ok(CenterHits { view, ids: centers.into(), whole: None });
         }
         let plan = Plan { kernel: plan.kernel.ids_only(), ..plan.clone() };
         let Setups { mut first, opaque: alone, whole } = self.setups(&sampling, plan, raster, timings)?;
@@ -310,16 +335,30 @@ impl Renderer {
         if let Some(opaque) = opaque {
             opaque.rename(&mut raw.id);
         }
-        let mut all = vec![self.open_sky(sampling, &first.view, &raw.id, sky, timings)?];
-        if let Some(mut whole) = whole {
-            for layer in self.layers(&mut whole, scene, settings, &raw.id, timings)? {
-                all.push(self.open_sky(sampling, &whole.setup.view, &layer, sky, timings)?);
-            }
-            whole.put_back(&pool);
-        }
+        let ids = std::mem::take(&mut raw.id).into();
         raw.put_back(&pool);
-        first.put_back(&pool);
-        Ok(all)
+        Ok(CenterHits { view: first.into_view(&pool), ids, whole })
+    }
+}
+
+/// The spheres that the centres of pixels show.
+pub(super) struct CenterHits<'a> {
+    pub(super) view: View,
+    /// The opaque sphere of each pixel.
+    pub(super) ids: Cow<'a, [u32]>,
+    /// The frame of all spheres, where some are translucent.
+    whole: Option<WholeFrame>,
+}
+
+impl CenterHits<'_> {
+    /// Returns the memory to the pool for the next frame.
+    pub(super) fn put_back(self, pool: &Pool) {
+        if let Cow::Owned(ids) = self.ids {
+            pool.put_back(ids);
+        }
+        if let Some(whole) = self.whole {
+            whole.put_back(pool);
+        }
     }
 }
 

@@ -154,8 +154,14 @@ impl FrameSetup {
 
     /// Returns its memory to the pool for the next frame.
     pub(crate) fn put_back(self, pool: &Pool) {
+        self.into_view(pool);
+    }
+
+    /// The view; the rest of its memory returns to the pool.
+    pub(crate) fn into_view(self, pool: &Pool) -> View {
         if let Stage::Binned(binned) = self.stage {
             binned.put_back(pool);
         }
+        self.view
     }
 }

@@ -189,12 +189,9 @@ impl Renderer {
         let plan = GivenPlan::new(settings, spheres.len())?;
         let tolerance = settings.promise().relative();
         let load = budget::on_device(spheres.len(), &plan.kernel, 0);
-        let warning = match self.device.memory_blocker(load, settings.backend) {
-            None => self
-                .certification_blocker(plan.accuracy, settings.backend)
-                .or_else(|error| self.device.leave(error, settings.backend).map(Some))?,
-            warning => warning,
-        };
+        let warning = self
+            .blocker(load, plan.accuracy, settings.backend)
+            .or_else(|error| self.device.leave(error, settings.backend).map(Some))?;
         let certifies = self.is_gpu() && plan.accuracy == Accuracy::Certified && warning.is_none();
         let device = certifies.then(OnDevice::default);
         let start = Instant::now();

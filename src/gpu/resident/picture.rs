@@ -2,8 +2,9 @@
 //! does not prove, and sends them back as patches.
 
 use super::sky::{SPHERES, SkyRays, SkyTraced};
-use super::{Rendered, ResidentFrame};
+use super::{Begun, Rendered, ResidentFrame, too_many_pairs};
 use crate::error::Result;
+use crate::frame::report::Timings;
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
 use crate::gpu::dispatch::Program;
@@ -12,7 +13,6 @@ use crate::gpu::sizes::{PAIRS, SUMMARY_PAIRS};
 use crate::gpu::transfers::Band;
 use crate::kernel::Kernel;
 use crate::scene::Scene;
-use crate::tile::TILE;
 use crate::view::ViewRecord;
 use crate::view::ray::NONE;
 use bytemuck::{Pod, Zeroable};
@@ -150,42 +150,28 @@ impl Gpu {
         kernel: &Kernel,
         frame: ResidentFrame<'_>,
         unsure: &mut Vec<u32>,
+        timings: &mut Timings,
     ) -> Result<Rendered> {
-        let ResidentFrame { scene, view, placer, .. } = frame;
-        let record = view.record;
+        let record = frame.view.record;
         self.forget_hits();
         self.guarded(|gpu| {
-            let mut binned = match gpu.place(frame)? {
-                Rendered::Frame(binned) => binned,
-                left => return Ok(left),
-            };
-            let kernel = match gpu.kernel_of_frame(kernel, &binned) {
-                Ok(kernel) if kernel.leaves_starts() => kernel,
-                Ok(_) => return Ok(Rendered::Left("the adapter binds too few buffers to keep the hits".into())),
+            let Begun { kernel, mut binned, starts, .. } = match gpu.begin_frame(kernel, frame, timings)? {
+                Ok(begun) => begun,
                 Err(reason) => return Ok(Rendered::Left(reason)),
             };
-            let rows = gpu.rows_of_band(&kernel, &record);
-            if rows.is_none_or(|rows| rows < record.rows + record.first_row % TILE) {
-                return Ok(Rendered::Left("the adapter holds the hits of a part of the image only".into()));
+            if let Some(Err(reason)) = starts {
+                return Ok(Rendered::Left(reason.into()));
             }
-            gpu.compile_for_frame(&kernel)?;
             gpu.compile(Program::Step(Step::Unsure))?;
-            gpu.upload_resident(&kernel, scene, view, &binned)?;
             let band = Band { first: record.first_row, count: record.rows };
             gpu.upload_general_lists(&record, &band, &binned)?;
-            gpu.trace_band(&kernel, &record, &band, false)?;
-            let Some(mut pairs) = gpu.take_pairs()? else {
-                return Ok(Rendered::Left(format!("more than {PAIRS} spheres lie at pixels that are not proved")));
-            };
+            timings.time("trace", || gpu.trace_band(&kernel, &record, &band, false))?;
+            let Some(mut pairs) = gpu.take_pairs()? else { return Ok(Rendered::Left(too_many_pairs())) };
             unsure.extend(pairs.iter().map(|[pixel, _]| *pixel));
             unsure.sort_unstable();
             unsure.dedup();
-            let resident = gpu.resident.as_ref();
             pairs.retain(|[_, slot]| *slot != NONE);
-            pairs.iter_mut().for_each(|[_, slot]| *slot = resident.map_or(*slot, |resident| resident.id(*slot)));
-            if !pairs.is_empty() {
-                placer.list(scene, view, &mut binned, pairs);
-            }
+            timings.time("settle", || gpu.list_pairs(frame, &mut binned, pairs));
             Ok(Rendered::Frame(binned))
         })
     }
@@ -250,9 +236,8 @@ impl Gpu {
         self.compile(program)?;
         let groups = patches.0.len().div_ceil(GROUP as usize);
         // Whole workgroups.
-        let mut all = patches.0.clone();
-        all.resize(groups * GROUP as usize, *last);
-        self.fill("patches", bytemuck::cast_slice(&all))?;
+        let rest = vec![*last; groups * GROUP as usize - patches.0.len()];
+        self.fill_parts("patches", &[bytemuck::cast_slice(&patches.0), bytemuck::cast_slice(&rest)])?;
         let bound = |binding| self.bound(if binding == "patched" { name } else { binding }, None);
         let mut encoder = self.encoder();
         self.dispatch(&mut self.pass(&mut encoder), &self.programs[&program], bound, (groups as u32, 1));

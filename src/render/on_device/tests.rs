@@ -5,8 +5,8 @@ use super::*;
 use crate::frame::Data;
 use crate::frame::outline::Outline;
 use crate::gpu::room::Fault;
-use crate::scene::camera::{Camera, Lens, Look};
-use crate::scene::{ImagePlane, Light, LightSource, Lighting, Sky, SkyColors, Spheres};
+use crate::scene::camera::Camera;
+use crate::scene::{ImagePlane, Lighting, Sky, SkyColors, Spheres};
 use crate::settings::{Backend, Settings};
 use crate::testing::{Rng, adapter_or_skip, calls_apart};
 use crate::{Aov, Frame};
@@ -21,20 +21,10 @@ fn cloud(count: usize, colors: bool, seed: u64) -> Scene {
         spheres.push(center, 0.3 * rng.between(0.1, 1.0) * (count as f64).powf(-1.0 / 3.0) * 3.0, color);
     }
     spheres.push([0.0, -101.3, 0.0], 100.0, colors.then_some([0.5, 0.6, 0.7]));
-    let camera = Camera {
-        eye: DVec3::new(0.4, 0.7, 4.0),
-        look: Look::At(DVec3::ZERO),
-        lens: Lens::Vfov { degrees: 40.0, distance: 1.0 },
-        ..Camera::CANONICAL
-    };
-    let image = ImagePlane { width: 161, height: 118, background: [0.9, 0.95, 1.0] };
-    let light = Light {
-        source: LightSource::Direction(DVec3::new(-0.4, 0.8, 0.5).normalize()),
-        color: [0.9; 3],
-        intensity: 0.6,
-    };
-    let lighting =
-        Lighting { lights: vec![light], sky: Some(Sky { share: 0.5, ..Sky::AT_CENTERS }), ..Lighting::default() };
+    let base = trial::scene();
+    let camera = Camera { eye: DVec3::new(0.4, 0.7, 4.0), ..base.camera };
+    let image = ImagePlane { width: 161, height: 118, ..base.image };
+    let lighting = Lighting { sky: Some(Sky { share: 0.5, ..Sky::AT_CENTERS }), ..base.lighting };
     Scene { camera, image, spheres, lighting }
 }
 

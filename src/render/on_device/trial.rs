@@ -17,7 +17,7 @@ pub(super) const MOST: f32 = 2e-3;
 pub(super) const DECIDED: f64 = 1e-4;
 
 /// A few spheres of several sizes and colours on a ground, with a sun and a sky.
-fn scene() -> Scene {
+pub(super) fn scene() -> Scene {
     let mut spheres = Spheres::default();
     spheres.push([0.0, -101.0, 0.0], 100.0, Some([0.4, 0.5, 0.3]));
     for n in 0..24u32 {
