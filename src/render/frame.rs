@@ -52,8 +52,9 @@ impl Renderer {
     /// Renders `scene`. The backend and adapter of `settings` take effect in [`Renderer::new`] only.
     ///
     /// # Errors
-    /// [`Error::Scene`], [`Error::Settings`], [`Error::Limits`], [`Error::DeviceLost`], [`Error::Accuracy`],
-    /// [`Error::Interrupted`].
+    /// [`Error::Scene`](crate::Error::Scene), [`Error::Settings`](crate::Error::Settings), [`Error::Limits`](crate::Error::Limits),
+    /// [`Error::DeviceLost`](crate::Error::DeviceLost), [`Error::Accuracy`](crate::Error::Accuracy),
+    /// [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
         if scene.lighting.sky.is_some_and(|sky| sky.at_centers) && settings.asks(&[Aov::Color]) {
             self.try_drawing();
