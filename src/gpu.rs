@@ -18,6 +18,7 @@ pub(crate) mod texture;
 pub(crate) mod traffic;
 pub(crate) mod transfers;
 mod validate;
+mod wait;
 pub(crate) mod work;
 
 pub(crate) use dispatch::Gpu;

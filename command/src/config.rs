@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 /// The commands that they apply to. The tolerance of `compare` is a test criterion, which a file of preferences must
 /// not relax.
-const COMMANDS: [&str; 6] = ["render", "plan", "sift", "measure", "trace", "view"];
+const COMMANDS: [&str; 7] = ["render", "plan", "page", "sift", "measure", "trace", "view"];
 
 /// The most bytes of a configuration file, many times the length of all options.
 const LONGEST: u64 = 1 << 16;

@@ -25,6 +25,7 @@ mod merge;
 mod messages;
 mod names;
 mod option_table;
+mod page;
 mod picture_scene;
 mod plan;
 mod preview;
@@ -44,9 +45,10 @@ mod values;
 mod view;
 mod visible;
 
-/// The page of `halfline view` for the widget of the Python package.
+/// The page of `halfline view` for the widget of the Python package, and for pages without a server.
 pub mod shown {
-    pub use crate::view::{MemoryScene, WrittenOption, pose, stage};
+    pub use crate::messages::flags;
+    pub use crate::view::{Content, MemoryScene, WrittenOption, pose, stage};
 }
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -80,6 +82,7 @@ enum Command {
     Compare(compare::Compare),
     Merge(merge::Merge),
     Measure(Box<measure::Measure>),
+    Page(Box<page::Page>),
     Plan(Box<plan::PlanArgs>),
     Sift(Box<sift::Sift>),
     Trace(Box<trace::Trace>),
@@ -101,7 +104,9 @@ pub fn command(given: impl Iterator<Item = OsString>) -> u8 {
 /// Clap prints usage errors itself and exits with 2.
 fn arguments() -> Result<Arguments> {
     exhaustion::listen();
-    let known = || sift::with_own_options(view::without_files(plan::of_a_picture(Arguments::command())));
+    let known = || {
+        page::with_own_options(sift::with_own_options(view::without_files(plan::of_a_picture(Arguments::command()))))
+    };
     let configured = Config::load().and_then(|config| config.apply(known()));
     let (command, fault) = match configured {
         Ok(command) => (command, None),
@@ -147,6 +152,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Compare(compare) => compare.run(),
         Command::Merge(merge) => merge.run(),
         Command::Measure(measure) => measure.run(),
+        Command::Page(page) => page.run(),
         Command::Plan(plan) => plan.run(),
         Command::Sift(sift) => sift.run(),
         Command::Trace(trace) => trace.run(),

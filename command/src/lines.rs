@@ -4,7 +4,8 @@
 use super::tally::Tally;
 use halfline::progress::{Progress, Step};
 use std::io::{self, Write};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// The option `--progress`.
 #[derive(Debug, clap::Args)]

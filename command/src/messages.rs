@@ -30,7 +30,7 @@ pub(super) fn is_quiet() -> bool {
 }
 
 /// A message of the library with the options of the command in place of the names of settings.
-pub(super) fn flags(message: &str) -> String {
+pub fn flags(message: &str) -> String {
     reworded(message, |setting| format!("--{}", setting.replace('_', "-")))
 }
 

@@ -4,7 +4,9 @@
 #[cfg(unix)]
 use halfline::Error;
 use halfline::progress::Watch;
+#[cfg(not(target_arch = "wasm32"))]
 use signal_hook::consts::{SIGINT, SIGTERM};
+#[cfg(not(target_arch = "wasm32"))]
 use signal_hook::flag::{register, register_conditional_shutdown};
 use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(unix)]
@@ -15,7 +17,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// The signals that request termination.
 #[cfg(unix)]
 const ENDS: [i32; 3] = [SIGINT, SIGTERM, signal_hook::consts::SIGHUP];
-#[cfg(not(unix))]
+#[cfg(windows)]
 const ENDS: [i32; 2] = [SIGINT, SIGTERM];
 
 /// The time that the work may take to end, because passes over many millions of spheres do not check for requests.
@@ -26,6 +28,7 @@ const GRACE: Duration = Duration::from_millis(500);
 /// Installs the handlers. Where the system refuses, its default action ends the process, which is acceptable. Other
 /// signals keep their default action, which a user may want (such as a core file by ctrl-\).
 pub(super) fn listen() {
+    #[cfg(not(target_arch = "wasm32"))]
     for signal in ENDS {
         // The order matters: the shutdown checks the flag before the first signal sets it.
         let _ = register_conditional_shutdown(signal, 130, &INTERRUPTED);

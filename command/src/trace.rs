@@ -30,7 +30,7 @@ use halfline_files::write::hits::{HitFile, HitWriter, Query};
 use report::{Cloud, Tally, TraceReport};
 use source::{RaySource, SourceArgs, rays_of_a_block};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use web_time::Instant;
 
 /// Traces given rays, or the beams of a spinning scanner, and writes the nearest hit of each.
 #[derive(Debug, Args)]

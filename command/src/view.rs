@@ -1,6 +1,8 @@
 //! `halfline view FILE`: a page that finds the camera.
 
+mod content;
 mod frames;
+mod gather;
 mod given;
 mod handler;
 mod lens;
@@ -9,10 +11,15 @@ mod moving;
 mod parse;
 mod pick;
 mod python;
+mod reading;
 mod summary;
 
+pub use content::Content;
+pub(crate) use gather::content;
+pub(crate) use given::Given;
+pub use given::WrittenOption;
 pub use lens::pose;
-pub use memory::{MemoryScene, WrittenOption};
+pub use memory::MemoryScene;
 
 use super::config::Config;
 use super::inset_args::joined;
@@ -23,7 +30,6 @@ use super::scene_args::SceneArgs;
 use super::signals::go_on;
 use super::standard::print;
 use clap::{Arg, Args, Command};
-use given::Given;
 use halfline::error::{Error, Result};
 use halfline_files::read::read_once;
 use halfline_viewer::{Server, Stage, open_browser, ssh_line};

@@ -25,7 +25,7 @@ pub(crate) fn widget_module() -> String {
 /// The style of the widget.
 #[pyfunction]
 pub(crate) fn widget_style() -> &'static str {
-    halfline_viewer::widget_style()
+    halfline_viewer::style()
 }
 
 /// The options of a view in the words of the command, and the file of its scene.
@@ -75,7 +75,7 @@ impl Desk {
             options.retain(|(id, _)| !(shown.outlined && id == "outline"));
         }
         let memory = |camera: Pose| MemoryScene {
-            frame: shown.frame.clone(),
+            frames: vec![shown.frame.clone()],
             edges: shown.edges(),
             name: shown.file.as_deref().unwrap_or("scene").into(),
             source,
@@ -83,6 +83,7 @@ impl Desk {
             copied,
             camera,
             size: size.into(),
+            is_sized: false,
             renderer: renderer.shared.place(),
             backend: renderer.backend,
             words: keywords,

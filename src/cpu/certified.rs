@@ -10,7 +10,9 @@ use crate::answers::raw::Raw;
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::kernel::Kernel;
-use crate::number::vector::{LANES, WIDE};
+use crate::number::vector::LANES;
+#[cfg(target_arch = "x86_64")]
+use crate::number::vector::WIDE;
 use crate::tile::TILE;
 use crate::view::View;
 use pixels::{Band, Pixels, StripFrame};

@@ -3,10 +3,11 @@
 
 use super::srgb::linear;
 use crate::error::{Error, Result, named};
+use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
 /// A colour map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum ColorMap {
     /// Dark violet to yellow, with uniform lightness steps.
     #[default]

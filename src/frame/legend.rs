@@ -1,9 +1,10 @@
 //! The legend of a picture: quantity, colour map, range and categories.
 
 use super::color_map::ColorMap;
+use serde::{Deserialize, Serialize};
 
 /// The meaning of a picture's colours: the coloured quantity with its map and range, or categories.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Legend {
     /// The coloured quantity: `speed`, or `|vx, vy, vz|`.
     pub name: String,
@@ -71,7 +72,7 @@ impl Legend {
 }
 
 /// A category of particles.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Category {
     /// Its name or number, as in the file.
     pub label: String,

@@ -7,7 +7,7 @@ use crate::scene::Sky;
 use crate::scene::camera::CameraRecord;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The driver of the CPU reference path, as far as answers depend on it.
 pub(crate) const CPU_DRIVER: &str = "halfline reference path, f32";

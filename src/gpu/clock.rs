@@ -68,8 +68,8 @@ impl Clock {
     }
 
     /// Requests the mapping, which completes with the next wait.
-    pub(super) fn ask(&self) {
-        self.staging.map_async(wgpu::MapMode::Read, .., |_| {});
+    pub(super) fn ask(&self, open: &Open) {
+        self.staging.map_async(wgpu::MapMode::Read, .., open.pending.mapping());
     }
 
     /// Adds the times of the passes; call it after that wait. An unreadable timestamp does not fail the frame.

@@ -1,5 +1,6 @@
 //! Adapters: listing, selecting and opening them.
 
+use super::wait::{Pending, block_on};
 use crate::error::{Error, Result};
 use crate::quote::setting::{ADAPTER, BACKEND};
 use serde::Serialize;
@@ -67,7 +68,7 @@ pub(crate) fn find() -> Result<Vec<FoundAdapter>> {
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     };
     let instance = wgpu::Instance::new(descriptor);
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    let mut adapters = block_on(instance.enumerate_adapters(backends));
     adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
     let found = |(index, adapter): (usize, wgpu::Adapter)| FoundAdapter {
         summary: summary(index, adapter.get_info(), adapter.features(), &adapter.limits()),
@@ -113,7 +114,8 @@ fn summary(index: usize, info: wgpu::AdapterInfo, features: wgpu::Features, limi
         f64: features.contains(wgpu::Features::SHADER_F64),
         max_binding: limits.max_storage_buffer_binding_size,
         max_buffer: limits.max_buffer_size,
-        name: info.name,
+        // A browser may not say it.
+        name: if info.name.is_empty() { format!("{} adapter", info.backend) } else { info.name },
     }
 }
 
@@ -179,6 +181,7 @@ pub(crate) struct Open {
     /// Bytes that were written since the last submission of such, and this submission.
     unsent: usize,
     sent: Option<wgpu::SubmissionIndex>,
+    pub(super) pending: Pending,
 }
 
 /// The usual [`Open::part`].
@@ -186,7 +189,7 @@ const PART: usize = 64 << 20;
 
 impl Open {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, lost: Arc::default(), part: PART, unsent: 0, sent: None }
+        Self { device, queue, lost: Arc::default(), part: PART, unsent: 0, sent: None, pending: Pending::new() }
     }
 
     /// Whether the output buffers can be read in place without a copy, and doing so is faster.
@@ -226,8 +229,7 @@ impl Open {
     /// # Errors
     /// [`Error::DeviceLost`].
     pub(super) fn wait(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
-        let wait = wgpu::PollType::Wait { submission_index, timeout: None };
-        self.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
+        self.pending.wait(&self.device, &self.queue, submission_index)
     }
 }
 
@@ -245,11 +247,10 @@ pub(crate) fn open(found: &FoundAdapter) -> Result<Open> {
         required_limits: found.adapter.limits(),
         ..Default::default()
     };
-    let (device, queue) =
-        pollster::block_on(found.adapter.request_device(&descriptor)).map_err(|e| Error::Adapter {
-            problem: format!("{} cannot be opened: {e}", found.summary.name),
-            mend: format!("choose another {ADAPTER}, or {BACKEND} cpu"),
-        })?;
+    let (device, queue) = block_on(found.adapter.request_device(&descriptor)).map_err(|e| Error::Adapter {
+        problem: format!("{} cannot be opened: {e}", found.summary.name),
+        mend: format!("choose another {ADAPTER}, or {BACKEND} cpu"),
+    })?;
     let open = Open::new(device, queue);
     let note = |lost: &Mutex<Option<String>>, message| {
         if let Ok(mut lost) = lost.lock() {

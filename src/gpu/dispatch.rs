@@ -15,6 +15,7 @@ use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::traffic::Traffic;
 use crate::gpu::transfers::{Band, Bands, largest_binding, most_spheres, uploads};
 use crate::gpu::validate::{compile, validate};
+use crate::gpu::wait::block_on;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, KernelOutput};
 use crate::quote::setting::{ADAPTER, BACKEND, SIZE};
@@ -23,7 +24,7 @@ use crate::view::ViewRecord;
 use naga::valid::Capabilities;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
-use std::time::Instant;
+use web_time::Instant;
 
 /// An open device with its pipelines and buffers, kept between frames.
 pub(crate) struct Gpu {
@@ -172,7 +173,7 @@ impl Gpu {
         let outcome = work(self);
         let mut failure = None;
         for scope in scopes.into_iter().rev() {
-            failure = pollster::block_on(scope.pop()).or(failure);
+            failure = block_on(scope.pop()).or(failure);
         }
         #[cfg(test)]
         let failure = self.next_fault().or(failure);
@@ -274,7 +275,7 @@ impl Gpu {
     pub(super) fn built(&self, source: &Source, capabilities: Capabilities, label: &str) -> Result<Pipeline> {
         let (module, info) = validate(source, capabilities)?;
         let bindings = bindings(&module, &info);
-        Ok(Pipeline { compute: compile(&self.open.device, label, module), bindings, budget: self.budget })
+        Ok(Pipeline { compute: compile(&self.open.device, label, source, module), bindings, budget: self.budget })
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {

@@ -21,7 +21,7 @@ use crate::quote::setting::{BACKEND, METHOD};
 use crate::view::ViewRecord;
 use bytemuck::Zeroable;
 use naga::valid::Capabilities;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Evaluates the cases and answers of a trial.
 type Evaluate = fn(&[u32], &[u32]) -> Vec<Check>;

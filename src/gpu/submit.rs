@@ -8,7 +8,7 @@ use crate::gpu::dispatch::reserve;
 use crate::gpu::transfers::Band;
 use crate::kernel::{Kernel, KernelOutput};
 use crate::view::ViewRecord;
-use std::time::Instant;
+use web_time::Instant;
 
 impl Gpu {
     /// The buffers of the kernel's outputs.
@@ -49,7 +49,7 @@ impl Gpu {
         let start = Instant::now();
         self.open.queue.submit([commands]);
         if let Some(clock) = clock {
-            clock.ask();
+            clock.ask(&self.open);
         }
         ask(self);
         self.open.wait(None)?;
@@ -83,7 +83,7 @@ impl Gpu {
 
     /// Requests the mapping of a copy, which completes with the next wait.
     pub(super) fn ask(&self, name: &'static str, size: u64) {
-        self.staging[name].map_async(wgpu::MapMode::Read, 0..size, |_| {});
+        self.staging[name].map_async(wgpu::MapMode::Read, 0..size, self.open.pending.mapping());
     }
 
     /// The first numbers of a copy whose mapping was asked for before the last wait.
@@ -114,7 +114,7 @@ impl Gpu {
     /// Requests the mapping of the outputs, which completes with the next wait.
     pub(super) fn ask_outputs(&self, kernel: &Kernel, pixels: u64) {
         for (buffer, bytes) in KernelOutput::buffers(kernel) {
-            self.read_from(buffer).map_async(wgpu::MapMode::Read, 0..pixels * bytes, |_| {});
+            self.read_from(buffer).map_async(wgpu::MapMode::Read, 0..pixels * bytes, self.open.pending.mapping());
         }
     }
 

@@ -20,13 +20,24 @@ pub(crate) fn validate(source: &Source, capabilities: Capabilities) -> Result<(n
     Ok((module, info))
 }
 
-/// Compiles a validated shader. The parsed module is passed on: parsing takes five times as long as validating and
-/// translating together.
-pub(super) fn compile(device: &wgpu::Device, label: &str, module: naga::Module) -> wgpu::ComputePipeline {
-    let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(label),
-        source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
-    });
+/// The shader as wgpu takes it: parsed, since parsing takes five times as long as validating and translating together; a browser
+/// parses the text.
+fn shader(source: &Source, module: naga::Module) -> wgpu::ShaderSource<'_> {
+    #[cfg(target_arch = "wasm32")]
+    return (wgpu::ShaderSource::Wgsl(Cow::Borrowed(&source.text)), module).0;
+    #[cfg(not(target_arch = "wasm32"))]
+    (wgpu::ShaderSource::Naga(Cow::Owned(module)), source).0
+}
+
+/// Compiles a validated shader.
+pub(super) fn compile(
+    device: &wgpu::Device,
+    label: &str,
+    source: &Source,
+    module: naga::Module,
+) -> wgpu::ComputePipeline {
+    let descriptor = wgpu::ShaderModuleDescriptor { label: Some(label), source: shader(source, module) };
+    let shader = device.create_shader_module(descriptor);
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(label),
         layout: None,

@@ -34,7 +34,7 @@ use crate::view::raster::Raster;
 use crate::window::Window;
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The rays of a frame.
 #[derive(Clone, Copy)]

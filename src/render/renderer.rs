@@ -18,7 +18,7 @@ use crate::memory::Pool;
 use crate::progress::Watch;
 use crate::settings::Settings;
 use std::sync::Arc;
-use std::time::Instant;
+use web_time::Instant;
 
 /// A device with its pipelines and buffers, or the CPU reference path, kept for many frames.
 pub struct Renderer {

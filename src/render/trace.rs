@@ -15,7 +15,7 @@ use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Backend, Search, Settings};
 pub use crate::view::given::Rays;
 use on_device::OnDevice;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The nearest hits of given rays, in their order.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,12 +1,13 @@
 //! The periodic cell of a simulation or a crystal.
 
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// The most shifts along an edge that are tried; only cells with an angle of few degrees would need more.
 const MAX_SHIFTS: f64 = 32.0;
 
 /// A periodic cell.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// A corner.
     pub origin: [f64; 3],

@@ -5,7 +5,7 @@ use super::check::check_color;
 use super::gradient::SkyColors;
 use crate::error::{Error, Place, Result};
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The lights, shadows, sky and bounces of a scene. The default is the light at the eye alone, which casts no shadow
@@ -30,7 +30,7 @@ pub const BOUNCES: u32 = 6;
 pub const MOST_BOUNCES: u32 = 64;
 
 /// A light. A surface that faces it reflects its own colour times `color` times `intensity`, at any distance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Light {
     /// The position or the direction of the light.
     pub source: LightSource,
@@ -41,7 +41,7 @@ pub struct Light {
 }
 
 /// The position or the direction of a light. All numbers are taken as exact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum LightSource {
     /// Infinitely far in this direction, which points toward the light and has any length but zero.
     Direction(DVec3),

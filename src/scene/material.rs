@@ -2,10 +2,11 @@
 
 use super::List;
 use crate::error::{Error, Place, Result, named};
+use serde::{Deserialize, Serialize};
 
 /// The reflection and transmission of light by a sphere. The sphere's colour is that of its diffuse reflection, and of
 /// a metal's mirror image.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Material {
     /// Plastic and mirrors as NFF describes them: the shares of light by kind.
     Phong {

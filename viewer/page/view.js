@@ -43,8 +43,8 @@ function pace() {
   };
 }
 
-// Builds the view in `root`. `transport` has request(route, body) -> Promise of {status, json, blob, info}; `options` are page
-// (the keys of the document are the view's), camera, selection, onChange and onStill.
+// Builds the view in `root`. `transport` has request(route, body) -> Promise of {status, json, blob or pixels, info}; `options` are page
+// (the keys of the document are the view's), camera, selection, onChange, onStill, and the words waiting and ended.
 export function mount(root, transport, options = {}) {
   const ended = new AbortController();
   const listen = (target, names, f, more = {}) => {
@@ -119,7 +119,7 @@ export function mount(root, transport, options = {}) {
       if (!ended.signal.aborted && !wasLost) {
         wasLost = true;
         stop();
-        tell("The server has ended", start);
+        tell(options.ended ?? "The server has ended", options.ended ? null : start);
       }
       throw error;
     }
@@ -130,7 +130,7 @@ export function mount(root, transport, options = {}) {
 
   async function start() {
     wasLost = false;
-    tell("Waiting for the server");
+    tell(options.waiting ?? "Waiting for the server");
     try {
       for (;;) {
         const { state, text: what } = (await ask("/progress", {})).json;
@@ -244,9 +244,9 @@ export function mount(root, transport, options = {}) {
     const sent = { seq, version, mode, level, camera, frame }, together = flying.push(sent);
     let pause = 0;
     try {
-      const { blob, info } = await ask("/frame", request);
-      if (blob) {
-        draw(sent, await createImageBitmap(blob), info ?? {}, blob);
+      const { blob, pixels, info } = await ask("/frame", request);
+      if (blob || pixels) {
+        draw(sent, await createImageBitmap(blob ?? pixels), info ?? {}, blob);
         if (mode === "move") speed.add(level, performance.now() - from, together, info?.ms ?? 0);
       } else if (isNow(sent)) pause = 250;   // another window has the server
     } catch (error) {
@@ -381,7 +381,7 @@ export function mount(root, transport, options = {}) {
   }
 
   // Frames of a file.
-  const firstFrame = () => scene.frame === 0 ? 0 : 1;
+  const firstFrame = () => scene.first ?? (scene.frame === 0 ? 0 : 1);
   function showFrame() {
     number.value = last == null ? `frame ${frame}` : `${frame} / ${last}`;
     slider.hidden = last == null;

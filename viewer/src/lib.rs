@@ -17,7 +17,7 @@ pub mod stage;
 mod timed;
 
 pub use open::{open_browser, ssh_line};
-pub use page::{widget_module, widget_style};
+pub use page::{figure_script, style, widget_module, worker_script};
 pub use reply::Reply;
 pub use routes::Routes;
 pub use server::{PORT, Server, Times};

@@ -5,6 +5,7 @@ use crate::reply::Reply;
 const CAMERA: &str = include_str!("../page/camera.js");
 const VIEW: &str = include_str!("../page/view.js");
 const WIDGET: &str = include_str!("../page/widget.js");
+const FIGURE: &str = include_str!("../page/figure.js");
 const STYLE: &str = include_str!("../page/view.css");
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
@@ -27,8 +28,18 @@ pub fn widget_module() -> String {
     [without_modules(CAMERA, false), without_modules(VIEW, false), without_modules(WIDGET, true)].join("\n")
 }
 
-/// The style of the page, for the widget.
-pub fn widget_style() -> &'static str {
+/// The page as one script of a page without a server, whose program answers in a worker.
+pub fn figure_script() -> String {
+    [CAMERA, VIEW, FIGURE].map(|text| without_modules(text, false)).join("\n")
+}
+
+/// The script of that worker, which follows the program's own.
+pub fn worker_script() -> &'static str {
+    include_str!("../page/worker.js")
+}
+
+/// The style of the page, for all but the server.
+pub fn style() -> &'static str {
     STYLE
 }
 
@@ -59,8 +70,9 @@ mod tests {
         let text = "// a\nimport {\n  b,\n} from \"./b.js\";\nimport c from './c.js';\nexport const d = 1;\n  export_ = important;\n";
         assert_eq!(without_modules(text, false), "// a\nconst d = 1;\n  export_ = important;\n");
         assert_eq!(without_modules(text, true), "// a\nexport const d = 1;\n  export_ = important;\n");
-        let module = widget_module();
-        assert!(!module.lines().any(|line| line.starts_with("import ")), "no imports");
+        for module in [widget_module(), figure_script()] {
+            assert!(!module.lines().any(|line| line.starts_with("import ")), "no imports");
+        }
     }
 
     #[test]

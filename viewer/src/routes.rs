@@ -76,8 +76,17 @@ impl Route {
 /// Answers the questions of a page, over HTTP or otherwise.
 pub struct Routes {
     stage: Arc<dyn Stage>,
+    sends: Sends,
     queue: Arc<Queue>,
     is_closed: AtomicBool,
+}
+
+/// The form of pixels while the camera moves.
+#[derive(Debug, Clone, Copy)]
+enum Sends {
+    Jpeg,
+    /// Pixels as they are, to the same thread, which this call lets do other work.
+    Rgba(fn()),
 }
 
 /// The body of a question without parameters.
@@ -85,9 +94,15 @@ pub struct Routes {
 struct Nothing {}
 
 impl Routes {
-    /// Lets the stage answer.
+    /// Lets the stage answer a page to which there is a way.
     pub fn new(stage: Arc<dyn Stage>) -> Self {
-        Self { stage, queue: Arc::default(), is_closed: AtomicBool::new(false) }
+        Self { stage, sends: Sends::Jpeg, queue: Arc::default(), is_closed: AtomicBool::new(false) }
+    }
+
+    /// Lets the stage answer a page in the same thread. Pixels of a moving camera are sent as `image/x-rgba`: red, green, blue and 255.
+    /// `pause` is called often while a picture is made, so that newer questions can be taken.
+    pub fn within_page(stage: Arc<dyn Stage>, pause: fn()) -> Self {
+        Self { sends: Sends::Rgba(pause), ..Self::new(stage) }
     }
 
     /// Takes a question by its name, such as `frame`, and its body in JSON. What is returned answers it, in any thread.
@@ -147,12 +162,28 @@ impl Routes {
             return Ok(Reply::EMPTY);
         }
         // A move that has begun is finished: else a page that asks while it waits would see none.
-        let go_on: GoOn = if request.mode == Mode::Move { Arc::new(|| true) } else { ticket.go_on() };
+        let go_on: GoOn = match (request.mode, self.sends) {
+            (Mode::Move, _) => Arc::new(|| true),
+            (Mode::Still, Sends::Jpeg) => ticket.go_on(),
+            (Mode::Still, Sends::Rgba(pause)) => {
+                let go_on = ticket.go_on();
+                Arc::new(move || {
+                    pause();
+                    go_on()
+                })
+            }
+        };
         let Some(picture) = self.stage.frame(&request, &go_on)? else { return Ok(Reply::EMPTY) };
         // The next frame is rendered while this one is encoded.
         drop(ticket);
         let reply = match picture.pixels {
-            Pixels::Rgb { size, levels } => Reply::new("image/jpeg", jpeg::encode(size, &levels)?),
+            Pixels::Rgb { size, levels } => match self.sends {
+                Sends::Jpeg => Reply::new("image/jpeg", jpeg::encode(size, &levels)?),
+                Sends::Rgba(_) => {
+                    let rgba = |rgb: &[u8]| [rgb[0], rgb[1], rgb[2], 255];
+                    Reply::new("image/x-rgba", levels.chunks_exact(3).flat_map(rgba).collect::<Vec<u8>>())
+                }
+            },
             Pixels::Png(bytes) => Reply::new("image/png", bytes),
         };
         Ok(reply.with(picture.info))

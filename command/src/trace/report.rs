@@ -10,7 +10,7 @@ use halfline_files::read::rays::RayBlock;
 use halfline_files::write::hits::CloudSummary;
 use serde::Serialize;
 use std::path::Path;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The counts of rays, hits and certainties while rays are traced, the time of each block, and the first fault.
 #[derive(Debug, Default)]

@@ -1,12 +1,12 @@
 //! The frames of the file, as one set of options reads them, or a frame in memory. The last ones are kept.
 
+use super::reading::{Reading, open};
 use crate::scene_args::SceneArgs;
-use crate::scene_frames::{arrange, sequence};
+use crate::scene_frames::arrange;
 use halfline::camera::Camera;
 use halfline::error::{Error, Result};
-use halfline::progress::Cancel;
 use halfline::quote::count;
-use halfline_files::read::{Format, Keep, SceneFrame, Sequence};
+use halfline_files::read::{Format, SceneFrame};
 use std::collections::VecDeque;
 use std::ffi::OsString;
 
@@ -19,7 +19,7 @@ pub(super) struct Frames {
     /// The options of reading; `None` for a frame in memory.
     args: Option<SceneArgs>,
     /// The reading, which goes on behind the last frame that was read.
-    reading: Option<Sequence>,
+    reading: Option<Reading>,
     /// The number of frames that it has read.
     passed: u64,
     /// Frames with their clip planes, copies and outline.
@@ -34,7 +34,7 @@ pub(super) struct Frames {
 
 /// A file whose frames are counted.
 pub(super) struct Count {
-    reading: Sequence,
+    reading: Reading,
     count: u64,
 }
 
@@ -63,10 +63,15 @@ impl Frames {
         }
     }
 
-    /// A frame in memory, with the colours that these words say.
-    pub(super) fn in_memory(words: Vec<OsString>, frame: SceneFrame) -> Self {
-        let (kept, total) = (VecDeque::from([frame]), Some(1));
+    /// Frames in memory, with the colours that these words say.
+    pub(super) fn in_memory(words: Vec<OsString>, frames: Vec<SceneFrame>) -> Self {
+        let (total, kept) = (Some(frames.len() as u64), VecDeque::from(frames));
         Self { words, args: None, reading: None, passed: 0, kept, total, fixed: None, format: None }
+    }
+
+    /// Whether frame `number` is there without reading.
+    pub(super) fn has(&self, number: u64) -> bool {
+        self.kept.iter().any(|kept| kept.number == number)
     }
 
     /// Whether they are read with these words.
@@ -157,13 +162,13 @@ impl Frames {
     }
 
     /// Opens the file for its frames from this one on.
-    fn open(&mut self, number: u64) -> Result<Sequence> {
+    fn open(&mut self, number: u64) -> Result<Reading> {
         self.passed = 0;
         let Some(args) = &self.args else { return Err(self.beyond(number)) };
-        let (sequence, fixed) = sequence(args, Keep::All, Some(number), &Cancel::default())?;
+        let (reading, fixed) = open(args, number)?;
         self.fixed = fixed.map(|(camera, _)| camera);
-        self.format = Some(sequence.format());
-        Ok(sequence)
+        self.format = Some(reading.format());
+        Ok(reading)
     }
 
     fn keep(&mut self, frame: SceneFrame) {

@@ -11,6 +11,9 @@ use std::ffi::{OsStr, OsString};
 const SELECTED: &str = "darkorange";
 const OTHERS: &str = "silver";
 
+/// An option of the command: its identifier and its value; a flag has none.
+pub type WrittenOption = (String, Option<OsString>);
+
 /// An option with its values as they were typed; a flag has none.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct GivenOption {
@@ -22,7 +25,7 @@ pub(super) struct GivenOption {
 
 /// The scene file and the options that hold for every picture of the page.
 #[derive(Debug, Clone)]
-pub(super) struct Given {
+pub(crate) struct Given {
     pub(super) scene: OsString,
     options: Vec<GivenOption>,
     /// The options of the camera with which the page begins.
@@ -40,7 +43,7 @@ impl Given {
     ///
     /// # Errors
     /// [`Error::Settings`] for several frames.
-    pub(super) fn of(
+    pub(crate) fn of(
         command: &Command,
         matches: &ArgMatches,
         own: &[&str],
@@ -67,13 +70,18 @@ impl Given {
 
     /// A scene with options by their identifiers. The command has one option for edges of the cell that are drawn at the
     /// reading and at the rendering.
-    pub(super) fn of_options(scene: OsString, options: &[(String, Option<OsString>)]) -> Self {
-        let option = |(id, value): &(String, Option<OsString>)| match GivenOption::new(id, value.clone()) {
+    pub(super) fn of_options(scene: OsString, options: &[WrittenOption]) -> Self {
+        let option = |(id, value): &WrittenOption| match GivenOption::new(id, value.clone()) {
             edges if id == "outline" => GivenOption { long: "cell".into(), ..edges },
             option => option,
         };
         let options = options.iter().map(option).collect();
         Self { scene, options, camera: Vec::new(), preferences: Vec::new(), frame: None }
+    }
+
+    /// The options that hold for every picture.
+    pub(super) fn options(&self) -> &[GivenOption] {
+        &self.options
     }
 
     /// The options of the picture with which the page begins: those that are typed, with all frames of the file.
@@ -196,6 +204,11 @@ impl GivenOption {
     /// Its name as it is typed.
     pub(super) fn flag(&self) -> String {
         format!("--{}", self.long)
+    }
+
+    /// Its value; none for a flag.
+    pub(super) fn value(&self) -> Option<OsString> {
+        self.value.clone()
     }
 
     /// Its value as text; empty for a flag.

@@ -32,7 +32,8 @@ use halfline_viewer::{
 use serde_json::{Value, json};
 use std::num::NonZeroU32;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// The scene that a page shows, its cached frames, and the renderers of pictures and of picks.
 pub(super) struct ViewHandler {
@@ -106,22 +107,36 @@ impl ViewHandler {
     /// Errors of the options and of the camera with which it begins.
     pub(super) fn in_memory(memory: MemoryScene) -> Result<Self> {
         let given = Given::of_options(memory.name, &memory.rendering);
-        let is_numbered = memory.source.is_some() && memory.frame.number != 1;
+        let first = memory.frames.first().map_or(1, |frame| frame.number);
+        let is_numbered = memory.frames.len() > 1 || memory.source.is_some() && first != 1;
         let copied = Given::of_options(memory.source.unwrap_or_default(), &memory.copied);
-        let MemoryScene { mut frame, edges, camera, size, renderer, backend, words, .. } = memory;
+        let MemoryScene { mut frames, edges, camera, size, is_sized, renderer, backend, words, .. } = memory;
         let notebook = Some(Notebook { copied, edges, backend });
         let handler = Self { renderer, messages: Messages::silent(), words, notebook, ..Self::new(given)? };
         // Pictures take nothing from the camera of the file.
-        (frame.scene.camera, frame.aperture) = (Camera::CANONICAL, None);
-        let (first, plain) = (frame.number, Frames::in_memory(Vec::new(), frame));
+        for frame in &mut frames {
+            (frame.scene.camera, frame.aperture) = (Camera::CANONICAL, None);
+        }
+        let plain = Frames::in_memory(Vec::new(), frames);
         let (parser, summary) = (Parser::without_preferences(), Value::Null);
         let mut session = Session { parser, plain, selected: None, summary, record: None, first, is_numbered };
         let RenderJob { args, picture, .. } = handler.render_job(&mut session, &FrameRequest::still(camera, size))?;
         session.summary = summary::of(&args, session.plain.get(first)?, &picture, &camera)?;
+        if is_sized {
+            session.summary["sized"] = json!(true);
+        }
+        if session.is_numbered && session.plain.total > Some(1) {
+            session.summary["first"] = json!(first);
+        }
         // Expressions of coordinates need no columns.
         session.summary["selects"] = json!(true);
         *lock(&handler.session) = Some(session);
         Ok(handler)
+    }
+
+    /// The file and the options.
+    pub(super) fn given(&self) -> &Given {
+        &self.given
     }
 
     /// Opens the device, and reads the frame with which the page begins; its camera is that of its picture by
@@ -154,7 +169,11 @@ impl ViewHandler {
     }
 
     /// Reads the first frame of the file, whose camera is that of all, and the one with which the page begins.
-    fn read_first(&self, mut frames: Frames, args: &SceneArgs) -> Result<(Frames, Value, Option<CameraRecord>, u64)> {
+    pub(super) fn read_first(
+        &self,
+        mut frames: Frames,
+        args: &SceneArgs,
+    ) -> Result<(Frames, Value, Option<CameraRecord>, u64)> {
         let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let first = self.given.frame.unwrap_or(1);
         let fixed = frames.fixed_camera(first)?;
@@ -219,12 +238,13 @@ impl ViewHandler {
         let Some(selection) = select else { return session.plain.get(number) };
         let words = self.given.words(&self.given.selected(selection));
         let selected = match session.selected.take().filter(|selected| selected.are_of(&words)) {
-            Some(selected) => selected,
-            None if self.notebook.is_some() => {
+            // In memory the colours of one frame are kept.
+            Some(selected) if self.notebook.is_none() || selected.has(number) => selected,
+            _ if self.notebook.is_some() => {
                 let rules = options(&session.parser.args(&words)?, &Cancel::default())?.style.paints;
-                Frames::in_memory(words, session.plain.get(number)?.painted(&rules)?.0)
+                Frames::in_memory(words, vec![session.plain.get(number)?.painted(&rules)?.0])
             }
-            None => Frames::new(words.clone(), session.parser.args(&words)?),
+            _ => Frames::new(words.clone(), session.parser.args(&words)?),
         };
         session.selected.insert(selected).get(number)
     }
@@ -392,11 +412,12 @@ impl Stage for ViewHandler {
     }
 
     fn progress(&self, wait: Duration) -> Answer<Value> {
-        let session = lock(&self.session);
-        let (session, _) = self
-            .read
-            .wait_timeout_while(session, wait, |session| session.is_none())
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut session = lock(&self.session);
+        // A page in a browser has no clock for waits, and nothing to wait for.
+        if session.is_none() {
+            let waited = self.read.wait_timeout_while(session, wait, |session| session.is_none());
+            session = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
         let (state, text) = match *session {
             Some(_) => ("ready", String::new()),
             None => ("loading", format!("reading {}", self.given.scene.to_string_lossy())),

@@ -1,5 +1,7 @@
-//! A scene in memory that a notebook shows.
+//! A scene in memory that a notebook or a page without a server shows.
 
+use super::content::Content;
+use super::given::WrittenOption;
 use halfline::render::Renderer;
 use halfline::scene::Cell;
 use halfline::settings::Backend;
@@ -8,13 +10,10 @@ use halfline_viewer::Pose;
 use std::ffi::OsString;
 use std::sync::{Arc, Mutex};
 
-/// An option of the command: its identifier and its value; a flag has none.
-pub type WrittenOption = (String, Option<OsString>);
-
 /// A scene in memory, the renderer that a notebook lends, and the options as those of the command.
 pub struct MemoryScene {
-    /// The scene. Its camera and its aperture are not used.
-    pub frame: SceneFrame,
+    /// The frames, at least one, in their order; the page begins with the first. Their cameras and apertures are not used.
+    pub frames: Vec<SceneFrame>,
     /// The cell whose edges the option `outline` draws.
     pub edges: Option<Cell>,
     /// The name of its file, or another one.
@@ -29,10 +28,27 @@ pub struct MemoryScene {
     pub camera: Pose,
     /// Width and height of the first picture.
     pub size: [u32; 2],
+    /// Whether pictures keep this size whatever the page's is.
+    pub is_sized: bool,
     /// The renderer, unless it failed.
     pub renderer: Arc<Mutex<Option<Renderer>>>,
     /// The backend that this renderer was made for.
     pub backend: Backend,
     /// The names of settings in messages.
     pub words: fn(&str) -> String,
+}
+
+impl MemoryScene {
+    /// The scene of a page, with a renderer that was made for `backend`.
+    #[must_use]
+    pub fn of(
+        content: Content,
+        renderer: Arc<Mutex<Option<Renderer>>>,
+        backend: Backend,
+        words: fn(&str) -> String,
+    ) -> Self {
+        let Content { frames, edges, name, source, rendering, copied, camera, size, is_sized } = content;
+        let (name, source) = (name.into(), source.map(OsString::from));
+        Self { frames, edges, name, source, rendering, copied, camera, size, is_sized, renderer, backend, words }
+    }
 }

@@ -112,6 +112,17 @@ impl Columns {
         Ok(Self { list, others })
     }
 
+    /// The columns with these names and values, as many values in each.
+    #[must_use]
+    pub fn from_list(list: Vec<(String, ColumnValues)>) -> Self {
+        Self { list, others: Vec::new() }
+    }
+
+    /// The names and the values.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &ColumnValues)> {
+        self.list.iter().map(|(name, values)| (name.as_str(), values))
+    }
+
     /// Whether there are no columns.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -32,6 +32,7 @@ enum Make {
     /// A seed.
     Seed(fn(u64) -> Result<Vec<Scene>>),
     /// Data of third parties, in a file of this name.
+    #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "a browser has no files"))]
     File(&'static str, fn(&Path) -> Result<Vec<Scene>>),
 }
 
@@ -105,7 +106,9 @@ pub const FAMILIES: &[Family] = &[
     Family { name: "ground and crumbs", make: Make::Seed(crowd::ground) },
     Family { name: "anything at all", make: Make::Seed(wild::anything) },
     // Haines' Standard Procedural Databases.
+    #[cfg(not(target_arch = "wasm32"))]
     Family { name: "shells.nff", make: Make::File("shells.nff", crowd::spiral) },
     // JPL ephemeris DE421.
+    #[cfg(not(target_arch = "wasm32"))]
     Family { name: "Jupiter from the Earth", make: Make::File("solar_system.csv", crowd::solar) },
 ];

@@ -14,7 +14,7 @@ use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::view::{View, ViewRecord};
 use bytemuck::{Pod, Zeroable};
-use std::time::Instant;
+use web_time::Instant;
 
 /// The most rays of a pixel, which one invocation traces one after the other.
 const MAX_RAYS_PER_PIXEL: u32 = 1 << 12;

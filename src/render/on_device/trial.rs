@@ -8,7 +8,7 @@ use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Sky, SkyColors, Spheres};
 use crate::settings::{Accuracy, Settings};
 use glam::DVec3;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The most that a colour differs: normals of hits are within 1e-3 of the true ones on either side, the light of a surface changes
 /// with the normal by at most as much as colour times 1 for the sun and 1 for the sky, and sums over rays are rounded to 2^-16.

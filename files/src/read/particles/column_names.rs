@@ -31,6 +31,16 @@ const MEANINGS: [(&str, Role); 9] = [
 ];
 
 impl ColumnNames {
+    /// The columns by meaning, and the names among them that have none: `chain,x=pos_x` gives `chain`.
+    ///
+    /// # Errors
+    /// As [`ColumnNames::from_str`], for meanings.
+    pub fn with_others(text: &str) -> Result<(Self, Vec<String>)> {
+        let (named, others): (Vec<_>, Vec<_>) = text.split(',').partition(|part| part.contains('='));
+        let others = others.into_iter().map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect();
+        Ok((if named.is_empty() { Self::default() } else { named.join(",").parse()? }, others))
+    }
+
     /// Whether no column is named.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -134,6 +134,7 @@ pub(super) fn ground(seed: u64) -> Result<Vec<Scene>> {
 }
 
 /// A spiral of 5,761 heavily overlapping spheres: the whole and a corner.
+#[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "a browser has no files"))]
 pub(super) fn spiral(path: &Path) -> Result<Vec<Scene>> {
     let mut scene = halfline_files::read::scene(path, &ReadOptions::default())?.scene;
     (scene.image.width, scene.image.height) = (48, 48);
@@ -144,6 +145,7 @@ pub(super) fn spiral(path: &Path) -> Result<Vec<Scene>> {
 
 /// Jupiter and all other bodies from the Earth's surface: from the day side and the night side, wide and through a long
 /// lens.
+#[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "a browser has no files"))]
 pub(super) fn solar(path: &Path) -> Result<Vec<Scene>> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
     let mut bodies = Spheres::default();
