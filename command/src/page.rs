@@ -15,11 +15,13 @@ use super::view::{Content, Given, MemoryScene, content, stage};
 use clap::{Arg, Args, Command};
 use halfline::error::{Error, Result};
 use halfline::render::Renderer;
+use halfline::settings::Backend;
 use halfline_files::read::ColumnNames;
 use halfline_files::write::file::write_atomically;
-use halfline_viewer::{FrameRequest, Pixels};
+use halfline_viewer::{FrameRequest, Picture, Pixels};
 use html::Html;
 use serde::Serialize;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
@@ -83,6 +85,59 @@ fn own(page: Command) -> Command {
     page.mut_arg("columns", |arg: Arg| arg.value_parser(named))
 }
 
+/// A page, and what is in it.
+#[derive(Debug)]
+pub struct MadePage {
+    /// The file.
+    pub html: String,
+    /// The number of frames.
+    pub frames: usize,
+    /// The spheres of all frames.
+    pub spheres: usize,
+    /// The names of the columns.
+    pub columns: Vec<String>,
+    /// Bytes of the program in the file.
+    pub program_bytes: usize,
+    /// Bytes of the frames in the file.
+    pub content_bytes: usize,
+    /// Warnings of its picture.
+    pub warnings: Vec<String>,
+}
+
+/// Makes a page. `renderer`, which was made for `backend`, renders the picture for browsers that cannot run the page's program, from the
+/// very content of the page.
+///
+/// # Errors
+/// [`Error::Settings`] for a command without the program of pages, and for options that pictures do not take; errors of the picture.
+pub fn make(
+    mut content: Content,
+    renderer: Arc<Mutex<Option<Renderer>>>,
+    backend: Backend,
+    words: fn(&str) -> String,
+) -> Result<MadePage> {
+    let program = html::program()?;
+    // A page says the name of the file, and not where it lay.
+    let file = content.source.as_ref().and_then(|path| Path::new(path).file_name());
+    content.source = file.map(OsStr::to_os_string);
+    let bytes = content.pack()?;
+    drop(content);
+    let bug = |what: &str| Error::settings(what, "report this as a bug");
+    let content = Content::unpack(&bytes).ok_or_else(|| bug("the content of the page cannot be read back"))?;
+    let (camera, size, frames, name) = (content.camera, content.size, content.frames.len(), content.name.clone());
+    let spheres = content.frames.iter().map(|frame| frame.scene.spheres.len()).sum();
+    let columns = content.frames[0].columns.names().map(str::to_owned).collect();
+    let shown = stage(MemoryScene::of(content, renderer, backend, words))?;
+    let picture = shown.frame(&FrameRequest::still(camera, size), &(Arc::new(go_on) as _));
+    let picture = picture.map_err(|refusal| Error::settings(refusal.message, "use other options"))?;
+    let Picture { pixels: Pixels::Png(png), info } = picture.ok_or(Error::Interrupted)? else {
+        return Err(bug("the page has no picture"));
+    };
+    let warnings = serde_json::from_value(info["warnings"].clone()).unwrap_or_default();
+    let html = Html::new(&name, size, &program, &bytes, &png)?;
+    let Html { text, program: program_bytes, content: content_bytes } = html;
+    Ok(MadePage { html: text, frames, spheres, columns, program_bytes, content_bytes, warnings })
+}
+
 impl Page {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
@@ -98,41 +153,25 @@ impl Page {
             ));
         }
         check_inputs([path], &[self.args.path().to_path_buf()])?;
-        let program = html::program()?;
-        let bytes = content(given, self.args.read.frames.as_ref(), &kept)?.pack()?;
-        // The picture for browsers without WebAssembly comes from the very content of the page.
-        let content = Content::unpack(&bytes)
-            .ok_or_else(|| Error::settings("the content cannot be read back", "report this as a bug"))?;
-        let (camera, size) = (content.camera, content.size);
-        let counts = (content.frames.len(), content.frames.iter().map(|frame| frame.scene.spheres.len()).sum());
-        let columns = content.frames[0].columns.names().map(str::to_owned).collect();
-        let name = content.name.clone();
         let settings = self.args.settings(&[]);
-        let renderer = Arc::new(Mutex::new(Some(Renderer::new(&settings)?)));
-        let shown = stage(MemoryScene::of(content, renderer, settings.backend, flags))?;
-        let refused = |refusal: halfline_viewer::Refusal| Error::settings(refusal.message, "use another option");
-        let picture = shown.frame(&FrameRequest::still(camera, size), &(Arc::new(go_on) as _)).map_err(refused)?;
-        let Some(picture) = picture else { return Err(Error::Interrupted) };
-        let Pixels::Png(png) = picture.pixels else {
-            return Err(Error::settings("there is no picture", "report this as a bug"));
-        };
-        let warnings: Vec<String> = serde_json::from_value(picture.info["warnings"].clone()).unwrap_or_default();
-        let html = Html::new(&name, size, &program, &bytes, &png)?;
-        write_atomically(path, |out| out.write_all(html.text.as_bytes()))?;
-        warn(&warnings);
-        note(format_args!("{}: {:.1} MB", path.display(), html.text.len() as f64 * 1e-6));
+        let content = content(given, self.args.read.frames.as_ref(), &kept)?;
+        // The file is read before a device is opened.
+        let made = make(content, Arc::new(Mutex::new(Some(Renderer::new(&settings)?))), settings.backend, flags)?;
+        write_atomically(path, |out| out.write_all(made.html.as_bytes()))?;
+        warn(&made.warnings);
+        note(format_args!("{}: {:.1} MB", path.display(), made.html.len() as f64 * 1e-6));
         if self.json {
             print_json(&Report {
                 schema: 1,
                 version: env!("CARGO_PKG_VERSION"),
                 output: path,
-                frames: counts.0,
-                spheres: counts.1,
-                columns,
-                bytes: html.text.len(),
-                program_bytes: html.program,
-                content_bytes: html.content,
-                warnings,
+                frames: made.frames,
+                spheres: made.spheres,
+                columns: made.columns,
+                bytes: made.html.len(),
+                program_bytes: made.program_bytes,
+                content_bytes: made.content_bytes,
+                warnings: made.warnings,
             })?;
         }
         Ok(ExitCode::SUCCESS)

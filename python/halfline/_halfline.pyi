@@ -278,6 +278,16 @@ def measure(
     tolerance: float | None,
     patience: float,
 ) -> str: ...
+def page(
+    scene: Scene,
+    renderer: Renderer,
+    camera: Camera,
+    size: Size,
+    picture: dict[str, Any],
+    accurate: dict[str, Any],
+    lines: dict[str, Any],
+    columns: list[str],
+) -> tuple[str, list[str]]: ...
 def pose(camera: str) -> str: ...
 def read_cameras(
     path: str | PathLike[str],
@@ -285,6 +295,7 @@ def read_cameras(
     vfov: float | None,
     size: Size | None,
 ) -> list[Camera]: ...
+def save_page(path: str | PathLike[str], html: str) -> None: ...
 def trace(
     renderer: Renderer,
     scene: Scene,

@@ -33,6 +33,7 @@ from .frame import Frame
 from .options import Options, checked
 
 if TYPE_CHECKING:
+    from .page import Page
     from .view import View
 
 Path = str | PathLike[str]
@@ -222,6 +223,39 @@ class Scene:
         from .view import View
 
         return View(self._native, self._source, camera, renderer, options, repr(self))
+
+    def page(
+        self,
+        camera: Camera | None = None,
+        *,
+        columns: Iterable[str] = (),
+        renderer: Renders | None = None,
+        **options: Unpack[Options],
+    ) -> Page:
+        """A page in one file that shows the scene in any browser, without a server and without
+        Python: to turn, to pick and to select from.
+
+        Args:
+            camera: The camera with which it begins; by default that of the file, else one that
+                shows all spheres.
+            columns: The columns that it has of each sphere, by the words of `Scene.select`: what
+                a pick shows, and what its selections read.
+            renderer: What renders the picture for browsers that cannot run the page; by default
+                one `Renderer` for all pages.
+            **options: Those of `Renderer.render`. ``size`` is that of the page in a notebook,
+                640 x 480 by default; ``aovs``, ``crop`` and ``dtype`` are left out, since a page
+                shows whole pictures.
+
+        Returns:
+            The `halfline.page.Page`: ``page.save("figure.html")`` writes it, and a notebook shows it.
+
+        Raises:
+            KeyError, ValueError: for options, a camera or a column with a mistake, and for a
+                package that was built without the program of pages.
+        """
+        from .page import Page
+
+        return Page(self._native, self._source, camera, columns, renderer, options, repr(self))
 
     @property
     def centers(self) -> NDArray[np.float64]:

@@ -5,7 +5,6 @@ anywidget.
 from __future__ import annotations
 
 import base64
-import functools
 import json
 import logging
 import threading
@@ -15,12 +14,11 @@ from typing import Any
 import numpy as np
 
 from . import _halfline
-from ._arrays import Renders, native_renderer, shown
-from ._arrays import size as checked_size
-from ._lines import lines
+from ._arrays import Renders, shown
+from ._shown import Shown
 from ._source import Source
 from .camera import Camera
-from .options import Options, checked
+from .options import Options
 
 try:
     import anywidget
@@ -39,12 +37,6 @@ _BARS = 72
 _STYLE = "\n:is(.lm-Widget, .p-Widget, .jupyter-widgets) > .halfline-view { height: 100%; }\n"
 
 Pose = dict[str, Any]
-
-
-@functools.cache
-def _usual_renderer() -> _halfline.Renderer:
-    """The renderer of all views that are given none: opening a device takes time."""
-    return _halfline.Renderer("auto", None)
 
 
 class _Camera(traitlets.TraitType[Pose, "Pose | Camera"]):
@@ -116,34 +108,20 @@ class View(anywidget.AnyWidget):
         options: Options,
         name: str,
     ) -> None:
-        given: dict[str, Any] = dict(options)
-        for refused in ("aovs", "crop", "dtype"):
-            if refused in given:
-                raise ValueError(f"a view shows whole pictures in colour; remove {refused}")
-        legend = given.get("legend")
-        if not (legend is None or isinstance(legend, bool) or "." not in str(legend)):
-            raise ValueError("a view writes no files; give legend=True or a corner")
-        size = width, height = checked_size("size", given.pop("size", None) or (640, 480))
-        chosen: Any = given
-        picture, accurate = checked(chosen)
-        if camera is None:
-            camera = Camera._of(scene.camera(size), None)
-        elif not isinstance(camera, Camera):
-            raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
-        record = camera.record(size if camera.size is None else None)
-        self._lens = {name: record[name] for name in record if name in ("aperture", "focus")}
-        choosing: dict[str, str] = {}
-        native = _usual_renderer() if renderer is None else native_renderer(renderer)
-        if renderer is not None:
-            # On one machine the name of an adapter is enough to find it again.
-            choosing = {"adapter": renderer.adapter} if renderer.is_gpu else {"backend": "cpu"}
-        words = lines(source, given, self._lens, choosing)
-        self._name, self._size = name, size
+        given = Shown.of(scene, source, camera, renderer, options, "a view")
+        width, height = given.size
+        self._lens, self._name, self._size = given.lens, name, given.size
         self._desk = _halfline.Desk(
-            scene, native, camera._native, size, picture, accurate, words
+            scene,
+            given.renderer,
+            given.camera._native,
+            given.size,
+            given.picture,
+            given.accurate,
+            given.lines,
         )
         super().__init__(
-            camera=_pose_of(self._desk, camera),
+            camera=_pose_of(self._desk, given.camera),
             layout={"width": f"{width}px", "max_width": "100%", "height": f"{height + _BARS}px"},
         )
         self.on_msg(self._receive)

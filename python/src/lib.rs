@@ -59,7 +59,7 @@ mod _halfline {
     #[pymodule_export]
     use super::trace::trace;
     #[pymodule_export]
-    use super::view::{Desk, Question, pose, widget_module, widget_style};
+    use super::view::{Desk, Question, page, pose, save_page, widget_module, widget_style};
     use pyo3::prelude::*;
 
     #[pymodule_init]

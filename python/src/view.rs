@@ -6,12 +6,14 @@ use crate::options::{Accurate, Picture};
 use crate::renderer::Renderer;
 use crate::scene::Scene;
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
-use halfline_command::shown::{self, MemoryScene, WrittenOption};
+use halfline_command::shown::{self, Content, MemoryScene, WrittenOption};
+use halfline_files::write::file::write_atomically;
 use halfline_viewer::{FrameRequest, GoOn, Lens, Pixels, Pose, Refusal, Reply, Routes, Stage};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -55,6 +57,64 @@ fn pose_of(scene: &Scene, camera: &Camera, size: (u32, u32)) -> halfline::Result
     shown::pose(&scene.sized(Some(camera), size, None)?, None)
 }
 
+/// The scene and the options of a view. Mistakes are named as keywords.
+fn content(
+    shown: &Scene,
+    renderer: &Renderer,
+    (camera, size): (&Camera, (u32, u32)),
+    picture: &Picture,
+    accurate: &Accurate,
+    Lines { source, mut rendering, mut copied }: Lines,
+) -> halfline::Result<Content> {
+    // Edges that are drawn already are not drawn again.
+    for options in [&mut rendering, &mut copied] {
+        options.retain(|(id, _)| !(shown.outlined && id == "outline"));
+    }
+    picture.begin(shown)?;
+    picture.settings(shown, accurate.settings()?, renderer.backend)?;
+    picture.scene(shown, Some(camera))?;
+    picture.insets.text(shown, shown.frame.number)?;
+    Ok(Content {
+        frames: vec![shown.frame.clone()],
+        edges: shown.edges(),
+        name: shown.file.clone().unwrap_or_else(|| "scene".into()),
+        source,
+        rendering,
+        copied,
+        camera: pose_of(shown, camera, size)?,
+        size: size.into(),
+        is_sized: false,
+    })
+}
+
+/// The file of a page that shows a scene without a server, and the warnings of its picture. `columns` are the names of those that it has.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "those of the method in Python")]
+pub(crate) fn page(
+    py: Python<'_>,
+    scene: Py<Scene>,
+    renderer: &Renderer,
+    camera: &Camera,
+    size: (u32, u32),
+    picture: Picture,
+    accurate: Accurate,
+    lines: Lines,
+    columns: Vec<String>,
+) -> PyResult<(String, Vec<String>)> {
+    Job::default().run(py, None, || {
+        let mut content = content(scene.get(), renderer, (camera, size), &picture, &accurate, lines)?;
+        content.keep(&columns)?;
+        let made = shown::make_page(content, renderer.shared.place(), renderer.backend, keywords)?;
+        Ok((made.html, made.warnings))
+    })
+}
+
+/// Writes the file of a page.
+#[pyfunction]
+pub(crate) fn save_page(py: Python<'_>, path: PathBuf, html: String) -> PyResult<()> {
+    py.detach(|| write_atomically(&path, |out| out.write_all(html.as_bytes()))).or_raise()
+}
+
 #[pymethods]
 impl Desk {
     #[new]
@@ -69,33 +129,12 @@ impl Desk {
         accurate: Accurate,
         lines: Lines,
     ) -> PyResult<Self> {
-        let (shown, Lines { source, mut rendering, mut copied }) = (scene.get(), lines);
-        // Edges that are drawn already are not drawn again.
-        for options in [&mut rendering, &mut copied] {
-            options.retain(|(id, _)| !(shown.outlined && id == "outline"));
-        }
-        let memory = |camera: Pose| MemoryScene {
-            frames: vec![shown.frame.clone()],
-            edges: shown.edges(),
-            name: shown.file.as_deref().unwrap_or("scene").into(),
-            source,
-            rendering,
-            copied,
-            camera,
-            size: size.into(),
-            is_sized: false,
-            renderer: renderer.shared.place(),
-            backend: renderer.backend,
-            words: keywords,
-        };
+        let shown = scene.get();
         let (stage, camera) = Job::default().run(py, None, || {
-            // Mistakes are named as keywords.
-            picture.begin(shown)?;
-            picture.settings(shown, accurate.settings()?, renderer.backend)?;
-            picture.scene(shown, Some(camera))?;
-            picture.insets.text(shown, shown.frame.number)?;
-            let camera = pose_of(shown, camera, size)?;
-            Ok((shown::stage(memory(camera))?, camera))
+            let content = content(shown, renderer, (camera, size), &picture, &accurate, lines)?;
+            let camera = content.camera;
+            let memory = MemoryScene::of(content, renderer.shared.place(), renderer.backend, keywords);
+            Ok((shown::stage(memory)?, camera))
         })?;
         let routes = Arc::new(Routes::new(Arc::clone(&stage)));
         Ok(Self { scene, first: FrameRequest::still(camera, size.into()), stage, routes })

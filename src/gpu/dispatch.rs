@@ -216,11 +216,17 @@ impl Gpu {
         *count -= 1;
         let fault = (*count == 0).then_some(*fault)?;
         self.fault = None;
-        if fault == Fault::Lost {
-            self.open.device.destroy();
-            // The loss is reported by a poll.
-            let _ = self.open.wait(None);
-            return None;
+        match fault {
+            Fault::Lost => {
+                self.open.device.destroy();
+                // The loss is reported by a poll.
+                let _ = self.open.wait(None);
+                return None;
+            }
+            Fault::Invalid => {
+                return Some(wgpu::Error::Validation { source: "a test".into(), description: "a test".into() });
+            }
+            Fault::OutOfMemory => {}
         }
         self.buffers.values().chain(self.staging.values()).for_each(wgpu::Buffer::destroy);
         self.textures.values().for_each(|(texture, _)| texture.destroy());

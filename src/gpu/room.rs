@@ -17,6 +17,8 @@ pub(crate) struct Room {
 pub(crate) enum Fault {
     Lost,
     OutOfMemory,
+    /// Work that the device refuses.
+    Invalid,
 }
 
 impl Default for Room {

@@ -67,24 +67,23 @@ impl ChosenDevice {
         Ok(Self::adapter(Gpu::new(device::open(found)?, found.summary.clone()), reason))
     }
 
-    /// Leaves the adapter that failed: for good where it was lost; where it was out of memory, for frames that are as large. Returns the
-    /// warning that the CPU path takes over.
+    /// Leaves the adapter that failed: for good where it was lost or refused the work; where it was out of memory, for frames that are as
+    /// large. Returns the warning that the CPU path takes over.
     ///
     /// # Errors
     /// The same error where a device was requested, and any error that is not the device's.
     pub(super) fn leave(&mut self, error: Error, backend: Backend) -> Result<String> {
         let Some(gpu) = self.gpu.as_ref().filter(|_| backend != Backend::Gpu) else { return Err(error) };
-        match error {
-            Error::DeviceLost(why) => {
-                let warning = format!("{} was lost ({why}): {INSTEAD}", gpu.summary.name);
-                self.gpu = None;
-                self.reason.clone_from(&warning);
-                self.passed_over.push(warning.clone());
-                Ok(warning)
-            }
-            Error::Limits { .. } if gpu.room.is_exhausted() => Ok(format!("{}: {INSTEAD}", gpu.exhausted())),
-            error => Err(error),
-        }
+        let warning = match error {
+            Error::DeviceLost(why) => format!("{} was lost ({why}): {INSTEAD}", gpu.summary.name),
+            Error::Adapter { problem, .. } => format!("{problem}: {INSTEAD}"),
+            Error::Limits { .. } if gpu.room.is_exhausted() => return Ok(format!("{}: {INSTEAD}", gpu.exhausted())),
+            error => return Err(error),
+        };
+        self.gpu = None;
+        self.reason.clone_from(&warning);
+        self.passed_over.push(warning.clone());
+        Ok(warning)
     }
 
     /// The warning that the CPU path takes over, where the adapter was out of memory for no more than this work. A device that was requested

@@ -30,9 +30,19 @@ function program() {
       const { status, type, info, bytes } = await send({ route: route.slice(1), body: JSON.stringify(body) });
       if (type === "image/png") return { status, blob: new Blob([bytes], { type }), info: JSON.parse(info) };
       if (type === "image/x-rgba") return { status, pixels: new ImageData(new Uint8ClampedArray(bytes.buffer), ...body.size), info: JSON.parse(info) };
-      return { status, json: bytes.length ? JSON.parse(new TextDecoder().decode(bytes)) : null };
+      const json = bytes.length ? JSON.parse(new TextDecoder().decode(bytes)) : null;
+      if (route === "/scene") widen(json, body.size);
+      return { status, json };
     },
   };
+}
+
+// In a window that is narrower than the picture with which the page begins, the whole width of that picture is seen.
+function widen({ camera, size, sized }, window) {
+  const k = (size[0] / size[1]) / (window[0] / window[1]), half = Math.PI / 360;
+  if (sized || !(k > 1)) return;
+  if (camera.height) camera.height *= k;
+  else camera.vfov = Math.atan(Math.tan(camera.vfov * half) * k) / half;
 }
 
 // The picture that the page has anyway stays until the program shows one, and says why where it does not.

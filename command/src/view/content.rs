@@ -12,7 +12,7 @@ use halfline_files::read::{Codes, ColumnValues, Columns, Focus, FrameTime, Scene
 use halfline_viewer::Pose;
 use numbers::{Lists, Packed, Table};
 use serde::{Deserialize, Serialize};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::sync::Arc;
 
 /// The form of the bytes.
@@ -28,7 +28,7 @@ pub struct Content {
     /// The name of the file.
     pub name: String,
     /// The file that copied lines read; `None` for a scene that no command can read.
-    pub source: Option<String>,
+    pub source: Option<OsString>,
     /// The options of every picture.
     pub rendering: Vec<WrittenOption>,
     /// The options in copied lines.
@@ -110,6 +110,23 @@ enum Column {
 }
 
 impl Content {
+    /// Keeps the columns with these names, and the number in the file.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a name without a column.
+    pub fn keep(&mut self, names: &[String]) -> Result<()> {
+        for frame in &mut self.frames {
+            let mut kept = vec!["index"];
+            for name in names {
+                kept.push(frame.columns.get(name)?.0);
+            }
+            let list = frame.columns.iter().filter(|(name, _)| kept.contains(name));
+            let list = list.map(|(name, values)| (name.to_owned(), values.clone())).collect();
+            frame.columns = Arc::new(Columns::from_list(list));
+        }
+        Ok(())
+    }
+
     /// The bytes: the length of the head, the head as CBOR, the numbers of all lists.
     ///
     /// # Errors
@@ -121,7 +138,7 @@ impl Content {
         let head = Head {
             schema: SCHEMA,
             name: self.name.clone(),
-            source: self.source.clone(),
+            source: self.source.as_deref().map(|file| text("the file's name", file)).transpose()?,
             rendering: texts(&self.rendering)?,
             copied: texts(&self.copied)?,
             camera: self.camera,
@@ -152,7 +169,7 @@ impl Content {
             frames,
             edges: head.edges,
             name: head.name,
-            source: head.source,
+            source: head.source.map(OsString::from),
             rendering: options(head.rendering),
             copied: options(head.copied),
             camera: head.camera,
@@ -162,13 +179,19 @@ impl Content {
     }
 }
 
+/// A name or a value as text.
+fn text(what: &str, value: &OsStr) -> Result<String> {
+    let text = value.to_str().map(str::to_owned);
+    text.ok_or_else(|| Error::settings(format!("{what} is not UTF-8, and a page cannot have it"), "use another one"))
+}
+
 /// Options as texts.
 fn texts(options: &[WrittenOption]) -> Result<Vec<(String, Option<String>)>> {
-    let text = |(id, value): &WrittenOption| match value.as_ref().map(|value| value.to_str()) {
-        Some(None) => Err(Error::settings(format!("the value of --{id} is not UTF-8"), "use another one")),
-        value => Ok((id.clone(), value.flatten().map(str::to_owned))),
+    let one = |(id, value): &WrittenOption| {
+        let value = value.as_deref().map(|value| text(&format!("the value of {}", id), value)).transpose()?;
+        Ok((id.clone(), value))
     };
-    options.iter().map(text).collect()
+    options.iter().map(one).collect()
 }
 
 impl Frame {
@@ -324,5 +347,126 @@ impl Column {
                 ColumnValues::Texts(Codes::U32(codes), texts)
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfline::frame::color_map::ColorMap;
+    use halfline::frame::legend::Category;
+    use halfline::scene::LightSource;
+    use halfline::settings::Look;
+    use halfline_viewer::Lens;
+
+    fn content() -> Content {
+        let centers: Vec<[f64; 3]> =
+            (0..50).map(|n| [f64::from(n) * 0.1, f64::from(n * n) * 1e-7, 1.0 / f64::from(n + 1)]).collect();
+        let spheres = Spheres {
+            centers: centers.into(),
+            radii: (0..50).map(|n| 0.5 + f64::from(n)).collect::<Vec<_>>().into(),
+            colors: Some((0..50).map(|n| [0.1, n as f32 / 50.0, 1.0]).collect::<Vec<_>>().into()),
+            materials: Some(Materials {
+                kinds: vec![Material::default(), Material::default()],
+                of: (0..50).map(|n| n % 2).collect::<Vec<_>>().into(),
+            }),
+            opacities: Some((0..50).map(|n| (n + 1) as f32 / 50.0).collect::<Vec<_>>().into()),
+        };
+        let light =
+            Light { source: LightSource::Direction([1.0, 2.0, 0.1].into()), color: [1.0, 0.5, 0.25], intensity: 0.3 };
+        let sky = Sky { rays: 7, reach: f64::INFINITY, at_centers: true, colors: None, share: 0.5 };
+        let lighting = Lighting { lights: vec![light], shadows: true, sky: Some(sky), bounces: Some(3) };
+        let image = ImagePlane { width: 30, height: 20, background: [0.1, 0.2, 0.3] };
+        let scene = Scene { camera: Camera::CANONICAL, image, spheres: spheres.clone(), lighting };
+        let columns = vec![
+            (
+                "b".to_owned(),
+                ColumnValues::Numbers((0..50).map(|n| if n == 3 { f64::NAN } else { f64::from(n) }).collect()),
+            ),
+            ("residue".to_owned(), ColumnValues::Whole((0..50).collect())),
+            (
+                "chain".to_owned(),
+                ColumnValues::Texts(
+                    Codes::U32((0..50).map(|n| n % 3).collect()),
+                    ["A", "<b>", "é"].map(String::from).to_vec(),
+                ),
+            ),
+            ("index".to_owned(), ColumnValues::Order(50)),
+        ];
+        let category = Category { label: "A".into(), color: [1, 2, 3], count: 9 };
+        let legend = Legend {
+            name: "chain".into(),
+            map: ColorMap::Category,
+            range: [0.0, f64::NAN],
+            log: false,
+            categories: vec![category],
+            names: vec!["A".into()],
+            overrides: Vec::new(),
+        };
+        let mut frame = SceneFrame {
+            look: FileLook { is_particles: true, look: Some(Look::Figure), samples: Some(9) },
+            legend: Some(legend),
+            cell: Some(Cell { origin: [0.0; 3], edges: [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.5, 0.0, 3.0]] }),
+            when: FrameTime { time: Some(2.5), step: Some(-3) },
+            is_molecule: true,
+            beads: 2,
+            columns: Arc::new(Columns::from_list(columns)),
+            marks: vec![Focus {
+                text: "id = 1".into(),
+                spheres: spheres.part(&(0..50).map(|n| n == 1).collect::<Vec<_>>()),
+                notes: vec!["a note".into()],
+            }],
+            ..SceneFrame::new(7, scene)
+        };
+        let next = SceneFrame { number: 8, ..frame.copy() };
+        Content {
+            edges: frame.cell,
+            frames: vec![frame, next],
+            name: "a.cif".into(),
+            source: Some("a.cif".into()),
+            rendering: vec![("look".into(), Some("plain".into())), ("transparent".into(), None)],
+            copied: Vec::new(),
+            camera: Pose { eye: [1.0, 2.0, 3.0], at: [0.0; 3], up: [0.0, 1.0, 0.0], lens: Lens::Vfov(30.0) },
+            size: [30, 20],
+            is_sized: true,
+        }
+    }
+
+    /// All of a content as text; NaN has one spelling.
+    fn shown(content: &Content) -> String {
+        format!("{content:?}").replace("U8(", "U32(")
+    }
+
+    #[test]
+    fn a_content_survives_packing() {
+        let mut whole = content();
+        let bytes = whole.pack().expect("packed");
+        let again = Content::unpack(&bytes).expect("a content");
+        assert_eq!(shown(&again), shown(&whole));
+        let one = Content { frames: vec![whole.frames[0].copy()], ..whole };
+        let alone = one.pack().expect("packed");
+        assert!(
+            bytes.len() < alone.len() + 1200,
+            "what frames share is kept once: {} and {} bytes",
+            bytes.len(),
+            alone.len()
+        );
+    }
+
+    #[test]
+    fn a_damaged_content_is_refused() {
+        let bytes = content().pack().expect("packed");
+        let length = u64::from_le_bytes(*bytes.first_chunk().expect("a length")) as usize;
+        for cut in [0, 7, 8, 100, length, length + 8, bytes.len() - 1] {
+            assert!(Content::unpack(&bytes[..cut]).is_none(), "{cut} bytes");
+        }
+        // Any byte of the head: refused, or other values, and never a panic.
+        for place in 0..length + 8 {
+            for change in [1, 0x20, 0x80, 0xff] {
+                let mut bytes = bytes.clone();
+                bytes[place] ^= change;
+                let _ = Content::unpack(&bytes);
+            }
+        }
     }
 }

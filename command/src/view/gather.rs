@@ -7,10 +7,9 @@ use super::handler::ViewHandler;
 use super::parse::Parser;
 use crate::option_table::{Call, Python, options};
 use halfline::error::{Error, Result};
-use halfline_files::read::{Columns, FrameRange, SceneFrame};
+use halfline_files::read::{FrameRange, SceneFrame};
 use std::ffi::OsString;
 use std::path::Path;
-use std::sync::Arc;
 
 /// The content of a page that shows these frames of a file with the options that were typed. `kept` are the names of the columns that it
 /// has of each sphere.
@@ -26,18 +25,14 @@ pub(crate) fn content(mut given: Given, range: Option<&FrameRange>, kept: &[Stri
     let words = given.words(&given.initial());
     let args = parser.args(&words)?;
     let (mut read, summary, _, _) = handler.read_first(Frames::new(words.clone(), parser.args(&words)?), &args)?;
-    let one = |frame: &mut SceneFrame| -> Result<SceneFrame> {
-        let columns = Arc::new(only(&frame.columns, kept)?);
-        Ok(SceneFrame { columns, ..frame.copy() })
-    };
-    let mut frames = vec![one(read.get(first)?)?];
+    let mut frames = vec![read.get(first)?.copy()];
     for number in range.into_iter().flat_map(FrameRange::numbers).skip(1) {
         if number != first + frames.len() as u64 {
             let problem =
                 format!("frames {} and {number} do not follow each other", number.min(first + frames.len() as u64 - 1));
             return Err(Error::settings(problem, "use a range such as --frames 5-20"));
         }
-        let frame = read.get(number).and_then(one);
+        let frame = read.get(number).map(SceneFrame::copy);
         match frame {
             Err(_) if range.is_some_and(|range| range.last() == u64::MAX) && read.total == Some(number - 1) => break,
             frame => frames.push(frame?),
@@ -56,10 +51,10 @@ pub(crate) fn content(mut given: Given, range: Option<&FrameRange>, kept: &[Stri
     let copied = copied.map(|option| (option.id.clone(), option.value())).collect();
     let name = |path: &OsString| Path::new(path).file_name().map(|name| name.to_string_lossy().into_owned());
     let name = name(&given.scene).unwrap_or_default();
-    Ok(Content {
+    let mut content = Content {
         edges: frames[0].cell,
         frames,
-        source: Some(name.clone()),
+        source: Some(given.scene.clone()),
         name,
         rendering,
         copied,
@@ -68,15 +63,7 @@ pub(crate) fn content(mut given: Given, range: Option<&FrameRange>, kept: &[Stri
         size: serde_json::from_value(summary["size"].clone())
             .map_err(|error| Error::settings(error.to_string(), "use another size"))?,
         is_sized: summary["sized"] == true,
-    })
-}
-
-/// The columns with these names, in the order of the file; the number in the file is always kept.
-fn only(columns: &Columns, kept: &[String]) -> Result<Columns> {
-    let mut names = vec!["index"];
-    for word in kept {
-        names.push(columns.get(word)?.0);
-    }
-    let kept = columns.iter().filter(|(name, _)| names.contains(name));
-    Ok(Columns::from_list(kept.map(|(name, values)| (name.to_owned(), values.clone())).collect()))
+    };
+    content.keep(kept)?;
+    Ok(content)
 }

@@ -48,7 +48,7 @@ impl MemoryScene {
         words: fn(&str) -> String,
     ) -> Self {
         let Content { frames, edges, name, source, rendering, copied, camera, size, is_sized } = content;
-        let (name, source) = (name.into(), source.map(OsString::from));
+        let name = name.into();
         Self { frames, edges, name, source, rendering, copied, camera, size, is_sized, renderer, backend, words }
     }
 }

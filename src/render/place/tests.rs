@@ -104,6 +104,27 @@ fn the_cpu_path_takes_over_from_an_adapter_that_fails() {
     }
 }
 
+/// Work that an adapter refuses, such as a shader that its compiler does not take, is done on the CPU path, and so is all later work.
+#[test]
+fn the_cpu_path_takes_over_from_an_adapter_that_refuses() {
+    if adapter_or_skip().is_none() {
+        return;
+    }
+    for (scene, settings) in kinds() {
+        let host = Settings { backend: Backend::Cpu, ..settings.clone() };
+        let known = Renderer::new(&host).expect("the CPU path").render(&scene, &host).expect("a frame");
+        let mut renderer = failing(1, Fault::Invalid);
+        for _ in 0..2 {
+            let frame = renderer.render(&scene, &auto(&settings)).expect("a frame");
+            assert_eq!((frame.report.backend, count(&frame, " failed: ")), ("cpu", 1), "{settings:?}");
+            assert!(frame.buffers == known.buffers && !renderer.is_gpu(), "{settings:?}");
+        }
+        let gpu = Settings { backend: Backend::Gpu, ..settings };
+        let error = failing(1, Fault::Invalid).render(&scene, &gpu).expect_err("refused");
+        assert!(matches!(error, Error::Adapter { .. }), "{error}");
+    }
+}
+
 /// The failure of an adapter that was requested is an error. After one of memory the next frame is tried with new buffers; after a loss
 /// there is no other.
 #[test]

@@ -1,9 +1,15 @@
-//! Lists of numbers as few bytes, exactly: as multiples of a power of ten where all are such, else as f32 where these are enough.
+//! Lists of numbers as few bytes, exactly: as multiples of a power of ten where nearly all are such, else as f32 where these are enough.
 
 use serde::{Deserialize, Serialize};
 
 /// The most digits after the point.
 const DIGITS: u8 = 9;
+
+/// Of so many values of a list one may be no multiple: NaN, or a zero with a sign.
+const EXCEPTIONS: usize = 64;
+
+/// The most values of a list beyond the bytes of all: a list of one value needs no bytes.
+const REPEATED: usize = 1 << 24;
 
 /// A list of numbers, by the form of its values. Bytes of the same place are together, which compresses better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,10 +25,12 @@ enum Form {
 }
 
 /// The form of a list and its number of values; the bytes follow those of the list before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Entry {
     form: Form,
     count: u64,
+    /// The places of values that have another form, and their bits.
+    exceptions: Vec<(u64, u64)>,
 }
 
 /// Lists that are packed. Equal ones are kept once.
@@ -37,13 +45,13 @@ pub(super) struct Packed {
 pub(super) struct Table(Vec<Entry>);
 
 /// The lists of a table with their bytes.
-pub(super) struct Lists<'a>(Vec<(Entry, &'a [u8])>);
+pub(super) struct Lists<'a>(Vec<(&'a Entry, &'a [u8])>);
 
 impl Packed {
     /// Adds a list; returns its number.
     pub(super) fn add(&mut self, values: &[f64]) -> u32 {
-        let (form, bytes) = packed(values);
-        let entry = Entry { form, count: values.len() as u64 };
+        let (form, exceptions, bytes) = packed(values);
+        let entry = Entry { form, count: values.len() as u64, exceptions };
         let same = |n: &usize| self.entries[*n] == entry && self.parts[*n] == bytes;
         let known = (0..self.entries.len()).find(same);
         known.unwrap_or_else(|| {
@@ -61,12 +69,14 @@ impl Packed {
 
 impl Table {
     /// The lists in these bytes; `None` where they are too few or too many.
-    pub(super) fn lists<'a>(&self, mut bytes: &'a [u8]) -> Option<Lists<'a>> {
+    pub(super) fn lists<'a>(&'a self, mut bytes: &'a [u8]) -> Option<Lists<'a>> {
+        let most = (bytes.len() + REPEATED) as u64;
+        self.0.iter().all(|entry| entry.count <= most).then_some(())?;
         let mut lists = Vec::with_capacity(self.0.len());
         for entry in &self.0 {
             let (part, rest) =
                 bytes.split_at_checked(usize::try_from(entry.count).ok()?.checked_mul(entry.form.size())?)?;
-            lists.push((*entry, part));
+            lists.push((entry, part));
             bytes = rest;
         }
         bytes.is_empty().then_some(Lists(lists))
@@ -77,7 +87,11 @@ impl Lists<'_> {
     /// The values of a list; `None` for a number without a list, or for another number of values.
     pub(super) fn get(&self, number: u32, count: usize) -> Option<Vec<f64>> {
         let (entry, bytes) = self.0.get(number as usize)?;
-        (entry.count == count as u64).then(|| unpacked(entry.form, bytes, count))
+        let mut values = (entry.count == count as u64).then(|| unpacked(entry.form, bytes, count))?;
+        for (place, bits) in &entry.exceptions {
+            *values.get_mut(usize::try_from(*place).ok()?)? = f64::from_bits(*bits);
+        }
+        Some(values)
     }
 }
 
@@ -92,26 +106,40 @@ impl Form {
     }
 }
 
-fn packed(values: &[f64]) -> (Form, Vec<u8>) {
+fn packed(values: &[f64]) -> (Form, Vec<(u64, u64)>, Vec<u8>) {
     let first = values.first().copied().unwrap_or_default();
     if values.iter().all(|x| x.to_bits() == first.to_bits()) {
-        return (Form::Constant(first.to_bits()), Vec::new());
+        return (Form::Constant(first.to_bits()), Vec::new(), Vec::new());
     }
-    let scaled = |digits: u8| -> Option<Vec<i32>> { values.iter().map(|x| whole(*x, digits)).collect() };
     // Most lists are told by their first values.
-    let fits = |digits: &u8| values.iter().take(64).all(|x| whole(*x, *digits).is_some());
-    if let Some((digits, numbers)) = (0..=DIGITS).filter(fits).find_map(|digits| Some((digits, scaled(digits)?))) {
-        let last = std::iter::once(&0).chain(&numbers);
-        let differences: Vec<i32> = numbers.iter().zip(last).map(|(x, last)| x.wrapping_sub(*last)).collect();
-        // The sign goes to the lowest bit, so that small numbers have zeros in front.
-        let zigzag = differences.iter().map(|x| ((x << 1) ^ (x >> 31)).to_le_bytes());
-        return (Form::Decimal(digits), planes(&zigzag.collect::<Vec<_>>()));
+    let few = |misses: usize, values: &[f64]| misses <= values.len() / EXCEPTIONS;
+    let start = &values[..values.len().min(8 * EXCEPTIONS)];
+    let fits = |digits: &u8| few(start.iter().filter(|x| whole(**x, *digits).is_none()).count(), start);
+    let scaled = |digits: u8| {
+        let numbers: Vec<Option<i32>> = values.iter().map(|x| whole(*x, digits)).collect();
+        few(numbers.iter().filter(|number| number.is_none()).count(), values).then_some((digits, numbers))
+    };
+    if let Some((digits, numbers)) = (0..=DIGITS).filter(fits).find_map(scaled) {
+        let exceptions = numbers.iter().zip(values).zip(0..);
+        let exceptions = exceptions.filter(|((number, _), _)| number.is_none()).map(|((_, x), n)| (n, x.to_bits()));
+        let (exceptions, mut last) = (exceptions.collect(), 0);
+        let difference = |number: &Option<i32>| {
+            let number = number.unwrap_or(last);
+            let x = number.wrapping_sub(std::mem::replace(&mut last, number));
+            // The sign goes to the lowest bit, so that small numbers have zeros in front.
+            ((x << 1) ^ (x >> 31)).to_le_bytes()
+        };
+        return (Form::Decimal(digits), exceptions, planes(&numbers.iter().map(difference).collect::<Vec<_>>()));
     }
     let single = |x: &f64| f64::from(*x as f32).to_bits() == x.to_bits();
     if values.iter().all(single) {
-        return (Form::Single, planes(&values.iter().map(|x| (*x as f32).to_le_bytes()).collect::<Vec<_>>()));
+        return (
+            Form::Single,
+            Vec::new(),
+            planes(&values.iter().map(|x| (*x as f32).to_le_bytes()).collect::<Vec<_>>()),
+        );
     }
-    (Form::Double, planes(&values.iter().map(|x| x.to_le_bytes()).collect::<Vec<_>>()))
+    (Form::Double, Vec::new(), planes(&values.iter().map(|x| x.to_le_bytes()).collect::<Vec<_>>()))
 }
 
 /// The whole number of which a value is so many decimal digits less, exactly.
@@ -181,16 +209,13 @@ mod tests {
             (&[12.345, -0.001, 7.0], Form::Decimal(3), 12),
             (&[1e-9, 0.5], Form::Decimal(9), 8),
             (&[0.0, -0.0], Form::Single, 8),
-            (&[1e30, f64::INFINITY, f64::from(0.1f32)], Form::Single, 12),
+            (&[2f64.powi(100), f64::INFINITY, f64::from(0.1f32)], Form::Single, 12),
             (&[0.1, f64::NAN], Form::Double, 16),
             (&[0.1, 1e-12], Form::Double, 16),
             (&[1.5, 2147483648.0], Form::Single, 8),
+            (&[0.25, 0.5, -0.0, f64::NAN].repeat(64)[..], Form::Single, 4 * 256),
+            (&[&[0.1; 200][..], &[-0.0, 0.3, f64::NAN]].concat(), Form::Decimal(1), 4 * 203),
         ] {
-            let values = if form == Form::Single && values.len() == 3 {
-                &[2f64.powi(100), f64::INFINITY, f64::from(0.1f32)]
-            } else {
-                values
-            };
             assert_eq!(form_and_size(values), (form, size), "{values:?}");
         }
     }
