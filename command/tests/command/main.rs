@@ -45,6 +45,7 @@ mod messages;
 mod one_look;
 mod opacity;
 mod options;
+mod pages;
 mod parts;
 mod pictures;
 mod provenance;

@@ -1,0 +1,67 @@
+//! Promises of `halfline page`: mistakes are refused before a file is written, and the page has what was asked for and no more. What it
+//! does in a browser is tested by page/tests/run.
+
+use crate::skip::skip;
+use crate::test_dir::TestDir;
+
+const TABLE: &str = "x,y,z,radius,kind,speed\n0,0,0,1,secret,0.5\n2,0,0,0.7,b,1.5\n0,2,0,0.5,a,2.5\n1,1,1,0.6,c,-1\n";
+
+fn dir() -> TestDir {
+    let frame = |n: u32| format!("2\n\nC 0 0 {n}\nO 2 0 {n}\n");
+    TestDir::new(&[("t.csv", TABLE), ("film.xyz", &(0..4).map(frame).collect::<String>())])
+}
+
+/// Whether the command was compiled with the program of pages.
+fn has_program(dir: &TestDir) -> bool {
+    let output = dir.run("page t.csv -o probe.html --backend cpu");
+    if output.code == 0 {
+        dir.remove("probe.html");
+        return true;
+    }
+    assert!(output.err.contains("bash page/build") && output.code == 2, "{}", output.err);
+    skip("the command was compiled without the program of pages");
+    false
+}
+
+#[test]
+fn mistakes_are_refused() {
+    let dir = dir();
+    if !has_program(&dir) {
+        return;
+    }
+    for (words, expected) in [
+        ("page t.csv -o p.png", &["p.png", ".html"][..]),
+        ("page t.csv", &["--output"]),
+        ("page t.csv -o p.html --aov id=a.npy", &["--aov"]),
+        ("page t.csv -o p.html --spin 5", &["--spin"]),
+        ("page t.csv -o p.html --columns mass", &["mass", "kind", "speed"]),
+        ("page t.csv -o p.html --columns mass=kind", &["mass"]),
+        ("page film.xyz -o p.html --frames 1,3", &["frames 1 and 3", "5-20"]),
+        ("page film.xyz -o p.html --frames 3-9", &["frame 5", "4 frames"]),
+        ("page t.csv -o p.html --mark \"kind a={nothing}\"", &["nothing"]),
+    ] {
+        dir.refused(2, words, expected);
+    }
+    dir.put("t.html", TABLE);
+    dir.refused(2, "page t.html --format csv -o t.html", &["t.html", "overwritten"]);
+    assert_eq!(dir.get("t.html"), TABLE.as_bytes());
+}
+
+#[test]
+fn a_page_says_what_is_in_it() {
+    let dir = dir();
+    if !has_program(&dir) {
+        return;
+    }
+    let report = dir.good("page t.csv -o p.html --columns speed,radius=radius --backend cpu --json").json();
+    assert_eq!((report["frames"].as_u64(), report["spheres"].as_u64()), (Some(1), Some(4)));
+    assert_eq!(report["columns"], serde_json::json!(["speed", "index"]));
+    let text = String::from_utf8(dir.get("p.html")).expect("text");
+    assert_eq!(report["bytes"].as_u64(), Some(text.len() as u64));
+    let path = dir.path("").to_string_lossy().into_owned();
+    assert!(!text.contains(path.trim_end_matches('/')), "the folder is not in the page");
+    let again = dir.good("page t.csv -o - --columns speed,radius=radius --backend cpu");
+    assert!(again.out == text.as_bytes(), "the same words make the same bytes");
+    let report = dir.good("page film.xyz -o f.html --frames 2- --backend cpu --json").json();
+    assert_eq!((report["frames"].as_u64(), report["spheres"].as_u64()), (Some(3), Some(6)));
+}
