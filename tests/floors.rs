@@ -67,7 +67,7 @@ fn code(text: &str) -> String {
 
 /// The folders of the crates that exist.
 fn crates() -> impl Iterator<Item = &'static str> {
-    let all = ["src", "command/src", "drawing/src", "files/src", "measure/src", "viewer/src", "page/src", "python/src"];
+    let all = ["src", "command/src", "drawing/src", "files/src", "measure/src", "viewer/src", "python/src"];
     all.into_iter().filter(|folder| root().join(folder).is_dir())
 }
 
