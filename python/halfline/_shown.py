@@ -50,7 +50,7 @@ class Shown:
                 raise ValueError(f"{thing} shows whole pictures in colour; remove {refused}")
         legend = given.get("legend")
         if not (legend is None or isinstance(legend, bool) or "." not in str(legend)):
-            raise ValueError(f"{thing} writes no other files; give legend=True or a corner")
+            raise ValueError(f"{thing} writes no files; give legend=True or a corner")
         size = checked_size("size", given.pop("size", None) or (640, 480))
         chosen: Any = given
         picture, accurate = checked(chosen)

@@ -53,11 +53,11 @@ async function show() {
     const transport = program();
     globalThis.halflineProgram = transport;
     await transport.send({ program: holds("program"), content: holds("content"), backend });
-    if (asked.has("selftest")) return selftest(transport, backend);
+    if (asked.has("selftest")) return await selftest(transport, backend);
     const view = document.getElementById("view");
     view.hidden = false;
     const words = { page: true, waiting: "Starting", ended: "The program has ended: reload the page" };
-    mount(view, transport, { ...words, onStill: () => document.getElementById("still").remove() });
+    mount(view, transport, { ...words, onStill: () => document.getElementById("still")?.remove() });
   } catch (error) {
     why.textContent = `A picture only: ${error.message}`;
   }
@@ -66,7 +66,7 @@ async function show() {
 // The report of the self-test, to be copied.
 async function selftest(transport, backend) {
   why.textContent = "The self-test runs: half a minute";
-  const { report } = await transport.send({ selftest: backend === "auto" ? "gpu" : backend });
+  const { report } = await transport.send({ selftest: backend });
   why.textContent = `Self-test: ${report.wrong} of ${report.pixels} pixels are wrong on ${report.adapter}`;
   const text = document.createElement("textarea");
   Object.assign(text, { id: "report", readOnly: true, rows: 24, cols: 100, value: JSON.stringify(report, null, 1) });

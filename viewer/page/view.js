@@ -290,7 +290,8 @@ export function mount(root, transport, options = {}) {
   // What is on the screen beside the picture.
   function showStatus() {
     const { accuracy, certified, settled, ms, adapter } = drawn.info;
-    status.textContent = status.title = [
+    status.title = "certified: which sphere each pixel shows is proved; settled: so many pixels needed exact arithmetic for it";
+    status.textContent = [
       drawn.mode !== "still" && "preview",
       certified >= 1 ? "certified" : accuracy == "fast" ? "fast" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
       settled != null && `${count(settled)} settled`, ms != null && `${Math.round(ms)} ms`, drawn.pixels.join(" x "), adapter,
@@ -452,6 +453,7 @@ export function mount(root, transport, options = {}) {
       axis = axis ? null : camera.up;
       say(axis ? "A drag turns about the up direction" : "A drag turns freely");
     }],
+    0: ["The view of the beginning", () => setCamera(scene.camera)],
     c: ["Copy the command", () => copy("shell")],
     p: ["Copy the Python", () => copy("python")],
     s: ["Save the picture as PNG", save],

@@ -43,7 +43,7 @@ onmessage = async ({ data: { id, route, body, ...first } }) => {
   try {
     if (first.program) return postMessage({ id, done: await start(first) });
     if (first.selftest) {
-      return postMessage({ id, report: { browser: navigator.userAgent, ...await adapter(), ...JSON.parse(await wasm_bindgen.selftest(first.selftest)) } });
+      return postMessage({ id, report: { browser: navigator.userAgent, ...await adapter(), ...JSON.parse(await wasm_bindgen.selftest(suspends ? first.selftest : "cpu")) } });
     }
     // For scripts: the ids, depths and certainty of a view.
     if (first.buffers) return postMessage({ id, ...await answer(wasm_bindgen.buffers(begun.content, body, first.buffers)) });

@@ -101,6 +101,7 @@ impl Html {
 
 /// The style of the picture that a page has anyway.
 const STILL: &str = "
+#view[hidden] { display: none; }
 #still { margin: 0; font: 13px/1.4 system-ui, sans-serif; text-align: center; }
 #still img { max-width: 100%; max-height: calc(100vh - 40px); width: auto; height: auto; }
 ";

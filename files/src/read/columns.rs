@@ -186,7 +186,10 @@ impl Columns {
         let mut particles =
             Particles { positions: spheres.centers.to_vec(), radii: spheres.radii.to_vec(), ..Particles::default() };
         for (name, values) in &self.list {
-            particles.has.push(name.clone());
+            // Every scene has the number in the file.
+            if name != INDEX {
+                particles.has.push(name.clone());
+            }
             match values {
                 ColumnValues::Texts(codes, _) if name == ELEMENT => {
                     // An element's code is its atomic number; beads of a cell have none.
