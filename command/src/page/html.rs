@@ -80,7 +80,7 @@ impl Html {
         let (title, png) = (escaped(name), STANDARD.encode(png));
         let version = env!("CARGO_PKG_VERSION");
         let text = format!(
-            "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
+            "<!doctype html>\n<!-- {LICENCES} -->\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {script_hash} blob: 'wasm-unsafe-eval'; \
              style-src {style_hash}; img-src data: blob:; worker-src blob:; base-uri 'none'; form-action 'none'\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -98,6 +98,11 @@ impl Html {
         Ok(Self { text, program: code.len(), content: content.len() })
     }
 }
+
+/// A page has a copy of the program.
+const LICENCES: &str = "The program in this page is halfline (MIT OR Apache-2.0). It has crates under MIT, Apache-2.0, BSD, ISC, \
+    Zlib, Unicode and bzip2 licences, the DejaVu fonts (LICENSE-DEJAVU), and is based in part on the work of the Independent JPEG \
+    Group. Their texts are in the source of halfline.";
 
 /// The style of the picture that a page has anyway.
 const STILL: &str = "
