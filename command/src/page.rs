@@ -3,11 +3,9 @@
 mod html;
 
 use super::clash::check_inputs;
-use super::config::Config;
-use super::inset_args::joined;
 use super::messages::{QuietArgs, flags, note, warn};
 use super::option_table::{NO_VIEW, ids_with};
-use super::process::{ExitCode, all_arguments};
+use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::signals::go_on;
 use super::standard::print_json;
@@ -141,7 +139,11 @@ pub fn make(
 impl Page {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
-        let (given, kept) = self.given()?;
+        let (given, matches) = Given::typed(&own(Self::augment_args(Command::new("page"))), &OWN, "remove it")?;
+        let mut kept = Vec::new();
+        for text in matches.get_raw("columns").into_iter().flatten() {
+            kept.extend(ColumnNames::with_others(&text.to_string_lossy())?.1);
+        }
         let path = self.args.files.output.as_deref().unwrap_or(Path::new("-"));
         if path
             .extension()
@@ -175,27 +177,5 @@ impl Page {
             })?;
         }
         Ok(ExitCode::SUCCESS)
-    }
-
-    /// The options that are typed, and the names of the columns of the page.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for an option that a page does not have.
-    fn given(&self) -> Result<(Given, Vec<String>)> {
-        let command = own(Self::augment_args(Command::new("page")));
-        // The first word is the name of the command, which is that of the program here.
-        let words = joined(all_arguments().iter().skip(1).cloned());
-        let matches = command.clone().try_get_matches_from(words);
-        let matches = matches.map_err(|error| Error::settings(error.to_string(), "use halfline page --help"))?;
-        let typed = |id: &&str| matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
-        if let Some(id) = ids_with(NO_VIEW).filter(|id| *id != "output").find(typed) {
-            let problem = format!("--{} is an option of pictures in files", id.replace('_', "-"));
-            return Err(Error::settings(problem, "remove it"));
-        }
-        let mut kept = Vec::new();
-        for text in matches.get_raw("columns").into_iter().flatten() {
-            kept.extend(ColumnNames::with_others(&text.to_string_lossy())?.1);
-        }
-        Ok((Given::of(&command, &matches, &OWN, Config::load()?.preferences())?, kept))
     }
 }

@@ -21,11 +21,9 @@ pub use given::WrittenOption;
 pub use lens::pose;
 pub use memory::MemoryScene;
 
-use super::config::Config;
-use super::inset_args::joined;
 use super::messages::{QuietArgs, note};
 use super::option_table::{NO_VIEW, ids_with};
-use super::process::{ExitCode, all_arguments};
+use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::signals::go_on;
 use super::standard::print;
@@ -92,7 +90,8 @@ pub(super) fn without_files(command: Command) -> Command {
 impl View {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
-        let given = self.given()?;
+        let command = Self::augment_args(Command::new("view"));
+        let (given, _) = Given::typed(&command, &OWN, "remove it; the page copies a command to which it can be added")?;
         if let Some(once) = read_once(self.args.path()) {
             return Err(Error::settings(
                 format!("view reads its file again, and {once} can be read once"),
@@ -131,25 +130,6 @@ impl View {
             _ if !go_on() => Ok(ExitCode(130)),
             _ => Ok(ExitCode::SUCCESS),
         }
-    }
-
-    /// The options that are typed.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for one that a page does not have.
-    fn given(&self) -> Result<Given> {
-        let command = Self::augment_args(Command::new("view"));
-        // The first word is the name of the command, which is that of the program here.
-        let words = joined(all_arguments().iter().skip(1).cloned());
-        let matches = command.clone().try_get_matches_from(words);
-        let matches = matches.map_err(|error| Error::settings(error.to_string(), "use halfline view --help"))?;
-        let typed = |id: &&str| matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
-        if let Some(id) = ids_with(NO_VIEW).find(typed) {
-            let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(Arg::get_long).unwrap_or(id);
-            let problem = format!("--{long} is an option of pictures in files");
-            return Err(Error::settings(problem, "remove it; the page copies a command to which it can be added"));
-        }
-        Given::of(&command, &matches, &OWN, Config::load()?.preferences())
     }
 
     fn not_bound(&self, error: &std::io::Error) -> Error {

@@ -1,6 +1,9 @@
 //! The options that the command line of `halfline view` gives, and the command that renders a picture of the page with them.
 
-use crate::option_table::{PAGE, has};
+use crate::config::Config;
+use crate::inset_args::joined;
+use crate::option_table::{NO_VIEW, PAGE, has, ids_with};
+use crate::process::all_arguments;
 use clap::parser::{RawValues, ValueSource};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use halfline::error::{Error, Result};
@@ -37,18 +40,32 @@ pub(crate) struct Given {
 }
 
 impl Given {
+    /// The options that are typed for `command`, as [`Given::of`], and all that clap found. `own` are those that pictures of the page do not
+    /// have.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for an option that a page does not have, with this mend, and errors of the configuration file.
+    pub(crate) fn typed(command: &Command, own: &[&str], mend: &str) -> Result<(Self, ArgMatches)> {
+        // The first word is the name of the command, which is that of the program here.
+        let words = joined(all_arguments().iter().skip(1).cloned());
+        let matches = command.clone().try_get_matches_from(words);
+        let help = format!("use halfline {} --help", command.get_name());
+        let matches = matches.map_err(|error| Error::settings(error.to_string(), help))?;
+        let refused = ids_with(NO_VIEW).filter(|id| !own.contains(id));
+        if let Some(id) = refused.into_iter().find(|id| matches.value_source(id) == Some(ValueSource::CommandLine)) {
+            let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(Arg::get_long).unwrap_or(id);
+            return Err(Error::settings(format!("--{long} is an option of pictures in files"), mend));
+        }
+        Ok((Self::of(command, &matches, own, Config::load()?.preferences())?, matches))
+    }
+
     /// The options that were typed for `command`, by `matches`, without those named `own`. Options that the page sets
     /// are kept apart. `preferences` come from the environment and the configuration file, which every command reads by
     /// itself, so that they are no words of this one.
     ///
     /// # Errors
     /// [`Error::Settings`] for several frames.
-    pub(crate) fn of(
-        command: &Command,
-        matches: &ArgMatches,
-        own: &[&str],
-        preferences: Vec<(String, OsString)>,
-    ) -> Result<Self> {
+    fn of(command: &Command, matches: &ArgMatches, own: &[&str], preferences: Vec<(String, OsString)>) -> Result<Self> {
         let preferences = preferences.into_iter().map(|(id, value)| GivenOption::new(&id, Some(value))).collect();
         let mut given =
             Self { scene: OsString::new(), options: Vec::new(), camera: Vec::new(), preferences, frame: None };
