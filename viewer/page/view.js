@@ -43,8 +43,8 @@ function pace() {
   };
 }
 
-// Builds the view in `root`. `transport` has request(route, body) -> Promise of {status, json, blob or pixels, info}; `options` are page
-// (the keys of the document are the view's), camera, selection, onChange, onStill, and the words waiting and ended.
+// Builds the view in `root`. `transport` has request(route, body) -> Promise of {status, json, blob or pixels, info}; `options`: page
+// (it has the document's keys), camera, selection, onChange, onStill, words waiting and ended.
 export function mount(root, transport, options = {}) {
   const ended = new AbortController();
   const listen = (target, names, f, more = {}) => {
@@ -53,7 +53,6 @@ export function mount(root, transport, options = {}) {
 
   const notify = options.onChange ?? (() => {});
 
-  // The state.
   let scene = null, camera = null, home = null, axis = null, vfov = 40;
   let selection = options.selection || "", frame = null, last = null, picked = [], styleName = null;
   let version = 0, failed = -1, rest = true, restTimer = 0, wasLost = false, playing = 0;
@@ -119,7 +118,7 @@ export function mount(root, transport, options = {}) {
       if (!ended.signal.aborted && !wasLost) {
         wasLost = true;
         stop();
-        tell(options.ended ?? "The server has ended", options.ended ? null : start);
+        tell(options.ended ?? "The server has ended", !options.ended && start);
       }
       throw error;
     }
@@ -287,10 +286,9 @@ export function mount(root, transport, options = {}) {
     options.onStill?.();
   }
 
-  // What is on the screen beside the picture.
   function showStatus() {
     const { accuracy, certified, settled, ms, adapter } = drawn.info;
-    status.title = "certified: which sphere each pixel shows is proved; settled: so many pixels needed exact arithmetic for it";
+    status.title = "certified: the sphere of each pixel is proved; settled: pixels that needed exact arithmetic";
     status.textContent = [
       drawn.mode !== "still" && "preview",
       certified >= 1 ? "certified" : accuracy == "fast" ? "fast" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
@@ -347,7 +345,6 @@ export function mount(root, transport, options = {}) {
     notify({ picked });
   }
 
-  // Picking and selecting.
   let pickNumber = 0, measuring = false;
   async function pick([x, y], second) {
     const size = fullSize(), here = box(), mine = ++pickNumber;
@@ -381,7 +378,6 @@ export function mount(root, transport, options = {}) {
     changed();
   }
 
-  // Frames of a file.
   const firstFrame = () => scene.first ?? (scene.frame === 0 ? 0 : 1);
   function showFrame() {
     number.value = last == null ? `frame ${frame}` : `${frame} / ${last}`;
@@ -412,7 +408,6 @@ export function mount(root, transport, options = {}) {
     changed();
   }
 
-  // Copying and saving.
   async function copy(kind) {
     const all = (await ask("/command", body("still", fullSize())).catch(complain))?.json, what = all?.[kind];
     if (!what) return all && say("The scene has no command; p copies Python");
@@ -453,7 +448,7 @@ export function mount(root, transport, options = {}) {
       axis = axis ? null : camera.up;
       say(axis ? "A drag turns about the up direction" : "A drag turns freely");
     }],
-    0: ["The view of the beginning", () => setCamera(scene.camera)],
+    0: ["The first view", () => setCamera(scene.camera)],
     c: ["Copy the command", () => copy("shell")],
     p: ["Copy the Python", () => copy("python")],
     s: ["Save the picture as PNG", save],
