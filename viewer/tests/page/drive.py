@@ -587,8 +587,9 @@ class Run:
         self.check("it goes without a trace", tab.js("notebook.root.childElementCount") == 0)
 
     def weight(self):
-        # A browser does not get the notebook's module.
-        files = [path for path in mock.PAGE.iterdir() if path.suffix in mock.TYPES and path.name != "widget.js"]
+        # A browser does not get the modules of notebooks and of pages without a server.
+        others = ("widget.js", "figure.js", "worker.js")
+        files = [path for path in mock.PAGE.iterdir() if path.suffix in mock.TYPES and path.name not in others]
         total = sum(path.stat().st_size for path in files)
         self.check("the page is under 40 KB", total < 40_000, f"{total} bytes")
 
