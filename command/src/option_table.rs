@@ -1,6 +1,8 @@
 //! The table of the options of a picture: who takes an option, and its keyword in Python. clap defines their values and
 //! their help; every other list of options is a column of this table.
 
+use clap::Command;
+
 /// An option of a picture.
 pub(super) struct OptionRow {
     /// The identifier in clap's definition.
@@ -181,12 +183,17 @@ pub(super) fn has(id: &str, uses: u8) -> bool {
     ids_with(uses).any(|known| known == id)
 }
 
+/// A command whose help leaves out the options with these identifiers.
+pub(super) fn hidden(command: Command, is_hidden: impl Fn(&str) -> bool) -> Command {
+    command.mut_args(|arg| if is_hidden(arg.get_id().as_str()) { arg.hide(true) } else { arg })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Arguments;
     use crate::scene_args::SceneArgs;
-    use clap::{Args, Command, CommandFactory};
+    use clap::{Args, CommandFactory};
     use std::collections::BTreeSet;
 
     #[test]

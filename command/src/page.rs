@@ -4,7 +4,7 @@ mod html;
 
 use super::clash::check_inputs;
 use super::messages::{QuietArgs, flags, note, warn};
-use super::option_table::{NO_VIEW, ids_with};
+use super::option_table::{NO_VIEW, has, hidden};
 use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::signals::go_on;
@@ -13,7 +13,6 @@ use super::view::{Content, Given, MemoryScene, content, stage};
 use clap::{Arg, Args, Command};
 use halfline::error::{Error, Result};
 use halfline::render::Renderer;
-use halfline::settings::Backend;
 use halfline_files::read::ColumnNames;
 use halfline_files::write::file::write_atomically;
 use halfline_viewer::{FrameRequest, Picture, Pixels};
@@ -68,9 +67,7 @@ struct Report<'a> {
 /// The command line in which `page` has only the options that it takes.
 pub(super) fn with_own_options(command: Command) -> Command {
     command.mut_subcommand("page", |page| {
-        let page = ids_with(NO_VIEW)
-            .filter(|id| *id != "output")
-            .fold(page, |page, id| page.mut_arg(id, |arg: Arg| arg.hide(true)));
+        let page = hidden(page, |id| id != "output" && has(id, NO_VIEW));
         own(page.mut_arg("output", |arg: Arg| {
             arg.help("The page: an .html file; - for standard output.").long_help(None).required(true)
         }))
@@ -102,17 +99,13 @@ pub struct MadePage {
     pub warnings: Vec<String>,
 }
 
-/// Makes a page. `renderer`, which was made for `backend`, renders the picture for browsers that cannot run the page's program, from the
+/// Makes a page. The renderer renders the picture for browsers that cannot run the page's program, from the
 /// very content of the page.
 ///
 /// # Errors
 /// [`Error::Settings`] for a command without the program of pages, and for options that pictures do not take; errors of the picture.
-pub fn make(
-    mut content: Content,
-    renderer: Arc<Mutex<Option<Renderer>>>,
-    backend: Backend,
-    words: fn(&str) -> String,
-) -> Result<MadePage> {
+pub fn make(memory: MemoryScene) -> Result<MadePage> {
+    let MemoryScene { mut content, renderer, backend, words } = memory;
     let program = html::program()?;
     // A page says the name of the file, and not where it lay.
     let file = content.source.as_ref().and_then(|path| Path::new(path).file_name());
@@ -124,7 +117,7 @@ pub fn make(
     let (camera, size, frames, name) = (content.camera, content.size, content.frames.len(), content.name.clone());
     let spheres = content.frames.iter().map(|frame| frame.scene.spheres.len()).sum();
     let columns = content.frames[0].columns.names().map(str::to_owned).collect();
-    let shown = stage(MemoryScene::of(content, renderer, backend, words))?;
+    let shown = stage(MemoryScene { content, renderer, backend, words })?;
     let picture = shown.frame(&FrameRequest::still(camera, size), &(Arc::new(go_on) as _));
     let picture = picture.map_err(|refusal| Error::settings(refusal.message, "use other options"))?;
     let Picture { pixels: Pixels::Png(png), info } = picture.ok_or(Error::Interrupted)? else {
@@ -159,9 +152,10 @@ impl Page {
         let inputs: Vec<_> = others.chain([self.args.path().to_path_buf()]).collect();
         check_inputs([path], &inputs)?;
         let settings = self.args.settings(&[]);
-        let content = content(given, self.args.read.frames.as_ref(), &kept)?;
+        let content = content(&given, self.args.read.frames.as_ref(), &kept)?;
         // The file is read before a device is opened.
-        let made = make(content, Arc::new(Mutex::new(Some(Renderer::new(&settings)?))), settings.backend, flags)?;
+        let renderer = Arc::new(Mutex::new(Some(Renderer::new(&settings)?)));
+        let made = make(MemoryScene { content, renderer, backend: settings.backend, words: flags })?;
         write_atomically(path, |out| out.write_all(made.html.as_bytes()))?;
         warn(&made.warnings);
         note(format_args!("{}: {:.1} MB", path.display(), made.html.len() as f64 * 1e-6));

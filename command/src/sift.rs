@@ -2,7 +2,7 @@
 
 use super::clash::{check_inputs, check_text};
 use super::messages::{QuietArgs, flags, note, warn};
-use super::option_table::{NO_PART, has};
+use super::option_table::{NO_PART, has, hidden};
 use super::process::{ExitCode, is_typed};
 use super::render::stream::Source;
 use super::scene_args::SceneArgs;
@@ -46,9 +46,7 @@ Examples:
 /// The command line in which `sift` has only the options that it takes.
 pub(super) fn with_own_options(command: Command) -> Command {
     command.mut_subcommand("sift", |sift| {
-        let there: Vec<_> = sift.get_arguments().map(|arg| arg.get_id().clone()).collect();
-        let known = there.into_iter().filter(|id| has(id.as_str(), NO_PART));
-        let sift = known.fold(sift, |sift, id| sift.mut_arg(id, |arg: Arg| arg.hide(true)));
+        let sift = hidden(sift, |id| has(id, NO_PART));
         sift.mut_arg("output", |arg: Arg| arg.help("The part: an .npz of NumPy arrays.").long_help(None).required(true))
             .mut_arg("scene", |arg: Arg| {
                 arg.help(

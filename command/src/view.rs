@@ -22,12 +22,12 @@ pub use lens::pose;
 pub use memory::MemoryScene;
 
 use super::messages::{QuietArgs, note};
-use super::option_table::{NO_VIEW, ids_with};
+use super::option_table::{NO_VIEW, has, hidden};
 use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::signals::go_on;
 use super::standard::print;
-use clap::{Arg, Args, Command};
+use clap::{Args, Command};
 use halfline::error::{Error, Result};
 use halfline_files::read::read_once;
 use halfline_viewer::{Server, Stage, open_browser, ssh_line};
@@ -82,9 +82,7 @@ const OWN: [&str; 4] = ["port", "no_open", "idle", "quiet"];
 
 /// The command line in which `view` has only the options that it takes.
 pub(super) fn without_files(command: Command) -> Command {
-    command.mut_subcommand("view", |view| {
-        ids_with(NO_VIEW).fold(view, |view, id| view.mut_arg(id, |arg: Arg| arg.hide(true)))
-    })
+    command.mut_subcommand("view", |view| hidden(view, |id| has(id, NO_VIEW)))
 }
 
 impl View {

@@ -57,7 +57,8 @@ pub fn start(content: Vec<u8>, backend: String) -> Result<(), JsError> {
     let content =
         Content::unpack(&content).ok_or_else(|| JsError::new("the page is damaged: its content is incomplete"))?;
     let (renderer, backend) = renderer(&backend)?;
-    let memory = MemoryScene::of(content, Arc::new(Mutex::new(Some(renderer))), backend, flags);
+    let renderer = Arc::new(Mutex::new(Some(renderer)));
+    let memory = MemoryScene { content, renderer, backend, words: flags };
     let routes = Routes::within_page(stage(memory)?, pauses);
     ROUTES.set(Arc::new(routes)).map_err(|_| JsError::new("the program runs already"))
 }

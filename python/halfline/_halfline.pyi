@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from collections.abc import Sequence as Seq
 from os import PathLike
-from typing import Any, final
+from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -215,18 +215,25 @@ class Frames:
     def __next__(self) -> Frame: ...
     def close(self) -> None: ...
 
+class Wanted(Protocol):
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def renderer(self) -> Renderer: ...
+    @property
+    def native_camera(self) -> Camera: ...
+    @property
+    def size(self) -> Size: ...
+    @property
+    def picture(self) -> dict[str, Any]: ...
+    @property
+    def accurate(self) -> dict[str, Any]: ...
+    @property
+    def lines(self) -> dict[str, Any]: ...
+
 @final
 class Desk:
-    def __new__(
-        cls,
-        scene: Scene,
-        renderer: Renderer,
-        camera: Camera,
-        size: Size,
-        picture: dict[str, Any],
-        accurate: dict[str, Any],
-        lines: dict[str, Any],
-    ) -> Desk: ...
+    def __new__(cls, wanted: Wanted) -> Desk: ...
     def pose_of(self, camera: Camera) -> str: ...
     def ask(self, route: str, body: str) -> Question: ...
     def select(self, expression: str) -> None: ...
@@ -278,16 +285,7 @@ def measure(
     tolerance: float | None,
     patience: float,
 ) -> str: ...
-def page(
-    scene: Scene,
-    renderer: Renderer,
-    camera: Camera,
-    size: Size,
-    picture: dict[str, Any],
-    accurate: dict[str, Any],
-    lines: dict[str, Any],
-    columns: list[str],
-) -> tuple[str, list[str]]: ...
+def page(wanted: Wanted, columns: list[str]) -> tuple[str, list[str]]: ...
 def pose(camera: str) -> str: ...
 def read_cameras(
     path: str | PathLike[str],

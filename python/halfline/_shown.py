@@ -26,6 +26,7 @@ class Shown:
     """What a page shows, checked."""
 
     scene: _halfline.Scene
+    name: str
     renderer: _halfline.Renderer
     camera: Camera
     size: tuple[int, int]
@@ -34,6 +35,11 @@ class Shown:
     lines: dict[str, Any]
     lens: dict[str, float]
 
+    @property
+    def native_camera(self) -> _halfline.Camera:
+        """The camera, for the native module."""
+        return self.camera._native
+
     @staticmethod
     def of(
         scene: _halfline.Scene,
@@ -41,9 +47,12 @@ class Shown:
         camera: Camera | None,
         renderer: Renders | None,
         options: Options,
+        name: str,
         thing: str,
     ) -> Shown:
-        """The options of `Renderer.render`, for a `thing` such as ``a view``."""
+        """The options of `Renderer.render` for a scene of this name and a `thing` such as
+        ``a view``.
+        """
         given: dict[str, Any] = dict(options)
         for refused in ("aovs", "crop", "dtype"):
             if refused in given:
@@ -66,4 +75,4 @@ class Shown:
             # On one machine the name of an adapter is enough to find it again.
             choosing = {"adapter": renderer.adapter} if renderer.is_gpu else {"backend": "cpu"}
         words = lines(source, given, lens, choosing)
-        return Shown(scene, native, camera, size, picture, accurate, words, lens)
+        return Shown(scene, name, native, camera, size, picture, accurate, words, lens)

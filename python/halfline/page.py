@@ -8,11 +8,7 @@ from collections.abc import Iterable
 from os import PathLike, fspath
 
 from . import _halfline
-from ._arrays import Renders
 from ._shown import Shown
-from ._source import Source
-from .camera import Camera
-from .options import Options
 
 # The bars above and below the picture, pixels.
 _BARS = 72
@@ -28,29 +24,10 @@ class Page:
     html: str
     """The file."""
 
-    def __init__(
-        self,
-        scene: _halfline.Scene,
-        source: Source | None,
-        camera: Camera | None,
-        columns: Iterable[str],
-        renderer: Renders | None,
-        options: Options,
-        name: str,
-    ) -> None:
-        given = Shown.of(scene, source, camera, renderer, options, "a page")
+    def __init__(self, given: Shown, columns: Iterable[str]) -> None:
         names = [columns] if isinstance(columns, str) else list(columns)
-        self.html, notes = _halfline.page(
-            scene,
-            given.renderer,
-            given.camera._native,
-            given.size,
-            given.picture,
-            given.accurate,
-            given.lines,
-            names,
-        )
-        self._name, self._size = name, given.size
+        self.html, notes = _halfline.page(given, names)
+        self._name, self._size = given.name, given.size
         for note in notes:
             warnings.warn(note, stacklevel=3)
 

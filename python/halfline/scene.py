@@ -26,6 +26,7 @@ from ._arrays import (
 )
 from ._arrays import color as checked_color
 from ._arrays import size as checked_size
+from ._shown import Shown
 from ._source import Source
 from .camera import Camera
 from .columns import Columns
@@ -222,7 +223,7 @@ class Scene:
         """
         from .view import View
 
-        return View(self._native, self._source, camera, renderer, options, repr(self))
+        return View(self._shown(camera, renderer, options, "a view"))
 
     def page(
         self,
@@ -255,7 +256,12 @@ class Scene:
         """
         from .page import Page
 
-        return Page(self._native, self._source, camera, columns, renderer, options, repr(self))
+        return Page(self._shown(camera, renderer, options, "a page"), columns)
+
+    def _shown(
+        self, camera: Camera | None, renderer: Renders | None, options: Options, thing: str
+    ) -> Shown:
+        return Shown.of(self._native, self._source, camera, renderer, options, repr(self), thing)
 
     @property
     def centers(self) -> NDArray[np.float64]:

@@ -14,11 +14,9 @@ from typing import Any
 import numpy as np
 
 from . import _halfline
-from ._arrays import Renders, shown
+from ._arrays import shown
 from ._shown import Shown
-from ._source import Source
 from .camera import Camera
-from .options import Options
 
 try:
     import anywidget
@@ -99,27 +97,10 @@ class View(anywidget.AnyWidget):
     _desk: _halfline.Desk
     _still: bytes | None = None
 
-    def __init__(
-        self,
-        scene: _halfline.Scene,
-        source: Source | None,
-        camera: Camera | None,
-        renderer: Renders | None,
-        options: Options,
-        name: str,
-    ) -> None:
-        given = Shown.of(scene, source, camera, renderer, options, "a view")
+    def __init__(self, given: Shown) -> None:
         width, height = given.size
-        self._lens, self._name, self._size = given.lens, name, given.size
-        self._desk = _halfline.Desk(
-            scene,
-            given.renderer,
-            given.camera._native,
-            given.size,
-            given.picture,
-            given.accurate,
-            given.lines,
-        )
+        self._lens, self._name, self._size = given.lens, given.name, given.size
+        self._desk = _halfline.Desk(given)
         super().__init__(
             camera=_pose_of(self._desk, given.camera),
             layout={"width": f"{width}px", "max_width": "100%", "height": f"{height + _BARS}px"},

@@ -57,56 +57,56 @@ fn pose_of(scene: &Scene, camera: &Camera, size: (u32, u32)) -> halfline::Result
     shown::pose(&scene.sized(Some(camera), size, None)?, None)
 }
 
-/// The scene and the options of a view. Mistakes are named as keywords.
-fn content(
-    shown: &Scene,
-    renderer: &Renderer,
-    (camera, size): (&Camera, (u32, u32)),
-    picture: &Picture,
-    accurate: &Accurate,
-    Lines { source, mut rendering, mut copied }: Lines,
-) -> halfline::Result<Content> {
-    // Edges that are drawn already are not drawn again.
-    for options in [&mut rendering, &mut copied] {
-        options.retain(|(id, _)| !(shown.outlined && id == "outline"));
-    }
-    picture.begin(shown)?;
-    picture.settings(shown, accurate.settings()?, renderer.backend)?;
-    picture.scene(shown, Some(camera))?;
-    picture.insets.text(shown, shown.frame.number)?;
-    Ok(Content {
-        frames: vec![shown.frame.clone()],
-        edges: shown.edges(),
-        name: shown.file.clone().unwrap_or_else(|| "scene".into()),
-        source,
-        rendering,
-        copied,
-        camera: pose_of(shown, camera, size)?,
-        size: size.into(),
-        is_sized: false,
-    })
-}
-
-/// The file of a page that shows a scene without a server, and the warnings of its picture. `columns` are the names of those that it has.
-#[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "those of the method in Python")]
-pub(crate) fn page(
-    py: Python<'_>,
+/// A scene and the options of a page, as the package checked them.
+#[derive(FromPyObject)]
+pub(crate) struct Wanted<'py> {
     scene: Py<Scene>,
-    renderer: &Renderer,
-    camera: &Camera,
+    renderer: PyRef<'py, Renderer>,
+    native_camera: PyRef<'py, Camera>,
     size: (u32, u32),
     picture: Picture,
     accurate: Accurate,
     lines: Lines,
-    columns: Vec<String>,
-) -> PyResult<(String, Vec<String>)> {
-    Job::default().run(py, None, || {
-        let mut content = content(scene.get(), renderer, (camera, size), &picture, &accurate, lines)?;
-        content.keep(&columns)?;
-        let made = shown::make_page(content, renderer.shared.place(), renderer.backend, keywords)?;
-        Ok((made.html, made.warnings))
-    })
+}
+
+impl Wanted<'_> {
+    /// The scene in memory, with the columns of `keep`, or all. Mistakes are named as keywords.
+    fn memory(self, py: Python<'_>, keep: Option<&[String]>) -> PyResult<MemoryScene> {
+        let Self { scene, renderer, native_camera, size, picture, accurate, lines } = self;
+        let (shown, renderer, camera) = (scene.get(), &*renderer, &*native_camera);
+        let Lines { source, mut rendering, mut copied } = lines;
+        // Edges that are drawn already are not drawn again.
+        for options in [&mut rendering, &mut copied] {
+            options.retain(|(id, _)| !(shown.outlined && id == "outline"));
+        }
+        Job::default().run(py, None, || {
+            picture.begin(shown)?;
+            picture.settings(shown, accurate.settings()?, renderer.backend)?;
+            picture.scene(shown, Some(camera))?;
+            picture.insets.text(shown, shown.frame.number)?;
+            let mut content = Content {
+                frames: vec![shown.frame.clone()],
+                edges: shown.edges(),
+                name: shown.file.clone().unwrap_or_else(|| "scene".into()),
+                source,
+                rendering,
+                copied,
+                camera: pose_of(shown, camera, size)?,
+                size: size.into(),
+                is_sized: false,
+            };
+            keep.map_or(Ok(()), |names| content.keep(names))?;
+            Ok(MemoryScene { content, renderer: renderer.shared.place(), backend: renderer.backend, words: keywords })
+        })
+    }
+}
+
+/// The file of a page that shows a scene without a server, and the warnings of its picture. `columns` are the names of those that it has.
+#[pyfunction]
+pub(crate) fn page(py: Python<'_>, wanted: Wanted<'_>, columns: Vec<String>) -> PyResult<(String, Vec<String>)> {
+    let memory = wanted.memory(py, Some(&columns))?;
+    let made = Job::default().run(py, None, || shown::make_page(memory))?;
+    Ok((made.html, made.warnings))
 }
 
 /// Writes the file of a page.
@@ -118,26 +118,13 @@ pub(crate) fn save_page(py: Python<'_>, path: PathBuf, html: String) -> PyResult
 #[pymethods]
 impl Desk {
     #[new]
-    #[expect(clippy::too_many_arguments, reason = "those of the class in Python")]
-    fn new(
-        py: Python<'_>,
-        scene: Py<Scene>,
-        renderer: &Renderer,
-        camera: &Camera,
-        size: (u32, u32),
-        picture: Picture,
-        accurate: Accurate,
-        lines: Lines,
-    ) -> PyResult<Self> {
-        let shown = scene.get();
-        let (stage, camera) = Job::default().run(py, None, || {
-            let content = content(shown, renderer, (camera, size), &picture, &accurate, lines)?;
-            let camera = content.camera;
-            let memory = MemoryScene::of(content, renderer.shared.place(), renderer.backend, keywords);
-            Ok((shown::stage(memory)?, camera))
-        })?;
+    fn new(py: Python<'_>, wanted: Wanted<'_>) -> PyResult<Self> {
+        let scene = wanted.scene.clone_ref(py);
+        let memory = wanted.memory(py, None)?;
+        let first = FrameRequest::still(memory.content.camera, memory.content.size);
+        let stage = Job::default().run(py, None, || shown::stage(memory))?;
         let routes = Arc::new(Routes::new(Arc::clone(&stage)));
-        Ok(Self { scene, first: FrameRequest::still(camera, size.into()), stage, routes })
+        Ok(Self { scene, first, stage, routes })
     }
 
     /// A camera as the page has it, as JSON.

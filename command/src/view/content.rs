@@ -21,23 +21,23 @@ const SCHEMA: u32 = 1;
 /// Scenes in memory that a page shows, with the options of every picture.
 #[derive(Debug, Clone)]
 pub struct Content {
-    /// The frames, at least one. Their cameras and apertures are not used.
+    /// The frames, at least one, in their order; the page begins with the first. Their cameras and apertures are not used.
     pub frames: Vec<SceneFrame>,
     /// The cell whose edges the option `outline` draws.
     pub edges: Option<Cell>,
-    /// The name of the file.
+    /// The name of the file, or another one.
     pub name: String,
-    /// The file that copied lines read; `None` for a scene that no command can read.
+    /// The file that copied lines read, if they can read it again.
     pub source: Option<OsString>,
     /// The options of every picture.
     pub rendering: Vec<WrittenOption>,
-    /// The options in copied lines.
+    /// The options in copied lines: also those that read the file, and those that choose the renderer.
     pub copied: Vec<WrittenOption>,
     /// The camera with which the page begins.
     pub camera: Pose,
     /// Width and height of the picture with which it begins.
     pub size: [u32; 2],
-    /// Whether this size was asked for.
+    /// Whether pictures keep this size whatever the page's is.
     pub is_sized: bool,
 }
 

@@ -2,13 +2,12 @@
 
 use super::content::Content;
 use super::frames::Frames;
-use super::given::Given;
-use super::handler::ViewHandler;
+use super::given::{Given, GivenOption};
+use super::handler::read_first;
 use super::parse::Parser;
 use crate::option_table::{Call, Python, options};
 use halfline::error::{Error, Result};
 use halfline_files::read::{FrameRange, SceneFrame};
-use std::ffi::OsString;
 use std::path::Path;
 
 /// The content of a page that shows these frames of a file with the options that were typed. `kept` are the names of the columns that it
@@ -16,15 +15,12 @@ use std::path::Path;
 ///
 /// # Errors
 /// Errors of the options, of reading the file, and of a column that it lacks; [`Error::Settings`] for frames with gaps between them.
-pub(crate) fn content(mut given: Given, range: Option<&FrameRange>, kept: &[String]) -> Result<Content> {
+pub(crate) fn content(given: &Given, range: Option<&FrameRange>, kept: &[String]) -> Result<Content> {
     let first = range.map_or(1, |range| range.numbers().next().unwrap_or(1));
-    given.frame = range.map(|_| first);
-    let handler = ViewHandler::new(given)?;
-    let given = handler.given();
     let mut parser = Parser::new()?;
     let words = given.words(&given.initial());
     let args = parser.args(&words)?;
-    let (mut read, summary, _, _) = handler.read_first(Frames::new(words.clone(), parser.args(&words)?), &args)?;
+    let (mut read, summary, _) = read_first(Frames::new(words.clone(), parser.args(&words)?), &args, first)?;
     let mut frames = vec![read.get(first)?.copy()];
     for number in range.into_iter().flat_map(FrameRange::numbers).skip(1) {
         if number != first + frames.len() as u64 {
@@ -43,14 +39,12 @@ pub(crate) fn content(mut given: Given, range: Option<&FrameRange>, kept: &[Stri
         _ => None,
     };
     let of_pictures = |id: &str| matches!(call(id), Some(Call::Render | Call::Camera | Call::Save));
-    let typed =
-        given.with_preferences(given.options().to_vec()).into_iter().map(|option| (option.id.clone(), option.value()));
-    let rendering = typed.filter(|(id, _)| of_pictures(id)).collect();
+    let all = given.with_preferences(given.options().to_vec());
+    let rendering = all.iter().filter(|option| of_pictures(&option.id)).map(GivenOption::written).collect();
     // Another machine has another device.
     let copied = given.options().iter().filter(|option| call(&option.id) != Some(Call::Renderer));
-    let copied = copied.map(|option| (option.id.clone(), option.value())).collect();
-    let name = |path: &OsString| Path::new(path).file_name().map(|name| name.to_string_lossy().into_owned());
-    let name = name(&given.scene).unwrap_or_default();
+    let copied = copied.map(GivenOption::written).collect();
+    let name = Path::new(&given.scene).file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut content = Content {
         edges: frames[0].cell,
         frames,

@@ -223,9 +223,9 @@ impl GivenOption {
         format!("--{}", self.long)
     }
 
-    /// Its value; none for a flag.
-    pub(super) fn value(&self) -> Option<OsString> {
-        self.value.clone()
+    /// Its identifier and its value.
+    pub(super) fn written(&self) -> WrittenOption {
+        (self.id.clone(), self.value.clone())
     }
 
     /// Its value as text; empty for a flag.

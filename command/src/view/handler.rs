@@ -1,5 +1,6 @@
 //! Handles the page's requests: the open file and its cached frames, or a scene in memory; two renderers.
 
+use super::content::Content;
 use super::frames::{Count, Frames};
 use super::given::{Given, GivenOption, line};
 use super::memory::MemoryScene;
@@ -106,11 +107,12 @@ impl ViewHandler {
     /// # Errors
     /// Errors of the options and of the camera with which it begins.
     pub(super) fn in_memory(memory: MemoryScene) -> Result<Self> {
-        let given = Given::of_options(memory.name, &memory.rendering);
-        let first = memory.frames.first().map_or(1, |frame| frame.number);
-        let is_numbered = memory.frames.len() > 1 || memory.source.is_some() && first != 1;
-        let copied = Given::of_options(memory.source.unwrap_or_default(), &memory.copied);
-        let MemoryScene { mut frames, edges, camera, size, is_sized, renderer, backend, words, .. } = memory;
+        let MemoryScene { content, renderer, backend, words } = memory;
+        let Content { mut frames, edges, name, source, rendering, copied, camera, size, is_sized } = content;
+        let given = Given::of_options(name.into(), &rendering);
+        let first = frames.first().map_or(1, |frame| frame.number);
+        let is_numbered = frames.len() > 1 || source.is_some() && first != 1;
+        let copied = Given::of_options(source.unwrap_or_default(), &copied);
         let notebook = Some(Notebook { copied, edges, backend });
         let handler = Self { renderer, messages: Messages::silent(), words, notebook, ..Self::new(given)? };
         // Pictures take nothing from the camera of the file.
@@ -134,11 +136,6 @@ impl ViewHandler {
         Ok(handler)
     }
 
-    /// The file and the options.
-    pub(super) fn given(&self) -> &Given {
-        &self.given
-    }
-
     /// Opens the device, and reads the frame with which the page begins; its camera is that of its picture by
     /// `halfline render`. Then requests are answered, and the frames of the file are counted.
     ///
@@ -149,10 +146,11 @@ impl ViewHandler {
         let words = self.given.words(&self.given.initial());
         let args = parser.args(&words)?;
         let settings = args.settings(&[]);
-        let read = || self.read_first(Frames::new(words.clone(), parser.args(&words)?), &args);
+        let first = self.given.frame.unwrap_or(1);
+        let read = || read_first(Frames::new(words.clone(), parser.args(&words)?), &args, first);
         let (read, renderer) = both(read, || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
-        let (mut plain, summary, record, first) = read?;
+        let (mut plain, summary, record) = read?;
         let renderer = renderer?;
         note_fallback(&renderer);
         *lock(&self.renderer) = Some(renderer);
@@ -166,22 +164,6 @@ impl ViewHandler {
             session.plain.total = Some(total);
         }
         Ok(())
-    }
-
-    /// Reads the first frame of the file, whose camera is that of all, and the one with which the page begins.
-    pub(super) fn read_first(
-        &self,
-        mut frames: Frames,
-        args: &SceneArgs,
-    ) -> Result<(Frames, Value, Option<CameraRecord>, u64)> {
-        let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        let first = self.given.frame.unwrap_or(1);
-        let fixed = frames.fixed_camera(first)?;
-        let (picture, pose) = first_picture(args, frames.framed(first)?.copy(), record.as_ref(), fixed)?;
-        let mut summary = summary::of(args, frames.get(first)?, &picture, &pose)?;
-        summary["format"] = json!(frames.format.map(Format::name));
-        summary["sized"] = json!(args.image.size.is_some() || record.is_some());
-        Ok((frames, summary, record, first))
     }
 
     /// The camera of the first picture in another size, which is the page's.
@@ -424,6 +406,25 @@ impl Stage for ViewHandler {
         };
         Ok(json!({ "state": state, "text": text }))
     }
+}
+
+/// Reads the first frame of the file, whose camera is that of all, and the one with which the page begins. Returns them with the summary of the
+/// scene and the record of `--camera-from`.
+///
+/// # Errors
+/// Errors of the options and of reading the file.
+pub(super) fn read_first(
+    mut frames: Frames,
+    args: &SceneArgs,
+    first: u64,
+) -> Result<(Frames, Value, Option<CameraRecord>)> {
+    let record = args.camera.from.as_deref().map(camera_file::read).transpose()?;
+    let fixed = frames.fixed_camera(first)?;
+    let (picture, pose) = first_picture(args, frames.framed(first)?.copy(), record.as_ref(), fixed)?;
+    let mut summary = summary::of(args, frames.get(first)?, &picture, &pose)?;
+    summary["format"] = json!(frames.format.map(Format::name));
+    summary["sized"] = json!(args.image.size.is_some() || record.is_some());
+    Ok((frames, summary, record))
 }
 
 /// The picture of a frame that the options frame, and its camera, whose pivot is what they look at.

@@ -111,7 +111,7 @@ fn packed(values: &[f64]) -> (Form, Vec<(u64, u64)>, Vec<u8>) {
     if values.iter().all(|x| x.to_bits() == first.to_bits()) {
         return (Form::Constant(first.to_bits()), Vec::new(), Vec::new());
     }
-    // Most lists are told by their first values.
+    // The first values show the form of most lists.
     let few = |misses: usize, values: &[f64]| misses <= values.len() / EXCEPTIONS;
     let start = &values[..values.len().min(8 * EXCEPTIONS)];
     let fits = |digits: &u8| few(start.iter().filter(|x| whole(**x, *digits).is_none()).count(), start);
