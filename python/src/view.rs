@@ -59,7 +59,7 @@ fn pose_of(scene: &Scene, camera: &Camera, size: (u32, u32)) -> halfline::Result
 
 /// A scene and the options of a page, as the package checked them.
 #[derive(FromPyObject)]
-pub(crate) struct Wanted<'py> {
+pub(crate) struct PageScene<'py> {
     scene: Py<Scene>,
     renderer: PyRef<'py, Renderer>,
     native_camera: PyRef<'py, Camera>,
@@ -69,7 +69,7 @@ pub(crate) struct Wanted<'py> {
     lines: Lines,
 }
 
-impl Wanted<'_> {
+impl PageScene<'_> {
     /// The scene in memory, with the columns of `keep`, or all. Mistakes are named as keywords.
     fn memory(self, py: Python<'_>, keep: Option<&[String]>) -> PyResult<MemoryScene> {
         let Self { scene, renderer, native_camera, size, picture, accurate, lines } = self;
@@ -103,8 +103,8 @@ impl Wanted<'_> {
 
 /// The file of a page that shows a scene without a server, and the warnings of its picture. `columns` are the names of those that it has.
 #[pyfunction]
-pub(crate) fn page(py: Python<'_>, wanted: Wanted<'_>, columns: Vec<String>) -> PyResult<(String, Vec<String>)> {
-    let memory = wanted.memory(py, Some(&columns))?;
+pub(crate) fn page(py: Python<'_>, page_scene: PageScene<'_>, columns: Vec<String>) -> PyResult<(String, Vec<String>)> {
+    let memory = page_scene.memory(py, Some(&columns))?;
     let made = Job::default().run(py, None, || shown::make_page(memory))?;
     Ok((made.html, made.warnings))
 }
@@ -118,9 +118,9 @@ pub(crate) fn save_page(py: Python<'_>, path: PathBuf, html: String) -> PyResult
 #[pymethods]
 impl Desk {
     #[new]
-    fn new(py: Python<'_>, wanted: Wanted<'_>) -> PyResult<Self> {
-        let scene = wanted.scene.clone_ref(py);
-        let memory = wanted.memory(py, None)?;
+    fn new(py: Python<'_>, page_scene: PageScene<'_>) -> PyResult<Self> {
+        let scene = page_scene.scene.clone_ref(py);
+        let memory = page_scene.memory(py, None)?;
         let first = FrameRequest::still(memory.content.camera, memory.content.size);
         let stage = Job::default().run(py, None, || shown::stage(memory))?;
         let routes = Arc::new(Routes::new(Arc::clone(&stage)));
