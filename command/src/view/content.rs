@@ -301,9 +301,9 @@ impl Balls {
             None => None,
         };
         let materials = match self.materials {
+            // Which kinds there are is checked with the scene.
             Some((kinds, of)) => {
                 let of: Vec<u32> = lists.get(of, count)?.into_iter().map(|n| n as u32).collect();
-                of.iter().all(|n| (*n as usize) < kinds.len()).then_some(())?;
                 Some(Materials { kinds, of: of.into() })
             }
             None => None,
@@ -451,6 +451,18 @@ mod tests {
             bytes.len(),
             alone.len()
         );
+    }
+
+    #[test]
+    fn numbers_beyond_a_table_are_refused() {
+        let mut texts = content();
+        let codes = ColumnValues::Texts(Codes::U8(vec![2; 50]), vec!["A".into(), "B".into()]);
+        texts.frames[0].columns = Arc::new(Columns::from_list(vec![("chain".into(), codes)]));
+        let mut kinds = content();
+        kinds.frames[0].scene.spheres.materials.as_mut().expect("materials").kinds.pop();
+        for wrong in [texts, kinds] {
+            assert!(Content::unpack(&wrong.pack().expect("packed")).is_none());
+        }
     }
 
     #[test]
