@@ -1,4 +1,8 @@
-//! The command line: one file per subcommand, and the exit codes in one place.
+#![doc = include_str!("../README.md")]
+//!
+//! # The library
+//!
+//! [`command`] is the whole command, for the wheel of the Python package and for the binary.
 
 mod adapters;
 mod bar;

@@ -1,5 +1,4 @@
-//! Drawing, as pictures and plots need it: a page as SVG and as pixels, text, and the legend, the label and the scale bar of a
-//! picture. Files are written elsewhere.
+#![doc = include_str!("../README.md")]
 
 pub mod canvas;
 pub mod cells;

@@ -1,4 +1,4 @@
-//! Measurements: comparing frames, and speed and error of every method.
+#![doc = include_str!("../README.md")]
 
 pub mod compare;
 pub mod export;

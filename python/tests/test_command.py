@@ -36,6 +36,15 @@ def test_exit_codes_and_words(command: str, tmp_path: Path) -> None:
     run(command, "compare", a, b, code=2 if "shape" in run_any(command, a, b) else 1)
 
 
+def test_the_module_is_the_command() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "halfline", "--version"], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, f"halfline {hl.__version__}\n")
+    bad = subprocess.run([sys.executable, "-m", "halfline", "--nonsense"], capture_output=True)
+    assert bad.returncode == 2
+
+
 def run_any(command: str, *files: Path) -> str:
     done = subprocess.run([command, "compare", *map(str, files)], capture_output=True, text=True)
     return "shape" if done.returncode == 2 else done.stderr

@@ -1,6 +1,4 @@
-//! The page of `halfline view` and its server. The crate knows HTTP, its security and the messages; it reads no scene and
-//! renders nothing: who starts the server gives it a [`Stage`], which answers. Over another way than HTTP, as from a
-//! notebook, [`Routes`] answers the same questions.
+#![doc = include_str!("../README.md")]
 
 mod exchange;
 mod guard;

@@ -156,8 +156,11 @@ impl TestDir {
         for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALFLINE_")) {
             command.env_remove(name);
         }
-        // A layer of Mesa writes to standard error on machines without a desktop.
-        command.env("NODEVICE_SELECT", "1").env("XDG_CONFIG_HOME", self.folder.path()).env_remove("RUST_LOG");
+        // Without a desktop, whose absence a layer of Mesa would report on standard error.
+        for name in ["XDG_RUNTIME_DIR", "DISPLAY", "NODEVICE_SELECT"] {
+            command.env_remove(name);
+        }
+        command.env("XDG_CONFIG_HOME", self.folder.path()).env_remove("RUST_LOG");
         command.envs(self.parts.map(|parts| ("HALFLINE_BLOCKS", parts.to_string())));
         command.current_dir(self.folder.path()).stdin(Stdio::null());
         command
