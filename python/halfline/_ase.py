@@ -9,9 +9,15 @@ from typing import Any
 
 from .atoms import from_ase
 
-VIEWER: Any = import_module("ase.utils.plugins").ExternalViewer(
-    desc="Spheres to turn, to pick and to select, every pixel certified", module=__name__
-)
+
+def __getattr__(name: str) -> Any:
+    """``VIEWER``, the object of the entry point, which only ASE can make."""
+    if name != "VIEWER":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    viewer: Any = import_module("ase.utils.plugins").ExternalViewer
+    return viewer(
+        desc="Spheres to turn, to pick and to select, every pixel certified", module=__name__
+    )
 
 
 def view_halfline(

@@ -21,13 +21,16 @@ class Columns(Mapping[str, NDArray[Any]]):
     from 0. Lookup understands the words of selections too: ``resid`` is ``residue``, ``chainid``
     is ``chain``.
 
-    | column | dtype | where the file has no value |
-    |---|---|---|
-    | numbers | float64 | NaN |
-    | those that count or identify: residue, serial, id, type, mol, index ... | int32 | NaN |
-    | texts: chain, resname, name, element ... | str, without blanks around them | empty |
+    ================================================================= ======= =======
+    columns                                                           dtype   missing
+    ================================================================= ======= =======
+    numbers                                                           float64 NaN
+    that count or identify: residue, serial, id, type, mol, index ... int32   NaN
+    texts: chain, resname, name, element ...                          str     empty
+    ================================================================= ======= =======
 
-    A column of the second kind is float64 where a number is missing, not whole or too large.
+    Texts have no blanks around them. A column of the second kind is float64 where a number is
+    missing, not whole or too large.
 
     Arrays of numbers are the scene's memory, read-only and without a copy. An array of texts is
     made at each lookup; it takes 4 bytes per letter of the longest text and sphere, and

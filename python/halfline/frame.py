@@ -28,20 +28,22 @@ class Frame(Mapping[str, NDArray[Any]]):
     write to. With ``dtype="float32"`` distance, depth and position are arrays of the nearest
     float32 instead, which are made once.
 
-    | buffer | shape | dtype | meaning | on a miss |
-    |---|---|---|---|---|
-    | color | (H, W, 3) | float32 | shaded colour, linear RGB | background |
-    | distance | (H, W) | float64 | length from the ray's origin to the hit, scene units | +inf |
-    | depth | (H, W) | float64 | distance along the view axis, scene units | +inf |
-    | normal | (H, W, 3) | float32 | unit normal in world space, against the ray | 0, 0, 0 |
-    | position | (H, W, 3) | float64 | hit point in world space, scene units | NaN |
-    | id | (H, W) | int32 | index of the sphere; always there | -1 |
-    | mask | (H, W) | uint8 | 1 hit, 0 miss | 0 |
-    | certainty | (H, W) | uint8 | 0 certified in float32, 1 settled, 255 neither | as its pixel |
-    | bound | (H, W) | float64 | proven bound of the distance's error, scene units | 0 |
-    | alpha | (H, W) | float32 | share of the pixel's samples that hit | 0 |
-    | shadow | (H, W, L) | float32 | share of each of L lights that is hidden | 0 |
-    | occlusion | (H, W) | float32 | share of the sky that is open | 1 |
+    ========= ========= ======= ==================================================== ============
+    buffer    shape     dtype   meaning                                              on a miss
+    ========= ========= ======= ==================================================== ============
+    color     (H, W, 3) float32 shaded colour, linear RGB                            background
+    distance  (H, W)    float64 length from the ray's origin to the hit, scene units +inf
+    depth     (H, W)    float64 distance along the view axis, scene units            +inf
+    normal    (H, W, 3) float32 unit normal in world space, against the ray          0, 0, 0
+    position  (H, W, 3) float64 hit point in world space, scene units                NaN
+    id        (H, W)    int32   index of the sphere; always there                    -1
+    mask      (H, W)    uint8   1 hit, 0 miss                                        0
+    certainty (H, W)    uint8   0 certified in float32, 1 settled, 255 neither       as its pixel
+    bound     (H, W)    float64 proven bound of the distance's error, scene units    0
+    alpha     (H, W)    float32 share of the pixel's samples that hit                0
+    shadow    (H, W, L) float32 share of each of L lights that is hidden             0
+    occlusion (H, W)    float32 share of the sky that is open                        1
+    ========= ========= ======= ==================================================== ============
     """
 
     __slots__ = ("_native", "_report")
@@ -91,8 +93,8 @@ class Frame(Mapping[str, NDArray[Any]]):
 
     @property
     def report(self) -> dict[str, Any]:
-        """Adapter, method, times, counts, camera, warnings: the object of ``halfline render
-        --json``.
+        """Adapter, method, times, counts, camera and warnings, as ``halfline render --json`` prints
+        them.
         """
         report = self._report
         if report is None:

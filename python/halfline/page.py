@@ -48,4 +48,6 @@ class Page:
         size = f'width="{width}" height="{height + _BARS}"'
         rules = 'sandbox="allow-scripts allow-downloads" allow="clipboard-write"'
         text = html.escape(self.html)
-        return f'<iframe {size} {rules} style="border: 0; max-width: 100%" srcdoc="{text}"></iframe>'
+        return (
+            f'<iframe {size} {rules} style="border: 0; max-width: 100%" srcdoc="{text}"></iframe>'
+        )

@@ -326,5 +326,8 @@ def _part(values: Any, rows: slice) -> ArrayLike:
 
 def _joined(columns: list[ArrayLike]) -> NDArray[np.float64]:
     """Three columns as rows."""
-    xyz = [array(name, column, np.float64, "(n,)") for name, column in zip("xyz", columns, strict=True)]
+    xyz = [
+        array(name, column, np.float64, "(n,)")
+        for name, column in zip("xyz", columns, strict=True)
+    ]
     return np.stack(xyz, axis=-1)

@@ -20,6 +20,7 @@ from .options import Options, accuracy_of, checked
 from .parts import Part
 from .scene import Scene
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Hits:
     """The nearest hits of given rays, in the shape of the rays."""
@@ -156,7 +157,7 @@ class Renderer:
             ValueError: for a scene or options that cannot be rendered, with the mend.
             AccuracyError: where the accuracy cannot be reached on this adapter.
             MemoryError: where the frame does not fit.
-            AdapterError: if the device was lost, with `backend="gpu"`.
+            AdapterError: if the device was lost, with ``backend="gpu"``.
             KeyboardInterrupt: ctrl-C.
         """
         picture, accurate = checked(options)

@@ -127,7 +127,9 @@ class Scene:
         try:
             picture, accurate = checked({"size": size})
             native = _halfline.Renderer("cpu", None)
-            return Frame._of(native.render(self._native, None, picture, accurate, None))._repr_png_()
+            return Frame._of(
+                native.render(self._native, None, picture, accurate, None)
+            )._repr_png_()
         except Exception:
             # A notebook then shows the text.
             return None

@@ -18,7 +18,7 @@ import time
 import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "viewer/tests/page"))
-import browser  # noqa: E402
+import browser
 
 ROOT = "document.querySelector('.halfline-view')"
 VIEW = f"{ROOT}.halfline"
@@ -38,7 +38,14 @@ SHIFT = 8
 
 def notebook(cells):
     made = [
-        {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": text, "id": f"c{k}"}
+        {
+            "cell_type": "code",
+            "execution_count": None,
+            "metadata": {},
+            "outputs": [],
+            "source": text,
+            "id": f"c{k}",
+        }
         for k, text in enumerate(cells)
     ]
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
@@ -56,17 +63,32 @@ class Lab:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
         options = [
-            "--no-browser", "--allow-root", "--ip=127.0.0.1", f"--port={self.port}", f"--notebook-dir={self.path}",
-            "--IdentityProvider.token=", "--LabApp.expose_app_in_browser=True", "--LabApp.news_url=None",
+            "--no-browser",
+            "--allow-root",
+            "--ip=127.0.0.1",
+            f"--port={self.port}",
+            f"--notebook-dir={self.path}",
+            "--IdentityProvider.token=",
+            "--LabApp.expose_app_in_browser=True",
+            "--LabApp.news_url=None",
             "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
         ]
-        here = {f"JUPYTER_{name}_DIR": str(self.path / f".{name}") for name in ("CONFIG", "RUNTIME", "DATA")}
-        settings = self.path / ".CONFIG/lab/user-settings/@jupyterlab/apputils-extension/notification.jupyterlab-settings"
+        here = {
+            f"JUPYTER_{name}_DIR": str(self.path / f".{name}")
+            for name in ("CONFIG", "RUNTIME", "DATA")
+        }
+        settings = (
+            self.path
+            / ".CONFIG/lab/user-settings/@jupyterlab/apputils-extension/notification.jupyterlab-settings"
+        )
         settings.parent.mkdir(parents=True)
         settings.write_text('{"fetchNews": "false"}')
         self.log = open(self.path / "log", "w")
         self.process = subprocess.Popen(
-            [python, "-m", "jupyterlab", *options], env={"XDG_RUNTIME_DIR": str(self.path), **os.environ, **here}, stdout=self.log, stderr=self.log
+            [python, "-m", "jupyterlab", *options],
+            env={"XDG_RUNTIME_DIR": str(self.path), **os.environ, **here},
+            stdout=self.log,
+            stderr=self.log,
         )
         self.url = f"http://127.0.0.1:{self.port}"
         end = time.monotonic() + 60
@@ -113,20 +135,30 @@ class Run:
         self.tab.js(run if waits else f"void {run}")
 
     def text(self, number):
-        return self.tab.js(f"document.querySelectorAll('.jp-Notebook-cell')[{number}].querySelector('.jp-OutputArea-output')?.innerText ?? ''")
+        return self.tab.js(
+            f"document.querySelectorAll('.jp-Notebook-cell')[{number}].querySelector('.jp-OutputArea-output')?.innerText ?? ''"
+        )
 
     def place(self):
-        return self.tab.js(f"(r => [r.left + r.width / 2, r.top + r.height / 2])({ROOT}.querySelector('canvas').getBoundingClientRect())")
+        return self.tab.js(
+            f"(r => [r.left + r.width / 2, r.top + r.height / 2])({ROOT}.querySelector('canvas').getBoundingClientRect())"
+        )
 
     def stats(self):
-        return self.tab.js(f"({{frames: {VIEW}.stats.frames, sizes: {VIEW}.stats.sizes, status: {ROOT}.querySelector('.hl-status').innerText}})")
+        return self.tab.js(
+            f"({{frames: {VIEW}.stats.frames, sizes: {VIEW}.stats.sizes, status: {ROOT}.querySelector('.hl-status').innerText}})"
+        )
 
     def still(self):
         self.tab.js(f"{VIEW}.still().then(() => true)")
 
     def run(self):
         tab = self.tab
-        tab.until("window.jupyterapp?.shell.currentWidget?.content?.activeCell && window.jupyterapp.shell.currentWidget.sessionContext.session?.kernel?.status === 'idle'", 90)
+        tab.until(
+            "(shown => shown?.content?.activeCell && shown.sessionContext.session?.kernel?.status === 'idle')"
+            "(window.jupyterapp?.shell.currentWidget)",
+            90,
+        )
         self.cell(0)
         begin = time.monotonic()
         self.cell(1, waits=False)
@@ -135,7 +167,9 @@ class Run:
         self.still()
         self.found["first still, s"] = round(time.monotonic() - begin, 2)
         self.shot("1-first")
-        self.check("the view shows a still picture", "certified" in self.stats()["status"], self.stats())
+        self.check(
+            "the view shows a still picture", "certified" in self.stats()["status"], self.stats()
+        )
 
         x, y = self.place()
         before, begin = self.stats()["frames"], time.monotonic()
@@ -165,7 +199,10 @@ class Run:
             time.sleep(0.5)
             if tab.js(f"{VIEW}.picked().length === 2"):
                 break
-        self.check("a second pick has a distance", "Distance" in tab.js(f"{ROOT}.querySelector('.hl-table').innerText"))
+        self.check(
+            "a second pick has a distance",
+            "Distance" in tab.js(f"{ROOT}.querySelector('.hl-table').innerText"),
+        )
         self.shot("4-picked")
         tab.key("/")
         tab.write("z > 0")
@@ -174,7 +211,11 @@ class Run:
         self.still()
         self.shot("5-selected")
         self.cell(3)
-        self.check("the kernel has camera, picks and selection", "z > 0" in self.text(3) and "Camera(" in self.text(3), self.text(3))
+        self.check(
+            "the kernel has camera, picks and selection",
+            "z > 0" in self.text(3) and "Camera(" in self.text(3),
+            self.text(3),
+        )
         self.found["kernel"] = self.text(3)
 
         # While a cell runs.
@@ -196,8 +237,16 @@ class Run:
         tab.js("window.jupyterapp.commands.execute('docmanager:save')")
         time.sleep(1)
         outputs = [output for cell in self.lab.saved()["cells"] for output in cell["outputs"]]
-        pictures = [output["data"]["image/png"] for output in outputs if "image/png" in output.get("data", {})]
-        self.check("the saved notebook has the picture", len(pictures) == 1, [list(o.get("data", {})) for o in outputs])
+        pictures = [
+            output["data"]["image/png"]
+            for output in outputs
+            if "image/png" in output.get("data", {})
+        ]
+        self.check(
+            "the saved notebook has the picture",
+            len(pictures) == 1,
+            [list(o.get("data", {})) for o in outputs],
+        )
         self.found["saved picture, KB"] = round(len(pictures[0]) / 1e3) if pictures else None
         self.reopened()
         found = [line for line in tab.complaints() if "halfline" in line]
@@ -208,7 +257,9 @@ class Run:
         """What a new page shows of the saved notebook, whose kernel has ended."""
         self.tab.js("window.jupyterapp.serviceManager.sessions.shutdownAll()")
         self.tab.call("Page.navigate", url=f"{self.lab.url}/lab/workspaces/other/tree/view.ipynb")
-        self.tab.until(f"!{ROOT} && document.querySelectorAll('.jp-Cell-outputWrapper').length > 1", 60)
+        self.tab.until(
+            f"!{ROOT} && document.querySelectorAll('.jp-Cell-outputWrapper').length > 1", 60
+        )
         time.sleep(3)
         self.shot("7-reopened")
         self.found["reopened"] = self.text(1)
@@ -219,9 +270,17 @@ class Run:
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--python", default=sys.executable, help="an interpreter with halfline and jupyterlab")
-    parser.add_argument("--shots", default=tempfile.gettempdir() + "/halfline-lab", help="folder of the screenshots")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--python", default=sys.executable, help="an interpreter with halfline and jupyterlab"
+    )
+    parser.add_argument(
+        "--shots",
+        default=tempfile.gettempdir() + "/halfline-lab",
+        help="folder of the screenshots",
+    )
     parser.add_argument("--scene", default=SCENE, help="lines that make scene")
     parser.add_argument("--seconds", type=float, default=4, help="how long a drag takes")
     run = Run(parser.parse_args())

@@ -46,7 +46,9 @@ def served(what: Any, capfd: pytest.CaptureFixture[str], **options: Any) -> Any:
         assert child.wait(30) == 0, "it ends by itself"
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="the process of a process is not awaited there")
+@pytest.mark.skipif(
+    sys.platform == "win32", reason="the process of a process is not awaited there"
+)
 def test_a_script_gets_the_page_of_halfline_view(capfd: pytest.CaptureFixture[str]) -> None:
     said = served(atoms(), capfd, repeat=(2, 1, 1), size=(120, 80), idle="2s")
     assert (said["count"], said["frames"], said["size"]) == (4, 1, [120, 80])

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import ROOT
 
 import halfline as hl
 
@@ -86,6 +87,17 @@ hl.Renderer("abacus")
 hl.Renderer("cpu").render(hl.Scene([[0, 0, 0]], 1.0), sise=(3, 3))
 hl.Renderer("cpu").render(hl.Scene([[0, 0, 0]], 1.0), aovs=["depht"])
 """
+
+
+@pytest.mark.parametrize("work", [["check"], ["format", "--check"]])
+def test_the_sources_have_the_form_of_ruff(work: list[str]) -> None:
+    program = shutil.which("ruff", path=str(Path(sys.executable).parent))
+    if program is None:
+        pytest.skip("ruff is not installed")
+    scripts = [ROOT / "packaging" / name for name in ("archive", "check", "licenses")]
+    command = [program, *work, "--no-cache", ROOT / "python", ROOT / "docs", *scripts]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("checker", ["mypy", "pyright"])

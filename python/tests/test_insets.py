@@ -76,7 +76,9 @@ def test_numbers_do_not_show_what_is_drawn(cpu: hl.Renderer, dump: Path, tmp_pat
     # Without a camera the spheres would be framed beside the legend.
     camera = hl.Camera((5, 4, 30))
     plain = cpu.render(scene, camera, size=(300, 200), aovs=["color", "depth"])
-    drawn = cpu.render(scene, camera, size=(300, 200), aovs=["color", "depth"], legend=True, label="x")
+    drawn = cpu.render(
+        scene, camera, size=(300, 200), aovs=["color", "depth"], legend=True, label="x"
+    )
     assert np.isfinite(plain["depth"]).any()
     assert np.array_equal(plain["color"], drawn["color"])
     assert not np.array_equal(plain.image, drawn.image)

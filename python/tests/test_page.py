@@ -5,11 +5,11 @@ import gzip
 import html
 import re
 
-import halfline as hl
 import numpy as np
 import pytest
-from halfline.page import Page
 
+import halfline as hl
+from halfline.page import Page
 
 
 def pixels(png: bytes) -> bytes:

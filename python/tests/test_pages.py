@@ -1,4 +1,4 @@
-"""The code of docs/python.md, docs/coming-from.md and README.md runs, page by page.
+"""The code of the documentation runs, page by page.
 
 Blocks that begin with `>>>` are doctests; all others are executed. Blocks of a page share their
 names, and files are written to a folder of the test.
@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-PAGES = ["docs/python.md", "docs/coming-from.md", "README.md"]
+PAGES = ["docs/python.md", "docs/coming-from.md", "README.md", "python/README.md"]
 
 
 def blocks(page: Path) -> Iterator[tuple[int, str]]:
@@ -49,11 +49,3 @@ def test_the_code_of_a_page_runs(
                 lacks = f"all blocks but that of line {line + 1} ran: {error}"
     if lacks:
         pytest.skip(lacks)
-
-
-@pytest.mark.parametrize("name", PAGES[:2])
-def test_the_links_of_a_page_exist(name: str) -> None:
-    page = ROOT / name
-    for target in re.findall(r"\]\(([^)#]+)?(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
-        if target and not target.startswith("http"):
-            assert (page.parent / target).exists(), target

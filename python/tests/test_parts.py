@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -51,9 +52,13 @@ def same(renderer: hl.Renderer, whole: hl.Part, scene: hl.Scene, **options: Any)
 def test_any_parts_give_the_frame_of_all(renderer: hl.Renderer, samples: int) -> None:
     scene = hl.Scene(*spheres())
     cuts = [0, 999, 1000, 25_000, COUNT]
-    parts = [part(a, b, samples=samples) for a, b in zip(cuts, cuts[1:], strict=False)]
+    parts = [part(a, b, samples=samples) for a, b in pairwise(cuts)]
     overlapping = part(500, 2_000, samples=samples)
-    for all_of_them in (parts, [*parts[::-1], parts[1]], [overlapping, *parts[1:], parts[0], overlapping]):
+    for all_of_them in (
+        parts,
+        [*parts[::-1], parts[1]],
+        [overlapping, *parts[1:], parts[0], overlapping],
+    ):
         whole = functools.reduce(operator.or_, all_of_them)
         assert whole.id_ranges == [(0, COUNT)]
         same(renderer, whole, scene, samples=samples)
@@ -62,7 +67,9 @@ def test_any_parts_give_the_frame_of_all(renderer: hl.Renderer, samples: int) ->
 
 def test_files_have_the_bytes_of_those_of_all(cpu: hl.Renderer, tmp_path: Path) -> None:
     centers, radii, colors = spheres()
-    cpu.render(hl.Scene(centers, radii, colors), CAMERA, size=(64, 48)).save(tmp_path / "whole.png")
+    cpu.render(hl.Scene(centers, radii, colors), CAMERA, size=(64, 48)).save(
+        tmp_path / "whole.png"
+    )
     parts = [part(0, 7_000), part(7_000, COUNT)]
     cpu.render(parts[1] | parts[0]).save(tmp_path / "parts.png")
     assert (tmp_path / "parts.png").read_bytes() == (tmp_path / "whole.png").read_bytes()
@@ -86,7 +93,16 @@ def test_a_command_and_python_make_the_same_part(tmp_path: Path) -> None:
     made.save(tmp_path / "python.npz")
     seen = ["--eye", "3,2,4", "--at", "0,0,0", "--vfov", "40", "--size", "64x48"]
     for command in commands():
-        run(command, "sift", tmp_path / "a.npy", "--first-id", 2**31, *seen, "-o", tmp_path / "c.npz")
+        run(
+            command,
+            "sift",
+            tmp_path / "a.npy",
+            "--first-id",
+            2**31,
+            *seen,
+            "-o",
+            tmp_path / "c.npz",
+        )
         assert (tmp_path / "c.npz").read_bytes() == (tmp_path / "python.npz").read_bytes()
 
 
@@ -105,7 +121,9 @@ def test_wide_ids_and_gaps(cpu: hl.Renderer) -> None:
     centers, radii, _ = spheres(500)
     frame = cpu.render(hl.sift(centers, radii, first_id=2**40, **VIEW))
     assert frame["id"].dtype == np.int64 and frame["id"].max() >= 2**40
-    assert frame.report["warnings"] == [f"no part has the {2**40} spheres with ids 0 to {2**40 - 1}"]
+    assert frame.report["warnings"] == [
+        f"no part has the {2**40} spheres with ids 0 to {2**40 - 1}"
+    ]
 
 
 def test_what_does_not_belong_together_is_refused(cpu: hl.Renderer) -> None:
@@ -125,7 +143,10 @@ def test_what_does_not_belong_together_is_refused(cpu: hl.Renderer) -> None:
         (lambda: hl.sift([[0, 0, 0]], [1.0, 2.0], **VIEW), "radii has 2 rows, and centers has 1"),
         (lambda: hl.sift([[0, 0]], 1.0, **VIEW), "shape"),
         (lambda: hl.sift(3.0, 1.0, **VIEW), "rows"),
-        (lambda: pickle.loads(pickle.dumps(one)[:-200] + bytes(150) + pickle.dumps(one)[-50:]), ""),
+        (
+            lambda: pickle.loads(pickle.dumps(one)[:-200] + bytes(150) + pickle.dumps(one)[-50:]),
+            "",
+        ),
         (lambda: hl.Part.load(ROOT / "README.md"), "README.md"),
         (lambda: one.save("part.png"), "ends in .npz"),
     ]
@@ -222,9 +243,12 @@ def test_dask_with_a_killed_worker(cpu: hl.Renderer, tmp_path: Path) -> None:
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        parts = [client.submit(made, int(a), int(b), pure=False) for a, b in zip(cuts, cuts[1:], strict=False)]
+        parts = [client.submit(made, int(a), int(b), pure=False) for a, b in pairwise(cuts)]
         while len(parts) > 1:
-            parts = [client.submit(hl.combine, *parts[n : n + 2], pure=False) for n in range(0, len(parts), 2)]
+            parts = [
+                client.submit(hl.combine, *parts[n : n + 2], pure=False)
+                for n in range(0, len(parts), 2)
+            ]
         whole = parts[0].result(timeout=120)
     assert mark.exists(), "a worker was killed"
     same(cpu, whole, hl.Scene(*spheres()))
@@ -314,7 +338,10 @@ def test_the_example_with_a_series_of_openpmd(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "electrons.h5") as file:
         electrons = file["data/0/particles/electrons"]
         parts = [
-            [data[()] * (data.attrs["unitSI"] / 1e-6) for data in map(electrons[record].get, "xyz")]
+            [
+                data[()] * (data.attrs["unitSI"] / 1e-6)
+                for data in map(electrons[record].get, "xyz")
+            ]
             for record in ("position", "positionOffset")
         ]
         assert np.ptp(parts[1]) > 3

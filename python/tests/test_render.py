@@ -191,10 +191,20 @@ def test_cameras_see_what_they_should(cpu: hl.Renderer) -> None:
 
 def test_translucent_spheres_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> None:
     random = np.random.default_rng(8)
-    atoms = [f"{'CO'[n % 2]} {x} {y} {z}" for n, (x, y, z) in enumerate(random.uniform(-6, 6, (200, 3)))]
+    atoms = [
+        f"{'CO'[n % 2]} {x} {y} {z}" for n, (x, y, z) in enumerate(random.uniform(-6, 6, (200, 3)))
+    ]
     file = tmp_path / "cloud.xyz"
     file.write_text("\n".join(["200", "cloud", *atoms, ""]))
-    rules = ("--opacity", "element C=0.25", "--layers", "2", "--opacity-shadows", "--backend", "cpu")
+    rules = (
+        "--opacity",
+        "element C=0.25",
+        "--layers",
+        "2",
+        "--opacity-shadows",
+        "--backend",
+        "cpu",
+    )
     picture = tmp_path / "command.npy"
     run(commands()[0], "render", file, "-o", picture, "--size", "80x60", *rules)
     scene = hl.read(file, size=(80, 60), opacity={"element C": 0.25})
@@ -205,14 +215,25 @@ def test_translucent_spheres_are_those_of_the_command(cpu: hl.Renderer, tmp_path
     assert shares is not None
     assert np.array_equal(shares, np.where(np.arange(200) % 2, 1, 0.25).astype("f4"))
     made = hl.Scene(scene.centers, scene.radii, scene.colors, opacities=shares)
-    options: dict[str, Any] = {"size": (80, 60), "look": "soft", "layers": 2, "opacity_shadows": True}
+    options: dict[str, Any] = {
+        "size": (80, 60),
+        "look": "soft",
+        "layers": 2,
+        "opacity_shadows": True,
+    }
     assert cpu.render(made, scene.camera, **options)["color"].tobytes() == frame["color"].tobytes()
     opaque = hl.Scene(scene.centers, scene.radii, scene.colors)
     plain = cpu.render(opaque, scene.camera, size=(80, 60), look="soft")
     assert opaque.opacities is None and plain.report["layers"] is None
-    assert np.array_equal(plain["id"], frame["id"]) and not np.array_equal(plain["color"], frame["color"])
-    part = hl.sift(made.centers, made.radii, made.colors, opacities=shares, camera=scene.camera, size=(80, 60))
-    assert np.array_equal(cpu.render(part)["color"], cpu.render(made, scene.camera, size=(80, 60))["color"])
+    assert np.array_equal(plain["id"], frame["id"]) and not np.array_equal(
+        plain["color"], frame["color"]
+    )
+    part = hl.sift(
+        made.centers, made.radii, made.colors, opacities=shares, camera=scene.camera, size=(80, 60)
+    )
+    assert np.array_equal(
+        cpu.render(part)["color"], cpu.render(made, scene.camera, size=(80, 60))["color"]
+    )
     for wrong, words in (
         ({"opacities": [0.5]}, "opacities has 1 rows"),
         ({"opacities": np.where(np.arange(200) == 7, 0, 0.5)}, r"opacities\[7\] is 0"),
@@ -222,7 +243,7 @@ def test_translucent_spheres_are_those_of_the_command(cpu: hl.Renderer, tmp_path
             hl.Scene(scene.centers, scene.radii, **wrong)
     with pytest.raises(ValueError, match="the opacity is 0"):
         hl.read(file, opacity=0)
-    with pytest.raises(ValueError, match="`?layers"):
+    with pytest.raises(ValueError, match=r"`?layers"):
         cpu.render(scene, layers=65)
 
 
@@ -231,7 +252,9 @@ def test_materials_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) ->
     file.write_text("2\ntwo\nC -1.8 0 0\nO 1.8 0 0\n")
     picture = tmp_path / "command.npy"
     rules = ("--material", "element O=plastic", "--material", "element C=metal", "--shine", "9")
-    run(commands()[0], "render", file, "-o", picture, "--size", "80x60", "--backend", "cpu", *rules)
+    run(
+        commands()[0], "render", file, "-o", picture, "--size", "80x60", "--backend", "cpu", *rules
+    )
     materials = {"element O": "plastic", "element C": "metal"}
     scene = hl.read(file, size=(80, 60), material=materials, shine=9)
     assert cpu.render(scene)["color"].tobytes() == np.load(picture).tobytes()
