@@ -11,7 +11,7 @@ use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{MaterialName, is_opacity};
 use halfline_files::read::style::{Coloring, Radii, Scale};
 use halfline_files::read::{
-    Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style,
+    Altloc, ColumnNames, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, Selection, Style,
 };
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -41,9 +41,14 @@ pub(super) struct ReadArgs {
     /// (frames of the file, which is read twice), none (each frame by itself).
     #[arg(long, value_name = "H", default_value = "first", hide_default_value = true)]
     pub(super) hold: Hold,
-    /// File with the atoms of a trajectory (xtc, trr, dcd), such as a PDB or GRO file: elements, radii and columns.
+    /// File with the atoms of a trajectory, such as PDB, GRO or LAMMPS data: the elements, radii, colours and columns that its
+    /// frames (xtc, trr, dcd, dump, xyz, ...) lack, by their ids where both have them.
     #[arg(long, value_name = "FILE")]
     pub(super) topology: Option<PathBuf>,
+    /// Column that identifies particles: all frames of a film have the order of the first, whatever the order of their rows; row
+    /// leaves them as they are [default: id, in dumps and extended XYZ that have it].
+    #[arg(long, value_name = "COLUMN")]
+    identity: Option<Identity>,
     /// Model number in a PDB or mmCIF file.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     model: Option<i64>,
@@ -152,6 +157,7 @@ impl ReadArgs {
             frames: self.frames.clone().unwrap_or_default(),
             hold: self.hold,
             topology: self.topology.clone(),
+            identity: self.identity.clone().unwrap_or_default(),
             model: self.model,
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),

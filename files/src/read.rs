@@ -44,6 +44,7 @@ pub use input::read_once;
 pub use options::{Hold, Keep, ReadOptions};
 pub use particles::column_names::ColumnNames;
 pub use particles::frame_time::FrameTime;
+pub use particles::identity::Identity;
 pub use particles::infer::slices::{NamedAtoms, NamedElements, elements_of_names};
 pub use particles::periodic::Periodic;
 pub use particles::request::Altloc;

@@ -358,6 +358,7 @@ def read(
     format: str | None = None,
     columns: str | Mapping[str, str | int] | None = None,
     topology: Path | None = None,
+    identity: str | None = None,
     model: int | None = None,
     altloc: str = "all",
     assembly: str | int | None = None,
@@ -396,7 +397,11 @@ def read(
         format: The format, if neither content nor name show it.
         columns: Columns of a table by meaning: ``{"x": "pos_x", "radius": "r"}`` or
             ``"x=pos_x,radius=r"``.
-        topology: The file with the atoms of a trajectory.
+        topology: The file with the atoms of a trajectory: what its frames lack of elements, radii,
+            colours and columns.
+        identity: The column that identifies particles, by which the frames of a film have the order
+            of the first; ``"row"`` leaves them as they are. By default ``id`` of dumps and extended
+            XYZ that have it.
         model: Model number of a PDB or mmCIF file.
         altloc: Alternate locations: ``"all"``, ``"highest"``, or an identifier.
         assembly: The biological assembly to build.
@@ -534,7 +539,7 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         **{name: word(name, given[name]) for name in ("hold", "altloc", "radii")},
         **{
             name: None if given[name] is None else word(name, given[name])
-            for name in ("format", "map")
+            for name in ("format", "identity", "map")
         },
         "columns": None if columns is None else word("columns", columns),
         "keep": _kept(given["keep"]),

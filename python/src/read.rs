@@ -8,8 +8,8 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Material, MaterialName, is_opacity};
 use halfline_files::read::style::{self, Coloring, Scale};
 use halfline_files::read::{
-    Altloc, ColumnNames, FixedCamera, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection,
-    Style,
+    Altloc, ColumnNames, FixedCamera, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, SceneFrame,
+    Selection, Style,
 };
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -25,6 +25,7 @@ pub(crate) struct Options {
     frames: Option<String>,
     hold: String,
     topology: Option<PathBuf>,
+    identity: Option<String>,
     model: Option<i64>,
     altloc: String,
     assembly: Option<String>,
@@ -127,6 +128,7 @@ impl Options {
             frames: parsed::<FrameRange>(self.frames.as_ref())?.unwrap_or_default(),
             hold: self.hold.parse::<Hold>()?,
             topology: self.topology.clone(),
+            identity: self.identity.as_deref().map(Identity::from).unwrap_or_default(),
             model: self.model,
             altloc: self.altloc.parse::<Altloc>()?,
             assembly: self.assembly.clone(),

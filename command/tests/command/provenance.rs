@@ -81,6 +81,7 @@ const OTHERS: [(&str, &[&str]); 5] = [
             "--format",
             "--columns",
             "--topology",
+            "--identity",
             "--model",
             "--altloc",
             "--assembly",

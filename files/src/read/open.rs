@@ -5,34 +5,66 @@ use super::frame_range::FrameRange;
 use super::npy::records;
 use super::options::ReadOptions;
 use super::particles::frame::{OneFrame, ParticleFrames, Particles};
+use super::particles::identity::{self, Ordered};
+use super::particles::joined::{Joined, NUMBERS, Topology};
+use super::particles::request::Request;
 use super::particles::table::Table;
-use super::particles::trajectory::{Topology, Trajectory};
+use super::particles::trajectory::Trajectory;
 use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, xyz};
 use super::source::SceneSource;
-use halfline::error::{Error, Result};
+use halfline::error::{Error, Place, Result};
 use halfline::quote::setting::{COLUMNS, FORMAT, TOPOLOGY};
 use std::path::Path;
 
-/// The frames of a particle file; `None` for formats that contain a whole scene.
-pub(super) fn open(
+/// The frames of a particle file, with the atoms of the topology and in the order of the first one; `None` for formats that
+/// contain a whole scene.
+pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
+    let (path, format) = (source.path.clone(), source.format);
+    let file = Place::file(path.display().to_string());
+    let topology = options.topology.as_deref().map(|name| topology(name, &path, options)).transpose()?;
+    let identity = options.identifying(format);
+    let mut frames = match listed(source, options.request(format), options)? {
+        Ok(frames) => frames,
+        Err(source) if topology.is_some() => {
+            let problem = format!("{} files contain whole scenes and take no topology", source.format.name());
+            return Err(Error::settings(problem, format!("remove {TOPOLOGY}, or read a file of particles")));
+        }
+        Err(source) => return Ok(Err(source)),
+    };
+    if let Some(topology) = topology {
+        frames = Box::new(Joined::new(frames, file.clone(), topology, identity));
+    }
+    if identity.is_some() {
+        // The frames that are read have the order of one that is not.
+        let first = if options.frames.contains(1) { None } else { first_ids(&path, options) };
+        frames = Box::new(Ordered::new(frames, file, options.identity.clone(), first));
+    }
+    Ok(Ok(frames))
+}
+
+/// The numbers of the particles of the file's first frame; `None` where it cannot be read again, or has none.
+fn first_ids(path: &Path, options: &ReadOptions) -> Option<Vec<f64>> {
+    if !path.is_file() {
+        return None;
+    }
+    let column = options.identity.column()?;
+    let source = SceneSource::open(path, options.known_format(), &options.watch).ok()?;
+    let request = Request { columns: vec![column.to_owned()], ..options.request(source.format) };
+    let frame = listed(source, request, options).ok()?.ok()?.next().ok()??;
+    identity::numbers(&frame, column).map(<[f64]>::to_vec)
+}
+
+/// The frames of a particle file as it has them; `None` for formats that contain a whole scene.
+fn listed(
     mut source: SceneSource,
+    request: Request,
     options: &ReadOptions,
 ) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
     if !options.columns_named.is_empty() && source.format != Format::Csv {
         let problem = format!("{COLUMNS} names the columns of tables, but the file is {}", source.format.name());
         return Err(Error::settings(problem, format!("remove it, or add {FORMAT} csv if the file is a table")));
     }
-    let trajectory = matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd);
-    let request = options.request(source.format);
-    let topology = match &options.topology {
-        None => None,
-        Some(path) if trajectory => Some(topology(path, &source.path, options)?),
-        Some(_) => {
-            let problem = format!("{} files contain their atoms and take no topology", source.format.name());
-            return Err(Error::settings(problem, format!("remove {TOPOLOGY}, or read a trajectory (xtc, trr, dcd)")));
-        }
-    };
-    if topology.is_none() {
+    if options.topology.is_none() {
         molecule::check(source.format, &request)?;
     }
     if has_any_columns(source.format) {
@@ -53,7 +85,9 @@ pub(super) fn open(
         }
         Format::Npy => Box::new(records::Array::new(source, request)),
         Format::Npz => Box::new(npz::Npz::new(source, request)),
-        Format::Xtc | Format::Trr | Format::Dcd => Box::new(Trajectory::new(source, topology, &request)),
+        Format::Xtc | Format::Trr | Format::Dcd => {
+            Box::new(Trajectory::new(source, options.topology.is_some(), &request))
+        }
         Format::Poscar => one(move || poscar::read(source, &request)),
         Format::Pcd => one(move || pcd::read(source, &request)),
         Format::Las => one(move || las::read(source, &request)),
@@ -97,6 +131,11 @@ fn has_any_columns(format: Format) -> bool {
     matches!(format, Csv | Data | Dump | Las | Npy | Npz | Pcd | Ply | Xyz)
 }
 
+/// Whether files of this format number their atoms in a column of its own name.
+fn has_serials(format: Format) -> bool {
+    matches!(format, Format::Pdb | Format::Pqr | Format::Pdbqt | Format::Mmcif | Format::Gro)
+}
+
 /// The first frame of the file with the atoms of a trajectory.
 fn topology(path: &Path, trajectory: &Path, options: &ReadOptions) -> Result<Topology> {
     let name = path.display();
@@ -112,7 +151,14 @@ fn topology(path: &Path, trajectory: &Path, options: &ReadOptions) -> Result<Top
     if matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd) {
         return unfit(format!("the topology {name} is a trajectory, which has positions only"));
     }
-    match open(source, &options)? {
+    // Frames find its atoms by these.
+    let mut request = options.request(source.format);
+    if has_any_columns(source.format) {
+        request.columns.extend(options.identity.column().into_iter().chain(NUMBERS).map(str::to_owned));
+    } else if has_serials(source.format) {
+        request.columns.push("serial".to_owned());
+    }
+    match listed(source, request, &options)? {
         Ok(mut frames) => match frames.next()? {
             Some(atoms) => Ok(Topology { path: path.to_path_buf(), atoms }),
             None => unfit(format!("the topology {name} has no atoms")),

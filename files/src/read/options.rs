@@ -3,6 +3,7 @@
 use super::format::Format;
 use super::frame_range::FrameRange;
 use super::particles::column_names::ColumnNames;
+use super::particles::identity::Identity;
 use super::particles::layout::EVERY;
 use super::particles::periodic::{self, Periodic};
 use super::particles::request::{Altloc, Request};
@@ -32,8 +33,11 @@ pub struct ReadOptions {
     pub frames: FrameRange,
     /// The frames that set the default radius and the range of colours of a sequence.
     pub hold: Hold,
-    /// The particle file with the atoms of a trajectory, which gives their elements, radii and columns.
+    /// The particle file with the atoms of a trajectory, which gives the elements, radii, colours and columns that its frames
+    /// lack: by the column of `identity` where both have it, by rows otherwise.
     pub topology: Option<PathBuf>,
+    /// The column that identifies particles, by which the frames of a sequence have the order of its first one.
+    pub identity: Identity,
     /// The model number of a PDB or mmCIF file; `None` takes the first.
     pub model: Option<i64>,
     /// Selection of alternate locations.
@@ -130,6 +134,7 @@ impl ReadOptions {
         let all = self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro);
         let mut columns = self.columns();
         columns.extend(all.then(|| EVERY.to_owned()));
+        columns.extend(self.identifying(format).map(str::to_owned));
         Request {
             columns,
             columns_named: self.columns_named.clone(),
@@ -144,6 +149,13 @@ impl ReadOptions {
             survey: self.survey.clone(),
             watch: self.watch.clone(),
         }
+    }
+
+    /// The column that identifies particles in files of this format; `None` where their order is that of the rows anyway.
+    pub(super) fn identifying(&self, format: Format) -> Option<&str> {
+        let is_alone = self.frames.last() == 1 && self.topology.is_none();
+        let may_have = self.identity != Identity::Id || matches!(format, Format::Dump | Format::Xyz);
+        self.identity.column().filter(|_| !is_alone && may_have && self.survey.is_none())
     }
 
     /// The selections of the options and of the style, by their use.

@@ -372,6 +372,25 @@ impl Particles {
         self.columns.iter_mut().for_each(|column| keep(&mut column.values, stays));
     }
 
+    /// Keeps the particles of these rows, in their order.
+    pub(super) fn arrange(&mut self, rows: &[u32]) {
+        fn arranged<T: Copy>(list: &mut Vec<T>, rows: &[u32]) {
+            if !list.is_empty() {
+                *list = rows.iter().map(|row| list[*row as usize]).collect();
+            }
+        }
+        if self.places.is_empty() {
+            self.places = (0..self.positions.len() as u32).collect();
+            self.listed = self.positions.len();
+        }
+        arranged(&mut self.places, rows);
+        arranged(&mut self.positions, rows);
+        arranged(&mut self.radii, rows);
+        arranged(&mut self.elements, rows);
+        arranged(&mut self.colors, rows);
+        self.columns.iter_mut().for_each(|column| arranged(&mut column.values, rows));
+    }
+
     /// Reserves capacity for `more` particles in every list, counting `extra` bytes per particle that the reader
     /// keeps: an endless file must not fill the memory.
     ///

@@ -3,6 +3,8 @@
 
 use super::*;
 use crate::read::particles::frame_time::FrameTime;
+use crate::read::particles::joined::{Joined, Topology};
+use halfline::error::Place;
 use halfline::quote::setting::TOPOLOGY;
 
 /// Four waters in the box 20 x 30 x 40, in two runs of small differences, compressed with a precision of 1000.
@@ -26,13 +28,13 @@ fn waters() -> Vec<[f64; 3]> {
     (0..4).flat_map(water).collect()
 }
 
-fn open(format: Format, bytes: &[u8], topology: Option<Topology>, columns: &[&str]) -> Trajectory {
+fn open(format: Format, bytes: &[u8], columns: &[&str]) -> Trajectory {
     let source = SceneSource { format, ..SceneSource::of_bytes(bytes) };
-    Trajectory::new(source, topology, &Request::of(columns))
+    Trajectory::new(source, false, &Request::of(columns))
 }
 
 fn frames(format: Format, bytes: &[u8], columns: &[&str]) -> Result<Vec<Particles>> {
-    let mut trajectory = open(format, bytes, None, columns);
+    let mut trajectory = open(format, bytes, columns);
     std::iter::from_fn(|| trajectory.next().transpose()).collect()
 }
 
@@ -50,7 +52,7 @@ fn xtc_has_the_positions_that_another_program_wrote() {
     }
     assert_eq!((found[0].skipped.assumed.len(), found[1].skipped.assumed.len()), (1, 0), "told once");
     assert!(found[0].skipped.assumed[0].contains(TOPOLOGY), "{:?}", found[0].skipped);
-    let mut passed = open(Format::Xtc, &[xtc(), xtc()].concat(), None, &[]);
+    let mut passed = open(Format::Xtc, &[xtc(), xtc()].concat(), &[]);
     assert!(passed.skip().expect("one"));
     assert_eq!(passed.next().expect("read").expect("the second").positions, found[0].positions);
     assert!(!passed.skip().expect("the end"));
@@ -63,7 +65,7 @@ fn xtc_of_many_atoms_has_sizes_of_64_bits() {
     bytes.splice(88..88, [0; 4]);
     let frame = frames(Format::Xtc, &bytes, &[]).expect("a frame").remove(0);
     assert_eq!(frame.positions, frames(Format::Xtc, &xtc(), &[]).expect("a frame")[0].positions);
-    assert!(open(Format::Xtc, &bytes, None, &[]).skip().expect("skipped"));
+    assert!(open(Format::Xtc, &bytes, &[]).skip().expect("skipped"));
     bytes[88] = 0x80;
     let error = frames(Format::Xtc, &bytes, &[]).map(drop).expect_err("a negative size").to_string();
     assert!(error.contains("byte 88: compressed bytes: -9223372036854775760 bytes"), "{error}");
@@ -80,7 +82,7 @@ fn xtc_frames_of_few_atoms_are_not_compressed() {
     let frame = frames(Format::Xtc, &bytes, &[]).expect("a frame").remove(0);
     assert_eq!((&frame.positions[..], frame.cell), (&[[5.0, -10.0, 20.0], [30.0, 42.5, 0.0]][..], None));
     assert_eq!(frame.when, FrameTime { time: Some(2.5), step: Some(500) });
-    assert!(open(Format::Xtc, &bytes, None, &[]).skip().expect("skipped"));
+    assert!(open(Format::Xtc, &bytes, &[]).skip().expect("skipped"));
 }
 
 /// A frame of TRR: `parts` are box, positions, velocities and forces.
@@ -116,7 +118,7 @@ fn trr_is_read_in_both_precisions_and_frames_without_positions_are_skipped() {
         assert_eq!((found[1].positions[1], found[1].cell), ([35.0, 45.0, 55.0], None));
         assert_eq!(found[0].when, FrameTime { time: Some(0.5), step: Some(7) });
         assert!(found[1].has.is_empty() && found[1].columns.is_empty());
-        let mut passed = open(Format::Trr, &bytes, None, &[]);
+        let mut passed = open(Format::Trr, &bytes, &[]);
         assert!(passed.skip().expect("one"));
         assert_eq!(passed.next().expect("read").expect("the last").positions[1][2], 55.0);
     }
@@ -183,7 +185,7 @@ fn dcd_is_read_in_all_its_variants() {
         let first = if fixed { [0.5, 1.5, 2.5] } else { [100.5, 101.5, 102.5] };
         assert_eq!((found[1].positions[0], found[1].positions[2]), (first, [120.5, 121.5, 122.5]));
         assert_eq!(found[0].cell.expect("a cell").edges, [[20.0, 0.0, 0.0], [0.0, 30.0, 0.0], [0.0, 0.0, 40.0]]);
-        let mut passed = open(Format::Dcd, &bytes, None, &[]);
+        let mut passed = open(Format::Dcd, &bytes, &[]);
         assert!(passed.skip().expect("one"));
         let second = passed.next().expect("read").expect("the second");
         assert_eq!((second.positions, second.when), (found[1].positions.clone(), found[1].when));
@@ -253,9 +255,15 @@ fn topology(names: usize, listed: usize, places: Vec<u32>) -> Topology {
 #[test]
 fn a_topology_gives_elements_and_columns_and_the_trajectory_what_moves() {
     let bytes = trr(3, false, [&[], &[1.0; 9], &[0.25, 0.0, 0.0, 0.5, 0.0, 0.0, 0.75, 0.0, 0.0], &[]]);
-    let read = |bytes: &[u8], topology: Topology| open(Format::Trr, bytes, Some(topology), &["serial", "vx"]).next();
+    let read = |bytes: &[u8], topology: Topology| {
+        let frames = Box::new(open(Format::Trr, bytes, &["serial", "vx"]));
+        Joined::new(frames, Place::file("text"), topology, None).next()
+    };
     let of = |particles: &Particles| -> Vec<_> {
-        particles.columns.iter().map(|column| (column.name.clone(), column.values.clone())).collect()
+        let mut columns: Vec<_> =
+            particles.columns.iter().map(|column| (column.name.clone(), column.values.clone())).collect();
+        columns.sort_by(|a, b| a.0.cmp(&b.0));
+        columns
     };
     let whole = read(&bytes, topology(3, 0, Vec::new())).expect("read").expect("a frame");
     assert_eq!((whole.positions[2], &whole.elements[..]), ([10.0; 3], &[8; 3][..]));
@@ -348,7 +356,7 @@ fn a_file_that_ends_early_is_never_a_whole_one() {
 }
 
 #[test]
-fn only_trajectories_take_a_topology() {
+fn files_of_particles_take_a_topology() {
     use crate::read::Sequence;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = |name: &str, bytes: &[u8]| {
@@ -368,8 +376,7 @@ fn only_trajectories_take_a_topology() {
     let scene_frame = sequence.next_scene().expect("read").expect("a frame").scene;
     assert_eq!((scene_frame.spheres.radii[0], scene_frame.spheres.centers[1]), (1.52, [0.96, -2.88, -0.02]));
     for (path, topology, message) in [
-        (&atoms, &atoms, "xyz files contain their atoms and take no topology"),
-        (&scene, &atoms, "nff files contain their atoms"),
+        (&scene, &atoms, "nff files contain whole scenes and take no topology"),
         (&moved, &moved, "is a trajectory, which has positions only"),
         (&moved, &scene, "is a scene, not a particle file"),
     ] {

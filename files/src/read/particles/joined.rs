@@ -1,0 +1,150 @@
+//! Frames with the atoms of another file, the topology: it gives the elements, radii, colours and columns that the frames lack.
+//! Trajectories have positions only; LAMMPS dumps often lack all but the type.
+
+use super::frame::{Column, ParticleFrames, Particles};
+use super::identity::{key, numbers};
+use halfline::error::{Error, Place, Result};
+use halfline::memory::check;
+use halfline::quote::count;
+use halfline::quote::setting::TOPOLOGY;
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+/// The columns of frames that a topology may have too, where they belong to another moment.
+const OWN: [&str; 18] =
+    ["x", "y", "z", "xu", "yu", "zu", "xs", "ys", "zs", "xsu", "ysu", "zsu", "vx", "vy", "vz", "ix", "iy", "iz"];
+
+/// The columns of a topology by which frames find its atoms: those of LAMMPS and of PDB.
+pub(in crate::read) const NUMBERS: [&str; 2] = ["id", "serial"];
+
+/// The atoms of a trajectory: their elements, radii, names and columns.
+pub(in crate::read) struct Topology {
+    pub(in crate::read) path: PathBuf,
+    pub(in crate::read) atoms: Particles,
+}
+
+/// The reader.
+pub(in crate::read) struct Joined {
+    frames: Box<dyn ParticleFrames>,
+    file: Place,
+    topology: Topology,
+    /// The column of the frames that identifies atoms; `None` takes the rows.
+    identity: Option<String>,
+    /// The rows of the topology by the numbers of their atoms, where it has them.
+    rows: Option<HashMap<u64, u32>>,
+    /// Whether the messages about the topology were reported, which are the same for all frames.
+    has_reported: bool,
+}
+
+impl Joined {
+    pub(in crate::read) fn new(
+        frames: Box<dyn ParticleFrames>,
+        file: Place,
+        topology: Topology,
+        identity: Option<&str>,
+    ) -> Self {
+        let named = identity.and_then(|own| {
+            std::iter::once(own).chain(NUMBERS).find_map(|name| numbers(&topology.atoms, name)).map(<[f64]>::to_vec)
+        });
+        let rows: Option<HashMap<u64, u32>> =
+            named.map(|ids| ids.iter().enumerate().map(|(row, id)| (key(*id), row as u32)).collect());
+        // Numbers that repeat, as the serials of several models do, identify nothing.
+        let rows = rows.filter(|rows| rows.len() == topology.atoms.positions.len());
+        Self { frames, file, topology, identity: identity.map(str::to_owned), rows, has_reported: false }
+    }
+
+    /// The topology's row of each particle; `None` where it is the particle's own.
+    fn find(&self, frame: &mut Particles) -> Result<Option<Vec<u32>>> {
+        let atoms = &self.topology.atoms;
+        let name = self.topology.path.display();
+        let column = self.identity.as_deref().unwrap_or_default();
+        if let (Some(rows), Some(ids)) = (&self.rows, numbers(frame, column)) {
+            check(4 * ids.len() as u64, || format!("{} of a topology", count(ids.len() as u64, "row")))?;
+            let row = |id: &f64| {
+                rows.get(&key(*id)).copied().ok_or_else(|| {
+                    Error::scene(
+                        self.file.clone().named(column),
+                        format!("there is a particle with the {column} {id}, and the topology {name} has none"),
+                        format!("use the {TOPOLOGY} of these particles"),
+                    )
+                })
+            };
+            return ids.iter().map(row).collect::<Result<_>>().map(Some);
+        }
+        let (here, there) = (frame.positions.len(), atoms.positions.len());
+        // The frame has the virtual sites that are left out of the topology.
+        if here != there && atoms.listed == here && atoms.places.len() == there {
+            frame.arrange(&atoms.places);
+        } else if here != there {
+            let all =
+                if atoms.listed > there { format!(" ({} with virtual sites)", atoms.listed) } else { String::new() };
+            let problem =
+                format!("the trajectory has {}, the topology {name} has {there}{all}", count(here as u64, "atom"));
+            return Err(Error::scene(
+                self.file.clone().named("number of atoms"),
+                problem,
+                format!("use the {TOPOLOGY} of the atoms that the trajectory was written for"),
+            ));
+        }
+        Ok(None)
+    }
+
+    /// Adds to a frame what it lacks.
+    fn join(&self, frame: &mut Particles) -> Result<()> {
+        let rows = self.find(frame)?;
+        let rows = rows.as_deref();
+        let atoms = &self.topology.atoms;
+        let each = size_of::<[f64; 3]>() + 32 + atoms.columns.len() * size_of::<f64>();
+        check((frame.positions.len() * each) as u64, || format!("{} atoms of a topology", frame.positions.len()))?;
+        if frame.elements.iter().all(|element| *element == 0) {
+            frame.elements = of_rows(&atoms.elements, rows);
+            frame.unknown.clone_from(&atoms.unknown);
+        }
+        if frame.radii.is_empty() && !atoms.radii.is_empty() {
+            frame.radii = of_rows(&atoms.radii, rows);
+            frame.checked &= atoms.checked;
+        }
+        if frame.colors.is_empty() {
+            frame.colors = of_rows(&atoms.colors, rows);
+            frame.color_type = atoms.color_type;
+        }
+        let has = |names: &[String], name: &str| names.iter().any(|known| known.eq_ignore_ascii_case(name));
+        for Column { name, values } in &atoms.columns {
+            if !OWN.contains(&name.as_str()) && !has(&frame.has, name) {
+                frame.columns.push(Column { name: name.clone(), values: of_rows(values, rows) });
+                let labels = atoms.labels.get(name).map(|labels| (name.clone(), labels.clone()));
+                frame.labels.extend(labels);
+            }
+        }
+        for name in &atoms.has {
+            if !OWN.contains(&name.as_str()) && !has(&frame.has, name) {
+                frame.has.push(name.clone());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The values of these rows; `None` are all.
+fn of_rows<T: Copy>(values: &[T], rows: Option<&[u32]>) -> Vec<T> {
+    match rows.filter(|_| !values.is_empty()) {
+        Some(rows) => rows.iter().map(|row| values[*row as usize]).collect(),
+        None => values.to_vec(),
+    }
+}
+
+impl ParticleFrames for Joined {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        let Some(mut frame) = self.frames.next()? else { return Ok(None) };
+        self.join(&mut frame)?;
+        if !self.has_reported {
+            self.has_reported = true;
+            frame.skipped.append(self.topology.atoms.skipped.clone());
+        }
+        Ok(Some(frame))
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        self.frames.skip()
+    }
+}
