@@ -27,7 +27,7 @@ def contents() -> list[tuple[str, dict[Path, str]]]:
     """The chapters of docs/index.md with their pages, and the title of each."""
     chapters = []
     for chapter in re.split(r"(?m)^## ", (DOCS / "index.md").read_text())[1:]:
-        links = re.findall(r"(?m)^- \[(.*)\]\((.*)\)$", chapter)
+        links = re.findall(r"(?m)^- \[(.*?)\]\((.*?)\)", chapter)
         pages = {(DOCS / link).resolve(): title for title, link in links}
         chapters.append((chapter.splitlines()[0], pages))
     return chapters

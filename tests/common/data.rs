@@ -28,7 +28,10 @@ pub(crate) fn everywhere(name: &str) -> impl Iterator<Item = PathBuf> {
 pub(crate) fn real_or_skip(names: &[&'static str]) -> Vec<(&'static str, PathBuf)> {
     let found: Vec<_> = names.iter().filter_map(|name| Some((*name, real(name)?))).collect();
     if found.is_empty() {
-        skip(format!("none of {} is in HALFLINE_DATA, ../shared/data or target/real-files", names.join(", ")));
+        skip(format!(
+            "none of {} is here: python3 tests/real_files gets most, HALFLINE_DATA names a folder",
+            names.join(", ")
+        ));
     }
     found.iter().for_each(|(_, path)| println!("reads {}", path.display()));
     found

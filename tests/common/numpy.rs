@@ -25,6 +25,6 @@ pub(crate) fn python_or_skip() -> Option<String> {
     if has_numpy.is_ok_and(|output| output.status.success()) {
         return Some(python);
     }
-    skip(format!("{python} has no numpy"));
+    skip(format!("{python} has no numpy (Debian: apt-get install python3-numpy)"));
     None
 }

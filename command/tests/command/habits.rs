@@ -2,6 +2,7 @@
 //! manual pages and examples exist for every command.
 
 use crate::test_dir::{Output, SPHERE, TestDir, failure};
+use halfline::frame::color_map::ColorMap;
 
 const COMMANDS: [&str; 10] =
     ["render", "view", "adapters", "compare", "merge", "measure", "plan", "trace", "completions", "man"];
@@ -142,6 +143,13 @@ fn render_without_arguments_prints_three_commands_that_work() {
         }
     }
     assert_eq!(dir.array("depth.npy").1, [20, 20]);
+}
+
+#[test]
+fn the_help_of_map_lists_all_maps() {
+    let help = TestDir::new(&[]).good("render --help").text().split_whitespace().collect::<Vec<_>>().join(" ");
+    let maps = ColorMap::ALL.map(ColorMap::name).join(", ");
+    assert!(help.contains(&format!("Colour map: {maps} [default")), "{maps}");
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn has_program(dir: &TestDir) -> bool {
         return true;
     }
     assert!(output.err.contains("bash page/build") && output.code == 2, "{}", output.err);
-    skip("the command was compiled without the program of pages");
+    skip("the command was compiled without the program of pages (bash page/build)");
     false
 }
 
