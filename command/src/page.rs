@@ -147,9 +147,9 @@ impl Page {
                 "use a name that ends in .html",
             ));
         }
-        let SceneArgs { read, camera, .. } = &self.args;
+        let SceneArgs { read, color, camera, .. } = &self.args;
         let others = [&read.topology, &camera.from, &camera.list.file].into_iter().flatten().cloned();
-        let inputs: Vec<_> = others.chain([self.args.path().to_path_buf()]).collect();
+        let inputs: Vec<_> = others.chain(color.map_file()).chain([self.args.path().to_path_buf()]).collect();
         check_inputs([path], &inputs)?;
         let settings = self.args.settings(&[]);
         let content = content(&given, self.args.read.frames.as_ref(), &kept)?;

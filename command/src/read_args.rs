@@ -6,10 +6,9 @@ use super::signals::watch;
 use super::values::{color, numbers, positive, wholes};
 use clap::Args;
 use halfline::error::{Error, Result};
-use halfline::frame::color_map::ColorMap;
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{MaterialName, is_opacity};
-use halfline_files::read::style::{Coloring, Radii, Scale};
+use halfline_files::read::style::{Coloring, Radii, Scale, color_map};
 use halfline_files::read::{
     Altloc, ColumnNames, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, Selection, Style,
 };
@@ -125,10 +124,11 @@ pub(super) struct ColorArgs {
     /// Colours by element, chain, x, y, z, or any column of the file; several columns (vx,vy,vz) by their length.
     #[arg(long, value_name = "COLUMN,...")]
     pub(super) color_by: Option<String>,
-    /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category [default:
-    /// category for names, else viridis].
+    /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, coolwarm, batlow, roma, vik,
+    /// grays, category [default: category for names, else viridis]. NAME_r reverses it; a name with a dot is a file of colours
+    /// (CSV, JSON).
     #[arg(long, value_name = "M")]
-    map: Option<ColorMap>,
+    map: Option<String>,
     /// Values at the ends of the colour map [default: minimum and maximum].
     #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by",
         allow_hyphen_values = true)]
@@ -233,6 +233,11 @@ impl ColorArgs {
         Ok(ReadOptions { style, ..options })
     }
 
+    /// The file of the colour map.
+    pub(super) fn map_file(&self) -> Option<PathBuf> {
+        self.map.as_ref().map(PathBuf::from).filter(|path| path.is_file())
+    }
+
     fn coloring(&self) -> Result<Coloring> {
         let of_numbers = [("--map", is_typed("--map")), ("--range", self.range.is_some()), ("--log", self.log)];
         if let (None | Some("element"), Some((option, _))) =
@@ -250,7 +255,7 @@ impl ColorArgs {
             (None, Some("element")) => Coloring::Element,
             (None, Some(names)) => Coloring::Column(Scale {
                 columns: names.split(',').map(|name| name.trim().to_owned()).collect(),
-                map: self.map,
+                map: self.map.as_deref().map(color_map).transpose()?,
                 range: self.range,
                 log: self.log,
                 names: Vec::new(),

@@ -195,7 +195,14 @@ impl SceneArgs {
         names.retain(|name| !is_standard_output(name));
         let numbers = self.numbers();
         check_numbered(&names, numbers.iter().copied())?;
-        let inputs: Vec<PathBuf> = self.scene.iter().chain(&self.visible).chain(&self.read.topology).cloned().collect();
+        let inputs: Vec<PathBuf> = self
+            .scene
+            .iter()
+            .chain(&self.visible)
+            .chain(&self.read.topology)
+            .cloned()
+            .chain(self.color.map_file())
+            .collect();
         for input in &inputs {
             let file = place(input);
             // By a later frame of a numbered pattern.

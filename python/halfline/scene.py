@@ -375,7 +375,7 @@ def read(
     material: str | Mapping[str, str] | None = None,
     shine: float | None = None,
     color_by: str | Iterable[str] | None = None,
-    map: str | None = None,
+    map: Path | None = None,
     range: tuple[float, float] | None = None,
     log: bool = False,
     wrap: bool = False,
@@ -422,7 +422,8 @@ def read(
         shine: Exponent of the highlights of plastic, 40 by default.
         color_by: The column, or the columns of a vector, that gives the colours: ``"element"``,
             ``"chain"``, ``"vx,vy,vz"``.
-        map: Colour map of ``color_by``.
+        map: Colour map of ``color_by``: a name, also reversed (``"viridis_r"``), or a file of colours
+            (CSV, JSON).
         range: Values at the ends of the colour map.
         log: Whether the colour scale is logarithmic.
         wrap: Whether particles are moved into the periodic cell.
@@ -539,11 +540,12 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         **{name: word(name, given[name]) for name in ("hold", "altloc", "radii")},
         **{
             name: None if given[name] is None else word(name, given[name])
-            for name in ("format", "identity", "map")
+            for name in ("format", "identity")
         },
         "columns": None if columns is None else word("columns", columns),
         "keep": _kept(given["keep"]),
         "topology": given["topology"],
+        "map": None if given["map"] is None else fspath(given["map"]),
         "model": None if model is None else whole("model", model, -(2**63), 2**63 - 1),
         "assembly": None if given["assembly"] is None else str(given["assembly"]),
         "select": words("select", given["select"]),

@@ -86,7 +86,7 @@ impl Options {
             (Some(color), None) => Coloring::One(color),
             (None, Some("element")) => Coloring::Element,
             (None, Some(names)) => Coloring::Column(Scale {
-                map: parsed(self.map.as_ref())?,
+                map: self.map.as_deref().map(style::color_map).transpose()?,
                 range: self.range,
                 log: self.log,
                 ..Scale::of(names.split(',').map(|name| name.trim().to_owned()).collect())

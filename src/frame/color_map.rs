@@ -1,13 +1,15 @@
 //! Perceptual colour maps from numbers between 0 and 1 to colours. The maps are those of the crate colorous
-//! (matplotlib's and ColorBrewer's by d3-scale-chromatic).
+//! (matplotlib's and ColorBrewer's by d3-scale-chromatic), tables of others, and the caller's own.
+
+mod tables;
 
 use super::srgb::linear;
-use crate::error::{Error, Result, named};
+use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
 /// A colour map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum ColorMap {
     /// Dark violet to yellow, with uniform lightness steps.
     #[default]
@@ -28,25 +30,111 @@ pub enum ColorMap {
     RedYellowBlue,
     /// Blue over white to red, for values with a midpoint.
     BlueWhiteRed,
+    /// Blue over light grey to red, for values with a midpoint: that of ParaView and matplotlib.
+    CoolWarm,
+    /// Dark blue over green to pink, with uniform lightness steps, for all kinds of colour vision.
+    Batlow,
+    /// Brown over pale green to blue, for values with a midpoint.
+    Roma,
+    /// Blue over white to brown, for values with a midpoint.
+    Vik,
     /// Black to white.
     Grays,
     /// Ten base colours, then ten darker and ten lighter ones, by the integer part of the number; for categories.
     Category,
+    /// The caller's colours, or another map reversed.
+    Own(OwnMap),
 }
 
-named! {
-    ColorMap,
-    Viridis "viridis" Inferno "inferno" Magma "magma" Plasma "plasma" Cividis "cividis" Cubehelix "cubehelix"
-    Turbo "turbo" RedYellowBlue "rdylbu" BlueWhiteRed "bwr" Grays "grays" Category "category"
+/// Colours at equal steps from 0 to 1, 8-bit sRGB, two at least.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OwnMap {
+    name: String,
+    colors: Vec<[u8; 3]>,
+}
+
+/// The maps with a name.
+const NAMED: [(&str, ColorMap); 15] = {
+    use ColorMap::*;
+    [
+        ("viridis", Viridis),
+        ("inferno", Inferno),
+        ("magma", Magma),
+        ("plasma", Plasma),
+        ("cividis", Cividis),
+        ("cubehelix", Cubehelix),
+        ("turbo", Turbo),
+        ("rdylbu", RedYellowBlue),
+        ("bwr", BlueWhiteRed),
+        ("coolwarm", CoolWarm),
+        ("batlow", Batlow),
+        ("roma", Roma),
+        ("vik", Vik),
+        ("grays", Grays),
+        ("category", Category),
+    ]
+};
+
+/// The colour at `x` in [0, 1] of colours at equal steps, by linear interpolation in sRGB.
+fn between(colors: &[[u8; 3]], x: f64) -> [u8; 3] {
+    let last = colors.len().saturating_sub(1);
+    let place = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) * last as f64 };
+    let (n, part) = ((place as usize).min(last), place.fract());
+    let (from, to) = (colors[n], colors[(n + 1).min(last)]);
+    [0, 1, 2].map(|k| (f64::from(from[k]) * (1.0 - part) + f64::from(to[k]) * part).round() as u8)
 }
 
 impl ColorMap {
     /// The number of different category colours.
     pub const CATEGORIES: u64 = 30;
 
+    /// The names of all maps that have one.
+    #[must_use]
+    pub fn names() -> [&'static str; NAMED.len()] {
+        NAMED.map(|(name, _)| name)
+    }
+
+    /// The name; of own colours that of [`ColorMap::of_colors`].
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Own(own) => &own.name,
+            _ => NAMED.iter().find(|(_, map)| map == self).map_or("", |(name, _)| name),
+        }
+    }
+
+    /// A map of these colours at equal steps from 0 to 1, 8-bit sRGB.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for fewer than two colours.
+    pub fn of_colors(name: &str, colors: Vec<[u8; 3]>) -> Result<Self> {
+        if colors.len() < 2 {
+            let problem = format!("the colour map {name} has {}", crate::quote::count(colors.len() as u64, "colour"));
+            return Err(Error::settings(problem, "give two or more"));
+        }
+        Ok(Self::Own(OwnMap { name: name.to_owned(), colors }))
+    }
+
+    /// The map from its last colour to its first.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for [`ColorMap::Category`], which has no direction.
+    pub fn reversed(&self) -> Result<Self> {
+        /// Steps between which 8-bit colours of no map differ by more than rounding.
+        const STEPS: u32 = 255;
+        let colors = match self {
+            Self::Category => {
+                return Err(Error::settings("the colour map category has no direction to reverse", "remove _r"));
+            }
+            Self::Own(own) => own.colors.iter().rev().copied().collect(),
+            _ => (0..=STEPS).rev().map(|n| self.srgb(f64::from(n) / f64::from(STEPS))).collect(),
+        };
+        Self::of_colors(&format!("{}_r", self.name()), colors)
+    }
+
     /// 8-bit sRGB of `x` in [0, 1]; of a category, by its integer part.
     #[must_use]
-    pub fn srgb(self, x: f64) -> [u8; 3] {
+    pub fn srgb(&self, x: f64) -> [u8; 3] {
         use colorous::{
             CIVIDIS, CUBEHELIX, GREYS, INFERNO, MAGMA, PLASMA, RED_BLUE, RED_YELLOW_BLUE, TABLEAU10, TURBO, VIRIDIS,
         };
@@ -60,7 +148,12 @@ impl ColorMap {
             Self::Turbo => TURBO,
             Self::RedYellowBlue => RED_YELLOW_BLUE,
             Self::BlueWhiteRed => RED_BLUE,
+            Self::CoolWarm => return between(&tables::COOLWARM, x),
+            Self::Batlow => return between(&tables::BATLOW, x),
+            Self::Roma => return between(&tables::ROMA, x),
+            Self::Vik => return between(&tables::VIK, x),
             Self::Grays => GREYS,
+            Self::Own(own) => return between(&own.colors, x),
             Self::Category => {
                 let last = Self::CATEGORIES - 1;
                 let place = (x.rem_euclid(Self::CATEGORIES as f64) as u64).min(last) as usize;
@@ -81,7 +174,7 @@ impl ColorMap {
 
     /// The same in linear RGB.
     #[must_use]
-    pub fn color(self, x: f64) -> [f32; 3] {
+    pub fn color(&self, x: f64) -> [f32; 3] {
         linear(self.srgb(x))
     }
 }
@@ -100,11 +193,18 @@ impl FromStr for ColorMap {
             );
             let mend = format!(
                 "use turbo, which has the same colours with smoother lightness, or viridis, whose lightness is even; the maps are {}",
-                Self::ALL.map(Self::name).join(", ")
+                Self::names().join(", ")
             );
             return Err(Error::settings(problem, mend));
         }
-        crate::error::by_name("colour map", name, &Self::ALL, Self::name)
+        let known = |name: &str| NAMED.iter().find(|(known, _)| *known == name).map(|(_, map)| map.clone());
+        if let Some(reversed) = name.strip_suffix("_r").and_then(known) {
+            return reversed.reversed();
+        }
+        known(name).ok_or_else(|| {
+            let mend = format!("choose from {}, each also reversed, such as viridis_r", Self::names().join(", "));
+            Error::settings(format!("there is no colour map '{name}'"), mend)
+        })
     }
 }
 
@@ -124,12 +224,52 @@ mod tests {
     }
 
     #[test]
+    fn tables_have_the_colours_of_their_authors() {
+        // matplotlib 3.10 and cmcrameri 1.10, at 0, 1/4, 1/2, 3/4 and 1 of 255 steps.
+        let expected: [(&str, [[u8; 3]; 3]); 3] = [
+            ("coolwarm", [[59, 76, 192], [221, 220, 219], [180, 4, 38]]),
+            ("batlow", [[1, 25, 89], [130, 130, 49], [250, 204, 250]]),
+            ("vik", [[0, 18, 97], [236, 229, 224], [89, 0, 8]]),
+        ];
+        for (name, colors) in expected {
+            let map: ColorMap = name.parse().expect(name);
+            for (n, color) in [0.0, 128.0, 255.0].into_iter().zip(colors) {
+                let found = map.srgb(n / 255.0);
+                let differs = found.iter().zip(color).any(|(a, b)| a.abs_diff(b) > 1);
+                assert!(!differs, "{name} at {n}: {found:?}, {color:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_map_can_be_reversed_but_categories() {
+        for name in ColorMap::names().into_iter().filter(|name| *name != "category") {
+            let (map, reversed) = (name.parse::<ColorMap>().expect(name), format!("{name}_r").parse::<ColorMap>());
+            let reversed = reversed.expect(name);
+            assert_eq!(reversed.name(), format!("{name}_r"));
+            for n in 0..=1000 {
+                let x = f64::from(n) / 1000.0;
+                let (a, b) = (map.srgb(1.0 - x), reversed.srgb(x));
+                // A table of 256 steps, interpolated.
+                assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 2), "{name} at {x}: {a:?} {b:?}");
+            }
+        }
+        let error = "category_r".parse::<ColorMap>().expect_err("no direction").to_string();
+        assert!(error.contains("has no direction"), "{error}");
+        let error = "viridi_r".parse::<ColorMap>().expect_err("no such map").to_string();
+        assert!(error.contains("there is no colour map 'viridi_r'") && error.contains("viridis_r"), "{error}");
+        ColorMap::of_colors("one", vec![[0; 3]]).expect_err("one colour");
+        let two = ColorMap::of_colors("two", vec![[0, 0, 0], [255, 0, 100]]).expect("a map");
+        assert_eq!([0.0, 0.5, 1.0, f64::NAN].map(|x| two.srgb(x)), [[0, 0, 0], [128, 0, 50], [255, 0, 100], [0, 0, 0]]);
+    }
+
+    #[test]
     fn maps_run_from_dark_to_bright() {
         let light =
-            |map: ColorMap, x: f64| map.color(x).iter().zip([0.2126, 0.7152, 0.0722]).map(|(c, w)| c * w).sum::<f32>();
-        use ColorMap::{Cividis, Cubehelix, Grays, Inferno, Magma, Plasma, Viridis};
-        for map in [Viridis, Inferno, Magma, Plasma, Cividis, Cubehelix, Grays] {
-            let steps: Vec<f32> = (0..=16).map(|n| light(map, f64::from(n) / 16.0)).collect();
+            |map: &ColorMap, x: f64| map.color(x).iter().zip([0.2126, 0.7152, 0.0722]).map(|(c, w)| c * w).sum::<f32>();
+        use ColorMap::{Batlow, Cividis, Cubehelix, Grays, Inferno, Magma, Plasma, Viridis};
+        for map in [Viridis, Inferno, Magma, Plasma, Cividis, Cubehelix, Batlow, Grays] {
+            let steps: Vec<f32> = (0..=16).map(|n| light(&map, f64::from(n) / 16.0)).collect();
             assert!(steps.is_sorted(), "{} {steps:?}", map.name());
         }
         assert_eq!(Viridis.srgb(0.0), [68, 1, 84], "matplotlib's first");

@@ -49,6 +49,8 @@ fn an_input_is_not_overwritten() {
     refused(&dir, "render s.toml --backend cpu -o a.png --aov depth=folder/spheres.npy", &["folder/spheres.npy", read]);
     dir.put("q.svg", dir.get("q.csv"));
     refused(&dir, "render q.svg --format csv --color-by q --legend q.svg --backend cpu -o a.png", &["q.svg", read]);
+    dir.put("map.npy", "0,0,0\n1,1,1\n");
+    refused(&dir, "render q.csv --color-by q --map map.npy --backend cpu -o map.npy", &["map.npy", read]);
     // By a later frame of a numbered pattern.
     dir.put("frame7.npy", dir.get("7.xyz"));
     refused(&dir, "render frame7.npy --format xyz --frames 1-9 --backend cpu -o frame%d.npy", &["frame7.npy", read]);

@@ -148,7 +148,7 @@ fn render_without_arguments_prints_three_commands_that_work() {
 #[test]
 fn the_help_of_map_lists_all_maps() {
     let help = TestDir::new(&[]).good("render --help").text().split_whitespace().collect::<Vec<_>>().join(" ");
-    let maps = ColorMap::ALL.map(ColorMap::name).join(", ");
+    let maps = ColorMap::names().join(", ");
     assert!(help.contains(&format!("Colour map: {maps} [default")), "{maps}");
 }
 

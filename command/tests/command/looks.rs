@@ -44,6 +44,11 @@ fn colours_follow_the_options() {
     assert_eq!(colors(&dir, "--color-by vx --range 0,12 --map grays"), ends(ColorMap::Grays, [0.25, 0.0, 0.5]));
     assert_eq!(colors(&dir, "--color-by vx --range 6,0"), ends(ColorMap::Viridis, [0.5, 1.0, 0.0]));
     assert_eq!(colors(&dir, "--color-by vx --range 4,5"), ends(ColorMap::Viridis, [0.0, 0.0, 1.0]), "beyond the ends");
+    let reversed = ColorMap::Vik.reversed().expect("a direction");
+    assert_eq!(colors(&dir, "--color-by vx --range 0,12 --map vik_r"), ends(reversed, [0.25, 0.0, 0.5]));
+    dir.put("own.csv", "r,g,b\n0,0,255\n255,255,255\n255,0,0\n");
+    let own = ColorMap::of_colors("own", vec![[0, 0, 255], [255; 3], [255, 0, 0]]).expect("a map");
+    assert_eq!(colors(&dir, "--color-by vx --range 0,12 --map own.csv"), ends(own, [0.25, 0.0, 0.5]));
     let categories = [0.0, 1.0, 2.0].map(|k| ColorMap::Category.color(k));
     assert_eq!(colors(&dir, "--color-by kind --map category"), categories);
     assert_eq!(colors(&dir, "--color-by kind"), ends(ColorMap::Viridis, [0.0, 0.5, 1.0]), "a number like others");

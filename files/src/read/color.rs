@@ -46,7 +46,7 @@ pub fn color(text: &str) -> Result<[f32; 3]> {
 }
 
 /// The number of `rrggbb`, or of `rgb` with each digit doubled.
-fn hex(digits: &str) -> Option<u32> {
+pub(super) fn hex(digits: &str) -> Option<u32> {
     let digits = match digits.len() {
         3 => digits.chars().flat_map(|digit| [digit, digit]).collect(),
         _ => digits.to_owned(),

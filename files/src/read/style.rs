@@ -1,11 +1,13 @@
 //! The style of particles: how their radii and colours are chosen when they become spheres.
 
 mod categories;
+mod map_file;
 mod numbers;
 mod placed;
 mod scale;
 
 pub use super::color::color;
+pub use map_file::color_map;
 pub use scale::Scale;
 
 use super::particles::frame::{Particles, RuleTarget};

@@ -80,11 +80,11 @@ pub(super) fn apply(
     let column = only(scale, columns, &name)?;
     let categories = Categories::new(scale, labels.map(|labels| &labels[..]));
     let counts = Counts::of(&categories, column, particles.rule_numbers(RuleTarget::Color));
-    skipped.assumed.extend(counts.notes(&name, column.values.len(), categories.map));
+    skipped.assumed.extend(counts.notes(&name, column.values.len(), &categories.map));
     let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
     let legend = Legend {
         name,
-        map: categories.map,
+        map: categories.map.clone(),
         range: [ends(counts.known.keys().next()), ends(counts.known.keys().next_back())],
         log: false,
         categories: counts.known.iter().map(|(number, count)| categories.row(*number, *count)).collect(),
@@ -142,7 +142,7 @@ impl Categories {
         let names: Vec<String> = names.unwrap_or_default();
         // A continuous map is spread over all names of the file.
         let last = labels.map_or(1, |_| names.len().saturating_sub(1).max(1)) as f64;
-        Self { names, places, map: scale.map.unwrap_or(ColorMap::Category), last }
+        Self { names, places, map: scale.map.clone().unwrap_or(ColorMap::Category), last }
     }
 
     /// The category of a value; not finite if it has none.
@@ -206,14 +206,14 @@ impl Counts {
     }
 
     /// Notes on particles without a category, of so many, and on categories that share colours.
-    fn notes(&self, name: &str, of: usize, map: ColorMap) -> impl Iterator<Item = String> {
+    fn notes(&self, name: &str, of: usize, map: &ColorMap) -> impl Iterator<Item = String> {
         let (missing, several, colors) = (self.missing, self.several(), ColorMap::CATEGORIES);
         let missing = (missing > 0).then(|| {
             format!(
                 "{missing} of {of} values of {name} are not numbers, so these particles have no category and are grey"
             )
         });
-        let shared = (map == ColorMap::Category && several > colors)
+        let shared = (*map == ColorMap::Category && several > colors)
             .then(|| format!("{several} categories of {name} share {colors} colours"));
         missing.into_iter().chain(shared)
     }

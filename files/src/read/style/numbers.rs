@@ -41,7 +41,7 @@ impl Scale {
         if let Some(found) = categories::apply(self, &columns, particles, skipped)? {
             return Ok(found);
         }
-        let map = self.map.unwrap_or_default();
+        let map = self.map.clone().unwrap_or_default();
         let n = particles.positions.len();
         let values = match columns[..] {
             [one] => Cow::Borrowed(&one.values),
@@ -68,7 +68,7 @@ impl Scale {
         }
         let legend = Legend {
             name,
-            map,
+            map: map.clone(),
             range: [low, high],
             log: self.log,
             categories: Vec::new(),
