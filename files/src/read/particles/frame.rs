@@ -374,21 +374,16 @@ impl Particles {
 
     /// Keeps the particles of these rows, in their order.
     pub(super) fn arrange(&mut self, rows: &[u32]) {
-        fn arranged<T: Copy>(list: &mut Vec<T>, rows: &[u32]) {
-            if !list.is_empty() {
-                *list = rows.iter().map(|row| list[*row as usize]).collect();
-            }
-        }
         if self.places.is_empty() {
             self.places = (0..self.positions.len() as u32).collect();
             self.listed = self.positions.len();
         }
-        arranged(&mut self.places, rows);
-        arranged(&mut self.positions, rows);
-        arranged(&mut self.radii, rows);
-        arranged(&mut self.elements, rows);
-        arranged(&mut self.colors, rows);
-        self.columns.iter_mut().for_each(|column| arranged(&mut column.values, rows));
+        self.places = of_rows(&self.places, rows);
+        self.positions = of_rows(&self.positions, rows);
+        self.radii = of_rows(&self.radii, rows);
+        self.elements = of_rows(&self.elements, rows);
+        self.colors = of_rows(&self.colors, rows);
+        self.columns.iter_mut().for_each(|column| column.values = of_rows(&column.values, rows));
     }
 
     /// Reserves capacity for `more` particles in every list, counting `extra` bytes per particle that the reader
@@ -432,6 +427,12 @@ impl Particles {
         self.room = room;
         Ok(())
     }
+}
+
+/// The values of these rows; none of a list that is empty.
+pub(super) fn of_rows<T: Copy>(values: &[T], rows: &[u32]) -> Vec<T> {
+    let rows = if values.is_empty() { &[] } else { rows };
+    rows.iter().map(|row| values[*row as usize]).collect()
 }
 
 /// A file of particles, frame by frame.

@@ -1,7 +1,7 @@
 //! Frames with the atoms of another file, the topology: it gives the elements, radii, colours and columns that the frames lack.
 //! Trajectories have positions only; LAMMPS dumps often lack all but the type.
 
-use super::frame::{Column, ParticleFrames, Particles};
+use super::frame::{Column, ParticleFrames, Particles, of_rows};
 use super::identity::{key, numbers};
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check;
@@ -97,40 +97,34 @@ impl Joined {
         let each = size_of::<[f64; 3]>() + 32 + atoms.columns.len() * size_of::<f64>();
         check((frame.positions.len() * each) as u64, || format!("{} atoms of a topology", frame.positions.len()))?;
         if frame.elements.iter().all(|element| *element == 0) {
-            frame.elements = of_rows(&atoms.elements, rows);
+            frame.elements = taken(&atoms.elements, rows);
             frame.unknown.clone_from(&atoms.unknown);
         }
         if frame.radii.is_empty() && !atoms.radii.is_empty() {
-            frame.radii = of_rows(&atoms.radii, rows);
+            frame.radii = taken(&atoms.radii, rows);
             frame.checked &= atoms.checked;
         }
         if frame.colors.is_empty() {
-            frame.colors = of_rows(&atoms.colors, rows);
+            frame.colors = taken(&atoms.colors, rows);
             frame.color_type = atoms.color_type;
         }
-        let has = |names: &[String], name: &str| names.iter().any(|known| known.eq_ignore_ascii_case(name));
-        for Column { name, values } in &atoms.columns {
-            if !OWN.contains(&name.as_str()) && !has(&frame.has, name) {
-                frame.columns.push(Column { name: name.clone(), values: of_rows(values, rows) });
-                let labels = atoms.labels.get(name).map(|labels| (name.clone(), labels.clone()));
-                frame.labels.extend(labels);
-            }
-        }
-        for name in &atoms.has {
-            if !OWN.contains(&name.as_str()) && !has(&frame.has, name) {
-                frame.has.push(name.clone());
-            }
-        }
+        let lacks =
+            |name: &str| !OWN.contains(&name) && !frame.has.iter().any(|known| known.eq_ignore_ascii_case(name));
+        let columns = atoms.columns.iter().filter(|column| lacks(&column.name));
+        let columns: Vec<Column> =
+            columns.map(|column| Column { name: column.name.clone(), values: taken(&column.values, rows) }).collect();
+        let names: Vec<String> = atoms.has.iter().filter(|name| lacks(name)).cloned().collect();
+        let labels = |column: &Column| Some((column.name.clone(), atoms.labels.get(&column.name)?.clone()));
+        frame.labels.extend(columns.iter().filter_map(labels));
+        frame.columns.extend(columns);
+        frame.has.extend(names);
         Ok(())
     }
 }
 
 /// The values of these rows; `None` are all.
-fn of_rows<T: Copy>(values: &[T], rows: Option<&[u32]>) -> Vec<T> {
-    match rows.filter(|_| !values.is_empty()) {
-        Some(rows) => rows.iter().map(|row| values[*row as usize]).collect(),
-        None => values.to_vec(),
-    }
+fn taken<T: Copy>(values: &[T], rows: Option<&[u32]>) -> Vec<T> {
+    rows.map_or_else(|| values.to_vec(), |rows| of_rows(values, rows))
 }
 
 impl ParticleFrames for Joined {

@@ -29,8 +29,12 @@ pub fn color_map(name: &str) -> Result<ColorMap> {
         Some(file) if !Path::new(name).exists() => (Path::new(file), true),
         _ => (Path::new(name), false),
     };
-    let size = fs::metadata(file).map_err(|error| Error::read(file, error))?.len();
+    let about = fs::metadata(file).map_err(|error| Error::read(file, error))?;
     let place = || Place::file(file.display().to_string());
+    if !about.is_file() {
+        return Err(Error::scene(place(), "a colour map is read from a file alone", MEND));
+    }
+    let size = about.len();
     if size > MOST_BYTES {
         return Err(Error::scene(place(), format!("{size} bytes are too many for a colour map"), MEND));
     }
@@ -44,18 +48,45 @@ pub fn color_map(name: &str) -> Result<ColorMap> {
     if is_reversed { map.reversed() } else { Ok(map) }
 }
 
-/// The colour of three numbers of a file; `None` for others. A file whose numbers are all at most 1 counts from 0 to 1.
-fn colors(rows: &[[f64; 3]]) -> Option<Vec<[u8; 3]>> {
-    let most = rows.iter().flatten().copied().fold(0.0, f64::max);
-    let is_right = rows.iter().flatten().all(|x| (0.0..=255.0).contains(x));
-    let scale = if most <= 1.0 { 255.0 } else { 1.0 };
-    is_right.then(|| rows.iter().map(|row| row.map(|x| (x * scale).round() as u8)).collect())
+/// A colour as a file has it.
+enum FileColor {
+    /// As `#rrggbb`.
+    Bytes([u8; 3]),
+    /// Three numbers.
+    Numbers([f64; 3]),
 }
 
-/// The numbers of a colour as `#rrggbb`, from 0 to 255.
-fn hexadecimal(text: &str) -> Option<[f64; 3]> {
-    let number = hex(text.trim_matches('"').strip_prefix('#')?)?;
-    Some([16, 8, 0].map(|shift| f64::from(number >> shift & 255)))
+impl FileColor {
+    /// The colour of three numbers, or of four with an alpha that is left out.
+    fn of_numbers(numbers: Option<Vec<f64>>) -> Option<Self> {
+        match numbers.as_deref()? {
+            [red, green, blue] | [red, green, blue, _] => Some(Self::Numbers([*red, *green, *blue])),
+            _ => None,
+        }
+    }
+
+    /// The colour of `#rrggbb`.
+    fn of_text(text: &str) -> Option<Self> {
+        let [_, rgb @ ..] = hex(text.trim_matches('"').strip_prefix('#')?)?.to_be_bytes();
+        Some(Self::Bytes(rgb))
+    }
+}
+
+/// The colours of a file, whose numbers count from 0 to 1 where all are at most 1; `None` for a number beyond 0 and 255.
+fn colors(rows: &[FileColor]) -> Option<Vec<[u8; 3]>> {
+    let numbers =
+        || rows.iter().filter_map(|row| if let FileColor::Numbers(row) = row { Some(row) } else { None }).flatten();
+    let scale = if numbers().all(|x| *x <= 1.0) { 255.0 } else { 1.0 };
+    let color = |row: &FileColor| match row {
+        FileColor::Bytes(row) => *row,
+        FileColor::Numbers(row) => row.map(|x| (x * scale).round() as u8),
+    };
+    numbers().all(|x| (0.0..=255.0).contains(x)).then(|| rows.iter().map(color).collect())
+}
+
+/// The numbers of a list of JSON.
+fn numbers(value: &Value) -> Option<Vec<f64>> {
+    value.as_array()?.iter().map(Value::as_f64).collect()
 }
 
 /// The colours of a table: three numbers in each row, or four with an alpha that is left out. A first row without numbers is a
@@ -65,16 +96,12 @@ fn of_rows(text: &str) -> std::result::Result<Vec<[u8; 3]>, (u64, String)> {
     let mut first = true;
     for (line, text) in (1..).zip(text.lines()) {
         let text = text.trim();
-        if text.is_empty() || text.starts_with("//") || text.starts_with('#') && hexadecimal(text).is_none() {
+        if text.is_empty() || text.starts_with("//") || text.starts_with('#') && FileColor::of_text(text).is_none() {
             continue;
         }
         let words = text.split([',', ';', ' ', '\t']).filter(|word| !word.is_empty());
         let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
-        let row = match numbers.as_deref() {
-            Some([red, green, blue] | [red, green, blue, _]) => Some([*red, *green, *blue]),
-            _ => hexadecimal(text),
-        };
-        match row {
+        match FileColor::of_numbers(numbers).or_else(|| FileColor::of_text(text)) {
             Some(row) => rows.push(row),
             None if first => {}
             None => return Err((line, format!("{} is not a colour", quote(text)))),
@@ -87,24 +114,18 @@ fn of_rows(text: &str) -> std::result::Result<Vec<[u8; 3]>, (u64, String)> {
 /// The colours of JSON: a list of lists of numbers or of `#rrggbb`, or ParaView's `RGBPoints`.
 fn of_json(text: &str) -> std::result::Result<Vec<[u8; 3]>, String> {
     let value: Value = serde_json::from_str(text).map_err(|error| error.to_string())?;
-    let number = |value: &Value| value.as_f64();
     let outer = value.get(0).filter(|first| first.is_object()).unwrap_or(&value);
     if let Some(points) = outer.get("RGBPoints") {
-        let numbers: Option<Vec<f64>> = points.as_array().map(|list| list.iter().map(number).collect()).unwrap_or(None);
-        return numbers.as_deref().and_then(of_points).ok_or_else(|| {
+        return numbers(points).as_deref().and_then(of_points).ok_or_else(|| {
             "RGBPoints is not a list of positions that grow, each with three numbers from 0 to 1".to_owned()
         });
     }
     let list = outer.get("colors").unwrap_or(outer).as_array().ok_or("there is no list of colours")?;
     let row = |(n, value): (usize, &Value)| {
-        let numbers: Option<Vec<f64>> = value.as_array().map(|list| list.iter().map(number).collect()).unwrap_or(None);
-        match numbers.as_deref() {
-            Some([red, green, blue] | [red, green, blue, _]) => Some([*red, *green, *blue]),
-            _ => value.as_str().and_then(hexadecimal),
-        }
-        .ok_or_else(|| format!("item {n} of the list is not a colour"))
+        let color = FileColor::of_numbers(numbers(value)).or_else(|| value.as_str().and_then(FileColor::of_text));
+        color.ok_or_else(|| format!("item {n} of the list is not a colour"))
     };
-    let rows: Vec<[f64; 3]> = list.iter().enumerate().map(row).collect::<std::result::Result<_, _>>()?;
+    let rows: Vec<FileColor> = list.iter().enumerate().map(row).collect::<std::result::Result<_, _>>()?;
     colors(&rows).ok_or_else(|| "a number is not between 0 and 255".to_owned())
 }
 
@@ -160,6 +181,13 @@ mod tests {
         }
         let uneven = of("a.json", "{\"RGBPoints\": [0, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1, 4, 1, 1, 1]}").expect("a step");
         assert_eq!([0.2, 0.3, 0.9].map(|x| uneven.srgb(x)[0]), [0, 255, 255]);
+    }
+
+    #[test]
+    fn dark_bytes_are_no_shares() {
+        let map = of("a.txt", "#000000\n#010101\n").expect("two colours");
+        assert_eq!(map.srgb(1.0), [1; 3]);
+        assert!(color_map("./").map(drop).expect_err("a folder").to_string().contains("from a file alone"));
     }
 
     #[test]
