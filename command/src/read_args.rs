@@ -8,7 +8,7 @@ use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{MaterialName, is_opacity};
-use halfline_files::read::style::{Coloring, Radii, Scale, color_map};
+use halfline_files::read::style::{Coloring, Paint, Radii, Scale, color_map};
 use halfline_files::read::{
     Altloc, ColumnNames, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, Selection, Style,
 };
@@ -107,10 +107,10 @@ pub(super) struct ReadArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = LOOK)]
 pub(super) struct ColorArgs {
-    /// Colour of all spheres, or with EXPR=C of selected ones: a CSS name such as red, #rgb or #rrggbb in sRGB, or
-    /// r,g,b in linear RGB. Repeated, later ones win.
+    /// Colour of all spheres, or with EXPR=C of selected ones: a CSS name such as red, #rgb or #rrggbb in sRGB, r,g,b in
+    /// linear RGB, or element for the colours of the elements. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
-    color: Vec<Rule<[f32; 3]>>,
+    color: Vec<Rule<Paint>>,
     /// Material in pictures of all spheres, or with EXPR=M of selected ones: matte, plastic (with highlights of lights), metal (a
     /// mirror of its colour), glass. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]M", value_parser = material_rule)]
@@ -125,8 +125,8 @@ pub(super) struct ColorArgs {
     #[arg(long, value_name = "COLUMN,...")]
     pub(super) color_by: Option<String>,
     /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, coolwarm, batlow, roma, vik,
-    /// grays, category [default: category for names, else viridis]. NAME_r reverses it; a name with a dot is a file of colours
-    /// (CSV, JSON).
+    /// plddt (four classes from 0 to 100), grays, category [default: category for names, else viridis]. NAME_r reverses it; a
+    /// name with a dot is a file of colours (CSV, JSON).
     #[arg(long, value_name = "M")]
     map: Option<String>,
     /// Values at the ends of the colour map [default: minimum and maximum].
@@ -251,8 +251,8 @@ impl ColorArgs {
                 let mend = "remove one of them, or colour selected spheres with --color 'EXPR=COLOR'";
                 return Err(Error::settings("--color for all spheres and --color-by exclude each other", mend));
             }
-            (Some(color), None) => Coloring::One(color),
-            (None, Some("element")) => Coloring::Element,
+            (Some(Paint::One(color)), None) => Coloring::One(color),
+            (Some(Paint::Element), None) | (None, Some("element")) => Coloring::Element,
             (None, Some(names)) => Coloring::Column(Scale {
                 columns: names.split(',').map(|name| name.trim().to_owned()).collect(),
                 map: self.map.as_deref().map(color_map).transpose()?,
@@ -299,8 +299,8 @@ fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
     Rule::parse(text, positive("number"))
 }
 
-fn color_rule(text: &str) -> Result<Rule<[f32; 3]>, String> {
-    Rule::parse(text, color)
+fn color_rule(text: &str) -> Result<Rule<Paint>, String> {
+    Rule::parse(text, |text| if text == "element" { Ok(Paint::Element) } else { color(text).map(Paint::One) })
 }
 
 fn material_rule(text: &str) -> Result<Rule<MaterialName>, String> {

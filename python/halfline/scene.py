@@ -169,7 +169,8 @@ class Scene:
         Args:
             colors: Linear RGB, shape (n, 3); one colour for all; or ``{expression: colour}`` for
                 the spheres that an expression selects, as in `read`: the last one wins, the others
-                keep their colours, and the legend has a row for each.
+                keep their colours, and the legend has a row for each. The colour ``"element"`` is
+                that of each sphere's element.
 
         Raises:
             ValueError: for colours, or for an expression, with a mistake.
@@ -189,7 +190,7 @@ class Scene:
             return Scene._of(self._native.with_colors(rows))
         given: Mapping[str, Color] = colors
         rules = [
-            (word("colors", key), checked_color(f"colors[{key!r}]", value))
+            (word("colors", key), _paint(f"colors[{key!r}]", value))
             for key, value in given.items()
         ]
         native, notes = self._native.painted(rules)
@@ -375,7 +376,7 @@ def read(
     material: str | Mapping[str, str] | None = None,
     shine: float | None = None,
     color_by: str | Iterable[str] | None = None,
-    map: Path | None = None,
+    map: Path | ArrayLike | Callable[[NDArray[np.float64]], ArrayLike] | None = None,
     range: tuple[float, float] | None = None,
     log: bool = False,
     wrap: bool = False,
@@ -414,16 +415,17 @@ def read(
         radii: Radii of elements.
         radius: One radius for all, or ``{expression: radius}``; scene units.
         radius_scale: Multiplies every radius.
-        color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, or
-            linear RGB.
+        color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, linear
+            RGB, or for selected ones ``"element"``, which is that of each one's element.
         opacity: One opacity in pictures for all, or ``{expression: opacity}``: above 0, and at most 1.
         material: One material in pictures for all, or ``{expression: material}``: ``"matte"``,
             ``"plastic"``, ``"metal"`` or ``"glass"``.
         shine: Exponent of the highlights of plastic, 40 by default.
         color_by: The column, or the columns of a vector, that gives the colours: ``"element"``,
             ``"chain"``, ``"vx,vy,vz"``.
-        map: Colour map of ``color_by``: a name, also reversed (``"viridis_r"``), or a file of colours
-            (CSV, JSON).
+        map: Colour map of ``color_by``: a name, also reversed (``"viridis_r"``); a file of colours
+            (CSV, JSON); sRGB at equal steps, shape (n, 3), float from 0 to 1 or uint8; or a
+            colormap of matplotlib.
         range: Values at the ends of the colour map.
         log: Whether the colour scale is logarithmic.
         wrap: Whether particles are moved into the periodic cell.
@@ -545,14 +547,14 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         "columns": None if columns is None else word("columns", columns),
         "keep": _kept(given["keep"]),
         "topology": given["topology"],
-        "map": None if given["map"] is None else fspath(given["map"]),
+        "map": _map(given["map"]),
         "model": None if model is None else whole("model", model, -(2**63), 2**63 - 1),
         "assembly": None if given["assembly"] is None else str(given["assembly"]),
         "select": words("select", given["select"]),
         "hide": words("hide", given["hide"]),
         **_of_all_or_some("radius", given, number, positive),
         "radius_scale": number("radius_scale", given["radius_scale"]),
-        **_of_all_or_some("color", given, checked_color),
+        **_of_all_or_some("color", given, checked_color, _paint),
         **_of_all_or_some("opacity", given, number),
         **_of_all_or_some("material", given, word),
         "shine": None if given["shine"] is None else number("shine", given["shine"]),
@@ -579,6 +581,28 @@ def _of_all_or_some(
             (word(name, key), check_some(f"{name}[{key!r}]", one)) for key, one in some.items()
         ],
     }
+
+
+def _paint(name: str, value: Color) -> tuple[float, float, float] | None:
+    """Linear RGB of selected particles; none for the colour of each one's element."""
+    return None if isinstance(value, str) and value == "element" else checked_color(name, value)
+
+
+def _map(value: Any) -> str | NDArray[np.uint8] | None:
+    """The name or file of a colour map, or its colours, uint8, shape (n, 3)."""
+    if value is None or isinstance(value, (str, PathLike)):
+        return None if value is None else fspath(value)
+    # A colormap of matplotlib gives RGBA between 0 and 1.
+    given = np.asarray(value(np.linspace(0, 1, 256)) if callable(value) else value)
+    if given.ndim != 2 or given.shape[1] not in (3, 4) or given.dtype.kind not in "fu":
+        raise ValueError(
+            f"map has the shape {given.shape} and the dtype {given.dtype}; "
+            "give a name, a file, or colours of shape (n, 3), float from 0 to 1 or uint8"
+        )
+    levels = given[:, :3] * 255 if given.dtype.kind == "f" else given[:, :3]
+    if not ((levels >= 0) & (levels <= 255)).all():
+        raise ValueError("map has colours beyond 0 and 1; give sRGB from 0 to 1, or uint8")
+    return np.rint(levels).astype(np.uint8)
 
 
 def _kept(keep: Any) -> tuple[str, list[str]]:

@@ -4,9 +4,10 @@ use crate::errors::OrRaise;
 use crate::scene::{Scene, bead};
 use crate::work::Job;
 use halfline::error::{Error, Result};
+use halfline::frame::color_map::ColorMap;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Material, MaterialName, is_opacity};
-use halfline_files::read::style::{self, Coloring, Scale};
+use halfline_files::read::style::{self, Coloring, Paint, Scale};
 use halfline_files::read::{
     Altloc, ColumnNames, FixedCamera, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, SceneFrame,
     Selection, Style,
@@ -15,6 +16,27 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
+
+/// A colour map: a name or a file, or colours at equal steps.
+#[derive(FromPyObject)]
+enum MapValue {
+    Name(String),
+    Colors(Vec<[u8; 3]>),
+}
+
+impl MapValue {
+    fn map(&self) -> Result<ColorMap> {
+        match self {
+            Self::Name(name) => style::color_map(name),
+            Self::Colors(colors) => ColorMap::of_colors("own", colors.clone()),
+        }
+    }
+}
+
+/// The colour of selected particles: `None` is that of their element.
+pub(crate) fn paint(color: Option<[f32; 3]>) -> Paint {
+    color.map_or(Paint::Element, Paint::One)
+}
 
 /// The options of the command that decide about the spheres.
 #[derive(FromPyObject)]
@@ -39,14 +61,14 @@ pub(crate) struct Options {
     radius_of: Vec<(String, f64)>,
     radius_scale: f64,
     color: Option<[f32; 3]>,
-    color_of: Vec<(String, [f32; 3])>,
+    color_of: Vec<(String, Option<[f32; 3]>)>,
     opacity: Option<f32>,
     opacity_of: Vec<(String, f32)>,
     material: Option<String>,
     material_of: Vec<(String, String)>,
     shine: Option<f32>,
     color_by: Option<String>,
-    map: Option<String>,
+    map: Option<MapValue>,
     range: Option<[f64; 2]>,
     log: bool,
     wrap: bool,
@@ -86,7 +108,7 @@ impl Options {
             (Some(color), None) => Coloring::One(color),
             (None, Some("element")) => Coloring::Element,
             (None, Some(names)) => Coloring::Column(Scale {
-                map: self.map.as_deref().map(style::color_map).transpose()?,
+                map: self.map.as_ref().map(MapValue::map).transpose()?,
                 range: self.range,
                 log: self.log,
                 ..Scale::of(names.split(',').map(|name| name.trim().to_owned()).collect())
@@ -150,7 +172,7 @@ impl Options {
                 radius: self.radius,
                 radius_scale: self.radius_scale,
                 coloring: self.coloring()?,
-                paints: rules(&self.color_of)?,
+                paints: rules(&self.color_of)?.into_iter().map(|(of, color)| (of, paint(color))).collect(),
                 sizes: rules(&self.radius_of)?,
                 opacity: self.opacity.map(opacity).transpose()?,
                 fades: rules(&self.opacity_of)?

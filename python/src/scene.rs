@@ -3,6 +3,7 @@
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
+use crate::read::paint;
 use crate::work::{Job, begin};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
@@ -207,8 +208,8 @@ impl Scene {
 
     /// The same spheres, with a colour for those that each expression selects, the last one wins; and what is to be said
     /// about it.
-    fn painted(&self, py: Python<'_>, rules: Vec<(String, [f32; 3])>) -> PyResult<(Self, Vec<String>)> {
-        let rules = rules.iter().map(|(text, color)| Ok((text.parse::<Selection>()?, *color)));
+    fn painted(&self, py: Python<'_>, rules: Vec<(String, Option<[f32; 3]>)>) -> PyResult<(Self, Vec<String>)> {
+        let rules = rules.iter().map(|(text, color)| Ok((text.parse::<Selection>()?, paint(*color))));
         let rules = rules.collect::<halfline::Result<Vec<_>>>().or_raise()?;
         let (frame, notes) = Job::default().run(py, None, || self.frame.painted(&rules))?;
         Ok((self.with(frame), notes))

@@ -55,6 +55,10 @@ def film(tmp_path: Path) -> Path:
             ["--color-by", "x", "--map", "magma", "--range", "10,13"],
         ),
         ({"color_by": ["x", "y"]}, ["--color-by", "x,y"]),
+        (
+            {"color_by": "chain", "color": {"not element C": "element"}},
+            ["--color-by", "chain", "--color", "not element C=element"],
+        ),
         ({"clip": [(1, 0, 0, 12)]}, ["--clip", "1,0,0,12"]),
     ],
 )
@@ -113,6 +117,23 @@ def test_frames_are_held_to_the_first_as_in_the_command(
                 )
 
 
+def test_a_map_is_an_array_or_a_function(pdb: Path, tmp_path: Path) -> None:
+    ends = np.array([[255, 0, 0], [0, 0, 255]], np.uint8)
+    table = tmp_path / "map.csv"
+    table.write_text("255,0,0\n0,0,255\n")
+    expected = hl.read(pdb, color_by="x", map=table).colors
+
+    def function(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """As a colormap of matplotlib: RGBA."""
+        return np.stack([1 - x, 0 * x, x, 0 * x + 1], axis=-1)
+
+    for map in (ends, ends / 255, function):
+        # A function is taken at 256 steps, whose levels of 8 bits are rounded.
+        np.testing.assert_allclose(hl.read(pdb, color_by="x", map=map).colors, expected, atol=0.01)
+    painted = hl.read(pdb, color="red").with_colors({"element N": "element"})
+    assert painted.colors is not None and len(np.unique(painted.colors, axis=0)) == 2
+
+
 def test_a_frame_is_chosen_by_its_number(film: Path) -> None:
     assert hl.read(film, frame=3).centers[0, 0] == 2
     with pytest.raises(ValueError, match="frame"):
@@ -154,6 +175,9 @@ def test_what_a_file_lacks_is_said(tmp_path: Path) -> None:
         ({"radius": -1}, ["-1", "positive"]),
         ({"range": (1, 1), "color_by": "x"}, ["range"]),
         ({"map": "magma"}, ["color_by"]),
+        ({"color_by": "x", "map": np.zeros((3, 2))}, ["map", "(3, 2)"]),
+        ({"color_by": "x", "map": [[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]]}, ["map", "beyond"]),
+        ({"color_by": "x", "map": [[0.0, 0.0, 1.0]]}, ["1 colour"]),
         ({"copies": (1, 2)}, ["copies"]),
         ({"copies": (2, 2, 2)}, ["cell"]),
         ({"wrap": True, "unwrap": True}, ["wrap"]),

@@ -38,6 +38,8 @@ pub enum ColorMap {
     Roma,
     /// Blue over white to brown, for values with a midpoint.
     Vik,
+    /// Dark blue, light blue, yellow and orange: the classes of confidence of the AlphaFold Protein Structure Database.
+    Plddt,
     /// Black to white.
     Grays,
     /// Ten base colours, then ten darker and ten lighter ones, by the integer part of the number; for categories.
@@ -54,7 +56,7 @@ pub struct OwnMap {
 }
 
 /// The maps with a name.
-const NAMED: [(&str, ColorMap); 15] = {
+const NAMED: [(&str, ColorMap); 16] = {
     use ColorMap::*;
     [
         ("viridis", Viridis),
@@ -70,6 +72,7 @@ const NAMED: [(&str, ColorMap); 15] = {
         ("batlow", Batlow),
         ("roma", Roma),
         ("vik", Vik),
+        ("plddt", Plddt),
         ("grays", Grays),
         ("category", Category),
     ]
@@ -118,13 +121,14 @@ impl ColorMap {
     /// The map from its last colour to its first.
     ///
     /// # Errors
-    /// [`Error::Settings`] for [`ColorMap::Category`], which has no direction.
+    /// [`Error::Settings`] for [`ColorMap::Category`] and [`ColorMap::Plddt`], which have no direction.
     pub fn reversed(&self) -> Result<Self> {
         /// Steps between which 8-bit colours of no map differ by more than rounding.
         const STEPS: u32 = 255;
         let colors = match self {
-            Self::Category => {
-                return Err(Error::settings("the colour map category has no direction to reverse", "remove _r"));
+            Self::Category | Self::Plddt => {
+                let problem = format!("the colour map {} has no direction to reverse", self.name());
+                return Err(Error::settings(problem, "remove _r"));
             }
             Self::Own(own) => own.colors.iter().rev().copied().collect(),
             _ => (0..=STEPS).rev().map(|n| self.srgb(f64::from(n) / f64::from(STEPS))).collect(),
@@ -152,6 +156,7 @@ impl ColorMap {
             Self::Batlow => return between(&tables::BATLOW, x),
             Self::Roma => return between(&tables::ROMA, x),
             Self::Vik => return between(&tables::VIK, x),
+            Self::Plddt => return between(&tables::PLDDT, x),
             Self::Grays => GREYS,
             Self::Own(own) => return between(&own.colors, x),
             Self::Category => {
@@ -243,7 +248,7 @@ mod tests {
 
     #[test]
     fn every_map_can_be_reversed_but_categories() {
-        for name in ColorMap::names().into_iter().filter(|name| *name != "category") {
+        for name in ColorMap::names().into_iter().filter(|name| !["category", "plddt"].contains(name)) {
             let (map, reversed) = (name.parse::<ColorMap>().expect(name), format!("{name}_r").parse::<ColorMap>());
             let reversed = reversed.expect(name);
             assert_eq!(reversed.name(), format!("{name}_r"));
@@ -254,8 +259,10 @@ mod tests {
                 assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 2), "{name} at {x}: {a:?} {b:?}");
             }
         }
-        let error = "category_r".parse::<ColorMap>().expect_err("no direction").to_string();
-        assert!(error.contains("has no direction"), "{error}");
+        for name in ["category_r", "plddt_r"] {
+            let error = name.parse::<ColorMap>().expect_err("no direction").to_string();
+            assert!(error.contains("has no direction"), "{error}");
+        }
         let error = "viridi_r".parse::<ColorMap>().expect_err("no such map").to_string();
         assert!(error.contains("there is no colour map 'viridi_r'") && error.contains("viridis_r"), "{error}");
         ColorMap::of_colors("one", vec![[0; 3]]).expect_err("one colour");

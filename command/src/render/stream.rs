@@ -369,7 +369,7 @@ impl<'a> Source<'a> {
 
     /// Whether the range of the colours is that of all particles and not known yet.
     fn lacks_range(&self) -> bool {
-        matches!(&self.options.style.coloring, Coloring::Column(scale) if scale.range.is_none())
+        matches!(&self.options.style.coloring, Coloring::Column(scale) if scale.known_range().is_none())
     }
 
     fn is_assembly(&self) -> bool {

@@ -92,6 +92,12 @@ fn colours_and_radii_of_selected_particles_win_in_their_order() {
     let by = color("t.csv", &["--radius", "1", "--color-by", "type", "--color", "x < 1=1,0,0"]);
     let second = ColorMap::Category.color(2.0).map(f64::from);
     assert_eq!(by, [[1.0, 0.0, 0.0], second, second]);
+    // Carbon by chain, all else by element.
+    let carbons = color("a.pdb", &["--color-by", "chain", "--color", "not element C=element"]);
+    let elements = color("a.pdb", &[]);
+    let chain = |n: f64| ColorMap::Category.color(n).map(f64::from);
+    assert_eq!(carbons, [elements[0], chain(0.0), chain(1.0), elements[3], elements[4]]);
+    assert_eq!(color("a.pdb", &["--color", "element"]), elements);
     // What is hidden is still a neighbour.
     let near = color("a.pdb", &["--color", "within 4.5 of (water)=1,0,0", "--hide", "water"]);
     assert_eq!((near.len(), near[3]), (4, [1.0, 0.0, 0.0]));
@@ -104,6 +110,28 @@ fn colours_and_radii_of_selected_particles_win_in_their_order() {
     let grown = pixels(&["--radius", "1", "--radius", "type 2=2", "--radius", "kind \"iron*\"=0.5"]);
     assert!(grown[0] == same[0] && grown[1] > 3 * same[1] && grown[2] < same[2], "{same:?} {grown:?}");
     assert_eq!(pixels(&["--radius", "0.5", "--radius", "x > 2=0.5", "--radius-scale", "2"]), same);
+}
+
+/// Jmol's colours (jmol.sourceforge.net/jscolors), by which the elements are known.
+#[test]
+fn colours_of_elements_have_their_rows_in_the_legend() {
+    let dir = dir();
+    let legend = |options: &[&str]| {
+        dir.render(&[&["a.pdb", "-o", "a.png", "--legend", "l.svg", "--size", "60x24"], options].concat());
+        String::from_utf8(dir.get("l.svg")).expect("a legend")
+    };
+    let svg = legend(&["--color-by", "chain", "--color", "not element C=element"]);
+    for (label, color) in [(">element N<", "#3050f8"), (">element Fe<", "#e06633"), (">element O<", "#ff0d0d")] {
+        assert!(svg.contains(label) && svg.contains(color), "{label} {color}: {svg}");
+    }
+    assert!(!svg.contains("element C"), "carbon has the colours of the chains: {svg}");
+    let classes = legend(&["--color-by", "bfactor", "--map", "plddt", "--range", "0,40"]);
+    for label in ["pLDDT", "very high: above 36", ">high: 28 to 36", "very low: 20 or less"] {
+        assert!(classes.contains(label), "{label}: {classes}");
+    }
+    assert!(!classes.contains(">low"), "no value is between 20 and 28: {classes}");
+    let of_table = ["t.csv", "--radius", "1", "--color", "type 2=element", "-o", "t.png"];
+    dir.refused_render(2, &of_table, &["type 2", "the file has none"]);
 }
 
 #[test]

@@ -160,6 +160,16 @@ impl Columns {
         Err(Error::settings(problem, mend))
     }
 
+    /// The atomic numbers, 0 for an unknown element and for beads of a cell; empty without elements.
+    pub(super) fn elements(&self) -> Vec<u8> {
+        match self.list.iter().find(|(name, _)| name == ELEMENT) {
+            Some((_, ColumnValues::Texts(codes, _))) => {
+                (0..codes.len()).map(|n| u8::try_from(codes.at(n)).unwrap_or(0)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// The spheres that a selection selects, as flags, and the messages about it. These are the columns of `spheres`;
     /// `radius` is that of the sphere, and beads of a cell have no values.
     ///
@@ -191,11 +201,8 @@ impl Columns {
                 particles.has.push(name.clone());
             }
             match values {
-                ColumnValues::Texts(codes, _) if name == ELEMENT => {
-                    // An element's code is its atomic number; beads of a cell have none.
-                    let number = |n| u8::try_from(codes.at(n)).unwrap_or(0);
-                    particles.elements = (0..count).into_par_iter().map(number).collect();
-                }
+                // An element's code is its atomic number; beads of a cell have none.
+                ColumnValues::Texts(..) if name == ELEMENT => particles.elements = self.elements(),
                 _ if name == INDEX => {
                     let place =
                         |n| Some(values.at(n)).filter(|place| !place.is_nan()).map_or(u32::MAX, |place| place as u32);
@@ -259,12 +266,7 @@ impl ColumnValues {
     pub fn texts(&self) -> Vec<&str> {
         let Self::Texts(codes, texts) = self else { return Vec::new() };
         let mut is_used = vec![false; texts.len()];
-        let count = match codes {
-            Codes::U8(codes) => codes.len(),
-            Codes::U16(codes) => codes.len(),
-            Codes::U32(codes) => codes.len(),
-        };
-        (0..count).for_each(|n| is_used[codes.at(n) as usize] = true);
+        (0..codes.len()).for_each(|n| is_used[codes.at(n) as usize] = true);
         texts.iter().zip(is_used).filter(|(_, is_used)| *is_used).map(|(text, _)| text.as_str()).collect()
     }
 
@@ -312,6 +314,14 @@ impl Codes {
             0..=0x100 => Self::U8(all.map(|n| at(n) as u8).collect()),
             0x101..=0x10000 => Self::U16(all.map(|n| at(n) as u16).collect()),
             _ => Self::U32(all.map(at).collect()),
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::U8(codes) => codes.len(),
+            Self::U16(codes) => codes.len(),
+            Self::U32(codes) => codes.len(),
         }
     }
 

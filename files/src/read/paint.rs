@@ -2,6 +2,7 @@
 
 use super::select::selection::Selection;
 use super::sequence::SceneFrame;
+use super::style::{Paint, paint};
 use halfline::error::Result;
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb;
@@ -14,26 +15,29 @@ impl SceneFrame {
     ///
     /// # Errors
     /// Errors of the selections, also for a column that was not kept.
-    pub fn painted(&self, rules: &[(Selection, [f32; 3])]) -> Result<(Self, Vec<String>)> {
+    pub fn painted(&self, rules: &[(Selection, Paint)]) -> Result<(Self, Vec<String>)> {
         let (paint, notes) = self.paint(rules)?;
+        let elements = self.columns.elements();
+        paint::check(rules, &elements)?;
+        let element = |n: usize| elements.get(n).copied().unwrap_or(0);
         let before = |n: usize| self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[n]);
         let color = |(n, rule): (usize, &u32)| match rule {
             0 => before(n),
-            rule => rules[*rule as usize - 1].1,
+            rule => rules[*rule as usize - 1].1.color(element(n)),
         };
         let colors: Vec<[f32; 3]> = paint.par_iter().enumerate().map(color).collect();
         let stays = |row: &&Category| {
             let is_shown = |(n, rule): (usize, &u32)| *rule == 0 && before(n).map(srgb::level) == row.color;
             paint.par_iter().enumerate().any(is_shown)
         };
-        let mut painted = Self { legend: self.legend_with(&paint, rules, stays), ..self.clone() };
+        let mut painted = Self { legend: self.legend_with(&paint, rules, element, stays), ..self.clone() };
         painted.scene.spheres.colors = Some(colors.into());
         painted.scene.spheres.share();
         Ok((painted, notes))
     }
 
     /// The number of the last rule that selects each sphere, from 1; 0 for none.
-    fn paint(&self, rules: &[(Selection, [f32; 3])]) -> Result<(Vec<u32>, Vec<String>)> {
+    fn paint(&self, rules: &[(Selection, Paint)]) -> Result<(Vec<u32>, Vec<String>)> {
         let spheres = &self.scene.spheres;
         let (mut paint, mut notes) = (vec![0; spheres.len()], Vec::new());
         let count = spheres.len() - self.beads;
@@ -49,17 +53,13 @@ impl SceneFrame {
     fn legend_with(
         &self,
         paint: &[u32],
-        rules: &[(Selection, [f32; 3])],
+        rules: &[(Selection, Paint)],
+        element: impl Fn(usize) -> u8,
         stays: impl Fn(&&Category) -> bool,
     ) -> Option<Legend> {
-        let mut counts = vec![0_u64; rules.len()];
-        paint.iter().filter(|rule| **rule > 0).for_each(|rule| counts[*rule as usize - 1] += 1);
-        let rows = rules.iter().zip(counts).filter(|(_, count)| *count > 0);
-        let rows = rows.map(|((selection, color), count)| Category {
-            label: selection.to_string(),
-            color: color.map(srgb::level),
-            count,
-        });
+        let painted = paint.iter().zip(0..).filter(|(rule, _)| **rule > 0);
+        let counts = paint::counts(rules, painted.map(|(rule, n)| (*rule as usize - 1, element(n))));
+        let rows = paint::categories(paint::rows(rules), &counts);
         let old = self.legend.iter().flat_map(|legend| &legend.overrides).filter(&stays).cloned();
         let overrides: Vec<Category> = old.chain(rows).collect();
         match &self.legend {

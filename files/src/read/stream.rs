@@ -13,7 +13,7 @@ use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, Style, joined_elements, no_selections};
+use super::style::{Coloring, Style, joined_categories, no_selections};
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
@@ -126,7 +126,7 @@ impl SphereBlocks {
             marked: Vec::new(),
             mark_notes: options.marks.iter().map(|_| Notes::default()).collect(),
             legend: None,
-            painted: vec![0; options.style.paints.len() + options.style.fades.len()],
+            painted: options.style.painted(&Particles::default()),
             is_colored,
             surveys,
             range: None,
@@ -263,7 +263,7 @@ impl SphereBlocks {
         }
         self.report(skipped.assumed, left as u64);
         self.legend = match (self.legend.take(), legend) {
-            (Some(first), Some(second)) if !first.is_scale() => Some(joined_elements(first, &second)),
+            (Some(first), Some(second)) if !first.is_scale() => Some(joined_categories(first, &second)),
             (first, second) => first.or(second),
         };
         self.mark(masks, &spheres);
@@ -477,5 +477,5 @@ fn check(options: &ReadOptions) -> Result<()> {
 
 /// Whether the range of the colours is that of all particles.
 fn needs_range(options: &ReadOptions) -> bool {
-    matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none())
+    matches!(&options.style.coloring, Coloring::Column(scale) if scale.known_range().is_none())
 }

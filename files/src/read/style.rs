@@ -1,22 +1,24 @@
 //! The style of particles: how their radii and colours are chosen when they become spheres.
 
 mod categories;
+mod confidence;
 mod map_file;
 mod numbers;
+pub(super) mod paint;
 mod placed;
 mod scale;
 
 pub use super::color::color;
 pub use map_file::color_map;
+pub use paint::Paint;
 pub use scale::Scale;
 
 use super::particles::frame::{Particles, RuleTarget};
 use super::select::selection::Selection;
 use super::skipped::Skipped;
-pub(super) use categories::joined_elements;
+pub(super) use categories::joined_categories;
 use halfline::error::{Error, Place, Result, named};
-use halfline::frame::legend::{Category, Legend};
-use halfline::frame::srgb;
+use halfline::frame::legend::Legend;
 use halfline::memory::check_spheres;
 use halfline::quote::setting::{COLOR_BY, RADIUS};
 use halfline::quote::{number, quote};
@@ -37,8 +39,8 @@ pub struct Style {
     pub radius_scale: f64,
     /// The source of the colours.
     pub coloring: Coloring,
-    /// Colours of selected particles, linear RGB; later ones win.
-    pub paints: Vec<(Selection, [f32; 3])>,
+    /// Colours of selected particles; later ones win.
+    pub paints: Vec<(Selection, Paint)>,
     /// The radius of particles without radii and elements, before it is scaled; `None` takes half their mean spacing.
     pub default_radius: Option<f64>,
     /// Radii of selected particles, before they are scaled; later ones win.
@@ -217,7 +219,7 @@ impl Style {
         let mut skipped = std::mem::take(&mut particles.skipped);
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let mut radii = self.radii_of(&particles, spaced, &mut skipped);
-        self.apply_rules(&particles, &mut colors, &mut radii);
+        self.apply_rules(&particles, &mut colors, &mut radii)?;
         let opacities = self.opacities(&particles).map(Into::into);
         let materials = self.materials(&particles);
         let are_checked = particles.checked && self.keeps_radii(&particles);
@@ -260,11 +262,17 @@ impl Style {
     }
 
     /// Applies the colours and radii of selected particles.
-    fn apply_rules(&self, particles: &Particles, colors: &mut Option<Colors>, radii: &mut [f64]) {
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for the colours of elements where the file has none.
+    fn apply_rules(&self, particles: &Particles, colors: &mut Option<Colors>, radii: &mut [f64]) -> Result<()> {
         if particles.has_rules(RuleTarget::Color) {
+            paint::check(&self.paints, &particles.elements)?;
+            let element = |n: usize| particles.elements.get(n).copied().unwrap_or(0);
             let colors = colors.get_or_insert_with(|| vec![DEFAULT_COLOR; radii.len()]);
             colors.par_iter_mut().enumerate().for_each(|(n, color)| {
-                *color = particles.rule(RuleTarget::Color, n).map_or(*color, |rule| self.paints[rule].1);
+                let paint = particles.rule(RuleTarget::Color, n).map(|rule| self.paints[rule].1);
+                *color = paint.map_or(*color, |paint| paint.color(element(n)));
             });
         }
         if particles.has_rules(RuleTarget::Radius) {
@@ -273,6 +281,7 @@ impl Style {
                 *radius = particles.rule(RuleTarget::Radius, n).map_or(*radius, own);
             });
         }
+        Ok(())
     }
 
     /// The opacities, where the style has any, so that all parts of a file have them or none.
@@ -301,32 +310,26 @@ impl Style {
         Some(Materials { kinds, of: (0..particles.positions.len()).into_par_iter().map(of).collect::<Vec<_>>().into() })
     }
 
-    /// The number of particles that each rule for colours applies to, then of those that each rule for opacities does.
+    /// The number of particles in each row that the rules for colours add to a legend, then of those that each rule for opacities
+    /// applies to.
     pub(super) fn painted(&self, particles: &Particles) -> Vec<u64> {
-        let count = |rules: usize, target: RuleTarget| {
-            let mut counts = vec![0_u64; rules];
-            (0..particles.positions.len()).filter_map(|n| particles.rule(target, n)).for_each(|rule| counts[rule] += 1);
-            counts
-        };
-        [count(self.paints.len(), RuleTarget::Color), count(self.fades.len(), RuleTarget::Opacity)].concat()
+        let all = 0..particles.positions.len();
+        let element = |n: usize| particles.elements.get(n).copied().unwrap_or(0);
+        let colored = all.clone().filter_map(|n| Some((particles.rule(RuleTarget::Color, n)?, element(n))));
+        let mut faded = vec![0_u64; self.fades.len()];
+        all.filter_map(|n| particles.rule(RuleTarget::Opacity, n)).for_each(|rule| faded[rule] += 1);
+        [paint::counts(&self.paints, colored), faded].concat()
     }
 
     /// The legend with a row for each rule that gives some particle its colour or its opacity, by the numbers of [`Self::painted`]; a
     /// legend of these where there is none.
     pub(super) fn with_overrides(&self, legend: Option<Legend>, painted: &[u64]) -> Option<Legend> {
-        let paints = self.paints.iter().map(|(selection, color)| (selection.to_string(), *color));
         // Grey on white, as translucent as they are.
         let fades = self.fades.iter().map(|(selection, opacity)| {
             let mixed = 1.0 + opacity * (VEILED_GREY - 1.0);
             (format!("{selection}: opacity {opacity}"), [mixed; 3])
         });
-        let rows = paints.chain(fades).zip(painted.iter().copied()).filter(|(_, count)| *count > 0);
-        let row = |((label, color), count): ((String, [f32; 3]), u64)| Category {
-            label,
-            color: color.map(srgb::level),
-            count,
-        };
-        let overrides: Vec<Category> = rows.map(row).collect();
+        let overrides = paint::categories(paint::rows(&self.paints).chain(fades), painted);
         match legend {
             Some(legend) if overrides.is_empty() => Some(legend),
             // Where all have the colours of selections, elements are no heading.

@@ -27,6 +27,9 @@ const fn table(text: &str) -> Table {
     colors
 }
 
+/// The four classes of confidence of the AlphaFold Protein Structure Database, from very high to very low.
+pub(super) const PLDDT: [[u8; 3]; 4] = [[0x00, 0x53, 0xd6], [0x65, 0xcb, 0xf3], [0xff, 0xdb, 0x13], [0xff, 0x7d, 0x45]];
+
 /// Blue over light grey to red.
 pub(super) static COOLWARM: Table = table(
     "\

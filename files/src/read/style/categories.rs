@@ -1,5 +1,6 @@
 //! Colours of categories: names, numbers that identify, elements.
 
+use super::confidence;
 use super::scale::{Colored, Scale};
 use crate::read::elements::element;
 use crate::read::particles::frame::{Column, Particles, RuleTarget};
@@ -48,17 +49,22 @@ fn is_painted(paint: &[u16], n: usize) -> bool {
     paint.get(n).is_some_and(|rule| *rule > 0)
 }
 
-/// The legend of the elements of two parts of a file, in the order of [`elements`].
-pub(in crate::read) fn joined_elements(mut first: Legend, second: &Legend) -> Legend {
+/// The legend of the categories of two parts of a file: names in their order, elements in that of [`elements`].
+pub(in crate::read) fn joined_categories(mut first: Legend, second: &Legend) -> Legend {
     for category in &second.categories {
         match first.categories.iter_mut().find(|known| known.label == category.label) {
             Some(known) => known.count += category.count,
             None => first.categories.push(category.clone()),
         }
     }
-    let place =
-        |category: &Category| (1..=u8::MAX).find(|n| element(*n).is_some_and(|found| found.symbol == category.label));
-    first.categories.sort_by_key(|category| place(category).unwrap_or(u8::MAX));
+    let names = std::mem::take(&mut first.names);
+    let number = |label: &str| (1..=u8::MAX).find(|n| element(*n).is_some_and(|found| found.symbol == label));
+    let place = |label: &str| match names.iter().position(|name| name == label) {
+        Some(place) => place,
+        None => usize::from(number(label).unwrap_or(u8::MAX)),
+    };
+    first.categories.sort_by_key(|category| place(&category.label));
+    first.names = names;
     first
 }
 
@@ -72,18 +78,36 @@ pub(super) fn apply(
     particles: &Particles,
     skipped: &mut Skipped,
 ) -> Result<Option<Colored>> {
-    let labels = columns.iter().find_map(|column| particles.labels.get(&column.name));
+    let labels = columns.iter().find_map(|column| particles.labels.get(&column.name)).map(Vec::as_slice);
+    let name = scale.columns.join(", ");
+    if labels.is_none() && scale.map == Some(ColorMap::Plddt) {
+        let column = only(&Scale { range: None, ..scale.clone() }, columns, &name)?;
+        let classes = confidence::classes(column, scale.known_range().unwrap_or_default(), skipped);
+        let scale = Scale { names: Vec::new(), ..scale.clone() };
+        return Ok(Some(colored(&scale, confidence::NAME, &classes.column, Some(&classes.names), particles, skipped)));
+    }
     if labels.is_none() && !are_categories(scale, columns) {
         return Ok(None);
     }
-    let name = scale.columns.join(", ");
     let column = only(scale, columns, &name)?;
-    let categories = Categories::new(scale, labels.map(|labels| &labels[..]));
+    Ok(Some(colored(scale, &name, column, labels, particles, skipped)))
+}
+
+/// The colours and the legend of a column of categories, with the labels of its numbers where it has names.
+fn colored(
+    scale: &Scale,
+    name: &str,
+    column: &Column,
+    labels: Option<&[String]>,
+    particles: &Particles,
+    skipped: &mut Skipped,
+) -> Colored {
+    let categories = Categories::new(scale, labels);
     let counts = Counts::of(&categories, column, particles.rule_numbers(RuleTarget::Color));
-    skipped.assumed.extend(counts.notes(&name, column.values.len(), &categories.map));
+    skipped.assumed.extend(counts.notes(name, column.values.len(), &categories.map));
     let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
     let legend = Legend {
-        name,
+        name: name.to_owned(),
         map: categories.map.clone(),
         range: [ends(counts.known.keys().next()), ends(counts.known.keys().next_back())],
         log: false,
@@ -99,7 +123,7 @@ pub(super) fn apply(
         color.copied().unwrap_or_else(|| categories.color(category))
     };
     let colors = column.values.par_iter().map(of).collect();
-    Ok(Some((colors, (counts.several() > 0).then_some(legend))))
+    (colors, (counts.several() > 0).then_some(legend))
 }
 
 /// Whether columns of numbers are categories: by the map, or because the column's whole numbers are identifiers.
@@ -323,7 +347,7 @@ mod tests {
             ["O"],
             "the others have other colours"
         );
-        let parts = joined_elements(elements(&[8, 0, 6], &[]), &elements(&[7, 8, 1], &[]));
+        let parts = joined_categories(elements(&[8, 0, 6], &[]), &elements(&[7, 8, 1], &[]));
         assert_eq!(parts, elements(&[8, 0, 6, 7, 8, 1], &[]));
     }
 }

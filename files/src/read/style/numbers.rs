@@ -8,7 +8,7 @@ use crate::read::particles::vectors;
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
-use halfline::quote::setting::LOG;
+use halfline::quote::setting::{COLOR_BY, LOG, MAP};
 use halfline::quote::{list, quote};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -29,7 +29,10 @@ impl Scale {
                 let all = particles.has.iter().map(String::as_str);
                 let axes = ["x", "y", "z"].into_iter().filter(|axis| !particles.has.iter().any(|name| name == axis));
                 let all: Vec<&str> = all.chain(axes).collect();
-                let mend = format!("the file has {}", list(&all));
+                let mend = match name.to_ascii_lowercase().as_str() {
+                    "plddt" => format!("predicted structures have it as the B factor: {COLOR_BY} bfactor {MAP} plddt"),
+                    _ => format!("the file has {}", list(&all)),
+                };
                 Error::settings(
                     format!("the file has no column {} to colour by", quote(name)),
                     did_you_mean(name, all, mend),

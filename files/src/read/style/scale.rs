@@ -21,12 +21,21 @@ pub struct Scale {
 }
 
 impl Scale {
+    /// The values at the map's ends, as far as they are known without the particles: those given, or those of the map.
+    #[must_use]
+    pub fn known_range(&self) -> Option<[f64; 2]> {
+        self.range.or_else(|| (self.map == Some(ColorMap::Plddt)).then_some(PLDDT))
+    }
+
     /// The colours of these columns, with everything else as it is by default.
     #[must_use]
     pub fn of(columns: Vec<String>) -> Self {
         Self { columns, map: None, range: None, log: false, names: Vec::new() }
     }
 }
+
+/// The least and the greatest pLDDT.
+const PLDDT: [f64; 2] = [0.0, 100.0];
 
 /// Linear RGB of each particle, and the legend.
 pub(super) type Colored = (Vec<[f32; 3]>, Option<Legend>);
