@@ -19,7 +19,7 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
         return written_twice(path, "use another file for the legend");
     }
     // Without a common range each frame has a legend of its own.
-    let is_common = args.color.range.is_some() || args.read.hold != Hold::None;
+    let is_common = args.color.has_fixed_range() || args.read.hold != Hold::None;
     if !is_common && args.read.frames.as_ref().is_some_and(|frames| frames.count() > 1) {
         check_pattern(path)?;
     }

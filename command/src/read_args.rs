@@ -8,7 +8,7 @@ use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{MaterialName, is_opacity};
-use halfline_files::read::style::{Coloring, Paint, Radii, Scale, color_map};
+use halfline_files::read::style::{Coloring, Paint, Radii, RangeEnd, Scale, color_map};
 use halfline_files::read::{
     Altloc, ColumnNames, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, Selection, Style,
 };
@@ -129,10 +129,10 @@ pub(super) struct ColorArgs {
     /// name with a dot is a file of colours (CSV, JSON).
     #[arg(long, value_name = "M")]
     map: Option<String>,
-    /// Values at the ends of the colour map [default: minimum and maximum].
+    /// Values at the ends of the colour map, or their percentiles, such as 1%,99% [default: minimum and maximum].
     #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by",
         allow_hyphen_values = true)]
-    pub(super) range: Option<[f64; 2]>,
+    pub(super) range: Option<[RangeEnd; 2]>,
     /// Uses a logarithmic colour scale.
     #[arg(long, requires = "color_by")]
     log: bool,
@@ -233,6 +233,11 @@ impl ColorArgs {
         Ok(ReadOptions { style, ..options })
     }
 
+    /// Whether the range is given by two numbers, so that all frames have one.
+    pub(super) fn has_fixed_range(&self) -> bool {
+        self.range.is_some_and(|ends| ends.iter().all(|end| matches!(end, RangeEnd::Value(_))))
+    }
+
     /// The file of the colour map.
     pub(super) fn map_file(&self) -> Option<PathBuf> {
         self.map.as_ref().map(PathBuf::from).filter(|path| path.is_file())
@@ -313,9 +318,11 @@ fn opacity_rule(text: &str) -> Result<Rule<f32>, String> {
     Rule::parse(text, |text| text.parse().ok().filter(|opacity| is_opacity(*opacity)).ok_or_else(|| expected.into()))
 }
 
-fn range(text: &str) -> Result<[f64; 2], String> {
-    let expected = "expected two different finite numbers with a comma between them, such as --range 0,1.5";
-    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| expected.into())
+fn range(text: &str) -> Result<[RangeEnd; 2], String> {
+    let expected = "expected two different finite numbers with a comma between them, such as --range 0,1.5, or percentiles \
+                    such as --range 1%,99%";
+    let ends = text.split_once(',').and_then(|(low, high)| Some([low.parse().ok()?, high.parse().ok()?]));
+    ends.filter(|[low, high]| low != high).ok_or_else(|| expected.into())
 }
 
 /// Refuses a range of two words, of which clap would take the second one for a file.

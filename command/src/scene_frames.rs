@@ -18,7 +18,7 @@ use halfline::quote;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
-use halfline_files::read::style::Coloring;
+use halfline_files::read::style::{Coloring, RangeEnd};
 use halfline_files::read::{FixedCamera, FrameRange, Hold, Keep, ReadOptions, SceneFrame, Sequence, read_once};
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -233,9 +233,13 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
         let problem = format!("--hold all reads the file twice, and {once} can be read once");
         return Err(Error::settings(problem, format!("use --hold first, or a file instead of {once}")));
     }
+    if matches!(&options.style.coloring, Coloring::Column(scale) if scale.has_percentile()) {
+        let problem = "the percentiles of all frames need the values of all in memory";
+        return Err(Error::settings(problem, "use --hold first, or --range with numbers"));
+    }
     let mut all = AllFrames::read(args, options, [0.0; 2])?;
     if let Coloring::Column(scale) = &mut options.style.coloring {
-        scale.range = scale.range.or(all.range);
+        scale.range = scale.range.or(all.range.map(|ends| ends.map(RangeEnd::Value)));
         scale.names = std::mem::take(&mut all.names);
     }
     if all.legend_shares != [0.0; 2] {

@@ -377,7 +377,7 @@ def read(
     shine: float | None = None,
     color_by: str | Iterable[str] | None = None,
     map: Path | ArrayLike | Callable[[NDArray[np.float64]], ArrayLike] | None = None,
-    range: tuple[float, float] | None = None,
+    range: tuple[float | str, float | str] | None = None,
     log: bool = False,
     wrap: bool = False,
     unwrap: bool = False,
@@ -426,7 +426,7 @@ def read(
         map: Colour map of ``color_by``: a name, also reversed (``"viridis_r"``); a file of colours
             (CSV, JSON); sRGB at equal steps, shape (n, 3), float from 0 to 1 or uint8; or a
             colormap of matplotlib.
-        range: Values at the ends of the colour map.
+        range: Values at the ends of the colour map, or percentiles of the values: ``("1%", "99%")``.
         log: Whether the colour scale is logarithmic.
         wrap: Whether particles are moved into the periodic cell.
         unwrap: Whether molecules that the cell cuts are made whole.
@@ -518,7 +518,8 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         color_by = ",".join(words("color_by", color_by))
     if limits is not None:
         low, high = (
-            number(f"range[{k}]", value) for k, value in enumerate(_several("range", limits, 2))
+            value if isinstance(value, str) else repr(number(f"range[{k}]", value))
+            for k, value in enumerate(_several("range", limits, 2))
         )
         if low == high:
             raise ValueError(f"range is {shown(limits)}; give two different numbers")

@@ -69,7 +69,7 @@ pub(crate) struct Options {
     shine: Option<f32>,
     color_by: Option<String>,
     map: Option<MapValue>,
-    range: Option<[f64; 2]>,
+    range: Option<[String; 2]>,
     log: bool,
     wrap: bool,
     unwrap: bool,
@@ -109,7 +109,10 @@ impl Options {
             (None, Some("element")) => Coloring::Element,
             (None, Some(names)) => Coloring::Column(Scale {
                 map: self.map.as_ref().map(MapValue::map).transpose()?,
-                range: self.range,
+                range: match &self.range {
+                    Some([low, high]) => Some([low.parse()?, high.parse()?]),
+                    None => None,
+                },
                 log: self.log,
                 ..Scale::of(names.split(',').map(|name| name.trim().to_owned()).collect())
             }),

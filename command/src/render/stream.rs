@@ -22,7 +22,7 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::{CopiedSpheres, Instances};
 use halfline::scene::{LightSource, SphereSource, Spheres};
 use halfline::settings::{FileLook, Settings};
-use halfline_files::read::style::Coloring;
+use halfline_files::read::style::{Coloring, RangeEnd};
 use halfline_files::read::{
     Focus, FrameTime, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped, read_once,
 };
@@ -362,7 +362,8 @@ impl<'a> Source<'a> {
         })?;
         if let Coloring::Column(scale) = &mut self.options.style.coloring {
             // Where no value is a number, any range gives the same colours.
-            scale.range = scale.range.or(blocks.range()).or(Some([0.0, 1.0]));
+            let range = scale.known_range().or(blocks.range()).unwrap_or([0.0, 1.0]);
+            scale.range = Some(range.map(RangeEnd::Value));
         }
         Ok((bounds, SceneFacts::of(&blocks)))
     }

@@ -1,5 +1,6 @@
 //! The options for reading a scene.
 
+use super::derived;
 use super::format::Format;
 use super::frame_range::FrameRange;
 use super::particles::column_names::ColumnNames;
@@ -81,6 +82,7 @@ impl ReadOptions {
     pub fn columns(&self) -> Vec<String> {
         let mut columns = self.named_columns();
         vectors::request(&mut columns);
+        derived::request(&mut columns);
         if self.keep == Keep::All || self.survey.as_ref().is_some_and(Survey::is_counting) {
             columns.push(EVERY.to_owned());
         }

@@ -33,6 +33,7 @@ pub(super) mod placed;
 pub(super) mod ply;
 pub(super) mod poscar;
 pub(super) mod request;
+pub(super) mod residues;
 pub(super) mod role;
 pub(super) mod rows;
 

@@ -9,7 +9,6 @@ mod evaluate;
 mod expression;
 mod grammar;
 mod ligand;
-mod near;
 mod note;
 pub(super) mod selection;
 mod values;

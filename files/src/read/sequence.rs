@@ -1,6 +1,7 @@
 //! Scenes in sequence: the frames of a trajectory, or the single scene of a file.
 
 use super::columns::Columns;
+use super::derived;
 use super::format::Format;
 use super::input::Input;
 use super::open::open;
@@ -381,6 +382,7 @@ impl Sequence {
         self.options.watch.check()?;
         periodic::apply(self.options.periodic, &mut particles)?;
         particles.add_lengths(&self.options.named_columns())?;
+        derived::add(&mut particles, &self.options.named_columns())?;
         self.options.style.settle(&mut particles);
         let spaced = self.options.style.spaced(&particles);
         let hold = self.options.hold;

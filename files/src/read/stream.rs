@@ -1,5 +1,6 @@
 //! The spheres of a file in blocks, for files larger than memory: while a block is used, the next one is read.
 
+use super::derived;
 use super::format::Format;
 use super::input::read_once;
 use super::native::{self, NamedSpheres};
@@ -235,6 +236,7 @@ impl SphereBlocks {
         // The reader speaks of the whole file, the style of a part.
         self.skipped.append(std::mem::take(&mut part.skipped));
         part.add_lengths(&self.options.named_columns())?;
+        derived::refuse(&part, &self.options.named_columns())?;
         self.lighten(&mut part)?;
         let size = part.positions.len();
         part.before = self.count;
@@ -458,6 +460,8 @@ fn check(options: &ReadOptions) -> Result<()> {
             format!("`{word}` in the selection `{}` needs all particles in memory", selection.brief()),
             format!("select by columns, elements or coordinates, or remove {STREAM}"),
         )
+    } else if matches!(&options.style.coloring, Coloring::Column(scale) if scale.has_percentile()) {
+        ("percentiles need all values in memory".to_owned(), format!("add {RANGE} LOW,HIGH as numbers"))
     } else if options.periodic != Periodic::AsListed {
         (format!("{WRAP} and {UNWRAP} need all particles in memory"), "remove them".to_owned())
     } else if options.topology.is_some() {

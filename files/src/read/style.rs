@@ -11,7 +11,7 @@ mod scale;
 pub use super::color::color;
 pub use map_file::color_map;
 pub use paint::Paint;
-pub use scale::Scale;
+pub use scale::{RangeEnd, Scale};
 
 use super::particles::frame::{Particles, RuleTarget};
 use super::select::selection::Selection;
@@ -257,7 +257,7 @@ impl Style {
             scale.names.clone_from(&legend.names);
         }
         if ranges && legend.is_scale() {
-            scale.range = scale.range.or(Some(legend.range));
+            scale.range = Some(legend.range.map(RangeEnd::Value));
         }
     }
 

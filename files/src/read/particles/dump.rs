@@ -6,6 +6,7 @@ use super::frame::{ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::layout::Layout;
 use super::meaning::{FieldKind, Meanings, NamedField, meanings};
+use super::periodic::images::open_edges;
 use super::request::Request;
 use super::role::Role;
 use super::rows::{rows, surplus};
@@ -27,6 +28,7 @@ pub(in crate::read) struct Dump {
 struct DumpHeader {
     count: u64,
     cell: Option<Cell>,
+    open_edges: [bool; 3],
     when: FrameTime,
 }
 
@@ -43,7 +45,8 @@ impl Dump {
     }
 
     fn head(&mut self) -> Result<Option<DumpHeader>> {
-        let (mut count, mut cell, mut begun, mut foreign) = (None, None, false, false);
+        let (mut count, mut cell, mut open) = (None, None, [false; 3]);
+        let (mut begun, mut foreign) = (false, false);
         let (mut time, mut step) = (None, None);
         loop {
             if !self.lines.advance()? {
@@ -69,6 +72,7 @@ impl Dump {
                 count = Some(self.lines.count("NUMBER OF ATOMS", "use a whole number")?);
             } else if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
                 let kind = kind.to_owned();
+                open = open_edges(kind.split_whitespace());
                 cell = Some(self.cell(&kind)?);
             } else if item.split_whitespace().next() == Some("ATOMS") {
                 let count = count.ok_or_else(|| {
@@ -79,7 +83,7 @@ impl Dump {
                         "add ITEM: NUMBER OF ATOMS before the atoms",
                     )
                 })?;
-                return Ok(Some(DumpHeader { count, cell, when: FrameTime::of(time, step) }));
+                return Ok(Some(DumpHeader { count, cell, open_edges: open, when: FrameTime::of(time, step) }));
             } else {
                 // UNITS and other sections.
                 foreign = true;
@@ -180,10 +184,10 @@ impl Dump {
 
 impl ParticleFrames for Dump {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let Some(DumpHeader { count, cell, when }) = self.head()? else { return Ok(None) };
+        let Some(DumpHeader { count, cell, open_edges, when }) = self.head()? else { return Ok(None) };
         let item = self.lines.place(0).named("ITEM: ATOMS");
         let (layout, scaled) = self.layout(count)?;
-        let mut particles = Particles { cell, when, ..layout.begin() };
+        let mut particles = Particles { cell, open_edges, when, ..layout.begin() };
         let scaling = match cell {
             Some(cell) if scaled => Some(cell),
             None if scaled => {
@@ -260,11 +264,12 @@ mod tests {
     #[test]
     fn scaled_coordinates_go_along_the_edges_of_a_tilted_cell() {
         // From docs.lammps.org/Howto_triclinic: xlo_bound = xlo + min(0, xy, xz, xy + xz), and so on.
-        let tilted = frame("xy xz yz pp pp pp\n-3 4 -3\n0 7 2\n0 5 1", "xsu ysu zsu", "0.5 0.5 0.5");
+        let tilted = frame("xy xz yz pp fs pp\n-3 4 -3\n0 7 2\n0 5 1", "xsu ysu zsu", "0.5 0.5 0.5");
         let cell = Cell { origin: [0.0; 3], edges: [[2.0, 0.0, 0.0], [-3.0, 6.0, 0.0], [2.0, 1.0, 5.0]] };
         let read_one = |text: &str| read(text, &[]).expect("a frame").remove(0);
         let found = read_one(&tilted);
         assert_eq!((found.cell, found.positions[0]), (Some(cell), [0.5, 3.5, 2.5]));
+        assert_eq!(found.open_edges, [false, true, false]);
         let general = frame("abc origin pp pp pp\n0 2 0 1\n3 0 0 2\n0 0 4 3", "xs ys zs", "0.5 1 0.25");
         let found = read_one(&general);
         assert_eq!((found.cell.expect("a cell").origin, found.positions[0]), ([1.0, 2.0, 3.0], [4.0, 3.0, 4.0]));

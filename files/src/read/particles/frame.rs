@@ -69,6 +69,8 @@ pub(crate) struct Particles {
     pub(in crate::read) marks: Vec<(Vec<bool>, Vec<Note>)>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
+    /// The edges of the cell along which it does not repeat, as far as the file says so.
+    pub(in crate::read) open_edges: [bool; 3],
     /// The copies of the particles, where an assembly is kept as operators: parts that together are all particles.
     pub(in crate::read) placed: Vec<PlacedPart>,
     /// Its time and step.
@@ -111,6 +113,11 @@ impl Particles {
         format.is_of_molecules() && !is_boxed && self.elements.iter().any(|number| *number != 0)
     }
 
+    /// The column of this name, in any case.
+    pub(in crate::read) fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name))
+    }
+
     /// Adds the length of the vector that each of these names means, unless a column has the name.
     ///
     /// # Errors
@@ -119,7 +126,7 @@ impl Particles {
         for name in requested {
             let numbers = self.columns.iter().filter(|column| !self.labels.contains_key(&column.name));
             let named: Vec<(&str, &[f64])> = numbers.map(Column::named).collect();
-            if self.columns.iter().any(|column| column.name.eq_ignore_ascii_case(name)) {
+            if self.column(name).is_some() {
                 continue;
             }
             if let Some(parts) = vectors::parts(name, &named) {

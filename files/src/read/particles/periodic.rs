@@ -3,10 +3,12 @@
 
 mod atoms;
 mod edges;
+pub(in crate::read) mod images;
 mod join;
 mod pairs;
 
-use super::frame::{Column, Particles};
+use super::frame::Particles;
+use super::residues;
 use atoms::Atoms;
 use edges::Edges;
 use glam::DVec3;
@@ -38,15 +40,12 @@ const FLAGS: [&str; 3] = ["ix", "iy", "iz"];
 /// Columns with the number of a molecule; 0 is none.
 const MOLECULES: [&str; 2] = ["mol", "molecule"];
 
-/// Columns that distinguish residues, which are consecutive in a file.
-const RESIDUES: [&str; 7] = ["residue", "resid", "resnum", "icode", "resname", "chain", "segid"];
-
 /// Bytes per particle while they are moved: positions, edges, cells and bonds.
 const WORK: u64 = 160;
 
 /// The columns that [`Periodic::Unwrap`] reads, as far as the file has them.
 pub(in crate::read) fn columns() -> impl Iterator<Item = &'static str> {
-    FLAGS.into_iter().chain(MOLECULES).chain(RESIDUES)
+    FLAGS.into_iter().chain(MOLECULES).chain(residues::COLUMNS)
 }
 
 /// Moves particles by edges of their cell.
@@ -108,10 +107,13 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
         let moved = |(n, position): (usize, &[f64; 3])| frame.back(*position, -image(n));
         return Ok(positions.par_iter().enumerate().map(moved).collect());
     }
-    let (groups, are_residues) = match MOLECULES.into_iter().find_map(column) {
+    let (groups, are_residues): (Vec<Option<u64>>, bool) = match MOLECULES.into_iter().find_map(column) {
         // Molecules are numbered, and their atoms may be anywhere in the file; 0 is none.
         Some(molecules) => (molecules.values.iter().map(|n| (*n != 0.0).then(|| n.to_bits())).collect(), false),
-        None => (residues(particles), true),
+        None => {
+            let numbers = residues::numbers(particles).unwrap_or_default();
+            (numbers.into_iter().map(|number| Some(u64::from(number))).collect(), true)
+        }
     };
     let atoms = Atoms::of(particles);
     if groups.is_empty() && !atoms.has_elements {
@@ -167,26 +169,9 @@ fn are(n: u64, noun: &str) -> String {
     format!("{} {}", count(n, noun), if n == 1 { "is" } else { "are" })
 }
 
-/// The number of each particle's residue: particles that follow each other and do not differ in any of [`RESIDUES`]. Empty
-/// where the file has none of them.
-fn residues(particles: &Particles) -> Vec<Option<u64>> {
-    let column = |name: &str| particles.columns.iter().find(|column| column.name == name);
-    let columns: Vec<&Column> = RESIDUES.into_iter().filter_map(column).collect();
-    if columns.is_empty() {
-        return Vec::new();
-    }
-    let (mut first, mut number) = (0, 0);
-    let residue = |n: usize| {
-        if !columns.iter().all(|column| column.values[first].to_bits() == column.values[n].to_bits()) {
-            (first, number) = (n, number + 1);
-        }
-        Some(number)
-    };
-    (0..particles.positions.len()).map(residue).collect()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::frame::Column;
     use super::*;
     use halfline::scene::Cell;
 

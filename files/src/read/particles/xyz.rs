@@ -6,6 +6,7 @@ use super::frame::{ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::layout::Layout;
 use super::meaning::{FieldKind, NamedField, meanings};
+use super::periodic::images::open_edges;
 use super::request::Request;
 use super::role::Role;
 use super::rows::{rows, surplus};
@@ -66,16 +67,17 @@ impl Xyz {
         Ok(())
     }
 
-    /// The columns, the cell, and the time of the comment line.
-    fn layout(&self) -> Result<(Layout, Option<Cell>, FrameTime)> {
+    /// The columns and the frame without atoms of the comment line: its cell and its time.
+    fn layout(&self) -> Result<(Layout, Particles)> {
         let (mut at, mut properties, mut cell) = (0, "species:S:1:pos:R:3", None);
-        let (mut time, mut step) = (None, None);
+        let (mut time, mut step, mut open) = (None, None, [false; 3]);
         for (place, key, value) in pairs(self.lines.text()) {
             match &key.to_ascii_lowercase()[..] {
                 "properties" => (at, properties) = (place, value),
                 "time" => time = value.trim().parse().ok(),
                 "step" => step = value.trim().parse().ok(),
                 "lattice" => cell = Some(self.lattice(place, value)?),
+                "pbc" => open = open_edges(value.split(|c: char| c.is_whitespace() || ",[]".contains(c))),
                 _ => {}
             }
         }
@@ -108,7 +110,8 @@ impl Xyz {
         if !(0..3).all(|axis| layout.contains(Role::Position(axis))) {
             return Err(wrong("the property pos with three columns is missing".into()));
         }
-        Ok((layout, cell, FrameTime::of(time, step)))
+        let frame = Particles { cell, open_edges: open, when: FrameTime::of(time, step), ..layout.begin() };
+        Ok((layout, frame))
     }
 
     fn lattice(&self, at: usize, text: &str) -> Result<Cell> {
@@ -199,8 +202,7 @@ impl ParticleFrames for Xyz {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
         self.lines.need("comment", MEND)?;
-        let (layout, cell, when) = self.layout()?;
-        let mut particles = Particles { cell, when, ..layout.begin() };
+        let (layout, mut particles) = self.layout()?;
         let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
             return Err(self.lines.cut("atom", MEND));
@@ -242,7 +244,7 @@ mod tests {
         let frame = read(text, &["V_y", "nothing"]).expect("a frame").remove(0);
         assert_eq!((frame.positions[0], frame.radii[0], frame.elements[0]), ([1.0, 2.0, 3.0], 0.5, 0));
         assert_eq!(frame.columns, [Column { name: "v_y".into(), values: vec![5.0] }]);
-        assert_eq!(frame.cell.expect("a cell").edges[1], [0.0, 2.0, 0.0]);
+        assert_eq!((frame.cell.expect("a cell").edges[1], frame.open_edges), ([0.0, 2.0, 0.0], [false, false, true]));
         assert_eq!(frame.unknown.get("Xx"), Some(&1));
         assert_eq!(frame.when, FrameTime::default());
         let text = "1\nTime=0.25 step=40 Properties=pos:R:3\n1 2 3\n";

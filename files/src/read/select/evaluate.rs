@@ -1,17 +1,18 @@
 //! The particles that a selection selects.
 
-use super::columns::{Key, NUMBERS, RESIDUE};
+use super::columns::{Key, NUMBERS};
 use super::expression::{Comparison, Kind, Node, Operation, Value};
 use super::ligand::{self, Residue, is_metal};
-use super::near::near;
 use super::note::{Note, Unmatched};
 use super::selection::Selection;
 use super::values::{Range, pattern};
 use crate::read::elements::element;
+use crate::read::near::near;
 use crate::read::nearest::did_you_mean;
 use crate::read::particles::frame::{Column, Particles};
 use crate::read::particles::infer::residues::{ResidueClass, class};
 use crate::read::particles::infer::rules::is_ion;
+use crate::read::particles::residues;
 use glob::{MatchOptions, Pattern};
 use halfline::error::{Error, Result};
 use halfline::quote::{list, number, quote};
@@ -266,23 +267,14 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// The number of each particle's residue in the file's order: consecutive particles with the same number, name,
-    /// code, chain and segment.
+    /// The number of each particle's residue in the file's order.
     fn residue_numbers(&self) -> Result<Vec<u32>> {
-        let number = NUMBERS.iter().find_map(|name| self.column(name)).ok_or_else(|| self.missing("residue"))?;
-        let others = RESIDUE.iter().filter_map(|name| self.column(name));
-        let columns: Vec<&Column> = std::iter::once(number).chain(others).collect();
-        let (mut numbers, mut last) = (Vec::with_capacity(self.len()), 0);
-        for n in 0..self.len() {
-            let differs = |column: &&Column| column.values[n].to_bits() != column.values[n - 1].to_bits();
-            last += u32::from(n > 0 && columns.iter().any(differs));
-            numbers.push(last);
-        }
-        Ok(numbers)
+        let has_numbers = NUMBERS.iter().any(|name| self.column(name).is_some());
+        residues::numbers(self.particles).filter(|_| has_numbers).ok_or_else(|| self.missing("residue"))
     }
 
     fn column(&self, name: &str) -> Option<&'a Column> {
-        self.particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name))
+        self.particles.column(name)
     }
 
     fn elements(&self, word: &str) -> Result<&'a [u8]> {

@@ -82,7 +82,7 @@ pub(super) fn apply(
     let name = scale.columns.join(", ");
     if labels.is_none() && scale.map == Some(ColorMap::Plddt) {
         let column = only(&Scale { range: None, ..scale.clone() }, columns, &name)?;
-        let classes = confidence::classes(column, scale.known_range().unwrap_or_default(), skipped);
+        let classes = confidence::classes(column, scale.ends(column.values.iter().copied()), skipped);
         let scale = Scale { names: Vec::new(), ..scale.clone() };
         return Ok(Some(colored(&scale, confidence::NAME, &classes.column, Some(&classes.names), particles, skipped)));
     }
@@ -261,6 +261,7 @@ fn joined(known: &[String], labels: &[String]) -> (Vec<String>, Vec<f64>) {
 mod tests {
     use super::*;
     use crate::read::color::of_hex;
+    use crate::read::style::scale::RangeEnd;
 
     fn colored(name: &str, values: &[f64], labels: &[&str], scale: &Scale) -> Result<Option<(Colored, Vec<String>)>> {
         let column = Column { name: name.into(), values: values.to_vec() };
@@ -309,7 +310,7 @@ mod tests {
         assert!(is("type", &[1.0, 2.0], None) && is("mass", &[1.0, 2.0], Some(ColorMap::Category)));
         assert!(!is("mass", &[1.0, 2.0], None) && !is("type", &[1.0, 2.5], None));
         assert!(!is("type", &[1.0, 2.0], Some(ColorMap::Viridis)));
-        let numbers = Scale { range: Some([0.0, 5.0]), ..scale("type", None) };
+        let numbers = Scale { range: Some([0.0, 5.0].map(RangeEnd::Value)), ..scale("type", None) };
         assert!(colored("type", &[1.0], &[], &numbers).expect("numbers").is_none(), "a range needs numbers");
         let values = [2.0, f64::NAN, -1.0, 2.5, f64::INFINITY];
         let ((colors, legend), warnings) =
@@ -327,7 +328,7 @@ mod tests {
     #[test]
     fn categories_have_no_range_and_no_logarithm() {
         for (bad, word) in [
-            (Scale { range: Some([0.0, 1.0]), ..scale("chain", None) }, "range"),
+            (Scale { range: Some([0.0, 1.0].map(RangeEnd::Value)), ..scale("chain", None) }, "range"),
             (Scale { log: true, ..scale("chain", None) }, "logarithm"),
         ] {
             let error = colored("chain", &[0.0], &["A"], &bad).map(drop).expect_err(word).to_string();

@@ -19,7 +19,7 @@ impl Scale {
     /// # Errors
     /// [`Error::Settings`] for missing columns or columns that the scale does not fit.
     pub(super) fn apply(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Colored> {
-        if let Some([a, b]) = self.range.filter(|ends| self.log && ends.iter().any(|end| *end <= 0.0)) {
+        if let Some([a, b]) = self.known_range().filter(|ends| self.log && ends.iter().any(|end| *end <= 0.0)) {
             let problem = format!("the range {a},{b} is not positive, so it has no logarithm");
             return Err(Error::settings(problem, format!("use two positive numbers, or remove {LOG}")));
         }
@@ -50,10 +50,8 @@ impl Scale {
             [one] => Cow::Borrowed(&one.values),
             _ => Cow::Owned(vectors::length(&columns.iter().map(|column| &column.values[..]).collect::<Vec<_>>())),
         };
-        let shown = |x: &&f64| x.is_finite() && (!self.log || **x > 0.0);
-        let ends =
-            || values.iter().filter(shown).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
-        let [low, high] = self.range.unwrap_or_else(ends);
+        let shown = |x: &f64| x.is_finite() && (!self.log || *x > 0.0);
+        let [low, high] = self.ends(values.iter().copied().filter(shown));
         let scaled = |x: f64| if self.log { x.ln() } else { x };
         let (from, width) = (scaled(low), scaled(high) - scaled(low));
         let color = |x: &f64| {
@@ -78,7 +76,7 @@ impl Scale {
             names: Vec::new(),
             overrides: Vec::new(),
         };
-        Ok((values.par_iter().map(color).collect(), (low <= high || self.range.is_some()).then_some(legend)))
+        Ok((values.par_iter().map(color).collect(), (low <= high || self.known_range().is_some()).then_some(legend)))
     }
 }
 
@@ -97,6 +95,7 @@ fn own(particles: &Particles, name: &str) -> Option<Column> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read::style::scale::RangeEnd;
     use halfline::frame::color_map::ColorMap;
 
     fn particles(n: usize) -> Particles {
@@ -107,7 +106,12 @@ mod tests {
     fn columns_are_coloured_between_the_ends_of_their_range() {
         let mut p = particles(3);
         p.columns = vec![Column { name: "v".into(), values: vec![1.0, 10.0, 100.0] }];
-        let scale = |range, log| Scale { map: Some(ColorMap::Viridis), range, log, ..Scale::of(vec!["V".into()]) };
+        let scale = |range: Option<[f64; 2]>, log| Scale {
+            map: Some(ColorMap::Viridis),
+            range: range.map(|ends| ends.map(RangeEnd::Value)),
+            log,
+            ..Scale::of(vec!["V".into()])
+        };
         let middle = ColorMap::Viridis.color(0.5);
         let apply = |scale: Scale, p: &Particles| {
             let mut skipped = Skipped::default();

@@ -1,7 +1,11 @@
 //! Scales of colours.
 
+use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::legend::Legend;
+use halfline::quote::quote;
+use rayon::prelude::*;
+use std::str::FromStr;
 
 /// The mapping of the numbers or names of a column to colours.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,8 +15,8 @@ pub struct Scale {
     /// The colour map. `None` takes [`ColorMap::Category`] for names (chain, asym, entity) and for numbers that
     /// identify (type, molecule, model, copy), else [`ColorMap::Viridis`].
     pub map: Option<ColorMap>,
-    /// The values at the map's ends; `None` takes the minimum and the maximum.
-    pub range: Option<[f64; 2]>,
+    /// The map's ends; `None` takes the minimum and the maximum.
+    pub range: Option<[RangeEnd; 2]>,
     /// Whether the scale is logarithmic.
     pub log: bool,
     /// Names of categories whose colours are fixed, in the order of their colours: a film keeps those of its first frame.
@@ -24,7 +28,35 @@ impl Scale {
     /// The values at the map's ends, as far as they are known without the particles: those given, or those of the map.
     #[must_use]
     pub fn known_range(&self) -> Option<[f64; 2]> {
-        self.range.or_else(|| (self.map == Some(ColorMap::Plddt)).then_some(PLDDT))
+        match self.range {
+            Some([RangeEnd::Value(low), RangeEnd::Value(high)]) => Some([low, high]),
+            Some(_) => None,
+            None => (self.map == Some(ColorMap::Plddt)).then_some(PLDDT),
+        }
+    }
+
+    /// Whether an end of the range is a percentile.
+    #[must_use]
+    pub fn has_percentile(&self) -> bool {
+        self.range.is_some_and(|ends| ends.iter().any(|end| matches!(end, RangeEnd::Percentile(_))))
+    }
+
+    /// The values at the map's ends for the finite values of all particles: those that are known, the percentiles, or the least and the
+    /// greatest. Without values an end is an infinity.
+    pub(super) fn ends(&self, values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+        if let Some(range) = self.known_range() {
+            return range;
+        }
+        let Some(ends) = self.range else {
+            return values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+        };
+        let mut sorted: Vec<f64> = values.collect();
+        sorted.par_sort_unstable_by(f64::total_cmp);
+        let value = |end: RangeEnd, without: f64| match end {
+            RangeEnd::Value(value) => value,
+            RangeEnd::Percentile(percent) => percentile(&sorted, percent).unwrap_or(without),
+        };
+        [value(ends[0], f64::INFINITY), value(ends[1], f64::NEG_INFINITY)]
     }
 
     /// The colours of these columns, with everything else as it is by default.
@@ -34,8 +66,73 @@ impl Scale {
     }
 }
 
+/// An end of a range of colours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RangeEnd {
+    /// A finite number.
+    Value(f64),
+    /// The percentile of the values of all particles of the frame, from 0 to 100.
+    Percentile(f64),
+}
+
+impl FromStr for RangeEnd {
+    type Err = Error;
+    /// A number, or one from 0 to 100 with a percent sign.
+    fn from_str(text: &str) -> Result<Self> {
+        let (digits, is_percentile) = text.trim().strip_suffix('%').map_or((text, false), |digits| (digits, true));
+        let number = digits.trim().parse().ok().filter(|x: &f64| x.is_finite());
+        match number {
+            Some(number) if !is_percentile => Ok(Self::Value(number)),
+            Some(percent) if (0.0..=100.0).contains(&percent) => Ok(Self::Percentile(percent)),
+            _ => {
+                let problem = format!("{} is no end of a range", quote(text));
+                Err(Error::settings(problem, "give a number such as 1.5, or a percentile such as 99%"))
+            }
+        }
+    }
+}
+
+/// The percentile of sorted values: the value of that rank, and between two ranks the number between their values, as in NumPy's
+/// `percentile` by default (definition 7 of R. J. Hyndman and Y. Fan, Sample Quantiles in Statistical Packages, The American
+/// Statistician 50(4), 1996). `None` without values.
+fn percentile(sorted: &[f64], percent: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    let place = last as f64 * percent / 100.0;
+    let (below, part) = (place.floor() as usize, place.fract());
+    let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
+    Some(low * (1.0 - part) + high * part)
+}
+
 /// The least and the greatest pLDDT.
 const PLDDT: [f64; 2] = [0.0, 100.0];
 
 /// Linear RGB of each particle, and the legend.
 pub(super) type Colored = (Vec<[f32; 3]>, Option<Legend>);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_those_of_numpy() {
+        // numpy.percentile of NumPy 2.3.
+        let values = [9.0, -3.0, 4.5, 0.25, 7.0];
+        let of = |ends: [&str; 2]| {
+            let range = Some(ends.map(|end| end.parse().expect(end)));
+            Scale { range, ..Scale::of(Vec::new()) }.ends(values.into_iter())
+        };
+        for (ends, expected) in [
+            (["0%", "100%"], [-3.0, 9.0]),
+            (["25%", "75 %"], [0.25, 7.0]),
+            (["10%", "90%"], [-1.7, 8.2]),
+            (["-1", "50%"], [-1.0, 4.5]),
+        ] {
+            // Between two ranks a rounding of each product and of the sum.
+            assert!(of(ends).iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{ends:?}: {:?}", of(ends));
+        }
+        assert_eq!(Scale { range: Some([RangeEnd::Percentile(1.0); 2]), ..Scale::of(Vec::new()) }.known_range(), None);
+        for bad in ["101%", "-1%", "%", "x", "nan", "inf%", ""] {
+            bad.parse::<RangeEnd>().expect_err(bad);
+        }
+    }
+}

@@ -1,4 +1,4 @@
-//! Particles near others, by a tree of boxes around those.
+//! Particles near others and their number, by a tree of boxes.
 
 use halfline::error::Result;
 use halfline::memory::check;
@@ -17,6 +17,8 @@ const SPARE: f64 = 1.0 + 1e-12;
 struct Boxed {
     low: [f64; 3],
     high: [f64; 3],
+    /// The number of points.
+    count: u64,
     inside: Inside,
 }
 
@@ -40,6 +42,20 @@ pub(super) fn near(points: &[[f64; 3]], chosen: &[bool], reach: f64) -> Result<V
     Ok(points.par_iter().zip(chosen).map(found).collect())
 }
 
+/// The number of other points at most `reach` away from each, in their images at `shifts` too, of which 0 is one. A point counts each of
+/// its own images.
+///
+/// # Errors
+/// [`Error::Limits`](halfline::error::Error::Limits) where memory is short.
+pub(super) fn counts(points: &[[f64; 3]], shifts: &[[f64; 3]], reach: f64) -> Result<Vec<u64>> {
+    check(POINT.saturating_mul(points.len() as u64), || format!("the neighbours of {} particles", points.len()))?;
+    let all = Boxed::around(&mut points.to_vec());
+    let moved = |point: &[f64; 3], shift: &[f64; 3]| [0, 1, 2].map(|k| point[k] + shift[k]);
+    // The point itself is among those around it.
+    let of = |point: &[f64; 3]| shifts.iter().map(|shift| all.count(&moved(point, shift), reach)).sum::<u64>() - 1;
+    Ok(points.par_iter().map(of).collect())
+}
+
 fn length([x, y, z]: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z)
 }
@@ -52,8 +68,9 @@ impl Boxed {
                 (low[k], high[k]) = (low[k].min(point[k]), high[k].max(point[k]));
             }
         }
+        let count = points.len() as u64;
         if points.len() <= FEW {
-            return Self { low, high, inside: Inside::Points(points.to_vec()) };
+            return Self { low, high, count, inside: Inside::Points(points.to_vec()) };
         }
         let side = |k: &usize| high[*k] - low[*k];
         let longest = (0..3).max_by(|a, b| side(a).total_cmp(&side(b))).unwrap_or(0);
@@ -61,12 +78,31 @@ impl Boxed {
         points.select_nth_unstable_by(middle, |a, b| a[longest].total_cmp(&b[longest]));
         let (lower, upper) = points.split_at_mut(middle);
         let (lower, upper) = rayon::join(|| Self::around(lower), || Self::around(upper));
-        Self { low, high, inside: Inside::Halves(Box::new([lower, upper])) }
+        Self { low, high, count, inside: Inside::Halves(Box::new([lower, upper])) }
     }
 
     /// A lower bound of the distance from a point.
     fn away(&self, point: &[f64; 3]) -> f64 {
         length([0, 1, 2].map(|k| (self.low[k] - point[k]).max(point[k] - self.high[k]).max(0.0)))
+    }
+
+    /// An upper bound of the distance from a point to those inside.
+    fn across(&self, point: &[f64; 3]) -> f64 {
+        length([0, 1, 2].map(|k| (self.high[k] - point[k]).abs().max((point[k] - self.low[k]).abs())))
+    }
+
+    /// The number of points at most `reach` away.
+    fn count(&self, point: &[f64; 3], reach: f64) -> u64 {
+        if self.away(point) > reach * SPARE {
+            return 0;
+        }
+        match &self.inside {
+            Inside::Points(others) => {
+                others.iter().filter(|other| length([0, 1, 2].map(|k| point[k] - other[k])) <= reach).count() as u64
+            }
+            Inside::Halves(_) if self.across(point) * SPARE <= reach => self.count,
+            Inside::Halves(halves) => halves.iter().map(|half| half.count(point, reach)).sum(),
+        }
     }
 
     /// Whether one of the points is at most `reach` away.
