@@ -1,6 +1,7 @@
 //! Renders frames and traces given rays: plans, checks memory, sets up, runs kernels, and makes the answers.
 
 mod budget;
+mod curved;
 pub mod explain;
 mod fallback;
 mod frame;

@@ -299,7 +299,7 @@ impl Scene {
         self.image.check()?;
         self.lighting.check(s.radii.len())?;
         self.camera.basis().map(drop)?;
-        self.camera.viewport(self.image.width, self.image.height).map(drop)
+        self.camera.check(self.image.width, self.image.height)
     }
 
     /// Makes this the colour of rays that hit nothing, also in place of the colours of a sky, which still lights the scene.

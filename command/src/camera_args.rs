@@ -27,9 +27,12 @@ pub(super) struct CameraArgs {
     /// Moves the eye so that all spheres are in view; the default for files without a camera.
     #[arg(long, conflicts_with = "eye")]
     pub(super) fit: bool,
+    /// Frames this share of the spheres, such as 99%, and leaves out those farthest from the median of their centres; all are rendered.
+    #[arg(long, value_name = "P", value_parser = share, conflicts_with_all = ["eye", "focus"])]
+    pub(super) frame_share: Option<f64>,
     /// Takes the camera and the size of a picture or buffer that halfline wrote, of a report of --json, or of a scene (.toml).
     #[arg(long = "camera-from", value_name = "FILE",
-        conflicts_with_all = ["eye", "at", "view", "up", "focus", "fit", "vfov", "ortho"])]
+        conflicts_with_all = ["eye", "at", "view", "up", "focus", "frame_share", "fit", "vfov", "ortho"])]
     pub(super) from: Option<PathBuf>,
     /// Vertical field of view, degrees; makes the camera a perspective one.
     #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
@@ -50,6 +53,16 @@ pub(super) struct CameraArgs {
     /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub(super) spin: Option<NonZeroU32>,
+}
+
+/// A share above 0 and at most 1, or in percent.
+fn share(text: &str) -> Result<f64, String> {
+    let number = match text.strip_suffix('%') {
+        Some(percent) => percent.trim().parse().map(|percent: f64| percent / 100.0),
+        None => text.parse(),
+    };
+    let expected = "expected a share above 0 and at most 1, or a percentage, such as 99%";
+    number.ok().filter(|share| *share > 0.0 && *share <= 1.0).ok_or_else(|| expected.into())
 }
 
 /// The pose of a camera or of a scanner.
@@ -137,7 +150,7 @@ impl CameraArgs {
         if let Some(degrees) = self.vfov {
             let distance = match camera.lens {
                 Lens::Viewport { distance, .. } | Lens::Vfov { distance, .. } => distance,
-                Lens::RowCentres { .. } | Lens::Orthographic { .. } | Lens::Intrinsics { .. } => 1.0,
+                _ => 1.0,
             };
             camera.lens = Lens::Vfov { degrees, distance };
         }

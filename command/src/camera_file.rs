@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path) -> Result<CameraRecord> {
         record.ok_or_else(|| Error::scene(place.clone().named("camera"), "the file has no camera", mend))?;
     let camera = record.camera();
     let [width, height] = record.size;
-    camera.basis().and_then(|_| camera.viewport(width, height)).map(|_| record).map_err(|error| match error {
+    camera.basis().and_then(|_| camera.check(width, height)).map(|()| record).map_err(|error| match error {
         Error::Scene { problem, .. } => Error::scene(place.named("camera"), problem, mend),
         other => other,
     })
@@ -61,12 +61,16 @@ pub(super) fn resized(record: &CameraRecord, size: Option<(u32, u32)>) -> Camera
     let [w, h] = record.size.map(f64::from);
     match (size, record.distance) {
         (Some((width, height)), Some(distance)) if [width, height] != record.size => {
-            if let Lens::Intrinsics { fx, fy, cx, cy } = camera.lens {
+            if let Lens::Intrinsics { fx, fy, cx, cy } | Lens::Curved { fx, fy, cx, cy, .. } = camera.lens {
                 // The principal point keeps its distance from the middle, in heights of the view.
                 let scale = f64::from(height) / h;
                 let [cx, cy] = [(cx, w, width), (cy, h, height)]
                     .map(|(center, from, to)| (center - from / 2.0) * scale + f64::from(to) / 2.0);
-                let lens = Lens::Intrinsics { fx: fx * scale, fy: fy * scale, cx, cy };
+                let [fx, fy] = [fx * scale, fy * scale];
+                let lens = match record.curve {
+                    Some(curve) => Lens::Curved { curve, fx, fy, cx, cy },
+                    None => Lens::Intrinsics { fx, fy, cx, cy },
+                };
                 return Camera { lens, ..camera };
             }
             let shape = vw * h / (vh * w);

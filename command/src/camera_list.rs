@@ -19,7 +19,7 @@ pub(super) struct CameraListArgs {
     /// pose matrices in the axes of OpenCV) or CSV. Writes cameras.json beside the pictures. With --frames, frame N has
     /// camera N.
     #[arg(long = "cameras", value_name = "FILE", conflicts_with_all =
-        ["eye", "at", "view", "up", "focus", "fit", "ortho", "spin", "from"])]
+        ["eye", "at", "view", "up", "focus", "frame_share", "fit", "ortho", "spin", "from"])]
     pub(super) file: Option<PathBuf>,
     /// Focal lengths and principal point in pixels for cameras without a lens of their own; the centre of the top left
     /// pixel is 0.5,0.5. The principal point may lie anywhere, also outside of the image.

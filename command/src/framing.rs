@@ -43,9 +43,16 @@ impl CameraArgs {
         if self.focus.is_none() { Ok(None) } else { chosen("--focus", frame.marks.last(), frame) }
     }
 
+    /// The spheres that a camera without a focus shows; `None` for all.
+    pub(super) fn central(&self, spheres: &Spheres) -> Option<Spheres> {
+        self.frame_share.map(|share| spheres.central(share))
+    }
+
     /// The point that the camera turns about in place of the middle of all spheres.
     pub(super) fn pivot(&self, frame: &SceneFrame) -> Result<Option<DVec3>> {
-        Ok(self.at(frame)?.or(self.focused(frame)?.map(Spheres::middle)))
+        let focus = self.focused(frame)?.map(Spheres::middle);
+        let central = || self.central(&frame.scene.spheres).map(|spheres| spheres.middle());
+        Ok(self.at(frame)?.or(focus).or_else(central))
     }
 
     /// The framing of the scene. `None` if the eye is given, or if the file has a camera and no option asks for
@@ -68,7 +75,12 @@ impl CameraArgs {
         }
         let PoseArgs { at: looks_at, view, .. } = &self.pose;
         let is_placed = looks_at.is_some() && view.is_some() || matches!(view, Some(Direction::Named(_)));
-        let is_framed = self.fit || self.ortho == Some(None) || !has_camera || self.focus.is_some() || is_placed;
+        let is_framed = self.fit
+            || self.ortho == Some(None)
+            || !has_camera
+            || self.focus.is_some()
+            || self.frame_share.is_some()
+            || is_placed;
         let margin = if self.focus.is_some() { FOCUS_MARGIN } else { Framing::default().margin };
         Ok(is_framed.then(|| Framing { margin, ball: self.spin.is_some(), keep_height, legend_shares, aim: at }))
     }
@@ -149,7 +161,10 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
             }
             found.camera
         }
-        (framing, _) => aimed(options, frame, at, framing.as_ref(), spheres)?,
+        (framing, _) => {
+            let central = options.central(spheres);
+            aimed(options, frame, at, framing.as_ref(), central.as_ref().unwrap_or(spheres))?
+        }
     };
     frame.scene.camera = camera;
     let notes = frame.marks.iter().flat_map(|focus| focus.notes.iter().cloned());
@@ -209,7 +224,10 @@ pub(super) fn words(options: &CameraArgs, frame: &SceneFrame, framing: Option<&F
     let framing = framing?;
     let what = match (&options.focus, frame.marks.last()) {
         (Some(_), Some(focus)) => format!("{} ({} of the spheres)", quote(&focus.text), focus.spheres.len()),
-        _ => "all spheres".to_owned(),
+        _ => match options.frame_share {
+            Some(share) => format!("{} % of the spheres", 100.0 * share),
+            None => "all spheres".to_owned(),
+        },
     };
     let source = match options.direction_source(&frame.scene.camera, frame.has_camera, frame.is_molecule, framing.aim) {
         DirectionSource::Axes if options.focus.is_some() => ", from where least of it is hidden (--view auto)",

@@ -117,6 +117,8 @@ impl LightArgs {
         lens: PictureLens,
     ) -> Result<PictureLook> {
         let LookRequest { file, has_picture, samples, shade } = request;
+        // Frames of given rays have no light and no lines.
+        let file = FileLook { is_particles: file.is_particles && !scene.camera.lens.is_curved(), ..file };
         let chosen = file.choose(has_picture, self.look, samples.or(lens.samples), shade);
         let look = chosen.look;
         let silhouette = self.silhouette || look.has_silhouette();

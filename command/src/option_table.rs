@@ -71,7 +71,7 @@ use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tu
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 91] = [
+const OPTIONS: [OptionRow; 92] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),
@@ -112,6 +112,7 @@ const OPTIONS: [OptionRow; 91] = [
     row("size", Always, PAGE | CONFIG),
     row("view", Missing, PAGE),
     row("focus", Missing, PAGE),
+    row("frame_share", Missing, PAGE),
     row("fit", Missing, PAGE),
     row("from", Missing, PAGE),
     row("zoom", Missing, PAGE),

@@ -315,7 +315,9 @@ impl AllFrames {
         if let Some(framing) = &framing {
             // A later frame may have nothing of a focus.
             let focus = frame.marks.last().filter(|_| args.camera.focus.is_some());
-            let spheres = focus.map_or(&frame.scene.spheres, |focus| &focus.spheres);
+            let central = args.camera.central(&frame.scene.spheres);
+            let all = central.as_ref().unwrap_or(&frame.scene.spheres);
+            let spheres = focus.map_or(all, |focus| &focus.spheres);
             if let Some(reach) = camera.reach(image, spheres, framing, self.reach.as_ref())? {
                 self.reach = Some(self.reach.map_or(reach, |all| all.with(&reach)));
             }

@@ -259,6 +259,7 @@ def fit_camera(
     size: Size,
     margin: float,
     focus: list[bool] | None,
+    share: float,
 ) -> Camera: ...
 def infer(
     names: list[str],

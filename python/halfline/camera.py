@@ -117,6 +117,8 @@ class Camera:
         *,
         pixel_center: float = 0.5,
         convention: Literal["opencv", "opengl"] = "opencv",
+        distortion: ArrayLike | None = None,
+        fisheye: bool = False,
     ) -> Camera: ...
 
     @overload
@@ -130,6 +132,8 @@ class Camera:
         pose: ArrayLike | None = None,
         pixel_center: float = 0.5,
         convention: Literal["opencv", "opengl"] = "opencv",
+        distortion: ArrayLike | None = None,
+        fisheye: bool = False,
     ) -> Camera: ...
 
     @classmethod
@@ -146,6 +150,8 @@ class Camera:
         K: ArrayLike | None = None,  # noqa: N803
         pixel_center: float = 0.5,
         convention: Literal["opencv", "opengl"] = "opencv",
+        distortion: ArrayLike | None = None,
+        fisheye: bool = False,
     ) -> Camera:
         """A camera of computer vision, for images of ``width`` x ``height`` pixels.
 
@@ -166,6 +172,10 @@ class Camera:
                 functions.
             convention: The axes of ``pose``: ``"opencv"`` is right, down, forward, ``"opengl"`` is
                 right, up, backward, as in pyrender, Blender and NeRF.
+            distortion: Coefficients in the order of OpenCV: k1, k2, p1, p2, k3, k4, k5, k6, of which
+                the last may be left out; of a fisheye k1 to k4. Frames are then lit from the eye,
+                without lines and translucent spheres.
+            fisheye: Whether the lens is a fisheye of OpenCV's model.
 
         Raises:
             ValueError: for a matrix whose columns are no axes, with what was found.
@@ -212,10 +222,40 @@ class Camera:
             up, view = vector("pose", -matrix[:3, 1]), third
         else:
             up, view = second, vector("pose", -matrix[:3, 2])
-        native = _halfline.Camera(eye, None, view, up, ("intrinsics", lens), image, None, None)
-        return cls._of(
-            native, f"intrinsics={tuple(lens)}, size={image}, eye={eye}, view={view}, up={up}"
-        )
+        kind, words = "intrinsics", f"intrinsics={tuple(lens)}"
+        if fisheye or distortion is not None:
+            kind = "fisheye" if fisheye else "distorted"
+            given_k = () if distortion is None else np.asarray(distortion, np.float64).ravel()
+            lens += [number("distortion", x) for x in given_k]
+            words = f"{kind}={tuple(lens)}"
+        native = _halfline.Camera(eye, None, view, up, (kind, lens), image, None, None)
+        return cls._of(native, f"{words}, size={image}, eye={eye}, view={view}, up={up}")
+
+    @classmethod
+    def panorama(
+        cls,
+        eye: ArrayLike,
+        *,
+        size: tuple[int, int],
+        view: ArrayLike = (0, 0, -1),
+        up: ArrayLike = (0, 1, 0),
+    ) -> Camera:
+        """A camera that sees all around: longitudes across, latitudes down, equirectangular.
+
+        Args:
+            eye: The origin of all rays.
+            size: Columns and rows of the image, which span 360 and 180 degrees.
+            view: The direction in the middle of the image.
+            up: Up direction of the scene.
+
+        >>> import halfline as hl
+        >>> hl.Camera.panorama((0, 0, 0), size=(720, 360)).size
+        (720, 360)
+        """
+        image = checked_size("size", size)
+        pose = vector("eye", eye), None, vector("view", view), vector("up", up)
+        native = _halfline.Camera(*pose, ("panorama", []), image, None, None)
+        return cls._of(native, f"panorama=True, size={image}, eye={pose[0]}")
 
     @classmethod
     def fit(
@@ -229,6 +269,7 @@ class Camera:
         orthographic: bool = False,
         size: tuple[int, int] | None = None,
         margin: float | None = None,
+        share: float = 1.0,
     ) -> Camera:
         """The nearest camera in this direction that shows all spheres of ``scene``, or those of
         ``focus`` within the whole scene.
@@ -248,6 +289,8 @@ class Camera:
             size: Columns and rows of the image; by default those of the scene.
             margin: Share of the image that stays free around the spheres, 0.04 by default, 0.25 with
                 ``focus``.
+            share: The share of the spheres that the camera shows, without ``focus``: those that are
+                farthest from the median of their centres are left out.
         """
         if orthographic and vfov is not None:
             raise ValueError("vfov and orthographic exclude each other; give one of them")
@@ -271,6 +314,7 @@ class Camera:
             image,
             number("margin", margin),
             None if focus is None else _mask(scene, focus),
+            number("share", share),
         )
         return cls._of(fitted, None)
 

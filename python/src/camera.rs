@@ -1,10 +1,11 @@
 //! Cameras.
 
 use crate::errors::OrRaise;
-use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens, Look};
+use halfline::camera::{Aperture, CameraRecord, Curve, Intrinsics, Lens, Look};
 use halfline::{Camera as CoreCamera, Error};
 use halfline_files::read::cameras::{self, ListedCamera, ListedLens};
 use pyo3::prelude::*;
+use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
 /// A camera, and the size of its image where it has one of its own.
@@ -34,6 +35,18 @@ pub(crate) fn lens_of((kind, numbers): &LensArgument, size: Option<(u32, u32)>) 
             let (width, height) = size.unwrap_or((1, 1));
             cameras::lens_of(&Intrinsics { fx, fy, cx, cy }, width, height)
         }
+        (curved @ ("distorted" | "fisheye"), &[fx, fy, cx, cy, ref coefficients @ ..]) => {
+            let curve = cameras::curve_of(coefficients, curved == "fisheye")?;
+            match curve {
+                Some(curve) => Ok(Lens::Curved { curve, fx, fy, cx, cy }),
+                None => lens_of(&("intrinsics".to_owned(), vec![fx, fy, cx, cy]), size),
+            }
+        }
+        ("panorama", []) => {
+            let (width, height) = size.map_or((1.0, 1.0), |(width, height)| (f64::from(width), f64::from(height)));
+            let (fx, fy) = (width / TAU, height / PI);
+            Ok(Lens::Curved { curve: Curve::Panorama, fx, fy, cx: width / 2.0, cy: height / 2.0 })
+        }
         _ => Err(Error::settings(format!("{kind} with {} numbers is no lens", numbers.len()), "use Camera")),
     }
 }
@@ -58,7 +71,7 @@ impl Camera {
         };
         let camera = CoreCamera { eye: eye.into(), look, up: up.into(), lens: lens_of(&lens, size).or_raise()? };
         let (width, height) = size.unwrap_or((1, 1));
-        camera.basis().and_then(|_| camera.viewport(width, height)).or_raise()?;
+        camera.basis().and_then(|_| camera.check(width, height)).or_raise()?;
         let aperture = aperture.map(|diameter| Aperture { diameter, focus });
         aperture.map(|aperture| aperture.distance(&camera)).transpose().or_raise()?;
         Ok(Self { camera, aperture, size, in_pixels: lens.0 == "intrinsics" })

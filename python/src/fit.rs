@@ -21,6 +21,7 @@ pub(crate) fn fit_camera(
     size: (u32, u32),
     margin: f64,
     focus: Option<Vec<bool>>,
+    share: f64,
 ) -> PyResult<Camera> {
     begin()?;
     if !(0.0..1.0).contains(&margin) {
@@ -38,12 +39,16 @@ pub(crate) fn fit_camera(
     };
     let with_up = |facing: Facing| Facing { up: up.map_or(facing.up, Into::into), ..facing };
     let Some(focus) = focus else {
+        if !(share > 0.0 && share <= 1.0) {
+            return Err(Error::settings(format!("share is {share}"), "give a number above 0 and at most 1")).or_raise();
+        }
+        let shown = if share < 1.0 { &framed.spheres.central(share) } else { &framed.spheres };
         let facing = match fixed {
             Some(facing) => facing,
-            None => Spread::of(&framed.spheres).or_raise()?.facing(size.1 > size.0),
+            None => Spread::of(shown).or_raise()?.facing(size.1 > size.0),
         };
         with_up(facing).turn(&mut camera);
-        camera.fit(image, &framed.spheres, &framing).or_raise()?;
+        camera.fit(image, shown, &framing).or_raise()?;
         return Ok(Camera { camera, aperture: None, size: None, in_pixels: false });
     };
     let part = framed.spheres.part(&focus);

@@ -56,6 +56,9 @@ impl Renderer {
     /// [`Error::DeviceLost`](crate::Error::DeviceLost), [`Error::Accuracy`](crate::Error::Accuracy),
     /// [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        if scene.camera.lens.is_curved() {
+            return self.render_curved(scene, settings);
+        }
         if scene.lighting.sky.is_some_and(|sky| sky.at_centers) && settings.asks(&[Aov::Color]) {
             self.try_drawing();
         }
@@ -70,6 +73,9 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::render`] that do not depend on rays.
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
+        if scene.camera.lens.is_curved() {
+            return self.curved_frame(scene, settings).map(|frame| frame.report);
+        }
         let known = |this: &mut Self, plan: Plan, rays: FrameRays| {
             let plan = this.as_set_up(plan, scene, settings, Raster::centres(rays.window))?;
             let mut report = this.report(&plan, scene, settings, rays.samples);
@@ -165,7 +171,7 @@ impl Renderer {
     }
 
     /// The report of a frame before it is computed: the decisions of the plan; counts and times are 0 or empty.
-    fn report(&self, plan: &Plan, scene: &Scene, settings: &Settings, samples: Option<Raster>) -> Report {
+    pub(super) fn report(&self, plan: &Plan, scene: &Scene, settings: &Settings, samples: Option<Raster>) -> Report {
         let on_device = self.is_gpu() && self.refused.is_none();
         let idle = settings.idle_layers().filter(|_| !plan.see_through).chain(settings.idle_plastic(scene));
         Report {

@@ -35,6 +35,33 @@ pub struct Hits {
 }
 
 impl Hits {
+    /// Misses of `count` rays with normals, to be filled by [`Self::put`].
+    pub(super) fn none_of(count: usize) -> Self {
+        let miss = vec![f64::INFINITY; count];
+        Self {
+            id: vec![-1; count],
+            t: miss.clone(),
+            distance: miss,
+            certainty: vec![0; count],
+            normal: None,
+            search: Search::Auto,
+        }
+    }
+
+    /// Puts the hits of other rays in these places.
+    pub(super) fn put(&mut self, places: &[usize], hits: Self) {
+        let count = self.id.len();
+        for (n, place) in places.iter().enumerate() {
+            (self.id[*place], self.certainty[*place]) = (hits.id[n], hits.certainty[n]);
+            (self.t[*place], self.distance[*place]) = (hits.t[n], hits.distance[n]);
+        }
+        if let Some(normals) = hits.normal {
+            let own = self.normal.get_or_insert_with(|| vec![[0.0; 3]; count]);
+            places.iter().zip(normals).for_each(|(place, normal)| own[*place] = normal);
+        }
+        self.search = hits.search;
+    }
+
     /// Misses of `count` rays, with certainty 0.
     fn none(count: usize, plan: &GivenPlan) -> Self {
         Self {

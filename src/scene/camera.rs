@@ -18,11 +18,14 @@
 
 mod aperture;
 mod centred;
+mod curved;
 mod project;
 mod record;
 
 pub use aperture::Aperture;
 pub(crate) use centred::{CentredFrame, ExactViewport};
+pub use curved::Curve;
+pub(crate) use curved::CurvedRays;
 pub use project::Projected;
 pub use record::{CameraRecord, Intrinsics};
 
@@ -92,6 +95,20 @@ pub enum Lens {
         /// Row of the principal point.
         cy: f64,
     },
+    /// A lens with distortion, a fisheye or a panorama; its rays are those of [`Curve`], and it has no viewport. Frames are those of given
+    /// rays ([`trace`](mod@crate::trace)).
+    Curved {
+        /// The model.
+        curve: Curve,
+        /// Focal length across, pixels; of a panorama pixels per radian.
+        fx: f64,
+        /// Focal length down.
+        fy: f64,
+        /// Column of the principal point.
+        cx: f64,
+        /// Row of the principal point.
+        cy: f64,
+    },
     /// Parallel rays: a view of this height, whose width follows from the aspect ratio of the image. A hit's t,
     /// distance and depth are equal: its distance from the plane of the eye.
     Orthographic {
@@ -101,6 +118,12 @@ pub enum Lens {
 }
 
 impl Lens {
+    /// Whether its rays are not those through a plane.
+    #[must_use]
+    pub fn is_curved(&self) -> bool {
+        matches!(self, Self::Curved { .. })
+    }
+
     /// Whether all viewing rays are parallel.
     #[must_use]
     pub fn is_orthographic(&self) -> bool {
@@ -221,6 +244,20 @@ impl Camera {
         self.viewport(width, height).map(drop)
     }
 
+    /// Checks the lens for an image of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// Those of [`Camera::viewport`]; [`Error::Settings`] for coefficients of a curved lens that are not finite, and for focal lengths that
+    /// are not positive.
+    pub fn check(&self, width: u32, height: u32) -> Result<()> {
+        match self.lens {
+            Lens::Curved { curve, fx, fy, cx, cy } => {
+                CurvedRays::new(curve, [fx, fy, cx, cy], [width, height]).map(drop)
+            }
+            _ => self.viewport(width, height).map(drop),
+        }
+    }
+
     /// The viewport (vw, vh, d) for an image of `width` x `height` pixels. Its three numbers are exact from here on,
     /// however they were given: with an angle, vh = 2 d tan(angle/2) and vw = vh W/H are rounded here, once. Where fx and fy
     /// differ, vh = H fx/fy is rounded for the caller alone; rays have the quotient itself.
@@ -249,6 +286,10 @@ impl Camera {
                 return Ok(Viewport { vw: positive("height", shaped(vh))?, vh, d: f64::INFINITY });
             }
             Lens::Viewport { vw, vh, distance } => (vw, vh, distance),
+            Lens::Curved { .. } => {
+                let problem = "a lens with distortion, a fisheye or a panorama has no viewport";
+                return Err(wrong("lens", problem, "use a perspective or orthographic camera for this"));
+            }
             Lens::Intrinsics { fx, fy, cx, cy } => {
                 let (fx, fy) = (positive("fx", fx)?, positive("fy", fy)?);
                 for (field, x) in [("cx", cx), ("cy", cy)] {

@@ -43,6 +43,33 @@ impl Spheres {
     }
 }
 
+impl Spheres {
+    /// This share of the spheres, rounded up: those whose centres are nearest to the median of all centres, axis by axis; of equally near ones
+    /// the first. So a few spheres far away do not decide what a camera shows. Without colours.
+    #[must_use]
+    pub fn central(&self, share: f64) -> Self {
+        let mut count = (share * self.len() as f64).ceil().min(self.len() as f64) as usize;
+        let median = [0, 1, 2].map(|axis| {
+            let mut along: Vec<f64> = self.centers.par_iter().map(|center| center[axis]).collect();
+            let middle = along.len() / 2;
+            if along.is_empty() { 0.0 } else { *along.select_nth_unstable_by(middle, f64::total_cmp).1 }
+        });
+        let from = DVec3::from_array(median);
+        let away: Vec<f64> =
+            self.centers.par_iter().map(|center| (DVec3::from_array(*center) - from).length()).collect();
+        let mut sorted = away.clone();
+        let Some(last) = count.checked_sub(1) else { return self.part(&[]) };
+        let most = *sorted.select_nth_unstable_by(last, f64::total_cmp).1;
+        count -= away.iter().filter(|length| **length < most).count();
+        let is_central = |length: &f64| {
+            let is_tie = *length == most && count > 0;
+            count -= usize::from(is_tie);
+            *length < most || is_tie
+        };
+        self.part(&away.iter().map(is_central).collect::<Vec<_>>())
+    }
+}
+
 /// Directions of integers on the faces of a cube, of unit length.
 fn directions() -> impl Iterator<Item = DVec3> {
     let steps = || (-2..=2).map(f64::from);
@@ -221,5 +248,32 @@ impl Grid {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_of_the_spheres_is_that_near_the_median() {
+        let at = |x: f64| [x, 0.0, 1.0];
+        let centers: Vec<[f64; 3]> = [0.0, 1.0, -1.0, 50.0, 2.0, -60.0, 1.0].map(at).to_vec();
+        let spheres = Spheres {
+            radii: (1..8).map(f64::from).collect::<Vec<_>>().into(),
+            centers: centers.into(),
+            ..Spheres::default()
+        };
+        // The median is 1; 1, 1, then 0 and 2 at the same distance, then -1, 50, -60.
+        for (share, expected) in [
+            (1.0, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0][..]),
+            (6.0 / 7.0, &[1.0, 2.0, 3.0, 4.0, 5.0, 7.0]),
+            (0.6, &[1.0, 2.0, 3.0, 5.0, 7.0]),
+            (0.4, &[1.0, 2.0, 7.0]),
+            (1e-9, &[2.0]),
+        ] {
+            assert_eq!(spheres.central(share).radii.to_vec(), expected, "{share}");
+        }
+        assert!(Spheres::default().central(0.5).is_empty());
     }
 }

@@ -129,6 +129,10 @@ impl<'a> Source<'a> {
         if args.camera.focus.is_some() {
             return refuse("what --focus shows is chosen among all spheres in memory", "use --at, or remove --focus");
         }
+        if args.camera.frame_share.is_some() {
+            let problem = "the spheres that --frame-share leaves out are known with all in memory";
+            return refuse(problem, "use --eye and --at, or remove --frame-share");
+        }
         if !args.insets.mark.is_empty() {
             return refuse("marks need the columns of all spheres in memory", "remove --mark, or --stream");
         }

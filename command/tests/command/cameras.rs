@@ -212,13 +212,11 @@ fn lenses_belong_to_the_image_of_the_list_or_to_the_picture() {
         assert!(dir.array("w1.npy") == dir.array("v1.npy"), "{size}");
     }
     for (key, value, words) in [
-        ("k1", json!(0.03), "distortion 0.03"),
-        ("k4", json!(-1e-9), "distortion"),
-        ("p2", json!(0.1), "distortion"),
-        ("distortion_params", json!([0, 0, 0, 0.5]), "distortion 0.5"),
-        ("camera_model", json!("OPENCV_FISHEYE"), "OPENCV_FISHEYE"),
-        ("camera_model", json!("EQUIRECTANGULAR"), "EQUIRECTANGULAR"),
-        ("is_fisheye", json!(true), "fisheye"),
+        ("k1", json!("x"), "k1: expected a finite number"),
+        ("k4", json!(-1e-9), "FULL_OPENCV"),
+        ("distortion_params", json!([0, 0, 0, 0.5]), "r^8"),
+        ("dist", json!([0, 0, 0, 0, 0, 0, 0, 0, 0.5]), "more than 8"),
+        ("camera_model", json!("FOV"), "the lens has the model"),
         ("cx", json!(20), "cy: missing beside cx"),
         ("h", json!(20), "w: missing beside h"),
     ] {
@@ -233,6 +231,114 @@ fn lenses_belong_to_the_image_of_the_list_or_to_the_picture() {
             dir.refused_render(3, "a.xyz --size 40x30 --cameras list.json -o a%d.png", &["list.json", words]);
         }
     }
+}
+
+/// The place of a point in the image of a lens at the origin of OpenCV's axes, by the formulas of its documentation; coefficients k1, k2,
+/// p1, p2, k3.
+fn projected(k: [f64; 5], is_fisheye: bool, point: [f64; 3]) -> [f64; 2] {
+    let (x, y) = (point[0] / point[2], point[1] / point[2]);
+    let r2 = x * x + y * y;
+    let [x, y] = if is_fisheye {
+        let theta = r2.sqrt().atan();
+        let scale = (theta + k[0] * theta.powi(3) + k[1] * theta.powi(5)) / r2.sqrt();
+        [x * scale, y * scale]
+    } else {
+        let radial = 1.0 + k[0] * r2 + k[1] * r2 * r2 + k[4] * r2.powi(3);
+        [
+            x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x),
+            y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y,
+        ]
+    };
+    [30.0 * x + 21.0, 31.0 * y + 14.5]
+}
+
+/// docs/film.md: the hit of each pixel is projected to the pixel's centre by the model of the lens.
+#[test]
+fn curved_lenses_have_the_rays_of_their_models() {
+    let dir =
+        TestDir::new(&[("a.csv", "x,y,z,radius\n0,0,40,12\n30,5,45,9\n-25,-20,50,11\n-30,30,60,14\n20,-28,44,8\n")]);
+    // A camera at the origin that looks along z, with OpenCV's axes.
+    let pose = json!([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]);
+    let camera = |lens: Value| {
+        let mut camera = json!({"pose": pose, "fx": 30, "fy": 31, "cx": 21, "cy": 14.5});
+        lens.as_object().expect("an object").iter().for_each(|(key, value)| camera[key] = value.clone());
+        dir.put("list.json", json!([camera]).to_string());
+    };
+    let buffers = "--aov position=p%d.npy --aov id=i%d.npy --aov depth=z%d.npy --aov distance=d%d.npy";
+    for (lens, k, is_fisheye) in [
+        (
+            json!({"k1": -0.2, "k2": 0.04, "p1": 0.003, "p2": -0.002, "k3": 0.001}),
+            [-0.2, 0.04, 0.003, -0.002, 0.001],
+            false,
+        ),
+        (json!({"dist": [-0.2, 0.04, 0.003, -0.002, 0.001]}), [-0.2, 0.04, 0.003, -0.002, 0.001], false),
+        (
+            json!({"distortion_params": [-0.2, 0.04, 0.001, 0, 0.003, -0.002]}),
+            [-0.2, 0.04, 0.003, -0.002, 0.001],
+            false,
+        ),
+        (json!({"camera_model": "OPENCV_FISHEYE", "k1": 0.05, "k2": -0.01}), [0.05, -0.01, 0.0, 0.0, 0.0], true),
+        (json!({"is_fisheye": true, "D": [0.05, -0.01, 0, 0]}), [0.05, -0.01, 0.0, 0.0, 0.0], true),
+    ] {
+        camera(lens.clone());
+        dir.render(&format!("a.csv --size 40x30 --cameras list.json {buffers} -o c%d.png"));
+        let [positions, ids, depths, distances] =
+            ["p1.npy", "i1.npy", "z1.npy", "d1.npy"].map(|name| dir.array(name).0);
+        let mut hits = 0;
+        for pixel in (0..1200).filter(|pixel| ids[*pixel] >= 0.0) {
+            let point = [0, 1, 2].map(|axis| positions[3 * pixel + axis]);
+            let expected = [(pixel % 40) as f64 + 0.5, (pixel / 40) as f64 + 0.5];
+            let found = projected(k, is_fisheye, point);
+            // The distance is within 1e-5 of itself along the ray, which does not move the place; the rest is rounding.
+            let apart = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+            assert!(apart < 1e-9, "{lens} pixel {pixel}: {found:?} for {expected:?}");
+            assert!((depths[pixel] - point[2]).abs() < 1e-9 && distances[pixel] > depths[pixel] * (1.0 - 1e-15));
+            hits += 1;
+        }
+        assert!(hits > 300, "{lens}: {hits} hits");
+        // The picture has the camera, for another render and for the list that is written.
+        dir.put("again.json", dir.get("cameras.json"));
+        dir.render("a.csv --cameras again.json --aov distance=e%d.npy");
+        dir.render("a.csv --camera-from c1.png --aov distance=f.npy");
+        dir.render("a.csv --cameras again.json --crop 10,5,30,25 --aov distance=g%d.npy");
+        assert!(dir.array("e1.npy").0 == distances && dir.array("f.npy").0 == distances, "{lens}");
+        let part: Vec<f64> = (5..25).flat_map(|row| distances[40 * row + 10..40 * row + 30].to_vec()).collect();
+        assert!(dir.array("g1.npy").0 == part, "{lens}");
+    }
+    let mend = "a.csv --size 40x30 --cameras list.json -o a%d.png";
+    for (options, words) in [
+        ("--look soft", "plain"),
+        ("--silhouette", "silhouettes"),
+        ("--depth-cue", "depth cue"),
+        ("--opacity 0.5", "translucent"),
+        ("--shadows", "lights"),
+        ("--zoom 2", "viewport"),
+    ] {
+        let code = if options.starts_with("--zoom") { 3 } else { 2 };
+        dir.refused_render(code, &format!("{mend} {options}"), &[words]);
+    }
+}
+
+/// A panorama has all directions: what is ahead in the middle, what is right in the right half, what is behind at the sides.
+#[test]
+fn a_panorama_sees_all_around() {
+    let rows = "x,y,z,radius\n0,0,9,1\n9,0,0,1\n0,0,-9,1\n-9,0,0,1\n0,-9,0,1\n";
+    let dir = TestDir::new(&[("a.csv", rows)]);
+    let pose = json!([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]);
+    dir.put("list.json", json!([{"pose": pose, "camera_model": "EQUIRECTANGULAR"}]).to_string());
+    dir.render("a.csv --size 72x36 --cameras list.json --aov id=i%d.npy --aov alpha=a%d.npy --samples 4 -o c%d.png");
+    let ids = dir.array("i1.npy").0;
+    let at = |column: usize, row: usize| ids[72 * row + column];
+    // Ahead, right, behind at either side, left; OpenCV's y is down, so -9 is above.
+    assert_eq!([at(36, 18), at(54, 18), at(0, 18), at(71, 18), at(18, 18), at(5, 0)], [0.0, 1.0, 2.0, 2.0, 3.0, 4.0]);
+    let alpha: f64 = dir.array("a1.npy").0.iter().sum();
+    // Pixels of 5 degrees: a cap around the pole, and four circles at the equator, where pixels are as wide as high to cos 6.4 degrees.
+    let radius = (1.0_f64 / 9.0).asin().to_degrees() / 5.0;
+    let expected = 72.0 * radius + 4.0 * std::f64::consts::PI * radius * radius;
+    assert!(
+        (alpha - expected).abs() < 0.03 * expected,
+        "{alpha} for {expected}: four samples a pixel see outlines to a quarter"
+    );
 }
 
 #[test]

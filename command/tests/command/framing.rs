@@ -402,3 +402,36 @@ fn ligands_and_metals_of_real_files_are_those_of_their_text() {
     let visible = ligand(&ids);
     assert!(visible > ids.len() / 20, "{visible} of {} pixels", ids.len());
 }
+
+/// With the farthest spheres left out of the file, the camera is the same, in films of one camera for all frames too.
+#[test]
+fn a_share_of_the_spheres_is_framed() {
+    let cloud = |frame: u32| {
+        let points = (0..38).map(|n| f64::from(n * 7919 % 101) / 25.0 + f64::from(frame));
+        let rows = points
+            .zip(0..)
+            .map(|(x, n)| format!("Ar {x} {} {}\n", f64::from(n * 31 % 17) / 4.0, f64::from(n * 13 % 7)));
+        format!("40\n\nAr 9000 {frame} 0\n{}Ar 0 -7000 3\n", rows.collect::<String>())
+    };
+    let dir = TestDir::new(&[("a.xyz", &format!("{}{}", cloud(1), cloud(2)))]);
+    let camera = |options: &str| json(&dir, &format!("a.xyz --radius 1 {options}"))["camera"].clone();
+    for lens in ["--view 1,2,3", "--ortho --view front"] {
+        let near = camera(&format!("{lens} --hide x>1000 --hide y<-1000"));
+        assert_eq!(camera(&format!("{lens} --frame-share 95%")), near, "{lens}");
+        assert_ne!(camera(lens), near, "{lens}");
+    }
+    let film = |options: &str| {
+        let text = dir.render(&format!("a.xyz --radius 1 --frames 1-2 --hold all --size 90x60 --json {options}"));
+        text.json_lines().iter().map(|report| report["camera"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(film("--frame-share 0.95"), film("--hide x>1000 --hide y<-1000"));
+    for (options, words) in [
+        ("--frame-share 0 -o a.png", "at most 1"),
+        ("--frame-share 101% -o a.png", "99%"),
+        ("--frame-share 0.5 --eye 0,0,9 -o a.png", "--eye"),
+        ("--frame-share 0.5 --focus all -o a.png", "--focus"),
+        ("--frame-share 0.5 --stream -o a.png", "--frame-share"),
+    ] {
+        dir.refused_render(2, &format!("a.xyz --radius 1 {options}"), &[words]);
+    }
+}

@@ -48,7 +48,7 @@ const OF_SCENES: [(&str, &[&str]); 40] = [
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),
 ];
-const OF_PARTICLES: [(&str, &[&str]); 22] = [
+const OF_PARTICLES: [(&str, &[&str]); 23] = [
     ("--select", &["x > 0", "element O"]),
     ("--hide", &["element H"]),
     ("--radii", &["vdw", "covalent"]),
@@ -70,6 +70,7 @@ const OF_PARTICLES: [(&str, &[&str]); 22] = [
     ("--log", &[""]),
     ("--legend-in", &["", "=left"]),
     ("--focus", &["element O"]),
+    ("--frame-share", &["0.5"]),
     ("--unit", &["0.5"]),
 ];
 /// Options that this test does not draw, by the reason.

@@ -5,12 +5,14 @@
 //! up, back, eye of a 4 x 4 matrix from camera to world); docs.opencv.org, calib3d (x right, y down, z forward).
 
 mod axes;
+mod curve;
 mod json;
 mod lens;
 mod listed;
 mod table;
 
 pub use axes::{AxesProblem, check_axes};
+pub use curve::curve_of;
 pub use lens::{ListedLens, PixelLens, lens_of};
 pub use listed::ListedCamera;
 

@@ -157,6 +157,7 @@ impl Camera {
                 let parts = parts([width, height], [cx, cy]);
                 [cx, cy].map(|center| halves(center, parts) as f64 / f64::from(2 * parts))
             }
+            Lens::Curved { cx, cy, .. } => [cx, cy],
             _ => [width, height].map(|side| f64::from(side) / 2.0),
         }
     }

@@ -1,6 +1,6 @@
 //! A camera as numbers in reports, pictures and lists of cameras.
 
-use super::{Aperture, Camera, Lens, Look};
+use super::{Aperture, Camera, Curve, Lens, Look, Viewport};
 use crate::error::Result;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,9 @@ pub struct CameraRecord {
     /// Focal lengths and principal point in pixels, where the centre of the top left pixel is (0.5, 0.5); `None` for an
     /// orthographic camera.
     pub intrinsics: Option<Intrinsics>,
+    /// The model of a lens with distortion, a fisheye or a panorama; the viewport is then that of the intrinsics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<Curve>,
     /// Diameter of the lens, where it has a size.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aperture: Option<f64>,
@@ -57,13 +60,16 @@ impl CameraRecord {
     /// # Errors
     /// Errors of [`Camera::viewport`] and of [`Aperture::distance`].
     pub fn new(camera: &Camera, [width, height]: [u32; 2], aperture: Option<Aperture>) -> Result<Self> {
-        let viewport = camera.viewport(width, height)?;
+        let [w, h] = [width, height].map(f64::from);
+        let (curve, viewport) = match camera.lens {
+            Lens::Curved { curve, fx, fy, .. } => (Some(curve), Viewport { vw: w / fx, vh: h / fy, d: 1.0 }),
+            _ => (None, camera.viewport(width, height)?),
+        };
         let (at, view) = match camera.look {
             Look::At(at) => (Some(at.to_array()), at - camera.eye),
             Look::View(view) => (None, view),
         };
         let distance = (!viewport.is_parallel()).then_some(viewport.d);
-        let [w, h] = [width, height].map(f64::from);
         let [cx, cy] = camera.principal_point([width, height]);
         Ok(Self {
             eye: camera.eye.to_array(),
@@ -74,9 +80,10 @@ impl CameraRecord {
             distance,
             size: [width, height],
             intrinsics: distance.map(|d| match camera.lens {
-                Lens::Intrinsics { fx, fy, .. } => Intrinsics { fx, fy, cx, cy },
+                Lens::Intrinsics { fx, fy, .. } | Lens::Curved { fx, fy, .. } => Intrinsics { fx, fy, cx, cy },
                 _ => Intrinsics { fx: d * w / viewport.vw, fy: d * h / viewport.vh, cx, cy },
             }),
+            curve,
             aperture: aperture.map(|aperture| aperture.diameter),
             focus: aperture.map(|aperture| aperture.distance(camera)).transpose()?,
         })
@@ -102,10 +109,11 @@ impl CameraRecord {
             eye: DVec3::from_array(self.eye),
             look: self.at.map_or(Look::View(DVec3::from_array(self.view)), |at| Look::At(DVec3::from_array(at))),
             up: DVec3::from_array(self.up),
-            lens: match (self.off_center(), self.distance) {
-                (Some(Intrinsics { fx, fy, cx, cy }), _) => Lens::Intrinsics { fx, fy, cx, cy },
-                (None, Some(distance)) => Lens::Viewport { vw, vh, distance },
-                (None, None) => Lens::Orthographic { height: vh },
+            lens: match (self.curve.zip(self.intrinsics), self.off_center(), self.distance) {
+                (Some((curve, Intrinsics { fx, fy, cx, cy })), ..) => Lens::Curved { curve, fx, fy, cx, cy },
+                (_, Some(Intrinsics { fx, fy, cx, cy }), _) => Lens::Intrinsics { fx, fy, cx, cy },
+                (_, None, Some(distance)) => Lens::Viewport { vw, vh, distance },
+                (_, None, None) => Lens::Orthographic { height: vh },
             },
         }
     }

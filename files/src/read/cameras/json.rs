@@ -1,10 +1,10 @@
 //! Cameras in JSON: a list, or an object with `frames` (NeRF), `cameras` or `poses`.
 
+use super::curve::curve;
 use super::lens::PixelLens;
 use super::listed::ListedCamera;
 use halfline::error::{Error, Place, Result};
-use halfline::quote::quote;
-use halfline::scene::camera::{Intrinsics, Lens, Look};
+use halfline::scene::camera::{Curve, Intrinsics, Lens, Look};
 use serde_json::{Map, Value};
 
 /// The keys of lists, in order of preference.
@@ -39,16 +39,24 @@ pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
         _ => return Err(Error::scene(file.clone(), "no list of cameras", MEND)),
     };
     let shared = Object { map: shared, place: file.clone() };
-    let (intrinsics, size) = (shared.intrinsics()?, shared.size()?);
+    let (intrinsics, size, shared_curve) = (shared.intrinsics()?, shared.size()?, shared.curve()?);
     let one = |(n, value): (usize, &Value)| {
         let place = file.clone().named(format!("camera {n}"));
         let Value::Object(map) = value else { return Err(Error::scene(place, "expected an object", MEND)) };
         let object = Object { map, place };
         let mut camera = object.camera()?;
         camera.size = object.size()?.or(size);
-        let own = object.intrinsics()?;
-        let lens = own.or(intrinsics.filter(|_| !camera.has_lens));
-        camera.intrinsics = lens.map(|lens| PixelLens { image: camera.size, ..lens });
+        let (own, curve) = (object.intrinsics()?, object.curve()?.or(shared_curve));
+        let panorama = (curve == Some(Curve::Panorama)).then(PixelLens::default);
+        let lens = panorama.or(own).or(intrinsics.filter(|_| !camera.has_lens));
+        camera.intrinsics = lens.map(|lens| PixelLens { image: camera.size, curve, ..lens });
+        if curve.is_some() {
+            // A viewport is that of a pinhole.
+            camera.has_lens = false;
+            if lens.is_none() {
+                return Err(object.fail("fl_x", "a lens with distortion has no focal lengths"));
+            }
+        }
         // A viewport has the principal point in its middle.
         if own.is_some_and(|own| camera.size.is_some_and(|size| !own.is_centred(size))) {
             camera.has_lens = false;
@@ -57,15 +65,6 @@ pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
     };
     list.iter().enumerate().map(one).collect()
 }
-
-/// The keys of lens distortion: coefficients by name, and lists of coefficients.
-const COEFFICIENTS: [&str; 8] = ["k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"];
-const DISTORTIONS: [&str; 6] =
-    ["distortion", "distortion_params", "distortion_coefficients", "dist_coeffs", "dist", "D"];
-
-/// The models of COLMAP and nerfstudio that are pinholes where their coefficients are 0.
-const PINHOLES: [&str; 7] =
-    ["PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "FULL_OPENCV", "PERSPECTIVE"];
 
 impl Object<'_> {
     fn fail(&self, key: &str, problem: &str) -> Error {
@@ -115,42 +114,15 @@ impl Object<'_> {
         sides.map(|sides| whole(sides).ok_or_else(|| self.fail("size", "expected whole positive numbers"))).transpose()
     }
 
-    /// Refuses lenses whose pictures are not those of a pinhole.
-    fn check_pinhole(&self) -> Result<()> {
-        let refuse = |key: &str, what: String| {
-            let mend = "undistort the images (colmap image_undistorter, cv2.undistort) and give the cameras of these, or remove it \
-                        for pictures without distortion";
-            Err(Error::scene(self.field(key), format!("{what}, and pictures are those of a pinhole"), mend))
-        };
-        let is_none = |value: &Value| value.is_null() || value.as_f64() == Some(0.0);
-        for (key, value) in self.map {
-            let key = &key[..];
-            let values = match value {
-                Value::Array(values) if DISTORTIONS.contains(&key) => &values[..],
-                _ if COEFFICIENTS.contains(&key) => std::slice::from_ref(value),
-                _ => &[],
-            };
-            if let Some(value) = values.iter().find(|value| !is_none(value)) {
-                return refuse(key, format!("the lens has the distortion {value}"));
-            }
-            let is_other = |model: &&str| match key {
-                "camera_model" => !PINHOLES.contains(&&model.to_ascii_uppercase()[..]),
-                "model" => model.to_ascii_uppercase().contains("FISHEYE"),
-                _ => false,
-            };
-            if let Some(model) = value.as_str().filter(is_other) {
-                return refuse(key, format!("the lens has the model {}", quote(model)));
-            }
-            if key == "is_fisheye" && *value == Value::Bool(true) {
-                return refuse(key, "the lens is a fisheye".into());
-            }
-        }
-        Ok(())
+    /// The curve of the lens, also of one that `intrinsics` describes; `None` for a pinhole.
+    fn curve(&self) -> Result<Option<Curve>> {
+        let inner = self.map.get("intrinsics").and_then(Value::as_object);
+        let of = |map| curve(map).map_err(|wrong| Error::scene(self.field(&wrong.key), wrong.problem, wrong.mend));
+        Ok(of(self.map)?.or(inner.map_or(Ok(None), of)?))
     }
 
     /// Focal lengths under the names of NeRF, of OpenCV (`K`) and of halfline (`intrinsics`).
     fn intrinsics(&self) -> Result<Option<PixelLens>> {
-        self.check_pinhole()?;
         if let Some(value) = self.map.get("K") {
             let rows: Option<Vec<[f64; 3]>> = value.as_array().and_then(|rows| rows.iter().map(numbers).collect());
             let Some([[fx, skew, cx], [low, fy, cy], [0.0, 0.0, 1.0]]) = rows.as_deref() else {
@@ -170,7 +142,7 @@ impl Object<'_> {
         let angles = [self.number("camera_angle_x")?, self.number("camera_angle_y")?];
         let center = self.both(["cx"; 2], ["cy"; 2])?;
         let is_given = focal.iter().chain(&angles).any(Option::is_some);
-        Ok(is_given.then_some(PixelLens { focal, angles, center, image: None }))
+        Ok(is_given.then_some(PixelLens { focal, angles, center, ..PixelLens::default() }))
     }
 
     fn camera(&self) -> Result<ListedCamera> {

@@ -1,7 +1,8 @@
 //! The lens of a camera of a list.
 
 use halfline::error::{Error, Result};
-use halfline::scene::camera::{Camera, Intrinsics, Lens};
+use halfline::scene::camera::{Camera, Curve, Intrinsics, Lens};
+use std::f64::consts::PI;
 
 /// The lens of a camera of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +26,8 @@ pub struct PixelLens {
     pub(super) center: Option<[f64; 2]>,
     /// Columns and rows of the image that the pixels belong to; those of the picture where they are not given.
     pub(super) image: Option<[u32; 2]>,
+    /// The model of a lens with distortion, a fisheye or a panorama, which needs no focal lengths.
+    pub(super) curve: Option<Curve>,
 }
 
 impl PixelLens {
@@ -73,6 +76,15 @@ impl ListedLens {
                 Ok(Lens::Viewport { vw, vh: *vh, distance: *distance })
             }
             Self::Known(lens) | Self::OfImage(lens, _) => Ok(*lens),
+            Self::InPixels(PixelLens { curve: Some(Curve::Panorama), .. }) => {
+                let [w, h] = [width, height].map(f64::from);
+                let (fx, fy) = (w / (2.0 * PI), h / PI);
+                Ok(Lens::Curved { curve: Curve::Panorama, fx, fy, cx: w / 2.0, cy: h / 2.0 })
+            }
+            Self::InPixels(lens @ PixelLens { curve: Some(curve), .. }) => {
+                let Intrinsics { fx, fy, cx, cy } = lens.intrinsics(width, height);
+                Ok(Lens::Curved { curve: *curve, fx, fy, cx, cy })
+            }
             Self::InPixels(lens) => {
                 lens_of(&lens.intrinsics(width, height), width, height).map_err(|error| match error {
                     Error::Settings { problem, mend } => Error::settings(format!("camera {index}: {problem}"), mend),

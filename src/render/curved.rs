@@ -1,0 +1,270 @@
+//! Frames of curved lenses: their viewing rays are given rays, whose hits the tree certifies.
+
+use super::plan::Plan;
+use super::renderer::Renderer;
+use super::trace::{Hits, Rays, Tracer};
+use crate::error::{Error, Result};
+use crate::frame::report::{Report, milliseconds};
+use crate::frame::{Aov, Buffer, Data, Frame};
+use crate::memory::check;
+use crate::number::Arithmetic;
+use crate::progress::Step;
+use crate::quote::setting::{AOV, APERTURE, LOOK, OPACITY, SILHOUETTE};
+use crate::scene::camera::{Basis, CurvedRays, Lens};
+use crate::scene::{DEFAULT_COLOR, Scene};
+use crate::settings::{Accuracy, Settings};
+use crate::shade::Shade;
+use crate::view::ViewRecord;
+use crate::view::raster::Raster;
+use crate::window::Window;
+use glam::DVec3;
+use rayon::prelude::*;
+use web_time::Instant;
+
+/// Rays that are traced at once.
+const BLOCK: usize = 1 << 18;
+
+/// Bytes of a pixel's buffers and rays at once, rounded up.
+const PIXEL: u64 = 160;
+
+/// Pixels without a ray, in the words of a warning.
+fn without_ray(count: usize) -> Option<String> {
+    let words = format!(
+        "{count} pixels have no viewing ray, because the lens's model gives their places no direction; they are misses"
+    );
+    (count > 0).then_some(words)
+}
+
+/// The rays of a frame.
+struct FrameRays {
+    rays: CurvedRays,
+    basis: Basis,
+    /// The positions of rays within pixels.
+    record: ViewRecord,
+}
+
+impl FrameRays {
+    /// The direction of the ray of a pixel of the window in the world; `None` without one.
+    fn direction(&self, pixel: usize) -> Option<DVec3> {
+        let [row, column] =
+            self.record.position(pixel as u32).map(|at| (f64::from(at) + 0.5) / f64::from(self.record.fine()));
+        let local = self.rays.direction([column, row])?;
+        let Basis { u, v, w, .. } = self.basis;
+        Some(local.x * u - local.y * v - local.z * w)
+    }
+}
+
+/// The hits of the rays of a window, as many as pixels.
+struct WindowHits {
+    directions: Vec<Option<DVec3>>,
+    hits: Hits,
+}
+
+impl Renderer {
+    /// Renders a scene whose lens is curved.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for what only frames of a plane have: lights, a sky, lines, a lens with a size, translucent spheres; those of
+    /// [`Renderer::tracer`].
+    pub(super) fn render_curved(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        let start = Instant::now();
+        let Frame { width, height, window, full, mut report, .. } = self.curved_frame(scene, settings)?;
+        let watch = self.watch.clone();
+        watch.check()?;
+        let pixels = width as usize * height as usize;
+        check(PIXEL * pixels as u64, || format!("a frame of {width} x {height} pixels"))?;
+        let mut of_ray = frame_rays(scene, Raster::centres(window))?;
+        let colors = settings.asks(&[Aov::Color]);
+        let normals =
+            settings.aovs.iter().copied().chain((colors && settings.shade != Shade::Flat).then_some(Aov::Normal));
+        let given = Settings { aovs: normals.collect(), ..settings.clone() };
+        let mut tracer = self.tracer(&scene.spheres, &given)?;
+        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
+        let passes = samples.filter(|_| settings.asks(&[Aov::Color, Aov::Alpha])).map_or(0, |raster| raster.count());
+        let doing = watch.begin(Step::Trace, u64::from(passes + 1) * pixels as u64);
+        let mut step = |of: &FrameRays| of.trace(&mut tracer, pixels, &|rays| doing.next(rays));
+        let centers = step(&of_ray)?;
+        let mut picture = Picture { color: vec![0.0; if colors { 3 * pixels } else { 0 }], alpha: vec![0.0; pixels] };
+        match samples {
+            Some(raster) if passes > 0 => {
+                of_ray = frame_rays(scene, raster)?;
+                for sample in 0..passes {
+                    of_ray.record.sample = sample;
+                    picture.add(&step(&of_ray)?, scene, settings.shade);
+                }
+                picture.divide(f64::from(passes));
+            }
+            _ => picture.add(&centers, scene, settings.shade),
+        }
+        doing.end()?;
+        (report.adapter, report.driver) = (tracer.adapter().to_owned(), tracer.driver());
+        (report.backend, report.method) = (if tracer.is_gpu() { "gpu" } else { "cpu" }, tracer.method());
+        (report.accuracy, report.search) = (tracer.accuracy().name(), tracer.search().name());
+        report.warnings.extend(tracer.warning().map(str::to_owned));
+        report.warnings.extend(without_ray(centers.directions.iter().filter(|ray| ray.is_none()).count()));
+        report.rays = pixels as u64;
+        report.hits = centers.hits.id.iter().filter(|id| **id >= 0).count() as u64;
+        report.settled = centers.hits.certainty.iter().filter(|certainty| **certainty == 1).count() as u64;
+        let promised = tracer.accuracy() != Accuracy::Fast;
+        report.certified = if promised { 1.0 - report.settled as f64 / pixels as f64 } else { 0.0 };
+        report.bound = promised.then(|| settings.promise().relative());
+        let buffers = buffers(&centers, picture, &of_ray.basis, settings, [width, height].map(|side| side as usize))?;
+        report.frame_ms = vec![milliseconds(start)];
+        Ok(Frame { width, height, window, full, buffers, report })
+    }
+
+    /// The frame of a curved lens without buffers, with the report of what is known before.
+    ///
+    /// # Errors
+    /// As [`Self::render_curved`], as far as no ray is traced.
+    pub(super) fn curved_frame(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        check_settings(scene, settings)?;
+        scene.check()?;
+        let window = settings.window_of(scene)?;
+        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
+        let mut plan = Plan::for_method(settings)?;
+        plan.reason = "the rays of a curved lens are given rays".to_owned();
+        plan.kernel.shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]));
+        let report: Report = self.report(&plan, scene, settings, samples);
+        let full = [scene.image.width, scene.image.height];
+        Ok(Frame { width: window.width(), height: window.height(), window, full, buffers: Vec::new(), report })
+    }
+}
+
+/// Returns an error for what frames of given rays do not have.
+fn check_settings(scene: &Scene, settings: &Settings) -> Result<()> {
+    let asks = |aov| settings.asks(&[aov]);
+    let is_lit = !scene.lighting.lights.is_empty() || scene.lighting.sky.is_some();
+    let (what, mend) = if asks(Aov::Shadow) || asks(Aov::Occlusion) || asks(Aov::Bound) {
+        ("the buffers shadow, occlusion and bound", format!("remove them from {AOV}"))
+    } else if asks(Aov::Color) && is_lit {
+        ("lights and a sky", format!("use {LOOK} plain, and a scene without lights"))
+    } else if settings.silhouette {
+        ("the lines of silhouettes", format!("remove {SILHOUETTE}"))
+    } else if settings.depth_cue {
+        ("a depth cue", "remove it".to_owned())
+    } else if settings.aperture.is_some() {
+        ("a lens with a size", format!("remove {APERTURE}"))
+    } else if settings.asks(&[Aov::Color, Aov::Alpha]) && scene.spheres.is_translucent() {
+        ("translucent spheres", format!("remove {OPACITY}"))
+    } else {
+        return Ok(());
+    };
+    let problem = format!(
+        "{what} need a perspective or orthographic camera, and this lens has distortion or is a fisheye or a panorama"
+    );
+    Err(Error::settings(problem, mend))
+}
+
+/// The rays of a raster.
+fn frame_rays(scene: &Scene, raster: Raster) -> Result<FrameRays> {
+    let Lens::Curved { curve, fx, fy, cx, cy } = scene.camera.lens else {
+        return Err(Error::settings("the lens is not curved", "render the scene as any other"));
+    };
+    let rays = CurvedRays::new(curve, [fx, fy, cx, cy], [scene.image.width, scene.image.height])?;
+    let Window { x0, y0, .. } = raster.window;
+    let record = ViewRecord {
+        first_row: y0,
+        first_column: x0,
+        columns: raster.window.width(),
+        rows: raster.window.height(),
+        strata: raster.strata,
+        jitter: raster.jitter,
+        step: 1,
+        seed: raster.seed,
+        ..bytemuck::Zeroable::zeroed()
+    };
+    Ok(FrameRays { rays, basis: scene.camera.basis()?, record })
+}
+
+impl FrameRays {
+    /// The hits of all pixels; a pixel without a ray is a miss.
+    fn trace(&self, tracer: &mut Tracer<'_>, pixels: usize, go_on: &dyn Fn(u64) -> bool) -> Result<WindowHits> {
+        let directions: Vec<Option<DVec3>> = (0..pixels).into_par_iter().map(|pixel| self.direction(pixel)).collect();
+        let origins = [self.basis.e.to_array()];
+        let mut all = Hits::none_of(pixels);
+        for first in (0..pixels).step_by(BLOCK) {
+            let block = first..pixels.min(first + BLOCK);
+            let rays: Vec<usize> = block.clone().filter(|pixel| directions[*pixel].is_some()).collect();
+            let given: Vec<[f64; 3]> =
+                rays.iter().filter_map(|pixel| directions[*pixel]).map(|d| d.to_array()).collect();
+            if !given.is_empty() {
+                all.put(&rays, tracer.hits(&Rays { origins: &origins, directions: &given, limits: &[] })?);
+            }
+            if !go_on(block.len() as u64) {
+                return Err(Error::Interrupted);
+            }
+        }
+        Ok(WindowHits { directions, hits: all })
+    }
+}
+
+/// Sums of colour and coverage.
+struct Picture {
+    color: Vec<f64>,
+    alpha: Vec<f64>,
+}
+
+impl Picture {
+    fn add(&mut self, found: &WindowHits, scene: &Scene, shade: Shade) {
+        let WindowHits { directions, hits } = found;
+        self.alpha.iter_mut().zip(&hits.id).for_each(|(alpha, id)| *alpha += f64::from(u8::from(*id >= 0)));
+        let own = |id: i32| scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
+        self.color.par_chunks_exact_mut(3).enumerate().for_each(|(pixel, color)| {
+            let id = hits.id[pixel];
+            let normal = || hits.normal.as_ref().map_or([0.0; 3], |normals| normals[pixel]);
+            let rgb = match (id, shade, directions[pixel]) {
+                (0.., Shade::Flat, _) => own(id),
+                (0.., Shade::Normal, _) => normal().map(|x| 0.5 * x + 0.5),
+                (0.., Shade::Headlight, Some(direction)) => {
+                    let cosine = -DVec3::from(normal().map(f64::from)).dot(direction) / direction.length();
+                    own(id).map(|x| f32::ZERO.max(cosine as f32) * x)
+                }
+                _ => scene.image.background,
+            };
+            color.iter_mut().zip(rgb).for_each(|(sum, x)| *sum += f64::from(x));
+        });
+    }
+
+    fn divide(&mut self, count: f64) {
+        self.color.iter_mut().chain(&mut self.alpha).for_each(|sum| *sum /= count);
+    }
+}
+
+/// The requested buffers and the ids.
+fn buffers(
+    found: &WindowHits,
+    picture: Picture,
+    basis: &Basis,
+    settings: &Settings,
+    [width, height]: [usize; 2],
+) -> Result<Vec<Buffer>> {
+    let WindowHits { directions, hits } = found;
+    let forward = -basis.w;
+    let each = |missed: f64, of: &(dyn Fn(usize, DVec3) -> f64 + Sync)| -> Vec<f64> {
+        let value = |pixel: usize| directions[pixel].filter(|_| hits.id[pixel] >= 0).map_or(missed, |d| of(pixel, d));
+        (0..hits.id.len()).into_par_iter().map(value).collect()
+    };
+    let single = |values: Vec<f64>| Data::F32(values.into_iter().map(|x| x as f32).collect());
+    let data = |aov: Aov| match aov {
+        Aov::Id => Some(Data::I32(hits.id.clone())),
+        Aov::Mask => Some(Data::U8(hits.id.iter().map(|id| u8::from(*id >= 0)).collect())),
+        Aov::Certainty => Some(Data::U8(hits.certainty.clone())),
+        Aov::Distance => Some(Data::F64(hits.distance.clone())),
+        Aov::Depth => Some(Data::F64(each(f64::INFINITY, &|n, d| hits.t[n] * d.dot(forward)))),
+        Aov::Position => {
+            let axis = |k: usize| each(f64::NAN, &|n, d| basis.e[k] + hits.t[n] * d[k]);
+            let axes = [axis(0), axis(1), axis(2)];
+            Some(Data::F64((0..hits.id.len()).flat_map(|n| axes.each_ref().map(|axis| axis[n])).collect()))
+        }
+        Aov::Normal => hits.normal.as_ref().map(|normals| Data::F32(normals.iter().flatten().copied().collect())),
+        Aov::Color => Some(single(picture.color.clone())),
+        Aov::Alpha => Some(single(picture.alpha.clone())),
+        Aov::Bound | Aov::Shadow | Aov::Occlusion => None,
+    };
+    let requested = Aov::ALL.into_iter().filter(|aov| *aov == Aov::Id || settings.asks(&[*aov]));
+    requested
+        .filter_map(|aov| Some((aov, data(aov)?)))
+        .map(|(aov, data)| Buffer::new(aov, width, height, data))
+        .collect()
+}
