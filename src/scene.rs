@@ -106,7 +106,7 @@ impl Spheres {
     }
 
     /// Keeps the spheres whose flag is set.
-    pub(crate) fn keep(&mut self, flags: &[bool]) {
+    pub fn keep(&mut self, flags: &[bool]) {
         keep(self.centers.to_mut(), flags);
         keep(self.radii.to_mut(), flags);
         if let Some(colors) = &mut self.colors {

@@ -175,6 +175,14 @@ pub(super) fn options() -> impl Iterator<Item = &'static OptionRow> {
     OPTIONS.iter()
 }
 
+/// The Python call that takes the option with this identifier.
+pub(super) fn call(id: &str) -> Option<Call> {
+    match options().find(|row| row.id == id)?.python {
+        Keyword(call, ..) => Some(call),
+        _ => None,
+    }
+}
+
 /// The identifiers of the options with a use.
 pub(super) fn ids_with(uses: u8) -> impl Iterator<Item = &'static str> {
     options().filter(move |row| row.uses & uses != 0).map(|row| row.id)

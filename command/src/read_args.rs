@@ -244,7 +244,11 @@ impl ColorArgs {
     }
 
     fn coloring(&self) -> Result<Coloring> {
-        let of_numbers = [("--map", is_typed("--map")), ("--range", self.range.is_some()), ("--log", self.log)];
+        let of_numbers = [
+            ("--map", self.map.is_some() && is_typed("--map")),
+            ("--range", self.range.is_some()),
+            ("--log", self.log),
+        ];
         if let (None | Some("element"), Some((option, _))) =
             (self.color_by.as_deref(), of_numbers.iter().find(|(_, is_given)| *is_given))
         {
@@ -342,7 +346,8 @@ pub(super) fn check_range(words: &[OsString]) -> Result<()> {
     }
 }
 
-fn plane(text: &str) -> Result<[f64; 4], String> {
+/// The half space of a clip plane.
+pub(super) fn plane(text: &str) -> Result<[f64; 4], String> {
     numbers(text)
         .filter(|p| p[..3] != [0.0; 3])
         .ok_or_else(|| "expected a direction and a number, such as 0,0,1,2.5".into())

@@ -1,6 +1,7 @@
 //! `halfline view FILE`: a page that finds the camera.
 
 mod content;
+mod controls;
 mod frames;
 mod gather;
 mod given;

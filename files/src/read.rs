@@ -2,6 +2,7 @@
 //! spheres. Given rays are read block by block.
 
 pub mod cameras;
+mod clip;
 mod color;
 mod columns;
 mod csv;

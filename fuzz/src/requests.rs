@@ -3,7 +3,7 @@
 use super::check::{Allowed, PER_BYTE, Pieces, allowed, check_words};
 use halfline_viewer::{
     Answer, Commands, FrameRequest, GoOn, Lens, Mode, PickRequest, Picture, Pixels, Pose, Refusal, Reply, Routes,
-    SceneRequest, Stage, converse,
+    SceneRequest, SelectRequest, Stage, converse,
 };
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -43,7 +43,7 @@ impl Stage for Checking {
             Mode::Move => Pixels::Rgb { size: [9, 2], levels: vec![77; 54] },
             Mode::Still => Pixels::Png(Vec::new()),
         };
-        Ok(Some(Picture { pixels, info: json!({ "seq": request.seq, "adapter": request.look }) }))
+        Ok(Some(Picture { pixels, info: json!({ "seq": request.seq, "adapter": request.options.get("look") }) }))
     }
 
     fn pick(&self, request: &PickRequest) -> Answer<Value> {
@@ -51,8 +51,9 @@ impl Stage for Checking {
         Ok(Value::Null)
     }
 
-    fn select(&self, expr: &str, _: Option<u64>) -> Answer<Value> {
+    fn select(&self, request: &SelectRequest) -> Answer<Value> {
         self.0.fetch_add(1, Ordering::Relaxed);
+        let expr = request.expr.as_deref().unwrap_or_default();
         Err(Refusal::settings(format!("{} characters", expr.chars().count())))
     }
 

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
 use halfline_command::shown::{self, Content, MemoryScene, WrittenOption};
 use halfline_files::write::file::write_atomically;
-use halfline_viewer::{FrameRequest, GoOn, Lens, Pixels, Pose, Refusal, Reply, Routes, Stage};
+use halfline_viewer::{FrameRequest, GoOn, Lens, Pixels, Pose, Refusal, Reply, Routes, SelectRequest, Stage};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -146,7 +146,8 @@ impl Desk {
     /// Checks the expression of a selection.
     fn select(&self, py: Python<'_>, expression: &str) -> PyResult<()> {
         begin()?;
-        py.detach(|| self.stage.select(expression, None)).map(drop).map_err(raised)
+        let request = SelectRequest { expr: Some(expression.to_owned()), ..SelectRequest::default() };
+        py.detach(|| self.stage.select(&request)).map(drop).map_err(raised)
     }
 
     /// The PNG of the picture with which it begins.

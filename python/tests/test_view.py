@@ -125,7 +125,7 @@ def test_copied_lines_render_what_is_seen(
     page: Page, molecule: hl.Scene, select: str | None, tmp_path: Path, monkeypatch: Any
 ) -> None:
     page.view.camera = {"eye": [9, 3, 40.5], "at": [5, 5, 0], "up": [0, 1, 0], "height": 25}
-    body = page.body(select=select, look="figure", samples=2, mode="still")
+    body = page.body(select=select, options={"look": ["figure"], "samples": ["2"]}, mode="still")
     picture = page.still(**body)
     lines = page.json("/command", body)
     monkeypatch.chdir(tmp_path)
@@ -219,7 +219,7 @@ def test_copied_lines_draw_the_cell(
 
 
 def test_a_moving_picture_is_small_and_plain(page: Page) -> None:
-    content, (picture,) = page.ask("/frame", page.body(mode="move", samples=1))
+    content, (picture,) = page.ask("/frame", page.body(mode="move"))
     assert picture.startswith(b"\xff\xd8\xff") and picture.endswith(b"\xff\xd9")
     assert content["info"]["look"] == "plain" and content["info"]["samples"] == 1
     assert page.view._still is None
@@ -351,8 +351,8 @@ def test_the_traits_go_both_ways(page: Page, molecule: hl.Scene) -> None:
         ),
         ("/frame", {"size": [0, 3]}, 400, "size"),
         ("/frame", {"size": "big"}, 400, "not valid"),
-        ("/frame", {"look": "odd", "mode": "still"}, 400, "'odd' for look;"),
-        ("/frame", {"samples": 0, "mode": "still"}, 400, "'0' for samples:"),
+        ("/frame", {"options": {"look": ["odd"]}, "mode": "still"}, 400, "'odd' for look;"),
+        ("/frame", {"options": {"samples": ["0"]}, "mode": "still"}, 400, "'0' for samples:"),
         ("/frame", {"select": "chain ("}, 400, "not a selection"),
         ("/frame", {"select": 3}, 400, "expected a string"),
         ("/pick", {"x": 160, "y": 0}, 400, "crop"),

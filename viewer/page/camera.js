@@ -77,13 +77,6 @@ export function look(c, direction, up) {
   return { ...c, eye: plus(c.at, forward, -norm(minus(c.at, c.eye))), up: level ? up : otherUp(forward) };
 }
 
-// Frames a ball with a margin and keeps the direction.
-export function fit(c, center, radius, size) {
-  const aspect = Math.min(1, size[0] / size[1]), r = 1.05 * (radius || 1), { forward, distance } = basis(c);
-  if (c.height) return { ...c, at: center, eye: plus(center, forward, -distance), height: (2 * r) / aspect };
-  return { ...c, at: center, eye: plus(center, forward, -r / Math.sin(Math.atan(halfTan(c) * aspect))) };
-}
-
 // Changes between perspective with `vfov` and orthographic; the size at the pivot stays.
 export function otherLens(c, vfov) {
   const { eye, at, up } = c;

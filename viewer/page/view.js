@@ -1,4 +1,4 @@
-import { before, fit, look, minus, norm, orbit, otherLens, pan, pivot, project, roundLength, sameCamera, tidy, unit, zoom } from "./camera.js";
+import { before, dot, look, minus, norm, orbit, otherLens, pan, pivot, project, roundLength, sameCamera, tidy, unit, zoom } from "./camera.js";
 
 const REST_MS = 150;        // still for so long: the still picture is asked for
 const TARGET_MS = 80;       // what a moving frame may take
@@ -6,20 +6,19 @@ const SMALLEST = 3;         // a moving frame has 1/2^3 of the width or more
 const IN_FLIGHT = 2;
 const MOST_PIXELS = 4096;   // of a side
 const PLAY_MS = 40;
+const TURN = Math.PI / 12;  // of an arrow key
 const CLICK_PX = 3, TAP_PX = 8, DOUBLE_MS = 400;
 
-const make = (tag, props = {}, ...children) => {
-  const element = document.createElement(tag);
-  for (const [key, value] of Object.entries(props)) {
-    if (key.includes("-") || key === "role") element.setAttribute(key, value);
-    else element[key] = value;
-  }
+const make = (tag, props, ...children) => {
+  const element = Object.assign(document.createElement(tag), props);
   element.append(...children);
   return element;
 };
 const div = (name, props, ...children) => make("div", { className: `hl-${name}`, ...props }, ...children);
 const count = (n) => n.toLocaleString("en-US");
 const plural = (n, word) => `${count(n)} ${word}${n === 1 ? "" : "s"}`;
+// Positions on a surface and distances are within 1e-5.
+const short = (value) => typeof value === "number" ? +value.toPrecision(7) : Array.isArray(value) ? value.map(short) : value;
 const words = (value) => Array.isArray(value) ? value.map(words).join("\n") : String(value ?? "");
 
 // How much smaller than the canvas moving frames are, from their times.
@@ -54,46 +53,38 @@ export function mount(root, transport, options = {}) {
   const notify = options.onChange ?? (() => {});
 
   let scene = null, camera = null, home = null, axis = null, vfov = 40;
-  let selection = options.selection || "", frame = null, last = null, picked = [], styleName = null;
+  let selection = options.selection || "", frame = null, last = Infinity, picked = [];
   let version = 0, failed = -1, rest = true, restTimer = 0, wasLost = false, playing = 0;
   let seq = Date.now();      // increases over reloads of the page too
-  let flying = [], drawn = { seq: 0, version: -1 }, still = null, waiters = [], warnings = [], lastSize = "";
-  const speed = pace(), stats = { frames: 0, sizes: [] };
+  let flying = [], drawn = { seq: 0, version: -1 }, still = null, waiters = [], lastSize = "";
+  const speed = pace(), stats = { frames: 0 };
 
   // The document.
-  const button = (text, title, onclick) => make("button", { textContent: text, title, "aria-label": title, onclick });
-  const canvas = make("canvas", { tabIndex: 0, role: "img", "aria-label": "The picture; ? shows the keys" });
+  const button = (text, title, onclick) => make("button", { textContent: text, title, ariaLabel: title, onclick });
+  const canvas = make("canvas", { tabIndex: 0, role: "img", ariaLabel: "The picture; ? shows the keys" });
   const title = div("title");
-  const input = make("input", { placeholder: "Select  ( / )", spellcheck: false, autocomplete: "off", autocapitalize: "off", "aria-label": "Selection" });
-  const chosen = make("output"), refused = div("refused hl-panel", { role: "alert" });
-  const choose = make("form", { className: "hl-select", onsubmit: (e) => { e.preventDefault(); select(input.value); } }, input, chosen, refused);
-  const looks = make("select", { title: "Look of the still picture", onchange: () => { styleName = looks.value; changed(); } });
+  const input = make("input", { placeholder: "Select  ( / )", spellcheck: false, autocomplete: "off", autocapitalize: "off", ariaLabel: "Selection" });
+  const chosen = make("output");
+  const choose = make("form", { className: "hl-select", onsubmit: (e) => { e.preventDefault(); select(input.value); } }, input, chosen);
   const message = make("button", { className: "hl-message" });
   const note = div("note", { role: "status" });
   const rule = div("rule"), ruleText = make("span");
-  const scale = div("scale hl-plate", {}, ruleText, rule);
-  const legend = make("img", { className: "hl-legend hl-plate", alt: "Legend" });
+  const scale = div("scale", {}, ruleText, rule);
+  const legendImage = make("img", { alt: "Legend" });
+  const legend = make("details", { className: "hl-legend hl-panel", open: true }, make("summary", {}, "Legend"), legendImage);
   const rings = [0, 1].map(() => div("ring", {}));
-  const table = div("table hl-panel", { role: "region", "aria-label": "Picked spheres" });
+  const table = div("table hl-panel", { role: "region", ariaLabel: "Picked spheres" });
+  const controls = div("controls hl-panel");
   const dialog = div("dialog hl-panel", { role: "dialog" });
   const picture = div("picture", {}, canvas, ...rings);
-  const stage = div("stage", {}, picture, legend, scale, table, note, message, dialog);
+  const stage = div("stage", {}, picture, legend, scale, div("sides", {}, controls, table), note, message, dialog);
   const status = div("status");
   const warned = make("details", { className: "hl-warnings" });
-  const number = make("output"), slider = make("input", { type: "range", "aria-label": "Frame", oninput: () => setFrame(+slider.value) });
-  const play = button("Play", "Play the frames, or pause (space)", togglePlay);
-  const film = div("film", {}, button("‹", "The frame before (left arrow)", () => step(-1)), play,
-    button("›", "The next frame (right arrow)", () => step(1)), slider, number);
-  const buttons = div("buttons", {}, looks,
-    button("Fit", "Fit the scene (f)", () => actions.f[1]()),
-    button("Command", "Copy the command of this picture (c)", () => copy("shell")),
-    button("Python", "Copy the Python of this picture (p)", () => copy("python")),
-    button("Save", "Save this picture as PNG (s)", save),
-    button("?", "Hands and keys (?)", toggleHelp));
-  root.replaceChildren(div("bar", {}, title, choose, buttons), stage, div("foot", {}, status, warned, film));
-  for (const e of [choose, refused, buttons, message, note, scale, legend, ...rings, table, dialog, warned, film]) e.hidden = true;
-  // A notebook's keys and menus stay outside.
-  for (const name of ["data-lm-suppress-shortcuts", "data-jp-suppress-context-menu"]) root.toggleAttribute(name, true);
+  const number = make("output"), slider = make("input", { type: "range", ariaLabel: "Frame", oninput: () => setFrame(+slider.value) });
+  const film = div("film");
+  const buttons = div("buttons");
+  root.replaceChildren(div("bar", {}, title, choose, buttons), stage, film, div("foot", {}, status, warned));
+  for (const e of [choose, buttons, message, note, scale, legend, ...rings, table, controls, dialog, warned, film]) e.hidden = true;
 
   function say(what, isError = false) {
     note.textContent = what;
@@ -154,8 +145,7 @@ export function mount(root, transport, options = {}) {
 
   function begin(json) {
     scene = json;
-    frame = scene.frame ?? 1;
-    last = scene.frames == null ? null : firstFrame() + scene.frames - 1;
+    frame = scene.frame;
     // An axis, or y where the camera was turned to the spheres.
     home = unit(scene.camera.up).some((x) => Math.abs(x) > 1 - 1e-6) ? scene.camera.up : [0, 1, 0];
     layout();
@@ -164,12 +154,11 @@ export function mount(root, transport, options = {}) {
     stage.style.backgroundColor = scene.background;
     choose.hidden = scene.selects === false;
     input.title = `Columns: ${Object.keys(scene.columns).join(", ")}`;
-    looks.append(...scene.looks.map((name) => make("option", { selected: name === scene.look }, name)));
-    looks.hidden = looks.length < 2;
     buttons.hidden = false;
+    showControls();
     film.hidden = scene.frames === 1;
-    slider.min = firstFrame();
-    showFrame();
+    slider.min = scene.first;
+    showFrame(scene.frames);
     showLegend(scene.legend);
     warn(scene.warnings);
     adopt(options.camera?.eye ? options.camera : scene.camera);
@@ -211,6 +200,7 @@ export function mount(root, transport, options = {}) {
 
   // Frames: while something changes, small and quick ones; at rest a whole one and then the still.
   function changed() {
+    if (note.classList.contains("hl-error")) say("");
     version += 1;
     rest = false;
     clearTimeout(restTimer);
@@ -223,8 +213,7 @@ export function mount(root, transport, options = {}) {
     pump();
   }
   const body = (mode, size) => ({
-    seq: seq += 1, camera, size, ...(scene.frames === 1 ? {} : { frame }), select: selection || null, look: styleName,
-    samples: mode === "move" ? 1 : null, mode,
+    seq: seq += 1, camera, size, ...ofFrame(), select: selection || null, options: choices(), mode,
   });
 
   const isNow = (f) => f.version === version, isStill = () => isNow(drawn) && drawn.mode === "still";
@@ -254,12 +243,6 @@ export function mount(root, transport, options = {}) {
         failed = version;
         stop();
         complain(error);
-        if (scene.frames == null && frame > drawn.frame) {   // the end of a film whose length is not known
-          say(note.textContent);   // is no error, which the next picture would clear
-          last = frame -= 1;
-          showFrame();
-          changed();
-        }
       }
     }
     flying = flying.filter((f) => f !== sent);
@@ -274,10 +257,9 @@ export function mount(root, transport, options = {}) {
     drawn = { ...sent, info, pixels };
     bitmap.close();
     stats.frames += 1;
-    stats.sizes = [...stats.sizes.slice(-99), pixels];
     if (sent.mode === "still") still = blob;
-    if (note.classList.contains("hl-error")) say("");
-    showStatus();
+    showFrame(info.frames);
+    status.textContent = (sent.mode === "still" ? "" : "preview, ") + info.status;
     showScale();
     showRings();
     if (sent.mode === "still") warn(info.warnings);
@@ -286,15 +268,6 @@ export function mount(root, transport, options = {}) {
     options.onStill?.();
   }
 
-  function showStatus() {
-    const { accuracy, certified, settled, ms, adapter } = drawn.info;
-    status.title = "certified: the sphere of each pixel is proved; settled: pixels that needed exact arithmetic";
-    status.textContent = [
-      drawn.mode !== "still" && "preview",
-      certified >= 1 ? "certified" : accuracy == "fast" ? "fast" : certified != null && `${(Math.floor(certified * 1e4) / 100).toFixed(2)} % certified`,
-      settled != null && `${count(settled)} settled`, ms != null && `${Math.round(ms)} ms`, drawn.pixels.join(" x "), adapter,
-    ].filter(Boolean).join(", ");
-  }
   function showScale() {
     const pixel = (drawn.info.unit * drawn.pixels[0]) / box()[0];
     if (!(pixel > 0) || scene.draws?.scale_bar) return;
@@ -311,14 +284,11 @@ export function mount(root, transport, options = {}) {
     });
   }
   function showLegend(svg) {
-    URL.revokeObjectURL(legend.src);
     legend.hidden = !svg || scene.draws?.legend;
-    if (svg) legend.src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
+    if (svg) legendImage.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
   }
   function warn(list) {
     const all = [...new Set([...(scene.warnings ?? []), ...(list ?? [])])];
-    if (String(all) === String(warnings)) return;
-    warnings = all;
     warned.hidden = !all.length;
     warned.replaceChildren(make("summary", {}, plural(all.length, "warning")),
       make("ul", { className: "hl-panel" }, ...all.map((w) => make("li", {}, w))));
@@ -327,13 +297,11 @@ export function mount(root, transport, options = {}) {
     table.hidden = !picked.length;
     if (!picked.length) return table.replaceChildren();
     const line = (name, value) => make("tr", {}, make("th", { scope: "row" }, name), ...picked.map((p) => make("td", {}, words(value(p)))));
-    const names = { row: "row, from 0", center: "centre", distance: "from the eye" };
-    // Positions on a surface and distances are within 1e-5.
-    const short = (key, value) => key === "position" || key === "distance" ? [].concat(value).map((x) => +x.toPrecision(7)) : value;
-    const rows = ["id", "row", "center", "radius", "position", "distance", "certainty"].map((key) => line(names[key] ?? key, (p) => short(key, p[key])));
+    const names = { id: "id in the picture", row: "row, from 0", center: "centre", radius: "radius", position: "position", distance: "from the eye", certainty: "certainty" };
+    const rows = Object.entries(names).map(([key, name]) => line(name, (p) => short(p[key])));
     const columns = new Set(picked.flatMap((p) => Object.keys(p.columns)));
-    const pair = picked[1]?.from, head = [make("strong", {}, pair ? `Distance ${pair.distance}` : `Sphere ${picked[0].id}`)];
-    if (pair?.minimum_image != null) head.push(make("span", {}, `minimum image ${pair.minimum_image}`));
+    const pair = picked[1]?.from, head = [make("strong", {}, pair ? `Distance ${short(pair.distance)}` : `Sphere ${picked[0].id}`)];
+    if (pair?.minimum_image != null) head.push(make("span", {}, `minimum image ${short(pair.minimum_image)}`));
     else if (!pair) head.push(button("Distance", "Measure to the next sphere that is picked (Shift)", () => { measuring = true; say("Pick the second sphere"); }));
     table.replaceChildren(make("header", {}, make("div", {}, ...head), button("×", "Close (Esc)", () => setPicked([]))),
       make("table", {}, ...rows, ...[...columns].map((name) => line(name, (p) => p.columns[name]))));
@@ -355,37 +323,75 @@ export function mount(root, transport, options = {}) {
     if (answer && mine === pickNumber) setPicked(answer.json ? [...of, answer.json] : of);
     return answer?.json;
   }
+  // What an expression selects, and the legend with it.
+  let described = 0;
+  async function describe(expr) {
+    const mine = ++described, { json } = await ask("/select", { expr: expr || null, options: choices(expr), ...ofFrame() });
+    if (mine === described) showLegend(json.legend);
+    return json;
+  }
   async function select(expr) {
     expr = expr.trim();
     if (!scene) return void (selection = expr);
-    refused.hidden = true;
     input.value = expr;
     if (expr === selection && (!expr || chosen.value)) return;
-    try {
-      const json = expr ? (await ask("/select", { expr, ...(scene.frames === 1 ? {} : { frame }) })).json : null;
-      chosen.value = json ? `${count(json.count)} of ${count(json.of)}` : "";
-      showLegend(json?.legend ?? scene.legend);
-      selection = expr;
-      if (expr) canvas.focus({ preventScroll: true });
-    } catch (error) {
-      if (wasLost) return;
-      refused.textContent = error.message;
-      refused.hidden = false;
-      selection = chosen.value = "";
-      showLegend(scene.legend);
-    }
+    const json = await describe(expr).catch((error) => error), isWrong = json instanceof Error;
+    if (wasLost) return;
+    selection = isWrong ? "" : expr;
+    chosen.value = selection && `${count(json.count)} of ${count(json.of)}`;
+    if (selection) canvas.focus({ preventScroll: true });
     notify({ selection });
     changed();
+    if (!isWrong) return;
+    complain(json);
+    describe("").catch(complain);
   }
 
-  const firstFrame = () => scene.first ?? (scene.frame === 0 ? 0 : 1);
-  function showFrame() {
-    number.value = last == null ? `frame ${frame}` : `${frame} / ${last}`;
-    slider.hidden = last == null;
-    if (last != null) [slider.max, slider.value] = [last, frame];
+  // The controls: rows that the server describes, and the values of those that were changed. The options of a picture are made of them.
+  const settings = new Map();
+  function choices(expr = selection) {
+    const all = {};
+    for (const [{ id, plane, others }, value] of settings) {
+      const text = plane ? String([...plane, dot(plane, [value, value, value])]) : others && expr ? `not (${expr})=${value}` : value;
+      all[id] = [...all[id] ?? [], ...text ? [text] : []];
+    }
+    return all;
+  }
+  function restyle() {
+    changed();
+    describe(selection).catch(complain);
+  }
+  function showControls() {
+    const row = (one) => {
+      const { label, help, values, value, type, min, max, step } = one, output = make("output");
+      const field = values ? make("select", {}, ...values.map((name) => make("option", { value: name }, name || "default")))
+        : make("input", { type, min, max, step });
+      field.value = value;
+      const first = field.value, show = () => { output.value = type === "range" ? field.value : ""; };
+      field.oninput = () => {
+        settings.delete(one);
+        if (field.value !== first) settings.set(one, field.value);
+        show();
+        restyle();
+      };
+      show();
+      return make("label", { title: help }, label, field, output);
+    };
+    const reset = button("Reset", "The values of the beginning", () => { settings.clear(); showControls(); restyle(); });
+    controls.replaceChildren(make("header", {}, make("strong", {}, "Controls"), reset, keyed("v", "×")),
+      ...scene.controls.map(row));
+  }
+
+  const ofFrame = () => scene.frames === 1 ? {} : { frame };
+  // The server counts the frames while the first is shown: their number may come later.
+  function showFrame(frames) {
+    if (frames) last = scene.first + frames - 1;
+    number.value = last < Infinity ? `${frame} / ${last}` : `frame ${frame}`;
+    slider.hidden = !(last < Infinity);
+    [slider.max, slider.value] = [last, frame];
   }
   function setFrame(n) {
-    if (scene.frames === 1 || n < firstFrame() || (last != null && n > last)) return;
+    if (scene.frames === 1 || n < scene.first || n > last) return;
     frame = n;
     showFrame();
     if (picked.length) setPicked([]);
@@ -396,7 +402,7 @@ export function mount(root, transport, options = {}) {
     if (playing) return stop();
     if (scene.frames === 1) return;
     playing = setInterval(() => {
-      if (flying.length < IN_FLIGHT) setFrame(frame === last ? firstFrame() : frame + 1);
+      if (flying.length < IN_FLIGHT) setFrame(frame >= last ? scene.first : frame + 1);
     }, PLAY_MS);
     play.textContent = "Pause";
   }
@@ -413,7 +419,7 @@ export function mount(root, transport, options = {}) {
     if (!what) return all && say("The scene has no command; p copies Python");
     try {
       await navigator.clipboard.writeText(what);
-      say(kind === "shell" ? "The command is copied" : "The Python is copied");
+      say("The text is copied");
     } catch {
       const area = make("textarea", { value: what, readOnly: true, rows: 5, ariaLabel: "Text" });
       open("The clipboard is closed: copy from here", area);
@@ -433,11 +439,13 @@ export function mount(root, transport, options = {}) {
     axis &&= home;
     move(look(camera, [0, 1, 2].map((k) => k === i ? (back ? -1 : 1) : 0), home));
   }]];
+  const turn = (x, y) => move(orbit(camera, axis, x * TURN, y * TURN));
+  const side = (by, turns) => turns || scene.frames === 1 ? turn(by, 0) : step(by);
   const actions = {
+    v: ["Show the controls, or hide them", () => { controls.hidden = !controls.hidden; }],
     f: ["Fit the scene, or the selection", async () => {
-      const seen = version, fitted = await ask("/fit", body("still", fullSize())).catch(() => null);
-      if (!fitted?.json) move(fit(camera, scene.center, scene.radius, box()));
-      else if (seen === version) setCamera(fitted.json.camera);
+      const seen = version, fitted = await ask("/fit", body("still", fullSize())).catch(complain);
+      if (fitted && seen === version) setCamera(fitted.json.camera);
     }],
     ...Object.fromEntries(["x", "y", "z"].map(along)),
     o: ["Orthographic or perspective", () => {
@@ -449,28 +457,33 @@ export function mount(root, transport, options = {}) {
       say(axis ? "A drag turns about the up direction" : "A drag turns freely");
     }],
     0: ["The first view", () => setCamera(scene.camera)],
-    c: ["Copy the command", () => copy("shell")],
-    p: ["Copy the Python", () => copy("python")],
+    c: ["Copy the command of the picture", () => copy("shell")],
+    p: ["Copy the Python of the picture", () => copy("python")],
     s: ["Save the picture as PNG", save],
-    ArrowLeft: ["The frame before", () => step(-1)],
-    ArrowRight: ["The next frame", () => step(1)],
+    ArrowUp: ["Turn upwards", () => turn(0, -1)],
+    ArrowDown: ["Turn downwards", () => turn(0, 1)],
+    ArrowLeft: ["The frame before (Shift: turn)", (turns) => side(-1, turns)],
+    ArrowRight: ["The next frame (Shift: turn)", (turns) => side(1, turns)],
     " ": ["Play the frames, or pause", togglePlay],
     "/": ["Select by an expression", () => { if (!choose.hidden) { input.focus(); input.select(); } }],
     Escape: ["Clear selection and picks", escape],
     "?": ["Show this help", toggleHelp],
   };
-  const KEY_NAMES = { ArrowLeft: "←", ArrowRight: "→", " ": "Space", Escape: "Esc" };
+  const KEY_NAMES = { ArrowUp: "↑", ArrowDown: "↓", ArrowLeft: "←", ArrowRight: "→", " ": "Space", Escape: "Esc" };
+  const keyed = (key, name) => button(name, `${actions[key][0]} (${KEY_NAMES[key] ?? key})`, () => actions[key][1]());
+  const play = keyed(" ", "Play");
+  film.append(keyed("ArrowLeft", "‹"), play, keyed("ArrowRight", "›"), slider, number);
+  buttons.append(keyed("v", "Controls"), keyed("f", "Fit"), keyed("c", "Command"), keyed("p", "Python"), keyed("s", "Save"), keyed("?", "?"));
   const HANDS = [
-    "Drag, one finger", "Turn about the pivot", "Right, middle or Shift drag, two fingers", "Shift the picture",
-    "Wheel, pinch", "Zoom toward the pointer", "Click, tap", "Pick a sphere",
-    "Shift click", "Distance to a second sphere", "Double click", "Make the sphere the pivot",
+    "Drag, one finger: turn about the pivot", "Right, middle or Shift drag, two fingers: shift the picture",
+    "Wheel, pinch: zoom toward the pointer", "Click, tap: pick a sphere",
+    "Shift click: distance to a second sphere", "Double click: make the sphere the pivot",
   ];
   function toggleHelp() {
     if (!dialog.hidden) return closeDialog();
     const row = ([key, [what, run]]) => make("button", { onclick: () => { closeDialog(); run(false); } },
       make("kbd", {}, KEY_NAMES[key] ?? key), what);
-    open("Hands and keys", make("dl", {}, ...HANDS.map((what, i) => make(i % 2 ? "dd" : "dt", {}, what))),
-      div("keys", {}, ...Object.entries(actions).map(row)));
+    open("Hands and keys", div("keys", {}, ...Object.entries(actions).map(row)), div("keys", {}, ...HANDS.map((what) => make("span", {}, what))));
   }
   function open(name, ...content) {
     const close = button("×", "Close (Esc)", closeDialog);
@@ -570,7 +583,6 @@ export function mount(root, transport, options = {}) {
       sized.disconnect();
       clearTimeout(restTimer);
       clearInterval(playing);
-      URL.revokeObjectURL(legend.src);
       root.replaceChildren();
     },
   };

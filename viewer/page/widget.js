@@ -24,6 +24,8 @@ export default {
   render({ model, el }) {
     const root = document.createElement("div");
     root.className = "halfline-view";
+    // The notebook's keys and menus stay outside.
+    for (const name of ["data-lm-suppress-shortcuts", "data-jp-suppress-context-menu"]) root.toggleAttribute(name, true);
     el.append(root);
     const transport = commTransport(model);
     const trait = (name) => model.get(name) || undefined;

@@ -3,7 +3,7 @@
 use crate::http::{Refused, refused};
 use crate::queue::{Queue, Ticket};
 use crate::reply::Reply;
-use crate::stage::{Answer, FrameRequest, GoOn, Mode, PickRequest, Pixels, Refusal, SelectRequest, Stage};
+use crate::stage::{Answer, FrameRequest, GoOn, Mode, PickRequest, Pixels, Refusal, Stage};
 use crate::{jpeg, page};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -135,10 +135,7 @@ impl Routes {
             Question::Fit => self.stage.fit(&read(body)?).map(|value| Reply::json(&value)),
             Question::Frame => self.frame(self.arrive(body)?),
             Question::Pick => self.stage.pick(&read::<PickRequest>(body)?).map(|value| Reply::json(&value)),
-            Question::Select => {
-                let SelectRequest { expr, frame } = read(body)?;
-                self.stage.select(&expr, frame).map(|value| Reply::json(&value))
-            }
+            Question::Select => self.stage.select(&read(body)?).map(|value| Reply::json(&value)),
             Question::Command => {
                 let commands = self.stage.command(&read::<FrameRequest>(body)?)?;
                 let value = serde_json::to_value(commands).map_err(|error| Refusal::internal(error.to_string()))?;

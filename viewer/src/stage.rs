@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -110,6 +111,10 @@ pub enum Mode {
     Still,
 }
 
+/// Options that replace those of the scene, by their identifiers: the values of each, one for every time that it is given. An option
+/// without values is taken away.
+pub type Options = BTreeMap<String, Vec<String>>;
+
 /// A request for a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrameRequest {
@@ -126,12 +131,9 @@ pub struct FrameRequest {
     /// The spheres that are emphasised.
     #[serde(default)]
     pub select: Option<String>,
-    /// The name of a look; without it, that of the scene.
+    /// Options of the picture.
     #[serde(default)]
-    pub look: Option<String>,
-    /// Samples per pixel; without it, as many as the look has.
-    #[serde(default)]
-    pub samples: Option<u32>,
+    pub options: Options,
     /// The purpose: a camera that moves, or one at rest.
     #[serde(default)]
     pub mode: Mode,
@@ -140,7 +142,7 @@ pub struct FrameRequest {
 impl FrameRequest {
     /// A request for a still picture by this camera in this size, with the defaults of all else.
     pub fn still(camera: Pose, size: [u32; 2]) -> Self {
-        Self { seq: 0, camera, size, frame: None, select: None, look: None, samples: None, mode: Mode::Still }
+        Self { seq: 0, camera, size, frame: None, select: None, options: Options::new(), mode: Mode::Still }
     }
 }
 
@@ -157,6 +159,9 @@ pub struct PickRequest {
     /// The spheres that are emphasised.
     #[serde(default)]
     pub select: Option<String>,
+    /// Options of the picture.
+    #[serde(default)]
+    pub options: Options,
     /// The pixel's column, from the left.
     pub x: u32,
     /// The pixel's row, from the top.
@@ -174,11 +179,15 @@ pub struct SceneRequest {
     pub size: Option<[u32; 2]>,
 }
 
-/// A request for the number of spheres that an expression selects.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A request for the number of spheres that an expression selects, and for the legend of their colours.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SelectRequest {
-    /// The expression.
-    pub expr: String,
+    /// The expression; without it, all spheres.
+    #[serde(default)]
+    pub expr: Option<String>,
+    /// Options of the picture.
+    #[serde(default)]
+    pub options: Options,
     /// The number of the file's frame; without it, the one that is shown.
     #[serde(default)]
     pub frame: Option<u64>,
@@ -231,8 +240,8 @@ pub trait Stage: Send + Sync {
     /// The sphere at a pixel, or null.
     fn pick(&self, request: &PickRequest) -> Answer<Value>;
 
-    /// The number of spheres that an expression selects.
-    fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value>;
+    /// The number of spheres that an expression selects, and their legend.
+    fn select(&self, request: &SelectRequest) -> Answer<Value>;
 
     /// The camera that shows all spheres, or those that are selected, in the direction of a frame.
     fn fit(&self, request: &FrameRequest) -> Answer<Value>;

@@ -5,7 +5,7 @@ use super::frames::Frames;
 use super::given::{Given, GivenOption};
 use super::handler::read_first;
 use super::parse::Parser;
-use crate::option_table::{Call, Python, options};
+use crate::option_table::{Call, call};
 use halfline::error::{Error, Result};
 use halfline_files::read::{FrameRange, SceneFrame};
 use std::path::Path;
@@ -34,10 +34,6 @@ pub(crate) fn content(given: &Given, range: Option<&FrameRange>, kept: &[String]
             frame => frames.push(frame?),
         }
     }
-    let call = |id: &str| match options().find(|row| row.id == id)?.python {
-        Python::Keyword(call, ..) => Some(call),
-        _ => None,
-    };
     let of_pictures = |id: &str| matches!(call(id), Some(Call::Render | Call::Camera | Call::Save));
     let all = given.with_preferences(given.options().to_vec());
     let rendering = all.iter().filter(|option| of_pictures(&option.id)).map(GivenOption::written).collect();

@@ -7,7 +7,7 @@ use crate::process::all_arguments;
 use clap::parser::{RawValues, ValueSource};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use halfline::error::{Error, Result};
-use halfline_viewer::{FrameRequest, Lens, Pose};
+use halfline_viewer::{FrameRequest, Lens, Options, Pose};
 use std::ffi::{OsStr, OsString};
 
 /// The colour of spheres that are selected on the page, and that of the others.
@@ -106,20 +106,14 @@ impl Given {
         self.options.iter().chain(&self.camera).cloned().chain([all_frames()]).collect()
     }
 
-    /// The options of a picture in the order of the command: those given, the colours of a selection, the camera.
+    /// The options of a picture in the order of the command: those given, those of the page, the colours of a selection, the camera.
     pub(super) fn options_of(&self, request: &FrameRequest) -> Vec<GivenOption> {
-        let FrameRequest { camera, size, frame, select, look, samples, .. } = request;
-        let mut options = self.colored(select.as_deref());
+        let FrameRequest { camera, size, frame, select, options, .. } = request;
+        let mut options = self.styled(select.as_deref(), options);
         let mut set = |id: &str, value: String| {
             options.retain(|option| option.id != id);
             options.push(GivenOption::new(id, Some(value.into())));
         };
-        if let Some(look) = look {
-            set("look", look.clone());
-        }
-        if let Some(samples) = samples {
-            set("samples", samples.to_string());
-        }
         if let Some(frame) = frame {
             set("frames", frame.to_string());
         }
@@ -168,22 +162,23 @@ impl Given {
         options
     }
 
-    /// The options that all frames of the file are read with, for pictures with a selection.
-    pub(super) fn selected(&self, selection: &str) -> Vec<GivenOption> {
-        let mut options = self.colored(Some(selection));
+    /// The options that all frames of the file are read with, for pictures with these colours.
+    pub(super) fn reading(&self, select: Option<&str>, options: &Options) -> Vec<GivenOption> {
+        let mut options = self.styled(select, options);
         options.push(all_frames());
         options
     }
 
-    /// The options that are typed, with the colours of a selection.
-    fn colored(&self, select: Option<&str>) -> Vec<GivenOption> {
-        let mut options = self.options.clone();
+    /// The options that are typed, with those of the page and the colours of a selection.
+    fn styled(&self, select: Option<&str>, options: &Options) -> Vec<GivenOption> {
+        let mut all = self.options.clone();
+        set(&mut all, options);
         if let Some(selection) = select {
             for value in [format!("not ({selection})={OTHERS}"), format!("({selection})={SELECTED}")] {
-                options.push(GivenOption::new("color", Some(value.into())));
+                all.push(GivenOption::new("color", Some(value.into())));
             }
         }
-        options
+        all
     }
 
     /// The words of `halfline render` with these options, without an output.
@@ -241,6 +236,24 @@ impl GivenOption {
             word.push(value);
         }
         word
+    }
+}
+
+/// Sets options of the page in place of those that are given: clip planes and opacities are added to them, a column brings its own range,
+/// and a map is left out where no column has it.
+fn set(given: &mut Vec<GivenOption>, options: &Options) {
+    for (id, values) in options {
+        let is_replaced = |before: &GivenOption| match (id.as_str(), before.id.as_str()) {
+            ("clip" | "opacity", _) => false,
+            ("color_by", "range" | "log") | ("background", "transparent") => true,
+            ("color_by", "color") => !before.text().contains('='),
+            (id, before) => id == before,
+        };
+        given.retain(|before| !is_replaced(before));
+        given.extend(values.iter().map(|value| GivenOption::new(id, Some(value.into()))));
+    }
+    if !given.iter().any(|option| option.id == "color_by" && option.text() != "element") {
+        given.retain(|option| option.id != "map");
     }
 }
 

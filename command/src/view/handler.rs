@@ -1,6 +1,7 @@
 //! Handles the page's requests: the open file and its cached frames, or a scene in memory; two renderers.
 
 use super::content::Content;
+use super::controls;
 use super::frames::{Count, Frames};
 use super::given::{Given, GivenOption, line};
 use super::memory::MemoryScene;
@@ -13,9 +14,10 @@ use crate::camera_file;
 use crate::failure::class;
 use crate::messages::flags;
 use crate::picture_scene::PictureScene;
+use crate::read_args::plane;
 use crate::render::picture::{Messages, PictureWriter};
 use crate::scene_args::SceneArgs;
-use crate::scene_frames::{framed, options, posed};
+use crate::scene_frames::{self, framed, posed};
 use crate::signals::watch;
 use crate::threads::both;
 use halfline::camera::{Camera, CameraRecord};
@@ -28,7 +30,8 @@ use halfline::settings::{Backend, Settings};
 use halfline_files::read::{Focus, Format, SceneFrame, Selection};
 use halfline_files::write::file::Target;
 use halfline_viewer::{
-    Answer, Commands, FrameRequest, GoOn, Mode, PickRequest, Picture, Pixels, Pose, Refusal, SceneRequest, Stage,
+    Answer, Commands, FrameRequest, GoOn, Mode, Options, PickRequest, Picture, Pixels, Pose, Refusal, SceneRequest,
+    SelectRequest, Stage,
 };
 use serde_json::{Value, json};
 use std::num::NonZeroU32;
@@ -48,6 +51,8 @@ pub(super) struct ViewHandler {
     messages: Messages<'static>,
     /// The names of settings in errors and warnings.
     words: fn(&str) -> String,
+    /// The identifiers of the options that the page sets.
+    controls: Vec<&'static str>,
     notebook: Option<Notebook>,
 }
 
@@ -64,9 +69,9 @@ struct Notebook {
 /// The file after its first frame was read: the parser of options, cached frames, and the summary of the scene.
 struct Session {
     parser: Parser,
-    /// The frames with the colours of the command line, and those with a selection.
+    /// The frames with the colours of the command line, and those with other ones.
     plain: Frames,
-    selected: Option<Frames>,
+    styled: Option<Frames>,
     /// The answer to `/scene`, without the number of frames and the camera for another size.
     summary: Value,
     /// The camera of `--camera-from`.
@@ -98,6 +103,7 @@ impl ViewHandler {
             picker: Mutex::new(Renderer::new(&own)?),
             messages: Messages::new(None),
             words: flags,
+            controls: controls::of_file(),
             notebook: None,
         })
     }
@@ -113,15 +119,16 @@ impl ViewHandler {
         let first = frames.first().map_or(1, |frame| frame.number);
         let is_numbered = frames.len() > 1 || source.is_some() && first != 1;
         let copied = Given::of_options(source.unwrap_or_default(), &copied);
+        let controls = controls::in_memory(&copied);
         let notebook = Some(Notebook { copied, edges, backend });
-        let handler = Self { renderer, messages: Messages::silent(), words, notebook, ..Self::new(given)? };
+        let handler = Self { renderer, messages: Messages::silent(), words, controls, notebook, ..Self::new(given)? };
         // Pictures take nothing from the camera of the file.
         for frame in &mut frames {
             (frame.scene.camera, frame.aperture) = (Camera::CANONICAL, None);
         }
         let plain = Frames::in_memory(Vec::new(), frames);
         let (parser, summary) = (Parser::without_preferences(), Value::Null);
-        let mut session = Session { parser, plain, selected: None, summary, record: None, first, is_numbered };
+        let mut session = Session { parser, plain, styled: None, summary, record: None, first, is_numbered };
         let RenderJob { args, picture, .. } = handler.render_job(&mut session, &FrameRequest::still(camera, size))?;
         session.summary = summary::of(&args, session.plain.get(first)?, &picture, &camera)?;
         if is_sized {
@@ -132,6 +139,7 @@ impl ViewHandler {
         }
         // Expressions of coordinates need no columns.
         session.summary["selects"] = json!(true);
+        session.summary["controls"] = handler.rows(&session.parser, &session.summary);
         *lock(&handler.session) = Some(session);
         Ok(handler)
     }
@@ -150,13 +158,14 @@ impl ViewHandler {
         let read = || read_first(Frames::new(words.clone(), parser.args(&words)?), &args, first);
         let (read, renderer) = both(read, || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
-        let (mut plain, summary, record) = read?;
+        let (mut plain, mut summary, record) = read?;
+        summary["controls"] = self.rows(&parser, &summary);
         let renderer = renderer?;
         note_fallback(&renderer);
         *lock(&self.renderer) = Some(renderer);
         let rest = plain.count();
         let is_numbered = self.given.frame.is_some() || plain.total != Some(1);
-        *lock(&self.session) = Some(Session { parser, plain, selected: None, summary, record, first, is_numbered });
+        *lock(&self.session) = Some(Session { parser, plain, styled: None, summary, record, first, is_numbered });
         self.read.notify_all();
         if let Some(total) = rest.and_then(Count::end)
             && let Some(session) = lock(&self.session).as_mut()
@@ -187,17 +196,26 @@ impl ViewHandler {
         }
     }
 
-    /// A request whose frame is named where pictures name it.
-    fn numbered(session: &Session, request: &FrameRequest) -> FrameRequest {
+    /// The rows of the panel of controls.
+    fn rows(&self, parser: &Parser, summary: &Value) -> Value {
+        controls::rows(&self.controls, &self.given, summary, |id| parser.help(id)).into()
+    }
+
+    /// A request whose options are controls of the page, and whose frame is named where pictures name it.
+    ///
+    /// # Errors
+    /// As [`controls::check`].
+    fn checked(&self, session: &Session, request: &FrameRequest) -> Result<FrameRequest> {
+        controls::check(&self.controls, &request.options, &self.given)?;
         let frame = request.frame.filter(|frame| session.is_numbered || *frame != 1);
-        FrameRequest { frame: frame.or(session.is_numbered.then_some(session.first)), ..request.clone() }
+        Ok(FrameRequest { frame: frame.or(session.is_numbered.then_some(session.first)), ..request.clone() })
     }
 
     /// The picture of a request.
     fn render_job(&self, session: &mut Session, request: &FrameRequest) -> Result<RenderJob> {
-        let request = Self::numbered(session, request);
+        let request = self.checked(session, request)?;
         let args = session.parser.args(&self.given.words_of(&request))?;
-        let mut frame = self.frame_of(session, request.select.as_deref(), request.frame)?.copy();
+        let mut frame = self.shown(session, &request)?;
         if let (Some(notebook), Some(bead)) = (&self.notebook, args.read.arrangement().outline) {
             frame.outline(notebook.edges.as_ref(), bead)?;
         }
@@ -209,26 +227,40 @@ impl ViewHandler {
         Ok(RenderJob { args, picture, settings, targets })
     }
 
-    /// A frame, with the colours of a selection.
+    /// The frame of a request that was checked, as its picture shows it: with its colours, without what its planes cut off.
+    fn shown(&self, session: &mut Session, request: &FrameRequest) -> Result<SceneFrame> {
+        let mut frame = self.frame_of(session, request.select.as_deref(), &request.options, request.frame)?.copy();
+        let planes = request.options.get("clip").into_iter().flatten();
+        let planes =
+            planes.map(|text| plane(text).map_err(|expected| Error::settings(format!("clip is {text:?}"), expected)));
+        frame.clip(planes.collect::<Result<_>>()?, &watch())?;
+        Ok(frame)
+    }
+
+    /// A frame, with the colours of a selection and of the options.
     fn frame_of<'a>(
         &self,
         session: &'a mut Session,
         select: Option<&str>,
+        options: &Options,
         number: Option<u64>,
     ) -> Result<&'a mut SceneFrame> {
         let number = number.unwrap_or(session.first);
-        let Some(selection) = select else { return session.plain.get(number) };
-        let words = self.given.words(&self.given.selected(selection));
-        let selected = match session.selected.take().filter(|selected| selected.are_of(&words)) {
+        let options = controls::of_reader(options);
+        if select.is_none() && options.is_empty() {
+            return session.plain.get(number);
+        }
+        let words = self.given.words(&self.given.reading(select, &options));
+        let styled = match session.styled.take().filter(|styled| styled.are_of(&words)) {
             // In memory the colours of one frame are kept.
-            Some(selected) if self.notebook.is_none() || selected.has(number) => selected,
+            Some(styled) if self.notebook.is_none() || styled.has(number) => styled,
             _ if self.notebook.is_some() => {
-                let rules = options(&session.parser.args(&words)?, &Cancel::default())?.style.paints;
-                Frames::in_memory(words, vec![session.plain.get(number)?.painted(&rules)?.0])
+                let style = scene_frames::options(&session.parser.args(&words)?, &Cancel::default())?.style;
+                Frames::in_memory(words, vec![session.plain.get(number)?.styled(&style)?])
             }
             _ => Frames::new(words.clone(), session.parser.args(&words)?),
         };
-        session.selected.insert(selected).get(number)
+        session.styled.insert(styled).get(number)
     }
 
     fn refusal(&self, error: &Error) -> Refusal {
@@ -304,8 +336,8 @@ impl Stage for ViewHandler {
     fn fit(&self, request: &FrameRequest) -> Answer<Value> {
         self.with(|session| {
             let args = session.parser.args(&self.given.words(&self.given.fitted(request)))?;
-            let number = Self::numbered(session, request).frame;
-            let frame = self.frame_of(session, request.select.as_deref(), number)?;
+            let request = self.checked(session, request)?;
+            let frame = self.shown(session, &request)?;
             let marks = match &args.camera.focus {
                 Some(selection) => {
                     let (mask, notes) = frame.columns.select(selection, &frame.scene.spheres)?;
@@ -313,14 +345,17 @@ impl Stage for ViewHandler {
                 }
                 None => Vec::new(),
             };
-            let frame = SceneFrame { marks, ..frame.copy() };
+            let frame = SceneFrame { marks, ..frame };
             first_picture(&args, frame, None, None).map(|(_, pose)| json!({ "camera": pose }))
         })
     }
 
     fn frame(&self, request: &FrameRequest, go_on: &GoOn) -> Answer<Option<Picture>> {
         let start = Instant::now();
-        let job = self.with(|session| self.render_job(session, request))?;
+        let (job, frames) = self.with(|session| {
+            let total = session.plain.total.filter(|_| session.is_numbered);
+            self.render_job(session, request).map(|job| (job, total))
+        })?;
         let (pixels, report) = match self.render(&job, request, go_on) {
             Err(Error::Interrupted) => return Ok(None),
             done => done.map_err(|error| self.refusal(&error))?,
@@ -328,29 +363,23 @@ impl Stage for ViewHandler {
         let unit = lens::unit(&job.picture.scene.camera, request.size).map_err(|error| self.refusal(&error))?;
         let mut info = self.in_words(summary::of_picture(&report));
         let ms = (start.elapsed().as_secs_f64() * 1e5).round() / 100.0;
-        for (name, value) in [("seq", json!(request.seq)), ("unit", json!(unit)), ("ms", json!(ms))] {
-            info[name] = value;
-        }
+        let status = summary::status(&report, ms, request.size);
+        let own = json!({ "seq": request.seq, "unit": unit, "ms": ms, "status": status, "frames": frames });
+        info.as_object_mut().into_iter().for_each(|info| info.extend(own.as_object().cloned().unwrap_or_default()));
         Ok(Some(Picture { pixels, info }))
     }
 
     fn pick(&self, request: &PickRequest) -> Answer<Value> {
-        let PickRequest { camera, size, frame, ref select, x, y, from } = *request;
-        let of = FrameRequest {
-            frame,
-            select: select.clone(),
-            look: Some("plain".into()),
-            samples: Some(1),
-            ..FrameRequest::still(camera, size)
-        };
+        let PickRequest { camera, size, frame, ref select, ref options, x, y, from } = *request;
+        let (select, options) = (select.clone(), options.clone());
+        let of = FrameRequest { frame, select, options, ..FrameRequest::still(camera, size) };
         let RenderJob { picture, settings, .. } = self.with(|session| self.render_job(session, &of))?;
         let mut picker = lock(&self.picker);
         let found = pick(&mut picker, &picture.scene, &settings, [x, y]).map_err(|error| self.refusal(&error))?;
         drop(picker);
         let Some((id, mut picked)) = found else { return Ok(Value::Null) };
         self.with(|session| {
-            let number = Self::numbered(session, &of).frame;
-            let frame = self.frame_of(session, select.as_deref(), number)?;
+            let frame = self.shown(session, &self.checked(session, &of)?)?;
             if id >= frame.scene.spheres.len() {
                 // A bead that only the picture has.
                 return Ok(Value::Null);
@@ -366,14 +395,20 @@ impl Stage for ViewHandler {
         })
     }
 
-    fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value> {
+    fn select(&self, SelectRequest { expr, options, frame }: &SelectRequest) -> Answer<Value> {
         self.with(|session| {
-            let selection: Selection = expr.parse()?;
+            controls::check(&self.controls, options, &self.given)?;
+            let selection: Option<Selection> = expr.as_deref().map(str::parse).transpose()?;
             let shown = session.plain.get(frame.unwrap_or(session.first))?;
-            let (mask, notes) = shown.columns.select(&selection, &shown.scene.spheres)?;
-            let mask = &mask[..mask.len() - shown.beads];
-            let (count, of) = (mask.iter().filter(|is| **is).count(), mask.len());
-            let legend = self.frame_of(session, Some(expr), frame)?.legend.clone();
+            let of = shown.scene.spheres.len() - shown.beads;
+            let (count, notes) = match selection {
+                Some(selection) => {
+                    let (mask, notes) = shown.columns.select(&selection, &shown.scene.spheres)?;
+                    (mask[..of].iter().filter(|is| **is).count(), notes)
+                }
+                None => (of, Vec::new()),
+            };
+            let legend = self.frame_of(session, expr.as_deref(), options, *frame)?.legend.clone();
             let notes: Vec<String> = notes.iter().map(|note| (self.words)(note)).collect();
             Ok(json!({ "count": count, "of": of, "legend": summary::legend(legend.as_ref())?, "notes": notes }))
         })
@@ -381,7 +416,7 @@ impl Stage for ViewHandler {
 
     fn command(&self, request: &FrameRequest) -> Answer<Commands> {
         self.with(|session| {
-            let request = Self::numbered(session, request);
+            let request = self.checked(session, request)?;
             // What the command would refuse is an error here.
             session.parser.args(&self.given.words_of(&request))?;
             let given = self.notebook.as_ref().map_or(&self.given, |notebook| &notebook.copied);

@@ -3,7 +3,7 @@
 use crate::config::Config;
 use crate::render::Render;
 use crate::scene_args::SceneArgs;
-use clap::{Args, Command, FromArgMatches};
+use clap::{Arg, Args, Command, FromArgMatches};
 use halfline::error::{Error, Result};
 use std::ffi::OsString;
 
@@ -33,6 +33,13 @@ impl Parser {
         let matches = self.0.try_get_matches_from_mut(words).map_err(|error| refused(&error))?;
         let (_, matches) = matches.subcommand().ok_or_else(|| Error::settings("no command", "use render"))?;
         Ok(Render::from_arg_matches(matches).map_err(|error| refused(&error))?.args)
+    }
+
+    /// The help of an option of `halfline render`.
+    pub(super) fn help(&self, id: &str) -> String {
+        let render = self.0.find_subcommand("render");
+        let found = render.and_then(|render| render.get_arguments().find(|arg| arg.get_id() == id));
+        found.and_then(Arg::get_help).map(ToString::to_string).unwrap_or_default()
     }
 }
 

@@ -134,7 +134,7 @@ fn escape(value: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use halfline_viewer::{Mode, Pose};
+    use halfline_viewer::Pose;
 
     #[test]
     fn bytes_of_names_are_surrogates() {
@@ -159,16 +159,7 @@ mod tests {
             option("label", Some("a \"b\"\n")),
         ];
         let camera = Pose { eye: [0.0, 0.1, 1e-7], at: [0.0; 3], up: [0.0, 1.0, 0.0], lens: Lens::Height(2.0) };
-        let request = FrameRequest {
-            seq: 0,
-            camera,
-            size: [4, 3],
-            frame: None,
-            select: None,
-            look: None,
-            samples: None,
-            mode: Mode::Still,
-        };
+        let request = FrameRequest::still(camera, [4, 3]);
         let lines = lines(Some("a.pdb".as_ref()), "a-view.png".as_ref(), &options, &request);
         let expected = r#"import halfline as hl
 

@@ -7,7 +7,7 @@ use halfline::error::Result;
 use halfline::frame::legend::Legend;
 use halfline::frame::report::Report;
 use halfline::frame::srgb;
-use halfline::settings::{Look, Settings};
+use halfline::settings::Settings;
 use halfline_files::read::{ColumnValues, SceneFrame};
 use halfline_viewer::Pose;
 use serde_json::{Map, Value, json};
@@ -35,6 +35,7 @@ pub(super) fn of(args: &SceneArgs, frame: &SceneFrame, picture: &PictureScene, p
         "version": env!("CARGO_PKG_VERSION"),
         "file": file.to_string_lossy(),
         "frame": frame.number,
+        "first": frame.number.min(1),
         "count": spheres.len() - frame.beads,
         "cell": frame.cell.as_ref().map(|cell| cell.edges),
         "extent": [low.to_array(), high.to_array()],
@@ -43,7 +44,6 @@ pub(super) fn of(args: &SceneArgs, frame: &SceneFrame, picture: &PictureScene, p
         "columns": all,
         "selects": !columns.is_empty(),
         "look": picture.look.name(),
-        "looks": Look::ALL.iter().map(|look| look.name()).collect::<Vec<_>>(),
         "samples": picture.look.settings(&Settings::default()).samples,
         "background": format!("#{r:02x}{g:02x}{b:02x}"),
         "legend": legend(frame.legend.as_ref())?,
@@ -65,6 +65,17 @@ pub(super) fn of_picture(report: &Report) -> Value {
         "samples": report.samples,
         "warnings": report.warnings,
     })
+}
+
+/// The line that a page shows below a picture: what is proved of it, its time in milliseconds, its size, and the adapter.
+pub(super) fn status(report: &Report, ms: f64, [width, height]: [u32; 2]) -> String {
+    let proved = match report.proved() {
+        1.0.. => "certified".to_owned(),
+        _ if report.accuracy == "fast" => "fast".to_owned(),
+        // Rounded down: a share of 100 % is one that is certified.
+        share => format!("{:.2} % certified", (share * 1e4).floor() / 100.0),
+    };
+    format!("{proved}, {} settled, {ms:.0} ms, {width} x {height}, {}", report.settled, report.adapter)
 }
 
 /// The legend of the colours as SVG; `None` without a legend.

@@ -24,6 +24,7 @@ mod cameras;
 mod clash;
 mod clouds;
 mod compare;
+mod controls;
 mod exit_codes;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;

@@ -272,8 +272,11 @@ fn a_page_bounds_every_number_of_a_request() {
         json!(0.5),
         json!(2_147_483_648_u64),
     ];
-    let fields = ["size", "samples", "frame", "x", "y", "from", "seq", "eye", "at", "up", "vfov", "height"];
-    for n in 0..240 {
+    let fields = [
+        "size", "samples", "frame", "x", "y", "from", "seq", "eye", "at", "up", "vfov", "height", "clip", "opacity",
+        "layers",
+    ];
+    for n in 0..300 {
         let mut number = || numbers[(rng.unit() * numbers.len() as f64) as usize].clone();
         let mut body = json!({ "camera": camera, "size": [32, 24], "mode": if n % 2 == 0 { "still" } else { "move" }, "x": 3, "y": 4 });
         let values = [number(), number(), number()];
@@ -286,12 +289,21 @@ fn a_page_bounds_every_number_of_a_request() {
                 body["camera"].as_object_mut().expect("a camera").remove("vfov");
                 body["camera"]["height"] = values[0].clone();
             }
+            "samples" | "clip" | "opacity" | "layers" => {
+                let texts = values.each_ref().map(Value::to_string);
+                body["options"] = match field {
+                    "clip" => json!({ field: [format!("{},2", texts.join(","))] }),
+                    _ => json!({ field: texts[..1] }),
+                };
+            }
             _ => body[field] = values[0].clone(),
         }
         for route in ["/frame", "/pick", "/fit", "/command"] {
             // What render itself would take long for is not asked for.
-            let is_long =
-                body["samples"].as_f64().is_some_and(|samples| samples > 1e3) && route == "/frame" && n % 2 == 0;
+            let is_long = field == "samples"
+                && values[0].as_f64().is_some_and(|samples| samples > 1e3)
+                && route == "/frame"
+                && n % 2 == 0;
             let reply = page.ask(route, &body);
             assert!([200, 204, 400].contains(&reply.status), "{route} {body}: {} {}", reply.status, reply.json());
             assert!(!is_long || reply.status == 400, "{route} {body}");

@@ -69,7 +69,7 @@ fn check_picks(dir: &TestDir, arguments: &str, count: u32, seed: u64) {
     let (views, mut hits) = (4, 0);
     for view in 0..views {
         let camera = moved(&scene["camera"], 1.3 * f64::from(view), 0.4 + 0.15 * f64::from(view));
-        let body = json!({ "camera": camera, "size": [97, 71], "mode": "still", "look": "plain" });
+        let body = json!({ "camera": camera, "size": [97, 71], "mode": "still", "options": { "look": ["plain"] } });
         let (_, mut words) = page.still(&body);
         words.extend(["--aov", "id=id.npy", "--aov", "position=p.npy", "--aov", "distance=d.npy"].map(String::from));
         dir.good(&words);
@@ -229,12 +229,12 @@ fn what_is_wrong_is_answered() {
     for (route, body, word) in [
         ("/frame", with("size", json!([0, 48])), "size"),
         ("/frame", with("size", json!([1_000_000, 1_000_000])), "size"),
-        ("/frame", with("look", json!("pretty")), "pretty"),
-        ("/frame", with("look", json!("plain --output=x.png")), "plain"),
+        ("/frame", with("options", json!({ "look": ["pretty"] })), "pretty"),
+        ("/frame", with("options", json!({ "look": ["plain --output=x.png"] })), "plain"),
         ("/frame", with("camera", down), "up"),
         ("/frame", with("camera", json!({ "eye": [0, 0, 1], "at": [0, 0, 0], "up": [0, 1, 0], "vfov": 200 })), "200"),
         ("/frame", with("select", json!("kind")), "kind"),
-        ("/frame", with("samples", json!(0)), "samples"),
+        ("/frame", with("options", json!({ "samples": ["0"] })), "samples"),
         ("/frame", with("frame", json!(2)), "frame 2"),
         ("/select", json!({ "expr": "knd a" }), "knd"),
         ("/select", json!({ "expr": "" }), ""),

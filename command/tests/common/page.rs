@@ -121,8 +121,8 @@ pub(crate) fn check_stills(dir: &TestDir, arguments: &str, selection: Option<&st
         }
         let mut body = json!({ "seq": n, "camera": camera, "size": [241 + n, 187], "mode": "still" });
         match n % 4 {
-            1 => body["look"] = json!("plain"),
-            2 => body["samples"] = json!(9),
+            1 => body["options"] = json!({ "look": ["plain"] }),
+            2 => body["options"] = json!({ "samples": ["9"] }),
             3 => body["select"] = json!(selection),
             _ => {}
         }

@@ -1,8 +1,8 @@
-//! Colours of selected spheres of a frame, and their legend.
+//! Colours and opacities of selected spheres of a frame, and their legend.
 
 use super::select::selection::Selection;
 use super::sequence::SceneFrame;
-use super::style::{Paint, paint};
+use super::style::{self, Paint, Style, paint};
 use halfline::error::Result;
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb;
@@ -10,13 +10,47 @@ use halfline::scene::DEFAULT_COLOR;
 use rayon::prelude::*;
 
 impl SceneFrame {
+    /// The same spheres with the colours and the opacities that the rules of a style give them.
+    ///
+    /// # Errors
+    /// As [`Self::painted`].
+    pub fn styled(&self, style: &Style) -> Result<Self> {
+        let painted = if style.paints.is_empty() { self.clone() } else { self.painted(&style.paints)?.0 };
+        painted.faded(style)
+    }
+
+    /// The same spheres with these opacities, none of which they had before, and a row of the legend for each rule.
+    fn faded(mut self, style: &Style) -> Result<Self> {
+        if style.opacity.is_none() && style.fades.is_empty() {
+            return Ok(self);
+        }
+        let (chosen, _) = self.chosen(&style.fades)?;
+        let count = chosen.len() - self.beads;
+        let of_all = style.opacity.unwrap_or(1.0);
+        let opacity = |(n, rule): (usize, &u32)| match rule {
+            _ if n >= count => 1.0,
+            0 => of_all,
+            rule => style.fades[*rule as usize - 1].1,
+        };
+        let opacities: Vec<f32> = chosen.par_iter().enumerate().map(opacity).collect();
+        self.scene.spheres.opacities = Some(opacities.into());
+        self.scene.spheres.share();
+        let rows = paint::categories(style.fades.iter().map(style::faded), &counts(&chosen, style.fades.len()));
+        match &mut self.legend {
+            Some(legend) => legend.overrides.extend(rows),
+            None if rows.is_empty() => {}
+            None => self.legend = Some(Legend::of_selections(rows)),
+        }
+        Ok(self)
+    }
+
     /// The same spheres, each in the colour of the last rule that selects it, and with a legend of these colours. Beads of a
     /// cell keep theirs, as those of a reader do. Returns also notes on the rules.
     ///
     /// # Errors
     /// Errors of the selections, also for a column that was not kept.
     pub fn painted(&self, rules: &[(Selection, Paint)]) -> Result<(Self, Vec<String>)> {
-        let (paint, notes) = self.paint(rules)?;
+        let (paint, notes) = self.chosen(rules)?;
         let elements = self.columns.elements();
         paint::check(rules, &elements)?;
         let element = |n: usize| elements.get(n).copied().unwrap_or(0);
@@ -37,7 +71,7 @@ impl SceneFrame {
     }
 
     /// The number of the last rule that selects each sphere, from 1; 0 for none.
-    fn paint(&self, rules: &[(Selection, Paint)]) -> Result<(Vec<u32>, Vec<String>)> {
+    fn chosen<T>(&self, rules: &[(Selection, T)]) -> Result<(Vec<u32>, Vec<String>)> {
         let spheres = &self.scene.spheres;
         let (mut paint, mut notes) = (vec![0; spheres.len()], Vec::new());
         let count = spheres.len() - self.beads;
@@ -76,4 +110,11 @@ impl SceneFrame {
             None => Some(Legend::of_selections(overrides)),
         }
     }
+}
+
+/// The number of spheres that each of so many rules gives its value.
+fn counts(chosen: &[u32], rules: usize) -> Vec<u64> {
+    let mut counts = vec![0; rules];
+    chosen.iter().filter(|rule| **rule > 0).for_each(|rule| counts[*rule as usize - 1] += 1);
+    counts
 }

@@ -324,12 +324,7 @@ impl Style {
     /// The legend with a row for each rule that gives some particle its colour or its opacity, by the numbers of [`Self::painted`]; a
     /// legend of these where there is none.
     pub(super) fn with_overrides(&self, legend: Option<Legend>, painted: &[u64]) -> Option<Legend> {
-        // Grey on white, as translucent as they are.
-        let fades = self.fades.iter().map(|(selection, opacity)| {
-            let mixed = 1.0 + opacity * (VEILED_GREY - 1.0);
-            (format!("{selection}: opacity {opacity}"), [mixed; 3])
-        });
-        let overrides = paint::categories(paint::rows(&self.paints).chain(fades), painted);
+        let overrides = paint::categories(paint::rows(&self.paints).chain(self.fades.iter().map(faded)), painted);
         match legend {
             Some(legend) if overrides.is_empty() => Some(legend),
             // Where all have the colours of selections, elements are no heading.
@@ -444,6 +439,12 @@ pub(super) fn spacing_of([low, high]: [[f64; 3]; 2], count: u64) -> f64 {
     let sides: Vec<f64> = sides.collect();
     let spread = sides.iter().map(|side| side.ln()).sum::<f64>() - (count.max(1) as f64).ln();
     if sides.is_empty() { 1.0 } else { (spread / sides.len() as f64).exp() }
+}
+
+/// The label and the colour of a rule for opacities: grey on white, as translucent as its spheres are.
+pub(super) fn faded((selection, opacity): &(Selection, f32)) -> (String, [f32; 3]) {
+    let mixed = 1.0 + opacity * (VEILED_GREY - 1.0);
+    (format!("{selection}: opacity {opacity}"), [mixed; 3])
 }
 
 #[cfg(test)]

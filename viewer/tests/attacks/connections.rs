@@ -191,7 +191,7 @@ fn the_server_ends_when_it_should() {
     let server = start(CALM, None);
     let still = server.connect();
     let camera = r#"{"eye":[0,0,5],"at":[0,0,0],"up":[0,1,0],"height":4}"#;
-    let body = format!(r#"{{"camera":{camera},"size":[4,4],"look":"hold"}}"#);
+    let body = format!(r#"{{"camera":{camera},"size":[4,4],"options":{{"look":["hold"]}}}}"#);
     server.send(&still, &post("frame", body).bytes());
     server.stage.wait_for(1);
     let stage = server.stage.clone();

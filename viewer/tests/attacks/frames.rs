@@ -20,11 +20,19 @@ fn messages_are_read_or_refused() {
     let camera = |camera: &str| frame("").replace(CAMERA, camera);
     let number = |number: &str| frame("").replace("[0,0,5]", &format!("[0,0,{number}]"));
     let size = |size: &str| frame("").replace("[16,8]", size);
+    let options: Vec<String> = (0..10_000).map(|n| format!(r#""{n}":[""]"#)).collect();
     let deep = format!(r#","x":{}"#, "[".repeat(10_000));
     let rows: Vec<(&str, Vec<u8>, u16, &str)> = [
         ("a frame", frame(""), 200, ""),
         ("unknown members", frame(r#","new":{"a":[1]}"#), 200, ""),
-        ("null for what may be left out", frame(r#","frame":null,"select":null,"look":null,"samples":null"#), 200, ""),
+        ("null for what may be left out", frame(r#","frame":null,"select":null"#), 200, ""),
+        ("options", frame(r#","options":{"clip":["1,0,0,2","0,1,0,3"],"map":[]}"#), 200, ""),
+        ("options in no object", frame(r#","options":[["clip","1,0,0,2"]]"#), 400, "settings"),
+        ("an option that is no list", frame(r#","options":{"clip":"1,0,0,2"}"#), 400, "settings"),
+        ("an option's number", frame(r#","options":{"samples":[4]}"#), 400, "settings"),
+        ("an option's null", frame(r#","options":{"look":[null]}"#), 400, "settings"),
+        ("an option in itself", frame(r#","options":{"clip":[["1,0,0,2"]]}"#), 400, "settings"),
+        ("10,000 options", frame(&format!(r#","options":{{{}}}"#, options.join(","))), 200, ""),
         ("the greatest seq", frame(r#","seq":18446744073709551615"#), 200, ""),
         ("NaN", number("NaN"), 400, "settings"),
         ("Infinity", number("Infinity"), 400, "settings"),
@@ -72,6 +80,8 @@ fn messages_are_read_or_refused() {
         ("select", r#"{"expr":"a"}"#, 200),
         ("select", r#"{"expr":""}"#, 400),
         ("select", r#"{"expr":1}"#, 400),
+        ("select", r#"{"options":{"color_by":["x"]}}"#, 200),
+        ("select", r#"{"options":{"color_by":"x"}}"#, 400),
         ("command", &frame(""), 200),
         ("pick", &frame(r#","x":3,"y":4,"from":7"#), 200),
         ("pick", &frame(r#","x":3,"y":-4"#), 400),
@@ -95,7 +105,7 @@ fn a_camera_survives_being_written() {
 
 /// Asks for a frame, which a thread answers.
 fn ask(routes: &Arc<Routes>, seq: u64, mode: &str, look: &str) -> thread::JoinHandle<Reply> {
-    let body = frame(&format!(r#","seq":{seq},"mode":"{mode}","look":"{look}""#));
+    let body = frame(&format!(r#","seq":{seq},"mode":"{mode}","options":{{"look":["{look}"]}}"#));
     thread::spawn(routes.take("frame", body.as_bytes()))
 }
 
@@ -139,7 +149,7 @@ fn a_panic_is_an_answer() {
     let server = start(CALM, None);
     let stream = server.connect();
     for (look, expected) in [("panic", "500"), ("", "200"), ("panic", "500"), ("", "200")] {
-        let body = frame(&format!(r#","look":"{look}""#));
+        let body = frame(&format!(r#","options":{{"look":["{look}"]}}"#));
         server.send(&stream, &post("frame", body).without("Connection").bytes());
         let (head, body) = answer(&stream);
         assert_eq!(statuses(head.as_bytes()), expected, "{head}");

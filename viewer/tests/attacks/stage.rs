@@ -1,7 +1,7 @@
 //! A stage without a scene.
 
 use halfline_viewer::{
-    Answer, Commands, FrameRequest, GoOn, PickRequest, Picture, Pixels, Refusal, SceneRequest, Stage,
+    Answer, Commands, FrameRequest, GoOn, PickRequest, Picture, Pixels, Refusal, SceneRequest, SelectRequest, Stage,
 };
 use serde_json::{Value, json};
 use std::sync::{Condvar, Mutex};
@@ -73,7 +73,7 @@ impl Stage for Fake {
         if width == 0 || height == 0 || width > 10_000 || height > 10_000 {
             return Err(Refusal { kind: "limits", message: "this size cannot be rendered".into(), exit: 5 });
         }
-        let is_done = match request.look.as_deref() {
+        let is_done = match request.options.get("look").map(|looks| looks[0].as_str()) {
             Some("panic") => panic!("as the test wants"),
             Some("hold") => self.hold(&**go_on),
             Some("hang") => self.hold(&|| true),
@@ -92,8 +92,9 @@ impl Stage for Fake {
         Ok(json!({ "id": request.x, "from": request.from }))
     }
 
-    fn select(&self, expr: &str, frame: Option<u64>) -> Answer<Value> {
+    fn select(&self, SelectRequest { expr, frame, .. }: &SelectRequest) -> Answer<Value> {
         self.call();
+        let expr = expr.as_deref().unwrap_or("all");
         if expr == "hang" {
             self.hold(&|| true);
         }

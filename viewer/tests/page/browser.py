@@ -161,7 +161,7 @@ class Tab:
     def key(self, key, modifiers=0):
         codes = {" ": "Space", "/": "Slash", "?": "Slash"}
         code = codes.get(key, f"Key{key.upper()}" if len(key) == 1 else key)
-        number = {"Enter": 13, "Escape": 27, "ArrowLeft": 37, "ArrowRight": 39, "/": 191, "?": 191}.get(key, ord(key[0].upper()))
+        number = {"Enter": 13, "Escape": 27, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "/": 191, "?": 191}.get(key, ord(key[0].upper()))
         text = "\r" if key == "Enter" else key if len(key) == 1 else ""
         common = dict(key=key, code=code, windowsVirtualKeyCode=number, modifiers=modifiers)
         self.call("Input.dispatchKeyEvent", type="keyDown" if text else "rawKeyDown", **common, **({"text": text} if text else {}))

@@ -21,7 +21,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 VIEW = "document.querySelector('.halfline-view').halfline"
 STILL = f"{VIEW}.still().then(() => {VIEW}.stats.frames)"
 SHIFT = 8
-MOCK = dict(ms_per_megapixel=0, still_ms=0, loading=0, refuse_frames=None, drop=False, skip_stills=0, film=True, first=1, flat=False)
+MOCK = dict(ms_per_megapixel=0, still_ms=0, loading=0, refuse_frames=None, drop=False, skip_stills=0, film=True, counted=False, first=1, flat=False)
 
 
 def text(selector):
@@ -38,6 +38,11 @@ def length(a):
 
 def minus(a, b):
     return [x - y for x, y in zip(a, b)]
+
+
+def short(x):
+    """A number as the table of picks shows it: 7 digits."""
+    return f"{x:.7g}"
 
 
 def near(a, b, e=1e-4):
@@ -170,8 +175,8 @@ class Run:
         self.check("the status line says what the answer says", "certified" in line and f"{size[0]} x {size[1]}" in line and " ms" in line, line)
         if self.mock:
             self.check("certified and settled", line.startswith("certified, 1,204 settled, ") and line.endswith(", llvmpipe"), line)
-            modes = [(r["mode"], r["samples"], r["size"] == size) for r in self.mock.log]
-            self.check("first a whole moving frame, then the still", modes == [("move", 1, True), ("still", None, True)], modes)
+            modes = [(r["mode"], r["size"] == size) for r in self.mock.log]
+            self.check("first a whole moving frame, then the still", modes == [("move", True), ("still", True)], modes)
         signature = tab.js(f"{VIEW}.lastStill().arrayBuffer().then((b) => [...new Uint8Array(b).slice(0, 4)])")
         self.check("the last still is a PNG", signature == [0x89, 0x50, 0x4E, 0x47], signature)
         bar = tab.js("(() => { const r = document.querySelector('.hl-rule').getBoundingClientRect().width; return [r, document.querySelector('.hl-scale span').innerText] })()")
@@ -247,7 +252,10 @@ class Run:
         self.check("a shift click gives the distance", answer["id"] == second["id"] and near(answer["from"]["distance"], d), answer)
         table = tab.js(text(".hl-table"))
         image = answer["from"]["minimum_image"]
-        self.check("raw and minimum image are shown", str(answer["from"]["distance"]) in table and (image is None or f"minimum image {image}" in table), table)
+        shown = f"Distance {short(answer['from']['distance'])}\n" in table + "\n"
+        self.check("raw and minimum image are shown, with 7 digits", shown and (image is None or f"minimum image {short(image)}\n" in table + "\n"), table)
+        names = tab.js("[...document.querySelectorAll('.hl-table th')].map((h) => h.innerText)")
+        self.check("no two rows have one name", len(set(names)) == len(names), names)
         self.shot("distance")
         tab.key("Escape")
         self.check("Esc clears the picks", tab.js(f"{VIEW}.picked().length") == 0 and not tab.js(is_shown(".hl-table")))
@@ -306,15 +314,16 @@ class Run:
         tab.write(wrong)
         self.check("letters in the input are no keys", self.camera() == camera and tab.js("document.querySelector('.hl-select input').value") == wrong)
         tab.key("Enter")
-        tab.until(f"{text('.hl-refused')} !== ''")
-        self.check("an error of the selection is under it", tab.js(f"{VIEW}.selection()") == "", tab.js(text(".hl-refused")))
+        tab.until(f"{text('.hl-note.hl-error')} !== ''")
+        tab.js(STILL)
+        self.check("an error of the selection stays over the picture", tab.js(f"{VIEW}.selection()") == "" and tab.js(is_shown(".hl-note.hl-error")), tab.js(text(".hl-note")))
         self.shot("refused")
         tab.js("document.querySelector('.hl-select input').value = ''")
         tab.write(expr)
         tab.key("Enter")
         tab.until(f"{VIEW}.selection() === {json.dumps(expr)}")
-        said = self.post("/select", {"expr": expr, "frame": self.frame()})
-        self.check("the count is shown", tab.js(text(".hl-select output")).replace(",", "") == f"{said['count']} of {said['of']}" and not tab.js(is_shown(".hl-refused")), tab.js(text(".hl-select output")))
+        said = self.post("/select", {"expr": expr, "frame": self.frame(), "options": {}})
+        self.check("the count is shown", tab.js(text(".hl-select output")).replace(",", "") == f"{said['count']} of {said['of']}" and not tab.js(is_shown(".hl-error")), tab.js(text(".hl-select output")))
         tab.js(STILL)
         if self.mock:
             self.check("the selection is in the frames", self.mock.log[-1]["select"] == expr and self.mock.log[-1]["mode"] == "still")
@@ -327,7 +336,7 @@ class Run:
     def copies(self):
         tab = self.tab
         tab.key("x")
-        body = {"camera": self.camera(), "size": self.size(), "frame": self.frame(), "select": None, "look": None, "samples": None, "mode": "still"}
+        body = {"camera": self.camera(), "size": self.size(), "frame": self.frame(), "select": None, "options": {}, "mode": "still"}
         answer = self.post("/command", body)
         origin = self.url.split("#")[0].rstrip("/")
         permit = lambda setting: [
@@ -379,6 +388,148 @@ class Run:
         names = tab.js("[...document.querySelectorAll('button, input, select')].filter((b) => !b.title && !b.getAttribute('aria-label') && b.checkVisibility() && !b.innerText).length")
         self.check("every control has a name", names == 0, names)
 
+    def field(self, label, value=None):
+        """The value of a control, after it was set as a hand sets it."""
+        change = "" if value is None else f"f.value = {json.dumps(str(value))}; f.dispatchEvent(new Event('input'));"
+        return self.tab.js(
+            f"""(() => {{
+              const label = [...document.querySelectorAll('.hl-controls label')].find((l) => l.innerText.startsWith({json.dumps(label)}));
+              const f = label.querySelector('input, select'); {change} return f.value;
+            }})()"""
+        )
+
+    def controls(self):
+        tab = self.fresh()
+        rows = self.post("/scene", {})["controls"]
+        tab.key("v")
+        tab.until(is_shown(".hl-controls"))
+        labels = tab.js("[...document.querySelectorAll('.hl-controls label')].map((l) => l.firstChild.textContent)")
+        self.check("v shows a row for each control", labels == [row["label"] for row in rows], labels)
+        begun = [self.field(label) for label in labels]
+        self.check("rows begin with the values of the scene", all(float(a) == float(row["value"]) if row.get("type") in ("range", "number") else a == row["value"] for a, row in zip(begun, rows)), begun)
+        self.shot("controls")
+        first, legend = tab.js(f"{VIEW}.stats.frames"), tab.js("document.querySelector('.hl-legend img').src")
+        column = "charge" if self.mock else "species" if "species" in self.post("/scene", {})["columns"] else "element"
+        high = next(row for row in rows if row["label"] == "x to")
+        cut = high["min"] + 0.5 * (high["max"] - high["min"])
+        changes = {"Colour by": column, "Colour map": "turbo" if self.mock else "", "Opacity": "0.5", "Layers": "2", "Background": "#204060",
+                   "Look": "plain", "Samples": "4", "x from": next(row for row in rows if row["label"] == "x from")["min"] + 1, "x to": cut}
+        values = {label: self.field(label, value) for label, value in changes.items()}
+        tab.js(STILL)
+        plane = float(values["x to"])
+        expected = {"color_by": [column], **({"map": ["turbo"]} if self.mock else {}), "opacity": ["0.5"], "layers": ["2"], "background": ["#204060"], "look": ["plain"],
+                    "samples": ["4"]}
+        body = {"camera": self.camera(), "size": self.size(), "frame": self.frame(), "select": None, "mode": "still",
+                "options": {**expected, "clip": [f"-1,0,0,{-float(values['x from']):g}", f"1,0,0,{plane:g}"]}}
+        if self.mock:
+            self.check("the values are in the requests", self.mock.log[-1]["options"] == body["options"], self.mock.log[-1]["options"])
+        still = bytes(tab.js(f"{VIEW}.lastStill().arrayBuffer().then((b) => [...new Uint8Array(b)])"))
+        asked = bytes(
+            tab.js(
+                f"""fetch("/frame", {{ method: "POST", headers: {{ Authorization: "Bearer " + location.hash.slice(1) }},
+                  body: JSON.stringify({json.dumps({**body, 'seq': self.mock.log[-1]['seq'] if self.mock else 0})}) }}).then((r) => r.arrayBuffer()).then((b) => [...new Uint8Array(b)])"""
+            )
+        )
+        self.check("the still is that of these options", still == asked and tab.js(f"{VIEW}.stats.frames") > first, (len(still), len(asked)))
+        tab.until(f"document.querySelector('.hl-legend img').src !== {json.dumps(legend)}")
+        self.check("the legend is that of the column", column in tab.js("decodeURIComponent(document.querySelector('.hl-legend img').src)"))
+        copied = self.post("/command", body)["shell"]
+        self.check("the copied command has them", all(word in copied for word in ("color", column, "204060", f"{plane:g}")), copied)
+        self.shot("controls-set")
+        # Spheres that are cut off are picked no more.
+        pixel = self.post("/pick", {**body, "x": self.size()[0] // 2, "y": self.size()[1] // 2, "from": None})
+        self.check("a pick does not see what is cut off", pixel is None or pixel["center"][0] <= plane, pixel)
+        expr = "S" if self.mock else self.settings.select
+        tab.js(f"{VIEW}.select({json.dumps(expr)})")
+        tab.until(f"{VIEW}.selection() === {json.dumps(expr)}")
+        tab.js(STILL)
+        if self.mock:
+            self.check("with a selection the opacity is that of the others", self.mock.log[-1]["options"]["opacity"] == [f"not ({expr})=0.5"], self.mock.log[-1])
+        tab.js(f"{VIEW}.select('')")
+        tab.until(f"{VIEW}.selection() === ''")
+        tab.js("[...document.querySelectorAll('.hl-controls button')].find((b) => b.innerText === 'Reset').click()")
+        tab.js(STILL)
+        self.check("Reset brings the values of the beginning", [self.field(label) for label in labels] == begun)
+        if self.mock:
+            self.check("and asks for no options", self.mock.log[-1]["options"] == {} and self.mock.log[-1]["mode"] == "still", self.mock.log[-1])
+        tab.js(f"[...document.querySelectorAll('.hl-controls button')].at(-2).focus()")
+        tab.key("v")
+        self.check("v hides them", not tab.js(is_shown(".hl-controls")))
+        if self.mock:
+            tab.key("v")
+            self.field("Colour by", "mass")
+            tab.until(f"{text('.hl-note.hl-error')}.includes('mass')")
+            self.check("the message of a column that is none is shown", True)
+            self.field("Colour by", "element")
+            tab.js(STILL)
+            self.check("and goes with the next value", not tab.js(is_shown(".hl-error")))
+
+    def turns(self):
+        tab = self.fresh(film=False) if self.mock else self.fresh()
+        for key, modifiers, axis in (("ArrowUp", 0, 1), ("ArrowDown", 0, 1), ("ArrowLeft", SHIFT, 0), ("ArrowRight", SHIFT, 0)):
+            before = self.camera()
+            tab.key(key, modifiers)
+            after = self.camera()
+            a, b = (minus(c["eye"], c["at"]) for c in (before, after))
+            up = before["up"]
+            height = [sum(x * y for x, y in zip(v, up)) / length(v) / length(up) for v in (a, b)]
+            flat = [minus(v, [x * h * length(v) / length(up) for x in up]) for v, h in zip((a, b), height)]
+            turned = math.degrees(math.acos(max(-1, min(1, sum(x * y for x, y in zip(*flat)) / length(flat[0]) / length(flat[1])))))
+            risen = math.degrees(math.asin(height[1]) - math.asin(height[0]))
+            found = abs(risen) if axis else turned
+            self.check(f"{key} turns by 15 degrees", near(found, 15, 1e-3) and near(length(a), length(b)) and near(before["at"], after["at"]), (turned, risen))
+        if self.mock:
+            before = self.camera()
+            tab.key("ArrowLeft")
+            self.check("without frames the arrows to the sides turn too", self.camera()["eye"] != before["eye"])
+            tab = self.fresh()
+            before = self.camera()
+            tab.key("ArrowRight")
+            self.check("with frames they step", self.camera() == before and tab.js(text(".hl-film output")) == "2 / 100")
+
+    def phones(self):
+        """A phone: 390 x 844, with fingers."""
+        tab = self.fresh(size=(390, 844), touch=True)
+        self.check("the pointer is a finger", tab.js("matchMedia('(pointer: coarse)').matches"))
+        tab.js("[...document.querySelectorAll('.hl-buttons button')][0].click()")
+        tab.js("document.querySelector('.hl-warnings').open = true")
+        tab.until(is_shown(".hl-controls"))
+        tab.js(STILL)
+        self.shot("phone-controls")
+        small = tab.js(
+            """[...document.querySelectorAll('.halfline-view *')].filter((e) => e.checkVisibility() && [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()))
+              .filter((e) => parseFloat(getComputedStyle(e).fontSize) < 12).map((e) => e.className || e.tagName)"""
+        )
+        self.check("text has 12 px at least", small == [], small)
+        sizes = tab.js(
+            """[...document.querySelectorAll('.halfline-view :is(button, select, input, summary)')].filter((e) => e.checkVisibility())
+              .map((e) => [e.innerText || e.type, e.getBoundingClientRect().width, e.getBoundingClientRect().height]).filter(([, w, h]) => w < 40 || h < 40)"""
+        )
+        self.check("what a finger touches has 40 px at least", sizes == [], sizes)
+        over = tab.js("[...document.querySelectorAll('.hl-bar *, .hl-film *, .hl-foot *, .hl-sides, .hl-legend')].filter((e) => e.checkVisibility()).map((e) => e.getBoundingClientRect()).filter((r) => r.left < 0 || r.right > innerWidth + 1).length")
+        self.check("nothing lies beside the screen", over == 0 and tab.js("document.scrollingElement.scrollWidth") <= 390, over)
+        share = tab.js("document.querySelector('.hl-sides').getBoundingClientRect().height / document.querySelector('.hl-stage').getBoundingClientRect().height")
+        self.check("the controls leave half of the picture", share <= 0.5, share)
+        scale = tab.js("(({width, naturalWidth}) => width / naturalWidth)(document.querySelector('.hl-legend img'))")
+        self.check("the legend has its own size", near(scale, 1, 0.01), scale)
+        tab.js("document.querySelector('.hl-legend summary').click()")
+        self.check("the legend closes", not tab.js("document.querySelector('.hl-legend img').checkVisibility()"))
+        tab.js("document.querySelector('.hl-controls header button:last-child').click()")
+        self.check("the controls close", not tab.js(is_shown(".hl-controls")))
+        width = tab.js("document.querySelector('.hl-film input').getBoundingClientRect().width")
+        self.check("the film bar is as wide as a finger needs", width >= 120, width)
+        self.shot("phone")
+        tab = self.fresh(size=(700, 500))
+        tab.js(f"{VIEW}.select('Z > 1')")
+        tab.until(is_shown(".hl-error"))
+        hidden = tab.js(
+            """(() => { const r = document.querySelector('.hl-error').getBoundingClientRect();
+              return [0.02, 0.5, 0.98].some((f) => !document.querySelector('.hl-error').contains(document.elementsFromPoint(r.left + f * r.width, r.top + r.height / 2)
+                .find((e) => getComputedStyle(e).pointerEvents !== 'none' || e.className.includes('hl-note'))) && document.elementFromPoint(r.left + f * r.width, r.top + r.height / 2).tagName !== 'CANVAS'); })()"""
+        )
+        self.check("at 700 px nothing hides an error", not hidden)
+        self.shot("700-error")
+
     def films(self):
         tab = self.fresh()
         shown = lambda: tab.js(text(".hl-film output"))
@@ -404,10 +555,18 @@ class Run:
 
         tab = self.fresh(film=None, first=98)
         self.check("without a number of frames there is only the frame", shown() == "frame 98" and not tab.js(is_shown(".hl-film input")), shown())
-        tab.key(" ")
-        tab.until(f"{text('.hl-note')}.includes('the file has')")
+        for _ in range(4):
+            tab.key("ArrowRight")
+        tab.until(f"{text('.hl-note.hl-error')}.includes('the file has')")
+        self.check("a frame beyond the last one is an error", shown() == "frame 102", shown())
+        self.mock.counted = True
+        for _ in range(3):
+            tab.key("ArrowLeft")
         tab.js(STILL)
-        self.check("playing finds the last frame", shown() == "100 / 100" and self.mock.log[-1]["frame"] == 100, shown())
+        self.check("the number of frames comes when they are counted", shown() == "99 / 100" and tab.js(is_shown(".hl-film input")), shown())
+        tab.key("ArrowRight")
+        tab.key("ArrowRight")
+        self.check("then the last frame is the end", shown() == "100 / 100", shown())
 
     def supersedes(self):
         tab = self.fresh(still_ms=1000)
@@ -489,6 +648,7 @@ class Run:
 
     def touches(self):
         tab = self.fresh(size=(390, 760), touch=True)
+        tab.js("document.querySelector('.hl-legend summary').click()")
         before = self.camera()
         a, b = self.at(0.3, 0.4), self.at(0.6, 0.5)
         tab.touch("touchStart", a)
@@ -517,7 +677,7 @@ class Run:
         after = self.camera()
         same = near(minus(before["at"], before["eye"]), minus(after["at"], after["eye"]), 0.01)
         self.check("two fingers pan", same and not near(before["at"], after["at"]), after)
-        tab.js("document.querySelector('.hl-buttons button').click()")
+        tab.js("[...document.querySelectorAll('.hl-buttons button')].find((b) => b.innerText === 'Fit').click()")
         tab.js(STILL)
         (a, hit), = self.spheres(1)
         tab.touch("touchStart", a)
@@ -594,7 +754,7 @@ class Run:
         self.check("the page is under 40 KB", total < 40_000, f"{total} bytes")
 
     def everything(self):
-        for name in ("units", "beginning", "orbit", "pans", "zooms", "picks", "axes", "lenses", "copies", "saves", "helps"):
+        for name in ("units", "beginning", "orbit", "pans", "zooms", "picks", "axes", "lenses", "copies", "saves", "helps", "controls", "turns"):
             if self.tab is None or name in ("orbit", "picks", "copies"):
                 self.fresh()
             self.group(name, getattr(self, name))
@@ -602,7 +762,7 @@ class Run:
             self.fresh()
             self.group("selects", self.selects)
         if self.mock:
-            for name in ("films", "supersedes", "fails", "paces", "touches", "schemes", "notebooks", "weight"):
+            for name in ("films", "supersedes", "fails", "paces", "touches", "phones", "schemes", "notebooks", "weight"):
                 self.group(name, getattr(self, name))
         else:
             self.group("schemes", self.schemes)

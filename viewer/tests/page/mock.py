@@ -24,22 +24,37 @@ POLICY = (
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 LEGEND = (
-    '<svg xmlns="http://www.w3.org/2000/svg" width="150" height="{height}" font-family="sans-serif" font-size="12">'
-    '<text x="0" y="12" font-weight="bold">{title}</text>{rows}</svg>'
+    '<svg xmlns="http://www.w3.org/2000/svg" width="198" height="{height}" font-family="sans-serif" font-size="12">'
+    '<text x="24" y="36" font-weight="bold">{title}</text>{rows}</svg>'
 )
 COLOURS = [(214, 92, 64), (72, 128, 200), (92, 168, 96), (216, 176, 72), (150, 104, 180)]
 NAMES = ["O", "N", "C", "S", "P"]
 BACKGROUND = (244, 245, 247)
 CELL = 10.0
 FRAMES = 100
+CONTROLS = [
+    {"id": "color_by", "label": "Colour by", "help": "A column", "value": "", "values": ["", "element", "charge", "mass"]},
+    {"id": "map", "label": "Colour map", "help": "A map", "value": "", "values": ["", "viridis", "turbo"]},
+    {"id": "opacity", "label": "Opacity", "help": "A share", "type": "range", "value": "1", "min": 0.05, "max": 1, "step": 0.05, "others": True},
+    {"id": "layers", "label": "Layers seen through", "help": "A number", "type": "number", "value": "1", "min": 1, "max": 64},
+    {"id": "background", "label": "Background", "help": "A colour", "type": "color", "value": "#f4f5f7"},
+    {"id": "look", "label": "Look", "help": "A look", "value": "soft", "values": ["plain", "soft", "figure"]},
+    {"id": "samples", "label": "Samples", "help": "A number", "value": "", "values": ["", "1", "4", "16"]},
+    *(
+        {"id": "clip", "label": f"{axis} {end}", "help": "A plane", "type": "range", "value": value, "min": 0, "max": 10, "step": 0.1,
+         "plane": [sign * (axis == name) for name in "xyz"]}
+        for axis in "xyz"
+        for end, value, sign in (("from", 0, -1), ("to", 10, 1))
+    ),
+]
 
 
 def legend(title, names):
     rows = "".join(
-        f'<circle cx="8" cy="{30 + 18 * i}" r="6" fill="rgb{COLOURS[NAMES.index(n)]}"/><text x="22" y="{34 + 18 * i}">{n}</text>'
+        f'<circle cx="32" cy="{54 + 18 * i}" r="6" fill="rgb{COLOURS[NAMES.index(n)]}"/><text x="46" y="{58 + 18 * i}">{n}</text>'
         for i, n in enumerate(names)
     )
-    return LEGEND.format(height=30 + 18 * len(names), title=title, rows=rows)
+    return LEGEND.format(height=78 + 18 * len(names), title=title, rows=rows)
 
 
 def png(width, height, levels):
@@ -112,6 +127,7 @@ class Mock:
         self.drop = False  # closes every connection: the server has ended
         self.skip_stills = 0  # so many stills are answered 204 without a newer one
         self.film = True  # False: a single picture; None: the number of frames is not known
+        self.counted = False  # whether it is known meanwhile
         self.first = 1
         self.flat = False  # pictures without discs, which cost nothing
         self.lock, self.turn = threading.Lock(), threading.Lock()
@@ -129,6 +145,10 @@ class Mock:
         a = 2 * math.pi * ((frame or 1) - 1) / FRAMES
         return [c[0] + 0.6 * math.sin(a + i), c[1], c[2] + 0.6 * (math.cos(a + i) - math.cos(i))], r, kind
 
+    def is_cut(self, center, options):
+        planes = (list(map(float, text.split(","))) for text in options.get("clip", []))
+        return any(dot(plane[:3], center) > plane[3] for plane in planes)
+
     def chosen(self, expr):
         """Selections of the mock: `NAME`, or `id<N`."""
         if not expr:
@@ -143,11 +163,11 @@ class Mock:
         names = NAMES
         return {
             "schema": 1, "version": "0.0.0", "file": "lattice.xyz", "format": "xyz", "count": len(self.spheres),
-            "frames": None if self.film is None else FRAMES if self.film else 1, "frame": self.first,
+            "frames": None if self.film is None else FRAMES if self.film else 1, "frame": self.first, "first": 1,
             "cell": [[CELL, 0, 0], [0, CELL, 0], [0, 0, CELL]], "extent": [[0, 0, 0], [CELL] * 3],
             "center": [5.0, 5.0, 5.0], "radius": 8.2, "columns": {"element": {"type": "name"}, "charge": {"type": "number"}},
             "camera": {"eye": [20.5, -14.25, 13.0], "at": [5, 5, 5], "up": [0, 0, 1], "vfov": 40},
-            "look": "soft", "looks": ["plain", "soft", "figure"], "samples": 4, "size": [800, 600], "background": "#f4f5f7",
+            "look": "soft", "controls": CONTROLS, "samples": 4, "size": [800, 600], "background": "#f4f5f7",
             "selects": True, "legend": legend("element", names), "warnings": ["3 spheres have no radius in the file: 1.5 is used"],
         }
 
@@ -157,7 +177,7 @@ class Mock:
         for i in range(len(self.spheres)):
             c, r, kind = self.sphere(i, body.get("frame"))
             p = view.project(c)
-            if p:
+            if p and not self.is_cut(c, body.get("options", {})):
                 found.append((p[2], i, p[0], p[1], r / p[3], kind, c, r))
         return view, sorted(found, reverse=True)
 
@@ -190,8 +210,10 @@ class Mock:
             return None
         width, height = body["size"]
         picked = self.chosen(body.get("select"))
+        self.check(body.get("options", {}))
         view, order = self.visible(body)
-        levels = bytearray(bytes(BACKGROUND) * (width * height))
+        background = bytes.fromhex(body.get("options", {}).get("background", ["#" + bytes(BACKGROUND).hex()])[0][1:])
+        levels = bytearray(background * (width * height))
         for _, i, x, y, r, kind, _, _ in [] if self.flat else order:
             colour = COLOURS[kind] if picked is None or i in picked else (188, 188, 190)
             for scale, light in ((1.0, 0.55), (0.93, 0.9), (0.5, 1.0), (0.25, 1.12)):
@@ -219,11 +241,29 @@ class Mock:
         if self.flat:
             self.blank[width, height] = picture
         info = {
-            "seq": body["seq"], "ms": (time.perf_counter() - begun) * 1000, "certified": 1.0 if still else 0.99987, "settled": 1204,
-            "unit": view.unit_at(view.distance), "adapter": "llvmpipe", "look": body.get("look") or "soft",
-            "samples": body.get("samples") or 4, "warnings": [],
+            "frames": FRAMES if self.film is None and self.counted else None, "seq": body["seq"], "ms": (time.perf_counter() - begun) * 1000, "certified": 1.0 if still else 0.99987, "settled": 1204,
+            "unit": view.unit_at(view.distance), "adapter": "llvmpipe", "look": body.get("options", {}).get("look", ["soft"])[0],
+            "samples": 4, "warnings": [],
         }
+        info["status"] = f"{'certified' if still else '99.98 % certified'}, 1,204 settled, {round(info['ms'])} ms, {width} x {height}, llvmpipe"
         return picture, info
+
+    def check(self, options):
+        if options.get("color_by") == ["mass"]:
+            raise Refusal("settings", "the file has no column mass to colour by; the file has element, charge")
+
+    def fit(self, body):
+        """The camera of the scene's whole ball, in the same direction."""
+        camera = dict(body["camera"])
+        back = unit(minus(camera["eye"], camera["at"]))
+        aspect = min(1, body["size"][0] / body["size"][1])
+        half = aspect * math.tan(math.radians(camera.get("vfov", 40)) / 2)
+        distance = 8.61 / math.sin(math.atan(half))
+        camera["at"] = [5.0, 5.0, 5.0]
+        camera["eye"] = [5.0 + distance * x for x in back]
+        if "height" in camera:
+            camera["height"] = 17.22 / aspect
+        return {"camera": camera}
 
     def pick(self, body):
         view, order = self.visible(body)
@@ -245,14 +285,19 @@ class Mock:
         return None
 
     def select(self, body):
+        self.check(body["options"])
         found = self.chosen(body["expr"])
+        if found is None:
+            found = set(range(len(self.spheres)))
         names = [n for i, n in enumerate(NAMES) if any(self.spheres[j][2] == i for j in found)]
-        return {"count": len(found), "of": len(self.spheres), "legend": legend(body["expr"], names)}
+        title = body["expr"] or body["options"].get("color_by", ["element"])[0]
+        return {"count": len(found), "of": len(self.spheres), "legend": legend(title, names)}
 
     def command(self, body):
         words = [f"halfline render lattice.xyz --eye {','.join(map(str, body['camera']['eye']))}", f"--size {body['size'][0]}x{body['size'][1]}"]
         if body.get("select"):
             words.append(f"--select '{body['select']}'")
+        words += [f"--{name} {value}" for name, values in body["options"].items() for value in values]
         return {"shell": " ".join(words) + " -o x.png", "python": f"import halfline as hl\n# {json.dumps(body['camera'])}\n"}
 
     def progress(self, _):
@@ -314,7 +359,7 @@ def handler(mock):
             if self.headers.get("Authorization") != f"Bearer {mock.token}":
                 return self.answer(403, json.dumps(Refusal("settings", "the token is wrong: open the printed address").error).encode())
             route = self.path.lstrip("/")
-            if route not in ("scene", "frame", "pick", "select", "command", "progress"):
+            if route not in ("scene", "frame", "pick", "select", "fit", "command", "progress"):
                 return self.answer(404, json.dumps(Refusal("settings", "no such route").error).encode())
             try:
                 result = getattr(mock, route)(body)
