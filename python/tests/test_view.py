@@ -94,7 +94,10 @@ def test_the_page_learns_the_scene(page: Page, molecule: hl.Scene) -> None:
     assert scene["columns"]["chain"] == {"type": "text", "count": 2, "values": ["A", "B"]}
     assert scene["columns"]["bfactor"] == {"type": "number", "min": 0, "max": 39}
     assert scene["look"] == "soft" and scene["samples"] == 4 and scene["background"] == "#000000"
-    assert scene["looks"] == ["plain", "soft", "figure"] and scene["legend"].startswith("<svg")
+    assert scene["legend"].startswith("<svg")
+    rows = {row["id"]: row for row in scene["controls"]}
+    assert rows["look"]["values"] == ["plain", "soft", "figure"] and rows["look"]["value"] == "soft"
+    assert set(rows) == {"look", "samples", "layers", "background", "opacity", "clip"}
     low, high = np.array(scene["extent"])
     assert np.array_equal(low, (molecule.centers - molecule.radii[:, None]).min(axis=0))
     assert scene["radius"] == pytest.approx(np.linalg.norm(high - low) / 2)
@@ -125,7 +128,8 @@ def test_copied_lines_render_what_is_seen(
     page: Page, molecule: hl.Scene, select: str | None, tmp_path: Path, monkeypatch: Any
 ) -> None:
     page.view.camera = {"eye": [9, 3, 40.5], "at": [5, 5, 0], "up": [0, 1, 0], "height": 25}
-    body = page.body(select=select, options={"look": ["figure"], "samples": ["2"]}, mode="still")
+    options = {"look": ["figure"], "samples": ["2"], "clip": ["1,0,0,7"], "opacity": ["0.5"]}
+    body = page.body(select=select, options=options, mode="still")
     picture = page.still(**body)
     lines = page.json("/command", body)
     monkeypatch.chdir(tmp_path)
@@ -359,7 +363,7 @@ def test_the_traits_go_both_ways(page: Page, molecule: hl.Scene) -> None:
         ("/pick", {"x": -1, "y": 0}, 400, "`-1`"),
         ("/pick", {"y": 0}, 400, "`x`"),
         ("/pick", {"x": 3, "y": 4, "from": "a"}, 400, "not valid"),
-        ("/select", {"expr": None}, 400, "expected a string"),
+        ("/select", {"expr": 3}, 400, "expected a string"),
         ("/select", {"expr": "speed > 3"}, 400, "speed"),
         ("/command", {"camera": {}}, 400, "eye"),
         ("/nothing", {}, 404, "no such question"),
