@@ -96,7 +96,8 @@ def test_the_page_learns_the_scene(page: Page, molecule: hl.Scene) -> None:
     assert scene["look"] == "soft" and scene["samples"] == 4 and scene["background"] == "#000000"
     assert scene["legend"].startswith("<svg")
     rows = {row["id"]: row for row in scene["controls"]}
-    assert rows["look"]["values"] == ["plain", "soft", "figure"] and rows["look"]["value"] == "soft"
+    assert rows["look"]["values"] == ["plain", "soft", "figure"]
+    assert rows["look"]["value"] == "soft"
     assert set(rows) == {"look", "samples", "layers", "background", "opacity", "clip"}
     low, high = np.array(scene["extent"])
     assert np.array_equal(low, (molecule.centers - molecule.radii[:, None]).min(axis=0))
