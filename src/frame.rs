@@ -5,6 +5,7 @@ mod aov;
 pub mod array;
 mod buffer;
 pub mod color_map;
+pub mod coverage;
 pub mod legend;
 pub mod outline;
 pub mod provenance;
@@ -13,6 +14,7 @@ pub mod srgb;
 pub mod tone;
 
 use crate::window::Window;
+use coverage::Coverage;
 use report::Report;
 use tone::Toning;
 
@@ -32,6 +34,8 @@ pub struct Frame {
     pub full: [u32; 2],
     /// The requested buffers and the ids, in the order of [`Aov::ALL`].
     pub buffers: Vec<Buffer>,
+    /// The spheres of the samples of each pixel, if they were requested.
+    pub coverage: Option<Coverage>,
     /// The report: device, method, times, warnings.
     pub report: Report,
 }

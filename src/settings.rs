@@ -9,7 +9,7 @@ use crate::error::{Error, Place, Result, named};
 use crate::frame::tone::{Tone, Toning};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
-use crate::quote::setting::{LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN};
+use crate::quote::setting::{CRYPTOMATTE, LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN};
 use crate::scene::camera::Aperture;
 use crate::scene::{Material, Scene, Sky};
 use crate::shade::Shade;
@@ -70,6 +70,8 @@ pub struct Settings {
     /// Samples per pixel whose mean is the colour and the alpha, rounded up to the next square n x n: one point in each
     /// of n x n equal squares of the pixel. 0 and 1 use the pixel's centre. All other buffers are those of the centre.
     pub samples: u32,
+    /// Whether the frame counts the samples of each pixel that show each sphere. The scene then has opaque spheres only.
+    pub coverage: bool,
     /// A lens with a size, for colour and alpha; `None` for a pinhole. It needs several samples, each of which leaves from
     /// another point of it.
     pub aperture: Option<Aperture>,
@@ -133,10 +135,11 @@ impl Settings {
         Toning { tone, stops: self.exposure }
     }
 
-    /// Checks the exposure and the outline, and that the scene has what the buffers need.
+    /// Checks the exposure, the outline and the opacities, and that the scene has what the buffers need.
     ///
     /// # Errors
-    /// [`Error::Settings`] for an exposure or an outline out of range, for the buffer `shadow` without lights, or with more than [`MOST_LIGHTS`];
+    /// [`Error::Settings`] for an exposure or an outline out of range, for the buffer `shadow` without lights, or with more than [`MOST_LIGHTS`], for
+    /// coverage of translucent spheres;
     /// [`Error::Scene`] for a sky with numbers out of range.
     pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
         Toning::check_stops(self.exposure)?;
@@ -152,6 +155,11 @@ impl Settings {
         if self.aovs.contains(&Aov::Shadow) && lights > MOST_LIGHTS {
             let problem = format!("the buffer shadow cannot hold {lights} lights");
             return Err(Error::settings(problem, format!("use at most {MOST_LIGHTS} lights")));
+        }
+        if self.coverage && scene.spheres.is_translucent() {
+            let problem =
+                format!("{CRYPTOMATTE} counts the first hits of rays, and some spheres have an {OPACITY} below 1");
+            return Err(Error::settings(problem, format!("remove {OPACITY}, or {CRYPTOMATTE}")));
         }
         self.sky.check(|field| Place::field(format!("occlusion.{field}")))
     }

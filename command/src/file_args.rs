@@ -34,6 +34,11 @@ pub(super) struct FileArgs {
     /// several; without FILE they are stored in that of -o. Examples: depth=d.pfm, depth,id=all.exr, depth,normal.
     #[arg(long, value_name = "NAME[,NAME..][=FILE]", value_parser = named)]
     aov: Vec<AovArgument>,
+    /// Adds Cryptomatte layers to the .exr of -o, for masks in compositors: id (the number of each sphere), residue, or a column
+    /// such as chain, element or type. Each layer has the six objects that cover most of a pixel, by its --samples. May be
+    /// given several times.
+    #[arg(long, value_name = "COLUMN")]
+    pub(super) cryptomatte: Vec<String>,
     /// Bits per component in PNG: 8, 16.
     #[arg(long, value_name = "N", default_value = "8")]
     bits: Bits,
@@ -92,7 +97,13 @@ impl FileArgs {
                 "add NAME=-, or use the file name extension .raw",
             ));
         }
-        files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect()
+        let targets = files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect::<Result<Vec<_>>>()?;
+        match targets.first().filter(|_| self.output.is_some()) {
+            _ if self.cryptomatte.is_empty() => {}
+            Some(picture) => picture.check_mattes()?,
+            None => return Err(Error::settings("--cryptomatte adds layers to a picture", "use -o FILE.exr")),
+        }
+        Ok(targets)
     }
 
     /// Returns an error for a --dpi of the command line that none of the files would hold; a preference from elsewhere may

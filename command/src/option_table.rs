@@ -149,6 +149,7 @@ const OPTIONS: [OptionRow; 92] = [
     row("transparent", Keyword(Render, "transparent", Flag), CONFIG | NO_PART),
     row("output", Missing, NO_VIEW),
     row("aov", Missing, NO_VIEW | NO_PART),
+    row("cryptomatte", Keyword(Render, "cryptomatte", Texts), NO_VIEW | NO_PART),
     row("fps", Missing, NO_VIEW | NO_PART),
     row("bits", Keyword(Save, "bits", Number), CONFIG | NO_PART),
     row("dpi", Missing, CONFIG | NO_PART),

@@ -5,6 +5,7 @@ use halfline::frame::legend::Legend;
 use halfline::render::stream::{PartView, StreamIds};
 use halfline::scene::Scene;
 use halfline_files::read::mark::Marked;
+use halfline_files::read::matte::MatteNames;
 use halfline_files::read::{FrameTime, Skipped};
 
 /// A scene that is ready to render, and its number for file names.
@@ -24,6 +25,8 @@ pub(super) struct PictureScene {
     pub(super) ids: Option<StreamIds>,
     /// The things that have marks, with their texts.
     pub(super) marked: Vec<Marked>,
+    /// The names of the spheres in Cryptomatte layers.
+    pub(super) mattes: Vec<MatteNames>,
     /// The frame that the parts were made for; `None` for a scene that is not of parts.
     pub(super) part_view: Option<PartView>,
 }
@@ -42,6 +45,7 @@ impl PictureScene {
             framed: None,
             ids: None,
             marked: Vec::new(),
+            mattes: Vec::new(),
             part_view: None,
         }
     }

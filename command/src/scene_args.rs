@@ -253,6 +253,7 @@ impl SceneArgs {
             tolerance: self.accuracy.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
             seed: self.image.seed,
+            coverage: !self.files.cryptomatte.is_empty(),
             tone: self.image.tone,
             exposure: self.image.exposure,
             ..self.accuracy.compute.settings()

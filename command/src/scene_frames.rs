@@ -162,7 +162,7 @@ pub(super) fn sequence(
     cancel: &Cancel,
 ) -> Result<(Sequence, Option<(Camera, DVec3)>)> {
     let keep = match keep {
-        Keep::Nothing if !args.insets.mark.is_empty() => Keep::All,
+        Keep::Nothing if !args.insets.mark.is_empty() || !args.files.cryptomatte.is_empty() => Keep::All,
         keep => keep,
     };
     let mut options = ReadOptions { keep, ..options(args, cancel)? };
@@ -220,8 +220,10 @@ fn light(
     let look = args.light.apply(&mut frame, &args.files.buffers(), request, lens)?;
     let (marked, notes) = frame.marked(&args.insets.mark)?;
     frame.skipped.assumed.extend(notes);
+    let mattes = frame.matte_names(&args.files.cryptomatte)?;
     let SceneFrame { number, scene, skipped, legend, when, beads, .. } = frame;
-    let mut picture = PictureScene { number, beads, skipped, legend, when, marked, ..PictureScene::bare(scene, look) };
+    let mut picture =
+        PictureScene { number, beads, skipped, legend, when, marked, mattes, ..PictureScene::bare(scene, look) };
     legend::check_content(args, &mut picture)?;
     Ok(picture)
 }

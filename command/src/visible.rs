@@ -71,6 +71,9 @@ fn check(args: &SceneArgs) -> Result<()> {
     if !args.insets.mark.is_empty() {
         return Err(Error::settings("--mark: parts have no columns", "remove it"));
     }
+    if !args.files.cryptomatte.is_empty() {
+        return Err(Error::settings("--cryptomatte: parts have no columns", "remove it"));
+    }
     if args.insets.legend_in.is_some() {
         return Err(Error::settings("--legend-in: parts have no legend", "remove it"));
     }

@@ -17,6 +17,7 @@ pub mod info;
 mod input;
 mod lines;
 pub mod mark;
+pub mod matte;
 mod native;
 mod near;
 mod nearest;

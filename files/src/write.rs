@@ -3,6 +3,7 @@
 
 pub(crate) mod atomic;
 pub mod buffers;
+mod cryptomatte;
 mod digest;
 mod encode;
 mod exr;
@@ -12,6 +13,7 @@ pub mod format;
 pub mod hits;
 pub mod image_file;
 mod layer;
+pub mod mattes;
 pub mod merge;
 pub mod npy;
 pub(crate) mod npz;

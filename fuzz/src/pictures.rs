@@ -6,13 +6,14 @@ use halfline::report::Report;
 use halfline::settings::Backend;
 use halfline::window::Window;
 use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Spheres};
+use halfline_files::read::SceneFrame;
 use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::file::Target;
 use halfline_files::write::format::FormatOptions;
 use halfline_files::write::image_file::ImageFile;
 use halfline_files::write::merge::{Mosaic, Tile};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// Bytes per byte: deflate expands up to 1032 times, and a few copies of rows are held.
@@ -42,7 +43,17 @@ struct Desk {
 const WINDOWS: [Window; 2] = [Window { x0: 0, y0: 0, x1: 4, y1: 4 }, Window { x0: 4, y0: 0, x1: 6, y1: 4 }];
 
 fn settings(window: Window, aovs: &[Aov]) -> Settings {
-    Settings { backend: Backend::Cpu, window: Some(window), aovs: aovs.to_vec(), ..Settings::default() }
+    Settings { backend: Backend::Cpu, window: Some(window), aovs: aovs.to_vec(), coverage: true, ..Settings::default() }
+}
+
+/// The file of these buffers; of an EXR with a Cryptomatte layer.
+fn target(scene: &Scene, aovs: &[Aov], path: &Path) -> Target {
+    let mut target = Target::new(aovs, path, FormatOptions::default()).expect("a target");
+    if target.check_mattes().is_ok() {
+        let names = SceneFrame::new(1, scene.clone()).matte_names(&["id".to_owned()]);
+        target.set_mattes(&names.expect("names"));
+    }
+    target
 }
 
 static DESK: LazyLock<Desk> = LazyLock::new(|| {
@@ -57,7 +68,7 @@ static DESK: LazyLock<Desk> = LazyLock::new(|| {
             let settings = settings(window, aovs);
             let frame = halfline::render(&scene, &settings).expect("a frame");
             let path = folder.join(format!("{side}-{n}.{ending}"));
-            let target = Target::new(aovs, &path, FormatOptions::default()).expect("a target");
+            let target = target(&scene, aovs, &path);
             target.write(&frame, &origin(&scene, &settings, &frame.report, window)).expect("written");
             (path, frame.report)
         };
@@ -122,7 +133,7 @@ pub(crate) fn resume(data: &[u8]) -> Allowed {
     let found = desk.folder.join(format!("found.{ending}"));
     fs::write(&found, content).expect("a file of our own");
     let settings = settings(WINDOWS[0], aovs);
-    let target = Target::new(aovs, &found, FormatOptions::default()).expect("a target");
+    let target = target(&desk.scene, aovs, &found);
     let taken = target.is_there(&origin(&desk.scene, &settings, &desk.reports[format], WINDOWS[0]), &|| true);
     let expected = fs::read(&desk.left[format]).expect("there");
     assert_eq!(taken, content == expected, "the wanted file and no other is taken");

@@ -114,6 +114,10 @@ class Options(TypedDict, total=False):
     """Spheres farther than this from a point hide nothing of the sky; scene units."""
     bounces: int | None
     """The most bounces of a ray at mirrors and in glass."""
+    cryptomatte: str | Iterable[str]
+    """Cryptomatte layers in .exr files of the frame: ``"id"``, ``"residue"``, or columns of the
+    scene that ``keep`` of `read` keeps, such as ``"chain"`` (see docs/formats.md).
+    """
     legend: bool | str | PathLike[str]
     """The legend of the colours of a scene that was read with ``color_by``: ``True`` draws it into
     the picture on the right, ``"top-left"``, ``"top-right"``, ``"bottom-left"``,
@@ -212,6 +216,7 @@ def checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
         "reach": None if reach is None else number("reach", reach),
         "bounces": None if bounces is None else whole("bounces", bounces),
         "cell": cell_radius(given.get("cell", False)),
+        "cryptomatte": words("cryptomatte", given.get("cryptomatte", ())),
         "insets": _insets(given),
         "single": _is_single(given.get("dtype", "float64")),
     }

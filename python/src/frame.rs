@@ -12,6 +12,7 @@ use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::{Aov, Frame as CoreFrame, Scene};
 use halfline_drawing::inset::Panels;
+use halfline_files::read::matte::MatteNames;
 use halfline_files::write::file::Target;
 use halfline_files::write::format::{FileFormat, FormatOptions};
 use numpy::PyArrayDyn;
@@ -32,6 +33,8 @@ pub(crate) struct Frame {
     renderer: Shared,
     /// The panels that are drawn into its pictures; `None` without insets.
     panels: Option<Panels>,
+    /// The names of the Cryptomatte layers of its .exr files.
+    mattes: Vec<MatteNames>,
     /// Whether files of its colour have an alpha.
     transparent: bool,
     /// Lengths in float32, each buffer rounded at its first use; `None` if lengths are float64.
@@ -52,9 +55,9 @@ impl Rounded {
 
 impl Frame {
     pub(crate) fn new(rendered: Rendered, single: bool, settings: Settings, renderer: Shared) -> Self {
-        let Rendered { scene, frame, panels, transparent } = rendered;
+        let Rendered { scene, frame, panels, mattes, transparent } = rendered;
         let frame = Some(frame);
-        Self { frame, scene, settings, renderer, panels, transparent, rounded: single.then(Rounded::default) }
+        Self { frame, scene, settings, renderer, panels, mattes, transparent, rounded: single.then(Rounded::default) }
     }
 
     /// A copy of these buffers of the frame, with the panels in its colour.
@@ -62,6 +65,7 @@ impl Frame {
         let exact = self.exact()?;
         let mut frame = CoreFrame {
             buffers: exact.buffers.iter().filter(|buffer| aovs.contains(&buffer.aov)).cloned().collect(),
+            coverage: exact.coverage.clone(),
             report: exact.report.clone(),
             ..*exact
         };
@@ -81,6 +85,9 @@ impl Frame {
         let panels = self.panels.as_ref().filter(|_| is_picture);
         if let Some(panels) = panels {
             target.set_drawn(panels.words());
+        }
+        if target.format() == FileFormat::Exr {
+            target.set_mattes(&self.mattes);
         }
         let frame = self.exact()?;
         let origin = origin(&self.scene, &self.settings, &frame.report, frame.window);

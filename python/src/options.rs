@@ -11,6 +11,8 @@ use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Outline, Sea
 use halfline::window::Window;
 use halfline::{Aov, Shade};
 use halfline_drawing::inset::Panels;
+use halfline_files::read::matte::MatteNames;
+use halfline_files::write::mattes;
 use pyo3::prelude::*;
 
 /// The keywords for accuracy, method, search and tolerance.
@@ -41,6 +43,8 @@ pub(crate) struct Rendered {
     pub(crate) scene: halfline::Scene,
     pub(crate) frame: halfline::Frame,
     pub(crate) panels: Option<Panels>,
+    /// The names of the spheres in Cryptomatte layers.
+    pub(crate) mattes: Vec<MatteNames>,
     /// Whether files of its colour have an alpha.
     pub(crate) transparent: bool,
 }
@@ -73,6 +77,7 @@ pub(crate) struct Picture {
     bounces: Option<u32>,
     /// The radius of the beads that draw the edges of the cell; infinite for the default one.
     cell: Option<f64>,
+    cryptomatte: Vec<String>,
     pub(crate) insets: Insets,
     /// Whether lengths are float32.
     pub(crate) single: bool,
@@ -95,6 +100,7 @@ impl Picture {
             backend,
             aovs,
             samples: chosen.samples,
+            coverage: !self.cryptomatte.is_empty(),
             seed: self.seed,
             tone: self.tone.as_deref().map(str::parse).transpose()?,
             exposure: self.exposure,
@@ -130,6 +136,7 @@ impl Picture {
         let exact = self.scene(scene, camera)?;
         exact.check()?;
         let mut panels = self.insets.panels(scene, &exact, number)?;
+        let names = scene.frame.matte_names(&self.cryptomatte)?;
         let (marked, notes) = self.insets.marked(scene)?;
         let mut frame = render(&exact)?;
         frame.report.warnings.extend(notes);
@@ -141,7 +148,8 @@ impl Picture {
         frame.report.look = self.look(scene)?;
         frame.report.warnings.extend(self.idle_outline(scene)?);
         frame.report.warnings.extend(self.insets.warnings(scene, panels.as_ref()));
-        Ok(Rendered { scene: exact, frame, panels, transparent: self.transparent })
+        frame.report.warnings.extend(mattes::warnings(&names, &frame));
+        Ok(Rendered { scene: exact, frame, panels, mattes: names, transparent: self.transparent })
     }
 
     /// The scene with this camera, size, background and light.

@@ -190,3 +190,20 @@ def test_scene_files_have_labels_too(cpu: hl.Renderer, tmp_path: Path) -> None:
     frame = cpu.render(hl.read(scene), size=(300, 200), label="{file}", scale_bar="m")
     frame.save(mine, aovs="color")
     assert mine.read_bytes() == theirs.read_bytes()
+
+
+def test_mattes_are_those_of_the_command(cpu: hl.Renderer, dump: Path) -> None:
+    scene = hl.read(dump, keep=True)
+    layers = ["type", "id", "serial"]
+    frame = cpu.render(scene, size=(300, 200), look="plain", samples=4, cryptomatte=layers)
+    frame.save(dump.parent / "own.exr", aovs="color")
+    words = [word for layer in layers for word in ("--cryptomatte", layer)]
+    plain = "--look plain --samples 4 --backend cpu --size 300x200".split()
+    run(commands()[0], "render", dump, "-o", dump.parent / "other.exr", *plain, *words)
+    own, other = ((dump.parent / name).read_bytes() for name in ("own.exr", "other.exr"))
+    assert b"CryptoType" in own and own == other
+    with pytest.raises(ValueError, match="cryptomatte names spheres by `chain`"):
+        cpu.render(scene, cryptomatte="chain")
+    single = cpu.render(scene, size=(30, 20), cryptomatte="id", aovs="depth")
+    single.save(dump.parent / "depth.exr")
+    assert b"CryptoId" in (dump.parent / "depth.exr").read_bytes()

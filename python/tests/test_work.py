@@ -317,6 +317,7 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         "mark",
         "mark_all",
         "cell",
+        "cryptomatte",
         "dtype",
     ]
     reading = [

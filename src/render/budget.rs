@@ -8,6 +8,7 @@ use crate::certify::general::{General, GeneralRecord};
 use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
+use crate::frame::coverage::Coverage;
 use crate::gpu::device::AdapterSummary;
 use crate::kernel::Kernel;
 use crate::memory::SPHERE;
@@ -15,6 +16,7 @@ use crate::quote::setting::{CROP, SIZE, TILE};
 use crate::scene::Scene;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
+use crate::view::raster::strata_of;
 use crate::view::{SphereRecord, SphereResiduals, View};
 use crate::window::Window;
 
@@ -94,10 +96,13 @@ impl Need {
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.
         let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
+        let covers =
+            u64::from(settings.coverage) * Coverage::pixel_bytes(u64::from(strata_of(settings.samples)).pow(2));
         // The kernel's buffers also exist on the device.
         let device = if shares { kernel } else { 0 };
         let each = bytes_per_pixel(&plan.kernel, &settings.aovs, scene.lighting.lights.len() as u64, gpu)
             + sampled
+            + covers
             + exact
             + device;
         let count = u64::from(window.width()) * u64::from(window.height());

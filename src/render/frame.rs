@@ -18,6 +18,7 @@ use crate::certify::placing::Placer;
 use crate::cpu;
 use crate::cpu::light::LightOutputs;
 use crate::error::Result;
+use crate::frame::coverage::Coverage;
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
@@ -120,6 +121,7 @@ impl Renderer {
             }
             _ => LightBuffers::default(),
         };
+        let mut coverage = settings.coverage.then(|| Coverage::new(window));
         let sampled = match (samples, plan.sampled) {
             (Some(raster), Some(kernel)) => {
                 let opaque = self.opaque(plan, scene)?;
@@ -129,9 +131,14 @@ impl Renderer {
                     through.map(|opaque| timings.time("tree", || self.light_through(plan, scene, settings, opaque)));
                 let lights = through.as_ref().or(lights.as_ref()).filter(|_| plan.light_outputs.color);
                 let sampling = Sampling { plan, kernel, scene, settings, lights, opaque: opaque.as_deref() };
-                Some(self.sample(sampling, raster, &raw.id, &mut timings)?)
+                Some(self.sample(sampling, raster, &raw.id, coverage.as_mut(), &mut timings)?)
             }
-            _ => None,
+            _ => {
+                if let Some(coverage) = &mut coverage {
+                    coverage.add(&raw.id, window.inside(window), window.width());
+                }
+                None
+            }
         };
         if let Some(shade) = plan.kernel.shade {
             timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
@@ -146,7 +153,7 @@ impl Renderer {
         };
         let (width, height, full) = (window.width(), window.height(), [scene.image.width, scene.image.height]);
         let report = self.report(plan, scene, settings, samples);
-        let mut frame = Frame { width, height, window, full, buffers, report };
+        let mut frame = Frame { width, height, window, full, buffers, coverage, report };
         let report = &mut frame.report;
         report.rays = pixels as u64;
         report.hits = frame.buffers.iter().map(hits).sum();

@@ -101,7 +101,8 @@ impl Plan {
         let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
         // The open share of the sky is known before the colours.
         let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color);
-        let several = settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]);
+        let counted = settings.asks(&[Aov::Color, Aov::Alpha]) || settings.coverage;
+        let several = settings.samples > 1 && counted;
         if finished || sky.is_some() || several || plan.see_through {
             let at_centers = sky.is_some_and(|sky| sky.at_centers) && settings.aperture.is_none();
             // Through translucent spheres the host traces the rays from hits.

@@ -18,6 +18,7 @@ use crate::answers::settle;
 use crate::cpu::light::LightOutputs;
 use crate::error::Result;
 use crate::frame::Aov;
+use crate::frame::coverage::Coverage;
 use crate::frame::report::Timings;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
@@ -97,12 +98,13 @@ impl PictureSky<'_> {
 }
 
 impl Renderer {
-    /// Renders all samples of `raster`, in their order, on the device where it draws pictures. `centers` are the spheres that the pixels' centres show.
+    /// Renders all samples of `raster`, in their order, on the device where it draws pictures, and counts them in `coverage`. `centers` are the spheres that the pixels' centres show.
     pub(super) fn sample(
         &mut self,
         sampling: Sampling<'_>,
         mut raster: Raster,
         centers: &[u32],
+        mut coverage: Option<&mut Coverage>,
         timings: &mut Timings,
     ) -> Result<Means> {
         let Sampling { kernel, scene, settings, lights, .. } = sampling;
@@ -115,7 +117,8 @@ impl Renderer {
         // smooth and a lens blurs them.
         let margin = finish.map_or(0, Finish::margin).max(sky.map_or(0, |sky| sky.margin()));
         raster.window = window.grown(margin, scene.image.width, scene.image.height);
-        if let Some(sky) = sky.filter(|sky| sky.at_centers)
+        // The spheres of samples that a device draws stay there.
+        if let Some(sky) = sky.filter(|sky| sky.at_centers && coverage.is_none())
             && let Some(means) = self.draw_on_device(sampling, sky, (window, raster), centers, timings)?
         {
             return Ok(means);
@@ -151,6 +154,9 @@ impl Renderer {
             setups.set_sample(sample);
             self.pass(sampling, setups, (&at_centers, cue), (&mut raw, &mut passing), timings)?;
             timings.time("samples", || sums.add(&raw, &passing));
+            if let Some(coverage) = &mut coverage {
+                timings.time("coverage", || coverage.add(&raw.id, window.inside(raster.window), raster.window.width()));
+            }
         }
         let mut means = sums.means(raster.count(), &pool);
         if raster.window != window {

@@ -108,6 +108,44 @@ fn other_buffers_have_the_values_at_the_pixels_centre() {
     }
 }
 
+/// Spheres in pure red, green and blue with flat shading: the mean of a channel is the share of the samples that show one of them.
+/// Sixteen samples have exact shares.
+#[test]
+fn coverage_has_the_samples_that_show_each_sphere() {
+    let (camera, mut spheres) = (Camera::CANONICAL, Spheres::default());
+    for (n, color) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().cycle().take(60).enumerate() {
+        let at = |k: usize| ((n * k) % 61) as f64 / 61.0 - 0.5;
+        spheres.push([4.0 * at(7), 3.0 * at(11), -3.0 + at(23)], 0.2 + 0.1 * at(3), Some(color));
+    }
+    let image = ImagePlane { width: 48, height: 36, background: [0.0; 3] };
+    let scene = Scene { camera, image, spheres, lighting: Default::default() };
+    for (backend, mut renderer) in renderers() {
+        for (samples, window) in [(16, None), (1, None), (16, Some(Window { x0: 5, y0: 9, x1: 40, y1: 30 }))] {
+            let aovs = vec![Aov::Color, Aov::Alpha];
+            let settings =
+                Settings { samples, window, aovs, coverage: true, shade: Shade::Flat, ..Settings::default() };
+            let frame = render(&mut renderer, &scene, &settings);
+            let coverage = frame.coverage.as_ref().expect("it was requested");
+            assert_eq!((coverage.samples, coverage.rows.len()), (samples, frame.height as usize), "{backend:?}");
+            let mut means = vec![0.0; 3 * (frame.width * frame.height) as usize];
+            for (y, row) in coverage.rows.iter().enumerate() {
+                for cover in row {
+                    let pixel = y * frame.width as usize + cover.column as usize;
+                    means[3 * pixel + cover.id as usize % 3] += cover.samples as f32 / samples as f32;
+                }
+            }
+            assert!(frame.f32(Aov::Color) == Some(&means), "{backend:?}, {samples} samples of {window:?}");
+            let partly = means.iter().filter(|share| **share > 0.0 && **share < 1.0).count();
+            assert!((partly > 100) == (samples > 1), "{partly} edges");
+        }
+        let mut clear = scene.clone();
+        clear.spheres.opacities = Some(vec![0.5; 60].into());
+        let settings = Settings { coverage: true, aovs: vec![Aov::Color], ..Settings::default() };
+        let error = renderer.render(&clear, &settings).expect_err("no first hit alone").to_string();
+        assert!(error.contains("cryptomatte") && error.contains("opacity"), "{error}");
+    }
+}
+
 /// The part of the pixel [x, x + 1] x [y, y + 1] inside the disc of this radius about the origin, by the midpoints of 1000
 /// rows: within 1e-4.
 fn covered(x: f64, y: f64, radius: f64) -> f64 {

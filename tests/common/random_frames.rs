@@ -53,7 +53,7 @@ pub(crate) fn frame(seed: u64, full: [u32; 2]) -> Frame {
         occlusion: Some(Sky { rays: 64, reach: 2.5, ..Sky::default() }),
         ..Report::default()
     };
-    Frame { width, height, window: Window::full(width, height), full, buffers, report }
+    Frame { width, height, window: Window::full(width, height), full, buffers, coverage: None, report }
 }
 
 /// A part of a full frame, as rendering that part alone gives it.

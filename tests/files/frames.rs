@@ -42,7 +42,15 @@ fn buffers() -> Vec<Buffer> {
 fn frame(buffer: &Buffer) -> Frame {
     let [width, height] = [buffer.shape[1] as u32, buffer.shape[0] as u32];
     let window = Window::full(width, height);
-    Frame { width, height, window, full: [width, height], buffers: vec![buffer.clone()], report: Report::default() }
+    Frame {
+        width,
+        height,
+        window,
+        full: [width, height],
+        buffers: vec![buffer.clone()],
+        coverage: None,
+        report: Report::default(),
+    }
 }
 
 /// Writes it as a rendering of the scene "s".

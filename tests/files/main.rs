@@ -20,6 +20,7 @@ mod broken;
 mod formats;
 mod frames;
 mod light_buffers;
+mod mattes;
 mod molecules;
 mod people;
 mod readers;

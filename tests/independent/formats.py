@@ -1,12 +1,12 @@
 """Every format read by other programs, and compared with the .npy that halfline wrote of the same buffer.
 
-    pip install numpy OpenEXR 'opencv-python-headless<4.11' imageio pypng
+    pip install numpy OpenEXR 'opencv-python-headless<4.11' imageio pypng mmh3
     python tests/independent/formats.py path/to/halfline
 """
 import json, os, subprocess, sys, tempfile
 
 os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
-import cv2, imageio.v3, numpy as np, OpenEXR, png
+import cv2, imageio.v3, mmh3, numpy as np, OpenEXR, png
 
 halfline = os.path.abspath(sys.argv[1])
 scene = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../scenes/weekend.toml")
@@ -19,8 +19,8 @@ def check(what, a, b):
     print("equal:", what, a.shape, a.dtype)
 
 
-def render(*arguments):
-    subprocess.run([halfline, "render", scene, "--size", "160x90", "--backend", "cpu", *arguments], check=True)
+def render(*arguments, size="160x90"):
+    subprocess.run([halfline, "render", scene, "--size", size, "--backend", "cpu", *arguments], check=True)
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -52,6 +52,32 @@ with tempfile.TemporaryDirectory() as folder:
     check("OpenCV reads color.pfm", cv2.imread("color.pfm", cv2.IMREAD_UNCHANGED)[..., ::-1], npy["color"])
     check("OpenCV reads depth.pfm", cv2.imread("depth.pfm", cv2.IMREAD_UNCHANGED), npy["depth"].astype("f4"))
     check("numpy reads depth.raw", np.fromfile("depth.raw", "<f8").reshape(90, 160), npy["depth"])
+
+    # The ids at the finer pixels that hold the samples, counted; the hash pcg4d of Jarzynski and Olano chooses them.
+    render("-o", "mattes.exr", "--cryptomatte", "id", "--samples", "4", size="64x36")
+    render("--aov", "id=fine.npy", size="2048x1152")
+    y, x = np.indices((36, 64), "u4")
+    counts = {}
+    for sample in range(4):
+        v = [n.copy() * np.uint32(1664525) + np.uint32(1013904223) for n in (x, y, 0 * x + np.uint32(sample), 0 * x)]
+        for shift in (True, False):
+            for k, (i, j) in enumerate([(1, 3), (2, 0), (0, 1), (1, 2)]):
+                v[k] = v[k] + v[i] * v[j]
+            if shift:
+                v = [n ^ n >> np.uint32(16) for n in v]
+        column, row = ((at * 2 + stratum) * 16 + (n >> 16 & 15) for at, stratum, n in [(x, sample % 2, v[0]), (y, sample // 2, v[1])])
+        for sphere in np.unique(seen := np.load("fine.npy", mmap_mode="r")[row, column]):
+            counts[sphere] = counts.get(sphere, 0) + (seen == sphere)
+    mattes = OpenEXR.File("mattes.exr", separate_channels=True)
+    manifest = json.loads(mattes.header()["cryptomatte/db78969/manifest"])
+    channels = {name: channel.pixels for name, channel in mattes.channels().items()}
+    ranks = [(channels[f"CryptoId0{k // 2}.{'RB'[k % 2]}"], channels[f"CryptoId0{k // 2}.{'GA'[k % 2]}"]) for k in range(6)]
+    assert sorted(map(int, manifest)) == sorted(sphere for sphere in counts if sphere >= 0)
+    for name, number in manifest.items():
+        hashed = mmh3.hash(name, 0, signed=False)
+        assert int(number, 16) == (hashed ^ 1 << 23 if hashed >> 23 & 255 in (0, 255) else hashed), name
+        share = sum(np.where(np.ascontiguousarray(ids).view("u4") == int(number, 16), share, 0) for ids, share in ranks)
+        check(f"OpenEXR reads the matte of {name}", share, (counts[int(name)] / 4).astype("f4"))
 
     def srgb(x, levels):
         x = np.clip(x.astype("f8"), 0, 1)

@@ -107,6 +107,9 @@ impl PictureWriter<'_> {
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
             target.set_drawn(panels.words());
         }
+        if let Some(picture) = targets.first_mut() {
+            picture.set_mattes(&numbered.mattes);
+        }
         let settings = &self.args.settings_for(numbered, self.settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let mut report = renderer.dry_run(scene, settings)?;

@@ -41,6 +41,7 @@ mod limits;
 mod looks;
 mod marks;
 mod materials;
+mod mattes;
 mod merge;
 mod messages;
 mod one_look;

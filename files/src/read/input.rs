@@ -1,7 +1,7 @@
 //! The decompressed bytes of a scene file. Every reader reads from an [`Input`]. Cancellation ends it, even while a
 //! pipe is silent, and a stream that contains no data for too long is an error.
 
-use crate::write::file::{is_special, is_standard};
+use crate::write::atomic::{is_special, is_standard};
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::MultiGzDecoder;
 use halfline::error::{Error, Result};

@@ -4,27 +4,34 @@ use super::rows::{Head, Rows, malformed};
 use halfline::error::Result;
 use halfline::frame::provenance::Provenance;
 
-/// BLAKE3 of each buffer's samples in the order of [`Rows`], and of these hashes: 32 hexadecimal digits.
+/// BLAKE3 of each layer's samples in the order of [`Rows`] and of each manifest, and of these hashes: 32 hexadecimal digits.
 pub(super) struct Digest(Vec<blake3::Hasher>);
 
 impl Digest {
-    /// An empty digest of `layers` buffers.
-    pub(super) fn new(layers: usize) -> Self {
-        Self(vec![blake3::Hasher::new(); layers])
+    /// The digest of a file before its samples.
+    pub(super) fn new(head: &Head) -> Self {
+        let mut all = vec![blake3::Hasher::new(); head.layers()];
+        let attributes = head.mattes.iter().map(|matte| matte.attributes());
+        all.extend(attributes.map(|attributes| {
+            let mut hash = blake3::Hasher::new();
+            attributes.iter().for_each(|(_, text)| _ = hash.update(text.as_bytes()));
+            hash
+        }));
+        Self(all)
     }
 
     /// The digest of all rows.
     pub(super) fn of(head: &Head, rows: &mut dyn Rows) -> Result<Self> {
-        let mut digest = Self::new(head.forms.len());
+        let mut digest = Self::new(head);
         for band in head.bands() {
-            for layer in 0..head.forms.len() {
+            for layer in 0..head.layers() {
                 digest.update(layer, &rows.rows(layer, band.clone())?);
             }
         }
         Ok(digest)
     }
 
-    /// Adds the next samples of a buffer.
+    /// Adds the next samples of a layer.
     pub(super) fn update(&mut self, layer: usize, samples: &[u8]) {
         // Below this size, threads make BLAKE3 slower, as its documentation says.
         const MANY: usize = 1 << 17;

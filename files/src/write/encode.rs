@@ -1,9 +1,12 @@
 //! Encodes buffers as the samples that a format stores.
 
+use super::cryptomatte::MatteHead;
 use super::format::{FileFormat, FormatOptions};
 use super::layer::{LayerFormat, SampleType};
+use super::mattes::MatteLayer;
 use super::rows::Rows;
 use halfline::error::{Error, Result};
+use halfline::frame::coverage::Coverage;
 use halfline::frame::tone::Toning;
 use halfline::frame::{Aov, Buffer, Data, Frame, srgb};
 use halfline::quote::number;
@@ -16,6 +19,8 @@ use std::ops::Range;
 pub(super) struct Encoder<'a> {
     buffers: Vec<&'a Buffer>,
     forms: Vec<LayerFormat>,
+    mattes: Vec<MatteLayer>,
+    coverage: Option<&'a Coverage>,
     /// The fourth channel of colour.
     alpha: Option<&'a [f32]>,
     columns: usize,
@@ -35,7 +40,8 @@ impl<'a> Encoder<'a> {
         let buffers = forms.iter().map(|form| frame.get(form.aov)).collect::<Option<_>>()?;
         let with_alpha = forms.iter().any(LayerFormat::has_alpha);
         let alpha = if with_alpha { Some(frame.f32(Aov::Alpha)?) } else { None };
-        Some(Self { buffers, forms, alpha, columns: frame.width as usize, format, style, toning: frame.toning() })
+        let (coverage, columns, toning) = (frame.coverage.as_ref(), frame.width as usize, frame.toning());
+        Some(Self { buffers, forms, mattes: Vec::new(), coverage, alpha, columns, format, style, toning })
     }
 
     /// One buffer as .npy stores it.
@@ -43,7 +49,27 @@ impl<'a> Encoder<'a> {
         let (format, columns) = (FileFormat::Npy, buffer.shape[1]);
         let forms = format.forms(&[buffer.aov], style.bits, buffer.channels(), buffer.is_wide())?;
         let toning = Toning::default();
-        Some(Self { buffers: vec![buffer], forms, alpha: None, columns, format, style, toning })
+        Some(Self {
+            buffers: vec![buffer],
+            forms,
+            mattes: Vec::new(),
+            coverage: None,
+            alpha: None,
+            columns,
+            format,
+            style,
+            toning,
+        })
+    }
+
+    /// The same with Cryptomatte layers after the buffers.
+    pub(super) fn with_mattes(self, mattes: Vec<MatteLayer>) -> Self {
+        Self { mattes, ..self }
+    }
+
+    /// The facts about the Cryptomatte layers.
+    pub(super) fn mattes(&self) -> Vec<MatteHead> {
+        self.mattes.iter().map(|matte| matte.head.clone()).collect()
     }
 
     /// The sample format of each buffer.
@@ -54,6 +80,12 @@ impl<'a> Encoder<'a> {
 
 impl Rows for Encoder<'_> {
     fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
+        if let (Some(matte), Some(coverage)) = (layer.checked_sub(self.forms.len()), self.coverage) {
+            let (matte, columns) = (&self.mattes[matte], self.columns);
+            let ranked = |row| matte.ranked(row, columns, coverage.samples);
+            let all: Vec<f32> = coverage.rows[rows].par_iter().flat_map_iter(|row| ranked(row)).collect();
+            return Ok(made(&all, f32::to_le_bytes).into());
+        }
         let (buffer, form, style) = (self.buffers[layer], self.forms[layer], self.style);
         let pixels = rows.start * self.columns..rows.end * self.columns;
         let channels = buffer.channels();

@@ -6,6 +6,7 @@
 
 mod any;
 
+use super::cryptomatte::{CHANNELS, MatteHead};
 use super::format::FileFormat;
 use super::layer::LayerFormat;
 use super::rows::{EXR_ROWS, Found, Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
@@ -76,6 +77,11 @@ impl ExrLayout {
                 channels.push((ChannelDescription::named(&**name, kind), [layer, place]));
             }
         }
+        for (layer, matte) in (head.forms.len()..).zip(&head.mattes) {
+            for (place, name) in matte.channels().enumerate() {
+                channels.push((ChannelDescription::named(&*name, SampleType::F32), [layer, place]));
+            }
+        }
         channels.sort_by(|(a, _), (b, _)| a.name.cmp(&b.name));
         let [width, height] = head.size();
         let (list, channels): (Vec<_>, _) = channels.into_iter().unzip();
@@ -96,7 +102,11 @@ impl ExrLayout {
             .and_then(|()| requirements.write(&mut start))
             .and_then(|()| header.write(&mut start))
             .map_err(io::Error::other)?;
-        let each = head.forms.iter().map(|form| form.channels).collect();
+        // Before the byte that ends the header.
+        let end = start.len() - 1;
+        let attributes = head.mattes.iter().flat_map(MatteHead::attributes).map(|(name, text)| attribute(&name, &text));
+        start.splice(end..end, attributes.collect::<io::Result<Vec<_>>>()?.concat());
+        let each = head.forms.iter().map(|form| form.channels).chain(head.mattes.iter().map(|_| CHANNELS)).collect();
         Ok(Self { header, start, channels, each, width, height })
     }
 
@@ -170,6 +180,12 @@ impl ExrLayout {
     }
 }
 
+/// The bytes of an attribute of text. The text is UTF-8, which the type of exr does not hold, and the order is that of the calls.
+fn attribute(name: &str, text: &str) -> io::Result<Vec<u8>> {
+    let size = i32::try_from(text.len()).map_err(|_| invalid("the text is too long for EXR"))?;
+    Ok([name.as_bytes(), b"\0string\0", &size.to_le_bytes(), text.as_bytes()].concat())
+}
+
 /// Writes every buffer and the provenance.
 pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
     let layout = ExrLayout::of(head)?;
@@ -224,7 +240,13 @@ pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<
         return Ok(None);
     };
     let words = Provenance::from_json(json.to_string().as_bytes());
-    let Some(head) = words.and_then(|words| Head::new(FileFormat::Exr, words)) else { return Ok(None) };
+    let Some(mut head) = words.and_then(|words| Head::new(FileFormat::Exr, words)) else { return Ok(None) };
+    let manifest = |name: &str| match found.own_attributes.other.get(&Text::from(name)) {
+        Some(AttributeValue::Text(text)) => String::from_utf8(text.as_slice().to_vec()).ok(),
+        _ => None,
+    };
+    head.mattes =
+        MatteHead::all(&head.provenance, manifest).ok_or_else(|| fail(&"it lacks a manifest of Cryptomatte"))?;
     // The provenance defines the content; the rest of the header must agree with it.
     let layout = ExrLayout::of(&head).map_err(|error| fail(&error))?;
     let mut start = vec![0; layout.start.len()];

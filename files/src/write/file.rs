@@ -6,17 +6,22 @@ pub use super::atomic::{
 };
 
 use super::atomic::write_anywhere;
+use super::cryptomatte::MatteHead;
 use super::digest::Digest;
 use super::encode::{self, Encoder};
 use super::format::{FileFormat, FormatOptions};
 use super::image_file::{self, Opened};
+use super::mattes::{self, MatteLayer};
 use super::rows::{Head, Rows};
+use crate::read::matte::MatteNames;
 use halfline::error::{Error, Result};
 use halfline::frame::provenance::{Origin, Provenance};
 use halfline::frame::{Aov, Frame};
 use halfline::memory::ids_fit;
+use halfline::quote::setting::CRYPTOMATTE;
 use halfline::window::Window;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
@@ -31,6 +36,8 @@ pub struct Target {
     path: PathBuf,
     /// Words for what is drawn into the colour besides the scene, such as a legend; `None` for nothing.
     drawn: Option<String>,
+    /// The names of the Cryptomatte layers, of an EXR file.
+    mattes: Vec<MatteNames>,
 }
 
 impl Target {
@@ -71,7 +78,7 @@ impl Target {
         }
         aovs.sort_unstable();
         aovs.dedup();
-        Self { aovs, format, style, path: path.to_path_buf(), drawn: None }
+        Self { aovs, format, style, path: path.to_path_buf(), drawn: None, mattes: Vec::new() }
     }
 
     /// The buffers, in the order of [`Aov::ALL`].
@@ -82,6 +89,23 @@ impl Target {
     /// Notes what is drawn into the colour besides the scene, for provenance.
     pub fn set_drawn(&mut self, words: &str) {
         self.drawn = Some(words.to_owned());
+    }
+
+    /// Checks that the file can hold Cryptomatte layers.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a file that is no EXR.
+    pub fn check_mattes(&self) -> Result<()> {
+        if self.format == FileFormat::Exr {
+            return Ok(());
+        }
+        let problem = format!("{} cannot hold the layers of {CRYPTOMATTE}", self.path.display());
+        Err(Error::settings(problem, "use the file name extension .exr"))
+    }
+
+    /// Adds Cryptomatte layers with these names to the buffers of an EXR.
+    pub fn set_mattes(&mut self, mattes: &[MatteNames]) {
+        self.mattes = mattes.to_vec();
     }
 
     /// Whether anything is drawn into the colour besides the scene.
@@ -135,6 +159,8 @@ impl Target {
             origin.report.toning().words().for_each(|(key, text)| provenance.set(key, text));
         }
         self.drawn.iter().for_each(|words| provenance.set("halfline:drawn", words));
+        let layers = mattes::words(&self.mattes, origin.report.spheres);
+        layers.into_iter().for_each(|(key, text)| provenance.set(key, text));
         provenance
     }
 
@@ -163,13 +189,16 @@ impl Target {
     pub fn memory(&self, columns: u32, lights: usize) -> u64 {
         let window = Window::full(columns, u32::MAX);
         let forms = self.format.forms(&self.aovs, self.style.bits, lights, false).unwrap_or_default();
-        Head { forms, provenance: Provenance::default(), window, full: [columns, u32::MAX] }.memory(self.format)
+        let matte = |names: &MatteNames| MatteHead { layer: names.layer().to_owned(), manifest: BTreeMap::new() };
+        let mattes = self.mattes.iter().map(matte).collect();
+        Head { forms, mattes, provenance: Provenance::default(), window, full: [columns, u32::MAX] }.memory(self.format)
     }
 
     /// Warnings about what the format cannot hold of `frame`, in whole sentences.
     pub fn warnings(&self, frame: &Frame) -> Vec<String> {
         let buffers = self.aovs.iter().filter(|_| self.format == FileFormat::Png).filter_map(|aov| frame.get(*aov));
-        buffers.filter_map(|buffer| encode::warning(buffer, self.style.unit)).collect()
+        let of_buffers = buffers.filter_map(|buffer| encode::warning(buffer, self.style.unit));
+        of_buffers.chain(mattes::warnings(&self.mattes, frame)).collect()
     }
 
     /// Writes the buffers of `frame` and their provenance.
@@ -202,6 +231,16 @@ impl Target {
         Ok(bytes.into_inner())
     }
 
+    /// The Cryptomatte layers of a frame.
+    fn matte_layers(&self, frame: &Frame) -> Result<Vec<MatteLayer>> {
+        let Some(coverage) = &frame.coverage else {
+            let problem = "the frame does not have the spheres of its samples";
+            let lacks = || Error::settings(problem, format!("render it with {CRYPTOMATTE}"));
+            return if self.mattes.is_empty() { Ok(Vec::new()) } else { Err(lacks()) };
+        };
+        Ok(self.mattes.iter().map(|names| MatteLayer::new(names, coverage)).collect())
+    }
+
     /// Calls `write` with the head and the rows of the file.
     fn encoded(
         &self,
@@ -227,8 +266,9 @@ impl Target {
         }
         let encoder = Encoder::new(frame, &self.aovs, self.format, &self.style);
         let encoder = encoder.ok_or_else(|| refuse(format!("{} cannot hold the buffers", self.path.display())))?;
-        let (forms, provenance) = (encoder.forms().to_vec(), self.provenance(origin));
-        let mut head = Head { forms, provenance, window: origin.window, full: origin.full };
+        let encoder = encoder.with_mattes(self.matte_layers(frame)?);
+        let (forms, mattes, provenance) = (encoder.forms().to_vec(), encoder.mattes(), self.provenance(origin));
+        let mut head = Head { forms, mattes, provenance, window: origin.window, full: origin.full };
         let mut rows = Interruptible { rows: Box::new(encoder), go_on };
         if self.format != FileFormat::Raw {
             let digest = Digest::of(&head, &mut rows)?;

@@ -10,6 +10,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
+pub use super::cryptomatte::MatteHead;
 pub use super::layer::{LayerFormat, SampleType};
 pub use super::rows::{Head, Rows, Sink};
 
@@ -83,7 +84,7 @@ pub struct ImageFile {
     pub format: FileFormat,
     /// Everything but its samples.
     pub head: Head,
-    /// The samples of each buffer in little-endian bytes, row by row from the top, channels innermost.
+    /// The samples of each layer in little-endian bytes, row by row from the top, channels innermost.
     pub samples: Vec<Vec<u8>>,
 }
 
@@ -108,8 +109,8 @@ impl ImageFile {
 
     fn of(Opened { format, head, mut rows }: Opened<'_>, name: &str) -> Result<Self> {
         check(head.bytes(), || format!("the samples of {name}"))?;
-        let mut samples = vec![Vec::new(); head.forms.len()];
-        let mut digest = Digest::new(samples.len());
+        let mut samples = vec![Vec::new(); head.layers()];
+        let mut digest = Digest::new(&head);
         for band in head.bands() {
             for (layer, all) in samples.iter_mut().enumerate() {
                 let some = rows.rows(layer, band.clone())?;

@@ -2,6 +2,7 @@
 //! one that rendering the whole frame would have written.
 
 use super::atomic::is_standard;
+use super::cryptomatte::MatteHead;
 use super::digest::Digest;
 use super::file::write_file;
 use super::format::FileFormat;
@@ -94,7 +95,8 @@ impl Mosaic {
         }
         let provenance = common.head.provenance.without_pixels().of_window(full);
         let (format, forms) = (common.format, common.head.forms.clone());
-        let head = Head { forms, provenance, window: full, full: common.head.full };
+        let mattes = MatteHead::joined(tiles.iter().map(|tile| &tile.head.mattes[..]));
+        let head = Head { forms, mattes, provenance, window: full, full: common.head.full };
         Ok(Self { tiles, format, head })
     }
 
@@ -174,7 +176,7 @@ impl Rows for Tiles<'_> {
             return Err(Error::Interrupted);
         }
         let Mosaic { tiles, head, .. } = self.mosaic;
-        let (row, pixel) = (head.row(layer), head.forms[layer].pixel());
+        let (row, pixel) = (head.row(layer), head.pixel(layer));
         let mut samples = vec![0; rows.len() * row];
         let mut met = HashSet::new();
         for (n, tile) in tiles.iter().enumerate() {
@@ -201,8 +203,7 @@ impl Rows for Tiles<'_> {
             let own = top - window.y0 as usize..bottom - window.y0 as usize;
             let part = source.rows(layer, own)?;
             if let Some(checks) = &mut self.checks {
-                let layers = head.forms.len();
-                checks.entry(n).or_insert_with(|| Digest::new(layers)).update(layer, &part);
+                checks.entry(n).or_insert_with(|| Digest::new(&tile.head)).update(layer, &part);
             }
             for (y, line) in (top..).zip(part.chunks_exact(window.width() as usize * pixel)) {
                 samples[(y - rows.start) * row + window.x0 as usize * pixel..][..line.len()].copy_from_slice(line);

@@ -2,8 +2,9 @@
 //! of samples from [`Rows`] and readers provide them, so no file is in memory as a whole. A file is a function of its
 //! head and its rows, so merging tiles row by row gives the file of the full frame.
 
+use super::cryptomatte::{CHANNELS, MatteHead};
 use super::format::{Bits, FileFormat};
-use super::layer::LayerFormat;
+use super::layer::{LayerFormat, SampleType};
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::provenance::Provenance;
@@ -20,6 +21,8 @@ pub(super) const EXR_ROWS: usize = 16;
 pub struct Head {
     /// Its buffers, in the order of [`Aov::ALL`](halfline::Aov::ALL).
     pub forms: Vec<LayerFormat>,
+    /// The Cryptomatte layers after the buffers.
+    pub mattes: Vec<MatteHead>,
     /// Their provenance.
     pub provenance: Provenance,
     /// The window in the full frame.
@@ -33,7 +36,7 @@ impl Head {
     pub(super) fn new(format: FileFormat, provenance: Provenance) -> Option<Self> {
         let (window, full, buffers) = (provenance.window()?, provenance.full()?, provenance.buffers()?);
         let forms = format.forms(&buffers, Bits::of(&provenance), provenance.lights(), provenance.has_wide_ids())?;
-        Some(Self { forms, provenance, window, full })
+        Some(Self { forms, mattes: Vec::new(), provenance, window, full })
     }
 
     /// Columns and rows.
@@ -41,14 +44,24 @@ impl Head {
         [self.window.width() as usize, self.window.height() as usize]
     }
 
-    /// Bytes per row of one buffer.
-    pub(super) fn row(&self, layer: usize) -> usize {
-        self.size()[0] * self.forms[layer].pixel()
+    /// The number of layers: buffers and mattes.
+    pub(super) fn layers(&self) -> usize {
+        self.forms.len() + self.mattes.len()
     }
 
-    /// Bytes per row of all buffers.
+    /// Bytes per pixel of one layer.
+    pub(super) fn pixel(&self, layer: usize) -> usize {
+        self.forms.get(layer).map_or(CHANNELS * SampleType::F32.size(), LayerFormat::pixel)
+    }
+
+    /// Bytes per row of one layer.
+    pub(super) fn row(&self, layer: usize) -> usize {
+        self.size()[0] * self.pixel(layer)
+    }
+
+    /// Bytes per row of all layers.
     pub(super) fn rows(&self) -> usize {
-        (0..self.forms.len()).map(|layer| self.row(layer)).sum()
+        (0..self.layers()).map(|layer| self.row(layer)).sum()
     }
 
     /// Bytes of all samples.
@@ -82,7 +95,7 @@ impl Head {
 
 /// Samples, row by row from the top, channels innermost, in little-endian bytes.
 pub trait Rows: Send {
-    /// The rows of one buffer of the head. Files that are compressed as a whole give rows in order only.
+    /// The rows of one layer of the head. Files that are compressed as a whole give rows in order only.
     ///
     /// # Errors
     /// The errors of reading the file, [`Error::Scene`] for a malformed one.

@@ -73,6 +73,9 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
         (Accuracy::Auto, None, None) if settings.asks(&ANSWERS) => {
             choice(Accuracy::Certified, None, format!("buffers that hold answers are requested: {}", named(&ANSWERS)))
         }
+        (Accuracy::Auto, None, None) if settings.coverage => {
+            choice(Accuracy::Certified, None, "the spheres of samples are counted, which are answers".into())
+        }
         (Accuracy::Auto, None, None) if !few => {
             let reason = format!("with {} spheres no method is cheaper than certified answers", scene.spheres.len());
             choice(Accuracy::Certified, None, reason)
