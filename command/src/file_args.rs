@@ -13,6 +13,7 @@ use halfline::frame::Aov;
 use halfline::scene::Scene;
 use halfline_files::write::file::{Target, is_special, is_standard_output};
 use halfline_files::write::format::{Bits, Dpi, FileFormat, FormatOptions, NoReturn};
+use halfline_files::write::glb::is_glb;
 use std::path::{Path, PathBuf};
 
 /// Buffers and their file; `None` for the file of -o.
@@ -23,7 +24,8 @@ type AovArgument = (Vec<Aov>, Option<PathBuf>);
 #[command(next_help_heading = "Output")]
 pub(super) struct FileArgs {
     /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw; - is a PNG on standard output. For several pictures
-    /// %d or %04d is replaced by the number, and %% beside it by %, or .mp4 or .gif is a film of them, made by ffmpeg.
+    /// %d or %04d is replaced by the number, and %% beside it by %, or .mp4 or .gif is a film of them, made by ffmpeg. .glb is
+    /// no picture but the spheres themselves, as points with radii and colours for Blender and other programs.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Pictures per second of a film [default: 25].
@@ -98,7 +100,7 @@ impl FileArgs {
             ));
         }
         let targets = files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect::<Result<Vec<_>>>()?;
-        match targets.first().filter(|_| self.output.is_some()) {
+        match targets.first().filter(|_| self.picture().is_some()) {
             _ if self.cryptomatte.is_empty() => {}
             Some(picture) => picture.check_mattes()?,
             None => return Err(Error::settings("--cryptomatte adds layers to a picture", "use -o FILE.exr")),
@@ -144,6 +146,16 @@ impl FileArgs {
         Err(Error::settings(problem, "use -o with the file name extension .mp4 or .gif, or remove --fps"))
     }
 
+    /// The picture that -o names, not a model.
+    fn picture(&self) -> Option<&Path> {
+        self.output.as_deref().filter(|path| !is_glb(path))
+    }
+
+    /// The model of the spheres that -o names, with a place for the number.
+    pub(super) fn model(&self) -> Option<&Path> {
+        self.output.as_deref().filter(|path| is_glb(path))
+    }
+
     /// The buffers of --aov.
     pub(super) fn buffers(&self) -> Vec<Aov> {
         self.aov.iter().flat_map(|(aovs, _)| aovs).copied().collect()
@@ -151,14 +163,14 @@ impl FileArgs {
 
     /// The names of all files, with patterns for the number.
     pub(super) fn names(&self) -> Result<Vec<&Path>> {
-        Ok(self.named()?.into_iter().map(|(_, path)| path).collect())
+        Ok(self.model().into_iter().chain(self.named()?.into_iter().map(|(_, path)| path)).collect())
     }
 
     /// Returns an error for names that several pictures would share.
     pub(super) fn check_many(&self) -> Result<()> {
         let film = self.film().map(|film| film.path);
-        let names = self.named()?;
-        names.iter().filter(|(_, path)| Some(*path) != film).try_for_each(|(_, path)| check_pattern(path))
+        let names = self.names()?;
+        names.into_iter().filter(|path| Some(*path) != film).try_for_each(check_pattern)
     }
 
     fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
@@ -173,7 +185,7 @@ impl FileArgs {
 
     /// The buffers and their files in the order of the command line, the picture first.
     fn named(&self) -> Result<Vec<(Vec<Aov>, &Path)>> {
-        let output = self.output.as_deref();
+        let output = self.picture();
         let mut named: Vec<_> = output.map(|path| (vec![Aov::Color], path)).into_iter().collect();
         for (aovs, path) in &self.aov {
             let together = output.filter(|path| FileFormat::of(path).is_some_and(FileFormat::holds_many));

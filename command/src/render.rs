@@ -11,6 +11,7 @@ use super::film::FilmWriter;
 use super::legend;
 use super::lines::ProgressArgs;
 use super::messages::{QuietArgs, note};
+use super::names::numbered;
 use super::picture_scene::PictureScene;
 use super::preview::Preview;
 use super::process::ExitCode;
@@ -28,7 +29,7 @@ use halfline::progress::Cancel;
 use halfline::render::Renderer;
 use halfline::settings::Settings;
 use halfline_files::read::read_once;
-use halfline_files::write::file::{Target, is_special};
+use halfline_files::write::file::{Target, check_writable, is_special};
 use picture::{Messages, Picture, PictureWriter};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -299,8 +300,10 @@ impl Render {
         let targets = self.args.files.targets(picture.number)?;
         let legend = legend::file(&self.args, picture.number)?;
         let list = self.args.camera_list()?;
-        let written = targets.iter().map(Target::path).chain(legend.as_deref()).chain(list.as_deref());
-        check_inputs(written, &scene_frames.inputs())?;
+        let model = self.args.files.model().map(|path| numbered(path, picture.number));
+        let others = legend.iter().chain(&list).chain(&model).map(PathBuf::as_path);
+        check_inputs(targets.iter().map(Target::path).chain(others), &scene_frames.inputs())?;
+        model.as_deref().map_or(Ok(()), check_writable)?;
         targets.iter().try_for_each(Target::check)?;
         // Shared numbers are checked once, and not again for every repeated frame.
         picture.scene.spheres.share();
@@ -327,7 +330,7 @@ impl Render {
                 "cameras.json is not written, because no picture is a file whose folder it could be in"
             )),
         }
-        if targets.is_empty() && !self.json && self.preview.is_none() {
+        if targets.is_empty() && !self.json && self.preview.is_none() && self.args.files.model().is_none() {
             let problem = "no output is requested";
             return Err(Error::settings(problem, "use -o for a picture, --aov for a buffer, or --json"));
         }

@@ -71,6 +71,9 @@ fn check(args: &SceneArgs) -> Result<()> {
     if !args.insets.mark.is_empty() {
         return Err(Error::settings("--mark: parts have no columns", "remove it"));
     }
+    if args.files.model().is_some() {
+        return Err(Error::settings("parts have no spheres that are hidden, which a model has", "use a picture"));
+    }
     if !args.files.cryptomatte.is_empty() {
         return Err(Error::settings("--cryptomatte: parts have no columns", "remove it"));
     }

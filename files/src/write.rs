@@ -10,6 +10,7 @@ mod exr;
 pub mod figure;
 pub mod file;
 pub mod format;
+pub mod glb;
 pub mod hits;
 pub mod image_file;
 mod layer;

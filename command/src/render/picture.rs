@@ -3,6 +3,7 @@
 use crate::bar::Bar;
 use crate::legend;
 use crate::messages::{note, say};
+use crate::names::numbered as numbered_name;
 use crate::picture_scene::PictureScene;
 use crate::preview::Preview;
 use crate::scene_args::SceneArgs;
@@ -17,12 +18,13 @@ use halfline::settings::{Accuracy, Settings};
 use halfline_drawing::inset::Panels;
 use halfline_files::write::figure;
 use halfline_files::write::file::Target;
+use halfline_files::write::glb;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::num::NonZeroU32;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Messages on standard error, each once for all pictures. A warning that differs in its numbers only from that of an earlier
@@ -111,6 +113,13 @@ impl PictureWriter<'_> {
             picture.set_mattes(&numbered.mattes);
         }
         let settings = &self.args.settings_for(numbered, self.settings, &targets)?;
+        if let Some(model) = self.args.files.model() {
+            let report = self.write_model(model, numbered, renderer, settings)?;
+            if targets.is_empty() && self.preview.is_none() {
+                self.write_legend(numbered)?;
+                return Ok(written(files, report, None));
+            }
+        }
         if self.resume && !targets.is_empty() {
             let mut report = renderer.dry_run(scene, settings)?;
             report.skipped = numbered.skipped.total();
@@ -192,6 +201,22 @@ impl PictureWriter<'_> {
         let beyond: Vec<_> = targets.iter().flat_map(|target| target.warnings(&frame)).collect();
         frame.report.warnings.extend(beyond);
         Ok(frame)
+    }
+
+    /// Writes the spheres as a model. Returns a report without a frame.
+    fn write_model(
+        &self,
+        path: &Path,
+        numbered: &PictureScene,
+        renderer: &mut Renderer,
+        settings: &Settings,
+    ) -> Result<Report> {
+        let (number, scene) = (numbered.number, &numbered.scene);
+        let mut report = Report { number, look: numbered.look.name(), ..renderer.dry_run(scene, settings)? };
+        numbered.skipped.report(&mut report.skipped, &mut report.warnings, renderer.passed_over().len());
+        report.warnings.extend(glb::write(&numbered_name(path, number), scene)?);
+        report.warnings.iter().for_each(|warning| self.messages.warn(number, warning));
+        Ok(report)
     }
 
     fn write_legend(&self, numbered: &PictureScene) -> Result<()> {

@@ -136,6 +136,9 @@ impl<'a> Source<'a> {
         if !args.insets.mark.is_empty() {
             return refuse("marks need the columns of all spheres in memory", "remove --mark, or --stream");
         }
+        if args.files.model().is_some() {
+            return refuse("a model has all spheres", "use a picture, or remove --stream");
+        }
         if !args.files.cryptomatte.is_empty() {
             return refuse("names of Cryptomatte need all spheres in memory", "remove --cryptomatte, or --stream");
         }

@@ -44,6 +44,7 @@ mod materials;
 mod mattes;
 mod merge;
 mod messages;
+mod models;
 mod one_look;
 mod opacity;
 mod options;

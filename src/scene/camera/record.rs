@@ -101,6 +101,12 @@ impl CameraRecord {
         self.intrinsics.filter(|intrinsics| [intrinsics.cx, intrinsics.cy] != middle)
     }
 
+    /// Whether the principal point is not the middle of the image.
+    #[must_use]
+    pub fn is_off_center(&self) -> bool {
+        self.off_center().is_some()
+    }
+
     /// The camera.
     #[must_use]
     pub fn camera(&self) -> Camera {
