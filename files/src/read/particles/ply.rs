@@ -4,7 +4,9 @@
 
 mod binary;
 mod header;
+mod splat;
 mod text;
+mod vertex;
 
 use super::frame::Particles;
 use super::layout::Layout;
@@ -19,8 +21,10 @@ use halfline::error::{Error, Result};
 use halfline::memory::check_ids;
 use halfline::quote::unquoted;
 use header::{PlyElement, PlyEncoding, Property, header};
+use splat::Splat;
 use std::io::BufReader;
 use text::{rest_of_text, text};
+use vertex::VertexColumns;
 
 /// Reads the vertices.
 ///
@@ -34,7 +38,8 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
         let mend = "use a file with points";
         return Err(lines.fail(0, "header", "the element vertex is missing", mend));
     };
-    let (layout, packed) = columns(&elements[place], &lines, request)?;
+    let columns = columns(&elements[place], &lines, request)?;
+    let layout = &columns.layout;
     let mut particles = layout.begin();
     for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
         let kind = match other.name.as_str() {
@@ -54,7 +59,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             for element in before {
                 lines.pass(element.count)?;
             }
-            text(&mut lines, vertices, &layout, packed, &mut particles)?;
+            text(&mut lines, vertices, &columns, &mut particles)?;
             particles.tell_left_out();
             rest_of_text(&mut lines, vertices, behind, &mut particles)?;
         }
@@ -63,25 +68,27 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             for element in before {
                 binary.pass(element)?;
             }
-            binary.vertices(vertices, &layout, packed, &mut particles)?;
+            binary.vertices(vertices, &columns, &mut particles)?;
             binary.rest(vertices, behind, &mut particles)?;
         }
     }
     Ok(particles)
 }
 
-/// The columns of a vertex: its properties that are not lists. One of these may be a packed colour, which has three columns.
-fn columns(vertex: &PlyElement, lines: &Lines<Input>, request: &Request) -> Result<(Layout, Option<usize>)> {
+/// The columns of these vertices.
+fn columns(vertex: &PlyElement, lines: &Lines<Input>, request: &Request) -> Result<VertexColumns> {
     let wrong = |problem: String| {
         let mend = "give the vertices the properties x, y and z, each once";
         Error::scene(lines.file().named("vertex"), problem, mend)
     };
     let fields: Vec<NamedField<'_>> = vertex.properties.iter().map(Property::field).collect();
     let meanings = meanings(&fields);
+    let names: Vec<String> = meanings.fields.iter().flatten().map(|(name, _)| name.clone()).collect();
     let (mut layout, packed) = (Layout::new(request), meanings.packed);
     layout.add_fields(meanings).map_err(wrong)?;
+    let splat = Splat::of(&names, &mut layout).map_err(wrong)?;
     match (0..3).find(|k| !layout.contains(Role::Position(*k))) {
-        None => Ok((layout, packed)),
+        None => Ok(VertexColumns { layout, packed, splat }),
         Some(k) => Err(wrong(format!("a vertex has no {}", ["x", "y", "z"][k]))),
     }
 }

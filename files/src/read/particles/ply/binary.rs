@@ -1,10 +1,10 @@
 //! The vertices of a polygon file in binary.
 
 use super::header::{PlyElement, Property, short_of, truncated};
+use super::vertex::VertexColumns;
 use crate::npy::Scalar;
 use crate::read::input::Input;
 use crate::read::particles::frame::Particles;
-use crate::read::particles::layout::Layout;
 use halfline::error::{Error, Place, Result, relocate};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;
@@ -112,8 +112,7 @@ impl Binary {
     pub(super) fn vertices(
         &mut self,
         element: &PlyElement,
-        layout: &Layout,
-        packed: Option<usize>,
+        columns: &VertexColumns,
         particles: &mut Particles,
     ) -> Result<()> {
         let file = Place::file(self.path.display().to_string());
@@ -128,7 +127,7 @@ impl Binary {
                 };
                 match property.length {
                     Some(_) => {}
-                    None if packed == Some(k) => numbers.extend(property.scalar.levels(&bytes)),
+                    None if columns.packed == Some(k) => numbers.extend(property.scalar.levels(&bytes)),
                     None => numbers.push(property.scalar.number(&bytes)),
                 }
                 if !there {
@@ -136,7 +135,7 @@ impl Binary {
                 }
             }
             let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {read} {field}")));
-            layout.numbers(&numbers, particles).map_err(placed)?;
+            columns.add(&mut numbers, particles).map_err(placed)?;
             self.reader.get_ref().found();
         }
         Ok(())

@@ -1,11 +1,11 @@
 //! The vertices of a polygon file in text.
 
 use super::header::{PlyElement, short_of, truncated};
+use super::vertex::VertexColumns;
 use crate::npy::{bits, levels};
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::particles::frame::Particles;
-use crate::read::particles::layout::Layout;
 use crate::read::particles::role::Role;
 use crate::read::particles::rows::surplus;
 use halfline::error::{Result, relocate};
@@ -14,10 +14,10 @@ use halfline::quote::quote;
 pub(super) fn text(
     lines: &mut Lines<Input>,
     element: &PlyElement,
-    layout: &Layout,
-    packed: Option<usize>,
+    columns: &VertexColumns,
     particles: &mut Particles,
 ) -> Result<()> {
+    let layout = &columns.layout;
     let mut numbers = Vec::new();
     for read in 0..element.count {
         if !lines.advance()? {
@@ -37,7 +37,7 @@ pub(super) fn text(
                         words.next().ok_or_else(need)?;
                     }
                 }
-                None if packed == Some(k) => {
+                None if columns.packed == Some(k) => {
                     numbers.extend(levels(bits(word.number(&property.name)?, property.scalar)));
                 }
                 None => {
@@ -68,7 +68,7 @@ pub(super) fn text(
         match invalid {
             Some(error) => particles.left_out.add(error),
             None => {
-                layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
+                columns.add(&mut numbers, particles).map_err(|e| relocate(e, |field| lines.place(0).named(field)))?;
             }
         }
         lines.found();

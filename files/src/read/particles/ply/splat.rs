@@ -1,0 +1,152 @@
+//! Gaussian splats as spheres, after Kerbl, Kopanas, Leimkühler and Drettakis, "3D Gaussian Splatting for Real-Time Radiance Field
+//! Rendering" (2023): a vertex has the logarithms of three standard deviations, the colour as spherical harmonics, and the logit of
+//! its opacity.
+
+use crate::read::color::srgb_to_linear;
+use crate::read::particles::colors::ColorType;
+use crate::read::particles::layout::Layout;
+use crate::read::particles::role::Role;
+use halfline::error::{Error, Place, Result};
+use halfline::quote::setting::HIDE;
+use halfline::scene::is_radius;
+
+const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
+const SCALES: [&str; 3] = ["scale_0", "scale_1", "scale_2"];
+const OPACITY: &str = "opacity";
+
+/// The constant spherical harmonic, 1 / (2 sqrt(pi)).
+const CONSTANT: f64 = 0.282_094_791_773_878_14;
+
+/// The places of a splat's numbers among those of a vertex.
+pub(super) struct Splat {
+    harmonics: [usize; 3],
+    scales: [usize; 3],
+    opacity: Option<usize>,
+}
+
+impl Splat {
+    /// The splats of vertices with these numbers, by their names, whose colours and radii become columns of the layout behind
+    /// them; `None` for points that are no splats, or have colours or radii of their own.
+    pub(super) fn of(names: &[String], layout: &mut Layout) -> Result<Option<Self>, String> {
+        let place = |name: &str| names.iter().position(|found| found == name);
+        let all = |of: [&str; 3]| Some([place(of[0])?, place(of[1])?, place(of[2])?]);
+        let (Some(harmonics), Some(scales)) = (all(HARMONICS), all(SCALES)) else { return Ok(None) };
+        if [Role::Color(0), Role::Radius, Role::Diameter].into_iter().any(|role| layout.contains(role)) {
+            return Ok(None);
+        }
+        let added =
+            ["red", "green", "blue"].into_iter().zip([0, 1, 2].map(Role::Color)).chain([("radius", Role::Radius)]);
+        for (name, role) in added {
+            layout.add(name, role)?;
+        }
+        let note = format!(
+            "the points are Gaussian splats: each is an opaque sphere of the constant part of its colour, and its radius is the \
+             geometric mean of its standard deviations; {HIDE} leaves out faint ones by the column opacity"
+        );
+        layout.note(ColorType::Real, vec![note]);
+        Ok(Some(Self { harmonics, scales, opacity: place(OPACITY) }))
+    }
+
+    /// Adds the colour in linear light and the radius to the numbers of a vertex, and makes its opacity a share.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at the field for numbers that are not finite, and for a radius beyond f64.
+    pub(super) fn complete(&self, numbers: &mut Vec<f64>) -> Result<()> {
+        let refuse = |field: &str, x: f64| {
+            Error::scene(
+                Place::field(field),
+                format!("a splat has {x}"),
+                "remove the splat, or give it a finite number",
+            )
+        };
+        for (name, k) in HARMONICS.into_iter().zip(self.harmonics) {
+            if !numbers[k].is_finite() {
+                return Err(refuse(name, numbers[k]));
+            }
+            // Values as trained on pictures in sRGB.
+            let level = (0.5 + CONSTANT * numbers[k]).clamp(0.0, 1.0);
+            numbers.push(srgb_to_linear(level as f32, 1.0).into());
+        }
+        let mean = self.scales.iter().map(|k| numbers[*k] / 3.0).sum::<f64>();
+        let radius = mean.exp();
+        if !is_radius(&radius) {
+            return Err(refuse("scale_0", numbers[self.scales[0]]));
+        }
+        numbers.push(radius);
+        if let Some(k) = self.opacity {
+            numbers[k] = 1.0 / (1.0 + (-numbers[k]).exp());
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::read::particles::frame::Particles;
+    use crate::read::particles::request::Request;
+    use crate::read::source::SceneSource;
+    use halfline::error::Result;
+
+    const FIELDS: [&str; 14] = [
+        "x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1",
+        "rot_2", "rot_3",
+    ];
+
+    /// A file with these fields before those of a row of numbers, as text and in binary.
+    fn files(fields: &[&str], row: &[f32]) -> [Vec<u8>; 2] {
+        let header = |format: &str| {
+            let properties: String = fields.iter().map(|field| format!("property float {field}\n")).collect();
+            format!("ply\nformat {format} 1.0\nelement vertex 1\n{properties}end_header\n")
+        };
+        let text: Vec<String> = row.iter().map(f32::to_string).collect();
+        let binary = row.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
+        [
+            format!("{}{}\n", header("ascii"), text.join(" ")).into_bytes(),
+            [header("binary_little_endian").into_bytes(), binary].concat(),
+        ]
+    }
+
+    fn read(bytes: &[u8]) -> Result<Particles> {
+        super::super::read(SceneSource::of_bytes(bytes), &Request::of(&["opacity", "scale_0"]))
+            .map(Particles::linearized)
+    }
+
+    /// The standard deviations 1, 2 and 4; the harmonics give 0.5 in sRGB, more than 1, and less than 0.
+    #[test]
+    fn a_splat_is_a_sphere_with_the_constant_part_of_its_colour() {
+        let row = [1.0, 2.0, 3.0, 0.0, 2.0, -2.0, 0.0, 0.0, 2f32.ln(), 4f32.ln(), 1.0, 0.0, 0.0, 0.0];
+        for bytes in files(&FIELDS, &row) {
+            let found = read(&bytes).expect("a splat");
+            assert_eq!(found.positions, [[1.0, 2.0, 3.0]]);
+            // The logarithms are rounded to float32.
+            assert!((found.radii[0] - 2.0).abs() < 1e-6, "{:?}", found.radii);
+            // IEC 61966-2-1 of 0.5: ((0.5 + 0.055) / 1.055)^2.4.
+            let [red, green, blue] = found.colors[0];
+            assert!((red - 0.214_041_14).abs() < 1e-7 && (green, blue) == (1.0, 0.0), "{:?}", found.colors);
+            assert_eq!(found.columns.iter().map(|column| column.values[0]).collect::<Vec<_>>(), [0.5, 0.0]);
+            assert!(found.skipped.assumed.iter().any(|note| note.contains("Gaussian splats")));
+        }
+        // Colours and radii of their own stay.
+        let with = [&FIELDS[..], &["red", "green", "blue", "radius"]].concat();
+        for bytes in files(&with, &[&row[..], &[0.25, 0.5, 0.75, 9.0]].concat()) {
+            let found = read(&bytes).expect("a sphere");
+            assert_eq!((found.colors, found.radii), (vec![[0.25, 0.5, 0.75]], vec![9.0]));
+            assert!(found.skipped.assumed.is_empty(), "{:?}", found.skipped.assumed);
+        }
+    }
+
+    #[test]
+    fn a_splat_without_a_size_or_a_colour_is_an_error_at_its_field() {
+        let row = [1.0f32, 2.0, 3.0, 0.0, 2.0, -2.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+        for (k, x, field) in
+            [(4, f32::NAN, "f_dc_1"), (7, f32::INFINITY, "scale_0"), (8, 1e4, "scale_0"), (9, -1e4, "scale_0")]
+        {
+            let mut row = row;
+            row[k] = x;
+            for bytes in files(&FIELDS, &row) {
+                let error = read(&bytes).map(drop).expect_err(field).to_string();
+                assert!(error.contains(field) && error.contains("a splat has"), "{error}");
+            }
+        }
+    }
+}
