@@ -71,7 +71,7 @@ use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tu
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 92] = [
+const OPTIONS: [OptionRow; 93] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),

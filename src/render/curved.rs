@@ -4,6 +4,7 @@ use super::plan::Plan;
 use super::renderer::Renderer;
 use super::trace::{Hits, Rays, Tracer};
 use crate::error::{Error, Result};
+use crate::frame::coverage::Coverage;
 use crate::frame::report::{Report, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::memory::check;
@@ -60,6 +61,15 @@ struct WindowHits {
     hits: Hits,
 }
 
+impl WindowHits {
+    /// Adds the spheres of the pixels to their coverage. A miss, -1, and [`NONE`](crate::view::ray::NONE) are the same bits.
+    fn count(&self, coverage: Option<&mut Coverage>, window: Window) {
+        if let Some(coverage) = coverage {
+            coverage.add(bytemuck::cast_slice(&self.hits.id), window.inside(window), window.width());
+        }
+    }
+}
+
 impl Renderer {
     /// Renders a scene whose lens is curved.
     ///
@@ -80,7 +90,9 @@ impl Renderer {
         let given = Settings { aovs: normals.collect(), ..settings.clone() };
         let mut tracer = self.tracer(&scene.spheres, &given)?;
         let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
-        let passes = samples.filter(|_| settings.asks(&[Aov::Color, Aov::Alpha])).map_or(0, |raster| raster.count());
+        let counted = settings.asks(&[Aov::Color, Aov::Alpha]) || settings.coverage;
+        let passes = samples.filter(|_| counted).map_or(0, |raster| raster.count());
+        let mut coverage = settings.coverage.then(|| Coverage::new(window));
         let doing = watch.begin(Step::Trace, u64::from(passes + 1) * pixels as u64);
         let mut step = |of: &FrameRays| of.trace(&mut tracer, pixels, &|rays| doing.next(rays));
         let centers = step(&of_ray)?;
@@ -90,11 +102,16 @@ impl Renderer {
                 of_ray = frame_rays(scene, raster)?;
                 for sample in 0..passes {
                     of_ray.record.sample = sample;
-                    picture.add(&step(&of_ray)?, scene, settings.shade);
+                    let found = step(&of_ray)?;
+                    picture.add(&found, scene, settings.shade);
+                    found.count(coverage.as_mut(), window);
                 }
                 picture.divide(f64::from(passes));
             }
-            _ => picture.add(&centers, scene, settings.shade),
+            _ => {
+                picture.add(&centers, scene, settings.shade);
+                centers.count(coverage.as_mut(), window);
+            }
         }
         doing.end()?;
         (report.adapter, report.driver) = (tracer.adapter().to_owned(), tracer.driver());
@@ -110,7 +127,7 @@ impl Renderer {
         report.bound = promised.then(|| settings.promise().relative());
         let buffers = buffers(&centers, picture, &of_ray.basis, settings, [width, height].map(|side| side as usize))?;
         report.frame_ms = vec![milliseconds(start)];
-        Ok(Frame { width, height, window, full, buffers, report })
+        Ok(Frame { width, height, window, full, buffers, coverage, report })
     }
 
     /// The frame of a curved lens without buffers, with the report of what is known before.
@@ -127,7 +144,15 @@ impl Renderer {
         plan.kernel.shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]));
         let report: Report = self.report(&plan, scene, settings, samples);
         let full = [scene.image.width, scene.image.height];
-        Ok(Frame { width: window.width(), height: window.height(), window, full, buffers: Vec::new(), report })
+        Ok(Frame {
+            width: window.width(),
+            height: window.height(),
+            window,
+            full,
+            buffers: Vec::new(),
+            coverage: None,
+            report,
+        })
     }
 }
 
