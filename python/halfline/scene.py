@@ -390,7 +390,8 @@ def read(
 
     Args:
         path: A scene or particle file (TOML, NFF, XYZ, PDB, mmCIF, GRO, LAMMPS, PLY, CSV, NumPy,
-            XTC, LAS ...), also compressed with gzip or bzip2; see docs/reading.md.
+            XTC, LAS ...), also compressed with gzip, bzip2, xz or
+            Zstandard; see docs/reading.md.
         frame: The frame of a sequence, from 1.
         size: Columns and rows of the image for which the camera is framed; by default those of the
             file, else 512 x 512.
