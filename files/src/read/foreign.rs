@@ -101,7 +101,6 @@ const ALL: &[Foreign] = &[
         }),
     ),
     row("an E57 scan", SCAN, &["e57"], Sign::Start(&[b"ASTM-E57"])),
-    row("a PTX scan", SCAN, &["ptx"], Sign::Test(is_ptx)),
     row(
         "a VTK file",
         "save its points as CSV or PLY, for example with ParaView",
@@ -239,15 +238,6 @@ pub(super) fn is_zip(bytes: &[u8], _: &[&str]) -> bool {
     let length = bytes.get(26..28).map_or(0, |bytes| usize::from(bytes[0]) | usize::from(bytes[1]) << 8);
     let name = bytes.get(30..30 + length).unwrap_or_default();
     bytes.starts_with(b"PK\x03\x04") && !name.ends_with(b".npy") && (name.contains(&b'.') || name.ends_with(b"/"))
-}
-
-/// Two counts, the place and the three axes of the scanner, and a matrix of four rows.
-fn is_ptx(_: &[u8], lines: &[&str]) -> bool {
-    let numbers = |line: &&str| {
-        let words: Vec<bool> = line.split_whitespace().map(|word| word.parse::<f64>().is_ok()).collect();
-        words.len() * usize::from(words.iter().all(|is_number| *is_number))
-    };
-    lines.len() >= 10 && lines[..10].iter().map(numbers).eq([1, 1, 3, 3, 3, 3, 4, 4, 4, 4])
 }
 
 /// Title lines that begin with an asterisk, then the number of atoms.
