@@ -45,6 +45,7 @@ pub use info::info;
 pub use input::read_once;
 pub use options::{Hold, Keep, ReadOptions};
 pub use particles::column_names::ColumnNames;
+pub use particles::data::style::AtomStyle;
 pub use particles::frame_time::FrameTime;
 pub use particles::identity::Identity;
 pub use particles::infer::slices::{NamedAtoms, NamedElements, elements_of_names};

@@ -13,7 +13,7 @@ use super::particles::trajectory::Trajectory;
 use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, ptx, xyz};
 use super::source::SceneSource;
 use halfline::error::{Error, Place, Result};
-use halfline::quote::setting::{COLUMNS, FORMAT, TOPOLOGY};
+use halfline::quote::setting::{ATOM_STYLE, COLUMNS, FORMAT, TOPOLOGY};
 use std::path::Path;
 
 /// The frames of a particle file, with the atoms of the topology and in the order of the first one; `None` for formats that
@@ -63,6 +63,10 @@ fn listed(
     if !options.columns_named.is_empty() && !matches!(source.format, Format::Csv | Format::Pts) {
         let problem = format!("{COLUMNS} names the columns of tables, but the file is {}", source.format.name());
         return Err(Error::settings(problem, format!("remove it, or add {FORMAT} csv if the file is a table")));
+    }
+    if options.atom_style.is_some() && options.topology.is_none() && source.format != Format::Data {
+        let problem = format!("{ATOM_STYLE} is of LAMMPS data, but the file is {}", source.format.name());
+        return Err(Error::settings(problem, "remove it"));
     }
     if options.topology.is_none() {
         molecule::check(source.format, &request)?;

@@ -49,7 +49,7 @@ impl Packing {
             Self::Gzip => Box::new(MultiGzDecoder::new(raw)),
             Self::Bzip2 => Box::new(MultiBzDecoder::new(raw)),
             Self::Xz => Box::new(XzReader::new_mem_limit(raw, true, XZ_MEMORY)),
-            Self::Zstandard => Box::new(zstandard::Frames::new(raw, Arc::clone(counts))),
+            Self::Zstandard => Box::new(zstandard::Frames::new(raw, Arc::clone(counts), WINDOW)),
         };
         Unpacked { reader, packing: self }
     }

@@ -1,7 +1,6 @@
 //! Frames of Zstandard (RFC 8878), one behind the other, with those that are to be skipped. The checksum and the length of the
 //! content are verified where a frame has them.
 
-use super::WINDOW;
 use crate::read::gauge::Counts;
 use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
@@ -13,6 +12,8 @@ pub(super) struct Frames<R> {
     source: Source<R>,
     frame: Option<Frame>,
     counts: Arc<Counts>,
+    /// The most bytes of a window.
+    window: u64,
 }
 
 /// The frame that is being decompressed.
@@ -23,8 +24,8 @@ struct Frame {
 }
 
 impl<R: BufRead> Frames<R> {
-    pub(super) fn new(reader: R, counts: Arc<Counts>) -> Self {
-        Self { source: Source { reader, error: None }, frame: None, counts }
+    pub(super) fn new(reader: R, counts: Arc<Counts>, window: u64) -> Self {
+        Self { source: Source { reader, error: None }, frame: None, counts, window }
     }
 
     /// Begins the next frame; returns false at the end of the file.
@@ -34,7 +35,7 @@ impl<R: BufRead> Frames<R> {
         }
         // A decoder that is used again reserves the window of the header.
         let mut decoder = FrameDecoder::new();
-        decoder.set_max_window_size(WINDOW);
+        decoder.set_max_window_size(self.window);
         match decoder.reset(&mut self.source) {
             Ok(()) => self.frame = Some(Frame { decoder, length: 0 }),
             Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame { length, .. })) => {
