@@ -137,7 +137,8 @@ const SIGNS: [(Format, Sign); 12] = [
 type BinarySign = fn(&[u8]) -> bool;
 
 /// The first bytes of binary formats.
-const BINARY: [(Format, BinarySign); 5] = [
+const BINARY: [(Format, BinarySign); 6] = [
+    (Format::Mmcif, is_binary_cif),
     (Format::Xtc, |bytes| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..])),
     (Format::Trr, |bytes| bytes.starts_with(&[0, 0, 7, 0xc9])),
     (Format::Las, |bytes| bytes.starts_with(b"LASF")),
@@ -146,6 +147,15 @@ const BINARY: [(Format, BinarySign); 5] = [
         matches!(bytes.get(4..8), Some(b"CORD" | b"VELD")) || matches!(bytes.get(8..12), Some(b"CORD" | b"VELD"))
     }),
 ];
+
+/// A map of MessagePack whose first key is one of BinaryCIF.
+fn is_binary_cif(bytes: &[u8]) -> bool {
+    let entries = match bytes {
+        [0x80..=0x8f, rest @ ..] | [0xde, _, _, rest @ ..] | [0xdf, _, _, _, _, rest @ ..] => rest,
+        _ => return false,
+    };
+    [&b"\xa7version"[..], b"\xa7encoder", b"\xaadataBlocks"].iter().any(|key| entries.starts_with(key))
+}
 
 /// Whether lines have a format.
 type Sign = fn(&[&str]) -> bool;

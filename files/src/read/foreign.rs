@@ -171,7 +171,6 @@ const ALL: &[Foreign] = &[
         Sign::Start(&[b"SQLite format 3\0"]),
     ),
     row("an MMTF file", "use the entry as mmCIF or PDB", &["mmtf"], Sign::Name),
-    row("a BinaryCIF file", "use the entry as mmCIF or PDB", &["bcif"], Sign::Name),
     row(
         "a picture",
         "use a scene or particle file; `halfline compare` reads pictures",

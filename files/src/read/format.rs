@@ -19,7 +19,7 @@ pub enum Format {
     Pqr,
     /// PDB with charges and AutoDock's atom types.
     Pdbqt,
-    /// Macromolecular CIF.
+    /// Macromolecular CIF, in text or binary.
     Mmcif,
     /// GROMACS coordinates.
     Gro,
@@ -74,7 +74,7 @@ impl Format {
         match self {
             Self::Xyz => &["extxyz"],
             Self::Pdb => &["ent"],
-            Self::Mmcif => &["mmcif"],
+            Self::Mmcif => &["mmcif", "bcif"],
             Self::Dump => &["lammpstrj"],
             Self::Data => &["lammps"],
             Self::Csv => &["tsv"],

@@ -46,6 +46,9 @@ fn formats_are_recognised_by_content() {
     assert_eq!(of_content(b"\x93NUMPY\x01\x00", None), Some(Format::Npy));
     assert_eq!(of_content(b"PK\x03\x04", None), Some(Format::Npz));
     assert_eq!(of_content(b"LASF\0\0", None), Some(Format::Las));
+    assert_eq!(of_content(b"\x83\xa7version\xa50.3.0", None), Some(Format::Mmcif));
+    assert_eq!(of_content(b"\xde\0\x03\xaadataBlocks\x91", None), Some(Format::Mmcif));
+    assert_eq!(of_content(b"\x83\xabmmtfVersion", None), None);
     assert_eq!(of_content(&[0xdf, 0x65].repeat(4), None), Some(Format::Gsd));
     assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0], None), Some(Format::Xtc));
     assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0], None), Some(Format::Xtc));

@@ -1,7 +1,8 @@
 //! The symmetry of small-molecule CIF: the images of the listed atoms under the operators, in one unit cell (IUCr core
 //! dictionary, `_space_group_symop_operation_xyz`; Hahn, International Tables for Crystallography A).
 
-use super::tokens::{Tokens, number};
+use super::token::number;
+use super::tokens::Tokens;
 use crate::read::elements::atomic_number;
 use crate::read::lines::Spot;
 use crate::read::particles::frame::{Column, Particles};
