@@ -23,6 +23,10 @@ const FREE: usize = 24 << 20;
 pub(crate) const PER_BYTE: usize = 256;
 pub(crate) const PER_BYTE_OF_TOML: usize = 1500;
 
+/// The most images of an atom of a crystal whose space group is named; an atom has at least three bytes.
+pub(crate) const IMAGES: usize = 192;
+pub(crate) const PER_BYTE_OF_CRYSTAL: usize = 256 * IMAGES / 3;
+
 /// Seconds per file, and per byte of it: a million times those of a plain reader, on a machine with other load.
 const SECONDS: f64 = 1.0;
 const PER_BYTE_SECONDS: f64 = 1e-4;
