@@ -1,4 +1,4 @@
-//! Macromolecular CIF: the loop of `_atom_site` with its columns in any order, model after model (PDBx/mmCIF
+//! Macromolecular CIF, in text and in BinaryCIF: the loop of `_atom_site` with its columns in any order, model after model (PDBx/mmCIF
 //! dictionary, mmcif.wwpdb.org). Small-molecule CIF, with positions as fractions of the cell, is read too, and its
 //! symmetry fills the cell. Of a file without such atoms, the first chemical component with positions is read, as the
 //! dictionaries of the PDB and of CCP4 write them (`_chem_comp_atom`).

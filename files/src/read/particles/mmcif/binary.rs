@@ -10,8 +10,10 @@ use crate::read::lines::Spot;
 use crate::read::source::SceneSource;
 use column::Column;
 use halfline::error::{Error, Place, Result};
+use halfline::quote::unquoted;
 use rmpv::Value;
-use rmpv::decode::read_value_with_max_depth;
+use rmpv::decode::{Error as PackError, read_value_with_max_depth};
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::vec::IntoIter;
 use values::{array, field, text};
@@ -102,11 +104,11 @@ impl BinaryTokens {
         let Some(mut source) = self.source.take() else { return Ok(()) };
         let file = match read_value_with_max_depth(&mut source.reader, DEPTH) {
             Ok(file) => file,
-            Err(rmpv::decode::Error::DepthLimitExceeded) => {
+            Err(PackError::DepthLimitExceeded) => {
                 return Err(self.damaged("MessagePack", format!("more than {DEPTH} levels")));
             }
-            Err(rmpv::decode::Error::InvalidMarkerRead(error) | rmpv::decode::Error::InvalidDataRead(error)) => {
-                let is_end = error.kind() == std::io::ErrorKind::UnexpectedEof;
+            Err(PackError::InvalidMarkerRead(error) | PackError::InvalidDataRead(error)) => {
+                let is_end = error.kind() == ErrorKind::UnexpectedEof;
                 let cut = || self.damaged("MessagePack", "the file ends within it".to_owned());
                 return Err(if is_end { cut() } else { Error::read(&self.path, error) });
             }
@@ -170,7 +172,7 @@ impl BinaryTokens {
     fn damaged(&self, field: &str, problem: String) -> Error {
         // Names of the file may be of any length.
         let field: String = field.chars().take(100).collect();
-        Error::scene(self.file().named(halfline::quote::unquoted(&field).to_string()), problem, DAMAGED)
+        Error::scene(self.file().named(unquoted(&field).to_string()), problem, DAMAGED)
     }
 
     pub(super) fn give_back(&mut self, token: Token) {

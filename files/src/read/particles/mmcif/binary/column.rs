@@ -2,6 +2,7 @@
 //! order. Numbers of FixedPoint and IntervalQuantization are computed in f64, whatever type the file had them in before.
 
 use super::values::{field, real, text, whole};
+use halfline::quote::quote;
 use rmpv::Value;
 use std::io::Write as _;
 
@@ -84,7 +85,7 @@ fn decode(bytes: Vec<u8>, encodings: Option<Value>) -> Found<Values> {
     let mut found = match &kind[..] {
         "ByteArray" => plain(bytes, whole(&mut last, "type")?)?,
         "StringArray" => texts(bytes, last)?,
-        _ => return Err(format!("the last encoding is {}", halfline::quote::quote(&kind))),
+        _ => return Err(format!("the last encoding is {}", quote(&kind))),
     };
     while let Some(mut encoding) = encodings.pop() {
         let numbers = whole_of(found)?;
@@ -112,7 +113,7 @@ fn decode(bytes: Vec<u8>, encodings: Option<Value>) -> Found<Values> {
                 let is_unsigned = matches!(field(&mut encoding, "isUnsigned"), Some(Value::Boolean(true)));
                 Values::Whole(unpacked(numbers, whole(&mut encoding, "byteCount")?, is_unsigned)?)
             }
-            _ => return Err(format!("there is no encoding {}", halfline::quote::quote(&kind))),
+            _ => return Err(format!("there is no encoding {}", quote(&kind))),
         };
     }
     Ok(found)
