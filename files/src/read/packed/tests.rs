@@ -56,6 +56,11 @@ fn other_content_than_the_checksum_says_is_refused() {
         }
     }
     assert!(refused > 8000, "{refused}");
+    // A frame without a checksum has the length of its content.
+    let (_, mut plain) = samples().find(|(name, _)| *name == "zst-plain").expect("a frame");
+    plain[5] ^= 1;
+    let error = unpacked(&plain).expect_err("another length").to_string();
+    assert!(error.contains("the length of the content differs"), "{error}");
 }
 
 #[test]
