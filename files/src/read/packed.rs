@@ -85,11 +85,14 @@ impl Unpacked {
             return error;
         }
         let [name, program] = self.packing.names();
-        let text = if error.kind() == io::ErrorKind::OutOfMemory {
-            let most = WINDOW >> 20;
-            format!("the {name} data refer back by more than {most} MiB; decompress the file with `{program} -d`")
-        } else {
-            format!("the {name} data are damaged or cut ({error}); test the file with `{program} -t`, or get it again")
+        let mend = format!("test the file with `{program} -t`, or get it again");
+        let text = match error.kind() {
+            io::ErrorKind::OutOfMemory => {
+                let most = WINDOW >> 20;
+                format!("the {name} data refer back by more than {most} MiB; decompress the file with `{program} -d`")
+            }
+            io::ErrorKind::UnexpectedEof => format!("the {name} data end too early; {mend}"),
+            _ => format!("the {name} data are damaged ({error}); {mend}"),
         };
         io::Error::new(error.kind(), text)
     }

@@ -25,7 +25,7 @@ struct Frame {
 
 impl<R: BufRead> Frames<R> {
     pub(super) fn new(reader: R, counts: Arc<Counts>, window: u64) -> Self {
-        Self { source: Source { reader, error: None }, frame: None, counts, window }
+        Self { source: Source { reader, error: None, is_end: false }, frame: None, counts, window }
     }
 
     /// Begins the next frame; returns false at the end of the file.
@@ -94,11 +94,15 @@ fn check(decoder: &FrameDecoder, length: u64) -> io::Result<()> {
 struct Source<R> {
     reader: R,
     error: Option<io::Error>,
+    /// Whether the decoder reads on behind the last byte.
+    is_end: bool,
 }
 
 impl<R: Read> Read for Source<R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        self.reader.read(bytes).map_err(|error| {
+        let read = self.reader.read(bytes);
+        self.is_end |= matches!(read, Ok(0)) && !bytes.is_empty();
+        read.map_err(|error| {
             let kind = error.kind();
             if kind != io::ErrorKind::Interrupted {
                 self.error = Some(error);
@@ -113,6 +117,10 @@ impl<R> Source<R> {
     fn error_of(&mut self, error: FrameDecoderError) -> io::Error {
         let is_long = matches!(error, FrameDecoderError::WindowSizeTooBig { .. });
         let kind = if is_long { io::ErrorKind::OutOfMemory } else { io::ErrorKind::InvalidData };
-        self.error.take().unwrap_or_else(|| io::Error::new(kind, error.to_string()))
+        match self.error.take() {
+            Some(error) => error,
+            None if self.is_end => io::ErrorKind::UnexpectedEof.into(),
+            None => io::Error::new(kind, error.to_string()),
+        }
     }
 }
