@@ -6,7 +6,7 @@ use super::standard::{print, print_json};
 use halfline::error::Result;
 use halfline::quote::{count, list, number, printable};
 use halfline_files::read::info::{ColumnInfo, FileInfo, info};
-use halfline_files::read::{ColumnNames, Format, ReadOptions};
+use halfline_files::read::{AtomStyle, ColumnNames, Format, ReadOptions};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -23,6 +23,9 @@ pub(crate) struct Info {
     /// Columns of a table by meaning, as for halfline render.
     #[arg(long, value_name = "M=C,...")]
     columns: Option<ColumnNames>,
+    /// Atom style of a LAMMPS data file, as for halfline render.
+    #[arg(long, value_name = "STYLE")]
+    atom_style: Option<AtomStyle>,
     /// Leaves out invalid rows, as for halfline render.
     #[arg(long)]
     skip_invalid: bool,
@@ -46,8 +49,10 @@ impl Info {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let Self { format, skip_invalid, model, .. } = *self;
         let columns_named = self.columns.clone().unwrap_or_default();
+        let atom_style = self.atom_style.clone();
+        let watch = watch();
         let options =
-            ReadOptions { format, columns_named, skip_invalid, model, watch: watch(), ..ReadOptions::default() };
+            ReadOptions { format, columns_named, atom_style, skip_invalid, model, watch, ..ReadOptions::default() };
         let found = info(&self.file, &options)?;
         match self.json {
             true => print_json(&found)?,

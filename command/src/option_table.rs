@@ -71,10 +71,11 @@ use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tu
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 93] = [
+const OPTIONS: [OptionRow; 94] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),
+    row("atom_style", Keyword(Read, "atom_style", Text), 0),
     row("hold", Keyword(Read, "hold", Text), NO_PART),
     row("topology", Keyword(Read, "topology", Text), NO_PART),
     row("identity", Keyword(Read, "identity", Text), NO_PART),

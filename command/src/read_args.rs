@@ -10,7 +10,7 @@ use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{MaterialName, is_opacity};
 use halfline_files::read::style::{Coloring, Paint, Radii, RangeEnd, Scale, color_map};
 use halfline_files::read::{
-    Altloc, ColumnNames, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, Selection, Style,
+    Altloc, AtomStyle, ColumnNames, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, Selection, Style,
 };
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -33,6 +33,10 @@ pub(super) struct ReadArgs {
     /// meanings are x, y, z, radius, diameter, r, g, b, element. With numbers only the table needs no header.
     #[arg(long, value_name = "M=C,...")]
     columns: Option<ColumnNames>,
+    /// Atom style of a LAMMPS data file, in place of that behind `Atoms #`: full, sphere, ..., "hybrid charge sphere", or the columns
+    /// such as "id type q x y z".
+    #[arg(long, value_name = "STYLE")]
+    atom_style: Option<AtomStyle>,
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
     #[arg(long, value_name = "A-B")]
     pub(super) frames: Option<FrameRange>,
@@ -152,6 +156,7 @@ impl ReadArgs {
             strict: self.strict,
             format: self.format,
             columns_named: self.columns.clone().unwrap_or_default(),
+            atom_style: self.atom_style.clone(),
             // `halfline trace` has the option for its rays.
             skip_invalid: false,
             frames: self.frames.clone().unwrap_or_default(),

@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
     /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, xtc, trr, dcd;
-    /// also .gz or .bz2); - for standard input.
+    /// also .gz, .bz2, .xz or .zst); - for standard input.
     #[arg(required_unless_present = "visible")]
     scene: Option<PathBuf>,
     /// In place of a scene: files of halfline sift, the parts of one scene in any order. The picture is that of all spheres of all

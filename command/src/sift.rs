@@ -50,7 +50,7 @@ pub(super) fn with_own_options(command: Command) -> Command {
         sift.mut_arg("output", |arg: Arg| arg.help("The part: an .npz of NumPy arrays.").long_help(None).required(true))
             .mut_arg("scene", |arg: Arg| {
                 arg.help(
-                    "A file of rows: npy, csv, xyz, LAMMPS dump, ply, las, also .gz or .bz2; - for standard input.",
+                    "A file of rows: npy, csv, xyz, LAMMPS dump, ply, las, also .gz, .bz2, .xz or .zst; - for standard input.",
                 )
             })
     })

@@ -13,6 +13,7 @@ mod fixed_camera;
 mod foreign;
 mod format;
 mod frame_range;
+mod gauge;
 pub mod info;
 mod input;
 mod lines;
@@ -25,6 +26,7 @@ mod nff;
 mod npy;
 mod open;
 mod options;
+mod packed;
 mod paint;
 mod particles;
 pub mod rays;
@@ -47,6 +49,7 @@ pub use info::info;
 pub use input::read_once;
 pub use options::{Hold, Keep, ReadOptions};
 pub use particles::column_names::ColumnNames;
+pub use particles::data::style::AtomStyle;
 pub use particles::frame_time::FrameTime;
 pub use particles::identity::Identity;
 pub use particles::infer::slices::{NamedAtoms, NamedElements, elements_of_names};
@@ -59,8 +62,8 @@ pub use skipped::Skipped;
 pub use stream::SphereBlocks;
 pub use style::Style;
 
-/// Reads a scene file, or standard input when `path` is `-`, uncompressed or compressed with gzip or bzip2. The format is
-/// detected from the content, then from the name. Of a sequence, the first selected frame is read.
+/// Reads a scene file, or standard input when `path` is `-`, uncompressed or compressed with gzip, bzip2, xz or Zstandard. The
+/// format is detected from the content, then from the name. Of a sequence, the first selected frame is read.
 ///
 /// Ids count the spheres from 0 in the file's order, also in errors. A file without a camera gets one that shows all of
 /// it.

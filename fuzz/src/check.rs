@@ -1,6 +1,8 @@
 //! Checks of every target: limits of memory and time, and errors that a terminal can show.
 
 use halfline::error::Error;
+use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
+use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 use std::io::Read;
 use std::path::PathBuf;
 
@@ -20,6 +22,10 @@ const FREE: usize = 24 << 20;
 /// array a number that exists in several forms.
 pub(crate) const PER_BYTE: usize = 256;
 pub(crate) const PER_BYTE_OF_TOML: usize = 1500;
+
+/// The most images of an atom of a crystal whose space group is named; an atom has at least three bytes.
+pub(crate) const IMAGES: usize = 192;
+pub(crate) const PER_BYTE_OF_CRYSTAL: usize = 256 * IMAGES / 3;
 
 /// Seconds per file, and per byte of it: a million times those of a plain reader, on a machine with other load.
 const SECONDS: f64 = 1.0;
@@ -96,11 +102,56 @@ pub(crate) fn unpacked(content: &[u8]) -> Option<Unpacked> {
     match content {
         [0x1f, 0x8b, ..] => pass(&mut flate2::bufread::MultiGzDecoder::new(content)),
         [b'B', b'Z', b'h', ..] => pass(&mut bzip2::bufread::MultiBzDecoder::new(content)),
+        [0xfd, b'7', b'z', ..] => pass(&mut lzma_rust2::XzReader::new(content, true)),
+        [0x28, 0xb5, ..] | [0x50..=0x5f, 0x2a, ..] => pass(&mut Frames { rest: content, frame: None }),
         // Arrays of an archive are deflated separately, with a factor of at most 1032.
         [b'P', b'K', ..] => count = content.len().saturating_mul(1032),
         _ => {}
     }
     (count as u64 <= UNPACKED).then_some(Unpacked { length: count.max(content.len()), whole })
+}
+
+/// The content of frames of Zstandard.
+struct Frames<'a> {
+    rest: &'a [u8],
+    frame: Option<FrameDecoder>,
+}
+
+impl Read for Frames<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        loop {
+            let Some(frame) = &mut self.frame else {
+                if self.rest.is_empty() {
+                    return Ok(0);
+                }
+                let mut frame = FrameDecoder::new();
+                match frame.reset(&mut self.rest) {
+                    Ok(()) => self.frame = Some(frame),
+                    Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame {
+                        length, ..
+                    })) => {
+                        let skipped = self.rest.split_at_checked(length as usize);
+                        self.rest = skipped.ok_or(std::io::ErrorKind::UnexpectedEof)?.1;
+                    }
+                    Err(error) => return Err(std::io::Error::other(error)),
+                }
+                continue;
+            };
+            if frame.can_collect() > 0 {
+                return frame.read(bytes);
+            }
+            if frame.is_finished() {
+                let sums = [frame.get_checksum_from_data(), frame.get_calculated_checksum()];
+                if sums[0].is_some() && sums[0] != sums[1] {
+                    return Err(std::io::ErrorKind::InvalidData.into());
+                }
+                self.frame = None;
+                continue;
+            }
+            let blocks = BlockDecodingStrategy::UptoBlocks(1);
+            frame.decode_blocks(&mut self.rest, blocks).map_err(std::io::Error::other)?;
+        }
+    }
 }
 
 /// Bytes in pieces of irregular lengths.

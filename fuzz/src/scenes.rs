@@ -1,8 +1,8 @@
 //! Scenes in every format.
 
 use super::check::{
-    Allowed, PER_BYTE, PER_BYTE_OF_TOML, POINTS_OF_LAZ, Pieces, Unpacked, allowed, allowed_points, check_error,
-    check_words, unpacked,
+    Allowed, IMAGES, PER_BYTE, PER_BYTE_OF_CRYSTAL, PER_BYTE_OF_TOML, POINTS_OF_LAZ, Pieces, Unpacked, allowed,
+    allowed_points, check_error, check_words, unpacked,
 };
 use halfline_files::read::style::{Coloring, Scale, Style};
 use halfline_files::read::{Format, ReadOptions, SceneFrame, Sequence};
@@ -23,6 +23,7 @@ pub(super) fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
     }
     match format {
         Some(Format::Native | Format::Pcd) => allowed(length, PER_BYTE_OF_TOML),
+        Some(Format::Mmcif) => allowed(length, PER_BYTE_OF_CRYSTAL),
         Some(Format::Las) | None => allowed_points(length),
         _ => allowed(length, PER_BYTE),
     }
@@ -98,6 +99,8 @@ fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String
     let most = match options.format {
         Some(Format::Xtc) => 4 * length,
         Some(Format::Pcd) => 30 * length,
+        // A space group repeats an atom.
+        Some(Format::Mmcif) => IMAGES * length / 3,
         Some(Format::Las) | None => POINTS_OF_LAZ * length,
         _ => length / 3,
     };

@@ -272,6 +272,7 @@ def info(
     path: str | PathLike[str],
     format: str | None,
     columns: str | None,
+    atom_style: str | None,
     skip_invalid: bool,
     model: int | None,
 ) -> str: ...

@@ -26,6 +26,7 @@ def info(
     *,
     format: str | None = None,
     columns: str | Mapping[str, str | int] | None = None,
+    atom_style: str | None = None,
     skip_invalid: bool = False,
     model: int | None = None,
 ) -> dict[str, Any]:
@@ -38,7 +39,8 @@ def info(
         columns = ",".join(f"{meaning}={column}" for meaning, column in columns.items())
     number = None if model is None else whole("model", model, -(2**63), 2**63 - 1)
     kind = None if format is None else word("format", format)
+    style = None if atom_style is None else word("atom_style", atom_style)
     found: dict[str, Any] = json.loads(
-        _halfline.info(path, kind, columns, bool(skip_invalid), number)
+        _halfline.info(path, kind, columns, style, bool(skip_invalid), number)
     )
     return found

@@ -358,6 +358,7 @@ def read(
     size: tuple[int, int] | None = None,
     format: str | None = None,
     columns: str | Mapping[str, str | int] | None = None,
+    atom_style: str | None = None,
     topology: Path | None = None,
     identity: str | None = None,
     model: int | None = None,
@@ -391,13 +392,16 @@ def read(
 
     Args:
         path: A scene or particle file (TOML, NFF, XYZ, PDB, mmCIF, GRO, LAMMPS, PLY, CSV, NumPy,
-            XTC, LAS ...), also compressed with gzip or bzip2; see docs/reading.md.
+            XTC, LAS ...), also compressed with gzip, bzip2, xz or
+            Zstandard; see docs/reading.md.
         frame: The frame of a sequence, from 1.
         size: Columns and rows of the image for which the camera is framed; by default those of the
             file, else 512 x 512.
         format: The format, if neither content nor name show it.
         columns: Columns of a table by meaning: ``{"x": "pos_x", "radius": "r"}`` or
             ``"x=pos_x,radius=r"``.
+        atom_style: The atom style of a LAMMPS data file, in place of that behind ``Atoms #``:
+            ``"full"``, ``"hybrid charge sphere"``, or the columns, ``"id type q x y z"``.
         topology: The file with the atoms of a trajectory: what its frames lack of elements, radii,
             colours and columns.
         identity: The column that identifies particles, by which the frames of a film have the order
@@ -543,7 +547,7 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         **{name: word(name, given[name]) for name in ("hold", "altloc", "radii")},
         **{
             name: None if given[name] is None else word(name, given[name])
-            for name in ("format", "identity")
+            for name in ("format", "atom_style", "identity")
         },
         "columns": None if columns is None else word("columns", columns),
         "keep": _kept(given["keep"]),

@@ -9,8 +9,8 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Material, MaterialName, is_opacity};
 use halfline_files::read::style::{self, Coloring, Paint, Scale};
 use halfline_files::read::{
-    Altloc, ColumnNames, FixedCamera, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, SceneFrame,
-    Selection, Style,
+    Altloc, AtomStyle, ColumnNames, FixedCamera, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions,
+    SceneFrame, Selection, Style,
 };
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -44,6 +44,7 @@ pub(crate) fn paint(color: Option<[f32; 3]>) -> Paint {
 pub(crate) struct Options {
     format: Option<String>,
     columns: Option<String>,
+    atom_style: Option<String>,
     frames: Option<String>,
     hold: String,
     topology: Option<PathBuf>,
@@ -149,6 +150,7 @@ impl Options {
             strict: self.strict,
             format: parsed::<Format>(self.format.as_ref())?,
             columns_named: parsed::<ColumnNames>(self.columns.as_ref())?.unwrap_or_default(),
+            atom_style: parsed::<AtomStyle>(self.atom_style.as_ref())?,
             skip_invalid: self.skip_invalid,
             frames: parsed::<FrameRange>(self.frames.as_ref())?.unwrap_or_default(),
             hold: self.hold.parse::<Hold>()?,

@@ -33,13 +33,16 @@ pub(crate) fn info(
     path: PathBuf,
     format: Option<String>,
     columns: Option<String>,
+    atom_style: Option<String>,
     skip_invalid: bool,
     model: Option<i64>,
 ) -> PyResult<String> {
     let format = format.map(|text| text.parse()).transpose().or_raise()?;
     let columns_named = columns.map(|text| text.parse()).transpose().or_raise()?.unwrap_or_default();
+    let atom_style = atom_style.map(|text| text.parse()).transpose().or_raise()?;
     let job = Job::default();
+    let watch = job.watch();
     let options =
-        ReadOptions { format, columns_named, skip_invalid, model, watch: job.watch(), ..ReadOptions::default() };
+        ReadOptions { format, columns_named, atom_style, skip_invalid, model, watch, ..ReadOptions::default() };
     json(&job.run(py, None, || halfline_files::read::info(&path, &options))?)
 }

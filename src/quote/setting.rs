@@ -15,7 +15,7 @@ macro_rules! settings {
 
 settings! {
     ACCURACY "accuracy", ADAPTER "adapter", ALTLOC "altloc", ANY "any", AOV "aov", APERTURE "aperture",
-    AS_LISTED "as_listed", ASSEMBLY "assembly", AT "at", BACKEND "backend", BOUNCES "bounces", COLOR "color",
+    AS_LISTED "as_listed", ASSEMBLY "assembly", AT "at", ATOM_STYLE "atom_style", BACKEND "backend", BOUNCES "bounces", COLOR "color",
     COLOR_BY "color_by", COLUMNS "columns", CROP "crop", CRYPTOMATTE "cryptomatte", EYE "eye", FIT "fit", FOCUS "focus",
     FIRST_ID "first_id", FORMAT "format", FRAMES "frames", HIDE "hide", HOLD "hold", IDENTITY "identity", LABEL "label",
     LAYERS "layers", LOG "log", LOOK "look", MAP "map", MARK "mark", MATERIAL "material",

@@ -332,6 +332,8 @@ fn lines_without_content_are_not_read_for_long() {
         (Format::Mmcif, "data_x\nloop_\n"),
         (Format::Data, "title\n\n1 atoms\n"),
         (Format::Pcd, "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 9\nDATA ascii\n"),
+        (Format::Pts, "2\n1 2 3\n"),
+        (Format::Ptx, ""),
         (Format::Ply, "ply\nformat ascii 1.0\nelement face 99999999\nelement vertex 1\nproperty float x\nend_header\n"),
     ]) {
         let has_comments = head.is_empty() && matches!(format, Format::Csv | Format::Nff);

@@ -11,7 +11,6 @@ mod numpy;
 #[path = "../common/random_frames.rs"]
 mod random_frames;
 #[path = "../common/rng.rs"]
-#[expect(dead_code, reason = "the other test programs use more of it")]
 mod rng;
 #[path = "../common/skip.rs"]
 mod skip;

@@ -379,9 +379,9 @@ fn tables_that_look_like_a_crystal_are_tables() {
     for wrong in ["name,x,y,z\na,1,2,3,4\n", "\"name\",\"x\",\"y\",\"z\"\n\"a\",1,2,3,4\n", "x,y,z\n1,2,3,4\n"] {
         assert!(refusal("a.csv", wrong.as_bytes(), &ReadOptions::default()).contains("more than"), "{wrong}");
     }
-    let ptx = "3\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n";
+    let ptx = "1\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n0 0 0 0.5\n";
     for name in ["a.ptx", "a", "a.txt", "a.xyz"] {
-        assert!(refusal(name, ptx.as_bytes(), &ReadOptions::default()).contains("PTX"), "{name}");
+        assert_eq!(alike(name, ptx.as_bytes()).scene.spheres.centers, [[1.0, 2.0, 3.0]], "{name}");
     }
 }
 
@@ -452,19 +452,28 @@ fn tables_of_scanners_are_read() {
     for text in
         ["1 2 3\n4 5 6\n", "2\n1 2 3\n4 5 6\n", "1.5 2 3 9 9\n4 5 6 9 9\n", "2\n1 2 3 9 9 9 9\n4.0 5 6 9 9 9 9\n"]
     {
+        let cut = text.replacen("2\n", "3\n", 1);
+        let is_points = !text.contains("9 9") || text.contains("9 9 9 9");
         for name in ["a.pts", "a.xyz", "a.asc"] {
-            let error = refusal(name, text.as_bytes(), &ReadOptions::default());
-            let is_count = text.starts_with("2\n") && name == "a.xyz";
-            assert!(is_count || error.contains("csv `\u{2060}columns` x=1,y=2,z=3"), "{name}: {error}");
+            let is_named = match name {
+                "a.pts" => is_points,
+                "a.xyz" => text.starts_with("1 2 3"),
+                // A count before points with colours.
+                _ => text.contains("9 9 9 9"),
+            };
+            let options = if is_named { ReadOptions::default() } else { named("x=1,y=2,z=3") };
+            // With a count it may be XYZ whose comment has numbers.
+            let is_xyz = name == "a.xyz" && text.starts_with("2\n");
+            if !(is_named || is_xyz) {
+                let error = refusal(name, text.as_bytes(), &ReadOptions::default());
+                assert!(error.contains("`\u{2060}columns` x=1,y=2,z=3"), "{name}: {error}");
+            }
             // What the mend says works.
-            let frame =
-                read_alike(name, text.as_bytes(), &named("x=1,y=2,z=3")).unwrap_or_else(|error| panic!("{error}"));
+            let frame = read_alike(name, text.as_bytes(), &options).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(frame.scene.spheres.centers[1], [4.0, 5.0, 6.0], "{text}");
             assert_eq!(frame.scene.spheres.len(), 2, "{text}");
             assert!(!frame.skipped.assumed.iter().any(|warning| warning.contains("alone")), "{:?}", frame.skipped);
-            let cut = text.replacen("2\n", "3\n", 1);
-            let frame =
-                read_alike(name, cut.as_bytes(), &named("x=1,y=2,z=3")).unwrap_or_else(|error| panic!("{error}"));
+            let frame = read_alike(name, cut.as_bytes(), &options).unwrap_or_else(|error| panic!("{error}"));
             let is_reported = frame
                 .skipped
                 .assumed
@@ -614,8 +623,10 @@ fn what_is_not_read_is_named_with_a_way_to_it() {
     let tar = [&[b'a'; 257][..], b"ustar\0"].concat();
     let utf16: Vec<u8> = "\u{feff}x,y,z\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
     for (content, what, mend) in [
-        (b"\xfd7zXZ\0\0".to_vec(), "xz", "xz -d"),
-        (b"\x28\xb5\x2f\xfd\x04".to_vec(), "Zstandard", "zstd -d"),
+        (b"\xfd7zXZ\0\0".to_vec(), "xz", "xz -t"),
+        (b"\x28\xb5\x2f\xfd\x04".to_vec(), "Zstandard", "zstd -t"),
+        (b"\x27\xb5\x2f\xfd\x04".to_vec(), "Zstandard before", "zstd -d"),
+        (b"\x04\x22\x4d\x18\x04".to_vec(), "LZ4", "lz4 -d"),
         (b"7z\xbc\xaf\x27\x1c\0\x04".to_vec(), "7z", "7z x"),
         (zip("1abc.pdb"), "ZIP", "unzip"),
         (zip("[Content_Types].xml"), "ZIP", "CSV"),

@@ -2,6 +2,8 @@
 
 use crate::data::{self, real_or_skip};
 use crate::nff;
+use crate::numpy::python_or_skip;
+use crate::rng::Rng;
 use crate::scenes::{
     CAMERA, CSV, NFF, TOML, assert_refused, folder, little, npy_of, read, read_frame, read_spheres, read_with, strict,
 };
@@ -603,5 +605,62 @@ fn what_is_called_like_a_colour_or_a_radius_and_is_none_is_reported() {
             .into_iter()
             .filter(|warning| warning.contains("not taken") && warning.contains(message));
         assert_eq!(warnings.count(), 1, "{name} {message}: {:?}", frame.skipped.warnings());
+    }
+}
+
+/// A point of a scan: coordinates, an intensity and a colour.
+fn scanned(rng: &mut Rng) -> String {
+    let [x, y, z] = rng.cube().map(|t| 1e5 * t);
+    let [r, g, b] = [(); 3].map(|()| rng.below(256));
+    format!("{x} {y:.3} {z:e} {} {r} {g} {b}\n", rng.unit())
+}
+
+/// NumPy reads the same numbers, and computes the places in the same order.
+#[test]
+fn numpy_reads_scans_alike() {
+    let Some(python) = python_or_skip() else { return };
+    let mut rng = Rng::new(57);
+    let (mut ptx, mut pts) = (String::new(), String::new());
+    for (columns, rows) in [(3, 7), (5, 4)] {
+        let mut row = || rng.cube().map(|t| t.to_string()).join(" ");
+        let (place, axes, matrix) = (row(), [row(), row(), row()], [row(), row(), row(), row()]);
+        let matrix: Vec<String> =
+            matrix.iter().zip([0, 0, 0, 1]).map(|(row, last)| format!("{row} {last}\n")).collect();
+        ptx += &format!("{columns}\n{rows}\n{place}\n{}\n{}", axes.join("\n"), matrix.concat());
+        pts += &format!("{}\n", columns * rows);
+        for cell in 0..columns * rows {
+            let point = scanned(&mut rng);
+            ptx += if cell % 5 == 2 { "0 0 0 0.5 0 0 0\n" } else { &point };
+            pts += &point;
+        }
+    }
+    let script = "
+import sys, numpy as np
+lines = [line.split() for line in open(sys.argv[1])]
+found = []
+while lines:
+    if sys.argv[1].endswith('ptx'):
+        count, m = int(lines[0][0]) * int(lines[1][0]), np.array(lines[6:10], float)
+        lines = lines[10:]
+    else:
+        count, m = int(lines[0][0]), np.eye(4)
+        lines = lines[1:]
+    x, y, z = np.array(lines[:count], float).T[:3]
+    if sys.argv[1].endswith('ptx'):
+        there = (x != 0) | (y != 0) | (z != 0)
+        x, y, z = x[there], y[there], z[there]
+        x, y, z = (x * m[0, k] + y * m[1, k] + z * m[2, k] + m[3, k] for k in range(3))
+    found.append(np.stack([x, y, z], 1))
+    lines = lines[count:]
+sys.stdout.buffer.write(np.concatenate(found).tobytes())
+";
+    for (name, text, count) in [("a.ptx", &ptx, 33), ("a.pts", &pts, 41)] {
+        let folder = folder(&[(name, text.as_bytes())]);
+        let output = Command::new(&python).args(["-c", script]).arg(folder.path().join(name)).output().expect("python");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let centers =
+            read_frame(name, text.as_bytes(), &ReadOptions::default()).expect("points").scene.spheres.centers.to_vec();
+        assert_eq!(centers.len(), count, "{name}");
+        assert!(output.stdout == little(&centers.concat()), "{name}");
     }
 }

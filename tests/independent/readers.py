@@ -1,8 +1,10 @@
 """Trajectories, crystals, scans and simulations as other programs read them, compared with the spheres of halfline.
 
-    pip install MDAnalysis MDAnalysisTests ase laspy lazrs gsd numpy
+    pip install MDAnalysis MDAnalysisTests ase laspy lazrs gsd numpy zstandard biotite gemmi
     cargo build --release --example spheres
-    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar las laz gsd]
+    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar las laz gsd packed bcif groups]
+
+`bcif` takes the mmCIF files in the folder HALFLINE_DATA.
 """
 import itertools, json, os, subprocess, sys, tempfile, warnings
 
@@ -10,7 +12,7 @@ import numpy as np
 
 warnings.simplefilter("ignore")
 spheres = os.path.abspath(sys.argv[1])
-parts = sys.argv[2:] or ["trajectories", "poscar", "las", "laz", "gsd"]
+parts = sys.argv[2:] or ["trajectories", "poscar", "las", "laz", "gsd", "packed", "bcif", "groups"]
 
 
 def read(path, *arguments):
@@ -238,6 +240,117 @@ def gsd():
                     # Equal values have a range of their own.
                     assert ends[0] == ends[1] or columns[column][n] == [float(x) for x in ends], (name, column)
         print(f"{name}: {len(found)} frames of {len(found[0]['centers'])} equal positions, diameters, boxes and velocities")
+
+
+def packed():
+    """Tables in data of liblzma and libzstd, in one or several parts, against the same tables as they are."""
+    import lzma
+    import zstandard
+
+    rng = np.random.default_rng(54)
+    table = b"x,y,z,t\n" + "".join(f"{x!r},{y:.3f},{k},{k % 7}\n" for k, (x, y) in enumerate(rng.normal(size=(60000, 2)).tolist())).encode()
+    with tempfile.TemporaryDirectory() as folder:
+
+        def spheres_of(name, data):
+            path = os.path.join(folder, name)
+            with open(path, "wb") as file:
+                file.write(data)
+            return read(path, "--color-by", "t")
+
+        plain = spheres_of("a.csv", table)
+        checks = [lzma.CHECK_NONE, lzma.CHECK_CRC32, lzma.CHECK_CRC64, lzma.CHECK_SHA256]
+        made = {f"xz, preset {preset}, check {check}": lzma.compress(table, check=check, preset=preset) for preset in (0, 3, 6, 9) for check in checks}
+        chains = {"delta": [{"id": lzma.FILTER_DELTA, "dist": 4}], "x86": [{"id": lzma.FILTER_X86}], "ARM": [{"id": lzma.FILTER_ARM}]}
+        for name, chain in chains.items():
+            made[f"xz, {name}"] = lzma.compress(table, filters=[*chain, {"id": lzma.FILTER_LZMA2, "preset": 6}])
+        half = len(table) // 2
+        made["xz, two streams"] = lzma.compress(table[:half]) + bytes(4) + lzma.compress(table[half:])
+        for level in (-5, 1, 3, 9, 19, 22):
+            for checksum in (False, True):
+                coder = zstandard.ZstdCompressor(level=level, write_checksum=checksum)
+                made[f"zst, level {level}, checksum {checksum}"] = coder.compress(table)
+        coder = zstandard.ZstdCompressor(threads=2).compressobj()
+        made["zst, a stream of two threads"] = coder.compress(table) + coder.flush()
+        one = zstandard.ZstdCompressor().compress
+        made["zst, three frames and one to skip"] = one(table[:half]) + one(b"") + b"\x50\x2a\x4d\x18\x03\0\0\0abc" + one(table[half:])
+        for name, data in made.items():
+            assert spheres_of("a.csv." + name.split(",")[0], data) == plain, name
+        print(f"{len(made)} compressed tables of {len(plain[0]['centers'])} points: equal spheres and ranges")
+
+
+def bcif():
+    """BinaryCIF of biotite, as arrays and with the encodings that it finds best, against the mmCIF files it was made of."""
+    import glob
+
+    import biotite.structure.io.pdbx as pdbx
+
+    def column_of(column, is_number):
+        mask = None if column.mask is None else column.mask.array
+        data = column.as_array(str)
+        numbers = None
+        for kind in (np.int32, np.float64) if is_number else ():
+            try:
+                numbers = np.where(np.zeros(len(data), bool) if mask is None else mask != 0, "0", data).astype(kind)
+                break
+            except (ValueError, OverflowError):
+                pass
+        return pdbx.BinaryCIFColumn(data if numbers is None else numbers, mask)
+
+    columns = "name resname residue chain segid serial bfactor occupancy altloc icode record entity asym model".split()
+    for path in sorted(glob.glob(os.path.join(os.environ["HALFLINE_DATA"], "*.cif"))):
+        with tempfile.TemporaryDirectory() as folder:
+            binary = pdbx.BinaryCIFFile()
+            for name, block in pdbx.CIFFile.read(path).items():
+                categories = {}
+                for category, content in block.items():
+                    is_number = category in ("atom_site", "cell", "pdbx_struct_oper_list")
+                    own = {key: column_of(column, is_number) for key, column in content.items()}
+                    categories[category] = pdbx.BinaryCIFCategory(own)
+                binary[name] = pdbx.BinaryCIFBlock(categories)
+            for name, file in {"arrays": binary, "encodings": pdbx.compress(binary, float_tolerance=1e-12)}.items():
+                made = os.path.join(folder, f"{name}.bcif")
+                file.write(made)
+                for options in [[], *([["--color-by", column] for column in columns])]:
+                    assert read(made, *options) == read(path, *options), (path, name, options)
+                print(f"{os.path.basename(path)} as {name}: {os.path.getsize(made)} bytes, {len(columns)} equal columns")
+
+
+def groups():
+    """A general position in all settings of space groups, by the Hall symbol and by the Hermann-Mauguin symbol, against gemmi."""
+    import gemmi
+
+    # No two images are as near as one atom.
+    place = np.array([0.1373, 0.3141, 0.0611])
+    edges = {"a": (200, 300, 400, 100, 90, 90), "b": (200, 300, 400, 90, 100, 90), "c": (200, 300, 400, 90, 90, 100)}
+    kinds = {
+        "triclinic": (200, 300, 400, 80, 95, 105), "orthorhombic": (200, 300, 400, 90, 90, 90), "tetragonal": (300, 300, 400, 90, 90, 90),
+        "trigonal": (300, 300, 400, 90, 90, 120), "hexagonal": (300, 300, 400, 90, 90, 120), "cubic": (400, 400, 400, 90, 90, 90),
+    }  # fmt: skip
+    count = 0
+    for group in gemmi.spacegroup_table_itb():
+        kind = group.crystal_system_str()
+        cell = edges[group.qualifier.strip("-")[0]] if kind == "monoclinic" else kinds[kind]
+        cell = (300, 300, 300, 75, 75, 75) if group.ext == "R" else cell
+        orth = np.array(gemmi.UnitCell(*cell).orth.mat.tolist())
+        theirs = np.array([op.apply_to_xyz(place.tolist()) for op in group.operations()]) % 1
+        names = "length_a length_b length_c angle_alpha angle_beta angle_gamma".split()
+        lines = ["data_a", *(f"_cell_{name} {value}" for name, value in zip(names, cell))]
+        atoms = ["loop_", "_atom_site_label", *(f"_atom_site_fract_{axis}" for axis in "xyz"), "C1 " + " ".join(map(str, place))]
+        for tag, name in [("Hall", group.hall), ("H-M_alt", group.xhm())]:
+            # Symbols of Hall have both kinds of quotes.
+            text = [f"_space_group_name_{tag}", ";" + name, ";"]
+            with tempfile.NamedTemporaryFile("w", suffix=".cif") as file:
+                file.write("\n".join([*lines, *text, *atoms]) + "\n")
+                file.flush()
+                (frame,) = read(file.name)
+            ours = np.linalg.solve(orth, np.array(frame["centers"]).T).T
+            away = (ours[:, None] - theirs[None] + 0.5) % 1 - 0.5
+            # Fractions are of some operations in f64, and the inverse of the cell of some more.
+            nearest = np.abs(away).max(-1).min(-1)
+            assert len(ours) == len(theirs) and nearest.max() < 1e-12, (name, len(ours), len(theirs), nearest.max())
+            assert len(set(np.abs(away).max(-1).argmin(-1).tolist())) == len(theirs), name
+            count += 1
+    print(f"{count} names of settings: the points of the general position are those of gemmi {gemmi.__version__}")
 
 
 for part in parts:

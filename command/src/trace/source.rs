@@ -41,7 +41,7 @@ pub(super) struct SourceArgs {
 #[group(required = true, multiple = false)]
 struct Which {
     /// The rays: .npy, float64 of shape (n, 6) or (n, 7), or a table of text, which may have a header; - for standard
-    /// input. Also .gz or .bz2.
+    /// input. Also .gz, .bz2, .xz or .zst.
     #[arg(long, value_name = "FILE")]
     rays: Option<PathBuf>,
     /// The beams of a spinning scanner at --eye, in degrees: lidar:rings=N,vfov=LOW..HIGH,step=DEG and optionally

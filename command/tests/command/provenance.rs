@@ -81,6 +81,7 @@ const OTHERS: [(&str, &[&str]); 5] = [
             "--visible",
             "--format",
             "--columns",
+            "--atom-style",
             "--topology",
             "--identity",
             "--model",

@@ -22,8 +22,8 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
     let foreign = |foreign: &foreign::Foreign| {
         (format!("this is {}, which is not supported", foreign.what), foreign.mend.to_owned())
     };
-    let named = Format::of_name(name);
-    // Tinker's files have the extension of XYZ and a similar beginning, and PTX has the beginning of POSCAR.
+    let named = Format::of_name(name).map(|named| if is_cloud(named, &text) { Format::Pts } else { named });
+    // Tinker's files have the extension of XYZ and a similar beginning, and titles of POSCAR may be those of any format.
     let is_poscar = named == Some(Format::Poscar);
     match (of_content(start, named), foreign::of_content(start, &lines)) {
         (None | Some(Format::Xyz), Some(found)) => return Err(foreign(found)),
@@ -104,6 +104,7 @@ fn of_content(start: &[u8], named: Option<Format>) -> Option<Format> {
         Format::Pdb => is_pdb(&lines) && !is_free(&lines) && !has_types(&lines),
         Format::Pqr => is_pdb(&lines) && !is_pdbqt(&lines),
         Format::Pdbqt => is_pdb(&lines),
+        Format::Pts => is_points(&lines),
         named => SIGNS.iter().any(|(format, sign)| format == named && sign(&lines)),
     };
     found(&SIGNATURES).or_else(|| named.filter(by_name)).or_else(|| found(&SIGNS))
@@ -117,24 +118,27 @@ const SIGNATURES: [(Format, Sign); 3] = [
 ];
 
 /// The beginnings of the other formats of text; the first that fits is taken.
-const SIGNS: [(Format, Sign); 10] = [
+const SIGNS: [(Format, Sign); 12] = [
     (Format::Mmcif, is_mmcif),
     (Format::Pdbqt, is_pdbqt),
     (Format::Pqr, is_pqr),
     (Format::Pdb, is_pdb),
     (Format::Gro, is_gro),
     (Format::Xyz, is_xyz),
+    (Format::Ptx, is_ptx),
     (Format::Poscar, is_poscar),
     (Format::Nff, is_nff),
     (Format::Data, is_data),
     (Format::Csv, is_csv),
+    (Format::Pts, is_scan),
 ];
 
 /// Whether bytes begin a format.
 type BinarySign = fn(&[u8]) -> bool;
 
 /// The first bytes of binary formats.
-const BINARY: [(Format, BinarySign); 5] = [
+const BINARY: [(Format, BinarySign); 6] = [
+    (Format::Mmcif, is_binary_cif),
     (Format::Xtc, |bytes| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..])),
     (Format::Trr, |bytes| bytes.starts_with(&[0, 0, 7, 0xc9])),
     (Format::Las, |bytes| bytes.starts_with(b"LASF")),
@@ -143,6 +147,15 @@ const BINARY: [(Format, BinarySign); 5] = [
         matches!(bytes.get(4..8), Some(b"CORD" | b"VELD")) || matches!(bytes.get(8..12), Some(b"CORD" | b"VELD"))
     }),
 ];
+
+/// A map of MessagePack whose first key is one of BinaryCIF.
+fn is_binary_cif(bytes: &[u8]) -> bool {
+    let entries = match bytes {
+        [0x80..=0x8f, rest @ ..] | [0xde, _, _, rest @ ..] | [0xdf, _, _, _, _, rest @ ..] => rest,
+        _ => return false,
+    };
+    [&b"\xa7version"[..], b"\xa7encoder", b"\xaadataBlocks"].iter().any(|key| entries.starts_with(key))
+}
 
 /// Whether lines have a format.
 type Sign = fn(&[&str]) -> bool;
@@ -280,6 +293,49 @@ fn is_xyz(lines: &[&str]) -> bool {
         None => count == 0,
         Some(atom) => atom.split_whitespace().count() >= 4 || lines[1].contains("Properties="),
     }
+}
+
+/// Whether a file that is called XYZ has points in place of atoms.
+fn is_cloud(named: Format, text: &str) -> bool {
+    let lines: Vec<&str> = text.lines().take(64).collect();
+    // The last line may be cut.
+    let whole = if lines.len() > 1 { &lines[..lines.len() - 1] } else { &lines };
+    named == Format::Xyz && !is_xyz(whole) && is_points(whole)
+}
+
+/// Lines of 3, 4, 6 or 7 numbers, as many in each, perhaps behind their number; not atoms with their atomic numbers.
+fn is_points(lines: &[&str]) -> bool {
+    let rows: Vec<Vec<&str>> = table_rows(lines).skip(usize::from(counts(lines))).collect();
+    let is_row = |row: &Vec<&str>| row.len() == rows[0].len() && row.iter().all(|word| word.parse::<f64>().is_ok());
+    let is_atom = |row: &Vec<&str>| row.len() == 4 && matches!(row[0].parse(), Ok(1..=118_u32));
+    rows.first().is_some_and(|row| matches!(row.len(), 3 | 4 | 6 | 7))
+        && rows.iter().all(|row| is_row(row) || row.len() == 1 && row[0].parse::<u64>().is_ok())
+        && !(rows.iter().all(is_atom) && rows.iter().any(|row| row[3].parse::<i64>().is_err()))
+}
+
+/// Points behind their number, with colours: no other format has such lines.
+fn is_scan(lines: &[&str]) -> bool {
+    counts(lines) && is_points(lines) && table_rows(lines).nth(1).is_some_and(|row| row.len() >= 6)
+}
+
+/// Whether the first line with content is a whole number alone.
+fn counts(lines: &[&str]) -> bool {
+    table_rows(lines).next().is_some_and(|row| row.len() == 1 && row[0].parse::<u64>().is_ok())
+}
+
+/// The fields of lines that are no comments, whatever separates them.
+fn table_rows<'a>(lines: &'a [&'a str]) -> impl Iterator<Item = Vec<&'a str>> {
+    let rows = lines.iter().map(|line| line.trim()).filter(|line| !line.is_empty() && comment(line) == 0);
+    rows.map(|line| line.split([',', ';', '\t', ' ']).filter(|word| !word.is_empty()).collect())
+}
+
+/// Two counts, the place and the three axes of the scanner, and a matrix of four rows.
+fn is_ptx(lines: &[&str]) -> bool {
+    let numbers = |line: &&str| {
+        let words: Vec<bool> = line.split_whitespace().map(|word| word.parse::<f64>().is_ok()).collect();
+        words.len() * usize::from(words.iter().all(|is_number| *is_number))
+    };
+    lines.len() >= 10 && lines[..10].iter().map(numbers).eq([1, 1, 3, 3, 3, 3, 4, 4, 4, 4])
 }
 
 /// A comment, a scale, three vectors, optionally a line of species, and whole numbers.

@@ -54,12 +54,11 @@ const ALL: &[Foreign] = &[
         &[],
         Sign::Start(&[b"\xff\xfe", b"\xfe\xff"]),
     ),
-    row("compressed with xz", "decompress it with `xz -d`", &["xz"], Sign::Start(&[b"\xfd7zXZ\0"])),
     row(
-        "compressed with Zstandard",
+        "compressed with Zstandard before version 0.8",
         "decompress it with `zstd -d`",
-        &["zst", "zstd"],
-        Sign::Test(|bytes, _| matches!(bytes, [0x22..=0x28, 0xb5, 0x2f, 0xfd, ..])),
+        &[],
+        Sign::Test(|bytes, _| matches!(bytes, [0x22..=0x27, 0xb5, 0x2f, 0xfd, ..])),
     ),
     row("compressed with LZ4", "decompress it with `lz4 -d`", &["lz4"], Sign::Start(&[b"\x04\x22\x4d\x18"])),
     row("compressed with LZMA", "decompress it with `unlzma`", &["lzma"], Sign::Start(&[b"\x5d\0\0"])),
@@ -102,7 +101,6 @@ const ALL: &[Foreign] = &[
         }),
     ),
     row("an E57 scan", SCAN, &["e57"], Sign::Start(&[b"ASTM-E57"])),
-    row("a PTX scan", SCAN, &["ptx"], Sign::Test(is_ptx)),
     row(
         "a VTK file",
         "save its points as CSV or PLY, for example with ParaView",
@@ -173,7 +171,6 @@ const ALL: &[Foreign] = &[
         Sign::Start(&[b"SQLite format 3\0"]),
     ),
     row("an MMTF file", "use the entry as mmCIF or PDB", &["mmtf"], Sign::Name),
-    row("a BinaryCIF file", "use the entry as mmCIF or PDB", &["bcif"], Sign::Name),
     row(
         "a picture",
         "use a scene or particle file; `halfline compare` reads pictures",
@@ -240,15 +237,6 @@ pub(super) fn is_zip(bytes: &[u8], _: &[&str]) -> bool {
     let length = bytes.get(26..28).map_or(0, |bytes| usize::from(bytes[0]) | usize::from(bytes[1]) << 8);
     let name = bytes.get(30..30 + length).unwrap_or_default();
     bytes.starts_with(b"PK\x03\x04") && !name.ends_with(b".npy") && (name.contains(&b'.') || name.ends_with(b"/"))
-}
-
-/// Two counts, the place and the three axes of the scanner, and a matrix of four rows.
-fn is_ptx(_: &[u8], lines: &[&str]) -> bool {
-    let numbers = |line: &&str| {
-        let words: Vec<bool> = line.split_whitespace().map(|word| word.parse::<f64>().is_ok()).collect();
-        words.len() * usize::from(words.iter().all(|is_number| *is_number))
-    };
-    lines.len() >= 10 && lines[..10].iter().map(numbers).eq([1, 1, 3, 3, 3, 3, 4, 4, 4, 4])
 }
 
 /// Title lines that begin with an asterisk, then the number of atoms.

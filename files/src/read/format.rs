@@ -19,7 +19,7 @@ pub enum Format {
     Pqr,
     /// PDB with charges and AutoDock's atom types.
     Pdbqt,
-    /// Macromolecular CIF.
+    /// Macromolecular CIF, in text or binary.
     Mmcif,
     /// GROMACS coordinates.
     Gro,
@@ -47,6 +47,10 @@ pub enum Format {
     Pcd,
     /// Points of laser scans.
     Las,
+    /// Points in lines of numbers, as laser scanners export them.
+    Pts,
+    /// Scans of Leica Cyclone.
+    Ptx,
     /// Frames of HOOMD-blue.
     Gsd,
 }
@@ -54,7 +58,7 @@ pub enum Format {
 named! {
     Format, "format",
     Native "toml" Nff "nff" Xyz "xyz" Pdb "pdb" Pqr "pqr" Pdbqt "pdbqt" Mmcif "cif" Gro "gro" Dump "dump" Data "data" Ply "ply"
-    Csv "csv" Npy "npy" Npz "npz" Xtc "xtc" Trr "trr" Dcd "dcd" Poscar "poscar" Pcd "pcd" Las "las" Gsd "gsd"
+    Csv "csv" Npy "npy" Npz "npz" Xtc "xtc" Trr "trr" Dcd "dcd" Poscar "poscar" Pcd "pcd" Las "las" Pts "pts" Ptx "ptx" Gsd "gsd"
 }
 
 impl Format {
@@ -70,7 +74,7 @@ impl Format {
         match self {
             Self::Xyz => &["extxyz"],
             Self::Pdb => &["ent"],
-            Self::Mmcif => &["mmcif"],
+            Self::Mmcif => &["mmcif", "bcif"],
             Self::Dump => &["lammpstrj"],
             Self::Data => &["lammps"],
             Self::Csv => &["tsv"],

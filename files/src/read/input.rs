@@ -1,26 +1,18 @@
 //! The decompressed bytes of a scene file. Every reader reads from an [`Input`]. Cancellation ends it, even while a
 //! pipe is silent, and a stream that contains no data for too long is an error.
 
+use super::gauge::{Counts, FileBytes, Gauge};
+use super::packed::{MAGIC, Packing};
 use crate::write::atomic::{is_special, is_standard};
-use bzip2::bufread::MultiBzDecoder;
-use flate2::bufread::MultiGzDecoder;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
-
-/// The most bytes of a stream of unknown length without a particle or a frame. An uncompressed file ends, so its length
-/// is not limited.
-const SILENCE: u64 = 1 << 29;
-
-/// The most compressed bytes that may decompress to nothing; a block of bzip2 has less than one of 2^20.
-const BARREN: u64 = 4 << 20;
 
 /// The bytes that a line or a number of a stream of unknown length counts for at least, since short ones take as long.
 const LEAST: usize = 32;
@@ -28,7 +20,7 @@ const LEAST: usize = 32;
 /// Bytes per read.
 const BLOCK: usize = 1 << 16;
 
-/// The most bytes that are read at once; fewer than [`BARREN`].
+/// The most bytes that are read at once; fewer than may decompress to nothing.
 const LARGE: usize = 1 << 20;
 
 /// The interval at which waiting for a silent pipe checks for cancellation.
@@ -69,7 +61,7 @@ pub(crate) struct Input {
 }
 
 impl Input {
-    /// Opens `path`; `-` is standard input. gzip and bzip2 are detected by their first bytes.
+    /// Opens `path`; `-` is standard input. Compressed files are detected by their first bytes.
     ///
     /// # Errors
     /// [`Error::Io`], [`Error::Interrupted`], [`Error::Limits`] where a pipe needs a thread that cannot be started.
@@ -91,20 +83,17 @@ impl Input {
     }
 
     fn unpack(raw: Box<dyn Read + Send>, length: u64, watch: &Watch) -> io::Result<Self> {
-        let gauge = Gauge { watch: watch.clone(), counts: Arc::default() };
+        let gauge = Gauge::new(watch);
         let mut raw = BufReader::with_capacity(BLOCK, FileBytes { reader: raw, gauge: gauge.clone() });
         let mut magic = Vec::new();
-        (&mut raw).take(3).read_to_end(&mut magic)?;
-        let packed = matches!(magic[..], [0x1f, 0x8b, _] | [b'B', b'Z', b'h']);
-        let bzip2 = magic.starts_with(b"B");
+        (&mut raw).take(MAGIC).read_to_end(&mut magic)?;
+        let packing = Packing::of(&magic);
         let raw = Cursor::new(magic).chain(raw);
-        let reader: Box<dyn BufRead + Send> = match packed {
-            true if bzip2 => Box::new(BufReader::with_capacity(BLOCK, MultiBzDecoder::new(raw))),
-            true => Box::new(BufReader::with_capacity(BLOCK, MultiGzDecoder::new(raw))),
-            false => Box::new(raw),
+        let (reader, length): (Box<dyn BufRead + Send>, u64) = match packing {
+            Some(packing) => (Box::new(BufReader::with_capacity(BLOCK, packing.reader(raw, &gauge.counts))), 0),
+            None => (Box::new(raw), length),
         };
-        let length = if packed { 0 } else { length };
-        Ok(Self { reader, gauge, since: 0, delivered: 0, length, packed })
+        Ok(Self { reader, gauge, since: 0, delivered: 0, length, packed: packing.is_some() })
     }
 
     /// Whether the input is compressed.
@@ -156,7 +145,7 @@ impl Input {
     /// Bytes in memory, for the readers' tests.
     pub(crate) fn of_bytes(bytes: &[u8]) -> Self {
         let reader = Box::new(Cursor::new(bytes.to_vec()));
-        let gauge = Gauge { watch: Watch::default(), counts: Arc::default() };
+        let gauge = Gauge::new(&Watch::default());
         Self { reader, gauge, since: 0, delivered: 0, length: bytes.len() as u64, packed: false }
     }
 }
@@ -166,7 +155,7 @@ impl Input {
     fn pass_silence(&mut self) -> io::Result<()> {
         if self.since >= BLOCK as u64 {
             let since = std::mem::take(&mut self.since);
-            self.gauge.pass(&self.gauge.counts.silent, since, SILENCE.max(self.length))?;
+            self.gauge.pass_silent(since, self.length)?;
         }
         Ok(())
     }
@@ -181,7 +170,7 @@ impl Input {
             return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
         }
         if bytes > 0 {
-            self.gauge.counts.barren.store(0, Ordering::Relaxed);
+            self.gauge.counts.unpacked();
         }
         Ok(())
     }
@@ -223,56 +212,6 @@ impl Read for Input {
         let read = available.len().min(bytes.len());
         bytes[..read].copy_from_slice(&available[..read]);
         self.consume(read);
-        Ok(read)
-    }
-}
-
-/// Checks for cancellation, and counts bytes without data.
-#[derive(Clone)]
-struct Gauge {
-    watch: Watch,
-    counts: Arc<Counts>,
-}
-
-/// Bytes without data.
-#[derive(Default)]
-pub(crate) struct Counts {
-    /// Decompressed bytes since the last particle or frame.
-    silent: AtomicU64,
-    /// Compressed bytes since the last decompressed byte.
-    barren: AtomicU64,
-}
-
-impl Counts {
-    /// As [`Input::found`].
-    pub(crate) fn found(&self) {
-        self.silent.store(0, Ordering::Relaxed);
-    }
-}
-
-impl Gauge {
-    /// Adds bytes to a counter with the limit `most`.
-    fn pass(&self, count: &AtomicU64, bytes: u64, most: u64) -> io::Result<()> {
-        self.watch.check().map_err(io::Error::other)?;
-        if count.fetch_add(bytes, Ordering::Relaxed) + bytes <= most {
-            return Ok(());
-        }
-        let problem = format!("{most} bytes of the stream contain no particle");
-        let mend = "check that it is a scene or particle file; an uncompressed file may have any length".into();
-        Err(io::Error::other(Error::Limits { problem, mend }))
-    }
-}
-
-/// The bytes of the file; a compressed stream may be endless without containing data.
-struct FileBytes {
-    reader: Box<dyn Read + Send>,
-    gauge: Gauge,
-}
-
-impl Read for FileBytes {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let read = self.reader.read(bytes)?;
-        self.gauge.pass(&self.gauge.counts.barren, read as u64, BARREN)?;
         Ok(read)
     }
 }
@@ -345,6 +284,7 @@ impl Read for Pipe {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read::gauge::SILENCE;
     use flate2::Compression;
     use flate2::write::GzEncoder;
     use halfline::progress::Cancel;
@@ -366,9 +306,13 @@ mod tests {
         let watch = Watch::default();
         let plain = Input::of(Box::new(io::repeat(b'\n')), &watch).expect("opened");
         assert!(matches!(error_of(plain), Error::Limits { .. }));
-        // Zeros compress to a thousandth, and empty members to nothing.
+        // Blanks compress to a thousandth, and empty members to nothing.
         let bomb = gz(&vec![b' '; 1 << 24]);
-        for members in [bomb, gz(b"")] {
+        // An xz stream without blocks, an empty frame of Zstandard, and one to be skipped.
+        let xz = b"\xfd7zXZ\0\0\x04\xe6\xd6\xb4\x46\0\0\0\0\x1c\xdf\x44\x21\x1f\xb6\xf3\x7d\x01\0\0\0\0\x04YZ";
+        let frame = [0x28, 0xb5, 0x2f, 0xfd, 0x20, 0, 1, 0, 0];
+        let skipped = [0x50, 0x2a, 0x4d, 0x18, 1, 0, 0, 0, 7];
+        for members in [bomb, gz(b""), xz.to_vec(), frame.to_vec(), skipped.to_vec()] {
             let mut at = 0;
             let endless = std::iter::repeat_with(move || {
                 at = (at + 1) % members.len();

@@ -463,6 +463,10 @@ pub(super) struct Spot {
 }
 
 impl Spot {
+    pub(super) fn new(line: u64, column: u64) -> Self {
+        Self { line, column }
+    }
+
     /// This spot of `file`.
     pub(super) fn of(self, file: Place) -> Place {
         file.at(self.line, self.column)

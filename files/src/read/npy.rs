@@ -5,7 +5,8 @@
 pub(super) mod records;
 mod rows;
 
-use super::input::{Counts, Input, fill};
+use super::gauge::Counts;
+use super::input::{Input, fill};
 use super::particles::names::Names;
 use super::particles::survey::Survey;
 use crate::blocks;

@@ -10,10 +10,10 @@ use super::particles::joined::{Joined, NUMBERS, Topology};
 use super::particles::request::Request;
 use super::particles::table::Table;
 use super::particles::trajectory::Trajectory;
-use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, xyz};
+use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, ptx, xyz};
 use super::source::SceneSource;
 use halfline::error::{Error, Place, Result};
-use halfline::quote::setting::{COLUMNS, FORMAT, TOPOLOGY};
+use halfline::quote::setting::{ATOM_STYLE, COLUMNS, FORMAT, TOPOLOGY};
 use std::path::Path;
 
 /// The frames of a particle file, with the atoms of the topology and in the order of the first one; `None` for formats that
@@ -60,9 +60,13 @@ fn listed(
     request: Request,
     options: &ReadOptions,
 ) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
-    if !options.columns_named.is_empty() && source.format != Format::Csv {
+    if !options.columns_named.is_empty() && !matches!(source.format, Format::Csv | Format::Pts) {
         let problem = format!("{COLUMNS} names the columns of tables, but the file is {}", source.format.name());
         return Err(Error::settings(problem, format!("remove it, or add {FORMAT} csv if the file is a table")));
+    }
+    if options.atom_style.is_some() && options.topology.is_none() && source.format != Format::Data {
+        let problem = format!("{ATOM_STYLE} is of LAMMPS data, but the file is {}", source.format.name());
+        return Err(Error::settings(problem, "remove it"));
     }
     if options.topology.is_none() {
         molecule::check(source.format, &request)?;
@@ -83,6 +87,8 @@ fn listed(
             let table = Table::open(source, &request)?;
             one(move || table.all())
         }
+        Format::Ptx => one(move || ptx::read(source, &request)),
+        Format::Pts => one(move || Table::points(source, &request)?.all()),
         Format::Npy => Box::new(records::Array::new(source, request)),
         Format::Npz => Box::new(npz::Npz::new(source, request)),
         Format::Xtc | Format::Trr | Format::Dcd => {
@@ -127,8 +133,8 @@ fn one(read: impl FnOnce() -> Result<Particles> + Send + 'static) -> Box<dyn Par
 
 /// Whether files of this format have columns of any name.
 fn has_any_columns(format: Format) -> bool {
-    use Format::{Csv, Data, Dump, Las, Npy, Npz, Pcd, Ply, Xyz};
-    matches!(format, Csv | Data | Dump | Las | Npy | Npz | Pcd | Ply | Xyz)
+    use Format::{Csv, Data, Dump, Las, Npy, Npz, Pcd, Ply, Pts, Ptx, Xyz};
+    matches!(format, Csv | Data | Dump | Las | Npy | Npz | Pcd | Ply | Pts | Ptx | Xyz)
 }
 
 /// Whether files of this format number their atoms in a column of its own name.

@@ -4,6 +4,7 @@ use super::derived;
 use super::format::Format;
 use super::frame_range::FrameRange;
 use super::particles::column_names::ColumnNames;
+use super::particles::data::style::AtomStyle;
 use super::particles::identity::Identity;
 use super::particles::layout::EVERY;
 use super::particles::periodic::{self, Periodic};
@@ -27,6 +28,8 @@ pub struct ReadOptions {
     pub format: Option<Format>,
     /// The meaning of columns of a table whose names do not say it.
     pub columns_named: ColumnNames,
+    /// The atom style of LAMMPS data; `None` takes that of the file, or one with its number of columns.
+    pub atom_style: Option<AtomStyle>,
     /// Whether rows of tables, XYZ, LAMMPS dump and PLY text whose coordinates are not finite numbers or whose radius is
     /// not positive are left out and counted; otherwise the first is an error.
     pub skip_invalid: bool,
@@ -140,6 +143,7 @@ impl ReadOptions {
         Request {
             columns,
             columns_named: self.columns_named.clone(),
+            atom_style: self.atom_style.clone(),
             strict: self.strict,
             skip_invalid: self.skip_invalid,
             frames: self.frames.clone(),

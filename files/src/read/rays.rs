@@ -33,7 +33,7 @@ enum RaySource {
 
 impl RayReader {
     /// Opens `path`; `-` is standard input. The first bytes show the format: a NumPy array, or text. Both may be
-    /// compressed with gzip or bzip2.
+    /// compressed with gzip, bzip2, xz or Zstandard.
     ///
     /// # Errors
     /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for one that has no rays in the form above,

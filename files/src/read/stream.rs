@@ -28,7 +28,8 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::{self, JoinHandle};
 
 /// The formats that list particles row by row.
-const ROWS: [Format; 6] = [Format::Npy, Format::Csv, Format::Xyz, Format::Dump, Format::Ply, Format::Las];
+const ROWS: [Format; 8] =
+    [Format::Npy, Format::Csv, Format::Xyz, Format::Dump, Format::Ply, Format::Las, Format::Pts, Format::Ptx];
 
 /// Spheres of a block.
 const BLOCK: usize = 1 << 18;
@@ -104,7 +105,7 @@ impl SphereBlocks {
         if !ROWS.contains(&source.format) && source.format != Format::Native {
             let problem = format!("{} files are not read as a stream", source.format.name());
             let mend = format!(
-                "remove {STREAM}, or use an array (npy), a table (csv), xyz, a LAMMPS dump, ply, las or a scene (toml)"
+                "remove {STREAM}, or use an array (npy), a table (csv, pts, ptx), xyz, a LAMMPS dump, ply, las or a scene (toml)"
             );
             return Err(Error::settings(problem, mend));
         }

@@ -46,6 +46,9 @@ fn formats_are_recognised_by_content() {
     assert_eq!(of_content(b"\x93NUMPY\x01\x00", None), Some(Format::Npy));
     assert_eq!(of_content(b"PK\x03\x04", None), Some(Format::Npz));
     assert_eq!(of_content(b"LASF\0\0", None), Some(Format::Las));
+    assert_eq!(of_content(b"\x83\xa7version\xa50.3.0", None), Some(Format::Mmcif));
+    assert_eq!(of_content(b"\xde\0\x03\xaadataBlocks\x91", None), Some(Format::Mmcif));
+    assert_eq!(of_content(b"\x83\xabmmtfVersion", None), None);
     assert_eq!(of_content(&[0xdf, 0x65].repeat(4), None), Some(Format::Gsd));
     assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0], None), Some(Format::Xtc));
     assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0], None), Some(Format::Xtc));
@@ -143,7 +146,7 @@ fn titles_and_comments_look_like_other_formats() {
         }
     }
     let scan = "1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
-    assert!(recognise(scan.as_bytes(), Path::new("a")).is_err_and(|(problem, _)| problem.contains("PTX")));
+    assert_eq!(recognise(scan.as_bytes(), Path::new("a")), Ok((Format::Ptx, None)));
     for (text, name, format) in [
         ("{ salt\n1.0\n4 0 0\n0 4 0\n0 0 4\nNa Cl\n1 1\nDirect\n", "POSCAR", Format::Poscar),
         ("# the units of x y z are metres\n[camera]\neye = [0, 0, 1]\n", "s.toml", Format::Native),
@@ -162,4 +165,38 @@ fn a_scene_is_recognised_wherever_its_beginning_is_cut() {
     assert_eq!(native(&within.as_bytes()[..within.len() - 1]), Some(Format::Native));
     assert_eq!(native(b"# \xe9\n[camera]\n"), Some(Format::Native));
     assert_eq!(native(b"\xff\xd8 = \n"), None);
+}
+
+#[test]
+fn points_that_are_called_xyz_are_not_atoms() {
+    let pts = Ok((Format::Pts, None));
+    let xyz = Ok((Format::Xyz, None));
+    let numbered = "8 0 0 0.5\n1 1 0 0\n";
+    for (text, name, format) in [
+        ("0.5 1 2\n1 2 3\n", "a.xyz", &pts),
+        ("1 2 3\n", "a.xyz", &pts),
+        ("1,2,3,4\n5,6,7,8\n", "a.xyz", &pts),
+        ("2\n0.5 1 2 10 255 0 0\n1.5 2 3 11 0 255 0\n", "a.xyz", &pts),
+        ("// X Y Z\n1 2 3\n4 5 6\n", "a.xyz", &pts),
+        ("2\n0 1 2 10\n1 2 3 11\n", "a.pts", &pts),
+        ("0 1 2\n1 2 3\n", "a.pts", &pts),
+        ("2\n0.5 1 2 255 0 0\n1.5 2 3 0 255 0\n", "a", &pts),
+        ("2\n0.5 1 2 -9 255 0 0\n1.5 2 3 -8 0 255 0\n", "a.txt", &pts),
+        ("2\n\n8 0 0 0.5\n1 1 0 0\n", "a.xyz", &xyz),
+        ("2\n1 2 3 4\n8 0 0 0.5\n1 1 0 0\n", "a.xyz", &xyz),
+        ("2\n\nO 0 0 0.5\nH 1 0 0\n", "a.xyz", &xyz),
+        // Atomic numbers without a count, and rows of other lengths: the reader of XYZ says what is missing.
+        (numbered, "a.xyz", &xyz),
+        ("1 2 3\n1 2 3 4\n0 0 0\n", "a.xyz", &xyz),
+        ("O 0 0 0.5\n", "a.xyz", &xyz),
+    ] {
+        assert_eq!(&recognise(text.as_bytes(), Path::new(name)), format, "{name}: {text}");
+    }
+    for text in ["1 2 3\n4 5 6\n", "2\n1 2 3\n4 5 6\n", numbered] {
+        let problem = recognise(text.as_bytes(), Path::new("-")).expect_err(text);
+        assert!(problem.1.contains(", pts"), "{problem:?}");
+    }
+    for name in ["a.csv", "a.gro", "POSCAR"] {
+        assert!(recognise(b"1 2 3\n4 5 6\n", Path::new(name)).is_ok_and(|(format, _)| format != Format::Pts), "{name}");
+    }
 }

@@ -2,6 +2,7 @@
 //! docs.lammps.org/read_data.html.
 
 mod header;
+pub(in crate::read) mod style;
 
 use super::frame::{Column, Particles};
 use super::layout::{Layout, is_requested};
@@ -15,9 +16,11 @@ use crate::read::lines::{Lines, Word, Words};
 use crate::read::source::SceneSource;
 use halfline::error::{Error, Result};
 use halfline::memory::{Ledger, check, check_ids, reserve};
+use halfline::quote::setting::ATOM_STYLE;
 use halfline::quote::{quote, unquoted};
 use header::{DataHeader, body};
 use std::collections::HashMap;
+use style::AtomStyle;
 
 /// Reads the sections with atoms, their masses and velocities.
 ///
@@ -43,33 +46,6 @@ fn role(name: &str) -> Role {
         _ => Role::Other,
     }
 }
-
-/// The columns of the Atoms section by style. `x y z` are coordinates, `diameter` is a diameter.
-const STYLES: [(&str, &str); 23] = [
-    ("angle", "id mol type x y z"),
-    ("atomic", "id type x y z"),
-    ("body", "id type bodyflag mass x y z"),
-    ("bond", "id mol type x y z"),
-    ("bpm/sphere", "id mol type diameter density x y z"),
-    ("charge", "id type q x y z"),
-    ("dielectric", "id type q x y z normx normy normz area ed em epsilon curvature"),
-    ("dipole", "id type q x y z mux muy muz"),
-    ("dpd", "id type theta x y z"),
-    ("edpd", "id type edpd_temp edpd_cv x y z"),
-    ("electron", "id type q espin eradius x y z"),
-    ("ellipsoid", "id type ellipsoidflag density x y z"),
-    ("full", "id mol type q x y z"),
-    ("line", "id mol type lineflag density x y z"),
-    ("mdpd", "id type rho x y z"),
-    ("molecular", "id mol type x y z"),
-    ("peri", "id type volume density x y z"),
-    ("sph", "id type rho esph cv x y z"),
-    ("sphere", "id type diameter density x y z"),
-    ("spin", "id type x y z spx spy spz sp"),
-    ("tdpd", "id type x y z"),
-    ("template", "id type mol template atom x y z"),
-    ("tri", "id mol type triangleflag density x y z"),
-];
 
 /// Lines that begin a section; lines between known sections are skipped.
 const SECTIONS: [&str; 3] = ["Atoms", "Masses", "Velocities"];
@@ -212,26 +188,22 @@ impl LammpsData<'_> {
         }
         let (line, heading) = (self.lines.place(0), "Atoms");
         self.need(heading, 0, count)?;
-        // Styles of accelerators have a suffix; other words are a comment.
-        let word = named.split_whitespace().next().unwrap_or_default();
-        let word = word.split_once('/').filter(|(_, suffix)| *suffix == "kk").map_or(word, |(style, _)| style);
-        let is_style = word == "hybrid" || STYLES.iter().any(|(name, _)| *name == word);
-        let (style, is_given) = if is_style { (word.to_owned(), true) } else { (self.guess(head, &named)?, false) };
-        // The sub-styles of a hybrid describe what follows the coordinates.
-        let columns = if style == "hybrid" { Some("id type x y z") } else { None };
-        let columns = columns.or_else(|| STYLES.iter().find(|(name, _)| *name == style).map(|(_, columns)| *columns));
-        let columns = columns.unwrap_or_default();
-        // What follows the coordinates of these has any number of columns.
-        if is_given && !["hybrid", "tdpd"].contains(&style.as_str()) {
-            let (own, found) = (columns.split(' ').count(), self.row().count());
+        let given = self.request.atom_style.clone().or_else(|| AtomStyle::of_comment(&named));
+        let is_given = given.is_some();
+        let style = given.map_or_else(|| self.guess(head, &named), Ok)?;
+        if is_given && !style.is_open() {
+            let (own, found) = (style.columns().count(), self.row().count());
             if found != own && found != own + 3 {
                 let problem =
                     format!("the style {style} has {own} columns, or {} with image flags, not {found}", own + 3);
-                let mend = format!("write the style that the rows have behind `Atoms #`; {style} is {columns}");
+                let mend = format!(
+                    "write the style that the rows have behind `Atoms #`, or set it with {ATOM_STYLE}; {style} is {}",
+                    style.list()
+                );
                 return Err(self.lines.fail(0, heading, problem, mend));
             }
         }
-        let columns = &self.with_flags(columns, &style);
+        let columns = &self.with_flags(&style);
         let mut layout = Layout::whole(self.request);
         for (n, name) in columns.split(' ').enumerate() {
             let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
@@ -244,7 +216,7 @@ impl LammpsData<'_> {
             let comment =
                 if named.is_empty() { String::new() } else { format!("{} is no atom style, so ", quote(&named)) };
             particles.skipped.assumed.push(format!(
-                "{comment}the atoms are read in the style {style} ({columns}), which has their number of columns; write `Atoms # {style}` to set the style"
+                "{comment}the atoms are read in the style {style} ({columns}), which has their number of columns; {ATOM_STYLE} sets another"
             ));
         }
         let type_at = columns.split(' ').position(|name| name == "type").unwrap_or(1);
@@ -264,12 +236,12 @@ impl LammpsData<'_> {
         Ok(particles)
     }
 
-    /// The columns, with the image flags if they are requested and end the current line. What follows the columns of a
-    /// hybrid is not known.
-    fn with_flags(&self, columns: &str, style: &str) -> String {
+    /// The columns, with the image flags if they are requested and end the current line.
+    fn with_flags(&self, style: &AtomStyle) -> String {
+        let columns = style.list();
         let requested = is_requested(&self.request.columns, "ix");
-        let more = self.row().skip(columns.split(' ').count()).take(4).map(|word| word.text.parse::<i32>().is_ok());
-        let flags = requested && style != "hybrid" && more.collect::<Vec<_>>() == [true; 3];
+        let more = self.row().skip(style.columns().count()).take(4).map(|word| word.text.parse::<i32>().is_ok());
+        let flags = requested && !style.is_open() && more.collect::<Vec<_>>() == [true; 3];
         if flags { format!("{columns} ix iy iz") } else { columns.to_owned() }
     }
 
@@ -297,7 +269,7 @@ impl LammpsData<'_> {
     }
 
     /// Guesses the style from the atom of the current line.
-    fn guess(&self, head: &DataHeader, named: &str) -> Result<String> {
+    fn guess(&self, head: &DataHeader, named: &str) -> Result<AtomStyle> {
         let whole: Vec<bool> = self.row().take(16).map(|word| word.text.parse::<i64>().is_ok()).collect();
         // Three whole numbers after the coordinates are image flags of the cell.
         let flags = if whole.len() >= 8 && whole.ends_with(&[true; 3]) { 3 } else { 0 };
@@ -310,12 +282,12 @@ impl LammpsData<'_> {
                 let comment =
                     if named.is_empty() { String::new() } else { format!(", and {} is no atom style", quote(named)) };
                 let problem = format!("the style of atoms with {} columns is not known{comment}", whole.len());
-                let names: Vec<_> = STYLES.iter().map(|(name, _)| *name).collect();
-                let mend = format!("write one of these behind `Atoms #`: {}", names.join(", "));
+                let mend =
+                    format!("set it with {ATOM_STYLE}, or write one of these behind `Atoms #`: {}", AtomStyle::names());
                 return Err(self.lines.fail(0, "Atoms", problem, mend));
             }
         };
-        Ok(style.to_owned())
+        style.parse()
     }
 
     fn velocities(&mut self, count: u64, found: &SectionData, particles: &mut Particles) -> Result<()> {

@@ -172,6 +172,7 @@ impl Particles {
         }
         more.unknown.iter().for_each(|(name, count)| self.add_unknown(name, *count));
         self.species.add(more.species);
+        self.skipped.append(more.skipped);
         self.left_out.append(more.left_out);
         self.mixed.append(more.mixed)
     }

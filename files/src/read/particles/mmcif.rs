@@ -1,11 +1,14 @@
-//! Macromolecular CIF: the loop of `_atom_site` with its columns in any order, model after model (PDBx/mmCIF
+//! Macromolecular CIF, in text and in BinaryCIF: the loop of `_atom_site` with its columns in any order, model after model (PDBx/mmCIF
 //! dictionary, mmcif.wwpdb.org). Small-molecule CIF, with positions as fractions of the cell, is read too, and its
 //! symmetry fills the cell. Of a file without such atoms, the first chemical component with positions is read, as the
 //! dictionaries of the PDB and of CCP4 write them (`_chem_comp_atom`).
 
+mod binary;
 mod operators;
 mod row;
 mod symmetry;
+mod text;
+mod token;
 mod tokens;
 
 use super::atom_property::{AtomProperty, NameTable};
@@ -13,7 +16,6 @@ use super::frame::{ParticleFrames, Particles};
 use super::infer::Inference;
 use super::molecule::{Copies, Model, Passed, more_models, not_assembled};
 use super::request::Request;
-use crate::read::lines::Lines;
 use crate::read::source::SceneSource;
 use halfline::error::{Error, Place, Result};
 use halfline::memory::Ledger;
@@ -21,7 +23,8 @@ use halfline::scene::Cell;
 use operators::{OperatorItem, Operators};
 use row::{AtomColumns, AtomRow};
 use std::collections::VecDeque;
-use tokens::{Token, Tokens};
+use token::Token;
+use tokens::Tokens;
 
 /// The reader.
 pub(in crate::read) struct Mmcif {
@@ -65,7 +68,9 @@ enum State {
 impl Mmcif {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         Self {
-            tokens: Tokens::new(Lines::new(source.reader, &source.path)),
+            tokens: Tokens::new(source, |tag| {
+                AtomColumns::is_atom(tag) || AtomColumns::is_component(tag) || OperatorItem::of(tag).is_some()
+            }),
             request,
             operators: Operators::default(),
             layout: AtomColumns::default(),

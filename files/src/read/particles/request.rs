@@ -1,6 +1,7 @@
 //! The request to a reader of particles: what it keeps and how it treats rows. Selection and style are not part of it.
 
 use super::column_names::ColumnNames;
+use super::data::style::AtomStyle;
 use super::survey::Survey;
 #[cfg(test)]
 use super::vectors;
@@ -16,6 +17,8 @@ pub(in crate::read) struct Request {
     pub(in crate::read) columns: Vec<String>,
     /// The meaning of columns of a table whose names do not say it.
     pub(in crate::read) columns_named: ColumnNames,
+    /// The atom style of LAMMPS data; `None` takes that of the file.
+    pub(in crate::read) atom_style: Option<AtomStyle>,
     /// Whether an item that is not a sphere is an error.
     pub(in crate::read) strict: bool,
     /// Whether rows with invalid coordinates or radii are left out and counted.

@@ -19,7 +19,7 @@ use crate::read::source::SceneSource;
 use fields::{continues, delimiter, fields, next};
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
-use header::TableHeader;
+use header::{Bare, TableHeader};
 use std::io::BufRead;
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
@@ -35,6 +35,8 @@ pub(crate) struct Table<R> {
     assumed: Vec<String>,
     /// The number of rows that the file gives in a line above, and its place.
     counted: Option<(Place, u64)>,
+    /// Whether further scans, with their numbers of rows, may follow.
+    has_scans: bool,
 }
 
 /// The column of the names of rows, as R calls them.
@@ -52,14 +54,14 @@ impl<R: BufRead> Table<R> {
             let role = role(word.text).ok_or_else(|| fail(format!("unknown column {}", quote(word.text))))?;
             layout.add(word.text, role).map_err(fail)?;
         }
-        Ok(Self { lines, layout, delimiter: b',', ahead: false, assumed: Vec::new(), counted: None })
+        Ok(Self { lines, layout, delimiter: b',', ahead: false, assumed: Vec::new(), counted: None, has_scans: false })
     }
 
-    /// A table with any delimiter, other columns, and a header that may be a comment or missing.
-    fn tolerant(lines: Lines<R>, request: &Request) -> Result<Self> {
+    /// A table with any delimiter, other columns, and a header that may be a comment or missing. Without one, `bare` is what its columns are.
+    fn tolerant(lines: Lines<R>, request: &Request, bare: Bare) -> Result<Self> {
         // Texts may have line breaks; strict tables have none.
         let mut lines = lines.of_records(continues, 0);
-        let (mut header, ahead) = TableHeader::find(&mut lines, &request.columns_named)?;
+        let (mut header, ahead) = TableHeader::find(&mut lines, &request.columns_named, bare)?;
         if ahead {
             // numpy.savetxt uses any separator between names.
             if header.comment && fields(&lines, 0, header.delimiter).count() < header.names.len() {
@@ -88,7 +90,15 @@ impl<R: BufRead> Table<R> {
                 .map_err(|problem| Error::scene(header.place.clone().named("header"), problem, mend))?;
         }
         let lines = lines.of_records(continues, header.delimiter);
-        Ok(Self { lines, layout, delimiter: header.delimiter, ahead, assumed: header.assumed, counted: header.counted })
+        Ok(Self {
+            lines,
+            layout,
+            delimiter: header.delimiter,
+            ahead,
+            assumed: header.assumed,
+            counted: header.counted,
+            has_scans: bare == Bare::Points,
+        })
     }
 
     /// The lines; the current one is the row just read.
@@ -118,7 +128,16 @@ impl Table<Input> {
     /// # Errors
     /// [`Error::Scene`] for a header that is not understood.
     pub(in crate::read) fn open(source: SceneSource, request: &Request) -> Result<Self> {
-        Self::tolerant(Lines::new(source.reader, &source.path), request)
+        Self::tolerant(Lines::new(source.reader, &source.path), request, Bare::Spheres)
+    }
+
+    /// The table of a file of points: lines of x, y, z, perhaps an intensity and perhaps red, green and blue, perhaps behind their
+    /// number. A file may have several such scans.
+    ///
+    /// # Errors
+    /// As [`Table::open`].
+    pub(in crate::read) fn points(source: SceneSource, request: &Request) -> Result<Self> {
+        Self::tolerant(Lines::new(source.reader, &source.path), request, Bare::Points)
     }
 
     /// The particles of all rows.
@@ -133,8 +152,13 @@ impl Table<Input> {
             row(&self.lines, delimiter, &layout, &mut particles)?;
         }
         let (counts, count) = (self.counted.is_some(), AtomicU64::new(self.ahead.into()));
+        let (has_scans, further) = (counts && self.has_scans, AtomicU64::new(0));
         rows(&mut self.lines, u64::MAX, &layout, &mut particles, |line, found| match has_content(line.text()) {
             true => {
+                if let (true, Ok(rows)) = (has_scans, line.text().trim().parse()) {
+                    further.fetch_add(rows, Relaxed);
+                    return Ok(());
+                }
                 if counts {
                     count.fetch_add(1, Relaxed);
                 }
@@ -142,9 +166,13 @@ impl Table<Input> {
             }
             false => Ok(()),
         })?;
-        let count = count.into_inner();
-        if let Some((place, rows)) = self.counted.filter(|(_, rows)| *rows != count) {
-            let warning = format!("{place}: {rows} stands alone in its line, but the table has {count} rows");
+        let (count, further) = (count.into_inner(), further.into_inner());
+        let counted = self.counted.map(|(place, rows)| (place, rows.saturating_add(further)));
+        if let Some((place, rows)) = counted.filter(|(_, rows)| *rows != count) {
+            let warning = match further {
+                0 => format!("{place}: {rows} stands alone in its line, but the table has {count} rows"),
+                _ => format!("{place}: the numbers of the scans add up to {rows}, but there are {count} rows"),
+            };
             particles.skipped.assumed.push(warning);
         }
         particles.settle_texts();
@@ -287,6 +315,49 @@ mod tests {
             assert_eq!((&found.positions[..], &found.radii[..]), (&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][..], radii));
             let [warning] = &found.skipped.assumed[..] else { panic!("{:?}", found.skipped.assumed) };
             assert!(warning.contains(&format!("are read as {what}; name them with {COLUMNS}")), "{warning}");
+        }
+    }
+
+    #[test]
+    fn points_have_the_columns_of_their_number() {
+        let read = |text: &str| {
+            let request = Request::of(&["intensity", "column_4"]);
+            Table::points(SceneSource::of_text(text), &request).and_then(Table::all).map(Particles::linearized)
+        };
+        let colors = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        for (text, colored, column) in [
+            ("1 2 3\n4 5 6\n", false, None),
+            ("2\n1 2 3\n4 5 6\n", false, None),
+            ("2\n1 2 3 -9\n4 5 6 7\n", false, Some("intensity")),
+            ("1,2,3,-9\n4,5,6,7\n", false, Some("intensity")),
+            ("2\n1 2 3 255 0 0\n4 5 6 0 0 255\n", true, None),
+            ("2\n1 2 3 -9 255 0 0\n4 5 6 7 0 0 255\n", true, Some("intensity")),
+            ("1\n1 2 3 -9 255 0 0\n1\n4 5 6 7 0 0 255\n", true, Some("intensity")),
+            ("1 2 3 -9 0 0.5\n4 5 6 7 1 0\n", false, Some("column_4")),
+            ("//X Y Z Intensity\n1 2 3 -9\n4 5 6 7\n", false, Some("intensity")),
+        ] {
+            let found = read(text).unwrap_or_else(|error| panic!("{error}: {text}"));
+            assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{text}");
+            assert_eq!(found.colors, if colored { &colors[..] } else { &[] }, "{text}");
+            let values = found.columns.iter().map(|found| (found.name.as_str(), &found.values[..]));
+            assert!(values.eq(column.map(|name| (name, &[-9.0, 7.0][..]))), "{text}: {:?}", found.columns);
+            assert!(found.radii.is_empty(), "the fourth number is no radius");
+        }
+        for (text, warning) in [
+            ("3\n1 2 3\n4 5 6\n", "3 stands alone in its line, but the table has 2 rows"),
+            ("1\n1 2 3\n2\n4 5 6\n", "the numbers of the scans add up to 3, but there are 2 rows"),
+        ] {
+            let assumed = read(text).expect("rows").skipped.assumed;
+            assert!(assumed.len() == 1 && assumed[0].contains(warning), "{assumed:?}");
+        }
+        for (text, message) in [
+            ("1 2 3 4 5\n", ":1:1: header: the columns x, y and z are missing"),
+            ("1 2 3\n4 5\n", ":2:4: z: expected 3 fields, found 2"),
+            ("1 2 3\n4\n", ":2:2: y: expected 3 fields, found 1"),
+            ("1 2 3 1 2 3\n4 5 6 -1 0 0\n", ":2:7: color"),
+        ] {
+            let error = read(text).map(drop).expect_err(text).to_string();
+            assert!(error.contains(message), "{error}");
         }
     }
 

@@ -157,6 +157,7 @@ fn atoms(field: &NamedField<'_>, kind: &str, columns: &mut Vec<(String, Role)>) 
 fn mend_count(line: &str) -> String {
     let words = line.split(|c: char| c.is_whitespace() || ",;".contains(c)).filter(|word| !word.is_empty());
     match words.map(|word| word.parse::<f64>().is_ok()).collect::<Vec<_>>()[..] {
+        [true, true, true] | [true, true, true, true] => format!("points without a count are read with {FORMAT} pts"),
         [true, true, true, ..] => format!("points without a count are a table: use {FORMAT} csv {COLUMNS} x=1,y=2,z=3"),
         [false, true, true, true, ..] => format!(
             "begin each frame with its number of atoms and a comment, or use {FORMAT} csv {COLUMNS} element=1,x=2,y=3,z=4"

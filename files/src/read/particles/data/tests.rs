@@ -35,7 +35,7 @@ fn image_flags_behind_the_columns_are_columns_if_they_are_requested() {
     }
     assert!(read(&file(" # atomic", rows), &["id"]).expect("no flags").has.iter().all(|name| name != "ix"));
     // What a hybrid has are no flags, and two numbers more are of another style.
-    assert!(read(&file(" # hybrid atomic sphere", rows), &["ix"]).expect("no flags").columns.is_empty());
+    assert!(read(&file(" # hybrid", rows), &["ix"]).expect("no flags").columns.is_empty());
     let error = read(&file(" # atomic", "7 1 1 2 3 0 -1\n3 2 4 5 6 1 0"), &["ix"]).map(drop).expect_err("7 columns");
     assert!(error.to_string().contains("the style atomic has 5 columns, or 8 with image flags, not 7"), "{error}");
     let error = read(&file(" # atomic", "7 1 1 2 3 0 -1 2\n3 2 4 5 6"), &["ix"]).map(drop).expect_err("no flags");
@@ -48,7 +48,9 @@ fn styles_are_named_or_follow_from_the_columns() {
     for (heading, row, assumed) in [
         ("Atoms # sphere", "1 1 3 0.1 1 2 3", 0),
         ("Atoms # dipole", "1 1 0.5 1 2 3 9 9 9", 0),
-        ("Atoms # hybrid sphere", "1 1 1 2 3 0.5 1", 0),
+        ("Atoms # hybrid sphere", "1 1 1 2 3 3 1", 0),
+        ("Atoms # hybrid/kk charge sphere/kk by hand", "1 1 1 2 3 -0.5 3 1 0 0 0", 0),
+        ("Atoms # hybrid", "1 1 1 2 3 3 1 9 9", 0),
         ("Atoms", "1 1 1 2 3", 1),
         ("Atoms", "1 1 1 2 3 0 -1 0", 1),
         ("Atoms", "1 1 1 1.0 2 3", 1),
@@ -57,7 +59,7 @@ fn styles_are_named_or_follow_from_the_columns() {
     ] {
         let found = read(&file(heading, row), &[]).unwrap_or_else(|e| panic!("{heading} {row}: {e}"));
         assert_eq!((found.positions[1], found.skipped.assumed.len()), ([1.0, 2.0, 3.0], assumed), "{heading} {row}");
-        assert_eq!(found.radii, if heading.ends_with("# sphere") { vec![1.5; 2] } else { vec![] }, "{heading}");
+        assert_eq!(found.radii, if heading.contains("sphere") { vec![1.5; 2] } else { vec![] }, "{heading}");
     }
     let general = file("Atoms # atomic", "1 1 1 2 3").replace("0 2 xlo xhi", "1 2 3 avec\n4 5 6 bvec\n7 8 9 cvec");
     let cell = read(&general, &[]).expect("a file").cell.expect("a cell");
@@ -116,7 +118,10 @@ fn errors_are_reported_with_line_and_column() {
             file("Atoms # fancy\n\n1 1 0.5 2.5 1 2 3\n"),
             ":11:1: Atoms: the style of atoms with 7 columns is not known, and `fancy`",
         ),
-        (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "is not known; write one of these behind"),
+        (
+            file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"),
+            "is not known; set it with `\u{2060}atom_style`, or write one of these behind",
+        ),
         (file("Atoms # sphere\n\n1 1 0 0.1 1 2 3\n"), ":11:5: diameter: `0` is not positive"),
         (file("Velocities\n\n"), "comes before Atoms"),
         (file("Masses\n\n1\n"), ":11:1: Masses"),
@@ -127,5 +132,35 @@ fn errors_are_reported_with_line_and_column() {
     ] {
         let error = read(&text, &["vx"]).map(drop).expect_err(&text).to_string();
         assert!(error.contains(message), "{error}");
+    }
+}
+
+/// The columns of hybrids by the example of LAMMPS's description of read_data.
+#[test]
+fn a_style_that_is_given_comes_before_that_of_the_file() {
+    let file = |heading: &str, row: &str| format!("{HEAD}\nAtoms{heading}\n\n{row}\n{row}\n");
+    let read = |text: &str, style: &str, columns: &[&str]| {
+        let request = Request { atom_style: Some(style.parse().expect(style)), ..Request::of(columns) };
+        super::read(SceneSource::of_text(text), &request)
+    };
+    for (heading, style, row, columns, values) in [
+        (" # atomic", "charge", "1 1 -0.5 1 2 3", &["q"][..], &[-0.5][..]),
+        (" # by hand", "full", "1 7 1 -0.5 1 2 3 0 0 0", &["mol", "q"], &[7.0, -0.5]),
+        ("", "dpd/kk", "1 1 0.25 1 2 3", &["theta"], &[0.25]),
+        ("", "hybrid charge sphere", "1 1 1 2 3 -0.5 4 9", &["q", "density"], &[-0.5, 9.0]),
+        ("", "hybrid,dipole,full", "1 1 1 2 3 -0.5 6 7 8 4", &["q", "muz", "mol"], &[-0.5, 8.0, 4.0]),
+        (" # hybrid", "id type q x y z heat", "1 1 -0.5 1 2 3 300", &["q", "heat"], &[-0.5, 300.0]),
+    ] {
+        let found = read(&file(heading, row), style, columns).unwrap_or_else(|error| panic!("{style}: {error}"));
+        assert_eq!(found.positions, [[1.0, 2.0, 3.0]; 2], "{style}");
+        assert!(found.columns.iter().map(|column| column.values[1]).eq(values.iter().copied()), "{style}");
+        assert!(found.skipped.assumed.is_empty(), "{:?}", found.skipped);
+    }
+    let error = read(&file("", "1 1 1 2 3"), "full", &[]).map(drop).expect_err("5 columns").to_string();
+    assert!(error.contains("the style full has 7 columns, or 10 with image flags, not 5"), "{error}");
+    for wrong in ["", "fancy", "Full", "hybrid fancy", "full charge", "id type x y", "type id x y z", "id type x y z x"]
+    {
+        let error = wrong.parse::<AtomStyle>().expect_err(wrong).to_string();
+        assert!(error.contains("is no atom style of LAMMPS; use one of angle, atomic"), "{error}");
     }
 }

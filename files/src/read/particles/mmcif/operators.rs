@@ -2,7 +2,8 @@
 //! (mmcif.wwpdb.org/dictionaries/mmcif_pdbx_v50.dic: `_cell`, `_pdbx_struct_oper_list`, `_pdbx_struct_assembly_gen`).
 
 use super::symmetry::{self, Symmetry};
-use super::tokens::{Tokens, number};
+use super::token::number;
+use super::tokens::Tokens;
 use crate::read::lines::Spot;
 use crate::read::particles::assembly::{Assembly, AssemblyPart, MOST_OPERATORS, unknown};
 use crate::read::particles::molecule::cell;

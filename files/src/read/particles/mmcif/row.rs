@@ -1,7 +1,8 @@
 //! A row of `_atom_site`: the meaning of its columns, and the values of an atom.
 
 use super::symmetry::Symmetry;
-use super::tokens::{Token, Tokens, number};
+use super::token::{Token, number};
+use super::tokens::Tokens;
 use crate::read::lines::{Spot, mend_number};
 use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;

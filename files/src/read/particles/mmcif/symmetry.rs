@@ -1,7 +1,11 @@
 //! The symmetry of small-molecule CIF: the images of the listed atoms under the operators, in one unit cell (IUCr core
 //! dictionary, `_space_group_symop_operation_xyz`; Hahn, International Tables for Crystallography A).
 
-use super::tokens::{Tokens, number};
+mod groups;
+mod hall;
+
+use super::token::number;
+use super::tokens::Tokens;
 use crate::read::elements::atomic_number;
 use crate::read::lines::Spot;
 use crate::read::particles::frame::{Column, Particles};
@@ -26,6 +30,10 @@ const MOST: usize = 192;
 /// The remedy for a space group without operators.
 const MEND: &str = "add _space_group_symop_operation_xyz, or fill the cell with `ase convert in.cif out.extxyz`";
 
+/// The message where a block has neither operators nor a group.
+const NO_SYMMETRY: &str = "the file has no symmetry, so the atoms are shown as listed; name its space group (_space_group_name_H-M_alt), or \
+    add _space_group_symop_operation_xyz";
+
 /// Atoms between two checks for cancellation.
 const PART: usize = 1 << 10;
 
@@ -34,7 +42,8 @@ const PART: usize = 1 << 10;
 pub(super) enum SymmetryItem {
     /// An operator as `x,1/2-y,z`.
     Operator,
-    /// The space group's name, and its number in International Tables A.
+    /// The space group's symbols by Hall, and by Hermann and Mauguin, and its number in International Tables A.
+    Hall,
     Name,
     Number,
     /// The elements of the block, as a formula or one by one.
@@ -53,8 +62,16 @@ impl SymmetryItem {
             | "_space_group_name_h-m_alt"
             | "_space_group_name_h-m_ref"
             | "_space_group_name_h-m"
-            | "_space_group.name_h-m_alt" => Some(Self::Name),
-            "_symmetry_int_tables_number" | "_space_group_it_number" | "_space_group.it_number" => Some(Self::Number),
+            | "_space_group.name_h-m_alt"
+            | "_symmetry.space_group_name_h-m" => Some(Self::Name),
+            "_symmetry_space_group_name_hall"
+            | "_space_group_name_hall"
+            | "_space_group.name_hall"
+            | "_symmetry.space_group_name_hall" => Some(Self::Hall),
+            "_symmetry_int_tables_number"
+            | "_space_group_it_number"
+            | "_space_group.it_number"
+            | "_symmetry.int_tables_number" => Some(Self::Number),
             "_chemical_formula_sum" | "_chemical_formula.sum" | "_atom_type_symbol" | "_atom_type.symbol" => {
                 Some(Self::Elements)
             }
@@ -67,6 +84,7 @@ impl SymmetryItem {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Symmetry {
     operators: Vec<(String, Spot)>,
+    hall: String,
     name: String,
     number: Option<f64>,
     /// By atomic number, the elements that the block lists.
@@ -88,6 +106,7 @@ impl Symmetry {
                 }
             }
             SymmetryItem::Operator => {}
+            SymmetryItem::Hall => self.hall = tokens.string()?,
             SymmetryItem::Name => self.name = tokens.string()?,
             SymmetryItem::Number => self.number = number(tokens.value()),
             SymmetryItem::Elements => {
@@ -172,7 +191,16 @@ impl Symmetry {
         let atoms = listed.positions.len();
         // A hash table of them has twice as many slots as entries.
         check(2 * (size_of::<[u64; 3]>() as u64 + 1) * atoms as u64, || format!("the places of {atoms} atoms"))?;
-        let operators = if is_requested { self.operators(file)? } else { Vec::new() };
+        let mut operators = if is_requested { self.operators(file)? } else { Vec::new() };
+        if is_requested && operators.is_empty() && self.is_named() {
+            match groups::find(&self.hall, &self.name, self.number, cell) {
+                Ok(group) => {
+                    listed.skipped.assumed.extend(group.note());
+                    operators = group.operators;
+                }
+                Err(reason) => listed.skipped.assumed.push(self.unknown(reason)),
+            }
+        }
         let mut taken = HashSet::new();
         let first = |place: &&[f64; 3]| taken.insert(place.map(|x| wrap(x).to_bits()));
         let shared = atoms - listed.positions.iter().filter(first).count();
@@ -184,8 +212,8 @@ impl Symmetry {
         }
         if operators.len() < 2 {
             listed.positions.par_iter_mut().for_each(|position| *position = cell.place(*position));
-            if is_requested && operators.is_empty() {
-                listed.skipped.assumed.extend(self.unknown());
+            if is_requested && operators.is_empty() && !self.is_named() {
+                listed.skipped.assumed.push(NO_SYMMETRY.to_owned());
             }
             return Ok(listed);
         }
@@ -222,16 +250,20 @@ impl Symmetry {
         Ok(whole)
     }
 
-    /// The message where a block lists no operators.
-    fn unknown(&self) -> Option<String> {
-        let bare: String = self.name.chars().filter(|c| !c.is_whitespace()).collect();
-        let group = match (&bare[..], self.number) {
-            ("P1", _) | ("", Some(1.0)) => return None,
-            ("", None) => "the file has no symmetry".to_owned(),
-            ("", Some(number)) => format!("the file has space group {number} but lists no operators"),
-            (name, _) => format!("the file has space group {} but lists no operators", unquoted(name)),
+    /// Whether the block names its space group.
+    fn is_named(&self) -> bool {
+        !self.hall.is_empty() || !self.name.is_empty() || self.number.is_some()
+    }
+
+    /// The message where a block lists no operators, and its group does not give them.
+    fn unknown(&self, reason: &str) -> String {
+        let group = match [&self.hall, &self.name].into_iter().find(|name| !name.is_empty()) {
+            Some(name) => unquoted(name).to_string(),
+            None => self.number.unwrap_or_default().to_string(),
         };
-        Some(format!("{group}, so the atoms are shown as listed; {MEND}"))
+        format!(
+            "the file has space group {group} but lists no operators, and {reason}, so the atoms are shown as listed; {MEND}"
+        )
     }
 }
 

@@ -5,6 +5,7 @@ use super::names::{Axes, axes, split};
 use crate::read::lines::{Lines, comment};
 use crate::read::particles::column_names::ColumnNames;
 use crate::read::particles::meaning::{FieldKind, Meanings, NamedField, meanings};
+use crate::read::particles::points;
 use crate::read::particles::role::Role;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::setting::COLUMNS;
@@ -24,6 +25,15 @@ pub(super) struct TableHeader {
     pub(super) counted: Option<(Place, u64)>,
 }
 
+/// The columns of a table without a header and without given meanings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Bare {
+    /// x, y, z and perhaps a radius.
+    Spheres,
+    /// x, y, z, perhaps an intensity, and perhaps red, green and blue.
+    Points,
+}
+
 /// The remedy for a table whose coordinates are not named.
 fn name_them() -> String {
     format!("add a header that names x, y and z, such as x,y,z,radius, or name the columns with {COLUMNS} x=1,y=2,z=3")
@@ -31,11 +41,11 @@ fn name_them() -> String {
 
 impl TableHeader {
     /// Finds the header, which may be a comment or missing, and whether the current line is a row. `given` has the meaning
-    /// of columns whose names do not say it.
+    /// of columns whose names do not say it, and `kind` that of a table without a header.
     ///
     /// # Errors
     /// [`Error::Scene`] for a table without named coordinates, and without a column that is given.
-    pub(super) fn find<R: BufRead>(lines: &mut Lines<R>, given: &ColumnNames) -> Result<(Self, bool)> {
+    pub(super) fn find<R: BufRead>(lines: &mut Lines<R>, given: &ColumnNames, kind: Bare) -> Result<(Self, bool)> {
         let (mut above, mut counted) = (None, None);
         while lines.advance()? {
             let text = lines.text().trim_start();
@@ -54,7 +64,7 @@ impl TableHeader {
                 continue;
             }
             // A table by numbers has a header only if its first line has no numbers there.
-            let bare = if given.are_numbers() { Self::bare(lines, given) } else { None };
+            let bare = if given.are_numbers() { Self::bare(lines, given, kind) } else { None };
             let (header, ahead) = match (found?, bare, above) {
                 (_, Some(bare), Some(above)) if above.names.len() == bare.names.len() => (above, true),
                 (Ok(header), None, _) => (header, next(lines)?),
@@ -72,7 +82,7 @@ impl TableHeader {
     }
 
     /// The columns of a table whose first row is the current line; `None` for a line that is no row.
-    fn bare<R: BufRead>(lines: &Lines<R>, given: &ColumnNames) -> Option<Self> {
+    fn bare<R: BufRead>(lines: &Lines<R>, given: &ColumnNames, kind: Bare) -> Option<Self> {
         let delimiter = delimiter(lines.text());
         let numbers: Vec<bool> = fields(lines, 0, delimiter).map(|word| word.text.parse::<f64>().is_ok()).collect();
         let place = lines.place(0);
@@ -82,6 +92,10 @@ impl TableHeader {
             let names = roles.iter().enumerate().map(name).collect();
             Self { names, delimiter, comment: false, place: place.clone(), assumed, counted: None }
         };
+        if given.is_empty() && kind == Bare::Points {
+            let words = fields(lines, 0, delimiter).map(|word| word.text);
+            return points::columns(words).map(|names| Self { names, ..header(Vec::new(), Vec::new()) });
+        }
         if given.is_empty() {
             let roles = [Role::Position(0), Role::Position(1), Role::Position(2), Role::Radius].map(Some);
             let (3 | 4, false) = (numbers.len(), numbers.contains(&false)) else { return None };

@@ -139,7 +139,12 @@ fn without_operators_atoms_are_as_listed() {
         (&[], "P 1", None),
         (&["x,y,z"], "F m -3 m", None),
         (&[], "", Some("the file has no symmetry")),
-        (&[], "F m -3 m", Some("the file has space group Fm-3m but lists no operators")),
+        (
+            &[],
+            "F d -3 m",
+            Some("the file has space group F d -3 m but lists no operators, and the group has two origins"),
+        ),
+        (&[], "by hand", Some("the file has space group by hand but lists no operators, and the group is not in")),
     ] {
         let found = filled(&symmetry(operators, name), &cube, &place).expect("as listed");
         assert_eq!(found.positions, [[-1.0, 6.0, 2.0]], "{name}");
@@ -152,6 +157,37 @@ fn without_operators_atoms_are_as_listed() {
         .fill(listed, &cube, false, &Place::default(), &Watch::default())
         .expect("as listed");
     assert_eq!((found.positions.len(), found.skipped.assumed.len()), (1, 0));
+}
+
+/// The operators of P 21/n from its own, and from its names.
+#[test]
+fn a_group_without_operators_is_filled_by_its_name() {
+    let edges = [[5.0, 0.0, 0.0], [0.0, 6.0, 0.0], [-1.0, 0.0, 7.0]];
+    let cell = Cell { origin: [0.0; 3], edges };
+    let place = [[0.1, 0.2, 0.3], [0.5, 0.0, 0.5]];
+    let own = ["x,y,z", "1/2-x,1/2+y,1/2-z", "-x,-y,-z", "1/2+x,1/2-y,1/2+z"];
+    let listed = filled(&symmetry(&own, "P 21/n"), &cell, &place).expect("filled");
+    let places = |found: &Particles| {
+        let mut places = found.positions.iter().map(|place| place.map(|x| (1e9 * x).round())).collect::<Vec<_>>();
+        places.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+        places
+    };
+    assert_eq!(listed.positions.len(), 6);
+    for named in [
+        symmetry(&[], "P 21/n"),
+        symmetry(&[], "P 1 21/n 1"),
+        Symmetry { hall: "-P 2yn".into(), name: "unknown".into(), ..Symmetry::default() },
+    ] {
+        let found = filled(&named, &cell, &place).expect("filled");
+        assert_eq!(places(&found), places(&listed));
+        let [note, count] = &found.skipped.assumed[..] else { panic!("{:?}", found.skipped) };
+        assert!(note.starts_with("the file lists no operators; those of") && count.contains("make 6 atoms"));
+        let copies = &found.columns[0].values;
+        assert_eq!((copies[0], copies.iter().fold(0.0, |a: f64, b| a.max(*b))), (0.0, 3.0));
+    }
+    let number = Symmetry { number: Some(14.0), ..Symmetry::default() };
+    let note = filled(&number, &cell, &place).expect("filled").skipped.assumed.remove(0);
+    assert!(note.contains("P 1 21/c 1 follow from its number alone, of which this is the standard setting"), "{note}");
 }
 
 #[test]
