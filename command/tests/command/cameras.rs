@@ -305,6 +305,8 @@ fn curved_lenses_have_the_rays_of_their_models() {
         let part: Vec<f64> = (5..25).flat_map(|row| distances[40 * row + 10..40 * row + 30].to_vec()).collect();
         assert!(dir.array("g1.npy").0 == part, "{lens}");
     }
+    let output = dir.render("a.csv --size 40x30 --cameras list.json -o a%d.glb");
+    assert!(output.err.contains("a1.glb has no camera"), "{}", output.err);
     let mend = "a.csv --size 40x30 --cameras list.json -o a%d.png";
     for (options, words) in [
         ("--look soft", "plain"),

@@ -47,7 +47,7 @@ pub fn write(path: &Path, scene: &Scene) -> Result<Option<String>> {
     let name = path.display();
     Ok(camera
         .is_none()
-        .then(|| format!("{name} has no camera: glTF has none whose principal point is beside the middle")))
+        .then(|| format!("{name} has no camera: glTF has none with distortion or a principal point beside the middle")))
 }
 
 /// Bytes of a file with so many bytes of JSON and so many spheres of so many bytes.
@@ -218,11 +218,12 @@ fn add_node(document: &mut Value, node: Value) {
     }
 }
 
-/// The camera and the matrix of its node; `None` for one whose principal point is beside the middle, which glTF does not have.
+/// The camera and the matrix of its node; `None` for one whose principal point is beside the middle or whose lens is curved, which glTF
+/// does not have.
 fn camera(scene: &Scene) -> Result<Option<(Value, [f64; 16])>> {
     let (camera, image) = (&scene.camera, &scene.image);
     let record = CameraRecord::new(camera, [image.width, image.height], None)?;
-    if record.is_off_center() {
+    if record.is_off_center() || record.curve.is_some() {
         return Ok(None);
     }
     let basis = camera.basis()?;

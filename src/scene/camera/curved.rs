@@ -266,8 +266,8 @@ mod tests {
         // A fisheye sees no farther than straight back.
         let full =
             CurvedRays::new(Curve::Fisheye { k: [0.0; 4] }, [50.0, 50.0, 320.0, 240.0], [640, 480]).expect("a lens");
-        assert!(full.direction([320.0 + 50.0 * 3.14, 240.0]).is_some_and(|d| d.z < -0.99));
-        assert!(full.direction([320.0 + 50.0 * 3.15, 240.0]).is_none());
+        assert!(full.direction([320.0 + 50.0 * (PI - 1e-3), 240.0]).is_some_and(|d| d.z < -0.99));
+        assert!(full.direction([320.0 + 50.0 * (PI + 1e-3), 240.0]).is_none());
         assert_eq!(full.direction([320.0, 240.0]), Some(DVec3::Z));
     }
 
