@@ -129,8 +129,8 @@ pub(super) struct ColorArgs {
     #[arg(long, value_name = "COLUMN,...")]
     pub(super) color_by: Option<String>,
     /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, coolwarm, batlow, roma, vik,
-    /// plddt (four classes from 0 to 100), grays, category [default: category for names, else viridis]. NAME_r reverses it; a
-    /// name with a dot is a file of colours (CSV, JSON).
+    /// plddt, grays, category [default: category for names, else viridis]. NAME_r reverses it; plddt has four classes from 0 to
+    /// 100; a name with a dot is a file of colours (CSV, JSON).
     #[arg(long, value_name = "M")]
     map: Option<String>,
     /// Values at the ends of the colour map, or their percentiles, such as 1%,99% [default: minimum and maximum].

@@ -1,13 +1,13 @@
 //! Reading of scene and particle files, with the options of the command.
 
 use crate::errors::OrRaise;
-use crate::scene::{Scene, bead};
+use crate::scene::{Scene, bead, paint};
 use crate::work::Job;
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Material, MaterialName, is_opacity};
-use halfline_files::read::style::{self, Coloring, Paint, Scale};
+use halfline_files::read::style::{self, Coloring, Scale};
 use halfline_files::read::{
     Altloc, AtomStyle, ColumnNames, FixedCamera, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions,
     SceneFrame, Selection, Style,
@@ -31,11 +31,6 @@ impl MapValue {
             Self::Colors(colors) => ColorMap::of_colors("own", colors.clone()),
         }
     }
-}
-
-/// The colour of selected particles: `None` is that of their element.
-pub(crate) fn paint(color: Option<[f32; 3]>) -> Paint {
-    color.map_or(Paint::Element, Paint::One)
 }
 
 /// The options of the command that decide about the spheres.

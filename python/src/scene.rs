@@ -3,12 +3,12 @@
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
-use crate::read::paint;
 use crate::work::{Job, begin};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
+use halfline_files::read::style::Paint;
 use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
@@ -326,6 +326,11 @@ impl Scene {
         begin()?;
         Ok(py.detach(|| self.frame.scene.fingerprint()))
     }
+}
+
+/// The colour of selected particles: `None` is that of their element.
+pub(crate) fn paint(color: Option<[f32; 3]>) -> Paint {
+    color.map_or(Paint::Element, Paint::One)
 }
 
 /// The beads of a radius; infinite for the default one.

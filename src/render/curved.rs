@@ -159,10 +159,10 @@ impl Renderer {
 /// Returns an error for what frames of given rays do not have.
 fn check_settings(scene: &Scene, settings: &Settings) -> Result<()> {
     let asks = |aov| settings.asks(&[aov]);
-    let is_lit = !scene.lighting.lights.is_empty() || scene.lighting.sky.is_some();
+    let has_light = !scene.lighting.lights.is_empty() || scene.lighting.sky.is_some();
     let (what, mend) = if asks(Aov::Shadow) || asks(Aov::Occlusion) || asks(Aov::Bound) {
         ("the buffers shadow, occlusion and bound", format!("remove them from {AOV}"))
-    } else if asks(Aov::Color) && is_lit {
+    } else if asks(Aov::Color) && has_light {
         ("lights and a sky", format!("use {LOOK} plain, and a scene without lights"))
     } else if settings.silhouette {
         ("the lines of silhouettes", format!("remove {SILHOUETTE}"))

@@ -247,7 +247,7 @@ impl Camera {
     /// Checks the lens for an image of `width` x `height` pixels.
     ///
     /// # Errors
-    /// Those of [`Camera::viewport`]; [`Error::Settings`] for coefficients of a curved lens that are not finite, and for focal lengths that
+    /// Errors of [`Camera::viewport`]; [`Error::Settings`] for coefficients of a curved lens that are not finite, and for focal lengths that
     /// are not positive.
     pub fn check(&self, width: u32, height: u32) -> Result<()> {
         match self.lens {

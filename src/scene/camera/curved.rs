@@ -240,18 +240,18 @@ mod tests {
         let size = [640.0, 480.0];
         for (curve, focal) in LENSES {
             let rays = CurvedRays::new(curve, focal, [640, 480]).expect("a lens");
-            let mut seen = 0;
+            let mut count = 0;
             for (i, j) in (0..480).step_by(7).flat_map(|i| (0..640).step_by(7).map(move |j| (i, j))) {
                 let point = [f64::from(j) + 0.5, f64::from(i) + 0.5];
                 let Some(direction) = rays.direction(point) else { continue };
                 let found = place(curve, focal, size, direction);
-                seen += 1;
+                count += 1;
                 for axis in 0..2 {
                     // A millionth of a pixel: PRECISE times the focal length, and roundings of the place.
                     assert!((found[axis] - point[axis]).abs() < 1e-6, "{curve:?} {point:?}: {found:?}");
                 }
             }
-            assert!(seen > 69 * 92 * 9 / 10, "{curve:?}: {seen} rays");
+            assert!(count > 69 * 92 * 9 / 10, "{curve:?}: {count} rays");
         }
     }
 

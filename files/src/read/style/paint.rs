@@ -1,6 +1,7 @@
 //! Colours of selected particles, and their rows in a legend.
 
-use super::color_of_element;
+use super::categories;
+use crate::read::color::of_hex;
 use crate::read::elements::element;
 use crate::read::select::selection::Selection;
 use halfline::error::{Error, Result};
@@ -25,7 +26,7 @@ impl Paint {
     pub(in crate::read) fn color(self, element: u8) -> [f32; 3] {
         match self {
             Self::One(color) => color,
-            Self::Element => color_of_element(element),
+            Self::Element => of_hex(categories::of_element(element)),
         }
     }
 
