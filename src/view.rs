@@ -17,6 +17,7 @@ mod records;
 
 pub(crate) use moved::FromEye;
 pub use raster::strata_of;
+pub(crate) use records::pcg4d;
 pub use records::{Sphere, SphereRecord, SphereResiduals, ViewRecord};
 
 use crate::double_double as dd;

@@ -22,11 +22,14 @@ use halfline::frame::Aov;
 use halfline::progress::{Cancel, Progress, Step};
 use halfline::render::Renderer;
 use halfline::render::trace::Tracer;
+use halfline::render::trace::echoes::Echoes;
 use halfline::scene::Spheres;
+use halfline::scene::lidar::Lidar;
 use halfline::settings::{Search, Settings};
+use halfline_files::read::rays::RayBlock;
 use halfline_files::read::{SceneFrame, Sequence};
 use halfline_files::write::file::{check_writable, is_standard};
-use halfline_files::write::hits::{HitFile, HitWriter, Query};
+use halfline_files::write::hits::{HitFile, HitWriter};
 use report::{Cloud, Tally, TraceReport};
 use source::{RaySource, SourceArgs, rays_of_a_block};
 use std::path::{Path, PathBuf};
@@ -49,7 +52,7 @@ pub(crate) struct Trace {
     accuracy: AccuracyArgs,
     /// The hits: .npz with the arrays id, t, distance, normal, position and certainty, or .csv, a row per ray; - is CSV on
     /// standard output. Or as a point cloud without the misses, with distance, sphere, ray and colour: .ply (f64), .pcd
-    /// (f32), .las.
+    /// (f32), .las. A row or a point is an echo where the pattern has a divergence or noise.
     #[arg(short, long, help_heading = "Output", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Only whether each ray hits anything: the columns hit and certainty.
@@ -135,13 +138,15 @@ impl Trace {
     ) -> Result<TraceReport> {
         let start = Instant::now();
         let bar = Bar::with_output(self.progress.progress, 1);
-        let mut work = Work { bar: &bar, total: source.count().unwrap_or(0), any: self.any, tally: Tally::default() };
+        let echoes = source.lidar().filter(|lidar| lidar.echoes().is_some()).copied();
+        let (total, tally) = (source.count().unwrap_or(0), Tally::default());
+        let mut work = Work { bar: &bar, total, any: self.any, echoes, spheres, tally };
         let is_known = tracer.warning().is_some();
         let scan = source.lidar().map(|lidar| [lidar.rings(), lidar.azimuths()]);
         let cloud = match file {
             Some(file) => file
                 .write(&watch(), scan, spheres, |out| work.run(source, cancel, tracer, Some(out)))?
-                .map(|summary| Cloud::new(file.path(), summary)),
+                .map(|summary| Cloud::new(file.path(), summary, echoes.is_some())),
             None => work.run(source, cancel, tracer, None).map(|()| None)?,
         };
         if let Some(cloud) = &cloud {
@@ -166,7 +171,7 @@ impl Trace {
 
     /// Checks combinations of options; the file of the hits.
     fn check(&self) -> Result<Option<HitFile>> {
-        let query = if self.any { Query::Any } else { Query::Nearest };
+        let query = self.source.query(self.any)?;
         let file = self.output.as_deref().map(|path| HitFile::new(path, query)).transpose()?;
         if file.is_none() && !self.json {
             return Err(Error::settings("no output is requested", "use -o for the hits, or --json for a report"));
@@ -222,6 +227,9 @@ struct Work<'a> {
     /// The number of rays, or 0 if it is not known.
     total: u64,
     any: bool,
+    /// The scanner whose echoes are measured.
+    echoes: Option<Lidar>,
+    spheres: &'a Spheres,
     tally: Tally,
 }
 
@@ -242,16 +250,7 @@ impl Work<'_> {
                 if !go_on() {
                     return Err(Error::Interrupted);
                 }
-                let start = Instant::now();
-                if self.any {
-                    let occlusion = tracer.occluded(&block.rays())?;
-                    self.tally.occlusion(&block, &occlusion, start);
-                    out.as_mut().map_or(Ok(()), |out| out.occlusion(&occlusion, &block.invalid))?;
-                } else {
-                    let hits = tracer.hits(&block.rays())?;
-                    self.tally.hits(&block, &hits, start);
-                    out.as_mut().map_or(Ok(()), |out| out.hits(&block.rays(), &hits, &block.invalid))?;
-                }
+                self.block(&block, tracer, out.as_deref_mut())?;
                 self.tally.fault = self.tally.fault.take().or(block.fault);
                 self.progress(self.total);
                 Ok(())
@@ -259,6 +258,28 @@ impl Work<'_> {
         )?;
         self.progress(self.tally.rays);
         Ok(())
+    }
+
+    /// Traces the rays of a block, and writes the answers into the file, if there is one.
+    fn block(&mut self, block: &RayBlock, tracer: &mut Tracer<'_>, out: Option<&mut HitWriter<'_>>) -> Result<()> {
+        let (start, rays, before) = (Instant::now(), block.rays(), self.tally.rays);
+        if self.any {
+            let occlusion = tracer.occluded(&rays)?;
+            self.tally.occlusion(block, &occlusion, start);
+            return out.map_or(Ok(()), |out| out.occlusion(&occlusion, &block.invalid));
+        }
+        let hits = tracer.hits(&rays)?;
+        self.tally.hits(block, &hits, start);
+        let echoes = self.echoes.and_then(|lidar| {
+            Echoes::new(&lidar, before / u64::from(lidar.rays_per_beam()), &rays, &hits, self.spheres)
+        });
+        match &echoes {
+            Some(echoes) => {
+                self.tally.echoes(echoes);
+                out.map_or(Ok(()), |out| out.echoes(echoes))
+            }
+            None => out.map_or(Ok(()), |out| out.hits(&rays, &hits, &block.invalid)),
+        }
     }
 
     fn progress(&self, total: u64) {

@@ -2,6 +2,7 @@
 
 mod by_method;
 mod certified;
+pub mod echoes;
 mod on_device;
 
 use super::budget;

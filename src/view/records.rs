@@ -129,7 +129,7 @@ impl ViewRecord {
 
 /// The hash pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", Journal of Computer Graphics Techniques
 /// 9(3), 2020: it maps four numbers to four.
-pub(super) fn pcg4d(v: [u32; 4]) -> [u32; 4] {
+pub(crate) fn pcg4d(v: [u32; 4]) -> [u32; 4] {
     let mix = |[x, y, z, w]: [u32; 4]| {
         let x = x.wrapping_add(y.wrapping_mul(w));
         let y = y.wrapping_add(z.wrapping_mul(x));

@@ -59,9 +59,27 @@ def compare(rays, names):
     return dict(zip(sphere.tolist(), las_color.tolist()))
 
 
+def compare_echoes(*rays):
+    for output in ["echoes.npz", "echoes.ply", "echoes.pcd", "echoes.las"]:
+        trace(output, *rays)
+    npz = np.load("echoes.npz")
+    ply = plyfile.PlyData.read("echoes.ply")["vertex"]
+    pcd = pypcd4.PointCloud.from_path("echoes.pcd")
+    las = laspy.read("echoes.las")
+    for name in ["ring", "column", "return_number", "number_of_returns", "id", "distance", "intensity"]:
+        check(f"plyfile, {name} of echoes", ply[name], npz[name])
+        check(f"pypcd4, {name} of echoes", pcd.numpy((name,))[:, 0], npz[name].astype("f4"))
+        expected = np.floor(npz[name] * np.float64(65535) + 0.5) if name == "intensity" else npz[name]
+        check(f"laspy, {name} of echoes", np.asarray(las[name]), expected)
+    counts = np.bincount(npz["return_number"], minlength=16)[1:]
+    assert counts[1] > 100, counts
+    check("laspy, numbers of points by return", las.header.number_of_points_by_return, counts)
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     pattern = ["--pattern", "lidar:rings=60,vfov=-40..20,step=0.5"]
     trace("beams.npz", *pattern, "--rays-out", "beams.npy")
     scan = compare(pattern, ["ring", "column"])
     assert scan == compare(["--rays", "beams.npy"], ["ray"]), "other colours"
+    compare_echoes("--pattern", "lidar:rings=60,vfov=-40..20,step=0.5,divergence=1,returns=5,noise=0.01,seed=2")

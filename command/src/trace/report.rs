@@ -2,9 +2,10 @@
 
 use halfline::error::Error;
 use halfline::quote::{count, number};
+use halfline::render::trace::echoes::Echoes;
 use halfline::render::trace::{Hits, Occlusion, Tracer};
 use halfline::scene::Spheres;
-use halfline::scene::lidar::Lidar;
+use halfline::scene::lidar::{Beam, Lidar};
 use halfline::settings::Accuracy;
 use halfline_files::read::rays::RayBlock;
 use halfline_files::write::hits::CloudSummary;
@@ -21,6 +22,8 @@ pub(super) struct Tally {
     invalid: u64,
     certified: u64,
     settled: u64,
+    /// The echoes; `None` where they are not measured.
+    echoes: Option<u64>,
     trace_ms: Vec<f64>,
     /// The error of the first invalid row; `None` if all rows are valid.
     pub(super) fault: Option<Error>,
@@ -37,6 +40,11 @@ impl Tally {
     pub(super) fn occlusion(&mut self, block: &RayBlock, occlusion: &Occlusion, start: Instant) {
         let count = occlusion.hit.iter().filter(|hit| **hit != 0).count();
         self.add(block, count, &occlusion.certainty, start);
+    }
+
+    /// Counts the echoes of a block.
+    pub(super) fn echoes(&mut self, echoes: &Echoes) {
+        *self.echoes.get_or_insert(0) += echoes.all.len() as u64;
     }
 
     fn add(&mut self, block: &RayBlock, hits: usize, certainty: &[u8], start: Instant) {
@@ -98,6 +106,8 @@ pub(super) struct TraceReport {
     pub(super) hits: u64,
     /// Invalid rays, which count as misses.
     pub(super) invalid: u64,
+    /// Echoes; `None` where they are not measured.
+    pub(super) echoes: Option<u64>,
     /// The scanner whose beams the rays are.
     pub(super) pattern: Option<Pattern>,
     /// The point cloud that was written.
@@ -132,25 +142,34 @@ pub(super) struct TraceReport {
     pub(super) warnings: Vec<String>,
 }
 
-/// The size of a scan.
+/// The size of a scan, and the properties of its beams.
 #[derive(Debug, Serialize)]
 pub(super) struct Pattern {
     rings: u32,
     azimuths: u32,
+    /// The full angle of a beam in degrees; 0 for one ray.
+    divergence: f64,
+    /// The most echoes of a beam.
+    returns: u8,
+    /// The standard deviation of the range noise.
+    noise: f64,
+    /// The seed of the noise.
+    seed: u32,
 }
 
 impl From<&Lidar> for Pattern {
     fn from(lidar: &Lidar) -> Self {
-        Self { rings: lidar.rings(), azimuths: lidar.azimuths() }
+        let Beam { divergence, returns, noise, seed } = lidar.echoes().copied().unwrap_or_default();
+        Self { rings: lidar.rings(), azimuths: lidar.azimuths(), divergence, returns, noise, seed }
     }
 }
 
 /// The counts of a point cloud that was written, and the rounding of its coordinates.
 #[derive(Debug, Serialize)]
 pub(super) struct Cloud {
-    /// Points, one for each ray that hits.
+    /// Points, one for each ray that hits, or for each echo.
     points: u64,
-    /// Rays without a hit.
+    /// Rays without a hit, or beams without an echo.
     left_out: u64,
     /// The largest difference between a coordinate in the file and that of the hit in f64.
     rounding: f64,
@@ -158,6 +177,8 @@ pub(super) struct Cloud {
     farthest: f64,
     #[serde(skip)]
     file: String,
+    #[serde(skip)]
+    has_echoes: bool,
 }
 
 /// The share of the farthest distance that coordinates may be rounded by without a warning: f32 does with coordinates as
@@ -166,16 +187,18 @@ const ROUNDING: f64 = 1e-6;
 
 impl Cloud {
     /// The cloud that was written to `path`.
-    pub(super) fn new(path: &Path, CloudSummary { points, left_out, rounding, farthest }: CloudSummary) -> Self {
-        Self { points, left_out, rounding, farthest, file: path.display().to_string() }
+    pub(super) fn new(path: &Path, summary: CloudSummary, has_echoes: bool) -> Self {
+        let CloudSummary { points, left_out, rounding, farthest } = summary;
+        Self { points, left_out, rounding, farthest, file: path.display().to_string(), has_echoes }
     }
 
     /// The number of points in the file and, if there are any, of rays without a hit, in words.
     pub(super) fn words(&self) -> String {
         let Self { points, left_out, file, .. } = self;
+        let (ray, hit) = if self.has_echoes { ("beam", "an echo") } else { ("ray", "a hit") };
         match left_out {
             0 => format!("{file} has {}", count(*points, "point")),
-            n => format!("{file} has {}; {} without a hit left out", count(*points, "point"), count(*n, "ray")),
+            n => format!("{file} has {}; {} without {hit} left out", count(*points, "point"), count(*n, ray)),
         }
     }
 
@@ -204,6 +227,7 @@ impl TraceReport {
             rays: tally.rays,
             hits: tally.hits,
             invalid: tally.invalid,
+            echoes: tally.echoes,
             pattern: None,
             cloud: None,
             adapter: tracer.adapter().to_owned(),

@@ -6,9 +6,11 @@ use clap::Args;
 use halfline::camera::{Basis, Camera};
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
+use halfline::quote::setting::ANY;
 use halfline::scene::lidar::Lidar;
 use halfline_files::read::SceneFrame;
 use halfline_files::read::rays::{RayBlock, RayOptions, RayReader};
+use halfline_files::write::hits::Query;
 use halfline_files::write::rays;
 use std::path::PathBuf;
 
@@ -45,7 +47,9 @@ struct Which {
     #[arg(long, value_name = "FILE")]
     rays: Option<PathBuf>,
     /// The beams of a spinning scanner at --eye, in degrees: lidar:rings=N,vfov=LOW..HIGH,step=DEG and optionally
-    /// ,azimuth=FROM..TO and ,range=LENGTH. Azimuths are clockwise from --view; the highest ring comes first.
+    /// ,azimuth=FROM..TO and ,range=LENGTH. Azimuths are clockwise from --view; the highest ring comes first. Echoes with
+    /// intensities in place of exact hits: ,divergence=DEG[,returns=N] for beams that are cones of 19 rays,
+    /// ,noise=SIGMA[,seed=N] for normal noise of the range.
     #[arg(long, value_name = "PATTERN")]
     pattern: Option<Lidar>,
 }
@@ -70,6 +74,21 @@ impl SourceArgs {
     /// The file for the beams.
     pub(super) fn beams(&self) -> Option<&PathBuf> {
         self.rays_out.as_ref()
+    }
+
+    /// The question that the rays answer; `any` is whether any hit is asked for.
+    pub(super) fn query(&self, any: bool) -> Result<Query> {
+        let has_echoes = self.which.pattern.is_some_and(|lidar| lidar.echoes().is_some());
+        match (any, has_echoes) {
+            (true, true) => {
+                let problem =
+                    format!("{ANY} finds no echoes, of which divergence and noise of the pattern are properties");
+                Err(Error::settings(problem, format!("remove {ANY}, or these keys")))
+            }
+            (true, false) => Ok(Query::Any),
+            (false, true) => Ok(Query::Echoes),
+            (false, false) => Ok(Query::Nearest),
+        }
     }
 
     /// Checks combinations of options.
@@ -111,7 +130,7 @@ impl SourceArgs {
         let (Some(path), RaySource::Pattern { lidar, basis, .. }) = (&self.rays_out, source) else { return Ok(()) };
         // The rays themselves are still to be traced.
         let mut source = RaySource::Pattern { lidar: *lidar, basis: *basis, done: 0 };
-        rays::write(path, lidar.beams(), lidar.range().is_finite(), |add| {
+        rays::write(path, lidar.rays(), lidar.range().is_finite(), |add| {
             while let Some(block) = source.next_block(rays_of_a_block())? {
                 add(&block.rays())?;
             }
@@ -125,7 +144,7 @@ impl RaySource {
     pub(super) fn count(&self) -> Option<u64> {
         match self {
             Self::File(reader) => reader.count(),
-            Self::Pattern { lidar, .. } => Some(lidar.beams()),
+            Self::Pattern { lidar, .. } => Some(lidar.rays()),
         }
     }
 
@@ -137,7 +156,7 @@ impl RaySource {
         }
     }
 
-    /// The next rays, at most `most`; `None` after the last.
+    /// The next rays, about `most`, of a pattern those of whole beams; `None` after the last.
     pub(super) fn next_block(&mut self, most: usize) -> Result<Option<RayBlock>> {
         let (lidar, basis, done) = match self {
             Self::File(reader) => return reader.next_block(most),
@@ -146,7 +165,8 @@ impl RaySource {
         if !go_on() {
             return Err(Error::Interrupted);
         }
-        let beams = *done..lidar.beams().min(*done + most as u64);
+        let most = (most as u64 / u64::from(lidar.rays_per_beam())).max(1);
+        let beams = *done..lidar.beams().min(*done + most);
         if beams.is_empty() {
             return Ok(None);
         }

@@ -25,6 +25,7 @@ mod clash;
 mod clouds;
 mod compare;
 mod controls;
+mod echoes;
 mod exit_codes;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;

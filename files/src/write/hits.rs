@@ -1,5 +1,5 @@
-//! Files of hits: `.npz` with an array per column and `.csv`, a row for each ray, and point clouds, a point for each hit. Rows
-//! arrive in blocks and are not kept in memory.
+//! Files of hits: `.npz` with an array per column and `.csv`, a row for each ray or echo, and point clouds, a point for each
+//! hit or echo. Rows arrive in blocks and are not kept in memory.
 
 mod archive;
 mod cloud;
@@ -19,6 +19,7 @@ use cloud::{Cloud, CloudFormat};
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
 use halfline::quote::setting::ANY;
+use halfline::render::trace::echoes::Echoes;
 use halfline::render::trace::{Hits, Occlusion, Rays};
 use halfline::scene::Spheres;
 use rows::Rows;
@@ -87,15 +88,15 @@ impl HitFile {
         is_standard_output(&self.path)
     }
 
-    /// Whether it has the colours of the spheres.
+    /// Whether the colours of the spheres are in it, or intensities, which are made of them.
     #[must_use]
     pub fn has_colors(&self) -> bool {
-        matches!(self.format, HitFormat::Cloud(_))
+        matches!(self.format, HitFormat::Cloud(_)) || self.query == Query::Echoes
     }
 
     /// Writes the rows that `fill` adds, completely or not at all; a pipe or standard output receives CSV as it is
     /// made. Rays that are a scan come ring by ring: `scan` has the numbers of rings and of columns, and shapes the arrays of
-    /// an archive. A cloud is coloured by `spheres`; what it contains is returned.
+    /// an archive that has a row for each ray. A cloud is coloured by `spheres`; what it contains is returned.
     ///
     /// # Errors
     /// Errors of `fill`, [`Error::Io`] naming the file, [`Error::Interrupted`]; for a cloud [`Error::Settings`] for
@@ -118,10 +119,11 @@ impl HitFile {
                 HitFormat::Npz => {
                     let mut spool = Spool::new(&self.path, self.query)?;
                     fill(Destination::Spool(&mut spool))?;
-                    write_archive(out, |archive| spool.write(self.query, scan, archive, watch))
+                    let sides = scan.filter(|_| self.query != Query::Echoes);
+                    write_archive(out, |archive| spool.write(self.query, sides, archive, watch))
                 }
                 HitFormat::Cloud(format) => {
-                    let mut cloud = Cloud::new(&self.path, format, scan)?;
+                    let mut cloud = Cloud::new(&self.path, format, self.query, scan)?;
                     fill(Destination::Cloud(&mut cloud))?;
                     summary = Some(cloud.write(spheres, out, watch).map_err(io::Error::other)?);
                     Ok(())
@@ -167,6 +169,18 @@ impl HitWriter<'_> {
         self.rows(&Rows::any(occlusion, invalid))
     }
 
+    /// Adds the echoes of a block of beams.
+    ///
+    /// # Errors
+    /// [`Error::Io`] naming the file, [`Error::Settings`] in a file of another query; see [`HitFile::write`] for those of
+    /// clouds.
+    pub fn echoes(&mut self, echoes: &Echoes) -> Result<()> {
+        if self.file.query != Query::Echoes {
+            return Err(Error::settings("the file has a row for each ray", "make it for Query::Echoes"));
+        }
+        self.rows(&Rows::Echoes(echoes))
+    }
+
     fn rows(&mut self, rows: &Rows<'_>) -> Result<()> {
         let written = match &mut self.place {
             Destination::Text(out) => rows.write_text(out),
@@ -191,9 +205,11 @@ mod tests {
         let (watch, spheres) = (Watch::default(), Spheres::default());
         for (query, name) in [(Query::Nearest, "a.npz"), (Query::Any, "a.csv")] {
             let file = HitFile::new(&folder.path().join(name), query).expect("a file of hits");
+            let echoes = Echoes { beams: 0, all: vec![] };
             let written = file.write(&watch, None, &spheres, |out| match query {
                 Query::Nearest => out.occlusion(&occlusion, &[]),
                 Query::Any => out.hits(&rays, &hits(Some(vec![])), &[]),
+                Query::Echoes => out.echoes(&echoes),
             });
             assert!(matches!(written, Err(Error::Settings { .. })), "{written:?}");
             let file = HitFile::new(&folder.path().join(name), Query::Nearest).expect("a file of hits");

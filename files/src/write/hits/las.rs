@@ -1,7 +1,7 @@
 //! LAS 1.4 in point format 7, which has 16-bit colours (ASPRS, LAS Specification 1.4 R15). A coordinate is a whole number of
 //! 32 bits times a scale plus an offset. What else a hit has is in extra bytes, which a record of the header names.
 
-use super::point::{Point, names};
+use super::point::{Fields, Point};
 use halfline::frame::srgb::level16;
 
 /// The scale, the offset and the bounds of the coordinates.
@@ -18,6 +18,12 @@ const EXTRA: usize = 192;
 
 /// Bytes of a point of format 7 without extra ones.
 const POINT: usize = 36;
+
+/// The most returns of a ray.
+pub(super) const RETURNS: usize = 15;
+
+/// The numbers of a point that are extra fields: the others, of returns, are in the format.
+const PLACES: usize = 2;
 
 /// The types of extra fields: 32 bits without and with a sign, f64.
 const U32: u8 = 5;
@@ -61,8 +67,8 @@ impl LasGrid {
     }
 
     /// The header and the description of the extra bytes. Equal points give equal bytes, so there is no date.
-    pub(super) fn header(&self, count: u64, is_scan: bool) -> Vec<u8> {
-        let extra = extra(is_scan);
+    pub(super) fn header(&self, returns: &[u64; RETURNS], fields: Fields) -> Vec<u8> {
+        let extra = extra(fields);
         let start = HEADER + RECORD + EXTRA * extra.len();
         let size = POINT + extra.iter().map(|(_, kind, _)| if *kind == F64 { 8 } else { 4 }).sum::<usize>();
         let mut out = vec![0; start];
@@ -84,9 +90,10 @@ impl LasGrid {
             put(179 + 16 * axis, &self.bounds[1][axis].to_le_bytes());
             put(187 + 16 * axis, &self.bounds[0][axis].to_le_bytes());
         }
-        put(247, &count.to_le_bytes());
-        // All are the first return of their ray.
-        put(255, &count.to_le_bytes());
+        put(247, &returns.iter().sum::<u64>().to_le_bytes());
+        for (n, count) in returns.iter().enumerate() {
+            put(255 + 8 * n, &count.to_le_bytes());
+        }
         put(HEADER + 2, b"LASF_Spec");
         put(HEADER + 18, &4u16.to_le_bytes());
         put(HEADER + 20, &((EXTRA * extra.len()) as u16).to_le_bytes());
@@ -100,24 +107,26 @@ impl LasGrid {
     }
 
     /// Adds a point; returns the coordinates that it has.
-    pub(super) fn point(&self, point: &Point, color: [f32; 3], is_scan: bool, out: &mut Vec<u8>) -> [f64; 3] {
+    pub(super) fn point(&self, point: &Point, color: [f32; 3], fields: Fields, out: &mut Vec<u8>) -> [f64; 3] {
         let numbers = [0, 1, 2].map(|axis| self.number(axis, point.position[axis]));
         numbers.iter().for_each(|number| out.extend(number.to_le_bytes()));
-        // No intensity, the first of one return, no class, angle, source and time.
-        out.extend([0, 0, 0x11, 0, 0, 0, 0, 0, 0, 0]);
+        out.extend(((f64::from(point.intensity) * f64::from(u16::MAX)).round() as u16).to_le_bytes());
+        let [.., number, count] = point.numbers;
+        // No class, angle, source and time.
+        out.extend([(number | count << 4) as u8, 0, 0, 0, 0, 0, 0, 0]);
         out.extend([0; 8]);
         color.iter().for_each(|component| out.extend(level16(*component).to_le_bytes()));
         out.extend(point.distance.to_le_bytes());
         out.extend(point.id.to_le_bytes());
-        point.places(is_scan).iter().for_each(|n| out.extend(n.to_le_bytes()));
+        point.numbers(fields).iter().take(PLACES).for_each(|n| out.extend(n.to_le_bytes()));
         [0, 1, 2].map(|axis| self.place(axis, numbers[axis]))
     }
 }
 
 /// The extra fields of a point: name, type and description.
-fn extra(is_scan: bool) -> Vec<(&'static str, u8, &'static str)> {
+fn extra(fields: Fields) -> Vec<(&'static str, u8, &'static str)> {
     let hit = [("distance", F64, "from the origin of the ray"), ("id", I32, "index of the sphere")];
-    let places = names(is_scan).iter().map(|name| (*name, U32, "of the ray, from 0"));
+    let places = fields.names().iter().take(PLACES).map(|name| (*name, U32, "of the ray, from 0"));
     hit.into_iter().chain(places).collect()
 }
 

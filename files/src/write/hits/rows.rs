@@ -1,6 +1,7 @@
 //! The answers to a block of rays as columns: of numbers for archives and clouds, or as lines of text.
 
 use crate::write::encode::plain;
+use halfline::render::trace::echoes::{Echo, Echoes};
 use halfline::render::trace::{Hits, Occlusion, Rays};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -16,6 +17,9 @@ pub enum Query {
     Nearest,
     /// Whether there is any hit: columns `hit` and `certainty`, as in [`Occlusion`].
     Any,
+    /// The echoes of a scanner's beams, a row for each: columns `ring`, `column`, `return_number`, `number_of_returns`, `id`,
+    /// `distance`, `intensity`, `position` (`x,y,z` in .csv) and `certainty`, as in [`Echo`].
+    Echoes,
 }
 
 /// The certainty of a row without a valid ray, and of an answer that is not certified.
@@ -33,6 +37,18 @@ const NEAREST: [Column; 6] = [
     ("certainty", "|u1", 1),
 ];
 
+const ECHOES: [Column; 9] = [
+    ("ring", "<u4", 1),
+    ("column", "<u4", 1),
+    ("return_number", "|u1", 1),
+    ("number_of_returns", "|u1", 1),
+    ("id", "<i4", 1),
+    ("distance", "<f8", 1),
+    ("intensity", "<f4", 1),
+    ("position", "<f8", 3),
+    ("certainty", "|u1", 1),
+];
+
 const ANY: [Column; 2] = [("hit", "|u1", 1), ("certainty", "|u1", 1)];
 
 impl Query {
@@ -40,6 +56,7 @@ impl Query {
         match self {
             Self::Nearest => &NEAREST,
             Self::Any => &ANY,
+            Self::Echoes => &ECHOES,
         }
     }
 
@@ -47,6 +64,7 @@ impl Query {
         match self {
             Self::Nearest => "id,t,distance,nx,ny,nz,certainty\n",
             Self::Any => "hit,certainty\n",
+            Self::Echoes => "ring,column,return_number,number_of_returns,id,distance,intensity,x,y,z,certainty\n",
         }
     }
 }
@@ -65,6 +83,7 @@ pub(super) enum Rows<'a> {
         hit: Cow<'a, [u8]>,
         certainty: Cow<'a, [u8]>,
     },
+    Echoes(&'a Echoes),
 }
 
 /// Rows of text that are made together, and those that a thread makes at a time.
@@ -100,6 +119,7 @@ impl<'a> Rows<'a> {
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Nearest { certainty, .. } | Self::Any { certainty, .. } => certainty.len(),
+            Self::Echoes(echoes) => echoes.all.len(),
         }
     }
 
@@ -115,6 +135,17 @@ impl<'a> Rows<'a> {
                 Cow::Borrowed(certainty),
             ],
             Self::Any { hit, certainty } => vec![Cow::Borrowed(hit), Cow::Borrowed(certainty)],
+            Self::Echoes(echoes) => vec![
+                column(echoes, |echo| echo.ring.to_le_bytes()),
+                column(echoes, |echo| echo.column.to_le_bytes()),
+                column(echoes, |echo| [echo.return_number]),
+                column(echoes, |echo| [echo.number_of_returns]),
+                column(echoes, |echo| echo.id.to_le_bytes()),
+                column(echoes, |echo| echo.distance.to_le_bytes()),
+                column(echoes, |echo| echo.intensity.to_le_bytes()),
+                column(echoes, |echo| echo.position.into_iter().flat_map(f64::to_le_bytes)),
+                column(echoes, |echo| [echo.certainty]),
+            ],
         }
     }
 
@@ -140,10 +171,21 @@ impl<'a> Rows<'a> {
                     writeln!(text, "{id},{t:?},{distance:?},{x:?},{y:?},{z:?},{certainty}")
                 }
                 Self::Any { hit, certainty } => writeln!(text, "{},{}", hit[row], certainty[row]),
+                Self::Echoes(echoes) => {
+                    let Echo { ring, column, return_number, number_of_returns, .. } = echoes.all[row];
+                    let Echo { id, distance, intensity, position: [x, y, z], certainty, .. } = echoes.all[row];
+                    let place = format_args!("{ring},{column},{return_number},{number_of_returns}");
+                    writeln!(text, "{place},{id},{distance:?},{intensity:?},{x:?},{y:?},{z:?},{certainty}")
+                }
             };
         }
         text
     }
+}
+
+/// A column of echoes as bytes of .npy.
+fn column<B: IntoIterator<Item = u8>>(echoes: &Echoes, bytes: impl Fn(&Echo) -> B) -> Cow<'static, [u8]> {
+    echoes.all.iter().flat_map(bytes).collect()
 }
 
 /// The values of valid rows, with `fill` at the places of the invalid ones.
