@@ -203,15 +203,17 @@ mod tests {
             |normal| Hits { id: vec![], t: vec![], distance: vec![], certainty: vec![], normal, search: Search::All };
         let (occlusion, rays) = (Occlusion { hit: vec![], certainty: vec![] }, Rays::default());
         let (watch, spheres) = (Watch::default(), Spheres::default());
-        for (query, name) in [(Query::Nearest, "a.npz"), (Query::Any, "a.csv")] {
+        let echoes = Echoes { beams: 0, all: vec![] };
+        for (query, name) in [(Query::Nearest, "a.npz"), (Query::Any, "a.csv"), (Query::Echoes, "a.ply")] {
             let file = HitFile::new(&folder.path().join(name), query).expect("a file of hits");
-            let echoes = Echoes { beams: 0, all: vec![] };
-            let written = file.write(&watch, None, &spheres, |out| match query {
-                Query::Nearest => out.occlusion(&occlusion, &[]),
-                Query::Any => out.hits(&rays, &hits(Some(vec![])), &[]),
-                Query::Echoes => out.echoes(&echoes),
-            });
-            assert!(matches!(written, Err(Error::Settings { .. })), "{written:?}");
+            for other in [Query::Nearest, Query::Any, Query::Echoes].into_iter().filter(|other| *other != query) {
+                let written = file.write(&watch, None, &spheres, |out| match other {
+                    Query::Nearest => out.hits(&rays, &hits(Some(vec![])), &[]),
+                    Query::Any => out.occlusion(&occlusion, &[]),
+                    Query::Echoes => out.echoes(&echoes),
+                });
+                assert!(matches!(written, Err(Error::Settings { .. })), "{query:?}, {other:?}: {written:?}");
+            }
             let file = HitFile::new(&folder.path().join(name), Query::Nearest).expect("a file of hits");
             file.write(&watch, None, &spheres, |out| out.hits(&rays, &hits(None), &[])).expect_err("no normals");
         }
