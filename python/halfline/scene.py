@@ -607,7 +607,8 @@ def _map(value: Any) -> str | NDArray[np.uint8] | None:
     levels = given[:, :3] * 255 if given.dtype.kind == "f" else given[:, :3]
     if not ((levels >= 0) & (levels <= 255)).all():
         raise ValueError("map has colours beyond 0 and 1; give sRGB from 0 to 1, or uint8")
-    return np.rint(levels).astype(np.uint8)
+    colors: NDArray[np.uint8] = np.rint(levels).astype(np.uint8)
+    return colors
 
 
 def _kept(keep: Any) -> tuple[str, list[str]]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import SCENES, commands, run
+from numpy.typing import NDArray
 
 import halfline as hl
 
