@@ -207,7 +207,7 @@ impl FrameRays {
     fn trace(&self, tracer: &mut Tracer<'_>, pixels: usize, go_on: &dyn Fn(u64) -> bool) -> Result<WindowHits> {
         let directions: Vec<Option<DVec3>> = (0..pixels).into_par_iter().map(|pixel| self.direction(pixel)).collect();
         let origins = [self.basis.e.to_array()];
-        let mut all = Hits::none_of(pixels);
+        let mut all = tracer.misses(pixels);
         for first in (0..pixels).step_by(BLOCK) {
             let block = first..pixels.min(first + BLOCK);
             let rays: Vec<usize> = block.clone().filter(|pixel| directions[*pixel].is_some()).collect();

@@ -36,31 +36,15 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// Misses of `count` rays with normals, to be filled by [`Self::put`].
-    pub(super) fn none_of(count: usize) -> Self {
-        let miss = vec![f64::INFINITY; count];
-        Self {
-            id: vec![-1; count],
-            t: miss.clone(),
-            distance: miss,
-            certainty: vec![0; count],
-            normal: None,
-            search: Search::Auto,
-        }
-    }
-
     /// Puts the hits of other rays in these places.
     pub(super) fn put(&mut self, places: &[usize], hits: Self) {
-        let count = self.id.len();
         for (n, place) in places.iter().enumerate() {
             (self.id[*place], self.certainty[*place]) = (hits.id[n], hits.certainty[n]);
             (self.t[*place], self.distance[*place]) = (hits.t[n], hits.distance[n]);
         }
-        if let Some(normals) = hits.normal {
-            let own = self.normal.get_or_insert_with(|| vec![[0.0; 3]; count]);
+        if let (Some(own), Some(normals)) = (&mut self.normal, hits.normal) {
             places.iter().zip(normals).for_each(|(place, normal)| own[*place] = normal);
         }
-        self.search = hits.search;
     }
 
     /// Misses of `count` rays, with certainty 0.
@@ -124,6 +108,11 @@ impl Tracer<'_> {
         }
         let hits = self.hits(rays)?;
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
+    }
+
+    /// Misses of so many rays, in whose places [`Hits::put`] puts hits.
+    pub(super) fn misses(&self, count: usize) -> Hits {
+        Hits::none(count, &self.plan)
     }
 
     /// Runs `work`, and where the adapter fails once more on the CPU path, which answers all calls from then on.
