@@ -1,6 +1,9 @@
 //! Selections and lists of cameras.
 
 use super::check::{Allowed, PER_BYTE_OF_TOML, allowed, check_error};
+use halfline::scene::{ImagePlane, Lighting, Scene, Spheres};
+use halfline::{Aov, Backend, Camera, Settings};
+use halfline_files::read::cameras::ListedCamera;
 use halfline_files::read::{ReadOptions, Selection, Sequence, cameras};
 use std::io::Cursor;
 use std::path::Path;
@@ -46,7 +49,27 @@ pub(super) fn cameras(data: &[u8]) -> Allowed {
         Err(error) => drop(check_error(&error)),
         Ok(list) => {
             assert!(!list.is_empty() && list.iter().all(|camera| camera.camera.eye.is_finite()));
+            list.iter().take(2).enumerate().for_each(|(n, camera)| see(n, camera));
         }
     }
     allowed(data.len(), PER_BYTE_OF_TOML)
+}
+
+/// Renders a sphere with a camera of a list, if its lens is curved; other lenses are checked.
+fn see(index: usize, listed: &ListedCamera) {
+    let (width, height) = (8, 6);
+    let Some(lens) = listed.lens(None, None) else { return };
+    let camera = match lens.for_image(index, width, height) {
+        Ok(lens) => Camera { lens, ..listed.camera },
+        Err(error) => return drop(check_error(&error)),
+    };
+    let image = ImagePlane { width, height, background: [0.0; 3] };
+    let mut spheres = Spheres::default();
+    spheres.push([0.0; 3], 1.0, None);
+    let scene = Scene { camera, image, spheres, lighting: Lighting::default() };
+    let settings = Settings { backend: Backend::Cpu, aovs: vec![Aov::Distance, Aov::Position], ..Settings::default() };
+    let result = if camera.lens.is_curved() { halfline::render(&scene, &settings).map(drop) } else { scene.check() };
+    if let Err(error) = result {
+        drop(check_error(&error));
+    }
 }
