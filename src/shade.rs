@@ -8,6 +8,7 @@ use crate::number::Arithmetic;
 use crate::scene::DEFAULT_COLOR;
 use crate::view::ViewRecord;
 use crate::view::ray::{dot3, positive, times, unit3};
+use glam::DVec3;
 
 /// The shading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -48,6 +49,18 @@ pub(crate) fn to_world<A: Arithmetic>(view: &ViewRecord, a: [A; 3]) -> [A; 3] {
 }
 
 impl Shade {
+    /// Linear RGB of a hit in world space: of a ray in `direction`, of any length, on a sphere of the colour `own`, in f64.
+    pub(crate) fn in_world(self, direction: DVec3, normal: DVec3, own: [f32; 3]) -> [f32; 3] {
+        match self {
+            Self::Flat => own,
+            Self::Normal => (0.5 * normal + 0.5).as_vec3().to_array(),
+            Self::Headlight => {
+                let cosine = -normal.dot(direction) / direction.length();
+                own.map(|x| positive(cosine as f32) * x)
+            }
+        }
+    }
+
     /// Linear RGB of a hit on a sphere of the colour `own`. `direction` and the unit normal are in the canonical camera.
     #[inline(always)]
     pub(crate) fn of<A: Arithmetic>(self, view: &ViewRecord, direction: [A; 3], normal: [A; 3], own: [A; 3]) -> [A; 3] {

@@ -1,11 +1,10 @@
 //! Cameras.
 
 use crate::errors::OrRaise;
-use halfline::camera::{Aperture, CameraRecord, Curve, Intrinsics, Lens, Look};
+use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens, Look};
 use halfline::{Camera as CoreCamera, Error};
 use halfline_files::read::cameras::{self, ListedCamera, ListedLens};
 use pyo3::prelude::*;
-use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
 /// A camera, and the size of its image where it has one of its own.
@@ -43,9 +42,8 @@ pub(crate) fn lens_of((kind, numbers): &LensArgument, size: Option<(u32, u32)>) 
             }
         }
         ("panorama", []) => {
-            let (width, height) = size.map_or((1.0, 1.0), |(width, height)| (f64::from(width), f64::from(height)));
-            let (fx, fy) = (width / TAU, height / PI);
-            Ok(Lens::Curved { curve: Curve::Panorama, fx, fy, cx: width / 2.0, cy: height / 2.0 })
+            let (width, height) = size.unwrap_or((1, 1));
+            Ok(Lens::panorama(width, height))
         }
         _ => Err(Error::settings(format!("{kind} with {} numbers is no lens", numbers.len()), "use Camera")),
     }

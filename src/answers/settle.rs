@@ -7,9 +7,9 @@ use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
 use crate::number::vector::{LANES, vectorized};
-use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
-use crate::shade::Shade;
-use crate::view::ray::{UNSURE, positive};
+use crate::scene::{Scene, Spheres};
+use crate::shade::{Shade, color_of};
+use crate::view::ray::UNSURE;
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -261,18 +261,10 @@ pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled
         let rgb = match &s.truth {
             None => scene.image.background,
             Some(truth) => {
-                let own = || scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[truth.id as usize]);
-                match shade {
-                    Shade::Flat => own(),
-                    Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
-                    Shade::Headlight => {
-                        let [row, column] = view.record.position(s.pixel);
-                        let direction = view.direction(row, column);
-                        let along = view.to_world(direction);
-                        let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();
-                        own().map(|x| positive(cosine as f32) * x)
-                    }
-                }
+                let [row, column] = view.record.position(s.pixel);
+                let along = view.to_world(view.direction(row, column));
+                let own = color_of(scene.spheres.colors.as_deref(), truth.id);
+                shade.in_world(along, DVec3::from_array(truth.normal), own)
             }
         };
         color[3 * s.pixel as usize..][..3].copy_from_slice(&rgb);

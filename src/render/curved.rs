@@ -8,13 +8,12 @@ use crate::frame::coverage::Coverage;
 use crate::frame::report::{Report, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::memory::check;
-use crate::number::Arithmetic;
 use crate::progress::Step;
 use crate::quote::setting::{AOV, APERTURE, LOOK, OPACITY, SILHOUETTE};
+use crate::scene::Scene;
 use crate::scene::camera::{Basis, CurvedRays, Lens};
-use crate::scene::{DEFAULT_COLOR, Scene};
 use crate::settings::{Accuracy, Settings};
-use crate::shade::Shade;
+use crate::shade::{Shade, color_of};
 use crate::view::ViewRecord;
 use crate::view::raster::Raster;
 use crate::window::Window;
@@ -99,7 +98,7 @@ impl Renderer {
         let mut picture = Picture { color: vec![0.0; if colors { 3 * pixels } else { 0 }], alpha: vec![0.0; pixels] };
         match samples {
             Some(raster) if passes > 0 => {
-                of_ray = frame_rays(scene, raster)?;
+                of_ray.record = record(raster);
                 for sample in 0..passes {
                     of_ray.record.sample = sample;
                     let found = step(&of_ray)?;
@@ -125,7 +124,7 @@ impl Renderer {
         let promised = tracer.accuracy() != Accuracy::Fast;
         report.certified = if promised { 1.0 - report.settled as f64 / pixels as f64 } else { 0.0 };
         report.bound = promised.then(|| settings.promise().relative());
-        let buffers = buffers(&centers, picture, &of_ray.basis, settings, [width, height].map(|side| side as usize))?;
+        let buffers = buffers(&centers, &picture, &of_ray.basis, settings, [width, height].map(|side| side as usize))?;
         report.frame_ms = vec![milliseconds(start)];
         Ok(Frame { width, height, window, full, buffers, coverage, report })
     }
@@ -187,8 +186,13 @@ fn frame_rays(scene: &Scene, raster: Raster) -> Result<FrameRays> {
         return Err(Error::settings("the lens is not curved", "render the scene as any other"));
     };
     let rays = CurvedRays::new(curve, [fx, fy, cx, cy], [scene.image.width, scene.image.height])?;
+    Ok(FrameRays { rays, basis: scene.camera.basis()?, record: record(raster) })
+}
+
+/// The positions of the rays of a raster within pixels.
+fn record(raster: Raster) -> ViewRecord {
     let Window { x0, y0, .. } = raster.window;
-    let record = ViewRecord {
+    ViewRecord {
         first_row: y0,
         first_column: x0,
         columns: raster.window.width(),
@@ -198,8 +202,7 @@ fn frame_rays(scene: &Scene, raster: Raster) -> Result<FrameRays> {
         step: 1,
         seed: raster.seed,
         ..bytemuck::Zeroable::zeroed()
-    };
-    Ok(FrameRays { rays, basis: scene.camera.basis()?, record })
+    }
 }
 
 impl FrameRays {
@@ -234,18 +237,15 @@ impl Picture {
     fn add(&mut self, found: &WindowHits, scene: &Scene, shade: Shade) {
         let WindowHits { directions, hits } = found;
         self.alpha.iter_mut().zip(&hits.id).for_each(|(alpha, id)| *alpha += f64::from(u8::from(*id >= 0)));
-        let own = |id: i32| scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
         self.color.par_chunks_exact_mut(3).enumerate().for_each(|(pixel, color)| {
             let id = hits.id[pixel];
-            let normal = || hits.normal.as_ref().map_or([0.0; 3], |normals| normals[pixel]);
-            let rgb = match (id, shade, directions[pixel]) {
-                (0.., Shade::Flat, _) => own(id),
-                (0.., Shade::Normal, _) => normal().map(|x| 0.5 * x + 0.5),
-                (0.., Shade::Headlight, Some(direction)) => {
-                    let cosine = -DVec3::from(normal().map(f64::from)).dot(direction) / direction.length();
-                    own(id).map(|x| f32::ZERO.max(cosine as f32) * x)
+            let rgb = match directions[pixel].filter(|_| id >= 0) {
+                Some(direction) => {
+                    let normal = hits.normal.as_ref().map_or([0.0; 3], |normals| normals[pixel]);
+                    let own = color_of(scene.spheres.colors.as_deref(), id as u32);
+                    shade.in_world(direction, DVec3::from(normal.map(f64::from)), own)
                 }
-                _ => scene.image.background,
+                None => scene.image.background,
             };
             color.iter_mut().zip(rgb).for_each(|(sum, x)| *sum += f64::from(x));
         });
@@ -259,7 +259,7 @@ impl Picture {
 /// The requested buffers and the ids.
 fn buffers(
     found: &WindowHits,
-    picture: Picture,
+    picture: &Picture,
     basis: &Basis,
     settings: &Settings,
     [width, height]: [usize; 2],
@@ -270,7 +270,7 @@ fn buffers(
         let value = |pixel: usize| directions[pixel].filter(|_| hits.id[pixel] >= 0).map_or(missed, |d| of(pixel, d));
         (0..hits.id.len()).into_par_iter().map(value).collect()
     };
-    let single = |values: Vec<f64>| Data::F32(values.into_iter().map(|x| x as f32).collect());
+    let single = |values: &[f64]| Data::F32(values.iter().map(|x| *x as f32).collect());
     let data = |aov: Aov| match aov {
         Aov::Id => Some(Data::I32(hits.id.clone())),
         Aov::Mask => Some(Data::U8(hits.id.iter().map(|id| u8::from(*id >= 0)).collect())),
@@ -283,8 +283,8 @@ fn buffers(
             Some(Data::F64((0..hits.id.len()).flat_map(|n| axes.each_ref().map(|axis| axis[n])).collect()))
         }
         Aov::Normal => hits.normal.as_ref().map(|normals| Data::F32(normals.iter().flatten().copied().collect())),
-        Aov::Color => Some(single(picture.color.clone())),
-        Aov::Alpha => Some(single(picture.alpha.clone())),
+        Aov::Color => Some(single(&picture.color)),
+        Aov::Alpha => Some(single(&picture.alpha)),
         Aov::Bound | Aov::Shadow | Aov::Occlusion => None,
     };
     let requested = Aov::ALL.into_iter().filter(|aov| *aov == Aov::Id || settings.asks(&[*aov]));

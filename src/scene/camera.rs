@@ -35,6 +35,7 @@ use crate::error::{Error, Place, Result};
 use crate::quote::number;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
 
 /// Pose and lens. Every number is taken as exact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -118,6 +119,13 @@ pub enum Lens {
 }
 
 impl Lens {
+    /// A panorama in an image of `width` x `height` pixels, with the view in its middle.
+    #[must_use]
+    pub fn panorama(width: u32, height: u32) -> Self {
+        let [w, h] = [width, height].map(f64::from);
+        Self::Curved { curve: Curve::Panorama, fx: w / TAU, fy: h / PI, cx: w / 2.0, cy: h / 2.0 }
+    }
+
     /// Whether its rays are not those through a plane.
     #[must_use]
     pub fn is_curved(&self) -> bool {

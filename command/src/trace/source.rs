@@ -76,7 +76,7 @@ impl SourceArgs {
         self.rays_out.as_ref()
     }
 
-    /// The question that the rays answer; `any` is whether any hit is asked for.
+    /// The query of the rays; with `any`, whether each hits anything.
     pub(super) fn query(&self, any: bool) -> Result<Query> {
         let has_echoes = self.which.pattern.is_some_and(|lidar| lidar.echoes().is_some());
         match (any, has_echoes) {

@@ -1,5 +1,5 @@
 //! The promise of echoes: those of a brute force over all rays of a beam and all spheres in f64, with seeded noise of the
-//! distribution that is asked for, the same in every format and whatever the blocks.
+//! requested distribution, the same in every format and whatever the blocks.
 
 use crate::rng::Rng;
 use crate::test_dir::TestDir;

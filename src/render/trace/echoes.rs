@@ -1,8 +1,9 @@
 //! The echoes of a scanner's beams: the hits of a beam's rays on one sphere are one echo.
 
 use super::{Hits, Rays};
+use crate::scene::Spheres;
 use crate::scene::lidar::{Beam, Lidar};
-use crate::scene::{DEFAULT_COLOR, Spheres};
+use crate::shade::color_of;
 use crate::view::pcg4d;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -110,7 +111,7 @@ fn groups(numbers: Range<usize>, rays: &Rays<'_>, hits: &Hits, normals: &[[f32; 
 
 /// The luminance of a sphere's colour, 0 to 1.
 fn reflectance(spheres: &Spheres, id: i32) -> f64 {
-    let color = spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
+    let color = color_of(spheres.colors.as_deref(), id as u32);
     f64::from(Vec3::from_array(color).dot(LUMINANCE).clamp(0.0, 1.0))
 }
 

@@ -2,7 +2,6 @@
 
 use halfline::error::{Error, Result};
 use halfline::scene::camera::{Camera, Curve, Intrinsics, Lens};
-use std::f64::consts::PI;
 
 /// The lens of a camera of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,11 +75,7 @@ impl ListedLens {
                 Ok(Lens::Viewport { vw, vh: *vh, distance: *distance })
             }
             Self::Known(lens) | Self::OfImage(lens, _) => Ok(*lens),
-            Self::InPixels(PixelLens { curve: Some(Curve::Panorama), .. }) => {
-                let [w, h] = [width, height].map(f64::from);
-                let (fx, fy) = (w / (2.0 * PI), h / PI);
-                Ok(Lens::Curved { curve: Curve::Panorama, fx, fy, cx: w / 2.0, cy: h / 2.0 })
-            }
+            Self::InPixels(PixelLens { curve: Some(Curve::Panorama), .. }) => Ok(Lens::panorama(width, height)),
             Self::InPixels(lens @ PixelLens { curve: Some(curve), .. }) => {
                 let Intrinsics { fx, fy, cx, cy } = lens.intrinsics(width, height);
                 Ok(Lens::Curved { curve: *curve, fx, fy, cx, cy })
