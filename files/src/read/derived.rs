@@ -28,6 +28,9 @@ const COORDINATION: &str = "coordination";
 const DENSITY: &str = "density";
 const SPECTRUM: &str = "spectrum";
 
+/// The most images of particles and cells that a distance reaches, which are looked at one by one: some ten seconds.
+const MOST_IMAGES: u64 = 1 << 30;
+
 impl Derived {
     /// The column that a name means; `None` for others.
     ///
@@ -71,6 +74,11 @@ fn neighbors(particles: &Particles, reach: f64) -> Result<Vec<u64>> {
         return Err(Error::settings(problem, "remove the column, or use an assembly that fits into memory"));
     }
     let images = Images::of(particles.cell.as_ref(), particles.open_edges, reach)?;
+    let (count, cells) = (particles.positions.len() as u64, images.shifts.len() as u64);
+    if count.saturating_mul(cells) > MOST_IMAGES {
+        let problem = format!("the distance {reach} needs {cells} periodic cells around each of {count} particles");
+        return Err(Error::settings(problem, "give a smaller one"));
+    }
     let positions = images.wrapped(&particles.positions);
     counts(&positions, &images.shifts, reach)
 }

@@ -22,7 +22,7 @@ use halfline::memory::Ledger;
 use halfline::scene::Cell;
 use operators::{OperatorItem, Operators};
 use row::{AtomColumns, AtomRow};
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use token::Token;
 use tokens::Tokens;
 
@@ -286,13 +286,14 @@ impl Mmcif {
 
     /// Reads all atoms: the rows of a model need not follow each other.
     fn body(&mut self) -> Result<()> {
-        let mut at = 0;
+        let (mut at, mut places) = (0, HashMap::new());
         while self.state == State::AtomRow {
             let number = self.row.model;
             if self.models.get(at).is_none_or(|(known, _)| *known != number) {
-                at = self.models.iter().position(|(known, _)| *known == number).unwrap_or(self.models.len());
+                at = *places.entry(number).or_insert(self.models.len());
             }
             if at == self.models.len() {
+                self.ledger.add(MODEL)?;
                 let model = self.selects(number, at).then(|| {
                     let model = Model::new(&self.request, &self.layout.has(), Inference::new(false));
                     if self.layout.is_fractional() { model.whole() } else { model }
@@ -346,6 +347,9 @@ impl Mmcif {
 /// The most columns of a loop, and the longest tag in bytes.
 const MOST_COLUMNS: usize = 4096;
 const LONGEST_TAG: usize = 128;
+
+/// Bytes of a model besides its atoms, in a list and in a map of their numbers.
+const MODEL: usize = 2 * size_of::<Model>() + 64;
 
 impl ParticleFrames for Mmcif {
     fn next(&mut self) -> Result<Option<Particles>> {

@@ -123,11 +123,11 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
         return Err(Error::settings(problem, format!("use a file with one of them, or remove {UNWRAP}")));
     }
     let (mut bonds, reaches) = at_one_place(positions, &atoms.bonds);
-    bonds.extend(pairs(frame, positions, &reaches, |_, _| true));
+    bonds.extend(pairs(frame, positions, &reaches, |_, _| true)?);
     let mut joined = Joined::along(frame, positions, &bonds);
     joined.link(frame, positions, &joined.links(&groups));
     let touch = |a, b| atoms.may_touch(a, b) && joined.are_apart(a, b);
-    joined.link(frame, positions, &pairs(frame, positions, &atoms.contacts, touch));
+    joined.link(frame, positions, &pairs(frame, positions, &atoms.contacts, touch)?);
     let Joined { images, endless, .. } = joined;
     let moved = positions.par_iter().zip(&images).map(|(position, images)| frame.back(*position, *images)).collect();
     let mut warnings = Vec::new();
@@ -356,6 +356,31 @@ mod tests {
         let warnings = &p.skipped.assumed;
         assert!(warnings.len() == 1 && warnings[0].contains("1 molecule is bonded to an own image"), "{warnings:?}");
         assert!(warnings[0].contains("14 particles, from particle 0 on"), "{warnings:?}");
+    }
+
+    /// Atoms without room are refused before all their pairs are listed, and those of a small part of a large cell are joined as fast as
+    /// others: all pairs of both would be some 10^9.
+    #[test]
+    fn the_time_of_bonds_is_that_of_atoms() {
+        let cube = |edge: f64| Cell { origin: [0.0; 3], edges: [[edge, 0.0, 0.0], [0.0, edge, 0.0], [0.0, 0.0, edge]] };
+        let of = |places: Vec<[f64; 3]>, edge: f64| {
+            let mut p = Particles { positions: places, cell: Some(cube(edge)), ..Particles::default() };
+            p.elements = vec![6; p.positions.len()];
+            apply(Periodic::Unwrap, &mut p).map(|()| p.positions)
+        };
+        let crowd = (0..40_000).map(|n| [f64::from(n % 200) / 200.0, f64::from(n / 200) / 200.0, 0.5]).collect();
+        let error = of(crowd, 100.0).expect_err("a crowd").to_string();
+        assert!(error.contains("up to 40000 atoms lie within 1.8 of each other, too many"), "{error}");
+        // Rods of 8 atoms 1.5 apart, across a face of a cell of 10^7.
+        let rods = |n: u32| [f64::from(n % 8) * 1.5 - 4.0, f64::from(n / 8 % 70) * 5.0, f64::from(n / 560) * 5.0];
+        let whole: Vec<[f64; 3]> = (0..39_200).map(rods).collect();
+        let cell = cube(1e7);
+        let frame = Edges::of(&cell).expect("a volume");
+        let found = of(whole.iter().map(|place| frame.wrapped(*place)).collect(), 1e7).expect("bonds");
+        for (n, (place, found)) in whole.iter().zip(&found).enumerate() {
+            // The first atom of each stays on its side.
+            assert!((place[0] + 1e7 - found[0]).abs() < 1e-8 && place[1..] == found[1..], "{n}: {place:?} {found:?}");
+        }
     }
 
     #[test]

@@ -84,14 +84,16 @@ impl Xyz {
         let wrong = |problem: String| {
             self.lines.fail(at, "Properties", problem, "write name:type:columns triples such as species:S:1:pos:R:3")
         };
-        let mut parts = properties.split(':');
+        let (mut parts, mut all) = (properties.split(':'), 0);
         let mut declared = Vec::new();
         while let Some(name) = parts.next() {
             let (Some(kind @ ("S" | "R" | "I" | "L")), Some(count)) = (parts.next(), parts.next()) else {
                 return Err(wrong(format!("{} needs a type S, R, I or L and a number of columns", quote(name))));
             };
-            let count = count.parse().map_err(|_| wrong(format!("{} is not a number of columns", quote(count))))?;
-            if count > MOST {
+            let count: usize =
+                count.parse().map_err(|_| wrong(format!("{} is not a number of columns", quote(count))))?;
+            all += count.min(MOST + 1);
+            if all > MOST {
                 return Err(wrong(format!("more than {MOST} columns")));
             }
             let written = match kind {
@@ -133,7 +135,7 @@ impl Xyz {
 /// The remedy for a file that ends within a frame.
 const MEND: &str = "give as many lines as the count says";
 
-/// The most columns of a property.
+/// The most columns of all properties.
 const MOST: usize = 4096;
 
 /// Corrects the columns of a property that names elements or has text.
@@ -318,6 +320,10 @@ mod tests {
             ("1\nProperties=species:S:1\nO\n", "pos with three columns is missing"),
             ("1\nProperties=pos:R:3:radius:R:1:radius:R:1\n0 0 0 1 1\n", "occurs twice"),
             ("1\nProperties=pos:R:99999999999999\n0 0 0 1 1\n", "columns"),
+            (
+                &format!("1\nProperties=pos:R:3{}\n", ":a:R:4000".repeat(90_000)),
+                ":2:12: Properties: more than 4096 columns",
+            ),
             ("1\nLattice=\"1 2\"\nO 0 0 0\n", ":2:10: Lattice"),
             ("1\nProperties=pos:R:3:radius:R:1\n0 0 0 -1\n", ":3:7: radius"),
         ] {

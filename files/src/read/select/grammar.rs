@@ -24,6 +24,9 @@ use winnow::token::{one_of, take_till};
 const LONGEST: usize = 1 << 16;
 const DEEPEST: usize = 128;
 
+/// The most asterisks: the match of a pattern takes the stack for each of its own.
+const MOST_STARS: usize = 1 << 10;
+
 /// The text that is left, and the number of parts that the current one is within.
 type Input<'a> = Stateful<&'a str, usize>;
 
@@ -40,6 +43,9 @@ pub(super) fn parse(text: &str) -> Result<Node> {
     let fail = |problem: String| Err(Error::settings(format!("{} is not a selection: {problem}", quote(text)), mend));
     if text.len() > LONGEST {
         return fail(format!("it has more than {LONGEST} bytes"));
+    }
+    if text.matches('*').count() > MOST_STARS {
+        return fail(format!("it has more than {MOST_STARS} asterisks"));
     }
     match terminated(chain, multispace0).parse(Input { input: text, state: 0 }) {
         Ok(node) => Ok(node),

@@ -149,6 +149,7 @@ fn invalid_expressions_are_refused_at_their_place() {
         (&"same resname as ".repeat(3000), "128 parts within each other"),
         (&"around 1 ".repeat(5000), "128 parts within each other"),
         (&"within 1 of ".repeat(5000), "128 parts within each other"),
+        (&format!("name {}", "*a".repeat(30_000)), "more than 1024 asterisks"),
     ] {
         let error = select(text).map(drop).expect_err(text).to_string();
         assert!(error.contains(message), "{text}: {error}");

@@ -24,14 +24,18 @@ const DAMAGED: &str = "the file is damaged; copy or write it again, or use the e
 /// The most levels of maps and arrays; an encoded column of strings has about twenty.
 const DEPTH: usize = 64;
 
+/// The most values, and the most bytes of their words, for each byte of the file: those of entries of the PDB are about 10.
+const MOST_TIMES: u64 = 64;
+
 /// A file's words.
 pub(super) struct BinaryTokens {
     /// The file, until it is read.
     source: Option<SceneSource>,
     path: PathBuf,
     is_used: fn(&str) -> bool,
-    /// Bytes of the file.
+    /// Bytes of the file, and of the values that were returned.
     length: u64,
+    returned: u64,
     blocks: IntoIter<Value>,
     categories: IntoIter<Value>,
     category: Category,
@@ -63,6 +67,7 @@ impl BinaryTokens {
             path,
             is_used,
             length: 0,
+            returned: 0,
             blocks: none(),
             categories: none(),
             category: Category::default(),
@@ -142,13 +147,15 @@ impl BinaryTokens {
             return Ok(false);
         }
         // Rows that differ are more bytes than rows; such as do not could be any number.
-        if rows > self.length {
-            return Err(self.damaged(&name, format!("{rows} rows in a file of {} bytes", self.length)));
+        let values = rows.saturating_mul(columns.len() as u64);
+        if rows > self.length || values > MOST_TIMES * self.length {
+            let problem = format!("{rows} rows of {} columns in a file of {} bytes", columns.len(), self.length);
+            return Err(self.damaged(&name, problem));
         }
         let mut decoded = Vec::new();
         for (own, column) in columns {
             let place = format!("{name}.{own}");
-            decoded.push(Column::new(own, column).map_err(|problem| self.damaged(&place, problem))?);
+            decoded.push(Column::new(own, column, rows).map_err(|problem| self.damaged(&place, problem))?);
         }
         self.category = Category { name, rows, columns: decoded, ..Category::default() };
         Ok(true)
@@ -161,6 +168,14 @@ impl BinaryTokens {
         if let Err(problem) = column.next(&mut self.word) {
             let (place, row) = (format!("{}.{}", category.name, column.name), category.row + 1);
             return Err(self.damaged(&place, format!("row {row} of {}: {problem}", self.category.rows)));
+        }
+        // A value is once in the file, and is returned for each row that has it.
+        self.returned += self.word.len() as u64;
+        if self.returned > MOST_TIMES * self.length {
+            let (place, row, length) = (format!("{}.{}", category.name, column.name), category.row + 1, self.length);
+            let problem =
+                format!("the values up to row {row} have more than {MOST_TIMES} times the {length} bytes of the file");
+            return Err(self.damaged(&place, problem));
         }
         category.at += 1;
         if category.at == category.columns.len() {

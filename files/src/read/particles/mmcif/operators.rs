@@ -177,14 +177,16 @@ impl Operators {
         (self.angles != [true; 3] && self.cell().is_some()).then_some(warning)
     }
 
-    /// The names of the assemblies, and the most operators that each can have, where it is known.
+    /// The names of the assemblies, and the operators that the expression of each has, which are not looked up.
     pub(super) fn counts(&self) -> impl Iterator<Item = (String, u64)> {
         let places = self.places();
-        let count = move |generator: &Generator| match self.groups(&generator.expression, &places) {
-            Ok(groups) => groups.iter().map(|group| group.len() as u64).fold(1, u64::saturating_mul),
-            Err(_) => 0,
+        let item = move |item: &str| ends(item, &places).map_or(1, |(a, b)| b.saturating_sub(a).saturating_add(1));
+        let group = move |list: &str| list.split(',').map(&item).fold(0, u64::saturating_add);
+        let count = move |expression: &str| {
+            let bare: String = expression.split_whitespace().collect();
+            bare.trim_matches(['(', ')']).split(")(").map(&group).fold(1, u64::saturating_mul)
         };
-        self.generators.iter().map(move |generator| (generator.assembly.clone(), count(generator)))
+        self.generators.iter().map(move |generator| (generator.assembly.clone(), count(&generator.expression)))
     }
 
     /// The assembly with this name.
@@ -216,7 +218,8 @@ impl Operators {
         Ok(Assembly { id: id.to_owned(), parts })
     }
 
-    /// The products of one operator of each group, the first group changing last; the rightmost operator acts first.
+    /// The products of one operator of each group, the first group changing last; the rightmost operator acts first. Their names are of the
+    /// operators' places, since names of the file may be of any length.
     fn products(&self, groups: &[Vec<usize>], file: &Place) -> Result<Vec<(String, Operator)>> {
         let mut products: Vec<(String, Option<Operator>)> = vec![(String::new(), None)];
         for group in groups {
@@ -225,7 +228,7 @@ impl Operators {
                 for n in group {
                     let right = self.operator(*n, file)?;
                     let operator = left.map_or(right, |left: Operator| left.after(&right));
-                    longer.push((format!("{name}({})", self.list[*n].name), Some(operator)));
+                    longer.push((format!("{name}({n})"), Some(operator)));
                 }
             }
             products = longer;
@@ -265,9 +268,7 @@ impl Operators {
         let group = |list: &str| {
             let mut group = Vec::new();
             for item in list.split(',').map(str::trim) {
-                let ends =
-                    item.split_once('-').and_then(|(a, b)| Some((a.parse::<u64>().ok()?, b.parse::<u64>().ok()?)));
-                match ends.filter(|_| !places.contains_key(item)) {
+                match ends(item, places) {
                     None => group.push(place(item)?),
                     Some((first, last)) if first <= last => {
                         // Their number is checked before they are looked up.
@@ -293,9 +294,17 @@ impl Operators {
             return Ok(vec![group(&bare)?]);
         }
         let inner = bare.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).ok_or_else(wrong)?;
-        let groups: Vec<Vec<usize>> = inner.split(")(").map(group).collect::<Result<_, _>>()?;
-        if groups.len() > MOST_FACTORS { Err(wrong()) } else { Ok(groups) }
+        if inner.matches(")(").count() >= MOST_FACTORS {
+            return Err(wrong());
+        }
+        inner.split(")(").map(group).collect()
     }
+}
+
+/// The numbers that an item such as `1-60` goes from and to; `None` for one operator.
+fn ends(item: &str, places: &HashMap<&str, usize>) -> Option<(u64, u64)> {
+    let (first, last) = item.split_once('-').filter(|_| !places.contains_key(item))?;
+    Some((first.parse().ok()?, last.parse().ok()?))
 }
 
 /// The most factors of a product.
@@ -368,9 +377,42 @@ mod tests {
         }
         let error = moved(&many, &vec!["1-500"; 1000].join(",")).expect_err("a long list").to_string();
         assert!(error.contains("65536") && error.len() < 200, "{error}");
+        let factors = "(1-500)".repeat(MOST_FACTORS + 1);
+        assert!(moved(&many, &factors).expect_err("factors").to_string().contains("is not an expression of operators"));
         let mut broken = operators(2);
         broken.list[1].numbers[7] = f64::NAN;
         assert!(moved(&broken, "2").expect_err("not 12").to_string().contains("operator `2` does not have 12"));
         assert_eq!(moved(&broken, "1").expect("the other is good"), [3.0]);
+    }
+
+    /// What the message about assemblies says is counted without a look at the operators, of which an expression names any number.
+    #[test]
+    fn expressions_are_counted_without_their_operators() {
+        let mut all = operators(20_000);
+        let of = |expression: &str| Generator {
+            assembly: "1".into(),
+            expression: expression.into(),
+            ..Generator::default()
+        };
+        for (expression, count) in
+            [("1", 1), ("1,3", 2), ("(1-60)(61-88)", 60 * 28), ("(X0)(1-2,7)", 3), ("1-18446744073709551615", u64::MAX)]
+        {
+            all.generators = vec![of(expression)];
+            assert_eq!(all.counts().next(), Some(("1".to_owned(), count)), "{expression}");
+        }
+        // A name of the file is one operator, also where it looks like a range.
+        all.list[0].name = "1-60".into();
+        all.generators = vec![of("1-60")];
+        assert_eq!(all.counts().next(), Some(("1".to_owned(), 1)));
+        all.generators = vec![of("(1-20000)(Q)"); 100_000];
+        assert_eq!(all.counts().filter(|(_, count)| *count == 20_000).count(), 100_000);
+    }
+
+    #[test]
+    fn the_name_of_an_operator_is_not_written_for_each_product() {
+        let mut many = operators(20_000);
+        many.list[20_000].name = "Q".repeat(1 << 20);
+        let expression = format!("({})(1-20000)", "Q".repeat(1 << 20));
+        assert_eq!(moved(&many, &expression).expect("operators").len(), 20_000);
     }
 }

@@ -3,22 +3,37 @@
 use super::super::grouped::Grouped;
 use super::edges::Edges;
 use glam::DVec3;
+use halfline::error::{Error, Result};
+use halfline::quote::setting::UNWRAP;
 use rayon::prelude::*;
 
 /// The pairs of atoms whose nearest images are at most the sum of their reaches apart, as far as they are wanted: each once,
 /// the lower index first, in ascending order. An atom with the reach 0 is in none. The time is that of the atoms and their
 /// neighbours: cells as wide as the longest reach hold few of them.
+///
+/// # Errors
+/// [`Error::Limits`] for atoms that lie so close that they have no number of neighbours to speak of.
 pub(super) fn pairs(
     frame: &Edges,
     positions: &[[f64; 3]],
     reaches: &[f32],
     is_pair: impl Fn(usize, usize) -> bool + Sync,
-) -> Vec<[u32; 2]> {
+) -> Result<Vec<[u32; 2]>> {
     let largest = reaches.par_iter().copied().reduce(|| 0.0, f32::max);
     if largest <= 0.0 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
-    let grid = Grid::new(frame, positions, reaches, 2.0 * f64::from(largest));
+    let width = 2.0 * f64::from(largest);
+    let grid = Grid::new(frame, positions, reaches, width);
+    if let Some(most) = grid.crowd() {
+        let problem = format!(
+            "{UNWRAP}: up to {most} atoms lie within {width:.1} of each other, too many to look for bonds among all"
+        );
+        return Err(Error::Limits {
+            problem,
+            mend: format!("use a file with image flags (ix, iy, iz), or remove {UNWRAP}"),
+        });
+    }
     let of = |a: usize| {
         let is_near = |b: &u32| {
             let b = *b as usize;
@@ -31,13 +46,21 @@ pub(super) fn pairs(
         found.sort_unstable();
         found.into_iter().map(move |b| [a as u32, b])
     };
-    (0..positions.len()).into_par_iter().filter(|a| reaches[*a] > 0.0).flat_map_iter(of).collect()
+    Ok((0..positions.len()).into_par_iter().filter(|a| reaches[*a] > 0.0).flat_map_iter(of).collect())
 }
 
-/// Atoms by their cell of a grid in the periodic cell.
+/// The most pairs within cells for each atom, and in all: those of bonds are some 15, and of a thousand atoms at one place a thousand.
+const MOST_PAIRS: u64 = 1 << 10;
+const FEW_PAIRS: u64 = 1 << 24;
+
+/// The most cells along an edge.
+const FINEST: f64 = 1e12;
+
+/// Atoms by their cell of a grid in the periodic cell. A large and sparse one repeats, so that cells far from each other are one.
 struct Grid {
-    /// Cells along each edge.
+    /// Cells along each edge before they repeat, and in all, a multiple of them.
     sides: [usize; 3],
+    steps: [f64; 3],
     /// The positions as fractions of the edges, in [0, 1].
     fractions: Vec<DVec3>,
     /// The atoms with a reach in each cell.
@@ -53,19 +76,31 @@ impl Grid {
         };
         let fractions: Vec<DVec3> = positions.par_iter().map(fraction).collect();
         // A sparse cell needs no more cells than it has atoms.
-        let most = (2.0 * (positions.len() as f64).cbrt()).ceil().max(1.0);
-        let sides = (frame.heights() / width).to_array().map(|side| side.floor().clamp(1.0, most) as usize);
-        let mut grid = Self { sides, fractions, atoms: Grouped::default() };
+        let most = (2.0 * (positions.len() as f64).cbrt()).ceil().max(3.0);
+        let all = (frame.heights() / width).to_array().map(|side| side.floor().clamp(1.0, FINEST));
+        let sides = all.map(|side| side.min(most));
+        let steps = [0, 1, 2].map(|k| all[k] - all[k] % sides[k]);
+        let mut grid = Self { sides: sides.map(|side| side as usize), steps, fractions, atoms: Grouped::default() };
         let all = (0..positions.len()).filter(|n| reaches[*n] > 0.0);
         let placed = all.map(|n| (grid.index(grid.cell(n)), n as u32));
-        grid.atoms = Grouped::new(sides.iter().product(), placed);
+        grid.atoms = Grouped::new(grid.sides.iter().product(), placed);
         grid
     }
 
     fn cell(&self, n: usize) -> [usize; 3] {
         let fractions = self.fractions[n].to_array();
+        let step = |axis: usize| (fractions[axis] * self.steps[axis]).floor().min(self.steps[axis] - 1.0);
         // The cast saturates.
-        [0, 1, 2].map(|axis| ((fractions[axis] * self.sides[axis] as f64) as usize).min(self.sides[axis] - 1))
+        [0, 1, 2].map(|axis| step(axis) as usize % self.sides[axis])
+    }
+
+    /// The most atoms of a cell, where the pairs within cells are too many.
+    fn crowd(&self) -> Option<u64> {
+        let of = |cell: usize| self.atoms.of(cell).len() as u64;
+        let cells = 0..self.sides.iter().product();
+        let atoms: u64 = cells.clone().map(of).sum();
+        let pairs = cells.clone().map(|cell| of(cell).saturating_pow(2)).fold(0, u64::saturating_add);
+        (pairs > MOST_PAIRS * atoms + FEW_PAIRS).then(|| cells.map(of).max()).flatten()
     }
 
     fn index(&self, [x, y, z]: [usize; 3]) -> usize {
@@ -139,9 +174,9 @@ mod tests {
             let wrapped: Vec<_> = positions.iter().map(|position| frame.wrapped(*position)).collect();
             let expected = by_all_pairs(&cell, &wrapped, &reaches);
             assert!(expected.len() > 3, "{} pairs", expected.len());
-            assert_eq!(pairs(&frame, &positions, &reaches, |_, _| true), expected);
+            assert_eq!(pairs(&frame, &positions, &reaches, |_, _| true).expect("few"), expected);
             let even: Vec<_> = expected.into_iter().filter(|[a, b]| (a + b) % 2 == 0).collect();
-            assert_eq!(pairs(&frame, &positions, &reaches, |a, b| (a + b) % 2 == 0), even);
+            assert_eq!(pairs(&frame, &positions, &reaches, |a, b| (a + b) % 2 == 0).expect("few"), even);
         }
     }
 }

@@ -36,15 +36,18 @@ struct Texts {
 /// A problem of the file.
 type Found<T> = Result<T, String>;
 
+/// The most encodings of a column: each takes its numbers from the next one, within the same stack. The specification combines five.
+const MOST_ENCODINGS: usize = 16;
+
 impl Column {
-    /// The column `{data, mask}`.
-    pub(super) fn new(name: String, mut column: Value) -> Found<Self> {
+    /// The column `{data, mask}` of so many rows.
+    pub(super) fn new(name: String, mut column: Value, rows: u64) -> Found<Self> {
         let data = field(&mut column, "data").ok_or("it has no data")?;
         let mask = match field(&mut column, "mask") {
             None | Some(Value::Nil) => None,
-            Some(mask) => Some(whole_of(values(mask)?)?),
+            Some(mask) => Some(whole_of(values(mask, rows)?)?),
         };
-        Ok(Self { name, values: values(data)?, mask })
+        Ok(Self { name, values: values(data, rows)?, mask })
     }
 
     /// Writes the next value, nothing where there is none.
@@ -71,20 +74,23 @@ impl Column {
     }
 }
 
-/// The values of `{data, encoding}`.
-fn values(mut encoded: Value) -> Found<Values> {
+/// The values of `{data, encoding}`, of which `count` are used.
+fn values(mut encoded: Value, count: u64) -> Found<Values> {
     let Some(Value::Binary(bytes)) = field(&mut encoded, "data") else { return Err("data has no bytes".to_owned()) };
-    decode(bytes, field(&mut encoded, "encoding"))
+    decode(bytes, field(&mut encoded, "encoding"), count)
 }
 
-/// Undoes the encodings of these bytes, the last one first.
-fn decode(bytes: Vec<u8>, encodings: Option<Value>) -> Found<Values> {
+/// Undoes the encodings of these bytes, the last one first; `count` of the values are used.
+fn decode(bytes: Vec<u8>, encodings: Option<Value>, count: u64) -> Found<Values> {
     let Some(Value::Array(mut encodings)) = encodings else { return Err("there is no array of encodings".to_owned()) };
+    if encodings.len() > MOST_ENCODINGS {
+        return Err(format!("{} encodings are more than {MOST_ENCODINGS}", encodings.len()));
+    }
     let mut last = encodings.pop().ok_or("there is no encoding")?;
     let kind = text(field(&mut last, "kind")).unwrap_or_default();
     let mut found = match &kind[..] {
         "ByteArray" => plain(bytes, whole(&mut last, "type")?)?,
-        "StringArray" => texts(bytes, last)?,
+        "StringArray" => texts(bytes, last, count)?,
         _ => return Err(format!("the last encoding is {}", quote(&kind))),
     };
     while let Some(mut encoding) = encodings.pop() {
@@ -101,7 +107,7 @@ fn decode(bytes: Vec<u8>, encodings: Option<Value>) -> Found<Values> {
                 let step = (high - low) / steps;
                 Values::Real(Box::new(numbers.map(move |number| low + number as f64 * step)))
             }
-            "RunLength" => Values::Whole(runs(numbers)),
+            "RunLength" => Values::Whole(runs(numbers, count)),
             "Delta" => {
                 let mut sum = whole(&mut encoding, "origin")?;
                 Values::Whole(Box::new(numbers.map(move |number| {
@@ -152,7 +158,7 @@ fn plain(bytes: Vec<u8>, kind: i64) -> Found<Values> {
 }
 
 /// Texts: `{stringData, offsets, offsetEncoding, dataEncoding}`.
-fn texts(indices: Vec<u8>, mut encoding: Value) -> Found<Values> {
+fn texts(indices: Vec<u8>, mut encoding: Value, count: u64) -> Found<Values> {
     let Some(Value::String(data)) = field(&mut encoding, "stringData") else {
         return Err("there is no stringData".to_owned());
     };
@@ -160,27 +166,29 @@ fn texts(indices: Vec<u8>, mut encoding: Value) -> Found<Values> {
     let Some(Value::Binary(offsets)) = field(&mut encoding, "offsets") else {
         return Err("there are no offsets".to_owned());
     };
-    let offsets = whole_of(decode(offsets, field(&mut encoding, "offsetEncoding"))?)?;
     // Texts differ, so they are not many more than their bytes.
     let most = bytes.len() + 2;
+    let offsets = whole_of(decode(offsets, field(&mut encoding, "offsetEncoding"), most as u64 + 1)?)?;
     let offsets: Vec<usize> = offsets.take(most + 1).map(|at| usize::try_from(at).unwrap_or(usize::MAX)).collect();
     if offsets.len() > most {
         return Err("stringData has fewer bytes than texts".to_owned());
     }
-    let indices = whole_of(decode(indices, field(&mut encoding, "dataEncoding"))?)?;
+    let indices = whole_of(decode(indices, field(&mut encoding, "dataEncoding"), count)?)?;
     Ok(Values::Texts(Texts { bytes, offsets, indices }))
 }
 
-/// Undoes RunLength: values, each followed by its number.
-fn runs(mut pairs: Whole) -> Whole {
+/// Undoes RunLength: values, each followed by its number. Of `count` values at most twice as many numbers are needed, as pairs of another
+/// RunLength: a few bytes stand for any number of them, which the encoding before may take without a value of its own.
+fn runs(mut pairs: Whole, count: u64) -> Whole {
     let (mut value, mut left) = (0, 0);
-    Box::new(std::iter::from_fn(move || {
+    let next = move || {
         while left <= 0 {
             (value, left) = (pairs.next()?, pairs.next()?);
         }
         left -= 1;
         Some(value)
-    }))
+    };
+    Box::new(std::iter::from_fn(next).take(usize::try_from(count.saturating_mul(2)).unwrap_or(usize::MAX)))
 }
 
 /// Undoes IntegerPacking: a number at an end of its type is added to the next one.

@@ -28,7 +28,7 @@ fn encoding(kind: &str, mut rest: Vec<(&str, Value)>) -> Value {
 
 /// Words of a column, until it ends.
 fn words(data: Value, mask: Value) -> Result<Vec<String>, String> {
-    let mut column = Column::new("a".to_owned(), map(vec![("data", data), ("mask", mask)]))?;
+    let mut column = Column::new("a".to_owned(), map(vec![("data", data), ("mask", mask)]), 16)?;
     let mut found = Vec::new();
     loop {
         let mut word = Vec::new();
@@ -183,7 +183,7 @@ fn damaged_files_are_refused_by_the_place() {
     for (bytes, expected) in [
         (whole[..whole.len() - 1].to_vec(), "MessagePack: the file ends within it"),
         (written(&file(4)), "_atom_site.type_symbol: row 4 of 4: there is no value"),
-        (written(&file(1 << 40)), "_atom_site: 1099511627776 rows in a file of"),
+        (written(&file(1 << 40)), "_atom_site: 1099511627776 rows of 5 columns in a file of"),
         (vec![0x80], "dataBlocks: there is no array dataBlocks"),
         ([vec![0x81, 0xa1, b'a'], vec![0x91; 200]].concat(), "MessagePack: more than 64 levels"),
         // An array of 2^32 - 1 numbers of which one follows.
@@ -196,5 +196,99 @@ fn damaged_files_are_refused_by_the_place() {
     ] {
         let error = read(&bytes).map(drop).expect_err(expected).to_string();
         assert!(error.starts_with("text: ") && error.contains(expected), "{expected}: {error}");
+    }
+}
+
+/// A file of these rows of atoms, whose x has these data and mask; other columns may follow.
+fn atoms(rows: u64, symbol: Value, [x, mask]: [Value; 2], more: Vec<Value>) -> Vec<u8> {
+    let zeros = || {
+        let numbers: Vec<u8> = [0, rows as i32].map(i32::to_le_bytes).concat();
+        let encoding = Value::Array(vec![encoding("RunLength", vec![]), byte_array(3)]);
+        map(vec![("data", Value::Binary(numbers)), ("encoding", encoding)])
+    };
+    let column =
+        |name: &str, data: Value, mask: Value| map(vec![("name", name.into()), ("data", data), ("mask", mask)]);
+    let mut columns = vec![
+        column("type_symbol", symbol, Value::Nil),
+        column("Cartn_x", x, mask),
+        column("Cartn_y", zeros(), Value::Nil),
+        column("Cartn_z", zeros(), Value::Nil),
+    ];
+    columns.extend(more.into_iter().map(|data| column("other", data, Value::Nil)));
+    let category =
+        map(vec![("name", "_atom_site".into()), ("rowCount", rows.into()), ("columns", Value::Array(columns))]);
+    let block = map(vec![("categories", Value::Array(vec![category]))]);
+    written(&map(vec![("dataBlocks", Value::Array(vec![block]))]))
+}
+
+/// Neither the stack nor the time grow beyond what the file has bytes for.
+#[test]
+fn few_bytes_do_not_stand_for_a_deep_stack_or_a_long_time() {
+    let delta = |n: usize| vec![encoding("Delta", vec![("origin", 0.into())]); n];
+    let symbol = || strings("C", &[0, 1], &[0]);
+    let plain = || [encoded(&[1], vec![]), Value::Nil];
+    // A chain of 15 is read, and each of them alone would take the stack of another.
+    assert_eq!(
+        read(&atoms(1, symbol(), [encoded(&[1], delta(15)), Value::Nil], vec![])).expect("few").positions[0][0],
+        1.0
+    );
+    let deep_text = || {
+        let array = encoding(
+            "StringArray",
+            vec![
+                ("stringData", "C".into()),
+                ("offsets", bytes_of(&[0, 1])),
+                ("offsetEncoding", Value::Array([delta(300_000), vec![byte_array(1)]].concat())),
+                ("dataEncoding", Value::Array(vec![byte_array(1)])),
+            ],
+        );
+        map(vec![("data", bytes_of(&[0])), ("encoding", Value::Array(vec![array]))])
+    };
+    let runs = |levels: usize, count: i32| {
+        let bytes = [0, count].map(i32::to_le_bytes).concat().repeat(4);
+        let encodings = vec![encoding("RunLength", vec![]); levels].into_iter().chain([byte_array(3)]).collect();
+        map(vec![("data", Value::Binary(bytes)), ("encoding", Value::Array(encodings))])
+    };
+    let packed = || {
+        let bytes = [127, i32::MAX].map(i32::to_le_bytes).concat();
+        let packing = encoding("IntegerPacking", vec![("byteCount", 1.into()), ("isUnsigned", false.into())]);
+        let encodings = vec![packing, encoding("RunLength", vec![]), byte_array(3)];
+        map(vec![("data", Value::Binary(bytes)), ("encoding", Value::Array(encodings))])
+    };
+    let long = "C".repeat(100_000);
+    let many = || {
+        let offsets = [0, 100_000].map(i32::to_le_bytes).concat();
+        let array = encoding(
+            "StringArray",
+            vec![
+                ("stringData", long[..].into()),
+                ("offsets", Value::Binary(offsets)),
+                ("offsetEncoding", Value::Array(vec![byte_array(3)])),
+                ("dataEncoding", Value::Array(vec![encoding("RunLength", vec![]), byte_array(3)])),
+            ],
+        );
+        let indices = [0, 30_000].map(i32::to_le_bytes).concat();
+        map(vec![("data", Value::Binary(indices)), ("encoding", Value::Array(vec![array]))])
+    };
+    for (bytes, expected) in [
+        (
+            atoms(1, symbol(), [encoded(&[1], delta(300_000)), Value::Nil], vec![]),
+            "_atom_site.Cartn_x: 300001 encodings",
+        ),
+        (
+            atoms(1, symbol(), [encoded(&[1], vec![]), encoded(&[0], delta(300_000))], vec![]),
+            "Cartn_x: 300001 encodings",
+        ),
+        (atoms(1, deep_text(), plain(), vec![]), "type_symbol: 300001 encodings are more than 16"),
+        (atoms(1, symbol(), [runs(3, i32::MAX), Value::Nil], vec![]), "Cartn_x: row 1 of 1: there is no value"),
+        (atoms(1, symbol(), [packed(), Value::Nil], vec![]), "Cartn_x: row 1 of 1: there is no value"),
+        (atoms(30_000, many(), [runs(1, 7500), Value::Nil], vec![]), "have more than 64 times the"),
+        (
+            atoms(40_000, runs(1, 10_000), [runs(1, 10_000), Value::Nil], vec![runs(1, 10_000); 1000]),
+            "_atom_site: 40000 rows of 1004 columns in a file of",
+        ),
+    ] {
+        let error = read(&bytes).map(drop).expect_err(expected).to_string();
+        assert!(error.contains(expected), "{expected}: {error}");
     }
 }
