@@ -1,19 +1,24 @@
-//! GSD files of HOOMD-blue: frames of positions, types, diameters, velocities, masses, charges, bodies and the box
+//! GSD files of HOOMD-blue: frames of positions, types, diameters, shapes, velocities, masses, charges, bodies, images and the box
 //! (gsd.readthedocs.io/en/stable/schema-hoomd.html). What a frame lacks is that of the first frame, where both have the
 //! same number of particles, or the default of the schema. There is no crate for the format.
 
 mod file;
+mod shape;
 
 use super::bytes::BinaryFile;
 use super::frame::{Column, ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::layout::is_requested;
+use super::names::Names;
 use super::request::Request;
 use crate::read::source::SceneSource;
 use file::{Chunk, GsdFile, until_zero};
 use halfline::error::Result;
 use halfline::memory::{check, check_ids};
+use halfline::quote::setting::RADIUS;
+use halfline::quote::{list, unquoted};
 use halfline::scene::Cell;
+use shape::Shape;
 
 /// The reader.
 pub(in crate::read) struct Gsd {
@@ -23,10 +28,12 @@ pub(in crate::read) struct Gsd {
     requested: Vec<usize>,
     /// The next frame, from 0.
     frame: u64,
+    /// Whether the shapes were reported, which are those of all frames.
+    has_reported: bool,
 }
 
 /// A column (`typeid` has numbers, `type` the names that they stand for): its name, the chunk, the component, and the default of the schema.
-const COLUMNS: [(&str, &str, u32, f64); 8] = [
+const COLUMNS: [(&str, &str, u32, f64); 11] = [
     ("typeid", TYPE, 0, 0.0),
     ("type", TYPE, 0, 0.0),
     ("mass", "particles/mass", 0, 1.0),
@@ -35,10 +42,17 @@ const COLUMNS: [(&str, &str, u32, f64); 8] = [
     ("vx", VELOCITY, 0, 0.0),
     ("vy", VELOCITY, 1, 0.0),
     ("vz", VELOCITY, 2, 0.0),
+    ("ix", IMAGE, 0, 0.0),
+    ("iy", IMAGE, 1, 0.0),
+    ("iz", IMAGE, 2, 0.0),
 ];
 
 const TYPE: &str = "particles/typeid";
 const VELOCITY: &str = "particles/velocity";
+/// The images that particles are in, under the names that LAMMPS gives them.
+const IMAGE: &str = "particles/image";
+const NAMES: &str = "particles/types";
+const SHAPES: &str = "particles/type_shapes";
 const COUNT: &str = "particles/N";
 const POSITION: &str = "particles/position";
 const DIAMETER: &str = "particles/diameter";
@@ -53,7 +67,7 @@ impl Gsd {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         let selects = |name: &str| is_requested(&request.columns, name);
         let requested = (0..COLUMNS.len()).filter(|k| selects(COLUMNS[*k].0)).collect();
-        Self { source: Some(BinaryFile::new(source)), file: None, requested, frame: 0 }
+        Self { source: Some(BinaryFile::new(source)), file: None, requested, frame: 0, has_reported: false }
     }
 
     /// Reads the file, if it was not read yet, and returns the next frame that it has.
@@ -114,16 +128,49 @@ impl<'a> Reading<'a> {
         Ok(std::iter::from_fn(&mut three).collect())
     }
 
-    fn radii(&self) -> Result<Vec<f64>> {
-        Ok(match self.array(DIAMETER, 1)? {
-            Some(chunk) => self.file.numbers(chunk).map(|diameter| diameter / 2.0).collect(),
-            None => vec![DIAMETER_DEFAULT / 2.0; self.count as usize],
-        })
+    /// The radii, and the message about shapes that are no spheres. Diameters of particles come before those of their types.
+    fn radii(&self) -> Result<(Vec<f64>, Option<String>)> {
+        if let Some(chunk) = self.array(DIAMETER, 1)? {
+            return Ok((self.file.numbers(chunk).map(|diameter| diameter / 2.0).collect(), None));
+        }
+        let mut shapes = Vec::new();
+        for (n, text) in self.texts(SHAPES).unwrap_or_default().iter().enumerate() {
+            let wrong = |problem| self.file.wrong(self.frame, SHAPES, format!("type {n}: {problem}"));
+            shapes.push(Shape::of(text).map_err(wrong)?);
+        }
+        let plain = DIAMETER_DEFAULT / 2.0;
+        if shapes.is_empty() {
+            return Ok((vec![plain; self.count as usize], None));
+        }
+        let mut others = Names::default();
+        let mut counts: Vec<u64> = Vec::new();
+        let mut radii = Vec::new();
+        for of in self.column(0)?.values {
+            radii.push(match shapes.get(of as usize) {
+                Some(Shape::Sphere(radius)) => *radius,
+                Some(Shape::Other(name)) => {
+                    let number = others.number(name.as_bytes())? as usize;
+                    counts.resize(counts.len().max(number + 1), 0);
+                    counts[number] += 1;
+                    plain
+                }
+                Some(Shape::None) | None => plain,
+            });
+        }
+        let named = counts.iter().zip(others.labels()).map(|(count, name)| format!("{count} {}", unquoted(&name)));
+        let all: u64 = counts.iter().sum();
+        let warning = format!(
+            "{} of a shape that is no sphere ({}), and {} drawn as a sphere of the diameter {DIAMETER_DEFAULT}; use {RADIUS} to set another",
+            if all == 1 { "1 particle is".into() } else { format!("{all} particles are") },
+            list(named),
+            if all == 1 { "it is" } else { "each is" },
+        );
+        Ok((radii, (all > 0).then_some(warning)))
     }
 
     fn column(&self, kind: usize) -> Result<Column> {
         let (name, chunk, component, default) = COLUMNS[kind];
-        let width = if chunk == VELOCITY { 3 } else { 1 };
+        let width = if [VELOCITY, IMAGE].contains(&chunk) { 3 } else { 1 };
         check(8 * self.count, || format!("the column {name}"))?;
         let values = match self.array(chunk, width)? {
             Some(chunk) => self.file.numbers(chunk).skip(component as usize).step_by(width as usize).collect(),
@@ -132,18 +179,17 @@ impl<'a> Reading<'a> {
         Ok(Column { name: name.to_owned(), values })
     }
 
+    /// The rows of a chunk as texts, of this frame or of the first; `None` where there are none, or too many.
+    fn texts(&self, name: &str) -> Option<Vec<String>> {
+        let chunk = self.file.chunk(self.frame, name).or_else(|| self.file.chunk(0, name));
+        let chunk = chunk.filter(|chunk| chunk.columns > 0 && chunk.rows <= MOST_TYPES)?;
+        let text = |row: &[u8]| String::from_utf8_lossy(&until_zero(row)).into_owned();
+        Some(self.file.bytes(chunk).chunks(chunk.columns as usize).map(text).collect())
+    }
+
     /// The names of the types; numbers of types beyond them are names of their own.
     fn types(&self, values: &[f64]) -> Vec<String> {
-        let name = "particles/types";
-        let chunk = self.file.chunk(self.frame, name).or_else(|| self.file.chunk(0, name));
-        let mut types: Vec<String> = match chunk.filter(|chunk| chunk.columns > 0 && chunk.rows <= MOST_TYPES) {
-            Some(chunk) => {
-                let row = chunk.columns as usize;
-                let text = |row: &[u8]| String::from_utf8_lossy(&until_zero(row)).into_owned();
-                self.file.bytes(chunk).chunks(row).map(text).collect()
-            }
-            None => vec!["A".into()],
-        };
+        let mut types = self.texts(NAMES).unwrap_or_else(|| vec!["A".into()]);
         let most = values.iter().fold(0.0f64, |most, x| most.max(*x)) as u64;
         types.extend((types.len() as u64..=most.min(MOST_TYPES)).map(|number| number.to_string()));
         types
@@ -177,24 +223,30 @@ impl<'a> Reading<'a> {
 
 impl ParticleFrames for Gsd {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let requested = self.requested.clone();
+        let (requested, has_reported) = (self.requested.clone(), self.has_reported);
         let Some((file, frame)) = self.advance()? else { return Ok(None) };
         let reading = Reading::new(file, frame)?;
+        let (radii, warning) = reading.radii()?;
+        // The schema's images are all 0, so a file without any does not say which they are.
+        let is_there = |kind: &usize| COLUMNS[*kind].1 != IMAGE || file.has(IMAGE);
+        let has = (0..COLUMNS.len()).filter(is_there).map(|kind| COLUMNS[kind].0.to_owned()).collect();
         let mut particles = Particles {
             positions: reading.positions()?,
-            radii: reading.radii()?,
+            radii,
             cell: reading.cell()?,
             when: FrameTime::of(None, Some(reading.step())),
-            has: COLUMNS.iter().map(|(name, ..)| (*name).to_owned()).collect(),
+            has,
             ..Particles::default()
         };
-        for kind in requested {
+        particles.skipped.assumed.extend(warning.filter(|_| !has_reported));
+        for kind in requested.into_iter().filter(is_there) {
             let column = reading.column(kind)?;
             if column.name == "type" {
                 particles.labels.insert(column.name.clone(), reading.types(&column.values));
             }
             particles.columns.push(column);
         }
+        self.has_reported = true;
         Ok(Some(particles))
     }
 

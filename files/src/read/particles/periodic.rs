@@ -34,8 +34,18 @@ pub enum Periodic {
     Unwrap,
 }
 
-/// Image flags of LAMMPS (docs.lammps.org/dump.html): the number of edges that a particle has crossed.
-const FLAGS: [&str; 3] = ["ix", "iy", "iz"];
+/// Image flags, the number of edges that a particle has crossed: of LAMMPS (docs.lammps.org/dump.html) and of GSD, of OVITO's property
+/// Periodic Image, and `travel` of QUIP, which `map_into_cell` of its module Atoms counts (github.com/libAtoms/QUIP).
+const FLAGS: [[&str; 3]; 4] = [
+    ["ix", "iy", "iz"],
+    ["image_x", "image_y", "image_z"],
+    ["PeriodicImage_x", "PeriodicImage_y", "PeriodicImage_z"],
+    ["travel_x", "travel_y", "travel_z"],
+];
+
+/// The edges by which QUIP would move a particle into its cell, where fractions are from -1/2 to 1/2: the positions are not wrapped. Where
+/// they are, others have written images under this name.
+const SHIFTS: [&str; 3] = ["map_shift_x", "map_shift_y", "map_shift_z"];
 
 /// Columns with the number of a molecule; 0 is none.
 const MOLECULES: [&str; 2] = ["mol", "molecule"];
@@ -45,7 +55,12 @@ const WORK: u64 = 160;
 
 /// The columns that [`Periodic::Unwrap`] reads, as far as the file has them.
 pub(in crate::read) fn columns() -> impl Iterator<Item = &'static str> {
-    FLAGS.into_iter().chain(MOLECULES).chain(residues::COLUMNS)
+    FLAGS.into_iter().flatten().chain(SHIFTS).chain(MOLECULES).chain(residues::COLUMNS)
+}
+
+/// Whether a column has image flags.
+pub(in crate::read) fn is_image(name: &str) -> bool {
+    FLAGS.into_iter().flatten().chain(SHIFTS).any(|known| known.eq_ignore_ascii_case(name))
 }
 
 /// Moves particles by edges of their cell.
@@ -95,17 +110,26 @@ pub(in crate::read) fn no_cell(option: &str) -> Error {
 /// The positions of molecules that the cell does not cut.
 fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> {
     let positions = &particles.positions;
-    let column = |name: &str| particles.columns.iter().find(|column| column.name == name);
+    let column = |name: &str| particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name));
     let has = |name: &str| particles.has.iter().any(|known| known == name);
     // A LAMMPS dump may have coordinates that are not wrapped, which the reader takes where there are no others.
     let [plain, unwrapped, scaled] = ["x", "xu", "xs"].map(has);
     if !plain && (unwrapped || !scaled && has("xsu")) {
         return Ok(positions.clone());
     }
-    if let [Some(x), Some(y), Some(z)] = FLAGS.map(column) {
-        let image = |n: usize| DVec3::new(x.values[n], y.values[n], z.values[n]);
-        let moved = |(n, position): (usize, &[f64; 3])| frame.back(*position, -image(n));
-        return Ok(positions.par_iter().enumerate().map(moved).collect());
+    let flags =
+        |names: [&str; 3]| if let [Some(x), Some(y), Some(z)] = names.map(column) { Some([x, y, z]) } else { None };
+    let shifts = flags(SHIFTS);
+    if let Some(images) = FLAGS.into_iter().find_map(flags).or(shifts) {
+        let moved = |(n, position): (usize, &[f64; 3])| {
+            let [x, y, z] = images.map(|column| column.values[n]);
+            frame.back(*position, -DVec3::new(x, y, z))
+        };
+        let moved: Vec<[f64; 3]> = positions.par_iter().enumerate().map(moved).collect();
+        let is_centred =
+            |position: &[f64; 3]| frame.fractions(DVec3::from_array(*position)).abs().max_element() < 0.5 + 1e-9;
+        let are_shifts = shifts == Some(images) && moved.par_iter().all(is_centred);
+        return Ok(if are_shifts { positions.clone() } else { moved });
     }
     let (groups, are_residues): (Vec<Option<u64>>, bool) = match MOLECULES.into_iter().find_map(column) {
         // Molecules are numbered, and their atoms may be anywhere in the file; 0 is none.
@@ -118,7 +142,7 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
     let atoms = Atoms::of(particles);
     if groups.is_empty() && !atoms.has_elements {
         let problem = format!(
-            "{UNWRAP} needs image flags (ix, iy, iz), molecules (mol), residues or elements, but the file has none of them"
+            "{UNWRAP} needs image flags (ix, iy, iz, or an image of extended XYZ), molecules (mol), residues or elements, but the file has none of them"
         );
         return Err(Error::settings(problem, format!("use a file with one of them, or remove {UNWRAP}")));
     }
@@ -230,6 +254,16 @@ mod tests {
         let [ix, iy, iz] = flags;
         let all = [at([0.875, 0.5, 0.5]), at([1.125, 0.5, 0.5]), at([0.5, 0.0625, 3.5]), at([-1.5, 1.9375, 0.5])];
         assert_eq!(unwrap(&[("ix", ix), ("iy", iy), ("iz", iz), ("mol", &molecules)]).expect("flags"), all);
+        for names in FLAGS.into_iter().chain([SHIFTS]) {
+            let [x, y, z] = names;
+            assert_eq!(unwrap(&[(x, ix), (y, iy), (z, iz), ("mol", &molecules)]).expect("flags"), all, "{names:?}");
+        }
+        // The shifts of QUIP move each into the cell around the origin, from where it is without them.
+        let frame = Edges::of(&CELL).expect("a volume");
+        let shift = |k: usize| cut.map(|place| -(frame.fractions(DVec3::from_array(place)) + 0.5).floor()[k]);
+        let [x, y, z] = [0, 1, 2].map(shift);
+        let quip = unwrap(&[("map_shift_x", &x), ("map_shift_y", &y), ("map_shift_z", &z)]).expect("shifts");
+        assert!(quip == cut && [x, y, z].concat().iter().any(|shift| *shift != 0.0), "not wrapped");
         // Coordinates of a dump that are not wrapped have no use for flags.
         assert_eq!(unwrap(&[("xu", ix), ("ix", ix), ("iy", iy), ("iz", iz)]).expect("unwrapped"), cut);
         assert!(matches!(unwrap(&[("charge", ix)]), Err(Error::Settings { .. })));

@@ -140,6 +140,11 @@ impl GsdFile {
         self.chunks[..after].last().copied().filter(|chunk| (chunk.frame, chunk.name) == (frame, name))
     }
 
+    /// Whether the file has chunks of a name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.names.contains_key(name.as_bytes())
+    }
+
     /// The numbers of a chunk.
     pub(super) fn numbers(&self, chunk: Chunk) -> impl Iterator<Item = f64> + '_ {
         let scalar = scalar(chunk.kind);
