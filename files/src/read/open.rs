@@ -32,7 +32,7 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Err(source) => return Ok(Err(source)),
     };
     if let Some(topology) = topology {
-        frames = Box::new(Joined::new(frames, file.clone(), topology, identity));
+        frames = Box::new(Joined::new(frames, file.clone(), topology, identity, has_no_origin(format)));
     }
     if identity.is_some() {
         // The frames that are read have the order of one that is not.
@@ -135,6 +135,11 @@ fn one(read: impl FnOnce() -> Result<Particles> + Send + 'static) -> Box<dyn Par
 fn has_any_columns(format: Format) -> bool {
     use Format::{Csv, Data, Dump, Las, Npy, Npz, Pcd, Ply, Pts, Ptx, Xyz};
     matches!(format, Csv | Data | Dump | Las | Npy | Npz | Pcd | Ply | Pts | Ptx | Xyz)
+}
+
+/// Whether files of this format have a cell and do not say where it begins, which is in the other files of their programs.
+fn has_no_origin(format: Format) -> bool {
+    matches!(format, Format::Xtc | Format::Trr | Format::Dcd)
 }
 
 /// Whether files of this format number their atoms in a column of its own name.

@@ -3,16 +3,18 @@
 
 use super::frame::{Column, ParticleFrames, Particles, of_rows};
 use super::identity::{key, numbers};
+use super::periodic::is_image;
+use glam::{DMat3, DVec3};
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check;
 use halfline::quote::count;
 use halfline::quote::setting::TOPOLOGY;
+use halfline::scene::Cell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
 /// The columns of frames that a topology may have too, where they belong to another moment.
-const OWN: [&str; 18] =
-    ["x", "y", "z", "xu", "yu", "zu", "xs", "ys", "zs", "xsu", "ysu", "zsu", "vx", "vy", "vz", "ix", "iy", "iz"];
+const OWN: [&str; 15] = ["x", "y", "z", "xu", "yu", "zu", "xs", "ys", "zs", "xsu", "ysu", "zsu", "vx", "vy", "vz"];
 
 /// The columns of a topology by which frames find its atoms: those of LAMMPS and of PDB.
 pub(in crate::read) const NUMBERS: [&str; 2] = ["id", "serial"];
@@ -32,6 +34,8 @@ pub(in crate::read) struct Joined {
     identity: Option<String>,
     /// The rows of the topology by the numbers of their atoms, where it has them.
     rows: Option<HashMap<u64, u32>>,
+    /// Whether the frames do not say where their cell begins.
+    is_without_origin: bool,
     /// Whether the messages about the topology were reported, which are the same for all frames.
     has_reported: bool,
 }
@@ -42,6 +46,7 @@ impl Joined {
         file: Place,
         topology: Topology,
         identity: Option<&str>,
+        is_without_origin: bool,
     ) -> Self {
         let named = identity.and_then(|own| {
             std::iter::once(own).chain(NUMBERS).find_map(|name| numbers(&topology.atoms, name)).map(<[f64]>::to_vec)
@@ -50,7 +55,8 @@ impl Joined {
             named.map(|ids| ids.iter().enumerate().map(|(row, id)| (key(*id), row as u32)).collect());
         // Numbers that repeat, as the serials of several models do, identify nothing.
         let rows = rows.filter(|rows| rows.len() == topology.atoms.positions.len());
-        Self { frames, file, topology, identity: identity.map(str::to_owned), rows, has_reported: false }
+        let identity = identity.map(str::to_owned);
+        Self { frames, file, topology, identity, rows, is_without_origin, has_reported: false }
     }
 
     /// The topology's row of each particle; `None` where it is the particle's own.
@@ -108,8 +114,11 @@ impl Joined {
             frame.colors = taken(&atoms.colors, rows);
             frame.color_type = atoms.color_type;
         }
-        let lacks =
-            |name: &str| !OWN.contains(&name) && !frame.has.iter().any(|known| known.eq_ignore_ascii_case(name));
+        if let (Some(cell), Some(of), true) = (&mut frame.cell, &atoms.cell, self.is_without_origin) {
+            cell.origin = origin(&cell.edges, of);
+        }
+        let is_own = |name: &str| OWN.contains(&name) || is_image(name);
+        let lacks = |name: &str| !is_own(name) && !frame.has.iter().any(|known| known.eq_ignore_ascii_case(name));
         let columns = atoms.columns.iter().filter(|column| lacks(&column.name));
         let columns: Vec<Column> =
             columns.map(|column| Column { name: column.name.clone(), values: taken(&column.values, rows) }).collect();
@@ -120,6 +129,13 @@ impl Joined {
         frame.has.extend(names);
         Ok(())
     }
+}
+
+/// Where a cell begins that changes from another one with all that it holds: the point at 0 keeps its fractions.
+fn origin(edges: &[[f64; 3]; 3], of: &Cell) -> [f64; 3] {
+    let parts = DMat3::from_cols_array_2d(&of.edges).inverse() * DVec3::from_array(of.origin);
+    let moved = (DMat3::from_cols_array_2d(edges) * parts).to_array();
+    if of.origin == [0.0; 3] || !moved.iter().all(|x| x.is_finite()) || *edges == of.edges { of.origin } else { moved }
 }
 
 /// The values of these rows; `None` are all.

@@ -1,6 +1,6 @@
 //! XYZ and extended XYZ: a count, a comment, and a line for every atom; frame after frame. The comment of extended XYZ
-//! declares the columns (`Properties=species:S:1:pos:R:3:forces:R:3`) and the cell (`Lattice="..."`); described at
-//! github.com/libAtoms/extxyz.
+//! declares the columns (`Properties=species:S:1:pos:R:3:forces:R:3`) and the cell (`Lattice="..."`, and `Origin="..."` of OVITO for the
+//! corner that it begins at); described at github.com/libAtoms/extxyz and docs.ovito.org/reference/file_formats/input/xyz.html.
 
 use super::frame::{ParticleFrames, Particles};
 use super::frame_time::FrameTime;
@@ -70,14 +70,18 @@ impl Xyz {
     /// The columns and the frame without atoms of the comment line: its cell and its time.
     fn layout(&self) -> Result<(Layout, Particles)> {
         let (mut at, mut properties, mut cell) = (0, "species:S:1:pos:R:3", None);
-        let (mut time, mut step, mut open) = (None, None, [false; 3]);
+        let (mut time, mut step, mut open, mut origin) = (None, None, [false; 3], [0.0; 3]);
         for (place, key, value) in pairs(self.lines.text()) {
             match &key.to_ascii_lowercase()[..] {
                 "properties" => (at, properties) = (place, value),
                 "time" => time = value.trim().parse().ok(),
                 "step" => step = value.trim().parse().ok(),
-                "lattice" => cell = Some(self.lattice(place, value)?),
-                "pbc" => open = open_edges(value.split(|c: char| c.is_whitespace() || ",[]".contains(c))),
+                "lattice" => cell = Some(self.vectors(place, "Lattice", value)?),
+                // Others write where their data are from.
+                "origin" if words(value).any(|word| word.parse::<f64>().is_ok()) => {
+                    [origin] = self.vectors(place, "Origin", value)?;
+                }
+                "pbc" => open = open_edges(words(value)),
                 _ => {}
             }
         }
@@ -112,24 +116,33 @@ impl Xyz {
         if !(0..3).all(|axis| layout.contains(Role::Position(axis))) {
             return Err(wrong("the property pos with three columns is missing".into()));
         }
+        let cell = cell.map(|edges| Cell { origin, edges });
         let frame = Particles { cell, open_edges: open, when: FrameTime::of(time, step), ..layout.begin() };
         Ok((layout, frame))
     }
 
-    fn lattice(&self, at: usize, text: &str) -> Result<Cell> {
-        // ASE writes blanks, others commas, brackets as in JSON, or both.
-        let words = text.split(|c: char| c.is_whitespace() || ",[]".contains(c)).filter(|word| !word.is_empty());
-        let numbers: Vec<f64> = words.take(10).map_while(|word| word.parse().ok()).collect();
-        match numbers[..] {
-            [a, b, c, d, e, f, g, h, i] if numbers.iter().all(|x| x.is_finite()) => {
-                Ok(Cell { origin: [0.0; 3], edges: [[a, b, c], [d, e, f], [g, h, i]] })
-            }
+    /// The vectors of a value.
+    fn vectors<const N: usize>(&self, at: usize, key: &str, text: &str) -> Result<[[f64; 3]; N]> {
+        let numbers: Vec<f64> = words(text).take(3 * N + 1).map_while(|word| word.parse().ok()).collect();
+        let (vectors, rest) = numbers.as_chunks::<3>();
+        match <[[f64; 3]; N]>::try_from(vectors) {
+            Ok(vectors) if rest.is_empty() && numbers.iter().all(|x| x.is_finite()) => Ok(vectors),
             _ => {
-                let problem = format!("{} is not a cell", quote(text));
-                Err(self.lines.fail(at, "Lattice", problem, "use three vectors of finite numbers, nine in all"))
+                let problem = format!("{} is not {}", quote(text), if N == 1 { "a place" } else { "a cell" });
+                let mend = if N == 1 {
+                    "use three finite numbers"
+                } else {
+                    "use three vectors of finite numbers, nine in all"
+                };
+                Err(self.lines.fail(at, key, problem, mend))
             }
         }
     }
+}
+
+/// The words of an array: ASE writes blanks between them, others commas, brackets as in JSON, or both.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| c.is_whitespace() || ",[]".contains(c)).filter(|word| !word.is_empty())
 }
 
 /// The remedy for a file that ends within a frame.
@@ -287,6 +300,31 @@ mod tests {
             );
             assert_eq!((frame.positions[0], frame.elements[0]), ([1.0, 2.0, 3.0], 8));
         }
+    }
+
+    #[test]
+    fn a_cell_begins_at_its_origin() {
+        let of = |comment: &str| read(&format!("1\n{comment}\nC -4 6 1\n"), &[]).map(|frames| frames[0].cell);
+        let lattice = "Lattice=\"10 0 0 0 10 0 0 0 10\"";
+        for (origin, expected) in [
+            ("Origin=\"-5 -5.5 1e1\"", [-5.0, -5.5, 10.0]),
+            ("origin=[-5, -5.5, 10]", [-5.0, -5.5, 10.0]),
+            ("ORIGIN={-5 -5.5 10}", [-5.0, -5.5, 10.0]),
+            ("Origin=\"the relaxed slab\"", [0.0; 3]),
+            ("", [0.0; 3]),
+        ] {
+            for comment in [format!("{lattice} {origin}"), format!("{origin} {lattice} pbc=\"T T F\"")] {
+                assert_eq!(of(&comment).expect("a frame").expect("a cell").origin, expected, "{comment}");
+            }
+        }
+        assert_eq!(of("Origin=\"1 2 3\"").expect("a frame"), None, "an origin alone is no cell");
+        for wrong in ["\"1 2\"", "\"1 2 3 4\"", "\"1 2 inf\"", "\"1 2 x\"", "7"] {
+            let error = of(&format!("{lattice} Origin={wrong}")).expect_err(wrong).to_string();
+            assert!(error.contains(":2:") && error.contains("Origin: ") && error.contains("is not a place"), "{error}");
+        }
+        let mut frame = read(&format!("1\n{lattice} Origin=\"-5 -5 -5\"\nC -4 6 1\n"), &[]).expect("a frame").remove(0);
+        super::super::periodic::apply(super::super::periodic::Periodic::Wrap, &mut frame).expect("a cell");
+        assert_eq!(frame.positions, [[-4.0, -4.0, 1.0]]);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::read::particles::frame_time::FrameTime;
 use crate::read::particles::joined::{Joined, Topology};
 use halfline::error::Place;
 use halfline::quote::setting::TOPOLOGY;
+use halfline::scene::Cell;
 
 /// Four waters in the box 20 x 30 x 40, in two runs of small differences, compressed with a precision of 1000.
 const XTC: &str = "000007cb0000000c00000000000000004000000000000000000000000000000040400000000000000000000000000000\
@@ -257,7 +258,7 @@ fn a_topology_gives_elements_and_columns_and_the_trajectory_what_moves() {
     let bytes = trr(3, false, [&[], &[1.0; 9], &[0.25, 0.0, 0.0, 0.5, 0.0, 0.0, 0.75, 0.0, 0.0], &[]]);
     let read = |bytes: &[u8], topology: Topology| {
         let frames = Box::new(open(Format::Trr, bytes, &["serial", "vx"]));
-        Joined::new(frames, Place::file("text"), topology, None).next()
+        Joined::new(frames, Place::file("text"), topology, None, true).next()
     };
     let of = |particles: &Particles| -> Vec<_> {
         let mut columns: Vec<_> =
@@ -278,6 +279,28 @@ fn a_topology_gives_elements_and_columns_and_the_trajectory_what_moves() {
         let error = read(&bytes, topology(atoms, listed, places)).map(drop).expect_err("other atoms").to_string();
         let message = format!("the trajectory has 3 atoms, the topology atoms.gro has {atoms}");
         assert!(error.starts_with("text: number of atoms: ") && error.contains(&message), "{error}");
+    }
+}
+
+/// The frames of a program that centres its box say its edges alone.
+#[test]
+fn a_cell_begins_where_that_of_the_topology_does() {
+    let numbers: [f64; 9] = [2.0, 0.0, 0.0, 0.5, 4.0, 0.0, 0.0, 0.0, 8.0];
+    let bytes = trr(1, false, [&numbers, &[0.1; 3], &[], &[]]);
+    let edges = [[20.0, 0.0, 0.0], [5.0, 40.0, 0.0], [0.0, 0.0, 80.0]];
+    for (of, origin, expected) in [
+        (edges, [0.0; 3], [0.0; 3]),
+        (edges, [-12.5, -20.0, 3.0], [-12.5, -20.0, 3.0]),
+        // Half the cell, whose middle is at 0.
+        (edges.map(|edge| edge.map(|x| x / 2.0)), [-6.25, -10.0, -20.0], [-12.5, -20.0, -40.0]),
+        ([[0.0; 3]; 3], [1.0, 2.0, 3.0], [1.0, 2.0, 3.0]),
+    ] {
+        let mut topology = topology(1, 0, Vec::new());
+        topology.atoms.cell = Some(Cell { origin, edges: of });
+        let frames = Box::new(open(Format::Trr, &bytes, &[]));
+        let frame = Joined::new(frames, Place::file("text"), topology, None, true).next().expect("read");
+        let cell = frame.expect("a frame").cell.expect("a cell");
+        assert_eq!((cell.origin, cell.edges), (expected, edges));
     }
 }
 
