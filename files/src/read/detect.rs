@@ -13,9 +13,10 @@ mod tests;
 /// A format, and the warning where the name or the content of the file says another.
 pub(super) type Recognised = (Format, Option<String>);
 
-/// The format of a file with this beginning and name, or the problem and its remedy. A signature, which one format alone has,
-/// decides. Else the name does, where the beginning can be of its format: titles and comments may look like any other format.
-/// Else the content does, and where it is not recognised, the name.
+/// The format of a file with this beginning and name, or the problem and its remedy. The name decides where the beginning can be of
+/// its format: titles and comments may look like any other format. Else the structure of a format whose first line is a title does,
+/// then a signature, which one format alone has, and then what else the content shows. Where it is not recognised, the name decides. What
+/// is not supported is told by what no supported format has.
 pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String, String)> {
     let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.lines().take(64).collect();
@@ -23,13 +24,12 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
         (format!("this is {}, which is not supported", foreign.what), foreign.mend.to_owned())
     };
     let named = Format::of_name(name).map(|named| if is_cloud(named, &text) { Format::Pts } else { named });
-    // Tinker's files have the extension of XYZ and a similar beginning, and titles of POSCAR may be those of any format.
-    let is_poscar = named == Some(Format::Poscar);
+    // Tinker's files have the extension of XYZ and a similar beginning.
     match (of_content(start, named), foreign::of_content(start, &lines)) {
-        (None | Some(Format::Xyz), Some(found)) => return Err(foreign(found)),
-        (Some(Format::Poscar), Some(found)) if !is_poscar => return Err(foreign(found)),
+        (None, Some(found)) if !is_native(&lines) => return Err(foreign(found)),
+        (Some(Format::Xyz), Some(found)) if !is_atoms(&lines) => return Err(foreign(found)),
         (Some(format), _) => return Ok((format, named.and_then(|named| contradiction(format, named, &text)))),
-        (None, None) => {}
+        (None, _) => {}
     }
     if let Some(format) = named {
         return Ok((format, None));
@@ -105,10 +105,19 @@ fn of_content(start: &[u8], named: Option<Format>) -> Option<Format> {
         Format::Pqr => is_pdb(&lines) && !is_pdbqt(&lines),
         Format::Pdbqt => is_pdb(&lines),
         Format::Pts => is_points(&lines),
-        named => SIGNS.iter().any(|(format, sign)| format == named && sign(&lines)),
+        named => STRUCTURES.iter().chain(&SIGNS).any(|(format, sign)| format == named && sign(&lines)),
     };
-    found(&SIGNATURES).or_else(|| named.filter(by_name)).or_else(|| found(&SIGNS))
+    named.filter(by_name).or_else(|| found(&STRUCTURES)).or_else(|| found(&SIGNATURES)).or_else(|| found(&SIGNS))
 }
+
+/// The lines behind a title, which may be any.
+const STRUCTURES: [(Format, Sign); 5] = [
+    (Format::Gro, is_gro),
+    (Format::Ptx, is_ptx),
+    (Format::Poscar, is_poscar),
+    (Format::Mmcif, is_mmcif),
+    (Format::Data, is_sections),
+];
 
 /// The first lines that one format alone has.
 const SIGNATURES: [(Format, Sign); 3] = [
@@ -118,15 +127,11 @@ const SIGNATURES: [(Format, Sign); 3] = [
 ];
 
 /// The beginnings of the other formats of text; the first that fits is taken.
-const SIGNS: [(Format, Sign); 12] = [
-    (Format::Mmcif, is_mmcif),
+const SIGNS: [(Format, Sign); 8] = [
     (Format::Pdbqt, is_pdbqt),
     (Format::Pqr, is_pqr),
     (Format::Pdb, is_pdb),
-    (Format::Gro, is_gro),
     (Format::Xyz, is_xyz),
-    (Format::Ptx, is_ptx),
-    (Format::Poscar, is_poscar),
     (Format::Nff, is_nff),
     (Format::Data, is_data),
     (Format::Csv, is_csv),
@@ -141,12 +146,21 @@ const BINARY: [(Format, BinarySign); 6] = [
     (Format::Mmcif, is_binary_cif),
     (Format::Xtc, |bytes| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..])),
     (Format::Trr, |bytes| bytes.starts_with(&[0, 0, 7, 0xc9])),
-    (Format::Las, |bytes| bytes.starts_with(b"LASF")),
+    // The major version.
+    (Format::Las, |bytes| bytes.starts_with(b"LASF") && bytes.get(24).is_none_or(|version| *version == 1)),
     (Format::Gsd, |bytes| bytes.starts_with(&0x65df_65df_65df_65df_u64.to_le_bytes())),
-    (Format::Dcd, |bytes| {
-        matches!(bytes.get(4..8), Some(b"CORD" | b"VELD")) || matches!(bytes.get(8..12), Some(b"CORD" | b"VELD"))
-    }),
+    (Format::Dcd, is_dcd),
 ];
+
+/// The length of the first record, 84 bytes in 4 or 8 of either order, and its kind.
+fn is_dcd(bytes: &[u8]) -> bool {
+    let kind = match bytes {
+        [84, 0, 0, 0, 0, 0, 0, 0, kind @ ..] | [0, 0, 0, 0, 0, 0, 0, 84, kind @ ..] => kind,
+        [84, 0, 0, 0, kind @ ..] | [0, 0, 0, 84, kind @ ..] => kind,
+        _ => return false,
+    };
+    kind.starts_with(b"CORD") || kind.starts_with(b"VELD")
+}
 
 /// A map of MessagePack whose first key is one of BinaryCIF.
 fn is_binary_cif(bytes: &[u8]) -> bool {
@@ -169,15 +183,25 @@ fn numbers(words: &str) -> usize {
     words.split_whitespace().take_while(|word| word.parse::<f64>().is_ok()).count()
 }
 
+/// A word that begins a file of CIF, and a word of CIF behind it, if there is any.
 fn is_mmcif(lines: &[&str]) -> bool {
-    content_lines(lines).next().is_some_and(|line| {
-        let word = line.split_whitespace().next().unwrap_or_default();
-        // Libraries of monomers begin with what is global.
-        word.eq_ignore_ascii_case("global_")
-            || word.len() > 5 && word.to_ascii_lowercase().starts_with("data_") && !word.contains('=')
-            || line.eq_ignore_ascii_case("loop_")
-            || word.starts_with("_atom_site.")
-    })
+    let mut words = content_lines(lines).flat_map(str::split_whitespace);
+    let Some(word) = words.next().map(str::to_ascii_lowercase) else { return false };
+    // Libraries of monomers begin with what is global.
+    let is_block = word == "global_" || word.len() > 5 && word.starts_with("data_") && !word.contains('=');
+    let is_tag = |word: &str| word.starts_with('_');
+    let next = words.next().map(str::to_ascii_lowercase);
+    let begins = ["loop_", "data_", "save_", "global_"];
+    match next.as_deref() {
+        None => is_block || word == "loop_" || word.starts_with("_atom_site."),
+        Some(next) if is_block => is_tag(next) || begins.iter().any(|word| next.starts_with(word)),
+        Some(next) if word == "loop_" => is_tag(next),
+        // A value follows.
+        Some(value) => {
+            let ends = |word: &str| is_tag(word) || begins.contains(&word) || value.starts_with(['\'', '"', ';']);
+            word.starts_with("_atom_site.") && words.next().is_none_or(ends)
+        }
+    }
 }
 
 /// The records that a PDB file may begin with.
@@ -191,6 +215,12 @@ fn is_pdb(lines: &[&str]) -> bool {
     let is_atom = |line: &str| ["ATOM", "HETATM"].contains(&line.split_whitespace().next().unwrap_or_default());
     let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end()) || is_atom(line);
     let mut nonblank = lines.iter().filter(|line| !line.trim().is_empty());
+    // A title or a header of columns may begin with the name of a record, but what is behind it does not.
+    let second = nonblank.clone().nth(1);
+    let is_table = lines.first().is_some_and(|line| is_csv(&[line]));
+    if second.is_some_and(|line| !record(line) && (is_table || !line.starts_with(|c: char| c.is_ascii_uppercase()))) {
+        return false;
+    }
     match nonblank.next() {
         // In GROMOS the word is alone on its line too, and its block ends before atoms; some writers of PDB have no title.
         Some(line) if line.trim_end() == "TITLE" => {
@@ -295,6 +325,17 @@ fn is_xyz(lines: &[&str]) -> bool {
     }
 }
 
+/// The same with the words of extended XYZ, or with three numbers behind the first word of each atom: no other format.
+fn is_atoms(lines: &[&str]) -> bool {
+    let count = lines.first().and_then(|line| line.trim().parse::<usize>().ok()).unwrap_or(0);
+    let comment = lines.get(1).map(|line| line.to_ascii_lowercase()).unwrap_or_default();
+    let is_number = |word: &str| word.parse::<f64>().is_ok();
+    let is_atom = |line: &&str| line.split_whitespace().skip(1).take(3).filter(|word| is_number(word)).count() == 3;
+    // The last line may be cut.
+    let rows = lines.len().saturating_sub(3).max(1).min(count);
+    comment.contains("properties=") || comment.contains("lattice=") || lines.iter().skip(2).take(rows).all(is_atom)
+}
+
 /// Whether a file that is called XYZ has points in place of atoms.
 fn is_cloud(named: Format, text: &str) -> bool {
     let lines: Vec<&str> = text.lines().take(64).collect();
@@ -354,8 +395,13 @@ fn is_poscar(lines: &[&str]) -> bool {
 
 /// Lines with the names and the sizes of the fields of a point cloud.
 fn is_pcd(lines: &[&str]) -> bool {
-    let begins = |key: &str| content_lines(lines).take(8).any(|line| line.split_whitespace().next() == Some(key));
-    (begins("FIELDS") || begins("COLUMNS")) && begins("SIZE") && begins("TYPE")
+    let first = |line: &str| line.split_whitespace().next().map(str::to_owned);
+    let begins = |key: &str| content_lines(lines).take(8).any(|line| first(line).as_deref() == Some(key));
+    let is_header = content_lines(lines)
+        .next()
+        .and_then(first)
+        .is_some_and(|key| ["VERSION", "FIELDS", "COLUMNS"].contains(&&key[..]));
+    is_header && (begins("FIELDS") || begins("COLUMNS")) && begins("SIZE") && begins("TYPE")
 }
 
 fn is_nff(lines: &[&str]) -> bool {
@@ -374,8 +420,23 @@ fn is_data(lines: &[&str]) -> bool {
     })
 }
 
-/// A header that names the coordinates; it may be a comment or follow comments.
+/// The same, with another line of the header or a section.
+fn is_sections(lines: &[&str]) -> bool {
+    let is_known = |line: &&str| {
+        let words: Vec<&str> = line.split_whitespace().take(4).collect();
+        matches!(
+            words[..],
+            [_, "atom", "types", ..] | [_, _, "xlo", "xhi"] | [_, _, _, "avec"] | ["Atoms" | "Masses", ..]
+        )
+    };
+    is_data(lines) && lines.iter().skip(1).any(is_known)
+}
+
+/// A header that names the coordinates; it may be a comment or follow comments. A scene file may have such a comment.
 fn is_csv(lines: &[&str]) -> bool {
+    if is_native(lines) {
+        return false;
+    }
     let mut before = true;
     let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || comment(line.trim()) > 0);
     lines.iter().take_while(first).any(|line| {
@@ -386,6 +447,12 @@ fn is_csv(lines: &[&str]) -> bool {
         // `x (km)` is one name where commas separate, and two where spaces do.
         [&[',', ';', '\t'][..], &[' ']].iter().any(|delimiters| axes(&names(delimiters)).is_some())
     })
+}
+
+/// Whether lines have the tables of a scene file.
+fn is_native(lines: &[&str]) -> bool {
+    let tables = ["[camera]", "[image]", "[[sphere]]", "[[spheres]]"];
+    content_lines(lines).any(|line| tables.contains(&line.split('#').next().unwrap_or_default().trim_end()))
 }
 
 /// Text without another format's signature and without a known name is taken as a scene file, unless it cannot be TOML.

@@ -53,8 +53,11 @@ fn formats_are_recognised_by_content() {
     assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0], None), Some(Format::Xtc));
     assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0], None), Some(Format::Xtc));
     assert_eq!(of_content(&[0, 0, 7, 0xc9, 0, 0], None), Some(Format::Trr));
-    assert_eq!(of_content(b"T\0\0\0CORD", None), Some(Format::Dcd));
-    assert_eq!(of_content(b"\0\0\0\0\0\0\0TCORD", None), Some(Format::Dcd));
+    for length in [&b"T\0\0\0"[..], b"\0\0\0T", b"T\0\0\0\0\0\0\0", b"\0\0\0\0\0\0\0T"] {
+        for kind in [b"CORD", b"VELD"] {
+            assert_eq!(of_content(&[length, kind].concat(), None), Some(Format::Dcd));
+        }
+    }
 }
 
 #[test]
@@ -155,6 +158,147 @@ fn titles_and_comments_look_like_other_formats() {
     ] {
         assert_eq!(recognise(text.as_bytes(), Path::new(name)), Ok((format, None)), "{text}");
     }
+}
+
+/// What begins other formats, ours and others, as a line of a title or a comment.
+const BEGINNINGS: [&str; 66] = [
+    "ply",
+    "ITEM: TIMESTEP",
+    "VERSION .7",
+    "FIELDS x y z",
+    "data_1ABC",
+    "loop_",
+    "global_",
+    "_atom_site.id",
+    "HEADER    VIRUS",
+    "TITLE",
+    "TITLE     A STRUCTURE",
+    "COMPND",
+    "MODEL        1",
+    "CRYST1",
+    "ATOM",
+    "REMARK",
+    "USER",
+    "ROOT",
+    "v",
+    "s 0 0 0 1",
+    "12 atoms",
+    "LAMMPS data file",
+    "Atoms # full",
+    "2 atom types",
+    "0 1 xlo xhi",
+    "x,y,z,radius",
+    "x y z",
+    "# x y z",
+    "[camera]",
+    "eye = [1, 2, 3]",
+    "3",
+    "1 2 3",
+    "1 2 3 4",
+    "1.0",
+    "Direct",
+    "Properties=species:S:1:pos:R:3",
+    "Lattice=\"1 0 0 0 1 0 0 0 1\"",
+    "# .PCD v.7 - Point Cloud Data file format",
+    "* a title of CHARMM",
+    "PSF CMAP",
+    "%VERSION  VERSION_STAMP = V0001.000",
+    "@<TRIPOS>MOLECULE",
+    "  9  8  0  0  0  0  0  0  0  0999 V2000",
+    "1 O 0.0 0.0 0.0 1 2",
+    "{\"a\": 1}",
+    "<?xml version=\"1.0\"?>",
+    "<!DOCTYPE html>",
+    "<VTKFile>",
+    "# vtk DataFile Version 3.0",
+    "solid cube",
+    "facet normal",
+    "version https://git-lfs.github.com/spec/v1",
+    "../.git/annex/objects/x",
+    "SIMPLE  =",
+    "glTF",
+    "PAR1",
+    "ARROW1",
+    "ASTM-E57",
+    "MATLAB 5.0 MAT-file",
+    "- of Ulm",
+    "a   CORD",
+    "    CORD",
+    "a       VELD",
+    "a VERSION",
+    "12   VERSION 2",
+    "LASF",
+];
+
+/// A small file of each format of text, with a line that its grammar leaves to the writer.
+fn written(format: Format, line: &str) -> Option<String> {
+    let word = line.split_whitespace().next().unwrap_or("a");
+    Some(match format {
+        Format::Gro => format!(
+            "{line}\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n    1SOL    HW1    2   0.1   1.6   1.7\n 1 1 1\n"
+        ),
+        Format::Poscar => format!("{line}\n1.0\n4 0 0\n0 4 0\n0 0 4\nNa Cl\n1 1\nDirect\n0 0 0\n.5 .5 .5\n"),
+        Format::Data => {
+            format!("{line}\n\n2 atoms\n1 atom types\n0 1 xlo xhi\n\nAtoms # atomic\n\n1 1 0 0 0\n2 1 1 0 0\n")
+        }
+        Format::Xyz => format!("2\n{line}\nO 0 0 0.5\nH 1 0 0\n"),
+        Format::Mmcif => format!("# {line}\ndata_x\n_a\n;\n{line}\n;\nloop_\n_atom_site.id\n1\n"),
+        Format::Pdb => format!(
+            "REMARK    {line}\nTITLE     {line}\nATOM      1  N   MET A   1      27.340  24.430   2.614  1.00 53.10           N\n"
+        ),
+        Format::Pqr => {
+            format!("REMARK   1 {line}\nATOM      1  N   MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n")
+        }
+        Format::Pdbqt => format!(
+            "REMARK  {line}\nROOT\nATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n"
+        ),
+        Format::Csv => format!("# {line}\n\"{word}\",x,y,z\n{word},1,2,3\n"),
+        Format::Ply => format!("ply\nformat ascii 1.0\ncomment {line}\nelement vertex 0\nend_header\n"),
+        Format::Pcd => format!("# {line}\nVERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n"),
+        Format::Nff => format!("# {line}\nv\nfrom 0 0 1\n"),
+        Format::Native => format!("# {line}\n[camera]\neye = [0, 0, 1]\n"),
+        Format::Dump => format!("ITEM: UNITS\n{line}\nITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n0\n"),
+        _ => return None,
+    })
+}
+
+/// What one format leaves to the writer is no sign of another, whatever it says and whatever the file is called.
+#[test]
+fn a_format_is_known_by_its_own_words_beside_those_of_others() {
+    let mut wrong = Vec::new();
+    let mut count = 0;
+    for format in Format::ALL {
+        for line in BEGINNINGS {
+            let Some(text) = written(format, line) else { continue };
+            let own = if format == Format::Native { "toml" } else { format.name() };
+            for name in ["a", "a.txt", &format!("a.{own}")] {
+                count += 1;
+                // A header that is a comment is that of a table without another one.
+                let is_header = format == Format::Nff && line.contains("x y z") && name != "a.nff";
+                let found = recognise(text.as_bytes(), Path::new(name));
+                if found != Ok((format, None)) && !is_header {
+                    wrong.push(format!("{name}: {found:?} of {text:?}"));
+                }
+            }
+        }
+    }
+    assert!(count > 2000 && wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// The words of extended XYZ are those of no other format, whatever its columns are; Tinker's file is told by its rows.
+#[test]
+fn extended_xyz_is_not_tinker() {
+    for comment in ["Properties=id:I:1:species:S:1:pos:R:3:type:I:1", "properties=id:I:1:species:S:1:pos:R:3:a:I:1 x=1"]
+    {
+        for name in ["a.xyz", "a.extxyz", "a"] {
+            for line in ["", "@<TRIPOS>", "VERSION"] {
+                let text = format!("1\n{comment} {line}\n1 C 1 2 3 1\n");
+                assert_eq!(recognise(text.as_bytes(), Path::new(name)), Ok((Format::Xyz, None)), "{text}");
+            }
+        }
+    }
+    let rows = "2\n30 30 30 90 90 90\n1 O 0 0 0 1 2\n2 H 1 0 0 2 1\n";
+    assert!(recognise(rows.as_bytes(), Path::new("a.xyz")).expect_err("Tinker").0.contains("Tinker"));
 }
 
 #[test]
