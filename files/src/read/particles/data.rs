@@ -190,6 +190,16 @@ impl LammpsData<'_> {
         self.need(heading, 0, count)?;
         let given = self.request.atom_style.clone().or_else(|| AtomStyle::of_comment(&named));
         let is_given = given.is_some();
+        if !is_given && AtomStyle::is_named_by(&named) {
+            let problem =
+                format!("{} is no known atom style, so the columns of the atoms are not known", quote(&named));
+            let mend = format!(
+                "set the style with {ATOM_STYLE}, which takes the columns too (`id type q x y z`), or write one of these behind \
+                 `Atoms #`: {}",
+                AtomStyle::names()
+            );
+            return Err(Error::scene(line.named(heading), problem, mend));
+        }
         let style = given.map_or_else(|| self.guess(head, &named), Ok)?;
         if is_given && !style.is_open() {
             let (own, found) = (style.columns().count(), self.row().count());

@@ -5,9 +5,12 @@ use halfline::quote::quote;
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
-/// The columns of the Atoms section by style. `x y z` are coordinates, `diameter` is a diameter.
-const STYLES: [(&str, &str); 23] = [
+/// The columns of the Atoms section by style, those of the manual, and of `fields_data_atom` of styles that its table lacks. `x y z` are
+/// coordinates, `diameter` is a diameter.
+const STYLES: [(&str, &str); 31] = [
+    ("amoeba", "id mol type q x y z"),
     ("angle", "id mol type x y z"),
+    ("apip", "id type x y z"),
     ("atomic", "id type x y z"),
     ("body", "id type bodyflag mass x y z"),
     ("bond", "id mol type x y z"),
@@ -22,14 +25,20 @@ const STYLES: [(&str, &str); 23] = [
     ("full", "id mol type q x y z"),
     ("line", "id mol type lineflag density x y z"),
     ("mdpd", "id type rho x y z"),
+    ("mesont", "id mol type bond_nt mass mradius mlength buckling x y z"),
     ("molecular", "id mol type x y z"),
+    ("oxdna", "id type x y z"),
     ("peri", "id type volume density x y z"),
+    ("rheo", "id type status rho x y z"),
+    ("rheo/thermal", "id type status rho energy x y z"),
+    ("smd", "id type mol volume mass kradius cradius x0 y0 z0 x y z"),
     ("sph", "id type rho esph cv x y z"),
     ("sphere", "id type diameter density x y z"),
     ("spin", "id type x y z spx spy spz sp"),
     ("tdpd", "id type x y z"),
     ("template", "id type mol template atom x y z"),
     ("tri", "id mol type triangleflag density x y z"),
+    ("wavepacket", "id type q espin eradius etag cs_re cs_im x y z"),
 ];
 
 /// The columns that the sub-styles of `hybrid` follow.
@@ -54,6 +63,11 @@ impl AtomStyle {
             _ => 1,
         };
         Self::of_words(&words[..known])
+    }
+
+    /// Whether a comment behind `Atoms` is one word, as the name of a style is: LAMMPS writes it there.
+    pub(super) fn is_named_by(comment: &str) -> bool {
+        comment.split_whitespace().count() == 1 && comment.chars().any(char::is_alphabetic)
     }
 
     /// The style with these words; `None` for other words than those of styles.

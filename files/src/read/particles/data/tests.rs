@@ -81,10 +81,60 @@ fn labels_and_reduced_masses() {
     assert!(read(&lj, &[]).expect("a file").elements.is_empty());
 }
 
+/// The columns of each style of the manual, named behind `Atoms` and by the option: the coordinates are the last or, in some, before others.
+#[test]
+fn every_style_of_the_manual_is_read() {
+    for (style, before, after, columns) in [
+        ("amoeba", "7 1 0.5", "", &["mol", "q"][..]),
+        ("angle", "7 1", "", &["mol"]),
+        ("apip", "1", "", &[]),
+        ("atomic", "1", "", &[]),
+        ("body", "1 0 4.5", "", &["bodyflag", "mass"]),
+        ("bond", "7 1", "", &["mol"]),
+        ("bpm/sphere", "7 1 3 0.1", "", &["mol", "density"]),
+        ("charge", "1 -1", "", &["q"]),
+        ("dielectric", "1 -1", " 0 0 1 2 3 4 5 6", &["q", "curvature"]),
+        ("dipole", "1 -1", " 1 2 3", &["q", "muz"]),
+        ("dpd", "1 300", "", &["theta"]),
+        ("edpd", "1 300 2", "", &["edpd_temp", "edpd_cv"]),
+        ("electron", "1 -1 1 0.5", "", &["q", "espin", "eradius"]),
+        ("ellipsoid", "1 0 2.5", "", &["ellipsoidflag", "density"]),
+        ("full", "7 1 0.5", "", &["mol", "q"]),
+        ("line", "7 1 0 2.5", "", &["mol", "lineflag"]),
+        ("mdpd", "1 2.5", "", &["rho"]),
+        ("mesont", "7 1 2 3 4 5 6", "", &["mol", "buckling"]),
+        ("molecular", "7 1", "", &["mol"]),
+        ("oxdna", "1", "", &[]),
+        ("peri", "1 2.5 3.5", "", &["volume", "density"]),
+        ("rheo", "1 0 2.5", "", &["status", "rho"]),
+        ("rheo/thermal", "1 0 2.5 9", "", &["status", "rho", "energy"]),
+        ("smd", "1 7 2 3 4 5 1.5 2.5 3.5", "", &["mol", "volume", "mass", "kradius", "cradius", "z0"]),
+        ("sph", "1 2.5 3 4", "", &["rho", "esph", "cv"]),
+        ("sphere", "1 3 0.1", "", &["density"]),
+        ("spin", "1", " 1 0 0 2", &["spx", "sp"]),
+        ("tdpd", "1", " 1 2 3", &[]),
+        ("template", "1 7 0 0", "", &["mol", "template"]),
+        ("tri", "7 1 0 2.5", "", &["mol", "triangleflag"]),
+        ("wavepacket", "1 -1 1 0.5 3 0.25 0.75", "", &["q", "eradius", "etag", "cs_im"]),
+        ("hybrid sphere wavepacket", "1", " 3 0.1 -1 1 0.5 3 0.25 0.75", &["density", "cs_im"]),
+    ] {
+        let rows = format!("1 {before} 4 5 6{after}\n2 {before} 7 8 9{after}\n");
+        let given = Request { atom_style: Some(style.parse().expect(style)), ..Request::of(columns) };
+        for (heading, request) in [(format!("Atoms # {style}"), &Request::of(columns)), ("Atoms".into(), &given)] {
+            let text = format!("{HEAD}\n{heading}\n\n{rows}");
+            let found =
+                super::read(SceneSource::of_text(&text), request).unwrap_or_else(|error| panic!("{style}: {error}"));
+            assert_eq!(found.positions, [[4.0, 5.0, 6.0], [7.0, 8.0, 9.0]], "{style}");
+            let names: Vec<&str> = found.columns.iter().map(|column| &column.name[..]).collect();
+            assert!(columns.iter().all(|column| names.contains(column)), "{style}: {names:?}");
+        }
+    }
+}
+
 /// LAMMPS takes the style from its input, so that people write what they like there.
 #[test]
 fn a_comment_that_is_no_style_is_a_comment() {
-    for comment in ["fancy", "made by a script", "by moltemplate full", "Full", "id type x y z", "atomic/kk", "1"] {
+    for comment in ["so many", "made by a script", "by moltemplate full", "id type x y z", "atomic/kk", "1"] {
         let text = format!("{HEAD}\nAtoms # {comment}\n\n1 1 1 2 3\n2 1 4 5 6\n");
         let found = read(&text, &[]).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{comment}");
@@ -115,8 +165,14 @@ fn errors_are_reported_with_line_and_column() {
         (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 b 3\n"), ":12:7: y: `b`"),
         (file("Atoms # molecular\n\n1 1 1 0.5 1 2 3\n"), ":11:1: Atoms: the style molecular has 6 columns, or 9"),
         (
-            file("Atoms # fancy\n\n1 1 0.5 2.5 1 2 3\n"),
-            ":11:1: Atoms: the style of atoms with 7 columns is not known, and `fancy`",
+            file("Atoms # by hand\n\n1 1 0.5 2.5 1 2 3\n"),
+            ":11:1: Atoms: the style of atoms with 7 columns is not known, and `by hand`",
+        ),
+        (file("Atoms # fancy\n\n1 1 1 2 3\n"), ":9:1: Atoms: `fancy` is no known atom style"),
+        (file("Atoms # Full\n\n1 1 1 0.5 1 2 3\n"), ":9:1: Atoms: `Full` is no known atom style"),
+        (
+            file("Atoms # sphere/gpu\n\n1 1 1 2 3\n"),
+            "set the style with `\u{2060}atom_style`, which takes the columns too",
         ),
         (
             file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"),
@@ -161,6 +217,6 @@ fn a_style_that_is_given_comes_before_that_of_the_file() {
     for wrong in ["", "fancy", "Full", "hybrid fancy", "full charge", "id type x y", "type id x y z", "id type x y z x"]
     {
         let error = wrong.parse::<AtomStyle>().expect_err(wrong).to_string();
-        assert!(error.contains("is no atom style of LAMMPS; use one of angle, atomic"), "{error}");
+        assert!(error.contains("is no atom style of LAMMPS; use one of amoeba, angle, apip, atomic"), "{error}");
     }
 }
