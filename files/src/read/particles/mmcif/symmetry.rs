@@ -40,8 +40,13 @@ const PART: usize = 1 << 10;
 /// A value that is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SymmetryItem {
-    /// An operator as `x,1/2-y,z`.
+    /// An operator as `x,1/2-y,z`, and of a magnetic group, whose translations are listed apart.
     Operator,
+    Magnetic,
+    Centering,
+    /// The symbol of a magnetic group, or an operator of superspace, which are not applied.
+    MagneticName,
+    Superspace,
     /// The space group's symbols by Hall, and by Hermann and Mauguin, and its number in International Tables A.
     Hall,
     Name,
@@ -58,6 +63,26 @@ impl SymmetryItem {
             | "_space_group_symop_operation_xyz"
             | "_space_group_symop.operation_xyz"
             | "_symmetry_equiv.pos_as_xyz" => Some(Self::Operator),
+            "_space_group_symop_magn_operation.xyz"
+            | "_space_group_symop_magn_operation_xyz"
+            | "_space_group_symop.magn_operation_xyz"
+            | "_space_group_symop_magn.operation_xyz" => Some(Self::Magnetic),
+            "_space_group_symop_magn_centering.xyz"
+            | "_space_group_symop_magn_centering_xyz"
+            | "_space_group_symop.magn_centering_xyz"
+            | "_space_group_symop_magn.centering_xyz" => Some(Self::Centering),
+            "_space_group_magn.name_bns"
+            | "_space_group_magn_name_bns"
+            | "_space_group.magn_name_bns"
+            | "_space_group_magn.number_bns"
+            | "_space_group_magn_number_bns"
+            | "_space_group.magn_number_bns"
+            | "_space_group_magn.name_og"
+            | "_space_group_magn.number_og" => Some(Self::MagneticName),
+            "_space_group_symop_ssg_operation_algebraic"
+            | "_space_group_symop_ssg.operation_algebraic"
+            | "_space_group_symop_magn_ssg_operation.algebraic"
+            | "_space_group_symop.ssg_operation_algebraic" => Some(Self::Superspace),
             "_symmetry_space_group_name_h-m"
             | "_space_group_name_h-m_alt"
             | "_space_group_name_h-m_ref"
@@ -84,6 +109,11 @@ impl SymmetryItem {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Symmetry {
     operators: Vec<(String, Spot)>,
+    /// Of a magnetic group: the operators, and the translations of its lattice.
+    magnetic: [Vec<(String, Spot)>; 2],
+    magnetic_name: String,
+    /// Whether operators of superspace are listed.
+    superspace: bool,
     hall: String,
     name: String,
     number: Option<f64>,
@@ -98,14 +128,18 @@ impl Symmetry {
     /// As [`Tokens::string`].
     pub(super) fn take(&mut self, item: SymmetryItem, tokens: &Tokens) -> Result<()> {
         match item {
-            // One more than allowed, so that the excess is an error when they are used.
-            SymmetryItem::Operator if self.operators.len() <= MOST => {
-                let text = tokens.string()?;
-                if !text.is_empty() {
-                    self.operators.push((text, tokens.spot()));
+            SymmetryItem::Operator | SymmetryItem::Magnetic | SymmetryItem::Centering => {
+                let list = match item {
+                    SymmetryItem::Operator => &mut self.operators,
+                    item => &mut self.magnetic[usize::from(item == SymmetryItem::Centering)],
+                };
+                // One more than allowed, so that the excess is an error when they are used.
+                if list.len() <= MOST && !tokens.value().is_empty() {
+                    list.push((tokens.string()?, tokens.spot()));
                 }
             }
-            SymmetryItem::Operator => {}
+            SymmetryItem::MagneticName => self.magnetic_name = tokens.string()?,
+            SymmetryItem::Superspace => self.superspace = true,
             SymmetryItem::Hall => self.hall = tokens.string()?,
             SymmetryItem::Name => self.name = tokens.string()?,
             SymmetryItem::Number => self.number = number(tokens.value()),
@@ -141,13 +175,44 @@ impl Symmetry {
         &label[..length]
     }
 
-    /// The operators of the block, the identity first.
+    /// The operators of the block, the identity first. Of a magnetic group each operator moves an atom as without its moment, and each
+    /// translation of the lattice, also one that turns moments, makes another of each.
     ///
     /// # Errors
     /// [`Error::Scene`] for invalid operators, and for more than a space group can have.
     fn operators(&self, file: &Place) -> Result<Vec<Operator>> {
-        if self.operators.len() > MOST {
-            let place = self.operators[MOST].1.of(file.clone()).named("symmetry");
+        let [magnetic, centering] = &self.magnetic;
+        let listed = if self.operators.is_empty() { magnetic } else { &self.operators };
+        let mut found = Self::parsed(listed, file)?;
+        if self.operators.is_empty() {
+            for translation in Self::parsed(centering, file)? {
+                for operator in found.clone() {
+                    let mut moved = translation.after(&operator);
+                    moved.0.iter_mut().for_each(|row| row[3] = wrap(row[3]));
+                    if !found.contains(&moved) {
+                        found.push(moved);
+                    }
+                }
+                if found.len() > 2 * MOST {
+                    let problem =
+                        format!("more than {} operators and translations, which no magnetic group has", 2 * MOST);
+                    let mend = format!("list each once, or use {AS_LISTED} to show the atoms as listed");
+                    return Err(Error::scene(file.clone().named("symmetry"), problem, mend));
+                }
+            }
+        }
+        if let Some(at) = found.iter().position(|operator| *operator == IDENTITY) {
+            found[..=at].rotate_right(1);
+        } else if !found.is_empty() {
+            found.insert(0, IDENTITY);
+        }
+        Ok(found)
+    }
+
+    /// Different operators of a list.
+    fn parsed(list: &[(String, Spot)], file: &Place) -> Result<Vec<Operator>> {
+        if let Some((_, spot)) = list.get(MOST) {
+            let place = spot.of(file.clone()).named("symmetry");
             let problem = format!("more than {MOST} symmetry operators, which no space group has");
             return Err(Error::scene(
                 place,
@@ -156,7 +221,7 @@ impl Symmetry {
             ));
         }
         let mut found = Vec::new();
-        for (text, spot) in &self.operators {
+        for (text, spot) in list {
             let operator = parse(text).filter(is_isometry).ok_or_else(|| {
                 let problem = format!("{} is not a symmetry operator", quote(text));
                 Error::scene(spot.of(file.clone()).named("symmetry"), problem, "use an operator such as x,1/2-y,z+1/2")
@@ -164,11 +229,6 @@ impl Symmetry {
             if !found.contains(&operator) {
                 found.push(operator);
             }
-        }
-        if let Some(at) = found.iter().position(|operator| *operator == IDENTITY) {
-            found[..=at].rotate_right(1);
-        } else if !found.is_empty() {
-            found.insert(0, IDENTITY);
         }
         Ok(found)
     }
@@ -213,7 +273,7 @@ impl Symmetry {
         if operators.len() < 2 {
             listed.positions.par_iter_mut().for_each(|position| *position = cell.place(*position));
             if is_requested && operators.is_empty() && !self.is_named() {
-                listed.skipped.assumed.push(NO_SYMMETRY.to_owned());
+                listed.skipped.assumed.push(self.without());
             }
             return Ok(listed);
         }
@@ -248,6 +308,16 @@ impl Symmetry {
             places.len()
         ));
         Ok(whole)
+    }
+
+    /// The message where a block has no operators and no group that could give them.
+    fn without(&self) -> String {
+        let what = match (self.superspace, &self.magnetic_name[..]) {
+            (true, _) => "the file lists operators of superspace".to_owned(),
+            (false, "") => return NO_SYMMETRY.to_owned(),
+            (false, name) => format!("the file has the magnetic group {} but lists no operators", unquoted(name)),
+        };
+        format!("{what}, which are not applied, so the atoms are shown as listed; {MEND}")
     }
 
     /// Whether the block names its space group.

@@ -205,6 +205,51 @@ fn an_invalid_symmetry_operation_is_refused() {
     assert_eq!(filled(&symmetry(&["-x,-y,-z"; 3], ""), &cube, &[[0.1; 3]]).expect("filled").positions.len(), 2);
 }
 
+/// Operators of a magnetic group act on atoms without their time, with all translations of the lattice (magCIF dictionary,
+/// `_space_group_symop_magn_operation.xyz`).
+#[test]
+fn magnetic_operators_fill_the_cell() {
+    let cube = Cell { origin: [0.0; 3], edges: [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]] };
+    let list = |texts: &[&str]| texts.iter().map(|text| ((*text).to_owned(), Spot::default())).collect::<Vec<_>>();
+    let of = |operators: &[&str], centering: &[&str]| Symmetry {
+        magnetic: [list(operators), list(centering)],
+        ..Symmetry::default()
+    };
+    for (operators, centering, count) in [
+        (&["x,y,z,+1", "-x,-y,-z,-1"][..], &[][..], 2),
+        (&["x,y,z,+1", "-x,-y,-z,+1"], &["x,y,z,+1", "x+1/2,y+1/2,z+1/2,-1"], 4),
+        // A grey group has each operator twice.
+        (&["x,y,z,+1", "x,y,z,-1", "-x,y,-z,+1", "-x,y,-z,-1"], &["x,y,z,+1"], 2),
+        (&["x,y,z,+1"], &["x,y,z,+1", "x,y+1/2,z+1/2,+1", "x+1/2,y,z+1/2,-1", "x+1/2,y+1/2,z,-1"], 4),
+        (&["x,y,z"], &[], 1),
+    ] {
+        let found = filled(&of(operators, centering), &cube, &[[0.1, 0.2, 0.3]]).expect("filled");
+        assert_eq!(found.positions.len(), count, "{operators:?} {centering:?}");
+        assert!(!found.skipped.assumed.iter().any(|said| said.contains("no symmetry")), "{:?}", found.skipped);
+    }
+    // Plain operators come first, and each list has its limit.
+    let both = Symmetry { operators: list(&["x,y,z"]), ..of(&["x,y,z,1", "-x,-y,-z,1"], &[]) };
+    assert_eq!(filled(&both, &cube, &[[0.1; 3]]).expect("filled").positions.len(), 1);
+    let many: Vec<String> = (0..190).map(|n| format!("x+{n}/191,y,z")).collect();
+    let many: Vec<&str> = many.iter().map(String::as_str).collect();
+    let error =
+        filled(&of(&many, &["x,y,z", "x,y+1/2,z", "x,y+1/3,z"]), &cube, &[[0.1; 3]]).map(drop).expect_err("many");
+    assert!(error.to_string().contains("more than 384 operators and translations"), "{error}");
+    for (symmetry, said) in [
+        (
+            Symmetry { magnetic_name: "P 1.1' [P 1]".into(), ..Symmetry::default() },
+            "the magnetic group P 1.1' [P 1] but lists no",
+        ),
+        (
+            Symmetry { superspace: true, ..Symmetry::default() },
+            "the file lists operators of superspace, which are not applied",
+        ),
+    ] {
+        let found = filled(&symmetry, &cube, &[[0.1; 3]]).expect("as listed");
+        assert!(found.skipped.assumed.iter().any(|message| message.contains(said)), "{:?}", found.skipped);
+    }
+}
+
 #[test]
 fn labels_begin_with_a_symbol() {
     let of = |there: &[&str], label: &str| {
