@@ -381,7 +381,8 @@ fn is_ptx(lines: &[&str]) -> bool {
 
 /// A comment, a scale, three vectors, optionally a line of species, and whole numbers.
 fn is_poscar(lines: &[&str]) -> bool {
-    let [_, scale, a, b, c, first, second, ..] = lines else { return false };
+    let lines: Vec<&str> = lines.iter().take(7).map(|line| line.split(['!', '#']).next().unwrap_or_default()).collect();
+    let [_, scale, a, b, c, first, second] = &lines[..] else { return false };
     let vector = |line: &&str| numbers(line) == 3;
     let counts = |line: &str| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
     let species = first.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());

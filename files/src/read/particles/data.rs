@@ -50,6 +50,9 @@ fn role(name: &str) -> Role {
 /// Lines that begin a section; lines between known sections are skipped.
 const SECTIONS: [&str; 3] = ["Atoms", "Masses", "Velocities"];
 
+/// The columns of the section Velocities.
+const VELOCITIES: [&str; 3] = ["vx", "vy", "vz"];
+
 /// Bytes per type (besides its name) and per atom number in a map and a list, while the map grows.
 const TYPE: usize = 128;
 const PLACE: u64 = 80;
@@ -230,7 +233,7 @@ impl LammpsData<'_> {
             ));
         }
         let type_at = columns.split(' ').position(|name| name == "type").unwrap_or(1);
-        let moving = self.request.columns.iter().any(|name| is_velocity(name));
+        let moving = VELOCITIES.iter().any(|name| is_requested(&self.request.columns, name));
         for read in 0..count {
             if read > 0 {
                 self.need(heading, read, count)?;
@@ -301,14 +304,12 @@ impl LammpsData<'_> {
     }
 
     fn velocities(&mut self, count: u64, found: &SectionData, particles: &mut Particles) -> Result<()> {
-        particles.has.extend(["vx", "vy", "vz"].map(str::to_owned));
+        particles.has.extend(VELOCITIES.map(str::to_owned));
         if found.ids.is_empty() {
             // No velocities are requested, so the section is skipped.
             return self.lines.advance().map(drop);
         }
-        let axes: Vec<usize> = (0..3)
-            .filter(|k| self.request.columns.iter().any(|name| name.eq_ignore_ascii_case(["vx", "vy", "vz"][*k])))
-            .collect();
+        let axes: Vec<usize> = (0..3).filter(|k| is_requested(&self.request.columns, VELOCITIES[*k])).collect();
         let atoms = found.ids.len() as u64;
         check(8 * atoms * axes.len() as u64, || format!("the velocities of {atoms} atoms"))?;
         let mut columns = vec![vec![f64::NAN; found.ids.len()]; axes.len()];
@@ -331,7 +332,7 @@ impl LammpsData<'_> {
                 return Err(self.lines.fail(0, "Velocities", problem, "use the number of an atom"));
             };
             let mut velocity = [f64::NAN; 3];
-            for (component, name) in velocity.iter_mut().zip(["vx", "vy", "vz"]) {
+            for (component, name) in velocity.iter_mut().zip(VELOCITIES) {
                 let Some(word) = words.next() else {
                     return Err(self.lines.ends(name, "the line ends before it", "give a number and three components"));
                 };
@@ -343,13 +344,9 @@ impl LammpsData<'_> {
         }
         self.check_end("Velocities", count)?;
         let named = axes.iter().zip(columns);
-        particles.columns.extend(named.map(|(k, values)| Column { name: ["vx", "vy", "vz"][*k].into(), values }));
+        particles.columns.extend(named.map(|(k, values)| Column { name: VELOCITIES[*k].into(), values }));
         Ok(())
     }
-}
-
-fn is_velocity(name: &str) -> bool {
-    ["vx", "vy", "vz"].iter().any(|velocity| name.eq_ignore_ascii_case(velocity))
 }
 
 /// Finds elements by the masses of the types, where those look like atomic masses.

@@ -8,7 +8,7 @@ use super::request::Request;
 use super::rows::surplus;
 use crate::read::elements::atomic_number;
 use crate::read::input::Input;
-use crate::read::lines::{Lines, Words};
+use crate::read::lines::{Lines, Word, Words};
 use crate::read::source::SceneSource;
 use halfline::error::{Error, Result};
 use halfline::memory::check_ids;
@@ -75,7 +75,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
         }
     }
     // Velocities follow a blank line.
-    let is_row = |lines: &Lines<Input>| Words::of(lines).take(3).filter(|word| word.finite("x").is_ok()).count() == 3;
+    let is_row = |lines: &Lines<Input>| words(lines).take(3).filter(|word| word.finite("x").is_ok()).count() == 3;
     if lines.advance()? && is_row(&lines) {
         let count = header.species.iter().map(|(_, count)| count).sum();
         return surplus(&mut lines, count, "atoms", is_row);
@@ -100,12 +100,20 @@ fn need(lines: &mut Lines<Input>, field: &str) -> Result<()> {
     Err(lines.ends(field, "the file ends before it", "give as many positions as the counts say"))
 }
 
+/// The words of the current line before its comment, which `!` or `#` begins, perhaps behind a number.
+fn words(lines: &Lines<Input>) -> impl Iterator<Item = Word<'_, Input>> {
+    let end = lines.text().find(['!', '#']).unwrap_or(lines.text().len());
+    Words::of(lines)
+        .take_while(move |word| word.at < end)
+        .map(move |word| lines.word(word.at, end.min(word.at + word.text.len())))
+}
+
 /// Three numbers at the beginning of the current line.
 fn three(lines: &Lines<Input>, field: &str) -> Result<[f64; 3]> {
-    let (mut numbers, mut words) = ([0.0; 3], Words::of(lines));
+    let (mut numbers, mut found) = ([0.0; 3], words(lines));
     for number in &mut numbers {
         let missing = || lines.ends(field, "the line has fewer than three numbers", "write three");
-        *number = words.next().ok_or_else(missing)?.finite(field)?;
+        *number = found.next().ok_or_else(missing)?.finite(field)?;
     }
     Ok(numbers)
 }
@@ -122,7 +130,7 @@ fn header(lines: &mut Lines<Input>) -> Result<PoscarHeader> {
     need(lines, "comment")?;
     let comment = lines.text().to_owned();
     need(lines, "scale")?;
-    let first = Words::of(lines).map_while(|word| word.finite("scale").ok()).take(3).collect::<Vec<_>>();
+    let first = words(lines).map_while(|word| word.finite("scale").ok()).take(3).collect::<Vec<_>>();
     let factors = lines.place(0);
     need(lines, "cell")?;
     let mut edges = [three(lines, "cell")?, [0.0; 3], [0.0; 3]];
@@ -136,7 +144,7 @@ fn header(lines: &mut Lines<Input>) -> Result<PoscarHeader> {
     })?;
     edges.iter_mut().for_each(|edge| (0..3).for_each(|k| edge[k] *= scale[k]));
     need(lines, "species")?;
-    let named = Words::of(lines).next().is_some_and(|word| word.text.parse::<f64>().is_err());
+    let named = words(lines).next().is_some_and(|word| word.text.parse::<f64>().is_err());
     let names: Vec<String> = if named { line_of_names(lines)? } else { Vec::new() };
     if named {
         need(lines, "counts")?;
@@ -183,7 +191,7 @@ fn scale(numbers: &[f64], edges: &[[f64; 3]; 3]) -> Option<[f64; 3]> {
 
 fn line_of_names(lines: &Lines<Input>) -> Result<Vec<String>> {
     let mut names = Vec::new();
-    for word in Words::of(lines) {
+    for word in words(lines) {
         if names.len() == MOST || word.text.len() > LONGEST {
             let problem = format!("more than {MOST} species, or a name of more than {LONGEST} bytes");
             return Err(lines.fail(word.at, "species", problem, "write the symbol of each species once"));
@@ -195,10 +203,10 @@ fn line_of_names(lines: &Lines<Input>) -> Result<Vec<String>> {
 
 fn counts(lines: &Lines<Input>) -> Result<Vec<u64>> {
     let mut counts = Vec::new();
-    for word in Words::of(lines) {
+    for word in words(lines) {
         match word.text.parse() {
             Ok(count) if counts.len() < MOST => counts.push(count),
-            // A comment may follow.
+            // Other text may follow.
             _ if !counts.is_empty() => break,
             _ => {
                 let problem = format!("{} is not a number of atoms", quote(word.text));
@@ -217,6 +225,22 @@ mod tests {
     use super::*;
 
     const CELL: &str = "2.0 0 0\n1.0 3.0 0.0\n0 0 4\n";
+
+    #[test]
+    fn comments_stand_behind_every_line() {
+        let plain =
+            "salt\n1.5\n2 0 0\n0 2 0\n0 0 2\nNa Cl\n1 1\nSelective dynamics\nDirect\n0 0 0 T T F\n.5 .5 .5 T T T\n";
+        let expected = read(plain).expect("a file");
+        for comment in ["! a", " ! 1 2 3", "!", "# b", " # 4 Cl", "!! c"] {
+            let behind: String = plain.lines().map(|line| format!("{line}{comment}\n")).collect();
+            let found = read(&behind).unwrap_or_else(|error| panic!("{comment}: {error}"));
+            assert_eq!((&found.positions, &found.elements), (&expected.positions, &expected.elements), "{comment}");
+            let start = crate::read::detect::recognise(behind.as_bytes(), std::path::Path::new("a"));
+            assert_eq!(start.map(|(format, _)| format), Ok(crate::read::format::Format::Poscar), "{behind}");
+        }
+        let error = read(&plain.replace(".5 .5 .5 T T T", ".5 .5 ! .5")).map(drop).expect_err("two").to_string();
+        assert!(error.contains("position: the line has fewer than three numbers"), "{error}");
+    }
 
     fn read(text: &str) -> Result<Particles> {
         super::read(SceneSource::of_text(text), &Request::of(&["species"]))

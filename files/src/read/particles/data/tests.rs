@@ -20,6 +20,10 @@ fn sections_are_read_and_passed_over() {
     assert_eq!(found.cell, Some(cell));
     let column = |name: &str| &found.columns.iter().find(|c| c.name == name).expect(name).values[..];
     assert_eq!((column("q"), column("vz")), (&[-0.8, 0.4][..], &[8.0, 9.0][..]), "velocities by the atoms' numbers");
+    // All columns, as a list of them takes.
+    let all = read(&text, &["*"]).expect("a file");
+    let names: Vec<&str> = all.columns.iter().map(|column| &column.name[..]).collect();
+    assert!(["q", "ix", "vx", "vy", "vz"].iter().all(|name| names.contains(name)), "{names:?}");
     assert_eq!(found.skipped.assumed.len(), 1, "{:?}", found.skipped);
     assert!(found.skipped.assumed[0].contains("2 O, 1 H"), "{:?}", found.skipped);
 }
