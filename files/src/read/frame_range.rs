@@ -1,6 +1,7 @@
 //! Which frames of a sequence are read.
 
 use halfline::error::{Error, Result};
+use halfline::quote::setting::FRAMES;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -39,6 +40,21 @@ impl FrameRange {
     #[must_use]
     pub fn last(&self) -> u64 {
         self.0.iter().map(|(range, _)| *range.end()).max().unwrap_or(1)
+    }
+
+    /// The error of frame `number`, whose remedy also names the frames before it, which were read: a simulation that runs, or was stopped,
+    /// has written a part of the last.
+    pub(super) fn until(&self, number: u64, error: Error) -> Error {
+        let last = number.saturating_sub(1);
+        let first = self.numbers().next().filter(|first| *first <= last).unwrap_or(1);
+        match error {
+            Error::Scene { place, problem, mend, source } if last > 0 => {
+                let range = if first == last { last.to_string() } else { format!("{first}-{last}") };
+                let mend = format!("{mend}; or use {FRAMES} {range}, since the frames before frame {number} are whole");
+                Error::Scene { place, problem, mend, source }
+            }
+            other => other,
+        }
     }
 }
 

@@ -461,19 +461,21 @@ impl Sequence {
                     }
                     frame => frame.is_some(),
                 },
-                SequenceState::Many(frames) if is_requested => match frames.next()? {
-                    Some(mut particles) => {
-                        // A reader says what concerns the whole file in its first frame.
-                        for warning in std::mem::take(&mut self.warnings) {
-                            if !particles.skipped.assumed.contains(&warning) {
-                                particles.skipped.assumed.push(warning);
+                SequenceState::Many(frames) if is_requested => {
+                    match frames.next().map_err(|e| self.options.frames.until(number, e))? {
+                        Some(mut particles) => {
+                            // A reader says what concerns the whole file in its first frame.
+                            for warning in std::mem::take(&mut self.warnings) {
+                                if !particles.skipped.assumed.contains(&warning) {
+                                    particles.skipped.assumed.push(warning);
+                                }
                             }
+                            return self.styled_frame(particles, number).map(Some);
                         }
-                        return self.styled_frame(particles, number).map(Some);
+                        None => false,
                     }
-                    None => false,
-                },
-                SequenceState::Many(frames) => frames.skip()?,
+                }
+                SequenceState::Many(frames) => frames.skip().map_err(|e| self.options.frames.until(number, e))?,
             };
             if !is_there {
                 self.total = Some(number - 1);

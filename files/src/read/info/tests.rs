@@ -186,3 +186,56 @@ fn files_without_particles_have_a_warning_and_their_columns() {
     let info = counted("a.toml", "[camera]\neye = [0.0, 0.0, 5.0]\nat = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov = 60.0\n[image]\nsize = [4, 4]\n", usize::MAX).expect("a scene");
     assert_eq!((info.spheres, &info.warnings[..]), (0, &["there is no sphere to render".to_owned()][..]));
 }
+
+/// A file whose last frame is cut, as of a simulation that runs, has the frames before it, which the error names.
+#[test]
+fn the_error_of_a_frame_names_the_whole_ones_before_it() {
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: ATOMS x y z\n0 0 0\n1 1 1\n";
+    let gro =
+        "t\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n    1SOL    HW1    2   0.1     1.6     1.7  \n 1 1 1\n";
+    let trr = |x: f32| -> Vec<u8> {
+        let words = [1993, 13, 12].map(i32::to_be_bytes).concat();
+        let sizes = [0, 0, 0, 0, 0, 0, 0, 24, 0, 0, 2, 0, 0].map(i32::to_be_bytes).concat();
+        let rest: Vec<u8> = [0.0, 0.0, x, 0.0, 0.0, 1.0, 1.0, 1.0].into_iter().flat_map(f32::to_be_bytes).collect();
+        [words, b"GMX_trn_file".to_vec(), sizes, rest].concat()
+    };
+    for (name, frame) in [
+        ("a.xyz", b"2\n\nO 0 0 0\nH 1 0 0\n".to_vec()),
+        ("a.dump", dump.as_bytes().to_vec()),
+        ("a.gro", gro.as_bytes().to_vec()),
+        ("a.trr", trr(0.5)),
+    ] {
+        let film = frame.repeat(4);
+        let cut = &film[..film.len() - frame.len() / 4];
+        for (frames, way) in [
+            ("1-", Some("or use `\u{2060}frames` 1-3, since the frames before frame 4 are whole")),
+            ("3-9", Some("or use `\u{2060}frames` 3, since the frames before")),
+            ("4", Some("or use `\u{2060}frames` 1-3, since the frames before")),
+            ("1-3", None),
+        ] {
+            let options = ReadOptions { frames: frames.parse().expect("frames"), ..ReadOptions::default() };
+            let source =
+                SceneSource::of(Input::of_bytes(cut), Path::new(name), options.known_format()).expect("a format");
+            let mut film = Sequence::of_source(source, Path::new(name), &options).expect("a film");
+            let error = loop {
+                match film.next_scene() {
+                    Ok(Some(_)) => {}
+                    Ok(None) => break None,
+                    Err(error) => break Some(error.to_string()),
+                }
+            };
+            assert_eq!(error.is_some(), way.is_some(), "{name} {frames}: {error:?}");
+            assert!(way.is_none_or(|way| error.as_ref().is_some_and(|error| error.contains(way))), "{name}: {error:?}");
+        }
+        // The first frame alone has none before it.
+        let source = SceneSource::of(
+            Input::of_bytes(&frame[..frame.len() * 3 / 4]),
+            Path::new(name),
+            ReadOptions::default().known_format(),
+        );
+        let mut film =
+            Sequence::of_source(source.expect("a format"), Path::new(name), &ReadOptions::default()).expect("a film");
+        let error = film.next_scene().map(drop).expect_err("one frame").to_string();
+        assert!(!error.contains("whole"), "{name}: {error}");
+    }
+}
