@@ -9,7 +9,6 @@ use super::bytes::BinaryFile;
 use super::frame::{Column, ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::layout::is_requested;
-use super::names::Names;
 use super::request::Request;
 use crate::read::source::SceneSource;
 use file::{Chunk, GsdFile, until_zero};
@@ -19,6 +18,7 @@ use halfline::quote::setting::RADIUS;
 use halfline::quote::{list, unquoted};
 use halfline::scene::Cell;
 use shape::Shape;
+use std::collections::BTreeMap;
 
 /// The reader.
 pub(in crate::read) struct Gsd {
@@ -28,6 +28,8 @@ pub(in crate::read) struct Gsd {
     requested: Vec<usize>,
     /// The next frame, from 0.
     frame: u64,
+    /// The shapes of the types, of the chunk that they were read from, which many frames share.
+    shapes: (Option<Chunk>, Vec<Shape>),
     /// Whether the shapes were reported, which are those of all frames.
     has_reported: bool,
 }
@@ -67,7 +69,14 @@ impl Gsd {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
         let selects = |name: &str| is_requested(&request.columns, name);
         let requested = (0..COLUMNS.len()).filter(|k| selects(COLUMNS[*k].0)).collect();
-        Self { source: Some(BinaryFile::new(source)), file: None, requested, frame: 0, has_reported: false }
+        Self {
+            source: Some(BinaryFile::new(source)),
+            file: None,
+            requested,
+            frame: 0,
+            shapes: (None, Vec::new()),
+            has_reported: false,
+        }
     }
 
     /// Reads the file, if it was not read yet, and returns the next frame that it has.
@@ -128,37 +137,43 @@ impl<'a> Reading<'a> {
         Ok(std::iter::from_fn(&mut three).collect())
     }
 
+    /// Reads the shapes of the types, if they are of another chunk than those that were read.
+    fn shapes(&self, known: &mut (Option<Chunk>, Vec<Shape>)) -> Result<()> {
+        let chunk = self.file.chunk(self.frame, SHAPES).or_else(|| self.file.chunk(0, SHAPES));
+        if known.0 != chunk {
+            let of = |(n, text): (usize, &String)| {
+                let wrong = |problem| self.file.wrong(self.frame, SHAPES, format!("type {n}: {problem}"));
+                Shape::of(text).map_err(wrong)
+            };
+            *known = (chunk, self.texts(SHAPES).unwrap_or_default().iter().enumerate().map(of).collect::<Result<_>>()?);
+        }
+        Ok(())
+    }
+
     /// The radii, and the message about shapes that are no spheres. Diameters of particles come before those of their types.
-    fn radii(&self) -> Result<(Vec<f64>, Option<String>)> {
+    fn radii(&self, shapes: &[Shape]) -> Result<(Vec<f64>, Option<String>)> {
         if let Some(chunk) = self.array(DIAMETER, 1)? {
             return Ok((self.file.numbers(chunk).map(|diameter| diameter / 2.0).collect(), None));
-        }
-        let mut shapes = Vec::new();
-        for (n, text) in self.texts(SHAPES).unwrap_or_default().iter().enumerate() {
-            let wrong = |problem| self.file.wrong(self.frame, SHAPES, format!("type {n}: {problem}"));
-            shapes.push(Shape::of(text).map_err(wrong)?);
         }
         let plain = DIAMETER_DEFAULT / 2.0;
         if shapes.is_empty() {
             return Ok((vec![plain; self.count as usize], None));
         }
-        let mut others = Names::default();
-        let mut counts: Vec<u64> = Vec::new();
-        let mut radii = Vec::new();
-        for of in self.column(0)?.values {
-            radii.push(match shapes.get(of as usize) {
-                Some(Shape::Sphere(radius)) => *radius,
-                Some(Shape::Other(name)) => {
-                    let number = others.number(name.as_bytes())? as usize;
-                    counts.resize(counts.len().max(number + 1), 0);
-                    counts[number] += 1;
-                    plain
-                }
-                Some(Shape::None) | None => plain,
-            });
+        let mut of_types = vec![0_u64; shapes.len()];
+        let mut radius = |of: f64| {
+            let kind = of as usize;
+            of_types.get_mut(kind).into_iter().for_each(|count| *count += 1);
+            if let Some(Shape::Sphere(radius)) = shapes.get(kind) { *radius } else { plain }
+        };
+        let radii = self.column(0)?.values.into_iter().map(&mut radius).collect();
+        let mut others: BTreeMap<&str, u64> = BTreeMap::new();
+        for (shape, count) in shapes.iter().zip(of_types).filter(|(_, count)| *count > 0) {
+            if let Shape::Other(name) = shape {
+                *others.entry(name).or_default() += count;
+            }
         }
-        let named = counts.iter().zip(others.labels()).map(|(count, name)| format!("{count} {}", unquoted(&name)));
-        let all: u64 = counts.iter().sum();
+        let named = others.iter().map(|(name, count)| format!("{count} {}", unquoted(name)));
+        let all: u64 = others.values().sum();
         let warning = format!(
             "{} of a shape that is no sphere ({}), and {} drawn as a sphere of the diameter {DIAMETER_DEFAULT}; use {RADIUS} to set another",
             if all == 1 { "1 particle is".into() } else { format!("{all} particles are") },
@@ -224,9 +239,11 @@ impl<'a> Reading<'a> {
 impl ParticleFrames for Gsd {
     fn next(&mut self) -> Result<Option<Particles>> {
         let (requested, has_reported) = (self.requested.clone(), self.has_reported);
+        let mut shapes = std::mem::take(&mut self.shapes);
         let Some((file, frame)) = self.advance()? else { return Ok(None) };
         let reading = Reading::new(file, frame)?;
-        let (radii, warning) = reading.radii()?;
+        reading.shapes(&mut shapes)?;
+        let (radii, warning) = reading.radii(&shapes.1)?;
         // The schema's images are all 0, so a file without any does not say which they are.
         let is_there = |kind: &usize| COLUMNS[*kind].1 != IMAGE || file.has(IMAGE);
         let has = (0..COLUMNS.len()).filter(is_there).map(|kind| COLUMNS[kind].0.to_owned()).collect();
@@ -246,7 +263,7 @@ impl ParticleFrames for Gsd {
             }
             particles.columns.push(column);
         }
-        self.has_reported = true;
+        (self.has_reported, self.shapes) = (true, shapes);
         Ok(Some(particles))
     }
 
