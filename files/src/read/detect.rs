@@ -2,6 +2,7 @@
 
 use super::format::Format;
 use super::lines::comment;
+use super::particles::table::fields::declared_delimiter;
 use super::particles::table::names::axes;
 use super::{foreign, nff};
 use halfline::quote::setting::{COLUMNS, FORMAT};
@@ -121,7 +122,9 @@ const STRUCTURES: [(Format, Sign); 5] = [
 
 /// The first lines that one format alone has.
 const SIGNATURES: [(Format, Sign); 3] = [
-    (Format::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
+    (Format::Ply, |lines| {
+        lines.first().is_some_and(|line| line.split('\r').next().is_some_and(|line| line.trim_end() == "ply"))
+    }),
     (Format::Pcd, is_pcd),
     (Format::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
 ];
@@ -440,13 +443,14 @@ fn is_csv(lines: &[&str]) -> bool {
     }
     let mut before = true;
     let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || comment(line.trim()) > 0);
-    lines.iter().take_while(first).any(|line| {
+    let is_declared = lines.first().is_some_and(|line| declared_delimiter(line).is_some());
+    lines.iter().skip(usize::from(is_declared)).take_while(first).any(|line| {
         let header = line.trim()[comment(line.trim())..].trim();
         let names = |delimiters: &[char]| -> Vec<String> {
             header.split(delimiters).map(|name| name.trim().trim_matches('"').to_owned()).collect()
         };
         // `x (km)` is one name where commas separate, and two where spaces do.
-        [&[',', ';', '\t'][..], &[' ']].iter().any(|delimiters| axes(&names(delimiters)).is_some())
+        [&[',', ';', '\t', '|'][..], &[' ']].iter().any(|delimiters| axes(&names(delimiters)).is_some())
     })
 }
 

@@ -229,7 +229,10 @@ impl FileInfo {
 
 impl ColumnInfo {
     fn of(column: ColumnCounts) -> Self {
-        let ColumnCounts { ends: [low, high], missing, infinite, values, text, labels, texts } = column;
+        let is_text = column.is_text();
+        let ColumnCounts { ends: [low, high], missing, infinite, values, labels, texts, .. } = column;
+        let texts = if is_text { texts } else { BTreeMap::new() };
+        let missing = missing.saturating_sub(texts.values().sum());
         let distinct = values.as_ref().map(|values| (values.len() + texts.len()) as u64);
         let name = |number: i64| match usize::try_from(number).ok().and_then(|n| labels.get(n)) {
             Some(label) => label.trim().to_owned(),
@@ -237,12 +240,12 @@ impl ColumnInfo {
         };
         let numbered = values.unwrap_or_default().into_iter().map(|(number, count)| (name(number), count));
         let mut counted: Vec<(String, u64)> = numbered.chain(texts).collect();
-        if text {
+        if is_text {
             counted.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
         }
-        let there = low <= high && !text;
+        let there = low <= high && !is_text;
         Self {
-            kind: if text { "text" } else { "number" },
+            kind: if is_text { "text" } else { "number" },
             min: there.then_some(low),
             max: there.then_some(high),
             values: counted.into_iter().take(LISTED).map(|(name, _)| name).collect(),

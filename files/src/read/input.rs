@@ -26,6 +26,9 @@ const LARGE: usize = 1 << 20;
 /// The interval at which waiting for a silent pipe checks for cancellation.
 const PATIENCE: Duration = Duration::from_millis(50);
 
+/// The mark of byte order of UTF-8, which editors and spreadsheets write before a text.
+pub(super) const UTF8_MARK: &[u8; 3] = b"\xef\xbb\xbf";
+
 /// Fills `bytes`, less at the end of the stream; returns how many bytes there were.
 ///
 /// # Errors
@@ -93,7 +96,20 @@ impl Input {
             Some(packing) => (Box::new(BufReader::with_capacity(BLOCK, packing.reader(raw, &gauge.counts))), 0),
             None => (Box::new(raw), length),
         };
-        Ok(Self { reader, gauge, since: 0, delivered: 0, length, packed: packing.is_some() })
+        let mut input = Self { reader, gauge, since: 0, delivered: 0, length, packed: packing.is_some() };
+        input.pass_mark()?;
+        Ok(input)
+    }
+
+    /// Skips the mark of byte order before a text in UTF-8.
+    fn pass_mark(&mut self) -> io::Result<()> {
+        let start = self.look(UTF8_MARK.len() as u64)?;
+        if start == UTF8_MARK {
+            self.read_exact(&mut [0; UTF8_MARK.len()])?;
+            self.length = self.length.saturating_sub(UTF8_MARK.len() as u64);
+            self.delivered = 0;
+        }
+        Ok(())
     }
 
     /// Whether the input is compressed.
@@ -318,9 +334,12 @@ mod tests {
                 at = (at + 1) % members.len();
                 members[(at + members.len() - 1) % members.len()]
             });
-            let input = Input::of(Box::new(Bytes(endless)), &watch).expect("opened");
-            assert!(input.is_packed());
-            assert!(matches!(error_of(input), Error::Limits { .. }));
+            // The first bytes of the content are looked at when it is opened.
+            let error = match Input::of(Box::new(Bytes(endless)), &watch) {
+                Ok(input) => error_of(input),
+                Err(error) => Error::read("text", error),
+            };
+            assert!(matches!(error, Error::Limits { .. }), "{error}");
         }
     }
 

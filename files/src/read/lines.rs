@@ -1,12 +1,15 @@
-//! Text line by line, with the place of every byte. The line-based formats share it for byte order marks, CRLF and
+//! Text line by line, with the place of every byte. The line-based formats share it for line ends and
 //! bytes that are not UTF-8, and tables for records of several lines.
 
 use super::input::Input;
+use super::particles::table::fields::Quotes;
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check_ids;
 use halfline::quote::quote;
 use halfline::quote::setting::FORMAT;
+use std::borrow::Cow;
+use std::collections::VecDeque;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
@@ -32,12 +35,14 @@ pub(super) struct Lines<R> {
     number: u64,
     /// Whether columns are bytes.
     fixed: bool,
-    /// Whether a record continues on the next line, and what separates its fields.
-    records: Option<(Continues, u8)>,
+    /// The byte that ends a line.
+    end: u8,
+    /// What separates the fields of records of several lines, 0 where it is not known yet; `None` for lines.
+    records: Option<u8>,
     /// The first byte of the line that was not UTF-8.
     invalid: Option<usize>,
     /// Bytes that were read too far.
-    ahead: Vec<u8>,
+    ahead: VecDeque<u8>,
     /// Whether the current line is the next one too.
     again: bool,
     /// The lines before that are blank or comments.
@@ -56,9 +61,6 @@ pub(super) fn comment(text: &str) -> usize {
     text.len() - text.trim_start_matches(mark).len()
 }
 
-/// Whether a record with this separator of fields continues on the next line; `None` where it is none.
-pub(super) type Continues = fn(&[u8], u8) -> Option<bool>;
-
 impl<R: BufRead> Lines<R> {
     pub(super) fn new(reader: R, path: &Path) -> Self {
         let (path, text) = (path.to_path_buf(), String::new());
@@ -68,9 +70,10 @@ impl<R: BufRead> Lines<R> {
             text,
             number: 0,
             fixed: false,
+            end: b'\n',
             records: None,
             invalid: None,
-            ahead: Vec::new(),
+            ahead: VecDeque::new(),
             again: false,
             idle: 0,
         }
@@ -84,9 +87,15 @@ impl<R: BufRead> Lines<R> {
         self
     }
 
-    /// A record is of all lines that `continues` says, unless they have more than 65,536 bytes.
-    pub(super) fn of_records(mut self, continues: Continues, separator: u8) -> Self {
-        self.records = Some((continues, separator));
+    /// A record is of all lines that a quoted field goes on in, unless they have more than 65,536 bytes. What separates the fields
+    /// is 0 where it is not known yet.
+    pub(super) fn set_records(&mut self, separator: u8) {
+        self.records = Some(separator);
+    }
+
+    /// Carriage returns end lines.
+    pub(super) fn of_returns(mut self) -> Self {
+        self.end = b'\r';
         self
     }
 
@@ -107,7 +116,7 @@ impl<R: BufRead> Lines<R> {
             return Ok(false);
         }
         self.number += lines;
-        if bytes.len() as u64 == LONGEST && !bytes.ends_with(b"\n") {
+        if bytes.len() as u64 == LONGEST && !bytes.ends_with(&[self.end]) {
             let problem = format!("the line is longer than {LONGEST} bytes");
             return Err(Error::scene(
                 self.file().at(self.number, 1),
@@ -122,10 +131,6 @@ impl<R: BufRead> Lines<R> {
         });
         let kept = self.text.trim_end_matches(['\n', '\r']).len();
         self.text.truncate(kept);
-        if self.number == 1 && self.text.starts_with('\u{feff}') {
-            let mark = self.text.remove(0).len_utf8();
-            self.invalid = self.invalid.map(|at| at - mark);
-        }
         self.rest(u64::from(!has_content(&self.text)))?;
         Ok(true)
     }
@@ -165,26 +170,26 @@ impl<R: BufRead> Lines<R> {
     /// Appends the next line; returns its length.
     fn line(&mut self, bytes: &mut Vec<u8>) -> Result<usize> {
         if !self.ahead.is_empty() {
-            let end = self.ahead.iter().position(|byte| *byte == b'\n').map_or(self.ahead.len(), |at| at + 1);
+            let end = self.ahead.iter().position(|byte| *byte == self.end).map_or(self.ahead.len(), |at| at + 1);
             bytes.extend(self.ahead.drain(..end));
             return Ok(end);
         }
         let mut line = (&mut self.reader).take(LONGEST);
-        line.read_until(b'\n', bytes).map_err(|e| Error::read(&self.path, e))
+        line.read_until(self.end, bytes).map_err(|e| Error::read(&self.path, e))
     }
 
     /// Appends the next line, with those that it continues on; returns their number.
     fn record(&mut self, bytes: &mut Vec<u8>) -> Result<u64> {
         let begin = bytes.len();
         let first = self.line(bytes)?;
-        let Some((continues, separator)) = self.records.filter(|_| bytes[begin..].contains(&b'"')) else {
+        let Some(separator) = self.records.filter(|_| bytes[begin..].contains(&b'"')) else {
             return Ok(u64::from(first > 0));
         };
-        let (mut lines, mut last) = (1, begin);
-        while bytes.len() - begin < LONGEST_RECORD {
-            // A line without a quote does not close a field.
-            let more = if bytes[last..].contains(&b'"') { continues(&bytes[begin..], separator) } else { Some(true) };
-            match more {
+        let (mut quotes, mut lines, mut last) = (Quotes::of(&bytes[begin..], separator), 1, begin);
+        while let Some(seen) = &mut quotes
+            && bytes.len() - begin < LONGEST_RECORD
+        {
+            match seen.are_open(&bytes[last..]) {
                 Some(false) => return Ok(lines),
                 Some(true) => last = bytes.len(),
                 None => break,
@@ -194,9 +199,10 @@ impl<R: BufRead> Lines<R> {
             }
             lines += 1;
         }
-        // No record begins here, so it is a line.
-        let rest = bytes.split_off(begin + first);
-        self.ahead.splice(..0, rest);
+        // No record of several lines begins here, so it is a line.
+        for byte in bytes.drain(begin + first..).rev() {
+            self.ahead.push_front(byte);
+        }
         Ok(1)
     }
 
@@ -205,7 +211,8 @@ impl<R: BufRead> Lines<R> {
     pub(super) fn block(&mut self, most: u64, block: &mut Block) -> Result<()> {
         block.bytes.clear();
         block.parts.clear();
-        (block.path, block.fixed, block.records, block.lines) = (self.path.clone(), self.fixed, self.records, 0);
+        (block.path, block.fixed, block.lines) = (self.path.clone(), self.fixed, 0);
+        (block.end, block.records) = (self.end, self.records);
         let (mut part, mut last) = (0, 0);
         while block.lines < most && block.bytes.len() < blocks::at_most(BLOCK) {
             if block.bytes.len() >= part + blocks::at_most(PART) || block.lines == 0 {
@@ -232,7 +239,7 @@ impl<R: BufRead> Lines<R> {
     /// Skips `count` lines; returns the number skipped.
     pub(super) fn pass(&mut self, count: u64) -> Result<u64> {
         for passed in 0..count {
-            let length = self.reader.skip_until(b'\n').map_err(|e| Error::read(&self.path, e))?;
+            let length = self.reader.skip_until(self.end).map_err(|e| Error::read(&self.path, e))?;
             if length == 0 {
                 return Ok(passed);
             }
@@ -249,7 +256,7 @@ impl<R: BufRead> Lines<R> {
 
     /// A part of the line.
     pub(super) fn word(&self, at: usize, end: usize) -> Word<'_, R> {
-        Word { text: &self.text[at..end], at, lines: self }
+        Word { text: &self.text[at..end], at, is_quoted: false, lines: self }
     }
 
     /// The line without its line ending.
@@ -342,7 +349,8 @@ pub(super) struct Block {
     lines: u64,
     path: PathBuf,
     fixed: bool,
-    records: Option<(Continues, u8)>,
+    end: u8,
+    records: Option<u8>,
 }
 
 impl Block {
@@ -357,6 +365,7 @@ impl Block {
         let part = |((start, number), end): (&(usize, u64), usize)| Lines {
             number: *number,
             fixed: self.fixed,
+            end: self.end,
             records: self.records,
             ..Lines::new(&self.bytes[*start..end], &self.path)
         };
@@ -366,13 +375,24 @@ impl Block {
 
 /// A word of a line.
 pub(super) struct Word<'a, R> {
+    /// Its bytes in the line; see [`Word::content`].
     pub(super) text: &'a str,
     /// The position of its first byte.
     pub(super) at: usize,
+    /// Whether it stood in quotes.
+    pub(super) is_quoted: bool,
     lines: &'a Lines<R>,
 }
 
-impl<R: BufRead> Word<'_, R> {
+impl<'a, R: BufRead> Word<'a, R> {
+    /// The text: a doubled quote within quotes is one (RFC 4180, section 2).
+    pub(super) fn content(&self) -> Cow<'a, str> {
+        if self.is_quoted && self.text.contains("\"\"") {
+            return self.text.replace("\"\"", "\"").into();
+        }
+        self.text.into()
+    }
+
     /// Parses a finite number; errors name `field`.
     pub(super) fn finite(&self, field: &str) -> Result<f64> {
         let number = self.number(field)?;

@@ -55,7 +55,7 @@ fn first_ids(path: &Path, options: &ReadOptions) -> Option<Vec<f64>> {
 }
 
 /// The frames of a particle file as it has them; `None` for formats that contain a whole scene.
-fn listed(
+pub(super) fn listed(
     mut source: SceneSource,
     request: Request,
     options: &ReadOptions,

@@ -123,6 +123,11 @@ impl ReadOptions {
         Ok(())
     }
 
+    /// The columns whose values selections compare as words, by which a column of texts differs from one of numbers.
+    pub(super) fn worded_columns(&self) -> Vec<String> {
+        self.all_selections().flat_map(Selection::worded_columns).collect()
+    }
+
     /// The format of a file as far as the options say it.
     pub(super) fn known_format(&self) -> KnownFormat {
         match self.format {

@@ -21,10 +21,10 @@ use super::{native, nff};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
+use halfline::quote::count;
 use halfline::quote::setting::{
     AT, COLOR, FOCUS, FRAMES, HIDE, HOLD, MODEL, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP,
 };
-use halfline::quote::{count, quote};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::camera::{Aperture, Camera};
 use halfline::scene::instances::Instances;
@@ -427,12 +427,6 @@ impl Sequence {
         if self.options.keep == Keep::Nothing {
             return Ok(Columns::default());
         }
-        let texts = std::mem::take(&mut particles.mixed).into_counts();
-        let mixed = texts.keys().map(|column| quote(&particles.columns[*column].name).to_string());
-        particles
-            .skipped
-            .assumed
-            .extend(mixed.map(|name| format!("the column {name} has texts among its numbers, which are kept as NaN")));
         let columns = Columns::of(particles)?;
         // A frame without particles may have no columns either.
         if let (Keep::Named(words), false) = (&self.options.keep, particles.positions.is_empty()) {

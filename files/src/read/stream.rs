@@ -4,11 +4,12 @@ use super::derived;
 use super::format::Format;
 use super::input::read_once;
 use super::native::{self, NamedSpheres};
-use super::open::open as open_particles;
+use super::open::{listed, open as open_particles};
 use super::options::ReadOptions;
 use super::particles::colors::ColorSurvey;
 use super::particles::frame::{ParticleFrames, Particles, RuleTarget};
 use super::particles::periodic::Periodic;
+use super::particles::request::Request;
 use super::particles::survey::{Part, Survey};
 use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
@@ -40,6 +41,8 @@ const AHEAD: usize = 2;
 /// The spheres of one frame of a file, block by block, in the order of the file. They are those that
 /// [`Sequence`](super::Sequence) gives in memory.
 pub struct SphereBlocks {
+    /// The first part, where it was looked at.
+    first: Option<Part>,
     parts: Receiver<Part>,
     /// The thread that reads; it returns what remains after the last whole part.
     reader: Option<JoinHandle<Result<Option<Particles>>>>,
@@ -112,9 +115,25 @@ impl SphereBlocks {
         let format = source.format;
         let reads_twice = is_colored && format != Format::Native && read_once(path).is_none();
         let colors = if reads_twice { colors_of(path, options)? } else { None };
-        let (scene, parts, reader) = start(source, options)?;
+        let (mut first, mut started) = (None, start(source, options, Vec::new())?);
+        let worded = options.worded_columns();
+        if !worded.is_empty() && format != Format::Native && read_once(path).is_none() {
+            // Without a text in its first rows, a column has the type that all of them say.
+            first = started.1.recv().ok();
+            let is_named =
+                |part: &Part| worded.iter().all(|name| part.labels.contains_key(name) || !part.has.contains(name));
+            if !first.as_ref().is_some_and(is_named) {
+                let texts = texts_of(path, options, &worded)?;
+                if !texts.is_empty() {
+                    let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+                    (first, started) = (None, start(source, options, texts)?);
+                }
+            }
+        }
+        let (scene, parts, reader) = started;
         let file = Place::file(path.display().to_string());
         Ok(Self {
+            first,
             parts,
             reader: Some(reader),
             options: options.clone(),
@@ -167,7 +186,7 @@ impl SphereBlocks {
     /// As [`scene`](super::scene); [`Error::Settings`] where radii or colours depend on all particles.
     pub fn next_block(&mut self) -> Result<Option<Spheres>> {
         self.options.watch.check()?;
-        if let Ok(part) = self.parts.recv() {
+        if let Some(part) = self.first.take().or_else(|| self.parts.recv().ok()) {
             return self.styled_block(Particles::of_part(part)).map(Some);
         }
         let Some(reader) = self.reader.take() else { return Ok(None) };
@@ -395,10 +414,10 @@ impl InBlocks {
 /// The parts of a file while they are read, and the thread that reads them; whether the spheres of a scene have colours.
 type Started = (Option<bool>, Receiver<Part>, JoinHandle<Result<Option<Particles>>>);
 
-/// Starts to read a file in parts.
-fn start(source: SceneSource, options: &ReadOptions) -> Result<Started> {
+/// Starts to read a file in parts, where these columns are known to have texts.
+fn start(source: SceneSource, options: &ReadOptions, texts: Vec<String>) -> Result<Started> {
     let (sender, parts) = sync_channel(AHEAD);
-    let survey = Survey::passing(sender, blocks::at_most(BLOCK));
+    let survey = Survey::passing(sender, blocks::at_most(BLOCK)).with_texts(texts);
     let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if source.format == Format::Native {
         if !(options.select.is_empty() && options.hide.is_empty()) {
             return Err(no_selections());
@@ -426,7 +445,7 @@ fn start(source: SceneSource, options: &ReadOptions) -> Result<Started> {
 /// rows are reported when their block is used, not here.
 fn colors_of(path: &Path, options: &ReadOptions) -> Result<Option<ColorSurvey>> {
     let source = SceneSource::open(path, options.known_format(), &options.watch)?;
-    let (_, parts, reader) = start(source, &ReadOptions { style: Style::default(), ..options.clone() })?;
+    let (_, parts, reader) = start(source, &ReadOptions { style: Style::default(), ..options.clone() }, Vec::new())?;
     let mut colors = ColorSurvey::default();
     for part in &parts {
         options.watch.check()?;
@@ -439,6 +458,18 @@ fn colors_of(path: &Path, options: &ReadOptions) -> Result<Option<ColorSurvey>> 
         colors.see(rest.color_type, &rest.colors);
     }
     Ok(Some(colors))
+}
+
+/// Those of these columns in which some row of the frame has a text; none where the file cannot be read to its end, so that the
+/// error is that of its row.
+fn texts_of(path: &Path, options: &ReadOptions, columns: &[String]) -> Result<Vec<String>> {
+    let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+    let survey = Survey::default();
+    let request = Request { columns: columns.to_vec(), survey: Some(survey.clone()), ..options.request(source.format) };
+    let Ok(frames) = listed(source, request, options)? else { return Ok(Vec::new()) };
+    let Ok(Some(rest)) = frame(frames, options.frames.numbers().next().unwrap_or(1)) else { return Ok(Vec::new()) };
+    let counts = rest.counted(&survey);
+    Ok(counts.columns.into_iter().filter(|(_, column)| column.is_text()).map(|(name, _)| name).collect())
 }
 
 /// Reads one frame, whose parts are passed on; returns the rest of it.

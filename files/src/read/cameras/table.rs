@@ -4,7 +4,7 @@
 use super::lens::PixelLens;
 use super::listed::ListedCamera;
 use crate::read::lines::{Lines, has_content};
-use crate::read::particles::table::fields::{delimiter, each_number, named_columns};
+use crate::read::particles::table::fields::{declared_delimiter, delimiter, each_number, named_columns};
 use halfline::error::{Error, Place, Result};
 use halfline::scene::camera::{Intrinsics, Lens, Look};
 use std::ops::Range;
@@ -28,15 +28,21 @@ const PIXELS: Range<usize> = 13..17;
 pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
     let mut lines = Lines::new(bytes, Path::new(file.file.as_deref().unwrap_or_default()));
     let (mut header, mut cameras): (Option<(u8, Vec<usize>)>, Vec<ListedCamera>) = (None, Vec::new());
+    let mut declared = None;
     while lines.advance()? {
         if !has_content(lines.text()) {
             continue;
         }
         let Some((delimiter, columns)) = &header else {
-            let columns = named_columns(&lines, 0, &COLUMNS, MEND)?;
+            if let (None, Some(delimiter)) = (declared, declared_delimiter(lines.text())) {
+                declared = Some(delimiter);
+                continue;
+            }
+            let delimiter = declared.unwrap_or_else(|| delimiter(lines.text()));
+            let columns = named_columns(&lines, (0, delimiter), &COLUMNS, MEND)?;
             check_header(&columns)
                 .map_err(|problem| Error::scene(lines.place(0).named("header"), problem, "remove one of them"))?;
-            header = Some((delimiter(lines.text()), columns));
+            header = Some((delimiter, columns));
             continue;
         };
         let mut values = [None; COLUMNS.len()];

@@ -245,7 +245,7 @@ impl LammpsData<'_> {
             self.lines.found();
         }
         self.check_end(heading, count)?;
-        particles.settle_texts();
+        particles.settle_texts()?;
         Ok(particles)
     }
 

@@ -6,6 +6,7 @@ use super::frame::{ParticleFrames, Particles};
 use super::frame_time::FrameTime;
 use super::layout::Layout;
 use super::meaning::{FieldKind, Meanings, NamedField, meanings};
+use super::mixed::is_text;
 use super::periodic::images::open_edges;
 use super::request::Request;
 use super::role::Role;
@@ -151,12 +152,12 @@ impl Dump {
         if count > 0 {
             self.lines.need("atom", MEND)?;
             for (word, (_, role)) in Words::of(&self.lines).zip(&mut columns) {
-                if *role == Role::Other && word.text.parse::<f64>().is_err() {
+                if *role == Role::Other && is_text(word.text) {
                     *role = Role::Text;
                 }
             }
         }
-        let mut layout = Layout::new(&self.request);
+        let mut layout = Layout::of_any_types(&self.request);
         layout.note(ColorType::Real, warnings);
         for (name, role) in &columns {
             let twice = |problem: String| Error::scene(place.clone(), problem, "use each column name once");
@@ -205,7 +206,7 @@ impl ParticleFrames for Dump {
             }
         }
         self.check_end(count, &layout)?;
-        particles.settle_texts();
+        particles.settle_texts()?;
         Ok(Some(particles))
     }
 
@@ -292,11 +293,10 @@ mod tests {
         );
         assert_eq!((frames[0].columns[2].values[1], frames[0].labels.len()), (0.5, 2), "numbers stay");
         assert_eq!((&frames[1].columns[0].values[..], frames[1].labels.len()), (&[7.0, 8.0][..], 0));
-        // Unread text is no error, and a text below a number is one.
+        // A text below a number makes names of both.
         read(&first, &[]).expect("no column");
-        let mixed = frame(CUBE, "mol x y z", "7 0 0 0\nwat 0 0 0");
-        let error = read(&mixed, &["mol"]).map(drop).expect_err("mixed").to_string();
-        assert!(error.contains(":11:1: mol: `wat`"), "{error}");
+        let mixed = read(&frame(CUBE, "mol x y z", "7 0 0 0\nwat 0 0 0"), &["mol"]).expect("names");
+        assert_eq!(named(&mixed[0], "mol"), ["7", "wat"]);
         let none = frame(CUBE, "mol x y z", "").replace("ATOMS mol x y z\n\n", "ATOMS mol x y z\n");
         assert!(read(&format!("{none}{second}"), &["mol"]).expect("no atoms").len() == 2);
     }

@@ -6,7 +6,7 @@ use super::infer;
 use super::infer::species::Species;
 use super::infer::{Inference, Inferred};
 use super::left_out::LeftOut;
-use super::mixed::Mixed;
+use super::mixed::{Mixed, SPELLED};
 use super::names::Names;
 use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
@@ -81,8 +81,8 @@ pub(crate) struct Particles {
     pub(in crate::read) texts: Vec<(usize, Names)>,
     /// Atom names and virtual sites in a column of symbols, while it is read.
     pub(in crate::read) species: Species,
-    /// Texts in columns of numbers, for a survey.
-    pub(in crate::read) mixed: Mixed,
+    /// The columns whose rows decide whether they are of numbers or of texts, while they are read.
+    pub(in crate::read) mixed: Vec<Mixed>,
     /// Skipped records and assumptions.
     pub(crate) skipped: Skipped,
     /// Invalid rows that are left out, while they are read.
@@ -164,8 +164,11 @@ impl Particles {
         self.colors.append(&mut more.colors);
         // A part numbers its names by itself.
         for ((column, known), (_, names)) in self.texts.iter_mut().zip(&more.texts) {
-            let numbers: Vec<u32> = names.list.iter().map(|name| known.number(name)).collect::<Result<_>>()?;
-            more.columns[*column].values.iter_mut().for_each(|value| *value = f64::from(numbers[*value as usize]));
+            known.renumber(names, &mut more.columns[*column].values)?;
+        }
+        for (known, mixed) in self.mixed.iter_mut().zip(more.mixed) {
+            let column = known.column;
+            known.append(&mut self.columns[column].values, mixed, &mut more.columns[column].values)?;
         }
         for (column, more) in self.columns.iter_mut().zip(&mut more.columns) {
             column.values.append(&mut more.values);
@@ -174,7 +177,7 @@ impl Particles {
         self.species.add(more.species);
         self.skipped.append(more.skipped);
         self.left_out.append(more.left_out);
-        self.mixed.append(more.mixed)
+        Ok(())
     }
 
     /// Reports the rows that were left out.
@@ -183,7 +186,10 @@ impl Particles {
     }
 
     /// Finishes columns of text and of symbols: finds the elements of names, and removes virtual sites.
-    pub(super) fn settle_texts(&mut self) {
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub(super) fn settle_texts(&mut self) -> Result<()> {
         self.tell_left_out();
         if let Some(survey) = self.survey.clone().filter(Survey::is_counting) {
             let mut counts = survey.counts();
@@ -194,9 +200,18 @@ impl Particles {
         for (column, names) in std::mem::take(&mut self.texts) {
             self.labels.insert(self.columns[column].name.clone(), names.labels());
         }
+        if self.survey.is_none() {
+            for mixed in std::mem::take(&mut self.mixed) {
+                let Column { name, values } = &mut self.columns[mixed.column];
+                if let Some(labels) = mixed.settle(values)? {
+                    self.labels.insert(name.clone(), labels);
+                }
+            }
+        }
         let (messages, sites) = std::mem::take(&mut self.species).settle(&mut self.elements);
         self.skipped.assumed.extend(messages);
         self.leave_sites_out(sites);
+        Ok(())
     }
 
     pub(super) fn leave_sites_out(&mut self, there: bool) {
@@ -243,11 +258,6 @@ impl Particles {
                 column.labels = labels;
             }
         }
-        for (column, texts) in self.mixed.into_counts() {
-            if let Some(column) = counts.columns.get_mut(&self.columns[column].name) {
-                column.mix(texts);
-            }
-        }
         counts.add_unknown(self.unknown);
         counts.cell = self.cell;
         counts.warnings.extend(self.skipped.warnings());
@@ -264,6 +274,10 @@ impl Particles {
 
     /// Counts the particles without virtual sites and drops them; what describes the frame as a whole is kept.
     pub(super) fn count(&mut self, counts: &mut Counts) {
+        for mixed in &mut self.mixed {
+            let Column { name, values } = &mut self.columns[mixed.column];
+            counts.mix(name, mixed.take_texts(values));
+        }
         self.leave_sites_out(self.elements.iter().any(|code| infer::is_site(*code)));
         let columns = self.columns.iter().filter(|column| !["x", "y", "z"].contains(&column.name.as_str()));
         let named: Vec<(&str, &[f64])> = self.columns.iter().map(Column::named).collect();
@@ -413,7 +427,7 @@ impl Particles {
         if n + more <= self.room {
             return Ok(());
         }
-        let columns = self.columns.len() * size_of::<f64>();
+        let columns = self.columns.len() * size_of::<f64>() + self.mixed.len() * SPELLED;
         // A list that is empty after the first particle stays empty.
         let of = |is_empty: bool, bytes: usize| if is_empty { 0 } else { bytes };
         let [radius, element, color] =

@@ -4,6 +4,7 @@
 use super::colors::ColorType;
 use super::frame::{Column, Particles};
 use super::meaning::Meanings;
+use super::mixed::{Mixed, is_missing};
 use super::names::Names;
 use super::request::Request;
 use super::role::Role;
@@ -13,7 +14,7 @@ use crate::read::lines::{Lines, Word};
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
-use halfline::quote::setting::{COLUMNS, SKIP_INVALID};
+use halfline::quote::setting::{COLUMNS, SKIP_INVALID, STREAM};
 use halfline::scene::check_color;
 use std::io::BufRead;
 
@@ -27,8 +28,11 @@ pub(crate) struct Layout {
     survey: Option<Survey>,
     /// The requested columns that the file has.
     requested: Vec<String>,
-    /// The indices of the requested columns that are text.
+    /// The indices of the requested columns that are text, and of those whose rows decide what they are.
     texts: Vec<usize>,
+    mixed: Vec<usize>,
+    /// Whether rows decide whether a column that has no role of its own is of numbers or of texts.
+    infers: bool,
     /// The names of all columns.
     has: Vec<String>,
     /// Bytes of all names.
@@ -52,8 +56,10 @@ struct Slot {
     /// For a component of a vector whose length is requested: the index among the requested columns, and whether it is
     /// the first component.
     part: Option<(usize, bool)>,
-    /// Whether texts are counted instead of being errors, for a survey of all columns.
-    mixed: bool,
+    /// For a requested column whose rows decide what it is: its index among these.
+    mixed: Option<usize>,
+    /// Whether a number may be missing by a word for it, as in formats that declare no types.
+    infers: bool,
 }
 
 /// A particle that is being read.
@@ -81,6 +87,12 @@ impl Layout {
     /// No columns yet, for a reader that keeps every row until the end of the file.
     pub(crate) fn whole(request: &Request) -> Self {
         Self { to_keep: request.columns.clone(), ..Self::default() }
+    }
+
+    /// The same for a format that declares no types, so that the rows decide which columns have texts. For particles that are
+    /// passed on in parts this is decided before; see [`Survey::with_texts`].
+    pub(crate) fn of_any_types(request: &Request) -> Self {
+        Self { infers: true, ..Self::new(request) }
     }
 
     /// Adds the columns of fields.
@@ -125,9 +137,12 @@ impl Layout {
             Role::Symbol if self.contains(Role::Number) => Role::Text,
             Role::Diameter if self.contains(Role::Radius) => Role::Other,
             Role::Radius if self.contains(Role::Diameter) => Role::Other,
+            Role::Other if self.infers && self.survey.as_ref().is_some_and(|survey| survey.has_texts(&name)) => {
+                Role::Text
+            }
             role => role,
         };
-        let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: false };
+        let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: None, infers: self.infers };
         self.has.push(slot.name.clone());
         if is_requested(&self.to_keep, &slot.name) {
             // A column of which another has the name cannot be asked for; among all of them it is numbered, as by pandas.
@@ -146,7 +161,11 @@ impl Layout {
                 slot.text = Some(self.texts.len());
                 self.texts.push(self.requested.len());
             }
-            slot.mixed = role == Role::Other && is_every;
+            let is_whole = self.survey.as_ref().is_none_or(Survey::is_counting);
+            if role == Role::Other && self.infers && is_whole {
+                slot.mixed = Some(self.mixed.len());
+                self.mixed.push(self.requested.len());
+            }
             self.requested.push(slot.name.clone());
         }
         self.slots.push(slot);
@@ -219,7 +238,8 @@ impl Layout {
     pub(crate) fn begin_part(&self) -> Particles {
         let columns = self.requested.iter().map(|name| Column { name: name.clone(), values: Vec::new() }).collect();
         let texts = self.texts.iter().map(|column| (*column, Names::default())).collect();
-        Particles { columns, texts, color_type: self.color_type, ..Particles::default() }
+        let mixed = self.mixed.iter().map(|column| Mixed::of(*column)).collect();
+        Particles { columns, texts, mixed, color_type: self.color_type, ..Particles::default() }
     }
 
     /// Adds a particle from the words of a line, or counts the line as left out; words after the last column are ignored.
@@ -314,16 +334,20 @@ impl Slot {
     ) -> Result<()> {
         let unread = self.requested.is_none() && self.part.is_none();
         if let (Some(column), Some(text)) = (self.requested, self.text) {
-            let number = particles.texts[text].1.number(word.text.as_bytes())?;
+            let number = particles.texts[text].1.number(word.content().as_bytes())?;
             particles.columns[column].values.push(f64::from(number));
+        }
+        if let (Some(column), Some(mixed)) = (self.requested, self.mixed) {
+            return particles.mixed[mixed].add(&word.content(), &mut particles.columns[column].values);
         }
         let number = match self.role {
             Role::Text => return Ok(()),
             Role::Other if unread => return Ok(()),
             Role::Symbol => {
-                let number = particles.species.code(word.text);
+                let symbol = word.content();
+                let number = particles.species.code(&symbol);
                 if number == 0 {
-                    particles.count_unknown(word.text, 1);
+                    particles.count_unknown(&symbol, 1);
                 }
                 particles.elements.push(number);
                 return Ok(());
@@ -337,13 +361,14 @@ impl Slot {
                 word.finite(&self.name)?
             }
             // A missing number in a table is NaN.
-            Role::Other | Role::Number if word.text.is_empty() => f64::NAN,
-            Role::Other if self.mixed && word.text.parse::<f64>().is_err() => {
-                if let Some(column) = self.requested {
-                    particles.mixed.add(column, word.text, 1)?;
+            Role::Other | Role::Number if word.text.is_empty() || self.infers && is_missing(word.text) => f64::NAN,
+            Role::Other if self.infers => word.number(&self.name).map_err(|error| match error {
+                Error::Scene { place, problem, source, .. } => {
+                    let mend = format!("use a number in every row, or remove {STREAM} for a column of texts");
+                    Error::Scene { place, problem, mend, source }
                 }
-                f64::NAN
-            }
+                other => other,
+            })?,
             Role::Other | Role::Number => word.number(&self.name)?,
         };
         self.put(number, builder, particles);

@@ -22,6 +22,16 @@ impl Names {
         self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
     }
 
+    /// Makes the numbers of other names those of the same names here.
+    ///
+    /// # Errors
+    /// As [`Names::number`].
+    pub(super) fn renumber(&mut self, others: &Self, values: &mut [f64]) -> Result<()> {
+        let numbers: Vec<u32> = others.list.iter().map(|name| self.number(name)).collect::<Result<_>>()?;
+        values.iter_mut().for_each(|value| *value = f64::from(numbers[*value as usize]));
+        Ok(())
+    }
+
     /// The number of a name; a new name gets the next number.
     ///
     /// # Errors

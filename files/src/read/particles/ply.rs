@@ -23,7 +23,7 @@ use halfline::quote::unquoted;
 use header::{PlyElement, PlyEncoding, Property, header};
 use splat::Splat;
 use std::io::BufReader;
-use text::{rest_of_text, text};
+use text::{pass, rest_of_text, text};
 use vertex::VertexColumns;
 
 /// Reads the vertices.
@@ -31,8 +31,12 @@ use vertex::VertexColumns;
 /// # Errors
 /// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
 pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
-    let path = source.path.clone();
-    let mut lines = Lines::new(source.reader, &path);
+    let SceneSource { mut reader, path, .. } = source;
+    // Line ends of old Macintosh: a first byte of binary data may be a line feed, so the first line decides.
+    let start = reader.look(5).map_err(|e| Error::read(&path, e))?;
+    let ends_in_returns = start.starts_with(b"ply\r") && start.get(4) != Some(&b'\n');
+    let lines = Lines::new(reader, &path);
+    let mut lines = if ends_in_returns { lines.of_returns() } else { lines };
     let (form, elements) = header(&mut lines)?;
     let Some(place) = elements.iter().position(|element| element.name == "vertex") else {
         let mend = "use a file with points";
@@ -57,7 +61,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
     match form {
         PlyEncoding::Text => {
             for element in before {
-                lines.pass(element.count)?;
+                pass(&mut lines, element)?;
             }
             text(&mut lines, vertices, &columns, &mut particles)?;
             particles.tell_left_out();

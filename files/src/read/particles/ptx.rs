@@ -47,7 +47,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             return Err(lines.cut("point", CUT));
         }
     }
-    particles.settle_texts();
+    particles.settle_texts()?;
     Ok(particles)
 }
 

@@ -3,6 +3,7 @@
 
 use super::colors::{ColorSurvey, ColorType};
 use super::infer::{Inference, code_of_unknown};
+use super::mixed::is_missing;
 use halfline::error::{Error, Result};
 use halfline::scene::{Cell, Spheres};
 use std::collections::BTreeMap;
@@ -16,6 +17,10 @@ const PART: usize = 1 << 19;
 /// The most different numbers of a column that are counted.
 const VALUES: usize = 64;
 
+/// The most bytes of the texts among the numbers of a column, and the bytes of one besides its letters.
+const MOST_TEXTS: usize = 1 << 28;
+const TEXT: usize = 64;
+
 /// A reading in parts: the particles of each part are counted and dropped, or passed on. Clones share the counts and
 /// the receiver.
 #[derive(Debug, Clone)]
@@ -27,6 +32,8 @@ pub struct Survey {
     pick: Option<Arc<Mutex<dyn Pick>>>,
     /// The number of particles that fills a part.
     part: usize,
+    /// The columns that are known to have texts, in lower case.
+    texts: Vec<String>,
 }
 
 /// Selects spheres that arrive block by block.
@@ -92,8 +99,10 @@ pub(in crate::read) struct ColumnCounts {
     pub(in crate::read) text: bool,
     /// The names; empty for numbers.
     pub(in crate::read) labels: Vec<String>,
-    /// Texts among the numbers, with the number of their particles.
+    /// Texts among the numbers, and words for missing numbers, with the number of their particles.
     pub(in crate::read) texts: BTreeMap<String, u64>,
+    /// The bytes of these texts.
+    text_bytes: usize,
 }
 
 impl Default for Counts {
@@ -126,7 +135,7 @@ pub(super) struct Counted<'a> {
 
 impl Default for Survey {
     fn default() -> Self {
-        Self { counts: Arc::default(), parts: None, pick: None, part: PART }
+        Self { counts: Arc::default(), parts: None, pick: None, part: PART, texts: Vec::new() }
     }
 }
 
@@ -145,6 +154,16 @@ impl Survey {
     /// The same, where only the spheres that `pick` selects are passed on.
     pub(in crate::read) fn picking(&self, pick: Arc<Mutex<dyn Pick>>) -> Self {
         Self { pick: Some(pick), ..self.clone() }
+    }
+
+    /// The same, where these columns are known to have texts.
+    pub(in crate::read) fn with_texts(self, texts: Vec<String>) -> Self {
+        Self { texts, ..self }
+    }
+
+    /// Whether a column is known to have texts.
+    pub(super) fn has_texts(&self, column: &str) -> bool {
+        self.texts.iter().any(|name| name == column)
     }
 
     /// Whether the particles are counted.
@@ -245,6 +264,24 @@ impl Counts {
         inferred.sentences(self.particles + inferred.sites())
     }
 
+    /// Counts texts among the numbers of a column, which are counted as missing numbers too.
+    pub(super) fn mix(&mut self, column: &str, texts: BTreeMap<String, u64>) {
+        if texts.is_empty() {
+            return;
+        }
+        let counts = self.columns.entry(column.to_owned()).or_insert_with(ColumnCounts::new);
+        for (text, count) in texts {
+            if let Some(known) = counts.texts.get_mut(&text) {
+                *known += count;
+            } else if counts.text_bytes < MOST_TEXTS {
+                counts.text_bytes += text.len() + TEXT;
+                counts.texts.insert(text, count);
+            } else {
+                counts.values = None;
+            }
+        }
+    }
+
     pub(super) fn add_unknown(&mut self, unknown: BTreeMap<String, u64>) {
         unknown.into_iter().for_each(|(name, count)| *self.unknown.entry(name).or_default() += count);
     }
@@ -260,14 +297,14 @@ impl ColumnCounts {
             text: false,
             labels: Vec::new(),
             texts: BTreeMap::new(),
+            text_bytes: 0,
         }
     }
 
-    /// Takes texts that were counted as missing numbers.
-    pub(super) fn mix(&mut self, texts: BTreeMap<String, u64>) {
-        self.missing = self.missing.saturating_sub(texts.values().sum());
-        self.text |= !texts.is_empty();
-        self.texts = texts;
+    /// Whether the column has texts: where they are words for missing numbers alone, it has no numbers.
+    pub(in crate::read) fn is_text(&self) -> bool {
+        let has_numbers = self.ends[0] <= self.ends[1] || self.infinite > 0;
+        self.text || self.texts.keys().any(|text| !(has_numbers && is_missing(text)))
     }
 
     fn add(&mut self, value: f64, text: bool) {

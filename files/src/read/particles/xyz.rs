@@ -224,7 +224,7 @@ impl ParticleFrames for Xyz {
             return Err(self.lines.cut("atom", MEND));
         }
         self.check_end(count, &layout, &mut particles)?;
-        particles.settle_texts();
+        particles.settle_texts()?;
         Ok(Some(particles))
     }
 

@@ -5,7 +5,7 @@
 use super::block::{COLUMNS, REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
 use crate::read::input::Input;
 use crate::read::lines::{Block, Lines, has_content};
-use crate::read::particles::table::fields::{delimiter, each_number, fields, named_columns};
+use crate::read::particles::table::fields::{declared_delimiter, delimiter, each_number, fields, named_columns};
 use halfline::error::{Error, Result};
 use rayon::prelude::*;
 use std::io::BufRead;
@@ -31,26 +31,31 @@ struct Form {
 impl RayTable {
     pub(super) fn open(reader: Input, path: &Path) -> Result<Self> {
         let mut lines = Lines::new(reader, path);
-        let (mut places, mut ahead) = (None, false);
+        let (mut places, mut ahead, mut declared) = (None, false, None);
         while !ahead && lines.advance()? {
+            if let (None, None, Some(delimiter)) = (&places, declared, declared_delimiter(lines.text())) {
+                declared = Some(delimiter);
+                continue;
+            }
+            let of_line = |text: &str| declared.unwrap_or_else(|| delimiter(text));
             let is_row = has_content(lines.text());
             if places.is_some() {
                 // The row after the header shows the delimiter: numpy.savetxt uses any one in its header.
                 ahead = is_row;
-            } else if is_row
-                && fields(&lines, 0, delimiter(lines.text())).next().is_some_and(|word| is_number(word.text))
+            } else if is_row && fields(&lines, 0, of_line(lines.text())).next().is_some_and(|word| is_number(word.text))
             {
                 ahead = true;
             } else {
                 let mark = lines.text().find(|c: char| c != '#' && !c.is_whitespace());
-                let header = named(&lines, if is_row { 0 } else { mark.unwrap_or_default() });
+                let start = if is_row { 0 } else { mark.unwrap_or_default() };
+                let header = named(&lines, start, of_line(&lines.text()[start..]));
                 places = if is_row { Some(header?) } else { header.ok() };
             }
         }
         if !ahead && places.is_none() {
             return Err(Error::scene(lines.file(), "the file has no rays", MEND));
         }
-        let delimiter = delimiter(lines.text());
+        let delimiter = declared.unwrap_or_else(|| delimiter(lines.text()));
         let places = match places {
             Some(places) => places,
             None => match fields(&lines, 0, delimiter).count() {
@@ -129,8 +134,8 @@ fn is_number(text: &str) -> bool {
 }
 
 /// For each name in the header that begins at byte `start` of the current line, its index in [`COLUMNS`].
-fn named<R: BufRead>(lines: &Lines<R>, start: usize) -> Result<Vec<usize>> {
-    let places = named_columns(lines, start, &COLUMNS, MEND)?;
+fn named<R: BufRead>(lines: &Lines<R>, start: usize, delimiter: u8) -> Result<Vec<usize>> {
+    let places = named_columns(lines, (start, delimiter), &COLUMNS, MEND)?;
     match (0..REQUIRED).find(|place| !places.contains(place)) {
         Some(missing) => {
             let problem = format!("column `{}` is missing", COLUMNS[missing]);

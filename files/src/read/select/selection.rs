@@ -36,6 +36,17 @@ impl Selection {
         columns
     }
 
+    /// Those of which it lists values, in lower case.
+    pub(in crate::read) fn worded_columns(&self) -> Vec<String> {
+        let mut columns = Vec::new();
+        self.root.visit(&mut |node| {
+            if let Node::Values(column, _) = node {
+                columns.extend(keys(&Key::of(column)));
+            }
+        });
+        columns
+    }
+
     /// The expression for messages: a long one is shortened.
     pub(in crate::read) fn brief(&self) -> Quote<'_> {
         shortened(&self.text, 120)

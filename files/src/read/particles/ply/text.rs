@@ -20,7 +20,7 @@ pub(super) fn text(
     let layout = &columns.layout;
     let mut numbers = Vec::new();
     for read in 0..element.count {
-        if !lines.advance()? {
+        if !next(lines)? {
             return Err(truncated(lines.file(), read, element));
         }
         numbers.clear();
@@ -76,6 +76,31 @@ pub(super) fn text(
     Ok(())
 }
 
+/// Moves to the next line that is not blank.
+fn next(lines: &mut Lines<Input>) -> Result<bool> {
+    while lines.advance()? {
+        if !lines.text().trim_ascii().is_empty() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Skips the lines of an element; returns their number. Lines without properties are blank.
+pub(super) fn pass(lines: &mut Lines<Input>, element: &PlyElement) -> Result<u64> {
+    let mut passed = 0;
+    while passed < element.count {
+        if element.properties.is_empty() {
+            return lines.pass(element.count);
+        }
+        if !next(lines)? {
+            break;
+        }
+        passed += 1;
+    }
+    Ok(passed)
+}
+
 /// Checks that the lines after the vertices are those of the other elements, so that no vertex is among them.
 pub(super) fn rest_of_text(
     lines: &mut Lines<Input>,
@@ -84,16 +109,14 @@ pub(super) fn rest_of_text(
     particles: &mut Particles,
 ) -> Result<()> {
     for element in behind {
-        let passed = lines.pass(element.count)?;
+        let passed = pass(lines, element)?;
         if passed < element.count {
             particles.skipped.assumed.push(short_of(lines.file(), passed, element));
             return Ok(());
         }
     }
-    while lines.advance()? {
-        if !lines.text().trim().is_empty() {
-            return surplus(lines, vertices.count, "vertices", |lines| !lines.text().trim().is_empty());
-        }
+    if next(lines)? {
+        return surplus(lines, vertices.count, "vertices", |lines| !lines.text().trim().is_empty());
     }
     Ok(())
 }

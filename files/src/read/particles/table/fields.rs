@@ -5,9 +5,35 @@ use halfline::error::{Error, Result};
 use halfline::quote::quote;
 use std::io::BufRead;
 
+/// The bytes that may separate fields, the most certain first. Blanks are the last.
+const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', b' '];
+
 /// The delimiter of a line.
 pub(crate) fn delimiter(line: &str) -> u8 {
-    [b'\t', b';', b','].into_iter().find(|delimiter| line.as_bytes().contains(delimiter)).unwrap_or(b' ')
+    delimiters(line).next().unwrap_or(b' ')
+}
+
+/// The delimiters that a line may have, the likely one first: those outside of quotes, and blanks.
+pub(super) fn delimiters(line: &str) -> impl Iterator<Item = u8> {
+    let (mut found, mut is_quoted) = ([false; DELIMITERS.len()], false);
+    for byte in line.bytes() {
+        is_quoted ^= byte == b'"';
+        if let Some(k) = DELIMITERS.iter().position(|known| *known == byte && !is_quoted) {
+            found[k] = true;
+        }
+    }
+    found[DELIMITERS.len() - 1] = true;
+    DELIMITERS.into_iter().zip(found).filter_map(|(delimiter, is_there)| is_there.then_some(delimiter))
+}
+
+/// The delimiter that a line alone says, as Excel writes it: `sep=;`.
+pub(crate) fn declared_delimiter(line: &str) -> Option<u8> {
+    let line = line.trim_end_matches(['\n', '\r']).trim_matches('"');
+    let (key, rest) = line.split_at_checked(4)?;
+    match rest.as_bytes() {
+        [delimiter] if key.eq_ignore_ascii_case("sep=") && delimiter.is_ascii() => Some(*delimiter),
+        _ => None,
+    }
 }
 
 /// The fields of the current line from a byte on, without padding and quotes.
@@ -35,7 +61,7 @@ pub(crate) fn fields<R: BufRead>(
             last -= 1;
         }
         let mut word = lines.word(first, last);
-        word.at = at;
+        (word.at, word.is_quoted) = (at, quoted.is_some());
         Some(word)
     })
 }
@@ -46,17 +72,18 @@ pub(crate) fn fields<R: BufRead>(
 /// [`Error::Scene`] for another name, and for one that occurs twice.
 pub(crate) fn named_columns<R: BufRead>(
     lines: &Lines<R>,
-    start: usize,
+    (start, delimiter): (usize, u8),
     names: &[&str],
     mend: &str,
 ) -> Result<Vec<usize>> {
     let fail = |at: usize, problem: String| Error::scene(lines.place(at).named("header"), problem, mend);
     let mut columns = Vec::new();
-    for word in fields(lines, start, delimiter(&lines.text()[start..])) {
-        let column = names.iter().position(|name| name.eq_ignore_ascii_case(word.text));
-        let column = column.ok_or_else(|| fail(word.at, format!("unknown column {}", quote(word.text))))?;
+    for word in fields(lines, start, delimiter) {
+        let found = word.content();
+        let column = names.iter().position(|name| name.eq_ignore_ascii_case(&found));
+        let column = column.ok_or_else(|| fail(word.at, format!("unknown column {}", quote(&*found))))?;
         if columns.contains(&column) {
-            return Err(fail(word.at, format!("{} occurs twice", quote(word.text))));
+            return Err(fail(word.at, format!("{} occurs twice", quote(&*found))));
         }
         columns.push(column);
     }
@@ -91,23 +118,58 @@ pub(crate) fn each_number<R: BufRead>(
     }
 }
 
-/// Whether a record continues on the next line, because it ends within a quoted field; `None` where text follows a quote that
-/// closes a field, so that quotes mean something else.
-pub(super) fn continues(record: &[u8], delimiter: u8) -> Option<bool> {
-    let text = String::from_utf8_lossy(record);
-    if !has_content(&text) {
-        return Some(false);
+/// The quotes of a record of which lines arrive one by one.
+pub(in crate::read) struct Quotes {
+    delimiter: u8,
+    state: Quoting,
+}
+
+/// The place in a field.
+#[derive(Clone, Copy, PartialEq)]
+enum Quoting {
+    /// Before it.
+    Begin,
+    Plain,
+    Quoted,
+    /// Behind a quote, which ends the quoted text or is doubled.
+    Quote,
+    /// Behind the quoted text.
+    Closed,
+}
+
+impl Quotes {
+    /// No lines yet of a record with this first line, whose fields are separated by `delimiter` if it is not 0; `None` for a comment.
+    pub(in crate::read) fn of(line: &[u8], delimiter: u8) -> Option<Self> {
+        let text = String::from_utf8_lossy(line);
+        let delimiter = if delimiter == 0 { self::delimiter(&text) } else { delimiter };
+        has_content(&text).then_some(Self { delimiter, state: Quoting::Begin })
     }
-    let delimiter = if delimiter == 0 { self::delimiter(&text) } else { delimiter };
-    let mut at = 0;
-    loop {
-        let field = Field::of(record, at, delimiter);
-        match (field.quoted, record.get(field.at)) {
-            (None, Some(b'"')) => return quoted(&record[field.at..]).is_none().then_some(true),
-            _ if field.end >= record.len() => return Some(false),
-            _ => at = field.end + 1,
+
+    /// Whether the record ends within quotes after a line more; `None` where text follows a quote that closes a field, so that
+    /// quotes mean something else.
+    pub(in crate::read) fn are_open(&mut self, line: &[u8]) -> Option<bool> {
+        for byte in line {
+            let ends = ends(*byte, self.delimiter);
+            self.state = match self.state {
+                Quoting::Quoted if *byte == b'"' => Quoting::Quote,
+                Quoting::Quote if *byte == b'"' => Quoting::Quoted,
+                Quoting::Quoted => Quoting::Quoted,
+                _ if ends => Quoting::Begin,
+                Quoting::Plain => Quoting::Plain,
+                Quoting::Begin if byte.is_ascii_whitespace() => Quoting::Begin,
+                Quoting::Begin if *byte == b'"' => Quoting::Quoted,
+                Quoting::Begin => Quoting::Plain,
+                Quoting::Quote | Quoting::Closed if byte.is_ascii_whitespace() => Quoting::Closed,
+                Quoting::Quote | Quoting::Closed => return None,
+            };
         }
+        Some(self.state == Quoting::Quoted)
     }
+}
+
+/// Whether a byte ends a field without quotes.
+fn ends(byte: u8, delimiter: u8) -> bool {
+    if delimiter == b' ' { byte.is_ascii_whitespace() } else { byte == delimiter }
 }
 
 /// A field of a record: its first byte without padding, the length of its text in quotes, if it is quoted, and its end.
@@ -121,7 +183,7 @@ impl Field {
     /// The field from a byte on.
     fn of(text: &[u8], raw: usize, delimiter: u8) -> Self {
         let blank = |byte: &u8| byte.is_ascii_whitespace() && (*byte != delimiter || delimiter == b' ');
-        let ends = |byte: &u8| if delimiter == b' ' { byte.is_ascii_whitespace() } else { *byte == delimiter };
+        let ends = |byte: &u8| ends(*byte, delimiter);
         let at = raw + text[raw..].iter().take_while(|byte| blank(byte)).count();
         let quoted = quoted(&text[at..]).filter(|length| {
             let after = text[at + length..].iter().find(|byte| !blank(byte) || ends(byte));

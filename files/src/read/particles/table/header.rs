@@ -1,6 +1,6 @@
 //! The header of a table: the names of its columns and their meaning, from the file or from the caller.
 
-use super::fields::{delimiter, fields, next};
+use super::fields::{declared_delimiter, delimiter, delimiters, fields, next};
 use super::names::{Axes, axes, split};
 use crate::read::lines::{Lines, comment};
 use crate::read::particles::column_names::ColumnNames;
@@ -16,6 +16,8 @@ use std::io::BufRead;
 pub(super) struct TableHeader {
     pub(super) names: Vec<(String, Role)>,
     pub(super) delimiter: u8,
+    /// Whether a line above says the delimiter.
+    pub(super) is_declared: bool,
     /// Whether it is a comment.
     pub(super) comment: bool,
     pub(super) place: Place,
@@ -46,7 +48,7 @@ impl TableHeader {
     /// # Errors
     /// [`Error::Scene`] for a table without named coordinates, and without a column that is given.
     pub(super) fn find<R: BufRead>(lines: &mut Lines<R>, given: &ColumnNames, kind: Bare) -> Result<(Self, bool)> {
-        let (mut above, mut counted) = (None, None);
+        let (mut above, mut counted, mut declared) = (None, None, None);
         while lines.advance()? {
             let text = lines.text().trim_start();
             if text.is_empty() {
@@ -56,15 +58,20 @@ impl TableHeader {
                 counted = Some((lines.place(0), rows));
                 continue;
             }
+            if let (None, None, Some(delimiter)) = (&above, declared, declared_delimiter(text)) {
+                declared = Some(delimiter);
+                lines.set_records(delimiter);
+                continue;
+            }
             let comment = comment(text);
             let start = lines.text().len() - text.len() + comment;
-            let found = Self::of(lines, start, given);
+            let found = Self::of(lines, start, given, declared);
             if comment > 0 {
                 above = found?.ok().or(above);
                 continue;
             }
             // A table by numbers has a header only if its first line has no numbers there.
-            let bare = if given.are_numbers() { Self::bare(lines, given, kind) } else { None };
+            let bare = if given.are_numbers() { Self::bare(lines, given, kind, declared) } else { None };
             let (header, ahead) = match (found?, bare, above) {
                 (_, Some(bare), Some(above)) if above.names.len() == bare.names.len() => (above, true),
                 (Ok(header), None, _) => (header, next(lines)?),
@@ -82,15 +89,16 @@ impl TableHeader {
     }
 
     /// The columns of a table whose first row is the current line; `None` for a line that is no row.
-    fn bare<R: BufRead>(lines: &Lines<R>, given: &ColumnNames, kind: Bare) -> Option<Self> {
-        let delimiter = delimiter(lines.text());
+    fn bare<R: BufRead>(lines: &Lines<R>, given: &ColumnNames, kind: Bare, declared: Option<u8>) -> Option<Self> {
+        let delimiter = declared.unwrap_or_else(|| delimiter(lines.text()));
         let numbers: Vec<bool> = fields(lines, 0, delimiter).map(|word| word.text.parse::<f64>().is_ok()).collect();
         let place = lines.place(0);
         let header = |roles: Vec<Option<Role>>, assumed| {
             let name =
                 |(n, role): (usize, &Option<Role>)| (ColumnNames::name_of(*role, n), role.unwrap_or(Role::Other));
             let names = roles.iter().enumerate().map(name).collect();
-            Self { names, delimiter, comment: false, place: place.clone(), assumed, counted: None }
+            let is_declared = declared.is_some();
+            Self { names, delimiter, is_declared, comment: false, place: place.clone(), assumed, counted: None }
         };
         if given.is_empty() && kind == Bare::Points {
             let words = fields(lines, 0, delimiter).map(|word| word.text);
@@ -122,12 +130,17 @@ impl TableHeader {
     ///
     /// # Errors
     /// [`Error::Scene`] for lengths in different units.
-    fn of<R: BufRead>(lines: &Lines<R>, start: usize, given: &ColumnNames) -> Result<Result<Self>> {
-        let likely = delimiter(&lines.text()[start..]);
+    fn of<R: BufRead>(
+        lines: &Lines<R>,
+        start: usize,
+        given: &ColumnNames,
+        declared: Option<u8>,
+    ) -> Result<Result<Self>> {
         let place = lines.place(start);
         let mut problem = None;
-        for delimiter in [likely, b' '] {
-            let names: Vec<String> = fields(lines, start, delimiter).map(|word| word.text.to_owned()).collect();
+        let likely = delimiters(&lines.text()[start..]).filter(|_| declared.is_none());
+        for delimiter in declared.into_iter().chain(likely) {
+            let names: Vec<String> = fields(lines, start, delimiter).map(|word| word.content().into_owned()).collect();
             let fixed = match given.roles(&names) {
                 Ok(fixed) => fixed,
                 Err(lack) => {
@@ -156,7 +169,8 @@ impl TableHeader {
             }
             let comment = start > 0 && lines.text()[..start].ends_with(['#', '/']);
             let names = names.into_iter().zip(roles).collect();
-            let header = Self { names, delimiter, comment, place: place.clone(), assumed, counted: None };
+            let is_declared = declared.is_some();
+            let header = Self { names, delimiter, is_declared, comment, place: place.clone(), assumed, counted: None };
             if header.is_placed() {
                 return Ok(Ok(header));
             }
