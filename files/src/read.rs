@@ -45,7 +45,7 @@ pub use columns::{Codes, ColumnValue, ColumnValues, Columns};
 pub use fixed_camera::FixedCamera;
 pub use format::Format;
 pub use frame_range::FrameRange;
-pub use info::info;
+pub use info::{info, info_from_reader};
 pub use input::read_once;
 pub use options::{Hold, Keep, ReadOptions};
 pub use particles::column_names::ColumnNames;

@@ -5,7 +5,7 @@ use super::check::{
     allowed_points, check_error, check_words, unpacked,
 };
 use halfline_files::read::style::{Coloring, Scale, Style};
-use halfline_files::read::{Format, ReadOptions, SceneFrame, Sequence};
+use halfline_files::read::{Format, ReadOptions, SceneFrame, Sequence, info_from_reader};
 use std::io::{Cursor, Read};
 use std::path::Path;
 
@@ -21,11 +21,33 @@ pub(super) fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
         let in_pieces = read(Pieces::new(content), &options, length);
         assert!(at_once == in_pieces || !whole, "at once {at_once:?}, in pieces {in_pieces:?}");
     }
+    if choice & 0x10 != 0 {
+        check_info(format, content);
+    }
     match format {
         Some(Format::Native | Format::Pcd) => allowed(length, PER_BYTE_OF_TOML),
         Some(Format::Mmcif) => allowed(length, PER_BYTE_OF_CRYSTAL),
         Some(Format::Las) | None => allowed_points(length),
         _ => allowed(length, PER_BYTE),
+    }
+}
+
+/// Checks that the examination of a file says what a rendering without options does: the same error, or the same spheres.
+fn check_info(format: Option<Format>, content: &[u8]) {
+    let options = ReadOptions { format, ..ReadOptions::default() };
+    let (path, bytes) = (Path::new("fuzzed"), || Cursor::new(content.to_vec()));
+    let rendered = Sequence::from_reader(bytes(), path, &options).and_then(|mut sequence| sequence.next_scene());
+    match (info_from_reader(bytes(), path, &options), rendered) {
+        (Ok(info), Ok(Some(frame))) => assert_eq!(info.spheres, frame.scene.spheres.len() as u64),
+        // Another error may be that of a column, of which a rendering reads few.
+        (Err(error), Err(_)) => drop(check_error(&error)),
+        // A file without a frame is refused by the command.
+        (Err(error), Ok(None)) => drop(check_error(&error)),
+        // The image flags of LAMMPS data are columns that a rendering does not read.
+        (Err(error), Ok(Some(_))) if format == Some(Format::Data) => drop(check_error(&error)),
+        (Err(error), Ok(Some(frame))) => panic!("{error}, but {:?} are read", frame.scene.spheres.len()),
+        (Ok(info), Err(error)) => panic!("info has {} spheres, and a rendering {error}", info.spheres),
+        (Ok(info), Ok(None)) => panic!("info has {} spheres, and a rendering no frame", info.spheres),
     }
 }
 

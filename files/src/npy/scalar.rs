@@ -36,8 +36,7 @@ impl Scalar {
         Some(Self { kind, size, big })
     }
 
-    /// A type string of NumPy, such as `<f8`; `None` for what is not a real number, for halves, and for the long doubles
-    /// of some processors.
+    /// A type string of NumPy, such as `<f8`; `None` for what is not a real number, and for the long doubles of some processors.
     pub(crate) fn of_numpy(name: &str) -> Option<Self> {
         let (order, rest) = name.split_at_checked(1)?;
         let (kind, size) = rest.split_at_checked(1)?;
@@ -51,7 +50,7 @@ impl Scalar {
         let size = size.parse().ok()?;
         let sizes: &[usize] = match kind {
             NumberKind::Bool => &[1],
-            NumberKind::Float => &[4, 8],
+            NumberKind::Float => &[2, 4, 8],
             _ => &[1, 2, 4, 8],
         };
         let big = match order {
@@ -97,10 +96,23 @@ impl Scalar {
         match self.kind {
             NumberKind::Bool | NumberKind::Unsigned => whole as f64,
             NumberKind::Signed => ((whole << unused) as i64 >> unused) as f64,
+            NumberKind::Float if self.size == 2 => half(whole as u16),
             NumberKind::Float if self.size == 4 => f64::from(f32::from_bits(whole as u32)),
             NumberKind::Float => f64::from_bits(whole),
         }
     }
+}
+
+/// The number of these bits of float16 (IEEE 754-2008, binary16: a sign, 5 bits of exponent, 10 of fraction).
+fn half(bits: u16) -> f64 {
+    let (exponent, fraction) = (bits >> 10 & 0x1f, f64::from(bits & 0x3ff) / 1024.0);
+    let size = match exponent {
+        0 => fraction * 2f64.powi(-14),
+        0x1f if fraction == 0.0 => f64::INFINITY,
+        0x1f => f64::NAN,
+        exponent => (1.0 + fraction) * 2f64.powi(i32::from(exponent) - 15),
+    };
+    if bits >> 15 == 1 { -size } else { size }
 }
 
 /// The three levels of a packed colour, 0xRRGGBB.
@@ -117,6 +129,32 @@ pub(crate) fn bits(number: f64, of: Scalar) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Some by the tables of the standard, and all by the spacing of their exponent.
+    #[test]
+    fn halves_are_those_of_ieee_754() {
+        for (bits, number) in [
+            (0x0000, 0.0),
+            (0x0001, 2f64.powi(-24)),
+            (0x03ff, 1023.0 * 2f64.powi(-24)),
+            (0x0400, 2f64.powi(-14)),
+            (0x3555, 0.333_251_953_125),
+            (0x3c00, 1.0),
+            (0xc000, -2.0),
+            (0x7bff, 65504.0),
+            (0x7c00, f64::INFINITY),
+            (0xfc00, f64::NEG_INFINITY),
+        ] {
+            assert_eq!(half(bits), number, "{bits:x}");
+        }
+        assert!(half(0x7e00).is_nan() && half(0x8000).to_bits() == (-0.0f64).to_bits());
+        for bits in 0..0x7bff_u16 {
+            let step = 2f64.powi(i32::from((bits >> 10).max(1)) - 25);
+            assert_eq!(half(bits + 1) - half(bits), step, "{bits:x}");
+        }
+        let read = |name: &str, bytes: [u8; 2]| Scalar::of_numpy(name).expect(name).number(&bytes);
+        assert_eq!((read("<f2", [0, 0x3c]), read(">f2", [0x3c, 0])), (1.0, 1.0));
+    }
 
     #[test]
     fn numbers_are_read_in_both_byte_orders() {
@@ -140,7 +178,7 @@ mod tests {
             (">i2", Some(2)),
             ("|u1", Some(1)),
             ("|b1", Some(1)),
-            ("<f2", None),
+            ("<f2", Some(2)),
             ("<c16", None),
             ("|S4", None),
             ("|f8", None),

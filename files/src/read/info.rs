@@ -3,6 +3,7 @@
 
 use super::elements::element;
 use super::frame_range::FrameRange;
+use super::input::Input;
 use super::open::open;
 use super::options::ReadOptions;
 use super::particles::colors::ColorScale;
@@ -12,9 +13,10 @@ use super::sequence::{SceneFrame, Sequence};
 use super::source::SceneSource;
 use super::style::{Radii, Style, spacing_of};
 use halfline::error::{Error, Place, Result};
-use halfline::scene::Cell;
+use halfline::scene::{Cell, check_sphere};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::Path;
 
 /// The content of a scene or particle file. Numbers are those of the first frame, in the file's unit (GROMACS: converted
@@ -120,6 +122,15 @@ pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
     of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options, Survey::default())
 }
 
+/// Examines bytes from any reader, of which messages and the detection of the format speak as of the file `path`.
+///
+/// # Errors
+/// As [`info`].
+pub fn info_from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<FileInfo> {
+    let input = Input::of(Box::new(reader), &options.watch).map_err(|error| Error::read(path, error))?;
+    of_source(SceneSource::of(input, path, options.known_format())?, path, options, Survey::default())
+}
+
 /// The content of an opened source, counted by `survey`.
 fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Survey) -> Result<FileInfo> {
     let options = ReadOptions {
@@ -149,6 +160,10 @@ fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Su
         return Err(Error::scene(place, "the file has no atoms or particles", "use a file with coordinates"));
     };
     let mut counts = first.counted(&survey);
+    if let Some((n, center, radius)) = counts.invalid {
+        let place = || Place::file(path.display().to_string()).named(format!("particle {n}"));
+        check_sphere(center, radius, place)?;
+    }
     let mut count = 1;
     loop {
         options.watch.check()?;
@@ -166,11 +181,11 @@ fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Su
     Ok(FileInfo { format, frames: count, ..FileInfo::of(counts) })
 }
 
-/// Whether an error is of the file's content: also of a compressed one that is cut.
+/// Whether an error is of the file's content: also of a compressed one that is cut, and of a count that is too large.
 fn is_of_content(error: &Error) -> bool {
     use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
     match error {
-        Error::Scene { .. } => true,
+        Error::Scene { .. } | Error::Limits { .. } => true,
         Error::Io { source, .. } => matches!(source.kind(), InvalidData | InvalidInput | UnexpectedEof),
         _ => false,
     }

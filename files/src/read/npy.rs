@@ -1,12 +1,13 @@
-//! Spheres from a NumPy array file: float64 (or float32, converted exactly) of shape (n, 4) = x, y, z, radius or (n, 7)
-//! = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, and arrays of
-//! records with named fields. Rows count from 0, as in NumPy.
+//! Spheres from a NumPy array file: numbers of any type (float16 and float32 are converted exactly) of shape (n, 4) = x, y, z, radius
+//! or (n, 7) = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, (frames, n, 3)
+//! and so on as a film, and arrays of records with named fields. Rows count from 0, as in NumPy.
 
 pub(super) mod records;
 mod rows;
 
 use super::gauge::Counts;
 use super::input::{Input, fill};
+use super::particles::left_out::LeftOut;
 use super::particles::names::Names;
 use super::particles::survey::Survey;
 use crate::blocks;
@@ -30,7 +31,8 @@ const BLOCK: usize = 1 << 20;
 pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
     let mut npy = Npy::new(Input::open(path, watch)?, path, MEND);
     let header = npy.header()?;
-    npy.spheres(&header, &[4, 7], spheres, None).map(drop)
+    npy.spheres(&header, &[4, 7], spheres, None)?;
+    npy.end(header.shape[0])
 }
 
 /// Passes the spheres of the file on, block by block.
@@ -38,6 +40,7 @@ pub(super) fn pass(path: &Path, survey: &Survey, watch: &Watch) -> Result<()> {
     let (mut npy, mut rest) = (Npy::new(Input::open(path, watch)?, path, MEND), Spheres::default());
     let header = npy.header()?;
     npy.spheres(&header, &[4, 7], &mut rest, Some(survey))?;
+    npy.end(header.shape[0])?;
     // An array in Fortran order is not passed on in blocks.
     if rest.is_empty() { Ok(()) } else { survey.take_spheres(&mut rest, true) }
 }
@@ -72,6 +75,14 @@ fn letter_of(bytes: &[u8], big: bool) -> char {
     }
 }
 
+/// A shape as NumPy prints it.
+pub(super) fn shown(shape: &[u64]) -> String {
+    match shape {
+        [side] => format!("({side},)"),
+        sides => format!("({})", sides.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}
+
 /// An array file while it is read.
 pub(super) struct Npy<R> {
     pub(super) path: PathBuf,
@@ -82,6 +93,8 @@ pub(super) struct Npy<R> {
     pub(super) counts: Arc<Counts>,
     /// The remedy in errors: the array to save instead.
     pub(super) mend: &'static str,
+    /// The invalid rows that are left out; `None` where they are errors.
+    pub(super) left_out: Option<LeftOut>,
 }
 
 /// The rows of an array of two dimensions.
@@ -103,7 +116,7 @@ impl Npy<Input> {
     /// The array at the beginning of `reader`.
     pub(super) fn new(reader: Input, path: &Path, mend: &'static str) -> Self {
         let (bytes, counts) = (reader.length(), reader.counts());
-        Self { path: path.to_path_buf(), reader, bytes, counts, mend }
+        Self { path: path.to_path_buf(), reader, bytes, counts, mend, left_out: None }
     }
 }
 
@@ -116,17 +129,20 @@ impl<R: BufRead> Npy<R> {
         })
     }
 
-    /// The rows of an array of floats that has one of these widths.
+    /// The rows of an array of numbers that has one of these widths. Colours are floats.
     pub(super) fn matrix(&self, header: &Header, widths: &[u64]) -> Result<Matrix> {
         let (rows, width) = match header.shape[..] {
             [rows, width] if widths.contains(&width) => (rows, width as usize),
-            ref other => {
+            _ => {
                 let expected: Vec<_> = widths.iter().map(|width| format!("(n, {width})")).collect();
-                return Err(self.fail("shape", format!("found {other:?}, expected {}", expected.join(" or "))));
+                let problem = format!("found {}, expected {}", shown(&header.shape), expected.join(" or "));
+                return Err(self.fail("shape", problem));
             }
         };
-        let scalar = header.dtype.scalar().filter(|scalar| !scalar.is_whole());
-        let unknown = || self.fail("dtype", format!("found {}, expected float64 or float32", header.dtype));
+        let is_colored = widths.contains(&4) && width == 7;
+        let scalar = header.dtype.scalar().filter(|scalar| !(is_colored && scalar.is_whole()));
+        let expected = if is_colored { "floats" } else { "integers or floats of at most 8 bytes" };
+        let unknown = || self.fail("dtype", format!("found {}, expected {expected}", header.dtype));
         Ok(Matrix { rows, width, scalar: scalar.ok_or_else(unknown)? })
     }
 
@@ -140,25 +156,33 @@ impl<R: BufRead> Npy<R> {
         Ok((filled / row) as u64)
     }
 
-    /// The numbers of an array of one or two dimensions, row by row. Memory grows with the data read.
+    /// The numbers of an array, in the order of its indices, the last one fastest. Memory grows with the data read.
     pub(super) fn numbers(&mut self, header: &Header) -> Result<Vec<f64>> {
         let Some(scalar) = header.dtype.scalar() else {
             let is_plain = matches!(header.dtype, DType::Plain(_));
-            let expected = if is_plain { "integers, float32 or float64" } else { "numbers" };
+            let expected = if is_plain { "integers or floats of at most 8 bytes" } else { "numbers" };
             return Err(self.fail("dtype", format!("found {}, expected {expected}", header.dtype)));
         };
-        let (rows, width) = match header.shape[..] {
-            [n] => (n, 1),
-            [n, width @ 1..=16] => (n, width as usize),
-            ref other => return Err(self.fail("shape", format!("found {other:?}, expected (n,) or (n, 3)"))),
-        };
-        let numbers = self.stored(&Matrix { rows, width, scalar }, |numbers| numbers / width as u64)?;
-        if !header.fortran || width == 1 {
+        let shape = &header.shape;
+        let width = if shape.len() > 1 { shape[shape.len() - 1] } else { 1 };
+        let rows = if shape.len() > 1 { shape[..shape.len() - 1].iter().product() } else { shape.iter().product() };
+        let numbers = self.stored(rows, width, scalar, |numbers| numbers.checked_div(width).unwrap_or(rows))?;
+        if !header.fortran || shape.len() < 2 {
             return Ok(numbers);
         }
         check(8 * numbers.len() as u64, || "the array in the order of its rows".into())?;
-        let rows = numbers.len() / width;
-        Ok((0..numbers.len()).map(|at| numbers[at % width * rows + at / width]).collect())
+        // The first index is the fastest in the file.
+        let place = |at: usize| {
+            let (mut rest, mut place) = (at, 0);
+            let mut step = numbers.len();
+            for side in shape.iter().rev().map(|side| *side as usize) {
+                step /= side;
+                place += rest % side * step;
+                rest /= side;
+            }
+            place
+        };
+        Ok((0..numbers.len()).map(|at| numbers[place(at)]).collect())
     }
 
     /// The texts of an array of one dimension, numbered in the order of their first occurrence.
@@ -185,18 +209,18 @@ impl<R: BufRead> Npy<R> {
     }
 
     /// The numbers of an array in the order of the file; `complete` has the rows that are complete with so many numbers.
-    fn stored(&mut self, matrix: &Matrix, complete: impl Fn(u64) -> u64) -> Result<Vec<f64>> {
+    fn stored(&mut self, rows: u64, width: u64, scalar: Scalar, complete: impl Fn(u64) -> u64) -> Result<Vec<f64>> {
         let (mut numbers, mut block) = (Vec::new(), Vec::new());
-        let (size, mut left) = (matrix.scalar.size(), matrix.rows * matrix.width as u64);
+        let (size, mut left) = (scalar.size(), rows * width);
         while left > 0 {
             let read = self.block(left, size, &mut block);
             let done = complete(numbers.len() as u64);
-            match read.map_err(|error| self.cut(error, done, matrix.rows))? {
-                0 => return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), done, matrix.rows)),
+            match read.map_err(|error| self.cut(error, done, rows))? {
+                0 => return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), done, rows)),
                 found => left -= found,
             }
             reserve(&mut numbers, block.len() / size)?;
-            numbers.extend(block.chunks_exact(size).map(|number| matrix.scalar.number(number)));
+            numbers.extend(block.chunks_exact(size).map(|number| scalar.number(number)));
         }
         Ok(numbers)
     }

@@ -27,7 +27,7 @@ pub struct RayReader {
 }
 
 enum RaySource {
-    Array(RayArray),
+    Array(Box<RayArray>),
     Table(Box<RayTable>),
 }
 
@@ -54,7 +54,7 @@ impl RayReader {
     fn begin(mut input: Input, path: &Path, options: &RayOptions) -> Result<Self> {
         let start = input.look(MAGIC.len() as u64).map_err(|e| Error::read(path, e))?;
         let source = if start == MAGIC {
-            RaySource::Array(RayArray::open(input, path)?)
+            RaySource::Array(Box::new(RayArray::open(input, path)?))
         } else if start.starts_with(b"PK") {
             let problem = "an archive (.npz) holds several arrays";
             let mend = "save one array of rays with numpy.save";

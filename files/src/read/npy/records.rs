@@ -1,45 +1,148 @@
 //! A NumPy array as a scene: rows of numbers, or records with named fields.
 
-use super::{MEND, Npy};
+use super::{MEND, Npy, shown as shape_shown};
 use crate::npy::{DType, Field, Header, Scalar};
 use crate::read::input::Input;
 use crate::read::particles::frame::{ParticleFrames, Particles};
 use crate::read::particles::layout::Layout;
+use crate::read::particles::left_out::LeftOut;
 use crate::read::particles::meaning::{FieldKind, NamedField, meanings};
 use crate::read::particles::request::Request;
 use crate::read::particles::role::Role;
 use crate::read::source::SceneSource;
-use halfline::error::Result;
+use halfline::error::{Error, Result};
 use halfline::quote::list;
 use halfline::scene::Spheres;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind, Read};
 
 /// The reader.
 pub(in crate::read) struct Array {
     source: Option<SceneSource>,
     request: Request,
+    /// An array of numbers whose frames are not all read.
+    frames: Option<Frames>,
+}
+
+/// The frames of an array of three dimensions, or the only one of another.
+struct Frames {
+    npy: Npy<Input>,
+    /// The header of a frame, and that of the array.
+    frame: Header,
+    whole: Header,
+    /// The next frame.
+    next: u64,
+    /// All numbers of an array in Fortran order.
+    numbers: Vec<f64>,
 }
 
 impl Array {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        Self { source: Some(source), request }
+        Self { source: Some(source), request, frames: None }
+    }
+}
+
+impl Frames {
+    fn new(npy: Npy<Input>, whole: Header) -> Self {
+        let frame = match &whole.shape[..] {
+            [_, n, width] => Header { shape: vec![*n, *width], ..whole.clone() },
+            _ => whole.clone(),
+        };
+        Self { npy, frame, whole, next: 0, numbers: Vec::new() }
+    }
+
+    /// The number of frames.
+    fn count(&self) -> u64 {
+        if self.whole.shape.len() == 3 { self.whole.shape[0] } else { 1 }
+    }
+
+    /// Checks the shape and the type of an array of numbers; the error names those of the array.
+    fn check(&self) -> Result<()> {
+        let is_film = self.whole.shape.len() == 3 && WIDTHS.contains(&self.whole.shape[2]);
+        self.npy.matrix(if is_film { &self.frame } else { &self.whole }, &WIDTHS).map(drop)
+    }
+
+    fn next(&mut self, request: &Request) -> Result<Option<Particles>> {
+        if self.next >= self.count() {
+            return Ok(None);
+        }
+        let frame = self.next;
+        self.next += 1;
+        if let DType::Record(fields) = &self.whole.dtype {
+            return self.npy.records(&self.whole, fields, request).map(Some);
+        }
+        self.check()?;
+        let (mut spheres, survey) = (Spheres::default(), request.survey.as_ref());
+        self.npy.left_out = request.skip_invalid.then(LeftOut::default);
+        let width = if self.is_interleaved() {
+            if self.numbers.is_empty() {
+                self.numbers = self.npy.numbers(&self.whole)?;
+            }
+            self.npy.of_numbers(&self.numbers, frame, &self.frame, &mut spheres)?
+        } else {
+            self.npy.spheres(&self.frame, &WIDTHS, &mut spheres, survey)?
+        };
+        if self.next == self.count() {
+            self.npy.end(self.whole.shape.iter().rev().skip(1).product())?;
+        }
+        let left_out = self.npy.left_out.take().unwrap_or_default();
+        let Spheres { centers, radii, colors, .. } = spheres;
+        let radii = if width == 3 { Vec::new() } else { radii.into_vec() };
+        let colors = colors.unwrap_or_default().into_vec();
+        let mut frame =
+            Particles { positions: centers.into_vec(), radii, colors, checked: true, left_out, ..Particles::default() };
+        frame.tell_left_out();
+        Ok(Some(frame))
+    }
+
+    /// Whether the frames of an array of three dimensions in Fortran order lie between each other.
+    fn is_interleaved(&self) -> bool {
+        self.whole.shape.len() == 3 && self.whole.fortran
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        if self.next >= self.count() {
+            return Ok(false);
+        }
+        self.next += 1;
+        if matches!(self.whole.dtype, DType::Record(_)) || self.is_interleaved() {
+            return Ok(true);
+        }
+        self.check()?;
+        let bytes = self.frame.data_bytes().unwrap_or_default();
+        let passed = io::copy(&mut (&mut self.npy.reader).take(bytes), &mut io::sink());
+        let passed = passed.map_err(|error| Error::read(&self.npy.path, error))?;
+        self.npy.counts.found();
+        if passed < bytes {
+            let rows = self.frame.shape[0];
+            return Err(self.npy.cut(ErrorKind::UnexpectedEof.into(), (self.next - 1) * rows, self.count() * rows));
+        }
+        Ok(true)
+    }
+}
+
+/// The widths of an array of numbers: coordinates, with radii, with colours.
+const WIDTHS: [u64; 3] = [3, 4, 7];
+
+impl Array {
+    /// The frames; the first call reads the header.
+    fn frames(&mut self) -> Result<Option<&mut Frames>> {
+        if let Some(SceneSource { reader, path, .. }) = self.source.take() {
+            let mut npy = Npy::new(reader, &path, MEND);
+            let header = npy.header()?;
+            self.frames = Some(Frames::new(npy, header));
+        }
+        Ok(self.frames.as_mut())
     }
 }
 
 impl ParticleFrames for Array {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let Some(SceneSource { reader, path, .. }) = self.source.take() else { return Ok(None) };
-        let mut npy = Npy::new(reader, &path, MEND);
-        let header = npy.header()?;
-        if let DType::Record(fields) = &header.dtype {
-            return npy.records(&header, fields, &self.request).map(Some);
-        }
-        let mut spheres = Spheres::default();
-        let width = npy.spheres(&header, &[3, 4, 7], &mut spheres, self.request.survey.as_ref())?;
-        let Spheres { centers, radii, colors, .. } = spheres;
-        let radii = if width == 3 { Vec::new() } else { radii.into_vec() };
-        let colors = colors.unwrap_or_default().into_vec();
-        Ok(Some(Particles { positions: centers.into_vec(), radii, colors, checked: true, ..Particles::default() }))
+        let request = self.request.clone();
+        self.frames()?.map_or(Ok(None), |frames| frames.next(&request))
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        self.frames()?.map_or(Ok(false), Frames::skip)
     }
 }
 
@@ -50,7 +153,9 @@ impl Npy<Input> {
     fn records(&mut self, header: &Header, fields: &[Field], request: &Request) -> Result<Particles> {
         let rows = match header.shape[..] {
             [n] => n,
-            ref other => return Err(self.fail("shape", format!("found records in {other:?}, expected (n,)"))),
+            ref other => {
+                return Err(self.fail("shape", format!("found records in {}, expected (n,)", shape_shown(other))));
+            }
         };
         let (mut places, mut size) = (Vec::new(), 0usize);
         for field in fields {
@@ -93,11 +198,12 @@ impl Npy<Input> {
                         numbers.push(scalar.number(bytes));
                     }
                 }
-                layout.numbers(&numbers, &mut particles).map_err(|error| self.in_row(row, error))?;
+                layout.checked_numbers(&numbers, &mut particles, |error| self.in_row(row, error))?;
                 row += 1;
             }
         }
         self.end(rows)?;
+        particles.tell_left_out();
         Ok(particles)
     }
 }
@@ -144,7 +250,7 @@ mod tests {
     fn read(descr: &str, shape: &str, data: &[u8]) -> Result<Particles> {
         let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
         let source = SceneSource::of_bytes(&npy(&header, data));
-        let mut array = Array { source: Some(source), request: Request::of(&["t", "v_y"]) };
+        let mut array = Array::new(source, Request::of(&["t", "v_y"]));
         Ok(array.next()?.expect("one frame"))
     }
 

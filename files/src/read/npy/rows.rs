@@ -1,7 +1,7 @@
 //! The rows of an array as spheres: read in blocks, converted on all cores.
 
 use super::{Matrix, Npy};
-use crate::npy::Header;
+use crate::npy::{Header, NumberKind};
 use crate::read::csv::COLUMNS;
 use crate::read::input::Input;
 use crate::read::particles::survey::Survey;
@@ -35,7 +35,7 @@ impl Npy<Input> {
         } else {
             self.by_rows(&matrix, spheres, survey)?;
         }
-        self.end(matrix.rows).map(|()| matrix.width)
+        Ok(matrix.width)
     }
 
     /// Appends the spheres of an array that is stored row by row: all cores convert a block of rows while the next is
@@ -51,10 +51,14 @@ impl Npy<Input> {
                 return Ok(());
             }
             let left = matrix.rows - done - found;
+            let (skips, mut invalid) = (self.left_out.is_some(), Vec::new());
             let converted;
-            (converted, read) =
-                rayon::join(|| matrix.convert(&block, spheres), || self.block(left, matrix.row(), &mut next));
+            (converted, read) = rayon::join(
+                || matrix.convert(&block, spheres, skips.then_some(&mut invalid)),
+                || self.block(left, matrix.row(), &mut next),
+            );
             converted.map_err(|(row, error)| self.in_row(done + row, error))?;
+            invalid.into_iter().try_for_each(|(row, error)| self.refuse(done + row, error))?;
             if let Some(survey) = survey {
                 survey.take_spheres(spheres, matrix.width > 3).map_err(|error| self.in_row(done, error))?;
             }
@@ -66,20 +70,62 @@ impl Npy<Input> {
     /// Appends the spheres of an array that is stored column by column: no row is complete before the last column begins.
     fn by_columns(&mut self, matrix: &Matrix, spheres: &mut Spheres) -> Result<()> {
         let before_last = (matrix.width as u64 - 1) * matrix.rows;
-        let columns = self.stored(matrix, |numbers| numbers.saturating_sub(before_last))?;
+        let columns = self
+            .stored(matrix.rows, matrix.width as u64, matrix.scalar, |numbers| numbers.saturating_sub(before_last))?;
         let rows = columns.len() / matrix.width;
         for row in 0..rows {
             let mut values = [0.0; 7];
             values[..matrix.width].iter_mut().zip(columns[row..].iter().step_by(rows)).for_each(|(to, x)| *to = *x);
-            push(values, matrix.width, spheres).map_err(|error| self.in_row(row as u64, error))?;
+            self.add(row as u64, values, matrix.width, spheres)?;
         }
         Ok(())
     }
+
+    /// Appends the spheres of a frame of all numbers of an array in the order of its indices; returns their width.
+    pub(super) fn of_numbers(
+        &mut self,
+        numbers: &[f64],
+        frame: u64,
+        header: &Header,
+        spheres: &mut Spheres,
+    ) -> Result<usize> {
+        let (rows, width) = (header.shape[0] as usize, header.shape[1] as usize);
+        check_spheres(rows as u64, width == COLUMNS.len())?;
+        for (row, numbers) in numbers.chunks_exact(width).skip(frame as usize * rows).take(rows).enumerate() {
+            let mut values = [0.0; 7];
+            values[..width].copy_from_slice(numbers);
+            self.add(row as u64, values, width, spheres)?;
+        }
+        Ok(width)
+    }
+
+    /// Appends the sphere of a row, or counts it as left out.
+    fn add(&mut self, row: u64, values: [f64; 7], width: usize, spheres: &mut Spheres) -> Result<()> {
+        match check_row(&values, width) {
+            Ok(()) => push(values, width, spheres).map_err(|error| self.in_row(row, error)),
+            Err(error) => self.refuse(row, error),
+        }
+    }
+
+    /// Counts a row that is no sphere as left out, or returns its error.
+    fn refuse(&mut self, row: u64, error: Error) -> Result<()> {
+        let error = self.in_row(row, error);
+        match &mut self.left_out {
+            Some(left_out) => {
+                left_out.add(error);
+                Ok(())
+            }
+            None => Err(error),
+        }
+    }
+}
+
+fn check_row([x, y, z, radius, ..]: &[f64; 7], width: usize) -> Result<()> {
+    check_sphere([*x, *y, *z], if width == 3 { 1.0 } else { *radius }, Place::default)
 }
 
 fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Spheres) -> Result<()> {
     let radius = if width == 3 { 1.0 } else { radius };
-    check_sphere([x, y, z], radius, Place::default)?;
     let color = (width == COLUMNS.len()).then_some([r as f32, g as f32, b as f32]);
     if let Some(color) = color {
         check_color(color, || Place::field("color"))?;
@@ -88,14 +134,20 @@ fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Sphere
 }
 
 impl Matrix {
-    /// Appends the spheres of a block of rows.
+    /// Appends the spheres of a block of rows. Rows that are no spheres are left out and added to `invalid`, where it is given.
     ///
     /// # Errors
     /// The number in the block of the first row that is not a valid sphere, and why; or that memory is short.
-    fn convert(&self, block: &[u8], spheres: &mut Spheres) -> Result<(), (u64, Error)> {
+    fn convert(
+        &self,
+        block: &[u8],
+        spheres: &mut Spheres,
+        mut invalid: Option<&mut Vec<(u64, Error)>>,
+    ) -> Result<(), (u64, Error)> {
         let &Self { width, scalar, .. } = self;
         spheres.grow(block.len() / self.row(), false).map_err(|error| (0, error))?;
-        let is_plain = width <= 4 && spheres.colors.is_none() && spheres.materials.is_none();
+        let is_wide = scalar.kind == NumberKind::Float && scalar.size() >= 4;
+        let is_plain = is_wide && width <= 4 && spheres.colors.is_none() && spheres.materials.is_none();
         // The types are constants of the loops, which take a third of the time that way.
         let appended = is_plain
             && match (scalar.size(), scalar.big) {
@@ -111,7 +163,11 @@ impl Matrix {
             let mut values = [0.0; 7];
             let numbers = bytes.chunks_exact(scalar.size()).map(|bytes| scalar.number(bytes));
             values.iter_mut().zip(numbers).for_each(|(value, number)| *value = number);
-            push(values, width, spheres).map_err(|error| (row, error))?;
+            match (check_row(&values, width), &mut invalid) {
+                (Ok(()), _) => push(values, width, spheres).map_err(|error| (row, error))?,
+                (Err(error), Some(invalid)) => invalid.push((row, error)),
+                (Err(error), None) => return Err((row, error)),
+            }
         }
         Ok(())
     }

@@ -157,7 +157,7 @@ impl Dump {
                 }
             }
         }
-        let mut layout = Layout::of_any_types(&self.request);
+        let mut layout = Layout::new(&self.request);
         layout.note(ColorType::Real, warnings);
         for (name, role) in &columns {
             let twice = |problem: String| Error::scene(place.clone(), problem, "use each column name once");

@@ -14,7 +14,7 @@ use super::role::Role;
 use crate::read::source::SceneSource;
 use extra::ExtraField;
 use format::{FORMATS, PointFormat, u16_at, u32_at};
-use halfline::error::Result;
+use halfline::error::{Result, relocate};
 use halfline::memory::check_ids;
 use laz::{Laz, LazScheme};
 
@@ -74,30 +74,32 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
     let mut particles = layout.begin();
     particles.has.extend(others.iter().map(|field| field.name.to_lowercase()));
     let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
+    let place = file.file();
+    let placed = |point: u64, error| relocate(error, |field| place.clone().named(format!("point {point} {field}")));
     if let Some(scheme) = header.scheme.take() {
         let mut laz = Laz::new(file, scheme, header.format, header.record, !header.extra.is_empty())?;
         for point in 0..header.points {
             numbers.clear();
             header.numbers(laz.next()?, &mut numbers);
-            layout.numbers(&numbers, &mut particles)?;
+            layout.checked_numbers(&numbers, &mut particles, |e| placed(point, e))?;
             if point % BLOCK == 0 {
                 laz.found();
             }
         }
-        return Ok(particles);
+        return Ok(header.finish(particles));
     }
     while read < header.points {
         let count = BLOCK.min(header.points - read);
         file.block(count * header.record as u64, &mut block, "points")?;
-        for record in block.chunks_exact(header.record) {
+        for (point, record) in (read..).zip(block.chunks_exact(header.record)) {
             numbers.clear();
             header.numbers(record, &mut numbers);
-            layout.numbers(&numbers, &mut particles)?;
+            layout.checked_numbers(&numbers, &mut particles, |e| placed(point, e))?;
         }
         read += count;
         file.found();
     }
-    Ok(particles)
+    Ok(header.finish(particles))
 }
 
 /// The columns, in the order of [`LasHeader::numbers`].
@@ -233,6 +235,13 @@ impl LasHeader {
         let scheme = laszip.filter(|_| points > 0);
         file.pass(start.saturating_sub(file.at()), "variable length records")?;
         Ok(Self { format, record, points, scale, offset, scheme, extra })
+    }
+
+    /// The particles, with what is to be said of all points.
+    fn finish(&self, mut particles: Particles) -> Particles {
+        particles.tell_left_out();
+        particles.skipped.assumed.extend(self.extra.iter().filter_map(ExtraField::warning));
+        particles
     }
 
     /// The numbers of a record; colours are those of the file.

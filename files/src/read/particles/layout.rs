@@ -31,8 +31,6 @@ pub(crate) struct Layout {
     /// The indices of the requested columns that are text, and of those whose rows decide what they are.
     texts: Vec<usize>,
     mixed: Vec<usize>,
-    /// Whether rows decide whether a column that has no role of its own is of numbers or of texts.
-    infers: bool,
     /// The names of all columns.
     has: Vec<String>,
     /// Bytes of all names.
@@ -58,8 +56,6 @@ struct Slot {
     part: Option<(usize, bool)>,
     /// For a requested column whose rows decide what it is: its index among these.
     mixed: Option<usize>,
-    /// Whether a number may be missing by a word for it, as in formats that declare no types.
-    infers: bool,
 }
 
 /// A particle that is being read.
@@ -89,12 +85,6 @@ impl Layout {
         Self { to_keep: request.columns.clone(), ..Self::default() }
     }
 
-    /// The same for a format that declares no types, so that the rows decide which columns have texts. For particles that are
-    /// passed on in parts this is decided before; see [`Survey::with_texts`].
-    pub(crate) fn of_any_types(request: &Request) -> Self {
-        Self { infers: true, ..Self::new(request) }
-    }
-
     /// Adds the columns of fields.
     pub(crate) fn add_fields(&mut self, meanings: Meanings) -> Result<(), String> {
         for columns in meanings.fields {
@@ -114,6 +104,11 @@ impl Layout {
     pub(crate) fn note(&mut self, color_type: ColorType, warnings: Vec<String>) {
         self.color_type = color_type;
         self.warnings.extend(warnings);
+    }
+
+    /// Adds a warning.
+    pub(crate) fn warn(&mut self, warning: String) {
+        self.warnings.push(warning);
     }
 
     /// Adds a column. A column that occurs twice is an error, because it is ambiguous.
@@ -137,12 +132,10 @@ impl Layout {
             Role::Symbol if self.contains(Role::Number) => Role::Text,
             Role::Diameter if self.contains(Role::Radius) => Role::Other,
             Role::Radius if self.contains(Role::Diameter) => Role::Other,
-            Role::Other if self.infers && self.survey.as_ref().is_some_and(|survey| survey.has_texts(&name)) => {
-                Role::Text
-            }
+            Role::Other if self.survey.as_ref().is_some_and(|survey| survey.has_texts(&name)) => Role::Text,
             role => role,
         };
-        let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: None, infers: self.infers };
+        let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: None };
         self.has.push(slot.name.clone());
         if is_requested(&self.to_keep, &slot.name) {
             // A column of which another has the name cannot be asked for; among all of them it is numbered, as by pandas.
@@ -162,7 +155,7 @@ impl Layout {
                 self.texts.push(self.requested.len());
             }
             let is_whole = self.survey.as_ref().is_none_or(Survey::is_counting);
-            if role == Role::Other && self.infers && is_whole {
+            if role == Role::Other && is_whole {
                 slot.mixed = Some(self.mixed.len());
                 self.mixed.push(self.requested.len());
             }
@@ -179,15 +172,8 @@ impl Layout {
 
     /// Adds the option that leaves such rows out to the remedy of an error, where the option applies.
     pub(crate) fn offer_to_skip(&self, column: usize, error: Error) -> Error {
-        match error {
-            Error::Scene { place, problem, mend, source }
-                if self.skip_invalid == Some(false) && self.slots[column].role.is_checked() =>
-            {
-                let mend = format!("{mend}, or add {SKIP_INVALID} to leave such rows out");
-                Error::Scene { place, problem, mend, source }
-            }
-            error => error,
-        }
+        let applies = self.skip_invalid == Some(false) && self.slots[column].role.is_checked();
+        if applies { offer_to_skip(error) } else { error }
     }
 
     /// Declares the last `count` columns as a vector of this name, whose length can be requested.
@@ -306,6 +292,48 @@ impl Layout {
         Ok(())
     }
 
+    /// Adds a particle from a number for every column, or counts it as left out; `placed` gives an error its place in the file.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an invalid coordinate, radius or colour.
+    pub(crate) fn checked_numbers(
+        &self,
+        numbers: &[f64],
+        particles: &mut Particles,
+        placed: impl Fn(Error) -> Error,
+    ) -> Result<()> {
+        let is_invalid = |(slot, x): &(&Slot, &f64)| match slot.role {
+            Role::Position(_) => !x.is_finite(),
+            // NaN is no radius.
+            Role::Radius | Role::Diameter => **x <= 0.0 || **x == f64::INFINITY,
+            _ => false,
+        };
+        let Some((slot, x)) = self.slots.iter().zip(numbers).find(is_invalid) else {
+            return self.numbers(numbers, particles).map_err(placed);
+        };
+        let what = if x.is_finite() { "positive" } else { "finite" };
+        let problem = format!("{x} is not {what}");
+        self.refuse(
+            placed(Error::scene(Place::field(&slot.name), problem, "use a finite number such as 0.5")),
+            particles,
+        )
+    }
+
+    /// Counts a row that has this error as left out, or returns it.
+    ///
+    /// # Errors
+    /// This error.
+    pub(crate) fn refuse(&self, error: Error, particles: &mut Particles) -> Result<()> {
+        match (self.skip_invalid, error) {
+            (Some(true), error) => {
+                particles.left_out.add(error);
+                Ok(())
+            }
+            (Some(false), error) => Err(offer_to_skip(error)),
+            (None, error) => Err(error),
+        }
+    }
+
     /// Adds a particle from a number for every column.
     ///
     /// # Errors
@@ -338,7 +366,10 @@ impl Slot {
             particles.columns[column].values.push(f64::from(number));
         }
         if let (Some(column), Some(mixed)) = (self.requested, self.mixed) {
-            return particles.mixed[mixed].add(&word.content(), &mut particles.columns[column].values);
+            let text = word.content();
+            particles.mixed[mixed].add(&text, &mut particles.columns[column].values)?;
+            self.put_part(text.parse().unwrap_or(f64::NAN), particles);
+            return Ok(());
         }
         let number = match self.role {
             Role::Text => return Ok(()),
@@ -361,15 +392,15 @@ impl Slot {
                 word.finite(&self.name)?
             }
             // A missing number in a table is NaN.
-            Role::Other | Role::Number if word.text.is_empty() || self.infers && is_missing(word.text) => f64::NAN,
-            Role::Other if self.infers => word.number(&self.name).map_err(|error| match error {
+            Role::Other | Role::Number if word.text.is_empty() || is_missing(word.text) => f64::NAN,
+            Role::Other => word.number(&self.name).map_err(|error| match error {
                 Error::Scene { place, problem, source, .. } => {
                     let mend = format!("use a number in every row, or remove {STREAM} for a column of texts");
                     Error::Scene { place, problem, mend, source }
                 }
                 other => other,
             })?,
-            Role::Other | Role::Number => word.number(&self.name)?,
+            Role::Number => word.number(&self.name)?,
         };
         self.put(number, builder, particles);
         Ok(())
@@ -390,6 +421,11 @@ impl Slot {
         if let Some(column) = self.requested {
             particles.columns[column].values.push(number);
         }
+        self.put_part(number, particles);
+    }
+
+    /// Adds a component to the length of the vector that it is a part of.
+    fn put_part(&self, number: f64, particles: &mut Particles) {
         match self.part {
             Some((column, true)) => particles.columns[column].values.push(number.abs()),
             Some((column, false)) => {
@@ -399,6 +435,16 @@ impl Slot {
             }
             None => {}
         }
+    }
+}
+
+fn offer_to_skip(error: Error) -> Error {
+    match error {
+        Error::Scene { place, problem, mend, source } => {
+            let mend = format!("{mend}, or add {SKIP_INVALID} to leave such rows out");
+            Error::Scene { place, problem, mend, source }
+        }
+        error => error,
     }
 }
 

@@ -1,4 +1,4 @@
-//! Rows of text that are left out because their coordinates or their radius are invalid.
+//! Rows that are left out because their coordinates or their radius are invalid.
 
 use halfline::error::{Error, Place};
 use halfline::quote::{count, shortened};
@@ -21,7 +21,7 @@ impl LeftOut {
     }
 
     /// Counts a row that has this error.
-    pub(super) fn add(&mut self, error: Error) {
+    pub(in crate::read) fn add(&mut self, error: Error) {
         self.count += 1;
         if let (None, Error::Scene { place, problem, .. }) = (&self.first, error) {
             self.first = Some((place, problem));
@@ -37,9 +37,9 @@ impl LeftOut {
     /// The warning; `None` where no row was left out.
     pub(super) fn sentence(self) -> Option<String> {
         let (place, problem) = self.first?;
-        let line = place.line.unwrap_or_default();
+        let line = place.line.map_or_else(String::new, |line| format!(" in line {line}"));
         let field = place.field.unwrap_or_default();
         let field = shortened(&field, FIELD);
-        Some(format!("{} left out, the first in line {line}: {field}: {problem}", count(self.count, "row")))
+        Some(format!("{} left out, the first{line}: {field}: {problem}", count(self.count, "row")))
     }
 }

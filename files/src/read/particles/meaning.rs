@@ -52,11 +52,16 @@ const DIAMETERS: [&str; 2] = ["diameter", "diameters"];
 
 /// Whether a field of this name, in lower case, is a position, a colour or a radius where its shape and its type fit.
 pub(crate) fn is_known(name: &str) -> bool {
-    let single = ["x", "y", "z"].contains(&name) || RADII.contains(&name) || DIAMETERS.contains(&name);
-    single
+    ["x", "y", "z"].contains(&name)
+        || is_length(name)
         || POSITIONS.contains(&name)
         || COLORS.contains(&name)
         || COLOR_SETS.iter().flatten().any(|known| *known == name)
+}
+
+/// Whether a name, in lower case, is that of a radius or a diameter.
+pub(crate) fn is_length(name: &str) -> bool {
+    RADII.contains(&name) || DIAMETERS.contains(&name)
 }
 
 /// The meanings of the fields of a row. A name in lower case comes before the same in capitals.

@@ -5,11 +5,11 @@ mod archive;
 
 use super::frame::{Column, ParticleFrames, Particles};
 use super::layout::{EVERY, is_requested};
-use super::meaning::{FieldKind, Meanings, NamedField, is_known, meanings};
+use super::meaning::{FieldKind, Meanings, NamedField, is_known, is_length, meanings};
 use super::request::Request;
 use super::role::Role;
 use crate::npy::{DType, Header, Scalar, bits, levels};
-use crate::read::npy::{Npy, text_size};
+use crate::read::npy::{Npy, shown, text_size};
 use crate::read::skipped::Skipped;
 use crate::read::source::SceneSource;
 use archive::{Archive, MEND};
@@ -25,28 +25,44 @@ use std::sync::Arc;
 pub(in crate::read) struct Npz {
     source: Option<SceneSource>,
     request: Request,
+    /// The arrays, once they are read, and the next frame.
+    arrays: Arrays,
+    file: Place,
+    next: usize,
 }
 
-/// The arrays read so far, in any order.
+/// The arrays of a file, in any order.
 #[derive(Default)]
 struct Arrays {
     /// Arrays that are called like positions, colours or radii.
     known: Vec<KnownArray>,
-    columns: Vec<Column>,
+    columns: Vec<ColumnArray>,
     /// The texts of columns of texts.
     labels: BTreeMap<String, Vec<String>>,
     /// Warnings, where all columns are requested, about arrays that are no column because of their type.
     warnings: Vec<String>,
     /// Names and lengths of one-dimensional numeric arrays.
     one: Vec<(String, u64)>,
+    /// All arrays in words: name, type and shape.
+    shown: Vec<String>,
 }
 
 /// An array with the name of a position, a colour or a radius.
 struct KnownArray {
     name: String,
     width: usize,
+    /// The frames whose numbers follow each other; 1 also where all frames have the same numbers.
+    frames: usize,
+    /// Whether it is one number for all particles.
+    is_scalar: bool,
     /// Its numbers and their type; for an array that cannot be used, its type and shape in words.
     numbers: Result<(Vec<f64>, Scalar), String>,
+}
+
+/// An array that is a column: of each particle, or of each particle of each frame.
+struct ColumnArray {
+    column: Column,
+    frames: usize,
 }
 
 /// The most arrays, and the most bytes in the name of an array.
@@ -55,22 +71,31 @@ const LONGEST_NAME: usize = 256;
 
 impl Npz {
     pub(in crate::read) fn new(source: SceneSource, request: Request) -> Self {
-        Self { source: Some(source), request }
+        let file = Place::file(source.path.display().to_string());
+        Self { source: Some(source), request, arrays: Arrays::default(), file, next: 0 }
     }
 
-    fn read(&self, source: SceneSource) -> Result<Particles> {
+    fn read(&self, source: SceneSource) -> Result<Arrays> {
         let counts = source.reader.counts();
         let mut archive = Archive { reader: source.reader, path: source.path };
         let mut found = Arrays::default();
         while let Some(member) = archive.member()? {
             archive.open(&member, |path, reader| {
                 let (path, counts) = (path.to_path_buf(), Arc::clone(&counts));
-                let mut npy = Npy { path, reader, bytes: 0, counts, mend: MEND };
+                let mut npy = Npy { path, reader, bytes: 0, counts, mend: MEND, left_out: None };
                 let header = npy.header()?;
                 found.take(member.name.trim_end_matches(".npy"), &header, &mut npy, &self.request.columns)
             })?;
         }
-        found.particles(&Place::file(archive.path.display().to_string()))
+        Ok(found)
+    }
+
+    /// Reads the arrays if they are not; returns whether there is another frame.
+    fn has_next(&mut self) -> Result<bool> {
+        if let Some(source) = self.source.take() {
+            self.arrays = self.read(source)?;
+        }
+        Ok(self.next == 0 || self.next < self.arrays.frames())
     }
 }
 
@@ -85,20 +110,31 @@ impl Arrays {
         {
             self.one.push((name.clone(), shape[0]));
         }
+        if self.shown.len() < MOST && name.len() <= LONGEST_NAME {
+            self.shown.push(format!("{name} ({} of shape {})", header.dtype, shown(&shape)));
+        }
         let (is_every, is_requested, is_known) =
             (requested.iter().any(|name| name == EVERY), is_requested(requested, &name), is_known(&name));
         let is_text = is_requested
             && shape.len() == 1
             && matches!(&header.dtype, DType::Plain(kind) if text_size(kind).is_some());
-        let width = match shape[..] {
-            [_] => 1,
-            [_, width @ 1..=4] if is_known => width as usize,
-            [_, width @ 2..=3] => width as usize,
-            _ => 0,
+        let is_single = is_single(&name);
+        let (frames, width) = match shape[..] {
+            [] if is_length(&name) => (1, 1),
+            [_] => (1, 1),
+            // Of frames, each with a number of each particle.
+            [frames, _] if is_single => (frames, 1),
+            [_, width @ 1..=4] if is_known => (1, width),
+            [_, width @ 2..=3] => (1, width),
+            [frames, _] if !is_known => (frames, 1),
+            [frames, _, width @ 2..=4] if !is_single => (frames, width),
+            _ => (1, 0),
         };
+        let (frames, width) = (frames as usize, width as usize);
         if is_known && (width == 0 || header.dtype.scalar().is_none()) && self.known.len() < MOST {
-            let found = format!("{} of shape {shape:?}", header.dtype);
-            self.known.push(KnownArray { name: name.clone(), width: 1, numbers: Err(found) });
+            let found = format!("{} of shape {}", header.dtype, shown(&shape));
+            let numbers = Err(found);
+            self.known.push(KnownArray { name: name.clone(), width: 1, frames: 1, is_scalar: false, numbers });
             if !is_text {
                 return Ok(());
             }
@@ -109,7 +145,7 @@ impl Arrays {
         if is_text {
             let (values, names) = npy.texts(header)?;
             self.labels.insert(name.clone(), names.labels());
-            self.columns.push(Column { name, values });
+            self.columns.push(ColumnArray { column: Column { name, values }, frames: 1 });
             return Ok(());
         }
         if header.dtype.scalar().is_none() && is_every {
@@ -120,11 +156,13 @@ impl Arrays {
         let column = || check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)));
         if is_known {
             if let Some(scalar) = header.dtype.scalar() {
-                if width == 1 && is_requested {
+                let is_scalar = shape.is_empty();
+                if width == 1 && is_requested && !is_scalar {
                     column()?;
-                    self.columns.push(Column { name: name.clone(), values: numbers.clone() });
+                    let column = Column { name: name.clone(), values: numbers.clone() };
+                    self.columns.push(ColumnArray { column, frames });
                 }
-                self.known.push(KnownArray { name, width, numbers: Ok((numbers, scalar)) });
+                self.known.push(KnownArray { name, width, frames, is_scalar, numbers: Ok((numbers, scalar)) });
             }
             return Ok(());
         }
@@ -132,8 +170,15 @@ impl Arrays {
         column()?;
         let length = |vector: &[f64]| vector.iter().fold(0.0f64, |length, x| length.hypot(*x));
         let values = if width == 1 { numbers } else { numbers.chunks_exact(width).map(length).collect() };
-        self.columns.push(Column { name, values });
+        self.columns.push(ColumnArray { column: Column { name, values }, frames });
         Ok(())
+    }
+
+    /// The number of frames: those of the positions.
+    fn frames(&self) -> usize {
+        let meanings = self.meanings();
+        let is_placed = |k: &usize| meanings.fields[*k].iter().any(|(_, role)| matches!(role, Role::Position(_)));
+        (0..self.known.len()).filter(is_placed).map(|k| self.known[k].frames).max().unwrap_or(1)
     }
 
     /// The meanings of the known arrays, by their names, types and widths.
@@ -149,37 +194,44 @@ impl Arrays {
         meanings(&fields.collect::<Vec<_>>())
     }
 
-    /// The numbers of a role's column.
-    fn numbers(&self, meanings: &Meanings, role: Role) -> Option<Vec<f64>> {
+    /// The numbers of a role's column in a frame, and whether they are one for all particles.
+    fn numbers(&self, meanings: &Meanings, role: Role, frame: usize) -> Option<(Vec<f64>, bool)> {
         let column = |k: usize| meanings.fields[k].iter().position(|(_, known)| *known == role);
         let (k, column) = (0..self.known.len()).find_map(|k| Some((k, column(k)?)))?;
+        let KnownArray { width, frames, is_scalar, .. } = self.known[k];
         let (numbers, scalar) = self.known[k].numbers.as_ref().ok()?;
+        let numbers = of_frame(numbers, frames, frame);
         if meanings.packed == Some(k) {
-            return Some(numbers.iter().map(|number| levels(bits(*number, *scalar))[column]).collect());
+            return Some((numbers.iter().map(|number| levels(bits(*number, *scalar))[column]).collect(), is_scalar));
         }
-        Some(numbers.iter().skip(column).step_by(self.known[k].width).copied().collect())
+        Some((numbers.iter().skip(column).step_by(width).copied().collect(), is_scalar))
     }
 
-    fn particles(self, file: &Place) -> Result<Particles> {
+    /// The particles of a frame.
+    fn particles(&self, frame: usize, file: &Place) -> Result<Particles> {
         let fail = |field: &str, problem: String| Err(Error::scene(file.clone().named(field), problem, MEND));
         let numbers: usize =
             self.known.iter().filter_map(|array| array.numbers.as_ref().ok()).map(|(all, _)| all.len()).sum();
         check(16 * numbers as u64, || "the particles besides the file's arrays".into())?;
         let meanings = self.meanings();
-        let of = |role: Role| self.numbers(&meanings, role);
+        let of = |role: Role| self.numbers(&meanings, role, frame).map(|(numbers, _)| numbers);
         let three = |role: fn(usize) -> Role| Some([of(role(0))?, of(role(1))?, of(role(2))?]);
         let Some([x, y, z]) = three(Role::Position) else {
-            let names = list(self.one.iter().map(|(name, _)| name));
-            let found = if names.is_empty() { "none" } else { &names };
-            return fail("positions", format!("no array (n, 3) has that name; found {found}"));
+            let found = if self.shown.is_empty() { "none".to_owned() } else { list(&self.shown) };
+            let problem = "no array of numbers of shape (n, 3) or (frames, n, 3) has that name";
+            return fail("positions", format!("{problem}; found {found}"));
         };
         if x.len() != y.len() || x.len() != z.len() {
             return fail("x, y, z", format!("x, y and z have {}, {} and {} numbers", x.len(), y.len(), z.len()));
         }
         let positions: Vec<[f64; 3]> = x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect();
         let n = positions.len();
-        let halved = || Some(of(Role::Diameter)?.into_iter().map(|diameter| diameter / 2.0).collect());
-        let radii = of(Role::Radius).or_else(halved).unwrap_or_default();
+        let lengths = |role: Role, share: f64| {
+            let (lengths, is_scalar) = self.numbers(&meanings, role, frame)?;
+            let radii: Vec<f64> = lengths.into_iter().map(|length| length * share).collect();
+            Some(if is_scalar { vec![radii[0]; n] } else { radii })
+        };
+        let radii = lengths(Role::Radius, 1.0).or_else(|| lengths(Role::Diameter, 0.5)).unwrap_or_default();
         if !radii.is_empty() && radii.len() != n {
             return fail("radii", format!("found {} radii for {n} positions", radii.len()));
         }
@@ -193,20 +245,52 @@ impl Arrays {
         for (row, color) in colors.iter().enumerate() {
             check_color(*color, || file.clone().named(format!("colors row {row}")))?;
         }
-        let columns: Vec<Column> = self.columns.into_iter().filter(|column| column.values.len() == n).collect();
-        let has = self.one.into_iter().filter(|(_, rows)| *rows == n as u64).map(|(name, _)| name).collect();
+        let column = |array: &ColumnArray| {
+            let values = of_frame(&array.column.values, array.frames, frame);
+            (values.len() == n).then(|| Column { name: array.column.name.clone(), values: values.to_vec() })
+        };
+        let columns: Vec<Column> = self.columns.iter().filter_map(column).collect();
+        let has = self.one.iter().filter(|(_, rows)| *rows == n as u64).map(|(name, _)| name.clone()).collect();
         let Meanings { color_type, warnings, .. } = meanings;
-        let mut labels = self.labels;
+        let mut labels = self.labels.clone();
         labels.retain(|name, _| columns.iter().any(|column| column.name == *name));
-        let skipped = Skipped { assumed: [warnings, self.warnings].concat(), ..Skipped::default() };
+        let skipped = Skipped { assumed: [&warnings[..], &self.warnings].concat(), ..Skipped::default() };
         Ok(Particles { positions, radii, colors, color_type, columns, labels, has, skipped, ..Particles::default() })
     }
 }
 
 impl ParticleFrames for Npz {
     fn next(&mut self) -> Result<Option<Particles>> {
-        self.source.take().map(|source| self.read(source)).transpose()
+        if !self.has_next()? {
+            return Ok(None);
+        }
+        let mut particles = self.arrays.particles(self.next, &self.file)?;
+        self.next += 1;
+        if self.request.skip_invalid {
+            particles.leave_invalid_out();
+        }
+        Ok(Some(particles))
     }
+
+    fn skip(&mut self) -> Result<bool> {
+        let has_next = self.has_next()?;
+        self.next += usize::from(has_next);
+        Ok(has_next)
+    }
+}
+
+/// Whether a name is of one number of each particle.
+fn is_single(name: &str) -> bool {
+    ["x", "y", "z"].contains(&name) || is_length(name)
+}
+
+/// The numbers of a frame, where they are not those of all frames.
+fn of_frame(numbers: &[f64], frames: usize, frame: usize) -> &[f64] {
+    if frames < 2 {
+        return numbers;
+    }
+    let each = numbers.len() / frames;
+    numbers.get(frame * each..(frame + 1) * each).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -356,7 +440,10 @@ mod tests {
             (damaged, "colors.npy: the content does not match its checksum"),
             (foreign, "method 12 of colors.npy"),
             (good[..good.len() / 2].to_vec(), "text"),
-            (archive(How::Stored, &members()[..4]), "no array (n, 3) has that name; found t, other"),
+            (
+                archive(How::Stored, &members()[..4]),
+                "(n, 3) or (frames, n, 3) has that name; found colors (`<f8` of shape (2, 3)), vel",
+            ),
             (with("radii.npy", "(3,)", 3), "radii: found 3 radii for 2"),
             (with("radii.npy", "(1000000000000,)", 3), "text/radii.npy: data: the file ends after 3 of"),
             (with("colors.npy", "(1, 3)", 3), "found 1 colours for 2"),

@@ -57,6 +57,7 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
         PcdEncoding::Binary => points.binary(lines, path)?,
         PcdEncoding::Compressed => points.compressed(lines, path)?,
     }
+    points.particles.tell_left_out();
     Ok(points.particles)
 }
 
@@ -116,7 +117,7 @@ impl Points<'_> {
                     rest = after;
                 }
                 let place = file.file().named(format!("byte {}", at + (n * size) as u64));
-                self.push(|| place)?;
+                self.push(|| place.clone())?;
             }
             file.found();
         }
@@ -156,7 +157,7 @@ impl Points<'_> {
                 self.field(field.kind, field.scalar, &bytes[at..at + field.size()]);
             }
             let place = file.file().named(format!("point {n}"));
-            self.push(|| place)?;
+            self.push(|| place.clone())?;
         }
         file.found();
         self.behind(&mut file)
@@ -174,7 +175,7 @@ impl Points<'_> {
     }
 
     /// Adds the point of the current numbers, if it has coordinates.
-    fn push(&mut self, place: impl FnOnce() -> Place) -> Result<()> {
+    fn push(&mut self, place: impl Fn() -> Place) -> Result<()> {
         self.read += 1;
         let layout = &self.header.layout;
         let placed =
@@ -182,7 +183,14 @@ impl Points<'_> {
         if !placed {
             return self.particles.skipped.skip("point without coordinates", self.strict, place);
         }
-        layout.numbers(&self.numbers, &mut self.particles).map_err(|e| relocate(e, |field| place().named(field)))
+        let placed = |e| {
+            relocate(e, |field| {
+                let place = place();
+                let named = place.field.as_ref().map_or_else(|| field.to_owned(), |row| format!("{row} {field}"));
+                place.named(named)
+            })
+        };
+        layout.checked_numbers(&self.numbers, &mut self.particles, placed)
     }
 
     /// Warns of bytes after the last point.

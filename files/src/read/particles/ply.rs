@@ -64,7 +64,6 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
                 pass(&mut lines, element)?;
             }
             text(&mut lines, vertices, &columns, &mut particles)?;
-            particles.tell_left_out();
             rest_of_text(&mut lines, vertices, behind, &mut particles)?;
         }
         PlyEncoding::Binary { .. } => {
@@ -76,13 +75,17 @@ pub(in crate::read) fn read(source: SceneSource, request: &Request) -> Result<Pa
             binary.rest(vertices, behind, &mut particles)?;
         }
     }
+    particles.tell_left_out();
     Ok(particles)
 }
 
 /// The columns of these vertices.
 fn columns(vertex: &PlyElement, lines: &Lines<Input>, request: &Request) -> Result<VertexColumns> {
     let wrong = |problem: String| {
-        let mend = "give the vertices the properties x, y and z, each once";
+        let mend = match vertex.properties.iter().any(|property| property.name == splat::PACKED) {
+            true => "save them as PLY without compression, for example with SuperSplat or splat-transform",
+            false => "give the vertices the properties x, y and z, each once",
+        };
         Error::scene(lines.file().named("vertex"), problem, mend)
     };
     let fields: Vec<NamedField<'_>> = vertex.properties.iter().map(Property::field).collect();

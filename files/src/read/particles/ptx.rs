@@ -4,7 +4,7 @@
 
 use super::frame::Particles;
 use super::layout::Layout;
-use super::points;
+use super::points::{self, PointColumns};
 use super::request::Request;
 use super::rows::rows;
 use crate::read::input::Input;
@@ -116,13 +116,16 @@ fn numbers<const N: usize>(lines: &mut Lines<Input>, field: &str) -> Result<[f64
 fn columns(lines: &Lines<Input>, request: &Request) -> Result<Layout> {
     let mut layout = Layout::new(request);
     let names = points::columns(Words::of(lines).map(|word| word.text));
-    let names = names.filter(|names| [4, 7].contains(&names.len()));
+    let names = names.filter(|found| [4, 7].contains(&found.names.len()));
     let wrong = |problem: String| {
         lines.fail(0, "point", problem, "a point is x y z intensity, or x y z intensity red green blue")
     };
-    for (name, role) in names.ok_or_else(|| wrong("the point has neither 4 nor 7 numbers".to_owned()))? {
+    let PointColumns { names, warning } =
+        names.ok_or_else(|| wrong("the point has neither 4 nor 7 numbers".to_owned()))?;
+    for (name, role) in names {
         layout.add(&name, role).map_err(wrong)?;
     }
+    warning.into_iter().for_each(|warning| layout.warn(warning));
     Ok(layout)
 }
 

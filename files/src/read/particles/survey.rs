@@ -5,7 +5,7 @@ use super::colors::{ColorSurvey, ColorType};
 use super::infer::{Inference, code_of_unknown};
 use super::mixed::is_missing;
 use halfline::error::{Error, Result};
-use halfline::scene::{Cell, Spheres};
+use halfline::scene::{Cell, Spheres, is_center, is_radius};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::mpsc::SyncSender;
@@ -81,6 +81,8 @@ pub(in crate::read) struct Counts {
     pub(in crate::read) unknown: BTreeMap<String, u64>,
     pub(in crate::read) cell: Option<Cell>,
     pub(in crate::read) warnings: Vec<String>,
+    /// The first particle that is no sphere, with its centre and its radius.
+    pub(in crate::read) invalid: Option<(u64, [f64; 3], f64)>,
 }
 
 /// The values of a column.
@@ -119,6 +121,7 @@ impl Default for Counts {
             unknown: BTreeMap::new(),
             cell: None,
             warnings: Vec::new(),
+            invalid: None,
         }
     }
 }
@@ -223,6 +226,14 @@ impl Survey {
 
 impl Counts {
     pub(super) fn add(&mut self, part: &Counted<'_>) {
+        // A particle without a radius has a default.
+        let radius = |n: usize| part.radii.get(n).copied().filter(|radius| !radius.is_nan()).unwrap_or(1.0);
+        let is_invalid = |n: &usize| !(is_center(&part.positions[*n]) & is_radius(&radius(*n)));
+        if self.invalid.is_none()
+            && let Some(n) = (0..part.positions.len()).find(is_invalid)
+        {
+            self.invalid = Some((self.particles + n as u64, part.positions[n], radius(n)));
+        }
         self.particles += part.positions.len() as u64;
         for position in part.positions {
             for (axis, x) in position.iter().enumerate() {

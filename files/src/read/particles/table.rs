@@ -84,7 +84,7 @@ impl<R: BufRead> Table<R> {
                 }
             }
         }
-        let mut layout = Layout::of_any_types(request);
+        let mut layout = Layout::new(request);
         for (name, role) in &header.names {
             let mend = "use each column name once";
             layout

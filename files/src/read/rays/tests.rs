@@ -61,9 +61,9 @@ fn an_array_is_read_in_blocks_of_any_size() {
 fn an_array_that_is_none_of_rays_is_refused() {
     let six = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
     for (bytes, message) in [
-        (array("<f8", &[1, 5], &six[..5]), "rays: shape: found [1, 5], expected (n, 6) or (n, 7)"),
+        (array("<f8", &[1, 5], &six[..5]), "rays: shape: found (1, 5), expected (n, 6) or (n, 7)"),
         (array("<f8", &[6], &six), "rays: shape"),
-        (array("<i8", &[1, 6], &six), "rays: dtype: found `<i8`, expected float64 or float32"),
+        (array("<c8", &[1, 6], &six), "rays: dtype: found `<c8`, expected integers or floats of at most 8 bytes"),
         (array("<f8", &[2, 6], &six), "rays: data: the file ends after 1 of 2 rows"),
         (array("<f8", &[1, 6], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0]), "rays: data: bytes follow"),
         (b"PK\x03\x04".to_vec(), "archive"),

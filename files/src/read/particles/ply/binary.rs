@@ -135,7 +135,7 @@ impl Binary {
                 }
             }
             let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {read} {field}")));
-            columns.add(&mut numbers, particles).map_err(placed)?;
+            columns.add(&mut numbers, particles, placed)?;
             self.reader.get_ref().found();
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! Gaussian splats as spheres, after Kerbl, Kopanas, Leimkühler and Drettakis, "3D Gaussian Splatting for Real-Time Radiance Field
 //! Rendering" (2023): a vertex has the logarithms of three standard deviations, the colour as spherical harmonics, and the logit of
-//! its opacity.
+//! its opacity. Splats of 2D Gaussian Splatting (Huang et al. 2024) have two standard deviations, isotropic ones one, and nerfstudio
+//! writes plain colours on request (`--ply-color-mode rgb`).
 
 use crate::read::color::srgb_to_linear;
 use crate::read::particles::colors::ColorType;
@@ -14,36 +15,60 @@ const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
 const SCALES: [&str; 3] = ["scale_0", "scale_1", "scale_2"];
 const OPACITY: &str = "opacity";
 
+/// The position of compressed splats, whose vertices have no x, y and z.
+pub(super) const PACKED: &str = "packed_position";
+
 /// The constant spherical harmonic, 1 / (2 sqrt(pi)).
 const CONSTANT: f64 = 0.282_094_791_773_878_14;
 
 /// The places of a splat's numbers among those of a vertex.
 pub(super) struct Splat {
-    harmonics: [usize; 3],
-    scales: [usize; 3],
+    /// None where the vertices have colours.
+    harmonics: Option<[usize; 3]>,
+    /// One for each axis that has a size.
+    scales: Vec<usize>,
     opacity: Option<usize>,
 }
 
 impl Splat {
     /// The splats of vertices with these numbers, by their names, whose colours and radii become columns of the layout behind
-    /// them; `None` for points that are no splats, or have colours or radii of their own.
+    /// them, as far as they have none of their own; `None` for points that are no splats, or have radii of their own.
     pub(super) fn of(names: &[String], layout: &mut Layout) -> Result<Option<Self>, String> {
         let place = |name: &str| names.iter().position(|found| found == name);
+        if place(PACKED).is_some() {
+            return Err(format!(
+                "the property {PACKED} is of Gaussian splats as PlayCanvas and SuperSplat compress them"
+            ));
+        }
+        let scales: Vec<usize> = SCALES.iter().map_while(|name| place(name)).collect();
+        let has_colors = layout.contains(Role::Color(0));
         let all = |of: [&str; 3]| Some([place(of[0])?, place(of[1])?, place(of[2])?]);
-        let (Some(harmonics), Some(scales)) = (all(HARMONICS), all(SCALES)) else { return Ok(None) };
-        if [Role::Color(0), Role::Radius, Role::Diameter].into_iter().any(|role| layout.contains(role)) {
+        let harmonics = all(HARMONICS).filter(|_| !has_colors);
+        let is_splat = all(HARMONICS).is_some() || has_colors && place("rot_0").is_some();
+        if !is_splat || scales.is_empty() || layout.contains(Role::Radius) || layout.contains(Role::Diameter) {
             return Ok(None);
         }
-        let added =
-            ["red", "green", "blue"].into_iter().zip([0, 1, 2].map(Role::Color)).chain([("radius", Role::Radius)]);
+        let colors = ["red", "green", "blue"].into_iter().zip([0, 1, 2].map(Role::Color));
+        let added = colors.filter(|_| harmonics.is_some()).chain([("radius", Role::Radius)]);
         for (name, role) in added {
             layout.add(name, role)?;
         }
+        let color = if harmonics.is_some() { "the constant part of its colour" } else { "its colour" };
+        let size = match scales.len() {
+            1 => "its standard deviation".to_owned(),
+            count => {
+                format!("the geometric mean of its {} standard deviations", if count == 2 { "two" } else { "three" })
+            }
+        };
         let note = format!(
-            "the points are Gaussian splats: each is an opaque sphere of the constant part of its colour, and its radius is the \
-             geometric mean of its standard deviations; {HIDE} leaves out faint ones by the column opacity"
+            "the points are Gaussian splats: each is an opaque sphere of {color}, and its radius is {size}; {HIDE} leaves out faint \
+             ones by the column opacity"
         );
-        layout.note(ColorType::Real, vec![note]);
+        if harmonics.is_some() {
+            layout.note(ColorType::Real, vec![note])
+        } else {
+            layout.warn(note)
+        }
         Ok(Some(Self { harmonics, scales, opacity: place(OPACITY) }))
     }
 
@@ -59,7 +84,7 @@ impl Splat {
                 "remove the splat, or give it a finite number",
             )
         };
-        for (name, k) in HARMONICS.into_iter().zip(self.harmonics) {
+        for (name, k) in HARMONICS.into_iter().zip(self.harmonics.into_iter().flatten()) {
             if !numbers[k].is_finite() {
                 return Err(refuse(name, numbers[k]));
             }
@@ -67,7 +92,7 @@ impl Splat {
             let level = (0.5 + CONSTANT * numbers[k]).clamp(0.0, 1.0);
             numbers.push(srgb_to_linear(level as f32, 1.0).into());
         }
-        let mean = self.scales.iter().map(|k| numbers[*k] / 3.0).sum::<f64>();
+        let mean = self.scales.iter().map(|k| numbers[*k] / self.scales.len() as f64).sum::<f64>();
         let radius = mean.exp();
         if !is_radius(&radius) {
             return Err(refuse("scale_0", numbers[self.scales[0]]));

@@ -68,7 +68,7 @@ pub(super) fn text(
         match invalid {
             Some(error) => particles.left_out.add(error),
             None => {
-                columns.add(&mut numbers, particles).map_err(|e| relocate(e, |field| lines.place(0).named(field)))?;
+                columns.add(&mut numbers, particles, |e| relocate(e, |field| lines.place(0).named(field)))?;
             }
         }
         lines.found();

@@ -3,7 +3,7 @@
 use super::splat::Splat;
 use crate::read::particles::frame::Particles;
 use crate::read::particles::layout::Layout;
-use halfline::error::Result;
+use halfline::error::{Error, Result};
 
 /// The columns of a vertex: its properties that are not lists.
 pub(super) struct VertexColumns {
@@ -15,12 +15,19 @@ pub(super) struct VertexColumns {
 }
 
 impl VertexColumns {
-    /// Adds a vertex with these numbers.
+    /// Adds a vertex with these numbers, or counts it as left out; `placed` gives an error its place in the file.
     ///
     /// # Errors
-    /// [`Error::Scene`] at the field, without the place in the file.
-    pub(super) fn add(&self, numbers: &mut Vec<f64>, particles: &mut Particles) -> Result<()> {
-        self.splat.as_ref().map_or(Ok(()), |splat| splat.complete(numbers))?;
-        self.layout.numbers(numbers, particles)
+    /// [`Error::Scene`] at the field.
+    pub(super) fn add(
+        &self,
+        numbers: &mut Vec<f64>,
+        particles: &mut Particles,
+        placed: impl Fn(Error) -> Error,
+    ) -> Result<()> {
+        match self.splat.as_ref().map_or(Ok(()), |splat| splat.complete(numbers)) {
+            Ok(()) => self.layout.checked_numbers(numbers, particles, placed),
+            Err(error) => self.layout.refuse(placed(error), particles),
+        }
     }
 }

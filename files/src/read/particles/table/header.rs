@@ -102,7 +102,8 @@ impl TableHeader {
         };
         if given.is_empty() && kind == Bare::Points {
             let words = fields(lines, 0, delimiter).map(|word| word.text);
-            return points::columns(words).map(|names| Self { names, ..header(Vec::new(), Vec::new()) });
+            return points::columns(words)
+                .map(|found| Self { names: found.names, ..header(Vec::new(), found.warning.into_iter().collect()) });
         }
         if given.is_empty() {
             let roles = [Role::Position(0), Role::Position(1), Role::Position(2), Role::Radius].map(Some);
