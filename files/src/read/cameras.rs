@@ -16,6 +16,7 @@ pub use curve::curve_of;
 pub use lens::{ListedLens, PixelLens, lens_of};
 pub use listed::ListedCamera;
 
+use super::input::without_mark;
 use halfline::error::{Error, Place, Result};
 use std::fs::File;
 use std::io::Read;
@@ -45,6 +46,7 @@ pub fn read(path: &Path) -> Result<Vec<ListedCamera>> {
 /// As [`read`].
 pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Vec<ListedCamera>> {
     let file = Place::file(name);
+    let bytes = without_mark(bytes, &file)?;
     let cameras = match bytes.trim_ascii_start().first() {
         Some(b'{' | b'[') => json::read(bytes, &file)?,
         _ => table::read(bytes, &file)?,

@@ -29,6 +29,7 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
     match (of_content(start, named), foreign::of_content(start, &lines)) {
         (None, Some(found)) if !is_native(&lines) => return Err(foreign(found)),
         (Some(Format::Xyz), Some(found)) if !is_atoms(&lines) => return Err(foreign(found)),
+        (Some(Format::Nff), Some(found)) => return Err(foreign(found)),
         (Some(format), _) => return Ok((format, named.and_then(|named| contradiction(format, named, &text)))),
         (None, _) => {}
     }

@@ -49,12 +49,6 @@ const TABLE: &str = "save its columns as CSV or NPY, for example with pandas";
 /// All of them; the first match is used.
 const ALL: &[Foreign] = &[
     row(
-        "a text in UTF-16",
-        "save it as UTF-8, for example with `iconv -f UTF-16 -t UTF-8`",
-        &[],
-        Sign::Start(&[b"\xff\xfe", b"\xfe\xff"]),
-    ),
-    row(
         "compressed with Zstandard before version 0.8",
         "decompress it with `zstd -d`",
         &[],
@@ -119,7 +113,13 @@ const ALL: &[Foreign] = &[
                 && lines.get(1).is_some_and(|line| line.trim_start().starts_with("facet"))
         }),
     ),
-    row("an OBJ mesh", MESH, &["obj"], Sign::Name),
+    row("an OBJ mesh", MESH, &["obj", "mtl"], Sign::Test(is_obj)),
+    row(
+        "a file of Gaussian splats",
+        "convert it to PLY, for example with SuperSplat or splat-transform",
+        &["splat", "ksplat", "spz", "sog"],
+        Sign::Start(&[b"NGSP"]),
+    ),
     row("a glTF scene", MESH, &["gltf", "glb"], Sign::Start(&[b"glTF"])),
     row(
         "a FITS file",
@@ -244,6 +244,19 @@ fn is_charmm(_: &[u8], lines: &[&str]) -> bool {
     let mut rest = lines.iter().skip_while(|line| line.starts_with('*'));
     let count = rest.next().and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
     lines.first().is_some_and(|line| line.starts_with('*')) && count.is_some()
+}
+
+/// Vertices, faces or names of a mesh; `v` and `f` of NFF have no numbers, and eight.
+fn is_obj(_: &[u8], lines: &[&str]) -> bool {
+    let words = |line: &&str| line.split_whitespace().map(str::to_owned).collect::<Vec<String>>();
+    let rows = lines.iter().map(words).filter(|words| words.first().is_some_and(|word| !word.starts_with('#')));
+    let rows: Vec<Vec<String>> = rows.collect();
+    let is_known =
+        |row: &Vec<String>| ["v", "vn", "vt", "f", "l", "o", "g", "s", "mtllib", "usemtl"].contains(&&row[0][..]);
+    let is_vertex = |row: &Vec<String>| {
+        row[0] == "v" && (4..=8).contains(&row.len()) && row[1..].iter().all(|word| word.parse::<f64>().is_ok())
+    };
+    rows.first().is_some_and(is_known) && rows.iter().any(is_vertex)
 }
 
 /// A line with a count and optionally a title, optionally a cell, and atoms that begin with their number and name.

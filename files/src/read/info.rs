@@ -33,7 +33,7 @@ pub struct FileInfo {
     pub frames: u64,
     /// Spheres of the first frame.
     pub spheres: u64,
-    /// The columns besides the coordinates, by name.
+    /// The columns besides the coordinates, by the name in the file.
     pub columns: BTreeMap<String, ColumnInfo>,
     /// Atoms by the symbol of their element; `X` for unknown ones. Empty where the format has no elements.
     pub elements: BTreeMap<String, u64>,
@@ -211,6 +211,7 @@ impl FileInfo {
             warnings.push(NOTHING.into());
         }
         let [low, high] = counts.extent;
+        let shown = |name: String| counts.shown.get(&name).cloned().unwrap_or(name);
         Self {
             schema: "halfline-info",
             version: 1,
@@ -225,7 +226,7 @@ impl FileInfo {
             colored: counts.colored > 0 && counts.colors.scale() != ColorScale::Empty,
             camera: false,
             warnings,
-            columns: counts.columns.into_iter().map(|(name, column)| (name, ColumnInfo::of(column))).collect(),
+            columns: counts.columns.into_iter().map(|(name, column)| (shown(name), ColumnInfo::of(column))).collect(),
         }
     }
 

@@ -4,7 +4,7 @@
 use super::gauge::{Counts, FileBytes, Gauge};
 use super::packed::{MAGIC, Packing};
 use crate::write::atomic::{is_special, is_standard};
-use halfline::error::{Error, Result};
+use halfline::error::{Error, Place, Result};
 use halfline::progress::Watch;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
@@ -27,7 +27,33 @@ const LARGE: usize = 1 << 20;
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// The mark of byte order of UTF-8, which editors and spreadsheets write before a text.
-pub(super) const UTF8_MARK: &[u8; 3] = b"\xef\xbb\xbf";
+const UTF8_MARK: &[u8; 3] = b"\xef\xbb\xbf";
+
+/// Whether a file with these first 4 bytes is a text in UTF-16: it has a mark of byte order, or every second byte is 0.
+fn is_utf16(start: &[u8]) -> bool {
+    let is_letter = |byte: &u8| (b' '..=b'~').contains(byte) || b"\t\n\r".contains(byte);
+    match start {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => true,
+        [a, 0, b, 0] | [0, a, 0, b] => is_letter(a) && is_letter(b),
+        _ => false,
+    }
+}
+
+fn utf16(file: Place) -> Error {
+    let mend = "save it as UTF-8, for example with `iconv -f UTF-16 -t UTF-8`";
+    Error::scene(file, "this is a text in UTF-16, which is not supported", mend)
+}
+
+/// The text of a small file without a mark of byte order.
+///
+/// # Errors
+/// [`Error::Scene`] for a text in UTF-16.
+pub(super) fn without_mark<'a>(bytes: &'a [u8], file: &Place) -> Result<&'a [u8]> {
+    match is_utf16(&bytes[..bytes.len().min(4)]) {
+        true => Err(utf16(file.clone())),
+        false => Ok(bytes.strip_prefix(UTF8_MARK).unwrap_or(bytes)),
+    }
+}
 
 /// Fills `bytes`, less at the end of the stream; returns how many bytes there were.
 ///
@@ -61,6 +87,7 @@ pub(crate) struct Input {
     delivered: u64,
     length: u64,
     packed: bool,
+    is_utf16: bool,
 }
 
 impl Input {
@@ -70,11 +97,12 @@ impl Input {
     /// [`Error::Io`], [`Error::Interrupted`], [`Error::Limits`] where a pipe needs a thread that cannot be started.
     pub(crate) fn open(path: &Path, watch: &Watch) -> Result<Self> {
         if read_once(path).is_some() {
-            return Self::unpack(Box::new(Pipe::open(path, watch)?), 0, watch).map_err(|e| Error::read(path, e));
+            let input = Self::unpack(Box::new(Pipe::open(path, watch)?), 0, watch);
+            return input.map_err(|e| Error::read(path, e))?.without_utf16(path);
         }
         let file = File::open(path).map_err(|e| Error::read(path, e))?;
         let length = file.metadata().map_or(0, |found| found.len());
-        Self::unpack(Box::new(file), length, watch).map_err(|e| Error::read(path, e))
+        Self::unpack(Box::new(file), length, watch).map_err(|e| Error::read(path, e))?.without_utf16(path)
     }
 
     /// The input from any reader, compressed or not.
@@ -96,20 +124,30 @@ impl Input {
             Some(packing) => (Box::new(BufReader::with_capacity(BLOCK, packing.reader(raw, &gauge.counts))), 0),
             None => (Box::new(raw), length),
         };
-        let mut input = Self { reader, gauge, since: 0, delivered: 0, length, packed: packing.is_some() };
+        let mut input =
+            Self { reader, gauge, since: 0, delivered: 0, length, packed: packing.is_some(), is_utf16: false };
         input.pass_mark()?;
         Ok(input)
     }
 
     /// Skips the mark of byte order before a text in UTF-8.
     fn pass_mark(&mut self) -> io::Result<()> {
-        let start = self.look(UTF8_MARK.len() as u64)?;
-        if start == UTF8_MARK {
+        let start = self.look(4)?;
+        self.is_utf16 = is_utf16(&start);
+        if start.starts_with(UTF8_MARK) {
             self.read_exact(&mut [0; UTF8_MARK.len()])?;
             self.length = self.length.saturating_sub(UTF8_MARK.len() as u64);
             self.delivered = 0;
         }
         Ok(())
+    }
+
+    /// The input, unless it is a text in UTF-16.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for such a text.
+    pub(crate) fn without_utf16(self, path: &Path) -> Result<Self> {
+        if self.is_utf16 { Err(utf16(Place::file(path.display().to_string()))) } else { Ok(self) }
     }
 
     /// Whether the input is compressed.
@@ -162,7 +200,7 @@ impl Input {
     pub(crate) fn of_bytes(bytes: &[u8]) -> Self {
         let reader = Box::new(Cursor::new(bytes.to_vec()));
         let gauge = Gauge::new(&Watch::default());
-        Self { reader, gauge, since: 0, delivered: 0, length: bytes.len() as u64, packed: false }
+        Self { reader, gauge, since: 0, delivered: 0, length: bytes.len() as u64, packed: false, is_utf16: false }
     }
 }
 

@@ -1,13 +1,13 @@
 //! Compression of files: recognised by the first bytes, and undone in a stream. Data that follow each other in one file (members
 //! of gzip, streams of bzip2 and xz, frames of Zstandard) are one content.
 
+mod members;
 mod zstandard;
 
 use super::gauge::Counts;
-use bzip2::bufread::MultiBzDecoder;
-use flate2::bufread::MultiGzDecoder;
 use halfline::error::Error;
 use lzma_rust2::XzReader;
+use members::Members;
 use std::io::{self, BufRead, Read};
 use std::sync::Arc;
 
@@ -46,8 +46,8 @@ impl Packing {
     /// The decompressed content of `raw`; `counts` gets notice of decompressed bytes that are not delivered yet.
     pub(super) fn reader(self, raw: impl BufRead + Send + 'static, counts: &Arc<Counts>) -> Unpacked {
         let reader: Box<dyn Read + Send> = match self {
-            Self::Gzip => Box::new(MultiGzDecoder::new(raw)),
-            Self::Bzip2 => Box::new(MultiBzDecoder::new(raw)),
+            Self::Gzip => Box::new(Members::gzip(raw)),
+            Self::Bzip2 => Box::new(Members::bzip2(raw)),
             Self::Xz => Box::new(XzReader::new_mem_limit(raw, true, XZ_MEMORY)),
             Self::Zstandard => Box::new(zstandard::Frames::new(raw, Arc::clone(counts), WINDOW)),
         };

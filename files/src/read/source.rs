@@ -46,7 +46,8 @@ impl SceneSource {
     ///
     /// # Errors
     /// As [`SceneSource::open`].
-    pub(super) fn of(mut reader: Input, path: &Path, known: KnownFormat) -> Result<Self> {
+    pub(super) fn of(reader: Input, path: &Path, known: KnownFormat) -> Result<Self> {
+        let mut reader = reader.without_utf16(path)?;
         let mut name = path.to_path_buf();
         if reader.is_packed() {
             name.set_extension("");

@@ -99,3 +99,90 @@ fn windows_are_limited() {
     let text = unpacked(&bytes("28b52ffd23c018341e884500000001008582940002")).expect_err("a dictionary").to_string();
     assert!(text.contains("ictionary"), "{text}");
 }
+
+/// Whether a program takes the data: it ends with 0.
+fn is_taken(program: &str, data: &[u8]) -> Option<bool> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("data");
+    std::fs::write(&path, data).expect("a file");
+    let (input, nothing) = (std::fs::File::open(&path).expect("a file"), std::process::Stdio::null);
+    let command =
+        std::process::Command::new(program).arg("-t").stdin(input).stdout(nothing()).stderr(nothing()).status();
+    command.ok().map(|status| status.success())
+}
+
+/// What is taken is what the programs take, and so the advice of a message, to test the file with one of them, is true.
+#[test]
+fn what_is_taken_is_what_the_programs_take() {
+    let programs = ["gzip", "bzip2", "xz", "zstd"];
+    let mut draws = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut below = |n: usize| {
+        draws = draws.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (draws >> 33) as usize % n
+    };
+    let [mut taken, mut refused] = [0; 2];
+    for program in programs {
+        let packed = |content: &str, options: &[&str]| -> Option<Vec<u8>> {
+            let mut child = std::process::Command::new(program)
+                .args(options)
+                .stdin(std::process::Stdio::piped())
+                .stdout(std::process::Stdio::piped())
+                .spawn()
+                .ok()?;
+            std::io::Write::write_all(&mut child.stdin.take()?, content.as_bytes()).ok()?;
+            Some(child.wait_with_output().ok()?.stdout)
+        };
+        let Some(whole) = packed(&content(), &["-c"]) else {
+            println!("{program} is not installed: not compared");
+            continue;
+        };
+        let (one, none) = (packed("1", &["-9c"]).expect("data"), packed("", &["-c"]).expect("data"));
+        let skipped = [0x50, 0x2a, 0x4d, 0x18, 3, 0, 0, 0, 7, 7, 7];
+        let zeros = |n: usize| vec![0; n];
+        let mut files = vec![
+            [&whole[..], &one].concat(),
+            [&none[..], &whole, &none].concat(),
+            [&one[..], &zeros(4), &one].concat(),
+            [&one[..], &zeros(3), &one].concat(),
+            [&skipped[..], &whole, &skipped].concat(),
+            [&whole[..], &skipped[..9]].concat(),
+            [&whole[..], b"behind it"].concat(),
+            [&whole[..], b"B"].concat(),
+            [&whole[..], b"BZ"].concat(),
+            [&whole[..], b"BZh"].concat(),
+            [&whole[..], b"BZh0"].concat(),
+            [&whole[..], b"BZh9"].concat(),
+            [&whole[..], b"\x1f"].concat(),
+            [&whole[..], b"\x1f\x8b"].concat(),
+            [&whole[..], b"\0\0x"].concat(),
+            one.repeat(50),
+        ];
+        files.extend([1, 2, 3, 4, 5, 8, 511, 512, 100_000].map(|n| [&whole[..], &zeros(n)].concat()));
+        for file in files.clone() {
+            files.push(file[..file.len() - 1 - below(file.len() / 2)].to_vec());
+        }
+        for _ in 0..120 {
+            let mut file = files[below(16)].clone();
+            let at = if below(2) == 0 { below(file.len().min(24)) } else { below(file.len()) };
+            file[at] ^= 1 << below(8);
+            files.push(file);
+        }
+        for file in files {
+            // Other beginnings are other compressions or none.
+            if Packing::of(&file).is_none_or(|packing| packing.names()[1] != program) {
+                continue;
+            }
+            let (ours, theirs) = (unpacked(&file), is_taken(program, &file).expect(program));
+            let message = ours.as_ref().err().map(ToString::to_string).unwrap_or_default();
+            // Data that only refer back too far are taken by the programs.
+            if message.contains("refer back") {
+                continue;
+            }
+            let hex: String = file.iter().take(200).map(|byte| format!("{byte:02x}")).collect();
+            assert_eq!(ours.is_ok(), theirs, "{program} {message} {} bytes {hex}", file.len());
+            let count = if theirs { &mut taken } else { &mut refused };
+            *count += 1;
+        }
+    }
+    println!("{taken} data are taken, {refused} refused");
+}

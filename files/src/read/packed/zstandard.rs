@@ -25,7 +25,12 @@ struct Frame {
 
 impl<R: BufRead> Frames<R> {
     pub(super) fn new(reader: R, counts: Arc<Counts>, window: u64) -> Self {
-        Self { source: Source { reader, error: None, is_end: false }, frame: None, counts, window }
+        Self {
+            source: Source { reader, error: None, is_end: false, start: [0; 5], seen: 0 },
+            frame: None,
+            counts,
+            window,
+        }
     }
 
     /// Begins the next frame; returns false at the end of the file.
@@ -36,7 +41,12 @@ impl<R: BufRead> Frames<R> {
         // A decoder that is used again reserves the window of the header.
         let mut decoder = FrameDecoder::new();
         decoder.set_max_window_size(self.window);
+        self.source.seen = 0;
         match decoder.reset(&mut self.source) {
+            // RFC 8878, 3.1.1.1.1.4.
+            Ok(()) if self.source.start[4] & RESERVED > 0 => {
+                return Err(io::Error::new(io::ErrorKind::InvalidData, "the reserved bit of a frame's header is set"));
+            }
             Ok(()) => self.frame = Some(Frame { decoder, length: 0 }),
             Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame { length, .. })) => {
                 let mut rest = self.source.by_ref().take(length.into());
@@ -79,6 +89,9 @@ impl<R: BufRead> Read for Frames<R> {
     }
 }
 
+/// The bit of a frame's descriptor that is reserved.
+const RESERVED: u8 = 1 << 3;
+
 /// Checks the content of a frame against its checksum and its length.
 fn check(decoder: &FrameDecoder, length: u64) -> io::Result<()> {
     let problem = match decoder.get_checksum_from_data() {
@@ -96,11 +109,19 @@ struct Source<R> {
     error: Option<io::Error>,
     /// Whether the decoder reads on behind the last byte.
     is_end: bool,
+    /// The magic number and the descriptor of the frame, and how many of these bytes were read.
+    start: [u8; 5],
+    seen: usize,
 }
 
 impl<R: Read> Read for Source<R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let read = self.reader.read(bytes);
+        if let (Ok(read), true) = (&read, self.seen < self.start.len()) {
+            let more = (self.start.len() - self.seen).min(*read);
+            self.start[self.seen..self.seen + more].copy_from_slice(&bytes[..more]);
+            self.seen += more;
+        }
         self.is_end |= matches!(read, Ok(0)) && !bytes.is_empty();
         read.map_err(|error| {
             let kind = error.kind();

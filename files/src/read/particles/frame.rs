@@ -58,6 +58,8 @@ pub(crate) struct Particles {
     pub(in crate::read) before: u64,
     /// The names of all columns of the file, for messages.
     pub(crate) has: Vec<String>,
+    /// The columns whose names have capitals in the file, by the names in lower case.
+    pub(in crate::read) shown: BTreeMap<String, String>,
     /// For columns of names: the column's name, and the names that its whole numbers, from 0, refer to.
     pub(crate) labels: BTreeMap<String, Vec<String>>,
     /// The indices in the file, where some particles were removed; empty where none was.
@@ -274,6 +276,7 @@ impl Particles {
                 column.labels = labels;
             }
         }
+        counts.shown = self.shown;
         counts.add_unknown(self.unknown);
         counts.cell = self.cell;
         counts.warnings.extend(self.skipped.warnings());

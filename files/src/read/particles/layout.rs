@@ -16,6 +16,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::quote::quote;
 use halfline::quote::setting::{COLUMNS, SKIP_INVALID, STREAM};
 use halfline::scene::check_color;
+use std::collections::BTreeMap;
 use std::io::BufRead;
 
 /// The columns of a row in the order of the file.
@@ -33,6 +34,8 @@ pub(crate) struct Layout {
     mixed: Vec<usize>,
     /// The names of all columns.
     has: Vec<String>,
+    /// The requested columns whose names have capitals in the file, by the names in lower case.
+    shown: BTreeMap<String, String>,
     /// Bytes of all names.
     named: usize,
     /// Whether rows with invalid coordinates or radii are left out instead of being errors; `None` where they cannot be.
@@ -120,7 +123,7 @@ impl Layout {
         if self.named > MOST_NAMED {
             return Err(format!("the names of the columns have more than {MOST_NAMED} bytes"));
         }
-        let name = name.to_lowercase();
+        let (shown, name) = (name, name.to_lowercase());
         let twice = |name: &str| Err(format!("{} occurs twice", quote(name)));
         // Two columns with the same meaning: the first is used, if they have other names.
         let known = self.slots.iter().find(|slot| slot.role == role && !matches!(role, Role::Other | Role::Text));
@@ -148,6 +151,9 @@ impl Layout {
                 }
                 number += 1;
                 slot.name = format!("{first}.{number}");
+            }
+            if shown != slot.name && !self.requested.contains(&slot.name) {
+                self.shown.insert(slot.name.clone(), slot.name.replacen(&first, shown, 1));
             }
             slot.requested = Some(self.requested.len());
             if matches!(role, Role::Symbol | Role::Text) {
@@ -179,7 +185,7 @@ impl Layout {
     /// Declares the last `count` columns as a vector of this name, whose length can be requested.
     pub(crate) fn vector(&mut self, name: &str, count: usize) {
         if count < 2
-            || self.requested.iter().any(|requested| requested == name)
+            || self.requested.iter().any(|requested| requested.eq_ignore_ascii_case(name))
             || !self.to_keep.iter().any(|w| w.eq_ignore_ascii_case(name))
         {
             return;
@@ -188,7 +194,7 @@ impl Layout {
         for (k, slot) in self.slots[from..].iter_mut().enumerate() {
             slot.part = Some((self.requested.len(), k == 0));
         }
-        self.requested.push(name.to_owned());
+        self.requested.push(name.to_lowercase());
     }
 
     /// The number of columns.
@@ -217,7 +223,13 @@ impl Layout {
                 "the column {name} is not read as a radius; call it radius, or in a table use {COLUMNS} radius={name}"
             ));
         }
-        Particles { has: self.has.clone(), survey: self.survey.clone(), skipped, ..self.begin_part() }
+        Particles {
+            has: self.has.clone(),
+            shown: self.shown.clone(),
+            survey: self.survey.clone(),
+            skipped,
+            ..self.begin_part()
+        }
     }
 
     /// The same for a part of the file, without the names of the other columns.

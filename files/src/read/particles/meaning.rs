@@ -178,7 +178,7 @@ impl<'a> Found<'a> {
             _ if self.packed == Some(k) => parts(["red", "green", "blue"], Role::Color),
             1 if self.role(name) != Role::Other && self.row.is_second(k) => vec![(field.name.to_owned(), Role::Other)],
             1 => vec![(field.name.to_owned(), self.role(name))],
-            count => (0..count).map(|part| (component(name, part), Role::Other)).collect(),
+            count => (0..count).map(|part| (component(field.name, part), Role::Other)).collect(),
         }
     }
 

@@ -45,6 +45,8 @@ struct Arrays {
     one: Vec<(String, u64)>,
     /// All arrays in words: name, type and shape.
     shown: Vec<String>,
+    /// The arrays whose names have capitals, by the names in lower case.
+    capitals: BTreeMap<String, String>,
 }
 
 /// An array with the name of a position, a colour or a radius.
@@ -101,7 +103,7 @@ impl Npz {
 
 impl Arrays {
     fn take<R: BufRead>(&mut self, name: &str, header: &Header, npy: &mut Npy<R>, requested: &[String]) -> Result<()> {
-        let name = name.to_lowercase();
+        let (as_written, name) = (name, name.to_lowercase());
         let shape = header.shape.clone();
         if self.one.len() < MOST
             && name.len() <= LONGEST_NAME
@@ -111,7 +113,10 @@ impl Arrays {
             self.one.push((name.clone(), shape[0]));
         }
         if self.shown.len() < MOST && name.len() <= LONGEST_NAME {
-            self.shown.push(format!("{name} ({} of shape {})", header.dtype, shown(&shape)));
+            if as_written != name {
+                self.capitals.insert(name.clone(), as_written.to_owned());
+            }
+            self.shown.push(format!("{as_written} ({} of shape {})", header.dtype, shown(&shape)));
         }
         let (is_every, is_requested, is_known) =
             (requested.iter().any(|name| name == EVERY), is_requested(requested, &name), is_known(&name));
@@ -255,7 +260,19 @@ impl Arrays {
         let mut labels = self.labels.clone();
         labels.retain(|name, _| columns.iter().any(|column| column.name == *name));
         let skipped = Skipped { assumed: [&warnings[..], &self.warnings].concat(), ..Skipped::default() };
-        Ok(Particles { positions, radii, colors, color_type, columns, labels, has, skipped, ..Particles::default() })
+        let shown = self.capitals.clone();
+        Ok(Particles {
+            positions,
+            radii,
+            colors,
+            color_type,
+            columns,
+            labels,
+            has,
+            shown,
+            skipped,
+            ..Particles::default()
+        })
     }
 }
 

@@ -77,6 +77,8 @@ pub(in crate::read) struct Counts {
     /// Particles by atomic number, 0 for an unknown element; all 0 where the format has no elements.
     pub(in crate::read) elements: [u64; 256],
     pub(in crate::read) columns: BTreeMap<String, ColumnCounts>,
+    /// The columns whose names have capitals in the file, by the names in lower case.
+    pub(in crate::read) shown: BTreeMap<String, String>,
     /// Names that are not elements, with the number of their particles.
     pub(in crate::read) unknown: BTreeMap<String, u64>,
     pub(in crate::read) cell: Option<Cell>,
@@ -118,6 +120,7 @@ impl Default for Counts {
             colors: ColorSurvey::default(),
             elements: [0; 256],
             columns: BTreeMap::new(),
+            shown: BTreeMap::new(),
             unknown: BTreeMap::new(),
             cell: None,
             warnings: Vec::new(),

@@ -163,8 +163,8 @@ fn atoms(field: &NamedField<'_>, kind: &str, columns: &mut Vec<(String, Role)>) 
         _ => return,
     };
     // The coordinate has the name `z`.
-    let name = if role == Role::Number && name == "z" { "atomic_number".to_owned() } else { name };
-    let named = |k: usize| if field.count == 1 { name.clone() } else { component(&name, k) };
+    let name = if role == Role::Number && name == "z" { "atomic_number" } else { field.name };
+    let named = |k: usize| if field.count == 1 { name.to_owned() } else { component(name, k) };
     *columns = (0..field.count).map(|k| (named(k), role)).collect();
 }
 

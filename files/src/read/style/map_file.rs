@@ -1,6 +1,8 @@
 //! Colour maps of files: JSON of ParaView and of matplotlib's colours, or a table with a colour in each row.
 
 use crate::read::color::hex;
+use crate::read::input::without_mark;
+use crate::read::lines::not_utf8;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::quote::quote;
@@ -38,7 +40,8 @@ pub fn color_map(name: &str) -> Result<ColorMap> {
     if size > MOST_BYTES {
         return Err(Error::scene(place(), format!("{size} bytes are too many for a colour map"), MEND));
     }
-    let text = fs::read_to_string(file).map_err(|error| Error::read(file, error))?;
+    let bytes = fs::read(file).map_err(|error| Error::read(file, error))?;
+    let text = String::from_utf8(without_mark(&bytes, &place())?.to_vec()).map_err(|e| not_utf8(place(), 0, e))?;
     let stem = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let colors = match text.trim_start().starts_with(['[', '{']) {
         true => of_json(&text).map_err(|problem| Error::scene(place(), problem, MEND))?,

@@ -1,0 +1,120 @@
+//! Data of gzip and bzip2 behind each other, and the bytes behind the last of them as `gzip` and `bzip2` take them.
+
+use bzip2::bufread::BzDecoder;
+use flate2::bufread::GzDecoder;
+use std::io::{self, BufRead, Read};
+
+/// The decoder of one of the data, until the next begins.
+enum Member<R> {
+    Gzip(GzDecoder<Ahead<R>>),
+    Bzip2(BzDecoder<Ahead<R>>),
+    End,
+}
+
+/// The content of all data.
+pub(super) struct Members<R>(Member<R>);
+
+impl<R: BufRead> Members<R> {
+    pub(super) fn gzip(reader: R) -> Self {
+        Self(Member::Gzip(GzDecoder::new(Ahead::new(reader))))
+    }
+
+    pub(super) fn bzip2(reader: R) -> Self {
+        Self(Member::Bzip2(BzDecoder::new(Ahead::new(reader))))
+    }
+}
+
+impl<R: BufRead> Read for Members<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        loop {
+            let read = match &mut self.0 {
+                Member::Gzip(decoder) => decoder.read(bytes)?,
+                Member::Bzip2(decoder) => decoder.read(bytes)?,
+                Member::End => return Ok(0),
+            };
+            if read > 0 || bytes.is_empty() {
+                return Ok(read);
+            }
+            self.0 = match std::mem::replace(&mut self.0, Member::End) {
+                Member::Gzip(decoder) => {
+                    let mut rest = decoder.into_inner();
+                    if rest.is_padding()? { Member::End } else { Member::Gzip(GzDecoder::new(rest)) }
+                }
+                Member::Bzip2(decoder) => {
+                    let mut rest = decoder.into_inner();
+                    if rest.is_stream()? { Member::Bzip2(BzDecoder::new(rest)) } else { Member::End }
+                }
+                Member::End => Member::End,
+            };
+        }
+    }
+}
+
+/// A reader whose next bytes were looked at.
+struct Ahead<R> {
+    /// These bytes, and the number of those that were delivered.
+    start: Vec<u8>,
+    passed: usize,
+    reader: R,
+}
+
+impl<R: BufRead> Ahead<R> {
+    fn new(reader: R) -> Self {
+        Self { start: Vec::new(), passed: 0, reader }
+    }
+
+    /// Whether zeros follow up to the end, or nothing. Tapes are filled with them.
+    fn is_padding(&mut self) -> io::Result<bool> {
+        loop {
+            let buffer = self.fill_buf()?;
+            let zeros = buffer.iter().take_while(|byte| **byte == 0).count();
+            if zeros < buffer.len() || buffer.is_empty() {
+                // A member does not begin with a zero, so what follows zeros is none.
+                return Ok(buffer.is_empty());
+            }
+            self.consume(zeros);
+        }
+    }
+
+    /// Whether a stream of bzip2 follows. Other bytes are ignored, but not the beginning of a stream.
+    fn is_stream(&mut self) -> io::Result<bool> {
+        self.start.drain(..std::mem::take(&mut self.passed));
+        let is_of =
+            [|byte| byte == b'B', |byte| byte == b'Z', |byte| byte == b'h', |byte: u8| (b'1'..=b'9').contains(&byte)];
+        for (k, is_of) in is_of.into_iter().enumerate() {
+            if self.start.len() <= k {
+                let next = self.reader.fill_buf()?.first().copied();
+                self.start.extend(next);
+                self.reader.consume(usize::from(next.is_some()));
+            }
+            match self.start.get(k) {
+                None if k > 0 => return Err(io::ErrorKind::UnexpectedEof.into()),
+                Some(byte) if is_of(*byte) => {}
+                _ => return Ok(false),
+            }
+        }
+        Ok(true)
+    }
+}
+
+impl<R: BufRead> BufRead for Ahead<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.passed < self.start.len() { Ok(&self.start[self.passed..]) } else { self.reader.fill_buf() }
+    }
+
+    fn consume(&mut self, bytes: usize) {
+        if self.passed < self.start.len() {
+            self.passed += bytes;
+        } else {
+            self.reader.consume(bytes);
+        }
+    }
+}
+
+impl<R: BufRead> Read for Ahead<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let read = self.fill_buf()?.read(bytes)?;
+        self.consume(read);
+        Ok(read)
+    }
+}
