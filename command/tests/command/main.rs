@@ -62,6 +62,7 @@ mod sky;
 mod streams;
 mod tables;
 mod trace;
+mod types;
 #[cfg(unix)]
 mod view;
 mod words;
