@@ -131,7 +131,7 @@ pub(crate) fn read_cameras(
             Error::settings(problem, "give size=(width, height)")
         })?;
         let lens = lens.for_image(index, width, height)?;
-        Ok(Camera { camera: CoreCamera { lens, ..found.camera }, aperture: None, size, in_pixels })
+        Ok(Camera { camera: CoreCamera { lens, ..found.camera }, aperture: found.aperture, size, in_pixels })
     };
     cameras::read(&path).and_then(|found| found.iter().enumerate().map(camera).collect()).or_raise()
 }

@@ -7,9 +7,13 @@
 mod axes;
 mod curve;
 mod json;
+mod keyed;
+mod keys;
 mod lens;
 mod listed;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use axes::{AxesProblem, check_axes};
 pub use curve::curve_of;
@@ -48,6 +52,11 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Vec<ListedCamera>> {
     let file = Place::file(name);
     let bytes = without_mark(bytes, &file)?;
     let cameras = match bytes.trim_ascii_start().first() {
+        None => {
+            let mend =
+                "use JSON with a list of cameras, frames or poses, or CSV with a header such as eye_x,eye_y,eye_z,..";
+            return Err(Error::scene(file, "the file is empty, not a list of cameras", mend));
+        }
         Some(b'{' | b'[') => json::read(bytes, &file)?,
         _ => table::read(bytes, &file)?,
     };

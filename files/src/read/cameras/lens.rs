@@ -42,13 +42,43 @@ impl PixelLens {
         self.center.is_none_or(|center| center == size.map(|side| f64::from(side) / 2.0))
     }
 
+    /// The axis along which the focal length and the angle of an image with these sides contradict each other. The angle of a fisheye has
+    /// no formula that programs agree on.
+    pub(super) fn contradiction(&self, sides: [f64; 2]) -> Option<usize> {
+        let is_apart = |axis: &usize| match (self.focal[*axis], self.by_angle(*axis, sides)) {
+            (Some(focal), Some(by_angle)) => !is_near(focal, by_angle),
+            _ => false,
+        };
+        [0, 1].into_iter().find(is_apart).filter(|_| !matches!(self.curve, Some(Curve::Fisheye { .. })))
+    }
+
+    /// Whether a viewport or an angle shows what the focal lengths do in an image with these sides.
+    pub(super) fn is_seen_by(&self, lens: Lens, sides: [f64; 2]) -> bool {
+        let focal = self.focal_lengths(sides);
+        match lens {
+            Lens::Viewport { vw, vh, distance } => {
+                [vw, vh].iter().enumerate().all(|(k, side)| is_near(sides[k] * distance / side, focal[k]))
+            }
+            Lens::Vfov { degrees, .. } => is_near(0.5 * sides[1] / (0.5 * degrees.to_radians()).tan(), focal[1]),
+            _ => false,
+        }
+    }
+
+    fn by_angle(&self, axis: usize, sides: [f64; 2]) -> Option<f64> {
+        self.angles[axis].map(|angle| 0.5 * sides[axis] / (0.5 * angle).tan())
+    }
+
+    /// The focal lengths in an image with these sides.
+    fn focal_lengths(&self, sides: [f64; 2]) -> [f64; 2] {
+        let [x, y] = [0, 1].map(|k| self.focal[k].or_else(|| self.by_angle(k, sides)));
+        [x.or(y), y.or(x)].map(|focal| focal.unwrap_or(f64::NAN))
+    }
+
     /// The intrinsics for a picture of `width` x `height` pixels. A picture of another size than the image has the height of its
     /// view, and square pixels where these are square.
     fn intrinsics(&self, width: u32, height: u32) -> Intrinsics {
         let sides = self.image.unwrap_or([width, height]).map(f64::from);
-        let by_angle = |k: usize| self.angles[k].map(|angle| 0.5 * sides[k] / (0.5 * angle).tan());
-        let [x, y] = [0, 1].map(|k| self.focal[k].or_else(|| by_angle(k)));
-        let [fx, fy] = [x.or(y), y.or(x)].map(|focal| focal.unwrap_or(f64::NAN));
+        let [fx, fy] = self.focal_lengths(sides);
         let [w, h] = sides;
         let [cx, cy] = self.center.unwrap_or([w / 2.0, h / 2.0]);
         let [width, height] = [width, height].map(f64::from);
@@ -59,14 +89,34 @@ impl PixelLens {
         let moved = |center: f64, from: f64, to: f64| (center - from / 2.0) * scale + to / 2.0;
         Intrinsics { fx: fx * scale, fy: fy * scale, cx: moved(cx, w, width), cy: moved(cy, h, height) }
     }
+
+    /// Returns an error for numbers that contradict each other in a picture of `width` x `height` pixels.
+    fn check(&self, index: usize, width: u32, height: u32) -> Result<()> {
+        let image = self.image.unwrap_or([width, height]);
+        if let Some(axis) = self.contradiction(image.map(f64::from)) {
+            let side = ["width", "height"][axis];
+            let problem = format!(
+                "camera {index}: the focal length and the angle of its {side} differ for {width} x {height} pixels"
+            );
+            return Err(Error::settings(problem, "remove the wrong one of the two from the list, or add w and h"));
+        }
+        if self.curve == Some(Curve::Panorama) && !self.is_centred(image) {
+            let problem = format!("camera {index}: cx and cy of a panorama are not the middle of its image");
+            return Err(Error::settings(problem, "remove them from the list"));
+        }
+        Ok(())
+    }
 }
 
 impl ListedLens {
     /// The lens for an image of `width` x `height` pixels. Errors refer to the camera by its `index` in the list, from 0.
     ///
     /// # Errors
-    /// As [`lens_of`].
+    /// As [`lens_of`]; [`Error::Settings`] for numbers that contradict each other.
     pub fn for_image(&self, index: usize, width: u32, height: u32) -> Result<Lens> {
+        if let Self::InPixels(lens) = self {
+            lens.check(index, width, height)?;
+        }
         match self {
             // The picture has the height of the view, and square pixels where those of the image are square.
             Self::OfImage(Lens::Viewport { vw, vh, distance }, image) if *image != [width, height] => {
@@ -88,6 +138,11 @@ impl ListedLens {
             }
         }
     }
+}
+
+/// Whether two numbers are one, within a hundredth.
+pub(super) fn is_near(a: f64, b: f64) -> bool {
+    (a / b - 1.0).abs() <= 0.01
 }
 
 /// The lens of intrinsics for an image of `width` x `height` pixels: a viewport of W/fx x H/fy at distance 1 where the

@@ -3,7 +3,7 @@
 use super::axes::{AxesProblem, check_axes};
 use super::lens::{ListedLens, PixelLens};
 use glam::DVec3;
-use halfline::scene::camera::{Camera, Intrinsics, Lens, Look};
+use halfline::scene::camera::{Aperture, Camera, Intrinsics, Lens, Look};
 
 /// A camera of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +16,8 @@ pub struct ListedCamera {
     pub intrinsics: Option<PixelLens>,
     /// Columns and rows of its image.
     pub size: Option<[u32; 2]>,
+    /// The size of its lens, where it has one.
+    pub aperture: Option<Aperture>,
 }
 
 impl ListedCamera {
@@ -33,7 +35,7 @@ impl ListedCamera {
     /// A camera at `eye` with this direction of view and this `up`, without a lens.
     pub(super) fn new(eye: [f64; 3], look: Look, up: [f64; 3]) -> Self {
         let camera = Camera { eye: eye.into(), look, up: up.into(), ..Camera::CANONICAL };
-        Self { camera, has_lens: false, intrinsics: None, size: None }
+        Self { camera, has_lens: false, intrinsics: None, size: None, aperture: None }
     }
 
     /// The camera of a matrix from camera to world, by rows, whose columns are right, up, back and the eye; for OpenCV's
