@@ -2,7 +2,7 @@
 
 use super::values::numbers;
 use clap::Args;
-use halfline::camera::{CameraRecord, Intrinsics, Lens};
+use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens};
 use halfline::error::{Error, Result};
 use halfline::scene::{ImagePlane, Scene};
 use halfline_files::read::cameras::{self, ListedCamera};
@@ -44,6 +44,30 @@ impl CameraListArgs {
         Ok(Some(self.listed.get_or_init(|| listed)))
     }
 
+    /// Checks that the cameras of these numbers have images of one size, as far as the list gives sizes.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with two cameras whose images differ; errors of [`cameras::read`].
+    pub(super) fn check_one_size(&self, film: &Path, is_used: impl Fn(u64) -> bool) -> Result<()> {
+        let listed = self.listed()?.unwrap_or_default().iter().zip(1..);
+        let mut sizes =
+            listed.filter(|(_, number)| is_used(*number)).filter_map(|(camera, number)| Some((number, camera.size?)));
+        let Some((first, size)) = sizes.next() else { return Ok(()) };
+        match sizes.find(|(_, other)| *other != size) {
+            Some((number, other)) => Err(sizes_differ(film, [(first, size), (number, other)])),
+            None => Ok(()),
+        }
+    }
+
+    /// The size of the lens of camera `number` of the list, from 1; `None` for a pinhole.
+    ///
+    /// # Errors
+    /// Errors of [`cameras::read`].
+    pub(super) fn aperture(&self, number: u64) -> Result<Option<Aperture>> {
+        let index = usize::try_from(number - 1).unwrap_or(usize::MAX);
+        Ok(self.listed()?.and_then(|listed| listed.get(index)?.aperture))
+    }
+
     /// Gives a scene camera `number` of the list, from 1. Its size is that of the option, of the list, or of the scene.
     ///
     /// # Errors
@@ -73,6 +97,13 @@ impl CameraListArgs {
         scene.camera = halfline::Camera { lens, ..found.camera };
         Ok(())
     }
+}
+
+/// The error of a film whose pictures of these numbers have two sizes.
+pub(super) fn sizes_differ(film: &Path, [(a, first), (b, other)]: [(u64, [u32; 2]); 2]) -> Error {
+    let words = |number, [width, height]: [u32; 2]| format!("picture {number} has {width} x {height} pixels");
+    let problem = format!("{}: {}, and {}", film.display(), words(a, first), words(b, other));
+    Error::settings(problem, "add --size WxH, which all pictures of a film have, or write pictures, such as o.%04d.png")
 }
 
 fn intrinsics(text: &str) -> Result<Intrinsics, String> {

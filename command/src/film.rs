@@ -1,5 +1,6 @@
 //! Films: the pictures of a sequence, piped to the program ffmpeg as PNG, one after the other.
 
+use super::camera_list::sizes_differ;
 use super::names::check_pattern;
 use super::signals::go_on;
 use halfline::error::{Error, Result};
@@ -169,6 +170,8 @@ pub(super) struct FilmWriter {
     pictures: Option<ChildStdin>,
     /// The standard error of the encoder.
     messages: File,
+    /// The number and the size of the first picture.
+    first: Option<(u64, [u32; 2])>,
 }
 
 impl FilmWriter {
@@ -181,11 +184,21 @@ impl FilmWriter {
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(messages.try_clone()?);
         let mut encoder = command.spawn()?;
         let pictures = encoder.stdin.take();
-        Ok(Self { path: film.path.to_path_buf(), encoder, pictures, messages })
+        Ok(Self { path: film.path.to_path_buf(), encoder, pictures, messages, first: None })
     }
 
     /// Adds a picture, the bytes of a PNG.
-    pub(super) fn add(&mut self, png: &[u8]) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a picture of another size than the first; [`Error::Io`] with the message of ffmpeg.
+    pub(super) fn add(&mut self, number: u64, png: &[u8]) -> Result<()> {
+        // A PNG begins with a signature and the length and the name of its header, which begins with width and height.
+        let side = |at: usize| png.get(at..at + 4).map_or(0, |side| side.iter().fold(0, |x, b| x << 8 | u32::from(*b)));
+        let size = [side(16), side(20)];
+        let first = *self.first.get_or_insert((number, size));
+        if first.1 != size {
+            return Err(sizes_differ(&self.path, [first, (number, size)]));
+        }
         let Some(pictures) = &mut self.pictures else { return Ok(()) };
         let Err(error) = pictures.write_all(png) else { return Ok(()) };
         if !go_on() {

@@ -152,7 +152,7 @@ impl Rendering<'_> {
         let mut done = |picture: Picture| {
             cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.report.camera);
             if let (Some(film), Some(still)) = (&mut film, &picture.still) {
-                film.add(still)?;
+                film.add(picture.number, still)?;
             }
             if render.json { print_json(&picture.report) } else { Ok(()) }
         };
@@ -315,6 +315,11 @@ impl Render {
     fn check(&self) -> Result<Vec<Target>> {
         self.args.files.check_film(self.args.is_many(), self.resume, || self.args.frames_of_file())?;
         let targets = self.args.files.targets(1)?;
+        if let (Some(film), None, false) = (self.args.files.film(), self.args.image.size, self.args.image.is_part()) {
+            let frames = self.args.read.frames.as_ref();
+            let is_used = |number| frames.is_none_or(|frames| frames.contains(number));
+            self.args.camera.list.check_one_size(film.path, is_used)?;
+        }
         if self.args.is_many() {
             self.args.files.check_many()?;
         }

@@ -111,7 +111,8 @@ impl<'a> SceneFrames<'a> {
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
         self.prepare(&mut frame)?;
-        let taken = self.taken.and_then(|record| record.lens_size());
+        let listed = camera.list.aperture(frame.number)?;
+        let taken = self.taken.and_then(|record| record.lens_size()).or(listed);
         let turn = |frame: &mut SceneFrame| {
             let Some(turns) = camera.spin else { return };
             let scene = &mut frame.scene;

@@ -86,10 +86,8 @@ impl BinnedScene {
     /// # Errors
     /// Errors of the camera.
     pub(crate) fn new(inputs: &Binning<'_>) -> Result<Option<Self>> {
-        let Binning { scene, groups, view, terms, .. } = *inputs;
-        let size = [scene.image.width, scene.image.height];
-        let projection = ProjectionBounds::new(&scene.camera, view, size, terms)?;
-        Ok(projection.is_bounded().then(|| match groups {
+        let projection = inputs.projection()?;
+        Ok(projection.is_bounded().then(|| match inputs.groups {
             Some(groups) => inputs.bin_groups(&projection, groups),
             None => inputs.bin_all(&projection),
         }))
@@ -97,6 +95,19 @@ impl BinnedScene {
 }
 
 impl Binning<'_> {
+    fn projection(&self) -> Result<ProjectionBounds> {
+        let size = [self.scene.image.width, self.scene.image.height];
+        ProjectionBounds::new(&self.scene.camera, self.view, size, self.terms)
+    }
+
+    /// Whether f32 can bound the projection of the lens; else there are no lists.
+    ///
+    /// # Errors
+    /// As [`BinnedScene::new`].
+    pub(crate) fn is_bounded(&self) -> Result<bool> {
+        Ok(self.projection()?.is_bounded())
+    }
+
     /// Bins all spheres.
     fn bin_all(&self, projection: &ProjectionBounds) -> BinnedScene {
         let order = SphereOrder::of(&self.scene.spheres);

@@ -16,7 +16,7 @@ macro_rules! settings {
 settings! {
     ACCURACY "accuracy", ADAPTER "adapter", ALTLOC "altloc", ANY "any", AOV "aov", APERTURE "aperture",
     AS_LISTED "as_listed", ASSEMBLY "assembly", AT "at", ATOM_STYLE "atom_style", BACKEND "backend", BOUNCES "bounces", COLOR "color",
-    COLOR_BY "color_by", COLUMNS "columns", CROP "crop", CRYPTOMATTE "cryptomatte", EYE "eye", FIT "fit", FOCUS "focus",
+    COLOR_BY "color_by", COLUMNS "columns", CROP "crop", CRYPTOMATTE "cryptomatte", DEPTH_CUE "depth_cue", EYE "eye", FIT "fit", FOCUS "focus",
     FIRST_ID "first_id", FORMAT "format", FRAMES "frames", HIDE "hide", HOLD "hold", IDENTITY "identity", LABEL "label",
     LAYERS "layers", LOG "log", LOOK "look", MAP "map", MARK "mark", MATERIAL "material",
     METHOD "method", METHODS "methods", MODEL "model", OCCLUSION "occlusion", OPACITY "opacity",
@@ -26,4 +26,5 @@ settings! {
     SHADOWS "shadows", SHINE "shine", SILHOUETTE "silhouette", SIZE "size", SKIP_INVALID "skip_invalid",
     STREAM "stream", SUN "sun", TILE "tile", TOLERANCE "tolerance",
     TOPOLOGY "topology", UNIT "unit", UNWRAP "unwrap", VFOV "vfov", WRAP "wrap",
+    ZOOM "zoom",
 }

@@ -1,18 +1,21 @@
 //! Frames of curved lenses: their viewing rays are given rays, whose hits the tree certifies.
 
 use super::plan::Plan;
+use super::plan::lights::bounces;
 use super::renderer::Renderer;
-use super::trace::{Hits, Rays, Tracer};
+use super::trace::{GivenPlace, Hits, Rays, Tracer};
+use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::coverage::Coverage;
 use crate::frame::report::{Report, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
+use crate::kernel::{Kernel, Task};
 use crate::memory::check;
 use crate::progress::Step;
-use crate::quote::setting::{AOV, APERTURE, LOOK, OPACITY, SILHOUETTE};
+use crate::quote::setting::{AOV, APERTURE, BOUNCES, DEPTH_CUE, LOOK, MATERIAL, OCCLUSION, OPACITY, SILHOUETTE, SUN};
 use crate::scene::Scene;
-use crate::scene::camera::{Basis, CurvedRays, Lens};
-use crate::settings::{Accuracy, Settings};
+use crate::scene::camera::{Basis, CURVED, CurvedRays, Lens};
+use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::{Shade, color_of};
 use crate::view::ViewRecord;
 use crate::view::raster::Raster;
@@ -22,7 +25,7 @@ use rayon::prelude::*;
 use web_time::Instant;
 
 /// Rays that are traced at once.
-const BLOCK: usize = 1 << 18;
+pub(super) const BLOCK: usize = 1 << 18;
 
 /// Bytes of a pixel's buffers and rays at once, rounded up.
 const PIXEL: u64 = 160;
@@ -73,31 +76,26 @@ impl Renderer {
     /// Renders a scene whose lens is curved.
     ///
     /// # Errors
-    /// [`Error::Settings`] for what only frames of a plane have: lights, a sky, lines, a lens with a size, translucent spheres; those of
-    /// [`Renderer::tracer`].
+    /// [`Error::Settings`] for what only frames of a plane have: lights, a sky, lines, a lens with a size, translucent spheres, mirrors and
+    /// glass; those of [`Renderer::tracer`].
     pub(super) fn render_curved(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let start = Instant::now();
-        let Frame { width, height, window, full, mut report, .. } = self.curved_frame(scene, settings)?;
+        let CurvedPlan { window, samples, given, mut report, .. } = self.curved_plan(scene, settings)?;
         let watch = self.watch.clone();
         watch.check()?;
+        let [width, height] = [window.width(), window.height()];
         let pixels = width as usize * height as usize;
-        check(PIXEL * pixels as u64, || format!("a frame of {width} x {height} pixels"))?;
         let mut of_ray = frame_rays(scene, Raster::centres(window))?;
         let colors = settings.asks(&[Aov::Color]);
-        let normals =
-            settings.aovs.iter().copied().chain((colors && settings.shade != Shade::Flat).then_some(Aov::Normal));
-        let given = Settings { aovs: normals.collect(), ..settings.clone() };
         let mut tracer = self.tracer(&scene.spheres, &given)?;
-        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
-        let counted = settings.asks(&[Aov::Color, Aov::Alpha]) || settings.coverage;
-        let passes = samples.filter(|_| counted).map_or(0, |raster| raster.count());
+        let passes = samples.map_or(0, |raster| raster.count());
         let mut coverage = settings.coverage.then(|| Coverage::new(window));
         let doing = watch.begin(Step::Trace, u64::from(passes + 1) * pixels as u64);
         let mut step = |of: &FrameRays| of.trace(&mut tracer, pixels, &|rays| doing.next(rays));
         let centers = step(&of_ray)?;
         let mut picture = Picture { color: vec![0.0; if colors { 3 * pixels } else { 0 }], alpha: vec![0.0; pixels] };
         match samples {
-            Some(raster) if passes > 0 => {
+            Some(raster) => {
                 of_ray.record = record(raster);
                 for sample in 0..passes {
                     of_ray.record.sample = sample;
@@ -107,16 +105,17 @@ impl Renderer {
                 }
                 picture.divide(f64::from(passes));
             }
-            _ => {
+            None => {
                 picture.add(&centers, scene, settings.shade);
                 centers.count(coverage.as_mut(), window);
             }
         }
         doing.end()?;
-        (report.adapter, report.driver) = (tracer.adapter().to_owned(), tracer.driver());
-        (report.backend, report.method) = (if tracer.is_gpu() { "gpu" } else { "cpu" }, tracer.method());
-        (report.accuracy, report.search) = (tracer.accuracy().name(), tracer.search().name());
-        report.warnings.extend(tracer.warning().map(str::to_owned));
+        if report.backend == "gpu" && !tracer.is_gpu() {
+            // The adapter failed meanwhile.
+            (report.adapter, report.driver, report.backend) = (cpu::NAME.to_owned(), cpu::driver(), "cpu");
+            report.warnings.extend(tracer.warning().map(str::to_owned));
+        }
         report.warnings.extend(without_ray(centers.directions.iter().filter(|ray| ray.is_none()).count()));
         report.rays = pixels as u64;
         report.hits = centers.hits.id.iter().filter(|id| **id >= 0).count() as u64;
@@ -126,33 +125,69 @@ impl Renderer {
         report.bound = promised.then(|| settings.promise().relative());
         let buffers = buffers(&centers, &picture, &of_ray.basis, settings, [width, height].map(|side| side as usize))?;
         report.frame_ms = vec![milliseconds(start)];
+        let full = [scene.image.width, scene.image.height];
         Ok(Frame { width, height, window, full, buffers, coverage, report })
     }
 
-    /// The frame of a curved lens without buffers, with the report of what is known before.
+    /// The decisions for a frame of a curved lens, with its report as far as it is known before a ray is traced.
     ///
     /// # Errors
     /// As [`Self::render_curved`], as far as no ray is traced.
-    pub(super) fn curved_frame(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
+    pub(super) fn curved_plan(&mut self, scene: &Scene, settings: &Settings) -> Result<CurvedPlan> {
         check_settings(scene, settings)?;
+        settings.check_lighting(scene)?;
         scene.check()?;
         let window = settings.window_of(scene)?;
-        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
+        let colors = settings.asks(&[Aov::Color]);
+        let counted = settings.asks(&[Aov::Color, Aov::Alpha]) || settings.coverage;
+        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| counted);
+        let pixels = u64::from(window.width()) * u64::from(window.height());
+        let need = PIXEL * pixels + settings.reserve;
+        check(need, || format!("a frame of {} x {} pixels", window.width(), window.height()))?;
+        let normals =
+            settings.aovs.iter().copied().chain((colors && settings.shade != Shade::Flat).then_some(Aov::Normal));
+        let given = Settings { aovs: normals.collect(), ..settings.clone() };
+        let GivenPlace { plan: of_rays, on_device, warning } = self.given_place(&scene.spheres, &given)?;
+        if let (Some(method), true) = (of_rays.kernel.method(), on_device && !of_rays.certifies()) {
+            self.check_method(method)?;
+        }
         let mut plan = Plan::for_method(settings)?;
-        plan.reason = "the rays of a curved lens are given rays".to_owned();
-        plan.kernel.shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]));
-        let report: Report = self.report(&plan, scene, settings, samples);
-        let full = [scene.image.width, scene.image.height];
-        Ok(Frame {
-            width: window.width(),
-            height: window.height(),
-            window,
-            full,
-            buffers: Vec::new(),
-            coverage: None,
-            report,
-        })
+        (plan.method, plan.accuracy) = (of_rays.method, of_rays.accuracy);
+        plan.reason = match of_rays.accuracy {
+            Accuracy::Exact => "every ray of a curved lens is decided in exact arithmetic",
+            Accuracy::Fast => "the rays of a curved lens are given rays, which a method does not prove",
+            _ => "the rays of a curved lens are given rays, which a tree certifies",
+        }
+        .to_owned();
+        plan.kernel.shade = Some(settings.shade).filter(|_| colors);
+        let report = Report {
+            adapter: if on_device { self.adapter() } else { cpu::NAME }.to_owned(),
+            driver: if on_device { self.driver() } else { cpu::driver() },
+            backend: if on_device { "gpu" } else { "cpu" },
+            search: of_rays.search.name(),
+            ..self.report(&plan, scene, settings, samples)
+        };
+        let mut found = CurvedPlan { window, samples, given, kernel: of_rays.kernel, report, need };
+        found.report.warnings.extend(warning);
+        if of_rays.certifies() {
+            found.kernel = Kernel::bare(Task::Given { any: false, tree: of_rays.search == Search::Tree });
+        }
+        Ok(found)
     }
+}
+
+/// The decisions for a frame of a curved lens.
+pub(super) struct CurvedPlan {
+    pub(super) window: Window,
+    /// The samples, where there are several per pixel.
+    pub(super) samples: Option<Raster>,
+    /// The settings of the rays.
+    given: Settings,
+    /// The kernel of the rays, where a device traces them.
+    pub(super) kernel: Kernel,
+    pub(super) report: Report,
+    /// Estimate of the memory that the frame needs besides the scene, bytes.
+    pub(super) need: u64,
 }
 
 /// Returns an error for what frames of given rays do not have.
@@ -162,21 +197,21 @@ fn check_settings(scene: &Scene, settings: &Settings) -> Result<()> {
     let (what, mend) = if asks(Aov::Shadow) || asks(Aov::Occlusion) || asks(Aov::Bound) {
         ("the buffers shadow, occlusion and bound", format!("remove them from {AOV}"))
     } else if asks(Aov::Color) && has_light {
-        ("lights and a sky", format!("use {LOOK} plain, and a scene without lights"))
+        ("lights and a sky", format!("use {LOOK} plain without {SUN} and {OCCLUSION}, and a scene without lights"))
     } else if settings.silhouette {
         ("the lines of silhouettes", format!("remove {SILHOUETTE}"))
     } else if settings.depth_cue {
-        ("a depth cue", "remove it".to_owned())
+        ("the colours of a depth cue", format!("remove {DEPTH_CUE}"))
     } else if settings.aperture.is_some() {
-        ("a lens with a size", format!("remove {APERTURE}"))
+        ("the rays of a lens with a size", format!("remove {APERTURE}"))
     } else if settings.asks(&[Aov::Color, Aov::Alpha]) && scene.spheres.is_translucent() {
         ("translucent spheres", format!("remove {OPACITY}"))
+    } else if asks(Aov::Color) && settings.shade == Shade::Headlight && bounces(scene) > 0 {
+        ("metal, glass and mirror images", format!("remove {MATERIAL}, or use {BOUNCES} 0, which draws them matte"))
     } else {
         return Ok(());
     };
-    let problem = format!(
-        "{what} need a perspective or orthographic camera, and this lens has distortion or is a fisheye or a panorama"
-    );
+    let problem = format!("{what} need a perspective or orthographic camera, and this lens has {CURVED}");
     Err(Error::settings(problem, mend))
 }
 

@@ -1,6 +1,7 @@
 //! The report of `halfline plan`: what would be compiled, uploaded and computed, why, and what is left out. No ray is
 //! traced.
 
+mod curved;
 mod explanation;
 mod work;
 
@@ -10,10 +11,9 @@ use super::plan::engine::Engine;
 use super::plan::{Plan, lights};
 use super::renderer::Renderer;
 use super::setup::{FrameSetup, Stage};
-use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
-use crate::frame::report::Timings;
+use crate::frame::report::{Report, Timings};
 use crate::gpu::compose::shaders;
 use crate::intersect::Method;
 use crate::kernel::Kernel;
@@ -24,6 +24,7 @@ use crate::scene::{Light, Scene, Sky};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
 use crate::view::raster::Raster;
+use crate::window::Window;
 use work::WorkOfPasses;
 
 pub use explanation::{
@@ -53,6 +54,9 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::render`] that occur before a ray is traced.
     pub fn explain(&mut self, scene: &Scene, settings: &Settings) -> Result<Explanation> {
+        if scene.camera.lens.is_curved() {
+            return self.explain_curved(scene, settings);
+        }
         let explained = |this: &mut Self, plan: Plan, rays: FrameRays| this.explanation(plan, rays, scene, settings);
         let (mut explanation, blocker) = self.planned(scene, settings, explained)?;
         explanation.warnings.extend(blocker);
@@ -65,6 +69,9 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
+        if scene.camera.lens.is_curved() {
+            return self.wgsl_of_rays(scene, settings);
+        }
         let composed = |_: &mut Self, plan: Plan, rays: FrameRays| {
             let raster = Raster::centres(rays.window);
             let setup = bare_setup(plan, scene, settings, raster)?;
@@ -82,18 +89,15 @@ impl Renderer {
     fn explanation(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let FrameRays { window, samples } = rays;
         let plan = self.as_set_up(plan, scene, settings, Raster::centres(window))?;
-        let refused = self.refused.take();
-        let gpu = self.device.gpu.as_deref().filter(|_| refused.is_none());
-        let need = Need::of(&plan, settings, scene, window, gpu.map(|gpu| &gpu.summary));
-        let free = memory::free(&self.pool);
         let setup = bare_setup(plan, scene, settings, Raster::centres(window))?;
         let (plan, view, binned) = (&setup.plan, &setup.view, setup.binned());
-        let need = need.with_generals(binned, view);
+        let mut report = self.report(plan, scene, settings, samples);
+        let gpu = self.device.gpu.as_deref().filter(|_| report.backend == "gpu");
+        let need = Need::of(plan, settings, scene, window, gpu.map(|gpu| &gpu.summary)).with_generals(binned, view);
+        let free = memory::free(&self.pool);
         let kernel = kernel_of(&setup);
         let predicted = setup.predicted(scene);
-        let mut warnings = self.passed_over().to_vec();
-        warnings.extend(setup.warnings(scene, predicted));
-        warnings.extend(refused);
+        report.warnings.extend(setup.warnings(scene, predicted));
         let on_device = gpu.filter(|_| !matches!(setup.stage, Stage::Judge));
         let mut work = WorkOfPasses::default();
         if let Some(gpu) = on_device {
@@ -103,49 +107,77 @@ impl Renderer {
             let passes = bare_setup(Plan { kernel: sampled, ..plan.clone() }, scene, settings, raster)?;
             work.add(gpu.work(&kernel_of(&passes), &passes.view, scene, passes.binned()), raster.count());
         }
+        let left_out = left_out(plan, &kernel, scene, settings, on_device.is_some());
+        report.warnings.extend(self.refused.take());
         Ok(Explanation {
-            schema: "halfline-plan",
-            version: 1,
-            halfline: env!("CARGO_PKG_VERSION"),
-            spheres: scene.spheres.len() as u64,
-            skipped: 0,
-            size: [scene.image.width, scene.image.height],
-            camera: CameraRecord::new(&scene.camera, [scene.image.width, scene.image.height], settings.aperture)?,
-            window: [window.x0, window.y0, window.x1, window.y1],
-            rays: view.record.pixels() as u64,
-            samples: samples.map_or(1, |raster| raster.count()),
-            lights: scene.lighting.lights.len() as u64,
-            lit_by: scene.lighting.lights.iter().map(ToString::to_string).collect(),
             shadows: has_shadows(plan, scene, settings),
-            occlusion: settings.sky(scene),
-            materials: MaterialCounts::of(scene),
             bounces: bounces(plan, scene),
-            rays_per_pixel: rays_per_pixel(plan, scene, settings, samples.map_or(1, |raster| raster.count())),
+            rays_per_pixel: rays_per_pixel(plan, scene, settings, report.samples),
             silhouette: settings.silhouette && shading(plan).is_some(),
             depth_cue: settings.depth_cue && shading(plan).is_some(),
-            layers: plan.see_through.then(|| settings.layers.max(1)),
-            tone: shading(plan).map(|_| settings.toning(scene).tone),
-            exposure: settings.exposure,
-            backend: if gpu.is_some() { "gpu" } else { "cpu" },
-            backend_reason: self.backend_reason().to_owned(),
-            adapter: if gpu.is_some() { self.adapter() } else { cpu::NAME }.to_owned(),
-            accuracy: plan.accuracy.name(),
-            method: plan.method,
             precision: precision(&setup),
-            tolerance: settings.promise().relative(),
             predicted,
-            search: plan.engine.name(),
             search_reason: plan.engine.reason().to_owned(),
             staged: binned.map(|binned| BinnedCounts::of(binned, scene)),
-            frame: frame(settings, scene.lighting.lights.len(), [window.width(), window.height()]),
-            left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
-            reason: plan.reason.clone(),
-            warnings,
+            left_out,
             kernel: work.kernel,
             uploaded: work.uploaded,
             written: work.written,
             dispatches: work.dispatches,
             room: Room { adapter: work.spheres, host: free.map(|free| need.fitting(free)), needed: need.bytes(), free },
+            ..Explanation::of_report(report, scene, settings, window)?
+        })
+    }
+}
+
+impl Explanation {
+    /// The part of the report of a plan that is that of the frame.
+    fn of_report(report: Report, scene: &Scene, settings: &Settings, window: Window) -> Result<Self> {
+        let size = [scene.image.width, scene.image.height];
+        let sides = [window.width(), window.height()];
+        Ok(Self {
+            schema: "halfline-plan",
+            version: 1,
+            halfline: report.halfline,
+            spheres: report.spheres,
+            skipped: 0,
+            size,
+            camera: CameraRecord::new(&scene.camera, size, settings.aperture)?,
+            window: [window.x0, window.y0, window.x1, window.y1],
+            rays: u64::from(sides[0]) * u64::from(sides[1]),
+            samples: report.samples,
+            lights: report.lights,
+            lit_by: scene.lighting.lights.iter().map(ToString::to_string).collect(),
+            shadows: false,
+            occlusion: report.occlusion,
+            materials: MaterialCounts::of(scene),
+            bounces: 0,
+            rays_per_pixel: PixelRays { viewing: report.samples.into(), lights: 0, sky: 0, onward: 0 },
+            silhouette: report.silhouette,
+            depth_cue: report.depth_cue,
+            layers: report.layers,
+            tone: report.tone,
+            exposure: report.exposure,
+            backend: report.backend,
+            backend_reason: report.backend_reason,
+            adapter: report.adapter,
+            accuracy: report.accuracy,
+            method: report.method,
+            reason: report.reason,
+            tolerance: settings.promise().relative(),
+            predicted: None,
+            precision: String::new(),
+            search: report.search,
+            search_reason: String::new(),
+            staged: None,
+            frame: frame(settings, scene.lighting.lights.len(), sides),
+            left_out: Vec::new(),
+            warnings: report.warnings,
+            kernel: Vec::new(),
+            uploaded: Vec::new(),
+            written: Vec::new(),
+            dispatches: 0,
+            room: Room { adapter: None, host: None, needed: 0, free: None },
         })
     }
 }

@@ -13,7 +13,7 @@ use crate::answers::assemble::Answers;
 use crate::answers::light::LightBuffers;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
-use crate::certify::binned::BinnedScene;
+use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::placing::Placer;
 use crate::cpu;
 use crate::cpu::light::LightOutputs;
@@ -30,8 +30,8 @@ use crate::progress::Step;
 use crate::scene::Scene;
 use crate::scene::camera::CameraRecord;
 use crate::settings::{Accuracy, Settings};
-use crate::view::View;
 use crate::view::raster::Raster;
+use crate::view::{Records, View};
 use crate::window::Window;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -75,7 +75,7 @@ impl Renderer {
     /// Errors of [`Renderer::render`] that do not depend on rays.
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
         if scene.camera.lens.is_curved() {
-            return self.curved_frame(scene, settings).map(|frame| frame.report);
+            return self.curved_plan(scene, settings).map(|plan| plan.report);
         }
         let known = |this: &mut Self, plan: Plan, rays: FrameRays| {
             let plan = this.as_set_up(plan, scene, settings, Raster::centres(rays.window))?;
@@ -275,10 +275,16 @@ impl Renderer {
     /// The plan by which [`Renderer::setup`] sets a frame up, without holding the spheres.
     pub(super) fn as_set_up(&mut self, plan: Plan, scene: &Scene, settings: &Settings, raster: Raster) -> Result<Plan> {
         let reach = |gpu: &mut Gpu, _: &mut Timings| gpu.reach(&scene.spheres);
-        Ok(match self.resident_setup(plan, scene, settings, raster, &mut Timings::default(), reach)? {
-            ResidentSetup::Ready(setup) => setup.plan,
-            ResidentSetup::Refused(plan) => plan,
-        })
+        match self.resident_setup(plan, scene, settings, raster, &mut Timings::default(), reach)? {
+            ResidentSetup::Ready(setup) => Ok(setup.plan),
+            ResidentSetup::Refused(plan) if plan.engine == Engine::Strips => {
+                let view = View::for_rays(scene, raster, Records::None)?;
+                let binning = Binning::of(scene, &view, settings.promise().relative(), &self.pool);
+                let engine = if binning.is_bounded()? { plan.engine } else { Engine::Judge };
+                Ok(Plan { engine, ..plan })
+            }
+            ResidentSetup::Refused(plan) => Ok(plan),
+        }
     }
 
     /// Traces and settles: the kernel's answers in `raw`, and the settled pixels.

@@ -180,7 +180,12 @@ impl Renderer {
         };
         let alone = opaque.scene(scene);
         let whole = self.whole_frame(&plan, scene, settings, raster, timings)?;
+        let refused = self.refused.clone();
         let first = self.setup(plan, &alone, settings, raster, timings)?;
+        if alone.spheres.is_empty() {
+            // No sphere is opaque, and the device renders those that there are.
+            self.refused = refused;
+        }
         Ok(Setups { first, opaque: Some(alone), whole: Some(whole) })
     }
 

@@ -84,6 +84,8 @@ impl Stream {
     pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
         let scene = Scene { spheres: Spheres::default(), ..scene.clone() };
         scene.check()?;
+        let mend = format!("use such a camera, or render all spheres at once, without {STREAM}");
+        scene.camera.lens.check_flat("a part or a stream", &mend)?;
         check(&scene, settings)?;
         let window = settings.window_of(&scene)?;
         let (width, height) = (scene.image.width, scene.image.height);

@@ -69,6 +69,15 @@ pub struct Occlusion {
     pub certainty: Vec<u8>,
 }
 
+/// The plan for given rays, and their place.
+pub(super) struct GivenPlace {
+    pub(super) plan: GivenPlan,
+    /// Whether an adapter traces.
+    pub(super) on_device: bool,
+    /// The reason why an adapter is not used although the settings allow it.
+    pub(super) warning: Option<String>,
+}
+
 /// Spheres set up for given rays, which may come in any number of calls.
 pub struct Tracer<'a> {
     renderer: &'a mut Renderer,
@@ -203,19 +212,29 @@ impl Renderer {
     /// than a method tests in useful time.
     pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
         spheres.check()?;
-        let plan = GivenPlan::new(settings, spheres.len())?;
+        let GivenPlace { plan, on_device, warning } = self.given_place(spheres, settings)?;
         let tolerance = settings.promise().relative();
-        let load = budget::on_device(spheres.len(), &plan.kernel, 0);
-        let warning = self
-            .blocker(load, plan.accuracy, settings.backend)
-            .or_else(|error| self.device.leave(error, settings.backend).map(Some))?;
-        let certifies = self.is_gpu() && plan.accuracy == Accuracy::Certified && warning.is_none();
-        let device = certifies.then(OnDevice::default);
+        let device = (on_device && plan.certifies()).then(OnDevice::default);
         let start = Instant::now();
         let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten();
         let build_ms = if tree.is_some() { milliseconds(start) } else { 0.0 };
         let (backend, on_host) = (settings.backend, warning.is_some());
         Ok(Tracer { renderer: self, spheres, plan, tree, device, warning, backend, on_host, tolerance, build_ms })
+    }
+
+    /// The plan for given rays, and where they are traced unless a device fails meanwhile.
+    ///
+    /// # Errors
+    /// As [`Renderer::tracer`].
+    pub(super) fn given_place(&mut self, spheres: &Spheres, settings: &Settings) -> Result<GivenPlace> {
+        let plan = GivenPlan::new(settings, spheres.len())?;
+        let load = budget::on_device(spheres.len(), &plan.kernel, 0);
+        let warning = self
+            .blocker(load, plan.accuracy, settings.backend)
+            .or_else(|error| self.device.leave(error, settings.backend).map(Some))?;
+        // Exact answers come from the CPU path with every backend.
+        let on_device = self.is_gpu() && warning.is_none() && plan.accuracy != Accuracy::Exact;
+        Ok(GivenPlace { plan, on_device, warning })
     }
 
     /// The nearest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single

@@ -26,16 +26,20 @@ pub use aperture::Aperture;
 pub(crate) use centred::{CentredFrame, ExactViewport};
 pub use curved::Curve;
 pub(crate) use curved::CurvedRays;
-pub use project::Projected;
+pub use project::{Projected, Projector};
 pub use record::{CameraRecord, Intrinsics};
 
 use crate::double_double::{Dd, Dd3};
 use crate::dyadic::{self, Dyadic3};
 use crate::error::{Error, Place, Result};
 use crate::quote::number;
+use crate::quote::setting::ZOOM;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
+
+/// The words for curved lenses in messages, behind "this lens has".
+pub(crate) const CURVED: &str = "distortion or is a fisheye or a panorama";
 
 /// Pose and lens. Every number is taken as exact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -130,6 +134,22 @@ impl Lens {
     #[must_use]
     pub fn is_curved(&self) -> bool {
         matches!(self, Self::Curved { .. })
+    }
+
+    /// Checks that it has a viewport, which `what` needs.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a curved lens, with the mend.
+    pub fn check_flat(&self, what: &str, mend: &str) -> Result<()> {
+        let problem =
+            format!("{what} needs the viewport of a perspective or orthographic camera, and this lens has {CURVED}");
+        if self.is_curved() { Err(wrong("lens", problem, mend)) } else { Ok(()) }
+    }
+
+    /// Whether it sees all around.
+    #[must_use]
+    pub fn is_panorama(&self) -> bool {
+        matches!(self, Self::Curved { curve: Curve::Panorama, .. })
     }
 
     /// Whether all viewing rays are parallel.
@@ -240,8 +260,9 @@ impl Camera {
     /// follows from its height.
     ///
     /// # Errors
-    /// Errors of [`Camera::viewport`], for the viewport before and after.
+    /// Errors of [`Camera::viewport`], for the viewport before and after, and of [`Lens::check_flat`].
     pub fn zoom(&mut self, factor: f64, width: u32, height: u32) -> Result<()> {
+        self.lens.check_flat(ZOOM, &format!("remove {ZOOM}, or give the lens longer focal lengths"))?;
         let Viewport { vw, vh, d } = self.viewport(width, height)?;
         self.lens = match self.lens {
             Lens::Orthographic { height } => Lens::Orthographic { height: height / factor },

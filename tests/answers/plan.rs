@@ -4,10 +4,12 @@ use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
 use crate::amount::amount;
 use crate::home::home;
 use crate::weekend::weekend;
+use halfline::camera::{Aperture, Curve, Lens};
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
 use halfline::quote::setting::SIZE;
+use halfline::report::Report;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Settings, Tolerance};
 use std::collections::BTreeSet;
@@ -195,27 +197,68 @@ fn a_method_is_chosen_for_few_spheres_alone() {
     assert_eq!(planned(&weekend(), &form).search, "all", "a method tests every sphere");
 }
 
-/// Backend, accuracy, method, samples and reasons, in every combination, or in every so many of them.
+/// The same scene through lenses of each kind, and with some or all spheres translucent.
+fn of_each_kind() -> Vec<(Scene, Option<Aperture>)> {
+    let through = |lens: Lens| {
+        let mut scene = weekend();
+        scene.camera.lens = lens;
+        (scene, None)
+    };
+    let curved = |curve| through(Lens::Curved { curve, fx: 20.0, fy: 20.0, cx: 12.0, cy: 8.0 });
+    let mut all = vec![(weekend(), None), (scene(), None)];
+    all.push(through(Lens::Orthographic { height: 5.0 }));
+    all.push(through(Lens::Vfov { degrees: 179.999_999, distance: 1.0 }));
+    all.push(through(Lens::Intrinsics { fx: 20.0, fy: 20.0, cx: 3.0, cy: 5.0 }));
+    all.push(curved(Curve::Distorted { k: [-0.1, 0.01, 0.0, 0.0, 0.0, 0.0], p: [0.0; 2] }));
+    all.push(curved(Curve::Fisheye { k: [0.0; 4] }));
+    all.push(curved(Curve::Panorama));
+    all.push((weekend(), Some(Aperture { diameter: 0.1, focus: Some(10.0) })));
+    for opaque in [0, 2] {
+        let mut translucent = scene();
+        let opacities = (0..translucent.spheres.len()).map(|n| if n < opaque { 1.0 } else { 0.5 });
+        translucent.spheres.opacities = Some(opacities.collect::<Vec<f32>>().into());
+        all.push((translucent, None));
+    }
+    all
+}
+
+/// What a report says of a frame before it is computed.
+fn before(report: Report) -> impl PartialEq + std::fmt::Debug {
+    let Report { backend, adapter, driver, backend_reason, accuracy, method, search, reason, .. } = report;
+    let Report { samples, shade, layers, opacity_shadows, tone, silhouette, outline, depth_cue, .. } = report;
+    let place = (backend, adapter, driver, backend_reason, accuracy, method, search, reason, report.camera);
+    (
+        place,
+        samples,
+        shade,
+        layers,
+        opacity_shadows,
+        tone,
+        silhouette,
+        outline,
+        (depth_cue, report.lights, report.spheres),
+    )
+}
+
+/// Backend, accuracy, method, samples, lenses, opacities and reasons, in every combination, or in every so many of them: what
+/// `plan` and the report before rendering say is what the frame's report says.
 #[test]
 fn the_plan_is_what_is_rendered() {
-    let mut parallel = weekend();
-    parallel.camera.lens = halfline::Lens::Orthographic { height: 5.0 };
-    let mut wide = weekend();
-    wide.camera.lens = halfline::Lens::Vfov { degrees: 179.999_999, distance: 1.0 };
     let (mut compared, mut combination) = (0, 0);
     // A number that has no divisor in common with the numbers of choices: every pair of choices occurs.
     let stride = 7 / amount("combinations of settings, in sevenths", 1, 7);
     for (backend, mut renderer) in renderers() {
-        for mut scene in [weekend(), scene(), parallel.clone(), wide.clone()] {
+        for (mut scene, aperture) in of_each_kind() {
             (scene.image.width, scene.image.height) = (24, 16);
             let crop = halfline::Window { x0: 3, y0: 2, x1: 19, y1: 11 };
             let accuracies = [Accuracy::Auto, Accuracy::Fast, Accuracy::Certified, Accuracy::Exact].map(|a| (a, None));
             let methods = Method::ALL.iter().map(|method| (Accuracy::Auto, Some(*method)));
             for (accuracy, method) in accuracies.into_iter().chain(methods) {
-                for (aovs, samples, window) in [
-                    (&[Aov::Color][..], 1, None),
-                    (&[Aov::Color, Aov::Distance, Aov::Bound], 4, None),
-                    (&[Aov::Normal, Aov::Color], 2, Some(crop)),
+                for (aovs, samples, window, layers) in [
+                    (&[Aov::Color][..], 1, None, 2),
+                    (&[Aov::Color, Aov::Distance, Aov::Bound], 4, None, 0),
+                    (&[Aov::Distance, Aov::Id], 1, None, 0),
+                    (&[Aov::Normal, Aov::Color], 2, Some(crop), 1),
                 ] {
                     combination += 1;
                     if combination % stride != 0 {
@@ -227,6 +270,8 @@ fn the_plan_is_what_is_rendered() {
                         method,
                         samples,
                         window,
+                        layers,
+                        aperture,
                         aovs: aovs.to_vec(),
                         ..Settings::default()
                     };
@@ -235,22 +280,36 @@ fn the_plan_is_what_is_rendered() {
                             (plan.backend, plan.adapter, plan.accuracy, plan.method, plan.search, plan.reason);
                         (of_plan, plan.samples, plan.rays, plan.spheres, plan.predicted, plan.warnings)
                     });
-                    let rendered = renderer.render(&scene, &settings).map(|frame| {
-                        let mut r = frame.report;
-                        // Only rendering can find that nothing is hit.
-                        r.warnings.retain(|warning| !warning.contains(" hits "));
+                    let expected = renderer.dry_run(&scene, &settings).map(before);
+                    let frame = renderer.render(&scene, &settings);
+                    let rendered = frame.as_ref().map(|frame| {
+                        let mut r = frame.report.clone();
+                        // Only rendering can find that nothing is hit, and the pixels without a ray.
+                        r.warnings.retain(|warning| !warning.contains(" hits ") && !warning.contains("no viewing ray"));
                         let of_frame = (r.backend, r.adapter, r.accuracy, r.method, r.search, r.reason);
                         (of_frame, r.samples, r.rays, r.spheres, r.predicted, r.warnings)
                     });
-                    let [planned, rendered] = [planned, rendered].map(|r| r.map_err(|error| error.to_string()));
-                    assert_eq!(planned, rendered, "{settings:?}");
+                    let rendered = rendered.map_err(ToString::to_string);
+                    assert_eq!(
+                        planned.map_err(|error| error.to_string()),
+                        rendered,
+                        "{settings:?} {:?}",
+                        scene.camera.lens
+                    );
+                    let found = frame.map(|frame| before(frame.report)).map_err(|error| error.to_string());
+                    assert_eq!(
+                        expected.map_err(|error| error.to_string()),
+                        found,
+                        "{settings:?} {:?}",
+                        scene.camera.lens
+                    );
                     compared += 1;
                 }
             }
         }
     }
     println!("{compared} plans compared with frames");
-    assert!(compared > 30, "{compared}");
+    assert!(compared > 60, "{compared}");
 }
 
 /// The printed shaders are complete: each is valid WGSL, and their banners are the files of the plan.

@@ -11,9 +11,12 @@ use halfline_viewer::{Lens, Pose};
 /// the spheres.
 ///
 /// # Errors
-/// Errors of [`Camera::viewport`].
+/// Errors of [`Camera::viewport`] and of [`CameraLens::check_flat`].
 pub fn pose(scene: &Scene, pivot: Option<DVec3>) -> Result<Pose> {
     let Scene { camera, image, spheres, .. } = scene;
+    camera
+        .lens
+        .check_flat("the camera of a page", "give another camera, by --camera-from or --eye, or render pictures")?;
     let at = match camera.look {
         Look::At(at) => at,
         Look::View(view) => {

@@ -189,3 +189,42 @@ fn what_is_no_film_is_refused_with_its_mend() {
     }
     assert!(!dir.files().keys().any(|name| name.starts_with("a.")), "no file is written");
 }
+
+/// docs/film.md: the pictures of a film have one size, which is known before any is rendered where the list says it.
+#[test]
+fn films_have_pictures_of_one_size() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let dir = dir();
+    let camera = |size: &str| format!("{{\"eye\":[0,0,3],\"view\":[0,0,-1],\"up\":[0,1,0],\"vfov\":30{size}}}");
+    let list = |sizes: &[&str]| format!("[{}]", sizes.iter().map(|size| camera(size)).collect::<Vec<_>>().join(","));
+    let (small, large) = (",\"size\":[32,20]", ",\"w\":64,\"h\":48");
+    for film in ["o.mp4", "o.gif"] {
+        for (sizes, words) in [
+            (&[large, small][..], "picture 1 has 64 x 48 pixels, and picture 2 has 32 x 20 pixels"),
+            (&[small, small, small, large], "picture 4 has 64 x 48 pixels"),
+            // The size of a scene file is known when it is read.
+            (&["", small], "picture 2 has 32 x 20 pixels"),
+        ] {
+            dir.put("list.json", list(sizes));
+            let refused = dir.run(&format!("render s.toml --backend cpu --cameras list.json -o {film}"));
+            assert!(refused.code == 2 && refused.err.contains(words), "{}", refused.err);
+            assert!(refused.err.contains("--size"), "{}", refused.err);
+            assert!(!sizes[0].is_empty() == !refused.err.contains("rendering on"), "{}", refused.err);
+            let left: Vec<String> = dir.files().into_keys().filter(|name| !name.starts_with(['s', 'l'])).collect();
+            assert!(left.is_empty(), "{left:?}");
+            dir.render(&format!("s.toml --cameras list.json --size 40x30 -o {film}"));
+            dir.render(&format!("s.toml --cameras list.json --crop 2,3,20,15 -o {film}"));
+            dir.remove(film);
+            dir.remove("cameras.json");
+        }
+        // Cameras that no picture has do not count.
+        dir.put("list.json", list(&[small, small, large]));
+        dir.put("run.xyz", "1\n\nC 0 0 0\n".repeat(3));
+        dir.render(&format!("run.xyz --frames 1-2 --cameras list.json -o {film}"));
+        dir.remove(film);
+        dir.remove("cameras.json");
+        dir.remove("run.xyz");
+    }
+}

@@ -5,6 +5,7 @@ use super::{Panel, Panels};
 use crate::canvas::plain;
 use crate::raster::missing;
 use glam::DVec2;
+use halfline::camera::Projector;
 use halfline::error::Result;
 use halfline::frame::Frame;
 use halfline::quote::setting::{MARK, SIZE};
@@ -38,7 +39,7 @@ impl Panels {
     /// Returns a warning about those that find no place.
     ///
     /// # Errors
-    /// Errors of [`Camera::project`](halfline::Camera::project) and of `render`.
+    /// Errors of [`Camera::projector`](halfline::Camera::projector) and of `render`.
     pub fn add_marks(
         &mut self,
         scene: &Scene,
@@ -56,12 +57,14 @@ impl Panels {
             is_shown[id] = true;
         }
         let mut marks = Vec::new();
+        let size = [scene.image.width, scene.image.height];
+        let projector = scene.camera.projector(size)?;
         for (text, ids) in things.iter().filter(|(_, ids)| all || ids.iter().any(|id| is_shown[*id as usize])) {
-            if let Some((at, reach)) = extent(scene, ids)? {
+            if let Some((at, reach)) = extent(scene, &projector, ids) {
                 marks.push(Mark { text: text.clone(), at, reach });
             }
         }
-        let left_out = self.mark([scene.image.width, scene.image.height], is_dark(scene.image.background), &marks);
+        let left_out = self.mark(size, is_dark(scene.image.background), &marks);
         let warning = || {
             let (some, all) = (left_out.len(), count(marks.len() as u64, "mark"));
             let problem =
@@ -123,21 +126,29 @@ fn visible_ids(scene: &Scene, ids: &[i32], render: impl FnOnce(&Scene) -> Result
     Ok(all)
 }
 
-/// The middle of some spheres in the picture, and half of the width of the disc around them; `None` where none is in front of the
-/// camera.
-fn extent(scene: &Scene, ids: &[u32]) -> Result<Option<([f64; 2], f64)>> {
-    let mut discs = Vec::new();
-    for n in ids.iter().map(|id| *id as usize) {
-        let projected =
-            scene.camera.project([scene.image.width, scene.image.height], scene.spheres.centers[n].into())?;
-        discs.extend(projected.map(|disc| (DVec2::from(disc.at), scene.spheres.radii[n] * disc.scale)));
+/// The middle of some spheres in the picture, and half of the width of the disc around them; `None` where the lens sees none of their
+/// centres.
+fn extent(scene: &Scene, projector: &Projector, ids: &[u32]) -> Option<([f64; 2], f64)> {
+    let spheres = &scene.spheres;
+    let disc = |id: &u32| {
+        let n = *id as usize;
+        let disc = projector.place(spheres.centers[n].into())?;
+        Some((DVec2::from(disc.at), spheres.radii[n] * disc.scale))
+    };
+    let mut discs: Vec<(DVec2, f64)> = ids.iter().filter_map(disc).collect();
+    let (first, _) = *discs.first()?;
+    // The edges of a panorama are one line: what is beyond it belongs beside the first.
+    let width = f64::from(scene.image.width);
+    let turn = if scene.camera.lens.is_panorama() { width } else { 0.0 };
+    if turn > 0.0 {
+        discs.iter_mut().for_each(|(at, _)| at.x -= turn * ((at.x - first.x) / turn).round());
     }
-    if discs.is_empty() {
-        return Ok(None);
-    }
-    let middle = discs.iter().map(|(at, _)| *at).sum::<DVec2>() / discs.len() as f64;
+    let mut middle = discs.iter().map(|(at, _)| *at).sum::<DVec2>() / discs.len() as f64;
     let reach = discs.iter().map(|(at, radius)| at.distance(middle) + radius).fold(0.0, f64::max);
-    Ok(Some((middle.to_array(), reach)))
+    if turn > 0.0 {
+        middle.x = middle.x.rem_euclid(turn);
+    }
+    Some((middle.to_array(), reach))
 }
 
 /// The places of a text of this size, in the order in which they are tried: whole columns and rows of its top left corner.

@@ -46,15 +46,17 @@ pub(crate) struct CurvedRays {
     focal: DVec2,
     center: DVec2,
     size: DVec2,
-    /// The largest image height, of the radius on the plane or of the angle, up to which heights grow; beyond it the model folds.
+    /// The farthest point of the image from the axis, in focal lengths.
+    reach: f64,
+    /// The largest radius on the plane, or the largest angle, up to which heights grow; beyond it the model folds.
     fold: f64,
 }
 
 /// Newton steps, and halves of a step: convergence is quadratic, and far from the solution steps are too long.
 const STEPS: usize = 64;
 
-/// The largest distance from the place in the image, in focal lengths, relative to its height where that is above 1: thousands of roundings
-/// of f64, and a millionth of a pixel of the longest lens.
+/// The largest distance from the place in the image, in focal lengths, relative to its height, or to the reach of the image where that is
+/// larger and below 1: thousands of roundings of f64.
 const PRECISE: f64 = 1e-12;
 
 impl CurvedRays {
@@ -75,9 +77,35 @@ impl CurvedRays {
         }
         let (focal, center) = (DVec2::new(fx, fy), DVec2::new(cx, cy));
         let size = DVec2::new(f64::from(width), f64::from(height));
-        let mut rays = Self { curve, focal, center, size, fold: f64::INFINITY };
-        rays.fold = rays.first_fold();
-        Ok(rays)
+        let corners = [DVec2::ZERO, size, DVec2::new(size.x, 0.0), DVec2::new(0.0, size.y)];
+        let reach = corners.map(|corner| ((corner - center) / focal).length()).into_iter().fold(0.0, f64::max);
+        Ok(Self { curve, focal, center, size, reach, fold: first_fold(curve, reach) })
+    }
+
+    /// The point of the image, in pixels from its upper left corner, whose viewing ray has this direction: right, down and ahead; also beyond
+    /// the edges of the image. `None` where no ray of the lens has it.
+    pub(crate) fn point(&self, direction: DVec3) -> Option<[f64; 2]> {
+        let (flat, along) = (direction.truncate(), direction.z);
+        let place = match self.curve {
+            Curve::Distorted { k, p } => {
+                let place = Some(flat / along).filter(|place| along > 0.0 && place.length() <= self.fold)?;
+                distorted(k, p, place).0
+            }
+            Curve::Fisheye { k } => {
+                let out = flat.length();
+                let angle = Some(out.atan2(along)).filter(|angle| *angle <= self.fold)?;
+                if out > 0.0 { flat * (image_height(k, angle) / out) } else { DVec2::ZERO }
+            }
+            Curve::Panorama => {
+                let longitude = direction.x.atan2(along) / (2.0 * PI) + 0.5;
+                let latitude = 0.5 + direction.y.atan2(direction.x.hypot(along)) / PI;
+                return Some([longitude * self.size.x, latitude * self.size.y]);
+            }
+        };
+        let point = (place * self.focal + self.center).to_array();
+        // Of the directions that a folded model projects there the ray has one.
+        let ray = self.direction(point)?.normalize();
+        Some(point).filter(|_| ray.distance(direction.normalize()) <= SAME_RAY)
     }
 
     /// The direction of the viewing ray of a point of the image, in pixels from its upper left corner: right, down and ahead. `None` where
@@ -102,6 +130,21 @@ impl CurvedRays {
         }
     }
 
+    /// Pixels in a radian at a direction of length 1, the mean of all directions across it; of a panorama at its equator. 0 at the edge of what
+    /// the lens sees.
+    pub(crate) fn scale(&self, toward: DVec3) -> f64 {
+        if self.curve == Curve::Panorama {
+            return (self.size.x / (2.0 * PI) * self.size.y / PI).sqrt();
+        }
+        let across = toward.any_orthonormal_vector();
+        let slope = |axis: DVec3| {
+            let [a, b] = [STEP, -STEP].map(|step| self.point(toward + step * axis).map(DVec2::from));
+            Some((a? - b?) / (2.0 * STEP))
+        };
+        let area = slope(across).zip(slope(toward.cross(across))).map(|(a, b)| a.perp_dot(b).abs());
+        area.unwrap_or(0.0).sqrt()
+    }
+
     /// The place on the plane at distance 1 whose distorted place this is, by Newton's method.
     fn undistorted(&self, k: [f64; 6], p: [f64; 2], place: DVec2) -> Option<DVec2> {
         let mut found = place * (self.fold / place.length()).min(1.0);
@@ -116,7 +159,7 @@ impl CurvedRays {
             found = next;
             (reached, slopes) = distorted(k, p, found);
         }
-        let is_precise = (reached - place).length() <= PRECISE * place.length().max(1.0);
+        let is_precise = (reached - place).length() <= PRECISE * place.length().max(self.reach.min(1.0));
         Some(found).filter(|found| is_precise && found.length() <= self.fold && slopes.determinant() > 0.0)
     }
 
@@ -135,36 +178,61 @@ impl CurvedRays {
             if image_height(k, middle) < height { low = middle } else { high = middle }
         }
     }
-
-    /// The radius or angle at which image heights stop growing, without the tangential part; +inf where they grow as far as an image can
-    /// reach.
-    fn first_fold(&self) -> f64 {
-        let corners = [DVec2::ZERO, self.size, DVec2::new(self.size.x, 0.0), DVec2::new(0.0, self.size.y)];
-        let reach =
-            corners.map(|corner| ((corner - self.center) / self.focal).length()).into_iter().fold(0.0, f64::max);
-        let height = |x: f64| match self.curve {
-            Curve::Distorted { k, .. } => x * radial(k, x * x).0,
-            Curve::Fisheye { k } => image_height(k, x),
-            Curve::Panorama => x,
-        };
-        let is_fisheye = matches!(self.curve, Curve::Fisheye { .. });
-        // Steps so small that a fold is a fold of the image, not of rounding.
-        let most = if is_fisheye { PI } else { FARTHEST * reach.max(1.0) };
-        let step = |n: u32| most * f64::from(n) / f64::from(FOLD_STEPS);
-        let grows = |n: &u32| height(step(*n)) > height(step(n - 1));
-        match (1..=FOLD_STEPS).find(|n| !grows(n)) {
-            Some(n) => step(n - 1),
-            None if is_fisheye => PI,
-            None => f64::INFINITY,
-        }
-    }
 }
 
-/// A distorted lens may see this many times farther from its axis than the corner of its image is.
-const FARTHEST: f64 = 8.0;
+/// The largest distance of the unit directions of one ray: roundings, which grow without end toward a fold.
+const SAME_RAY: f64 = 1e-6;
 
-/// Radii at which a fold is looked for.
-const FOLD_STEPS: u32 = 1 << 14;
+/// The step of the differences that give a scale, radians: small against curves, and large against roundings.
+const STEP: f64 = 1e-6;
+
+/// A distorted lens may see this many times farther from its axis than the corner of its image is.
+const FARTHEST: f64 = 1024.0;
+
+/// Radii at which a fold is looked for, to the reach of the image.
+const FOLD_STEPS: f64 = 2048.0;
+
+/// The radius or angle at which the heights of an image stop growing, without the tangential part; +inf where they grow as far as an image of
+/// this reach can see. It is looked for in steps of the reach, and beyond that in steps that grow with the radius.
+fn first_fold(curve: Curve, reach: f64) -> f64 {
+    // The height, and its derivative.
+    let height = |x: f64| match curve {
+        Curve::Distorted { k, .. } => {
+            let (s, slope) = radial(k, x * x);
+            (x * s, s + 2.0 * x * x * slope)
+        }
+        Curve::Fisheye { k: [k1, k2, k3, k4] } => {
+            let square = x * x;
+            let slope = 1.0 + square * (3.0 * k1 + square * (5.0 * k2 + square * (7.0 * k3 + square * 9.0 * k4)));
+            (image_height([k1, k2, k3, k4], x), slope)
+        }
+        Curve::Panorama => (x, 1.0),
+    };
+    let (most, unfolded) = match curve {
+        Curve::Fisheye { .. } => (PI, PI),
+        _ => (FARTHEST * reach, f64::INFINITY),
+    };
+    let (mut low, mut below) = (0.0, 0.0);
+    while low < most {
+        let mut high = (low + low.max(reach) / FOLD_STEPS).min(most);
+        let grows = |x: f64| {
+            let (height, slope) = height(x);
+            slope > 0.0 && height > below
+        };
+        if high <= low || grows(high) {
+            (low, below) = (if high > low { high } else { most }, height(high).0);
+            continue;
+        }
+        loop {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                return low;
+            }
+            if grows(middle) { low = middle } else { high = middle }
+        }
+    }
+    unfolded
+}
 
 /// The radial factor s and its derivative by r^2.
 fn radial([k1, k2, k3, k4, k5, k6]: [f64; 6], square: f64) -> (f64, f64) {
@@ -269,6 +337,82 @@ mod tests {
         assert!(full.direction([320.0 + 50.0 * (PI - 1e-3), 240.0]).is_some_and(|d| d.z < -0.99));
         assert!(full.direction([320.0 + 50.0 * (PI + 1e-3), 240.0]).is_none());
         assert_eq!(full.direction([320.0, 240.0]), Some(DVec3::Z));
+    }
+
+    #[test]
+    fn points_are_where_the_models_project_directions() {
+        let size = [640.0, 480.0];
+        for (curve, focal) in LENSES {
+            let rays = CurvedRays::new(curve, focal, [640, 480]).expect("a lens");
+            let mut count = 0;
+            for (i, j) in (0..60).flat_map(|i| (0..60).map(move |j| (i, j))) {
+                let [a, b] = [i, j].map(|n| f64::from(n) / 30.0 - 0.983);
+                for direction in [DVec3::new(a, b, 0.9), DVec3::new(a, b, -0.4), DVec3::new(0.5, a, b)] {
+                    let Some(point) = rays.point(direction) else { continue };
+                    let expected = place(curve, focal, size, direction);
+                    assert!((0..2).all(|k| (point[k] - expected[k]).abs() < 1e-9), "{curve:?} {direction}: {point:?}");
+                    let ray = rays.direction(point).expect("a ray").normalize();
+                    assert!(ray.distance(direction.normalize()) < 1e-6, "{curve:?} {direction}: {ray}");
+                    count += 1;
+                }
+            }
+            assert!(count > 2000, "{curve:?}: {count}");
+            // Beyond the fold, behind the plane and at the axis.
+            let is_all = matches!(curve, Curve::Panorama | Curve::Fisheye { .. });
+            assert_eq!(rays.point(DVec3::NEG_Z).is_some(), is_all, "{curve:?}");
+            assert_eq!(rays.point(DVec3::Z).map(|at| at.map(f64::round)), Some([focal[2], focal[3]].map(f64::round)));
+        }
+    }
+
+    /// A lens of another focal length whose coefficients are scaled alike has the rays of the first, scaled: the same pixels have none.
+    #[test]
+    fn lenses_are_alike_over_decades_of_focal_lengths() {
+        let shapes = [
+            Curve::Distorted { k: [-0.28, 0.09, -0.012, 0.0, 0.0, 0.0], p: [1e-3, -7e-4] },
+            Curve::Distorted { k: [-0.9, 0.0, 0.0, 0.0, 0.0, 0.0], p: [0.0; 2] },
+            Curve::Distorted { k: [0.3, -0.5, 0.0, 0.0, 0.0, 0.0], p: [0.0; 2] },
+            Curve::Distorted { k: [0.0, 0.0, 0.0, -0.9, 0.1, 0.0], p: [0.0; 2] },
+        ];
+        let image = [32, 24];
+        let pixels: Vec<[f64; 2]> =
+            (0..24).flat_map(|i| (0..32).map(move |j| [f64::from(j) + 0.5, f64::from(i) + 0.5])).collect();
+        for shape in shapes {
+            let lens = |by: f64| {
+                let Curve::Distorted { k, p } = shape else { panic!("distorted") };
+                let [k1, k2, k3, k4, k5, k6] = k;
+                let (two, four, six) = (by.powi(2), by.powi(4), by.powi(6));
+                let k = [k1 * two, k2 * four, k3 * six, k4 * two, k5 * four, k6 * six];
+                CurvedRays::new(Curve::Distorted { k, p: p.map(|p| p * by) }, [20.0 * by, 20.0 * by, 16.0, 12.0], image)
+                    .expect("a lens")
+            };
+            let directions =
+                |rays: CurvedRays| pixels.iter().map(|at| rays.direction(*at)).collect::<Vec<Option<DVec3>>>();
+            let near = directions(lens(1.0));
+            let rays = near.iter().flatten().count();
+            assert!((100..=768).contains(&rays), "{shape:?}: {rays}");
+            for decade in [-2, -1, 1, 2, 3, 4, 6, 9, 12] {
+                let by = 10f64.powi(decade);
+                for ((a, b), at) in near.iter().zip(directions(lens(by))).zip(&pixels) {
+                    match (a, b) {
+                        (Some(a), Some(b)) => {
+                            let apart = (a.truncate() - by * b.truncate()).length();
+                            // Far from folds; at them a rounding moves the ray by its root.
+                            assert!(apart < 1e-5 * a.truncate().length().max(0.1), "{shape:?} {by} {at:?}: {a} {b}");
+                        }
+                        (None, None) => {}
+                        _ => panic!("{shape:?} times {by} at {at:?}: {a:?} {b:?}"),
+                    }
+                }
+            }
+        }
+        // The lens of a telescope: 32 of its pixels are 3.2e-5 of a focal length, and its rays grow up to 3.65e-5.
+        let k = [-2.5e8, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let rays = CurvedRays::new(Curve::Distorted { k, p: [0.0; 2] }, [1e6, 1e6, 16.0, 12.0], image).expect("a lens");
+        assert!(pixels.iter().all(|at| rays.direction(*at).is_some()));
+        // A fisheye as long.
+        let rays = CurvedRays::new(Curve::Fisheye { k: [-2.5e8, 0.0, 0.0, 0.0] }, [1e6, 1e6, 16.0, 12.0], image);
+        let rays = rays.expect("a lens");
+        assert!(pixels.iter().all(|at| rays.direction(*at).is_some()));
     }
 
     #[test]
