@@ -353,8 +353,8 @@ fn curved_lenses_are_planned_and_resumed() {
         let mut camera = json!({"pose": pose, "w": 40, "h": 30});
         lens.as_object().expect("an object").iter().for_each(|(key, value)| camera[key] = value.clone());
         dir.put("list.json", json!([camera]).to_string());
-        let options = "a.csv --backend cpu --cameras list.json --look plain";
-        let plan = dir.run(&format!("plan {options} --json"));
+        let options = "a.csv --cameras list.json --look plain";
+        let plan = dir.run(&format!("plan {options} --backend cpu --json"));
         assert_eq!(plan.code, 0, "{}", plan.err);
         let plan = plan.json();
         let report = &dir.render(&format!("{options} -o r%d.png --json")).json_lines()[0];
@@ -364,7 +364,7 @@ fn curved_lenses_are_planned_and_resumed() {
             assert_eq!(plan[key], report[key], "{key}");
         }
         assert_eq!((&plan["method"], &plan["search"]), (&json!("certified"), &json!("tree")));
-        let text = dir.run(&format!("plan {options}")).text();
+        let text = dir.run(&format!("plan {options} --backend cpu")).text();
         assert!(text.contains("given rays") && text.contains("a tree certifies"), "{text}");
         assert!(dir.run(&format!("plan {options} --wgsl")).text().contains("fn main"));
         let resumed = |more: &str| {
@@ -402,7 +402,9 @@ fn marks_are_where_curved_lenses_show_their_things() {
         let pixels = |name: &str| image::open(dir.path(name)).expect("a picture").to_rgb8().into_raw();
         let (ids, plain) = (dir.array("i1.npy").0, pixels("plain1.png"));
         for (id, name) in ["A", "B", "C"].iter().enumerate() {
-            dir.render(&format!("a.csv --cameras list.json --look plain -o m%d.png --mark name={name}=o"));
+            let mark = format!("name {name}=o");
+            let options = ["a.csv", "--cameras", "list.json", "--look", "plain", "-o", "m%d.png", "--mark", &mark];
+            dir.render(&options);
             let marked = pixels("m1.png");
             let middle = |is_of: &dyn Fn(usize) -> bool| {
                 let of: Vec<usize> = (0..300 * 300).filter(|n| is_of(*n)).collect();

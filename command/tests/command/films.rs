@@ -211,7 +211,7 @@ fn films_have_pictures_of_one_size() {
             let refused = dir.run(&format!("render s.toml --backend cpu --cameras list.json -o {film}"));
             assert!(refused.code == 2 && refused.err.contains(words), "{}", refused.err);
             assert!(refused.err.contains("--size"), "{}", refused.err);
-            assert!(!sizes[0].is_empty() == !refused.err.contains("rendering on"), "{}", refused.err);
+            assert_eq!(sizes[0].is_empty(), refused.err.contains("rendering on"), "{}", refused.err);
             let left: Vec<String> = dir.files().into_keys().filter(|name| !name.starts_with(['s', 'l'])).collect();
             assert!(left.is_empty(), "{left:?}");
             dir.render(&format!("s.toml --cameras list.json --size 40x30 -o {film}"));
