@@ -114,6 +114,8 @@ pub(super) struct LightSetup {
     /// The tree over the spheres that block rays to lights and sky, where they are not all.
     pub(super) blockers: Option<Arc<Tree>>,
     pub(super) accuracy: Accuracy,
+    /// The reason why the host traces all rays: a device knows the hits of its last frame, and which spheres block their rays.
+    pub(super) by_host: Option<&'static str>,
 }
 
 impl LightSetup {
@@ -175,7 +177,7 @@ fn limits(tree: &Tree, reach: f64) -> [f32; 2] {
 
 impl Renderer {
     pub(super) fn light_setup(&mut self, scene: &Scene, accuracy: Accuracy) -> LightSetup {
-        LightSetup { tree: self.order.tree(&scene.spheres, self.frames), blockers: None, accuracy }
+        LightSetup { tree: self.order.tree(&scene.spheres, self.frames), blockers: None, accuracy, by_host: None }
     }
 
     /// Traces rays from the hits that are still on the device: toward the sky in these directions, and one to each
@@ -250,12 +252,12 @@ impl Renderer {
             let backdrop = Backdrop::new(scene, view, true);
             return Ok(buffers.of_nothing(|pixel| backdrop.at(pixel)));
         };
-        let found = match setup.accuracy {
-            Accuracy::Certified if setup.blockers.is_some() && self.is_gpu() => {
-                self.left_to_host.get_or_insert_with(|| format!("{LEFT}: not all spheres block them"));
+        let found = match (setup.accuracy, setup.by_host) {
+            (Accuracy::Certified, None) => self.trace_from_hits(tree, frame, request, &directions)?,
+            (Accuracy::Certified, Some(reason)) if self.is_gpu() => {
+                self.left_to_host.get_or_insert_with(|| format!("{LEFT}: {reason}"));
                 None
             }
-            Accuracy::Certified => self.trace_from_hits(tree, frame, request, &directions)?,
             _ => None,
         };
         let traced = found.as_ref().map(|(count, words)| Traced { words, ..*count });

@@ -52,11 +52,16 @@ impl Renderer {
         opaque: &Opaque,
     ) -> LightSetup {
         let blockers = if settings.opacity_shadows { None } else { Some(opaque.tree(scene)) };
+        // Rays leave from the hits of the opaque spheres alone, and from those of each layer, where a device has those of one frame.
+        let by_host =
+            Some(if blockers.is_some() { "not all spheres block them" } else { "they leave from several layers" });
         match blockers {
             // Rays that go on from mirrors meet all spheres.
-            Some(blockers) if bounces(scene) > 0 => LightSetup { blockers, ..self.light_setup(scene, plan.accuracy) },
-            Some(blockers) => LightSetup { tree: blockers.clone(), blockers, accuracy: plan.accuracy },
-            None => self.light_setup(scene, plan.accuracy),
+            Some(blockers) if bounces(scene) > 0 => {
+                LightSetup { blockers, by_host, ..self.light_setup(scene, plan.accuracy) }
+            }
+            Some(blockers) => LightSetup { tree: blockers.clone(), blockers, accuracy: plan.accuracy, by_host },
+            None => LightSetup { by_host, ..self.light_setup(scene, plan.accuracy) },
         }
     }
 

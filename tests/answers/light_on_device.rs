@@ -4,11 +4,14 @@
 
 use super::splat::Both;
 use super::{crop, extremes, off_center, ortho};
+use crate::amount::amount;
+use crate::rng::Rng;
 use crate::weekend::weekend;
 use halfline::frame::Aov;
-use halfline::scene::camera::{Lens, Look};
-use halfline::scene::{Light, LightSource, Scene, Sky, SkyColors, Spheres};
+use halfline::scene::camera::{Aperture, Camera, Lens, Look};
+use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Material, Scene, Sky, SkyColors, Spheres};
 use halfline::settings::Settings;
+use halfline::window::Window;
 use halfline_measure::suite::extremes::FAMILIES;
 
 fn settings() -> Settings {
@@ -164,4 +167,97 @@ fn ground_reaches_colours_and_other_lights_are_those_of_the_cpu_path() {
     }
     let (mean, others) = shares.done(1);
     assert!(mean > 0.9 && others == 1, "{mean} {others}");
+}
+
+/// A few spheres before the eye, and others around that it does not see: some translucent, some mirrors, glass or plastic, under drawn
+/// lights and a drawn sky.
+fn drawn_scene(rng: &mut Rng) -> Scene {
+    let mut spheres = Spheres::default();
+    let count = 2 + rng.below(24);
+    let (ghosts, kinds) = (rng.unit() < 0.75, rng.unit() < 0.3);
+    for n in 0..count {
+        let [x, y, z] = rng.cube();
+        let is_hidden = n % 3 == 2;
+        let place = if is_hidden { [4.0 * x, 3.0 + y, 2.0 * z] } else { [x, y, z] };
+        spheres.push(place, 0.15 + 0.5 * rng.unit(), Some(rng.cube().map(|c| 0.5 + 0.4 * c as f32)));
+        if ghosts {
+            let opacity = if rng.unit() < 0.5 { 1.0 } else { 0.1 + 0.8 * rng.unit() as f32 };
+            spheres.set_opacity_from(n, opacity);
+        }
+        if kinds {
+            let clear = Material::Glass { index: 1.5 };
+            let plastic = Material::Plastic { gloss: 0.8, shine: 9.0 };
+            spheres
+                .set_last_material([Material::default(), Material::Metal { fuzz: 0.1 }, clear, plastic][rng.below(4)]);
+        }
+    }
+    let lens = match rng.below(3) {
+        0 => Lens::Orthographic { height: 2.6 },
+        _ => Lens::Vfov { degrees: 40.0, distance: 1.0 },
+    };
+    let camera =
+        Camera { eye: glam::DVec3::new(0.6, 0.9, 4.0), look: Look::At(glam::DVec3::ZERO), up: glam::DVec3::Y, lens };
+    let image = ImagePlane { width: 16 + rng.below(9) as u32, height: 12, background: [0.3, 0.5, 0.7] };
+    let mut lights = Vec::new();
+    for _ in 0..rng.below(4) {
+        let place = glam::DVec3::from(rng.cube()) + glam::DVec3::new(0.0, 2.0, 1.0);
+        lights.push(Light::white(match rng.below(5) {
+            0 | 1 => LightSource::Direction(place),
+            2 => LightSource::Point(place),
+            3 => LightSource::Ball { center: place, radius: 0.3 },
+            _ => LightSource::Sphere(rng.below(count) as u32),
+        }));
+    }
+    let colors = SkyColors { zenith: [0.2, 0.4, 0.9], horizon: [0.9, 0.8, 0.6], is_shown: rng.below(2) == 0 };
+    let sky = Sky {
+        rays: 1 + rng.below(9) as u32,
+        reach: [f64::INFINITY, 0.4][rng.below(2)],
+        at_centers: rng.below(3) > 0,
+        colors: (rng.below(3) == 0).then_some(colors),
+        share: [1.0, Sky::SHARE_WITH_LIGHTS][rng.below(2)],
+    };
+    let lighting = Lighting {
+        lights,
+        sky: (rng.below(4) > 0).then_some(sky),
+        shadows: rng.below(2) == 0,
+        bounces: (rng.below(3) == 0).then(|| rng.below(4) as u32),
+    };
+    Scene { camera, image, spheres, lighting }
+}
+
+/// Drawn settings of a picture and its buffers.
+fn drawn_settings(rng: &mut Rng, scene: &Scene) -> Settings {
+    let mut aovs = vec![Aov::Color, Aov::Alpha, Aov::Id, Aov::Certainty];
+    aovs.extend((!scene.lighting.lights.is_empty() && rng.below(3) == 0).then_some(Aov::Shadow));
+    aovs.extend((rng.below(3) == 0).then_some(Aov::Occlusion));
+    let is_parallel = scene.camera.lens.is_orthographic();
+    let has_size = !is_parallel && rng.below(5) == 0;
+    Settings {
+        aovs,
+        samples: if has_size { 4 } else { [1, 4, 9][rng.below(3)] },
+        seed: rng.below(3) as u32,
+        layers: rng.below(4) as u32,
+        opacity_shadows: rng.below(3) > 0,
+        silhouette: rng.below(2) == 0,
+        depth_cue: rng.below(3) == 0,
+        aperture: has_size.then_some(Aperture { diameter: 0.2, focus: Some(4.0) }),
+        window: (rng.below(4) == 0).then_some(Window { x0: 3, y0: 2, x1: 15, y1: 11 }),
+        ..Settings::default()
+    }
+}
+
+/// An adapter answers for the hits that are shaded, whatever the options of light are: also where a picture has hits of opaque spheres
+/// and of several layers before them.
+#[test]
+fn drawn_options_of_light_are_those_of_the_cpu_path() {
+    let Some(mut shares) = Shares::new() else { return };
+    let mut rng = Rng::new(0x5eed_0103);
+    for n in 0..amount("scenes with drawn options of light", 40, 600) {
+        let scene = drawn_scene(&mut rng);
+        let settings = drawn_settings(&mut rng, &scene);
+        shares.compare(&format!("scene {n}: {settings:?}, {:?}", scene.lighting), &scene, &settings);
+    }
+    let most = shares.both.compared;
+    let (_, others) = shares.done(most);
+    assert!(others < most / 2, "{others}");
 }

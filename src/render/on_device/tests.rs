@@ -128,3 +128,49 @@ fn a_device_that_fails_while_it_draws_leaves_a_picture() {
         assert!(calls >= 13, "{calls}");
     }
 }
+
+/// Whatever a picture shows, it is the host's within roundings, and so are its buffers: also where the device leaves some of it to the
+/// host, such as spheres that are seen through others.
+#[test]
+fn drawn_pictures_of_a_device_are_those_of_the_host() {
+    let Some(_) = adapter_or_skip() else { return };
+    let mut renderer = Renderer::new(&settings(Backend::Gpu)).expect("an adapter; tests/run installs and pins one");
+    let mut host = Renderer::new(&settings(Backend::Cpu)).expect("the CPU path");
+    renderer.device.gpu.as_mut().expect("a device").draws = Some(true);
+    let mut rng = Rng(0x5eed_0104);
+    let mut drawn = 0;
+    for n in 0..24 {
+        let mut is = |share: f64| rng.between(0.0, 1.0) < share;
+        let mut scene = cloud(12, is(0.5), 7 + n);
+        (scene.image.width, scene.image.height) = (67, 51);
+        let ghosts = is(0.5);
+        if ghosts {
+            scene.spheres.opacities = Some((0..13).map(|k| if k % 2 == 0 { 0.5 } else { 1.0 }).collect());
+        }
+        scene.lighting.sky = Some(Sky { reach: if is(0.5) { 0.3 } else { f64::INFINITY }, ..Sky::AT_CENTERS });
+        scene.lighting.shadows = is(0.3);
+        let more = if is(0.3) { vec![Aov::Occlusion, Aov::Shadow] } else { Vec::new() };
+        let settings = Settings {
+            samples: if is(0.3) { 1 } else { 4 },
+            layers: if is(0.5) { 3 } else { 0 },
+            opacity_shadows: is(0.6),
+            silhouette: is(0.5),
+            depth_cue: is(0.3),
+            aovs: [vec![Aov::Color, Aov::Alpha, Aov::Id], more].concat(),
+            ..settings(Backend::Gpu)
+        };
+        let found = renderer.render(&scene, &settings).expect("a frame");
+        let expected = host.render(&scene, &settings).expect("a frame");
+        let values = colors(&found).iter().zip(colors(&expected));
+        let beyond = values.clone().filter(|(a, b)| (*a - *b).abs() > MOST).count();
+        assert!(beyond <= 3 && values.len() == 3 * 67 * 51, "{n}: {beyond} of {}: {settings:?}", values.len());
+        drawn += usize::from(colors(&found) != colors(&expected));
+        assert!(!ghosts || colors(&found) == colors(&expected), "{n}: the host draws what is seen through others");
+        for (found, expected) in
+            found.buffers.iter().zip(&expected.buffers).filter(|(found, _)| found.aov != Aov::Color)
+        {
+            assert_eq!(found, expected, "{n}: {settings:?}");
+        }
+    }
+    assert!(drawn > 4, "the device drew {drawn}");
+}
