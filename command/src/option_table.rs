@@ -76,7 +76,7 @@ const OPTIONS: [OptionRow; 94] = [
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),
     row("atom_style", Keyword(Read, "atom_style", Text), 0),
-    row("hold", Keyword(Read, "hold", Text), NO_PART),
+    row("hold", Keyword(Read, "hold", Text), 0),
     row("topology", Keyword(Read, "topology", Text), NO_PART),
     row("identity", Keyword(Read, "identity", Text), NO_PART),
     row("model", Keyword(Read, "model", Number), 0),

@@ -58,7 +58,10 @@ impl PlanArgs {
         let settings = self.args.settings(&targets);
         let first = match self.args.visible[..] {
             [] => SceneFrames::open(&self.args, &settings, &Cancel::default())?.next_frame()?,
-            [..] => Some(visible::picture(&self.args, &settings, &targets)?),
+            [..] => {
+                visible::check(&self.args)?;
+                Some(visible::picture(&self.args, &settings, &targets)?)
+            }
         };
         let picture = first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;

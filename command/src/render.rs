@@ -6,12 +6,11 @@ pub(super) mod stream;
 use super::adapters::note_fallback;
 use super::bar::Bar;
 use super::camera_list::WrittenCameras;
-use super::clash::{check_inputs, check_one_standard, check_text};
+use super::clash::{check_one_standard, check_text};
 use super::film::FilmWriter;
 use super::legend;
 use super::lines::ProgressArgs;
 use super::messages::{QuietArgs, note};
-use super::names::numbered;
 use super::picture_scene::PictureScene;
 use super::preview::Preview;
 use super::process::ExitCode;
@@ -29,8 +28,8 @@ use halfline::progress::Cancel;
 use halfline::render::Renderer;
 use halfline::settings::Settings;
 use halfline_files::read::read_once;
-use halfline_files::write::file::{Target, check_writable, is_special};
-use picture::{Messages, Picture, PictureWriter};
+use halfline_files::write::file::{Target, is_special};
+use picture::{Messages, Picture, PictureWriter, writable_targets};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
@@ -122,8 +121,6 @@ impl Concurrency {
 /// All pictures of a command: their scenes, the renderers, and the files that are written.
 struct Rendering<'a> {
     render: &'a Render,
-    /// The files of the first picture.
-    targets: &'a [Target],
     cancel: &'a Cancel,
     writer: PictureWriter<'a>,
     concurrency: Concurrency,
@@ -138,7 +135,7 @@ struct Rendering<'a> {
 impl Rendering<'_> {
     /// Renders and writes every picture, and adds it to a film.
     fn run(&mut self, mut film: Option<&mut FilmWriter>) -> Result<()> {
-        let Self { render, targets, cancel, writer, concurrency, renderers, frames, first, cameras } = self;
+        let Self { render, cancel, writer, concurrency, renderers, frames, first, cameras } = self;
         let mut next = || match first.take() {
             Some(first) => Ok(Some(first)),
             None => frames.as_mut().map_or(Ok(None), |frames| render.ready(frames)),
@@ -163,7 +160,7 @@ impl Rendering<'_> {
             let may_be_stream = render.may_be_stream(&numbered);
             let made = match each(&mut renderers[0], numbered) {
                 Err(error) if may_be_stream => {
-                    let picture = render.as_stream(error, writer.settings, targets, cancel)?;
+                    let picture = render.as_stream(error, writer.settings, cancel)?;
                     each(&mut renderers[0], picture)
                 }
                 made => made,
@@ -208,8 +205,8 @@ impl Render {
             messages: &messages,
         };
         let cameras = WrittenCameras::default();
-        let (render, targets, cancel) = (self, &targets[..], &cancel);
-        let mut all = Rendering { render, targets, cancel, writer, concurrency, renderers, frames, first, cameras };
+        let (render, cancel) = (self, &cancel);
+        let mut all = Rendering { render, cancel, writer, concurrency, renderers, frames, first, cameras };
         match self.args.files.film() {
             Some(film) => film.write(|writer| all.run(Some(writer)))?,
             None => all.run(None)?,
@@ -251,27 +248,21 @@ impl Render {
         }
         if self.stream {
             let source = stream::Source::new(&self.args, cancel, None)?;
-            return Ok((None, Some(source.visible(settings, targets)?)));
+            return Ok((None, Some(source.visible(settings)?)));
         }
         let in_memory = || {
             let mut scene_frames = SceneFrames::open(&self.args, settings, cancel)?;
             let first = self.ready(&mut scene_frames)?;
             Ok((Some(scene_frames), first))
         };
-        in_memory().or_else(|error| Ok((None, Some(self.as_stream(error, settings, targets, cancel)?))))
+        in_memory().or_else(|error| Ok((None, Some(self.as_stream(error, settings, cancel)?))))
     }
 
     /// The picture as a stream, where memory or its frame is too small for all spheres at once, as the error says.
     ///
     /// # Errors
     /// The same error if it has another reason, or the scene cannot be a stream.
-    fn as_stream(
-        &self,
-        error: Error,
-        settings: &Settings,
-        targets: &[Target],
-        cancel: &Cancel,
-    ) -> Result<PictureScene> {
+    fn as_stream(&self, error: Error, settings: &Settings, cancel: &Cancel) -> Result<PictureScene> {
         let Error::Limits { problem, mend } = error else { return Err(error) };
         if read_once(self.args.path()).is_some() || !self.args.visible.is_empty() || self.stream {
             return Err(Error::Limits { problem, mend });
@@ -279,7 +270,7 @@ impl Render {
         let why = format!("{problem}: the file is read as a stream (see --stream)");
         // A scene that cannot be a stream is one that does not fit.
         let source = stream::Source::new(&self.args, cancel, Some(why));
-        source.and_then(|source| source.visible(settings, targets)).map_err(|error| match error {
+        source.and_then(|source| source.visible(settings)).map_err(|error| match error {
             Error::Settings { .. } => Error::Limits { problem, mend },
             Error::Limits { mend, .. } => Error::Limits { problem, mend },
             other => other,
@@ -297,14 +288,7 @@ impl Render {
     /// The next scene, once its files are known to be writable.
     fn ready(&self, scene_frames: &mut SceneFrames<'_>) -> Result<Option<PictureScene>> {
         let Some(mut picture) = scene_frames.next_frame()? else { return Ok(None) };
-        let targets = self.args.files.targets(picture.number)?;
-        let legend = legend::file(&self.args, picture.number)?;
-        let list = self.args.camera_list()?;
-        let model = self.args.files.model().map(|path| numbered(path, picture.number));
-        let others = legend.iter().chain(&list).chain(&model).map(PathBuf::as_path);
-        check_inputs(targets.iter().map(Target::path).chain(others), &scene_frames.inputs())?;
-        model.as_deref().map_or(Ok(()), check_writable)?;
-        targets.iter().try_for_each(Target::check)?;
+        writable_targets(&self.args, picture.number, &scene_frames.inputs())?;
         // Shared numbers are checked once, and not again for every repeated frame.
         picture.scene.spheres.share();
         picture.scene.check()?;
@@ -313,6 +297,9 @@ impl Render {
 
     /// The files of the first picture; checks combinations of options.
     fn check(&self) -> Result<Vec<Target>> {
+        if !self.args.visible.is_empty() {
+            visible::check(&self.args)?;
+        }
         self.args.files.check_film(self.args.is_many(), self.resume, || self.args.frames_of_file())?;
         let targets = self.args.files.targets(1)?;
         if let (Some(film), None, false) = (self.args.files.film(), self.args.image.size, self.args.image.is_part()) {

@@ -1,11 +1,13 @@
 //! `--visible`: the picture of parts that `halfline sift` made.
 
+use super::camera_args::CameraArgs;
 use super::clash::check_inputs;
 use super::lens_args::PictureLens;
 use super::messages::note;
 use super::option_table::{NO_PART, has};
 use super::picture_scene::PictureScene;
 use super::process::is_typed;
+use super::read_args::{ColorArgs, ReadArgs};
 use super::scene_args::SceneArgs;
 use super::signals::watch;
 use clap::{Args, Command};
@@ -18,15 +20,11 @@ use halfline_files::parts;
 use halfline_files::read::SceneFrame;
 use halfline_files::write::file::Target;
 
-/// The groups of options that were applied when the parts were made.
-const APPLIED: [&str; 6] = ["ReadArgs", "ColorArgs", "CameraArgs", "PoseArgs", "LensArgs", "CameraListArgs"];
-
 /// The picture of all spheres of the parts.
 ///
 /// # Errors
 /// [`Error::Settings`] for options that are those of the parts, and parts that are not of one frame; those of reading.
 pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target]) -> Result<PictureScene> {
-    check(args)?;
     check_inputs(targets.iter().map(Target::path), &args.visible)?;
     targets.iter().try_for_each(Target::check)?;
     let part = combined(args)?;
@@ -67,7 +65,10 @@ fn combined(args: &SceneArgs) -> Result<Part> {
 }
 
 /// Refuses options that read a scene or give its camera.
-fn check(args: &SceneArgs) -> Result<()> {
+///
+/// # Errors
+/// [`Error::Settings`] that names the option.
+pub(super) fn check(args: &SceneArgs) -> Result<()> {
     if !args.insets.mark.is_empty() {
         return Err(Error::settings("--mark: parts have no columns", "remove it"));
     }
@@ -80,12 +81,13 @@ fn check(args: &SceneArgs) -> Result<()> {
     if args.insets.legend_in.is_some() {
         return Err(Error::settings("--legend-in: parts have no legend", "remove it"));
     }
-    let command = SceneArgs::augment_args(Command::new("render"));
-    let groups = command.get_groups().filter(|group| APPLIED.contains(&group.get_id().as_str()));
-    let applied = groups.flat_map(|group| group.get_args()).map(|id| id.as_str()).chain(["crop", "tile"]);
-    let typed =
-        applied.filter_map(|id| Some((id, command.get_arguments().find(|arg| arg.get_id() == id)?.get_long()?)));
-    match typed.into_iter().find(|(_, long)| is_typed(&format!("--{long}"))) {
+    // Options that were applied when the parts were made.
+    let groups = CameraArgs::augment_args(ColorArgs::augment_args(ReadArgs::augment_args(Command::new("parts"))));
+    let all = SceneArgs::augment_args(Command::new("render"));
+    let others = all.get_arguments().filter(|arg| ["crop", "tile", "skip_invalid"].contains(&arg.get_id().as_str()));
+    let applied = groups.get_arguments().chain(others);
+    let mut typed = applied.filter_map(|arg| Some((arg.get_id().as_str(), arg.get_long()?)));
+    match typed.find(|(_, long)| is_typed(&format!("--{long}"))) {
         Some((id, long)) => {
             let problem = format!("--{long} belongs to the parts of --visible, which were made with their own options");
             let is_taken = !has(id, NO_PART);

@@ -17,7 +17,7 @@ use crate::double_double::exponent;
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
 use crate::memory::{check_wide_ids, ids_fit};
-use crate::quote::setting::{ACCURACY, APERTURE, LAYERS, LOOK, METHOD, STREAM};
+use crate::quote::setting::{ACCURACY, AOV, APERTURE, LAYERS, LOOK, METHOD, OCCLUSION, SHADOWS, STREAM, SUN};
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
@@ -267,11 +267,15 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
     } else if settings.asks(&[Aov::Shadow, Aov::Occlusion]) || has_lights && settings.asks(&[Aov::Color]) {
         (
             "lights and a sky need all spheres in memory",
-            format!("use {LOOK} plain, without lights, shadow and occlusion"),
+            format!(
+                "use {LOOK} plain, without {SUN}, {SHADOWS}, {OCCLUSION}, {AOV} shadow and occlusion, and lights of the scene"
+            ),
         )
     } else if settings.layers > 1 {
         let problem = "more than one layer of translucent spheres needs all spheres in memory";
         return Err(Error::settings(problem, format!("remove {LAYERS}, or {STREAM}")));
+    } else if scene.camera.lens.is_curved() {
+        ("the rays of a curved lens need all spheres in memory", format!("use another lens, or remove {STREAM}"))
     } else if settings.aperture.is_some() {
         ("a lens with a size sees spheres that a stream has forgotten", format!("remove {APERTURE}, or {STREAM}"))
     } else {

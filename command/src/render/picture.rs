@@ -1,6 +1,7 @@
 //! One picture of `halfline render`: rendered, written, and reported in its turn.
 
 use crate::bar::Bar;
+use crate::clash::check_inputs;
 use crate::legend;
 use crate::messages::{note, say};
 use crate::names::numbered as numbered_name;
@@ -17,7 +18,7 @@ use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
 use halfline_drawing::inset::Panels;
 use halfline_files::write::figure;
-use halfline_files::write::file::Target;
+use halfline_files::write::file::{Target, check_writable};
 use halfline_files::write::glb;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -256,6 +257,22 @@ impl PictureWriter<'_> {
         write(frame, &others)?;
         Ok(still.into_inner())
     }
+}
+
+/// The files of picture `number`, once they are known to be writable, and neither they nor what is written beside them is one of
+/// `inputs`.
+///
+/// # Errors
+/// Errors of [`check_inputs`] and of files that cannot be written.
+pub(crate) fn writable_targets(args: &SceneArgs, number: u64, inputs: &[PathBuf]) -> Result<Vec<Target>> {
+    let targets = args.files.targets(number)?;
+    let model = args.files.model().map(|path| numbered_name(path, number));
+    let (legend, list) = (legend::file(args, number)?, args.camera_list()?);
+    let others = legend.iter().chain(&list).chain(&model).map(PathBuf::as_path);
+    check_inputs(targets.iter().map(Target::path).chain(others), inputs)?;
+    model.as_deref().map_or(Ok(()), check_writable)?;
+    targets.iter().try_for_each(Target::check)?;
+    Ok(targets)
 }
 
 /// That the files of a picture need no rendering.

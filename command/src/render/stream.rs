@@ -1,13 +1,16 @@
 //! A scene that is read in blocks: for `--stream` because it does not fit in memory, for `halfline sift` because it is a part.
 
+mod refused;
+
 use crate::camera_args::CameraTarget;
 use crate::camera_file;
-use crate::clash::check_inputs;
 use crate::framing::{DirectionSource, aimed, none_selected};
 use crate::legend;
 use crate::lens_args::PictureLens;
 use crate::messages::note;
 use crate::picture_scene::PictureScene;
+use crate::read_args::ReadArgs;
+use crate::render::picture::writable_targets;
 use crate::scene_args::SceneArgs;
 use crate::scene_frames::{options, size};
 use glam::DVec3;
@@ -20,19 +23,24 @@ use halfline::quote::count;
 use halfline::render::stream::{Part, Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::{CopiedSpheres, Instances};
-use halfline::scene::{LightSource, SphereSource, Spheres};
+use halfline::scene::{SphereSource, Spheres};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::{Coloring, RangeEnd};
 use halfline_files::read::{
-    Focus, FrameTime, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped, read_once,
+    Focus, FrameTime, Hold, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped, read_once,
 };
 use halfline_files::write::file::Target;
 use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 
+/// The mend for a camera that depends on the spheres of other frames.
+const CAMERA: &str = "give --eye and --at with numbers, or --eye and --view";
+
 /// A scene that is read as a stream: its file, and the options of every pass through it.
 pub(crate) struct Source<'a> {
     args: &'a SceneArgs,
+    /// The number of its frame, from 1.
+    number: u64,
     options: ReadOptions,
     taken: Option<CameraRecord>,
     arrangement: Arrangement,
@@ -105,10 +113,10 @@ struct SceneFacts {
 }
 
 impl SceneFacts {
-    /// The facts from blocks that were read to the end, without the time and the step.
+    /// The facts from blocks that were read to the end.
     fn of(blocks: &SphereBlocks) -> Self {
         let (skipped, legend) = (blocks.skipped().clone(), blocks.legend());
-        Self { skipped, legend, when: FrameTime::default(), is_molecule: blocks.is_molecule() }
+        Self { skipped, legend, when: blocks.when(), is_molecule: blocks.is_molecule() }
     }
 }
 
@@ -119,56 +127,25 @@ impl<'a> Source<'a> {
     /// [`Error::Settings`] for those that need the scene in memory.
     pub(crate) fn new(args: &'a SceneArgs, cancel: &Cancel, why: Option<String>) -> Result<Self> {
         let options = options(args, cancel)?;
-        let refuse = |problem: &str, mend: &str| Err(Error::settings(format!("--stream: {problem}"), mend));
-        if args.is_many() {
-            return refuse(
-                "a stream is one picture",
-                "render the frames, turns or cameras one by one, or without --stream",
-            );
-        }
-        if args.camera.focus.is_some() {
-            return refuse("what --focus shows is chosen among all spheres in memory", "use --at, or remove --focus");
-        }
-        if args.camera.frame_share.is_some() {
-            let problem = "the spheres that --frame-share leaves out are known with all in memory";
-            return refuse(problem, "use --eye and --at, or remove --frame-share");
-        }
-        if !args.insets.mark.is_empty() {
-            return refuse("marks need the columns of all spheres in memory", "remove --mark, or --stream");
-        }
-        if args.files.model().is_some() {
-            return refuse("a model has all spheres", "use a picture, or remove --stream");
-        }
-        if !args.files.cryptomatte.is_empty() {
-            return refuse("names of Cryptomatte need all spheres in memory", "remove --cryptomatte, or --stream");
-        }
-        let arrangement = args.read.arrangement();
-        if arrangement.outline.is_some() {
-            return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");
-        }
+        args.camera.list.listed()?;
+        let number = args.read.frames.as_ref().and_then(|frames| frames.numbers().next()).unwrap_or(1);
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        if args.camera.lens.is_given() || taken.is_some_and(|record| record.lens_size().is_some()) {
-            return refuse("a lens with a size sees spheres that a stream has forgotten", "remove --aperture");
-        }
+        let arrangement = args.read.arrangement();
+        refused::check(args, number, taken.as_ref())?;
         let scene = SphereBlocks::scene(args.path(), &options)?;
-        if scene.as_ref().is_some_and(|(frame, _)| frame.aperture.is_some()) {
-            return refuse(
-                "a lens with a size sees spheres that a stream has forgotten",
-                "remove the scene's aperture",
-            );
-        }
-        let lights = scene.iter().flat_map(|(frame, _)| &frame.scene.lighting.lights);
-        if lights.into_iter().any(|light| matches!(light.source, LightSource::Sphere(_))) {
-            return refuse("lights that are spheres need all spheres in memory", "remove them, or --stream");
+        if let Some((frame, _)) = &scene {
+            refused::check_scene(frame)?;
         }
         let is_explained = Cell::new(false);
-        Ok(Self { args, options, taken, arrangement, scene, why, is_explained, notes: Vec::new() })
+        Ok(Self { args, number, options, taken, arrangement, scene, why, is_explained, notes: Vec::new() })
     }
 
     /// Every file that is read.
     pub(crate) fn inputs(&self) -> Vec<PathBuf> {
         let named = self.scene.iter().flat_map(|(_, files)| files.iter().map(PathBuf::as_path));
-        let all = [Some(self.args.path()), self.args.camera.from.as_deref()].into_iter().flatten().chain(named);
+        let camera = &self.args.camera;
+        let cameras = [camera.from.as_deref(), camera.list.file.as_deref()];
+        let all = [Some(self.args.path())].into_iter().chain(cameras).flatten().chain(named);
         all.map(Path::to_path_buf).collect()
     }
 
@@ -176,16 +153,25 @@ impl<'a> Source<'a> {
     ///
     /// # Errors
     /// Errors of the output files, of reading and of [`Stream`].
-    pub(super) fn visible(mut self, settings: &Settings, targets: &[Target]) -> Result<PictureScene> {
-        check_inputs(targets.iter().map(Target::path), &self.inputs())?;
-        targets.iter().try_for_each(Target::check)?;
+    pub(super) fn visible(mut self, settings: &Settings) -> Result<PictureScene> {
+        let targets = &writable_targets(self.args, self.number, &self.inputs())?;
         let mut frame = self.bare()?;
         // What a stream cannot do is found before the file is read.
         let (bare, own) = self.begin(frame.clone(), settings, targets)?;
         Stream::new(&bare.scene, &own)?;
+        let request = self.args.look_request(FileLook::PARTICLES, settings.aovs.contains(&Aov::Color));
+        let is_soft = self.scene.is_none() && self.args.light.would_be_soft(request);
+        if is_soft && self.why.is_some() {
+            if !self.is_copied() {
+                self.blocks_of_places()?;
+            }
+            let problem = "the light of the look soft needs all spheres in memory".to_owned();
+            return Err(Error::Limits { problem, mend: "add --look plain: the file is then read as a stream".into() });
+        }
         let copied = self.copied()?;
         let framed = self.aim(&mut frame, copied.as_ref())?;
         if copied.is_none() && self.lacks_range() {
+            self.check_own("the range of colours", "add --range LOW,HIGH")?;
             self.check_repeatable("the range of colours is that of all particles", "add --range LOW,HIGH")?;
             self.survey(
                 "the range of colours is that of all particles, so the file is read for it first (see --range)",
@@ -216,8 +202,7 @@ impl<'a> Source<'a> {
         if ids.are_wide() && targets.iter().any(|target| target.aovs().contains(&Aov::Id)) {
             note(format_args!("ids are int64: {} spheres are more than 32 bits can number", ids.count));
         }
-        let request = self.args.look_request(FileLook::PARTICLES, settings.aovs.contains(&Aov::Color));
-        if self.scene.is_none() && self.args.light.would_be_soft(request) {
+        if is_soft {
             note(format_args!(
                 "look plain: a stream is lit from the eye, because lights and a sky need all spheres in memory"
             ));
@@ -239,7 +224,7 @@ impl<'a> Source<'a> {
     pub(crate) fn part(mut self, settings: &Settings, first_id: u64) -> Result<(Part, Vec<String>, bool)> {
         let refused = [
             (self.is_copied(), "the ids of copies depend on all spheres", "remove --copies and --assembly"),
-            (self.lacks_range(), "the range of colours is that of all parts", "add --range LOW,HIGH"),
+            (self.lacks_range(), "--color-by: the range of colours is that of all parts", "add --range LOW,HIGH"),
             (!self.options.marks.is_empty(), "what --at selects is that of all parts", "give --at a point"),
         ];
         if let Some((_, problem, mend)) = refused.into_iter().find(|(is_given, ..)| *is_given) {
@@ -266,7 +251,8 @@ impl<'a> Source<'a> {
         // What the file leaves out is counted while its spheres are read.
         frame.skipped = Skipped::default();
         let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, PictureLens::default())?;
-        let picture = PictureScene { skipped: frame.skipped, ..PictureScene::bare(frame.scene, look) };
+        let (number, skipped) = (self.number, frame.skipped);
+        let picture = PictureScene { number, skipped, ..PictureScene::bare(frame.scene, look) };
         let settings = self.args.settings_for(&picture, settings, targets)?;
         Ok((picture, settings))
     }
@@ -278,18 +264,22 @@ impl<'a> Source<'a> {
             None => SceneFrame::of_particles(1, Spheres::default(), false)?,
         };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
+        let camera = &self.args.camera;
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
-            None => self.args.camera.apply_lens(&mut frame.scene.camera),
+            None if camera.list.file.is_some() => {
+                camera.list.apply(self.number, self.args.image.size, camera.vfov(), &mut frame.scene)?;
+            }
+            None => camera.apply_lens(&mut frame.scene.camera),
         }
         Ok(frame)
     }
 
-    /// Directs the camera, unless it was taken, and frames all spheres where the options do not give its place, for which the
+    /// Directs the camera, unless it was taken or is one of a list, and frames all spheres where the options do not give its place, for which the
     /// file is read twice more, and once more for its principal axes. Returns whether they are framed.
     fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&InstancedScene>) -> Result<bool> {
         let camera = &self.args.camera;
-        if self.taken.is_some() {
+        if self.taken.is_some() || camera.list.file.is_some() {
             return camera.zoom(&mut frame.scene).map(|()| false);
         }
         let at = self.looked_at(copied)?;
@@ -298,6 +288,9 @@ impl<'a> Source<'a> {
         let mut framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
         let source = camera.direction_source(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
         let is_given = framing.is_none() && matches!(source, DirectionSource::Given(..));
+        if !is_given {
+            self.check_own("the camera", CAMERA)?;
+        }
         let spheres: Box<dyn SphereSource + '_> = match copied {
             Some(InstancedScene { instances, facts, .. }) => {
                 (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend.clone());
@@ -327,6 +320,7 @@ impl<'a> Source<'a> {
             Some(CameraTarget::Point(at)) => return Ok(Some(*at)),
             Some(CameraTarget::Selected(selection)) => selection.to_string(),
         };
+        self.check_own("the camera", CAMERA)?;
         let (at, drawn) = match copied {
             Some(InstancedScene { marks, instances, .. }) => {
                 self.notes = marks.iter().flat_map(|mark| mark.notes.clone()).collect();
@@ -350,6 +344,19 @@ impl<'a> Source<'a> {
     /// The blocks of the file for their places, without colours.
     fn blocks_of_places(&self) -> Result<SphereBlocks> {
         SphereBlocks::survey(self.args.path(), &self.options)
+    }
+
+    /// Returns an error where other frames than the one that is read give the film `what`.
+    fn check_own(&self, what: &str, mend: &str) -> Result<()> {
+        let ReadArgs { frames, hold, .. } = &self.args.read;
+        let of = match hold {
+            _ if frames.is_none() => return Ok(()),
+            Hold::First if self.number > 1 => "the first frame",
+            Hold::All => "all frames",
+            Hold::First | Hold::None => return Ok(()),
+        };
+        let problem = format!("--stream: {what} is that of {of} of the file (see --hold), and one frame is read");
+        Err(Error::settings(problem, format!("{mend}, or use --hold none")))
     }
 
     /// Returns an error for an input that can be read once.

@@ -8,6 +8,7 @@ use super::open::{listed, open as open_particles};
 use super::options::ReadOptions;
 use super::particles::colors::ColorSurvey;
 use super::particles::frame::{ParticleFrames, Particles, RuleTarget};
+use super::particles::frame_time::FrameTime;
 use super::particles::periodic::Periodic;
 use super::particles::request::Request;
 use super::particles::survey::{Part, Survey};
@@ -21,7 +22,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
 use halfline::quote::count;
-use halfline::quote::setting::{COLOR, FRAMES, MAP, MATERIAL, RADIUS, RANGE, STREAM, UNWRAP, WRAP};
+use halfline::quote::setting::{COLOR, COLOR_BY, FRAMES, MAP, MATERIAL, RADIUS, RANGE, STREAM, TOPOLOGY, UNWRAP, WRAP};
 use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -75,6 +76,7 @@ pub struct SphereBlocks {
     /// Whether some particle has an element, and whether the frame has a cell.
     has_elements: bool,
     has_cell: bool,
+    when: FrameTime,
 }
 
 impl SphereBlocks {
@@ -155,6 +157,7 @@ impl SphereBlocks {
             scene,
             has_elements: false,
             has_cell: false,
+            when: FrameTime::default(),
         })
     }
 
@@ -194,6 +197,7 @@ impl SphereBlocks {
         let Some(rest) = rest else {
             return Err(Error::scene(self.file.clone(), "the file has no such frame", format!("use another {FRAMES}")));
         };
+        self.when = rest.when;
         let last = self.styled_block(rest)?;
         self.skipped.assumed.extend(self.notes.messages());
         Ok(Some(last))
@@ -234,6 +238,12 @@ impl SphereBlocks {
     pub fn legend(&self) -> Option<Legend> {
         let legend = self.options.style.with_overrides(self.legend.clone(), &self.painted)?;
         Some(Legend { range: self.range.unwrap_or(legend.range), ..legend })
+    }
+
+    /// The time and the step of the frame; known after the last block.
+    #[must_use]
+    pub fn when(&self) -> FrameTime {
+        self.when
     }
 
     /// Whether the frame is of atoms without a box, as [`SceneFrame::is_molecule`](super::SceneFrame::is_molecule); known
@@ -354,11 +364,12 @@ impl SphereBlocks {
     fn see(&mut self, legend: Option<&Legend>) -> Result<()> {
         let Some(Legend { name, range: [low, high], categories, names, .. }) = legend else { return Ok(()) };
         if !names.is_empty() {
-            let problem = format!("{STREAM}: the colours of the names in {name} depend on all particles");
+            let problem = format!("{STREAM}: {COLOR_BY}: the colours of the names in {name} depend on all particles");
             return Err(Error::settings(problem, format!("use a column of numbers, or remove {STREAM}")));
         }
         if !categories.is_empty() {
-            let problem = format!("{STREAM}: {name} has categories, whose colours need all particles in memory");
+            let problem =
+                format!("{STREAM}: {COLOR_BY}: {name} has categories, whose colours need all particles in memory");
             return Err(Error::settings(
                 problem,
                 format!("add {RANGE} LOW,HIGH or {MAP} to colour by numbers, or remove {STREAM}"),
@@ -497,7 +508,7 @@ fn check(options: &ReadOptions) -> Result<()> {
     } else if options.periodic != Periodic::AsListed {
         (format!("{WRAP} and {UNWRAP} need all particles in memory"), "remove them".to_owned())
     } else if options.topology.is_some() {
-        ("a trajectory with a topology is not read as a stream".to_owned(), format!("remove {STREAM}"))
+        (format!("{TOPOLOGY} needs all particles in memory"), format!("remove it, or {STREAM}"))
     } else if options.style.has_materials() {
         (
             "materials are seen under lights, which need all particles in memory".to_owned(),
