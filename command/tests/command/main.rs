@@ -65,4 +65,6 @@ mod trace;
 mod types;
 #[cfg(unix)]
 mod view;
+mod ways;
+mod ways_table;
 mod words;

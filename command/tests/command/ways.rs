@@ -1,0 +1,350 @@
+//! The promise of every option of a picture: it works, or is refused by name, in every way that the program takes: in memory, as a
+//! stream that was asked for or chosen where memory is short, in parts, resumed, in tiles, in films, and through a curved lens.
+
+use crate::test_dir::{Output, TestDir};
+use crate::ways_table::{self, Effect, Row, rows};
+use halfline_files::write::buffers::FrameFile;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+/// The options that are ways themselves, or do not concern the picture of one scene.
+const WAYS: [&str; 7] = ["help", "visible", "stream", "resume", "output", "adapter", "backend"];
+
+/// The ways beside that in memory.
+const ALL: [&str; 7] = ["stream", "chosen stream", "parts", "resume", "tiles", "film", "curved lens"];
+
+/// The content of the files of a rendering, and what it printed.
+type Files = BTreeMap<String, Vec<u8>>;
+
+/// Long options in the help of a command.
+fn options_of(dir: &TestDir, command: &str) -> BTreeSet<String> {
+    let help = dir.good(&format!("{command} --help")).text();
+    let longs = help.lines().filter_map(|line| {
+        let line = line.trim_start();
+        let line = line.split_once(", ").filter(|(short, _)| short.len() == 2).map_or(line, |(_, long)| long);
+        let name = line.strip_prefix("--")?;
+        name.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-')).next().map(str::to_owned)
+    });
+    longs.collect()
+}
+
+/// Words of options: each option with its values.
+fn split(words: &str) -> Vec<Vec<String>> {
+    let mut all: Vec<Vec<String>> = Vec::new();
+    for word in words.split_whitespace().map(|word| word.replace('~', " ")) {
+        match all.last_mut() {
+            Some(last) if !word.starts_with("--") => last.push(word),
+            _ => all.push(vec![word]),
+        }
+    }
+    all
+}
+
+/// The name of an option in its words.
+fn name(option: &[String]) -> &str {
+    option[0].trim_start_matches('-').split('=').next().unwrap_or_default()
+}
+
+/// A walk of one row.
+struct Walk<'a> {
+    dir: &'a TestDir,
+    row: &'a Row,
+    /// The options that `sift` takes.
+    sifted: &'a BTreeSet<String>,
+    /// The exit code and the files in memory.
+    memory: (i32, Files),
+}
+
+/// Whether an option works in a way; if not, it is refused there by its name. Everything else is an error, with what was said.
+type Found = Result<bool, String>;
+
+impl Walk<'_> {
+    /// The words of a picture of the row's file.
+    fn words(&self, options: &str) -> Vec<String> {
+        split(&format!("{} {options} {}", self.row.file, self.row.outputs())).concat()
+    }
+
+    /// The same with the option, and with more words.
+    fn with(&self, more: &str) -> Vec<String> {
+        self.words(&format!("{} {more}", self.row.with))
+    }
+
+    /// Whether a rendering is that in memory. `also` are words by which a refusal may name the option.
+    fn is_right(&self, (output, files): &(Output, Files), also: &[&str]) -> Found {
+        let option = format!("--{}", self.row.option);
+        let mut names = [&*option].into_iter().chain(self.row.also.iter().copied()).chain(also.iter().copied());
+        if output.code == 2 && names.any(|name| output.err.contains(name)) {
+            return Ok(false);
+        }
+        let (code, expected) = &self.memory;
+        if output.code != *code {
+            return Err(format!("exit code {}: {}", output.code, output.err));
+        }
+        match expected.iter().find(|(name, bytes)| files.get(*name) != Some(*bytes)) {
+            Some((name, _)) => Err(format!("{name} differs: {}", output.err)),
+            None => Ok(true),
+        }
+    }
+
+    fn stream(&self) -> Found {
+        self.is_right(&run(self.dir, &self.with("--stream"), &[]), &[])
+    }
+
+    /// With one byte less than the frame needs, the program reads the file as a stream, or ends with the code of memory.
+    fn chosen_stream(&self) -> Found {
+        let first = run(self.dir, &self.with(""), &[("HALFLINE_FREE", "0")]);
+        let needed = first.0.err.split_once("needs about ").and_then(|(_, rest)| rest.split(' ').next());
+        match needed.and_then(|bytes| bytes.parse::<u64>().ok()).filter(|_| first.0.code == 5) {
+            Some(needed) => {
+                let found = run(self.dir, &self.with(""), &[("HALFLINE_FREE", &(needed - 1).to_string())]);
+                if found.0.code == 5 { Ok(false) } else { self.is_right(&found, &[]) }
+            }
+            None => self.is_right(&first, &[]),
+        }
+    }
+
+    /// What `sift` takes is given to it, and the rest to the picture of its part. What it takes is not ignored there either, where the part
+    /// was made without.
+    fn parts(&self) -> Found {
+        let [[sift, show], [bare, _]] = [&self.row.with, &self.row.base].map(|options| {
+            let (sift, show): (Vec<_>, Vec<_>) =
+                split(options).into_iter().partition(|of| self.sifted.contains(name(of)));
+            [sift, show].map(|options| options.concat())
+        });
+        let outputs = split(&self.row.outputs()).concat();
+        let words = ["sift", self.row.file, "--first-id", "0", "-o", "part.npz"].map(str::to_owned);
+        let made = |sift: &[String]| self.dir.run(&[&words[..], sift].concat());
+        let visible = ["--visible", "part.npz"].map(str::to_owned);
+        let shown = |more: &[String]| run(self.dir, &[&visible[..], more, &show, &outputs].concat(), &[]);
+        let sifted = made(&sift);
+        if sifted.code != 0 {
+            return self.is_right(&(sifted, Files::new()), &[]);
+        }
+        let right = self.is_right(&shown(&[]), &[])?;
+        let own =
+            split(&self.row.with).into_iter().find(|of| name(of) == self.row.option && self.sifted.contains(name(of)));
+        match own {
+            Some(own) if made(&bare).code == 0 => {
+                let named = [self.row.option, "width of outlines"];
+                self.is_right(&shown(&own), &named).map_err(|why| format!("of a part made without it: {why}"))?;
+            }
+            _ => {}
+        }
+        Ok(right)
+    }
+
+    /// Over the files of a picture without the option, then over its own.
+    fn resume(&self) -> Found {
+        run(self.dir, &self.words(&self.row.base), &[]);
+        let first = keep(self.dir, &self.with("--resume"));
+        let right = self.is_right(&first, &[])?;
+        if !right || first.0.code != 0 {
+            return Ok(right);
+        }
+        let second = keep(self.dir, &self.with("--resume"));
+        if !self.row.is_piped() && self.row.option != "quiet" && !second.0.err.contains("already there") {
+            return Err(format!("its own file is not known: {}", second.0.err));
+        }
+        self.is_right(&second, &[])
+    }
+
+    /// In two tiles, which are merged.
+    fn tiles(&self) -> Found {
+        let mut files = Files::new();
+        for n in ["1", "2"] {
+            let words = in_files(&self.with(&format!("--tile {n}/2")), &format!("tile{n}."));
+            let tile = keep(self.dir, &words);
+            if tile.0.code != 0 {
+                return self.is_right(&tile, &["--tile"]);
+            }
+            files.extend(tile.1);
+        }
+        let named = self.memory.1.keys().map(|name| (name, name.replacen("p.", "tile1.", 1)));
+        for (name, first) in named.filter(|(_, first)| self.dir.path(first).exists()) {
+            let merged = self.dir.run(&format!("merge {first} {} -o {name}", first.replacen('1', "2", 1)));
+            // What is written beside a picture is that of each tile.
+            let bytes = if name.ends_with("svg") {
+                self.dir.get(&first)
+            } else if merged.code == 0 {
+                self.dir.get(name)
+            } else {
+                Vec::new()
+            };
+            files.insert(name.clone(), bytes);
+        }
+        self.is_right(&(Output { code: self.memory.0, out: Vec::new(), err: "merged".into() }, files), &[])
+    }
+
+    /// As the first of two frames of the file, and the second one as that which is rendered alone.
+    fn film(&self) -> Found {
+        let film = run(self.dir, &in_files(&self.with("--frames 1-2"), "p.%d."), &[]);
+        if film.0.code != 0 {
+            return self.is_right(&film, &["--frames"]);
+        }
+        let still = |n: &str| -> Files {
+            let of = |(name, bytes): (&String, &Vec<u8>)| {
+                Some((format!("p.{}", name.strip_prefix(&format!("p.{n}."))?), bytes.clone()))
+            };
+            film.1.iter().filter_map(of).collect()
+        };
+        let (first, second) = (still("1"), still("2"));
+        self.is_right(&(film.0, first), &[])?;
+        let alone = run(self.dir, &self.with("--frames 2"), &[]);
+        match second.iter().find(|(name, bytes)| alone.1.get(*name) != Some(bytes)) {
+            Some((name, _)) => Err(format!("{name} of frame 2 alone differs: {}", alone.0.err)),
+            None => Ok(true),
+        }
+    }
+
+    /// With a camera of a list whose lens has distortion, in place of that of the row: the option has its effect there too.
+    fn curved_lens(&self) -> Found {
+        // The list has camera and lens, and exact answers are within any tolerance.
+        if ["vfov", "intrinsics", "hold", "tolerance"].contains(&self.row.option) {
+            return Ok(true);
+        }
+        let through = |options: &str| {
+            let is_kept = |option: &Vec<String>| {
+                name(option) == self.row.option || !["eye", "at", "vfov", "cameras"].contains(&name(option))
+            };
+            let lens = if options.contains("--frames 2") { "--cameras curved2.json" } else { "--cameras curved.json" };
+            let kept = split(options).into_iter().filter(is_kept).collect::<Vec<_>>().concat();
+            run(self.dir, &[&self.words(lens)[..], &kept].concat(), &[])
+        };
+        let [without, with] = [&self.row.base, &self.row.with].map(|options| through(options));
+        if !self.is_right(
+            &(Output { code: with.0.code, out: Vec::new(), err: with.0.err.clone() }, self.memory.1.clone()),
+            CURVED,
+        )? {
+            return Ok(false);
+        }
+        check_effect(self.row.effect, [&without, &with]).map(|()| true)
+    }
+
+    /// Walks a way.
+    fn take(&self, way: &str) -> Found {
+        match way {
+            "tiles" | "film" if self.row.is_piped() => Ok(true),
+            "stream" => self.stream(),
+            "chosen stream" => self.chosen_stream(),
+            "parts" => self.parts(),
+            "resume" => self.resume(),
+            "tiles" => self.tiles(),
+            "film" => self.film(),
+            _ => self.curved_lens(),
+        }
+    }
+}
+
+/// Words by which a curved lens refuses options: those of another camera, and of light.
+const CURVED: &[&str] = &["--cameras", "lights and a sky", "a depth cue"];
+
+/// Words with other names of files, which begin with `p.`.
+fn in_files(words: &[String], begin: &str) -> Vec<String> {
+    let renamed = |word: &String| match word.strip_prefix("p.") {
+        Some(rest) => format!("{begin}{rest}"),
+        None => word.replace("=p.", &format!("={begin}")),
+    };
+    words.iter().map(renamed).collect()
+}
+
+/// Renders where no file of an earlier picture is.
+fn run(dir: &TestDir, words: &[String], environment: &[(&str, &str)]) -> (Output, Files) {
+    let old = dir.files().into_keys().filter(|name| name.starts_with("p.") || name.starts_with("tile"));
+    old.for_each(|name| dir.remove(&name));
+    let words = [&["render", "--backend", "cpu"].map(str::to_owned)[..], words].concat();
+    let output = dir.run_with(&words, environment);
+    let files = outputs(dir, &words, &output);
+    (output, files)
+}
+
+/// Renders over the files that are there.
+fn keep(dir: &TestDir, words: &[String]) -> (Output, Files) {
+    let words = [&["render", "--backend", "cpu"].map(str::to_owned)[..], words].concat();
+    let output = dir.run(&words);
+    let files = outputs(dir, &words, &output);
+    (output, files)
+}
+
+/// The files of a picture, and its bytes on standard output.
+fn outputs(dir: &TestDir, words: &[String], output: &Output) -> Files {
+    let mut files: Files = dir.files().into_iter().filter(|(name, _)| name.starts_with("p.")).collect();
+    if words.iter().any(|word| word.ends_with("=-")) {
+        files.insert("standard output".into(), output.out.clone());
+    }
+    files
+}
+
+/// Whether files have other numbers: pixels, without what is said about them.
+fn has_other_numbers(a: &Files, b: &Files) -> bool {
+    a.len() != b.len()
+        || a.iter().any(|(name, bytes)| {
+            let Some(other) = b.get(name) else { return true };
+            match [bytes, other].map(|bytes| FrameFile::from_bytes(bytes, name)) {
+                [Ok(one), Ok(two)] => one.buffers != two.buffers,
+                _ => bytes != other,
+            }
+        })
+}
+
+/// Checks that a rendering with an option differs from one without it as its row says.
+fn check_effect(effect: Effect, [without, with]: [&(Output, Files); 2]) -> Result<(), String> {
+    let codes = [without.0.code, with.0.code];
+    let is_there = match effect {
+        Effect::Numbers => codes == [0, 0] && has_other_numbers(&without.1, &with.1),
+        Effect::Bytes => codes == [0, 0] && without.1 != with.1,
+        Effect::Nothing => codes == [0, 0] && without.1 == with.1,
+        Effect::Allows => codes[0] != 0 && codes[1] == 0,
+        Effect::Fails => codes[0] == 0 && codes[1] != 0,
+    };
+    let said = || format!("no effect: {effect:?}, {codes:?}: {}{}", without.0.err, with.0.err);
+    if is_there { Ok(()) } else { Err(said()) }
+}
+
+/// The pairs of a row that are wrong, and the number of those in which the option works.
+fn walk(dir: &TestDir, row: &Row, sifted: &BTreeSet<String>) -> (Vec<String>, usize) {
+    let walk = Walk { dir, row, sifted, memory: (0, Files::new()) };
+    let [without, with] = [&row.base, &row.with].map(|options| run(dir, &walk.words(options), &[]));
+    let mut wrong: Vec<String> = Vec::new();
+    let mut works = 0;
+    if let Err(why) = check_effect(row.effect, [&without, &with]) {
+        return (vec![format!("{} in memory: {why}", row.option)], 0);
+    }
+    let walk = Walk { memory: (with.0.code, with.1), ..walk };
+    for way in ALL {
+        match walk.take(way) {
+            Ok(does) => works += usize::from(does),
+            Err(why) => wrong.push(format!("{}, {way}: {}", row.option, why.trim_end())),
+        }
+    }
+    (wrong, works)
+}
+
+#[test]
+fn every_option_works_or_is_refused_in_every_way() {
+    let rows = rows();
+    let dir = TestDir::new(&[]);
+    let known: BTreeSet<String> = rows.iter().map(|row| row.option.to_owned()).chain(WAYS.map(str::to_owned)).collect();
+    assert_eq!(options_of(&dir, "render"), known, "a row for each option");
+    let sifted = options_of(&dir, "sift");
+    let (next, found) = (AtomicUsize::new(0), Mutex::new((Vec::new(), 0)));
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                let dir = ways_table::dir();
+                while let Some(row) = rows.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let (wrong, works) = walk(&dir, row, &sifted);
+                    let mut found = found.lock().expect("no panic");
+                    found.0.extend(wrong);
+                    found.1 += works;
+                }
+            });
+        }
+    });
+    let (wrong, works) = found.into_inner().expect("no panic");
+    println!("{} pairs, in {works} of which the option works, and in the others it is refused", rows.len() * ALL.len());
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(2 * works > rows.len() * ALL.len(), "most work: {works}");
+}
