@@ -190,7 +190,16 @@ impl Walk<'_> {
             film.1.iter().filter_map(of).collect()
         };
         let (first, second) = (still("1"), still("2"));
-        self.is_right(&(film.0, first), &[])?;
+        self.is_right(&(film.0, first.clone()), &[])?;
+        if cfg!(unix) && self.row.outputs().starts_with("-o p.png") {
+            let path = self.dir.path("bin").display().to_string();
+            let words: Vec<String> = in_files(&self.with("--frames 1-2"), "p.%d.");
+            let words: Vec<String> = words.iter().map(|word| word.replace("p.%d.png", "p.gif")).collect();
+            let made = run(self.dir, &words, &[("PATH", &path)]);
+            let stills = [&first, &second].map(|files| files.get("p.png").cloned().unwrap_or_default()).concat();
+            let expected = Files::from([("p.gif".to_owned(), stills)]);
+            Walk { memory: (0, expected), ..*self }.is_right(&made, &[])?;
+        }
         let alone = run(self.dir, &self.with("--frames 2"), &[]);
         match second.iter().find(|(name, bytes)| alone.1.get(*name) != Some(bytes)) {
             Some((name, _)) => Err(format!("{name} of frame 2 alone differs: {}", alone.0.err)),
@@ -347,4 +356,52 @@ fn every_option_works_or_is_refused_in_every_way() {
     println!("{} pairs, in {works} of which the option works, and in the others it is refused", rows.len() * ALL.len());
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
     assert!(2 * works > rows.len() * ALL.len(), "most work: {works}");
+}
+
+/// A stream that the program chooses has the light of memory, or it is not chosen, and the error of memory says what makes it one. So
+/// neither is the list of cameras written over the one that is read.
+#[test]
+fn a_stream_that_the_program_chooses_never_changes_the_answer() {
+    let dir = ways_table::dir();
+    let with = |options: &str, free: u64| {
+        let words = format!("render f.xyz --backend cpu --size 12x9 {options}");
+        dir.run_with(&words, &[("HALFLINE_FREE", &free.to_string())])
+    };
+    for (options, is_chosen) in [
+        ("-o p.png", false),
+        ("-o p.png --samples 9", false),
+        ("-o p.png --look plain", true),
+        ("-o p.png --shade flat", true),
+        ("--aov id=p.npy", true),
+        ("-o p.png --look plain --cameras one.json", true),
+        ("-o p.png --look plain --cameras one.json --label {count}", false),
+        ("-o p.png --look plain --frames 2", false),
+        ("-o p.png --look plain --frames 2 --eye 9,7,12 --at 2,2,2", true),
+        ("-o p.png --look plain --frames 2 --spin 5 --eye 9,7,12 --at 2,2,2", false),
+        ("-o p.png --look plain --opacity 0.5 --layers 2", false),
+        ("-o p.png --look plain --mark kind~a=x", false),
+        ("-o p.%d.png --look plain --frames 1-2", false),
+    ] {
+        let options = options.replace('~', " ");
+        let words = |free: u64| with(&options, free);
+        let Output { code, err, .. } = words(0);
+        let needed = err.split_once("needs about ").and_then(|(_, rest)| rest.split(' ').next()?.parse::<u64>().ok());
+        let Some(needed) = needed.filter(|_| code == 5) else {
+            assert!(!is_chosen && code == 2, "{options}: {code}: {err}");
+            continue;
+        };
+        let Output { code, err, .. } = words(needed - 1);
+        assert_eq!(code, if is_chosen { 0 } else { 5 }, "{options}: {err}");
+        assert_eq!(err.contains("read as a stream (see --stream)"), is_chosen, "{options}: {err}");
+        let is_soft = !options.contains("--look") && !options.contains("--shade");
+        assert_eq!(err.contains("add --look plain: the file is then read as a stream"), is_soft && !is_chosen, "{err}");
+    }
+    dir.put("cameras.json", dir.get("one.json"));
+    for way in ["", "--stream"] {
+        dir.refused_render(
+            2,
+            &format!("f.xyz --look plain --cameras cameras.json -o p.png {way}"),
+            &["cameras.json is an input"],
+        );
+    }
 }

@@ -305,7 +305,7 @@ pub(crate) fn dir() -> TestDir {
                loop_\n_symmetry_equiv_pos_as_xyz\nx,y,z\n-x,-y,z\nloop_\n_atom_site_label\n_atom_site_type_symbol\n_atom_site_fract_x\n\
                _atom_site_fract_y\n_atom_site_fract_z\n";
     let sites = list(&|([x, y, z], ..)| format!("C1 C {:.4} {:.4} {:.4}\n", x / 5.0, y / 5.0, z / 5.0));
-    TestDir::new(&[
+    let dir = TestDir::new(&[
         ("f.xyz", &film),
         ("e.xyz", &elements),
         ("f.dump", &dump),
@@ -327,5 +327,18 @@ pub(crate) fn dir() -> TestDir {
         ("bare.json", &one("")),
         ("curved.json", &one(curved)),
         ("curved2.json", &two(curved)),
-    ])
+    ]);
+    program(&dir);
+    dir
+}
+
+/// A program that keeps the pictures of a film as they are, in place of one that encodes them.
+fn program(dir: &TestDir) {
+    std::fs::create_dir(dir.path("bin")).expect("a folder");
+    dir.put("bin/ffmpeg", "#!/bin/sh\nfor last; do :; done\nexec /bin/cat > \"$last\"\n");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::set_permissions(dir.path("bin/ffmpeg"), std::fs::Permissions::from_mode(0o755)).expect("a program");
+    }
 }
