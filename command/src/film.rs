@@ -118,7 +118,10 @@ impl<'a> Film<'a> {
             return refuse(format!("--resume: {name} is made in one run"), &mend);
         }
         if is_transparent {
-            return refuse(format!("--transparent: {name} cannot be transparent"), "use --background, or .png for the pictures");
+            return refuse(
+                format!("--transparent: {name} cannot be transparent"),
+                "use --background, or .png for the pictures",
+            );
         }
         let folders = env::var_os("PATH").unwrap_or_default();
         let program = format!("{PROGRAM}{}", env::consts::EXE_SUFFIX);

@@ -4,6 +4,7 @@ use crate::guard::admit;
 use crate::http::{Input, Refused, Trouble, refused};
 use crate::reply::Reply;
 use crate::routes::{Route, Routes};
+use crate::stage::GoOn;
 use std::io::{Read, Write};
 
 /// The answer while as many requests are answered as may be.
@@ -22,11 +23,12 @@ pub(crate) enum Phase {
     Writing(usize),
 }
 
-/// Answers the requests of a connection until it ends, or until `goes_on` says in a phase that it must.
+/// Answers the requests of a connection until it ends, or until `goes_on` says in a phase that it must. `is_read` says whether someone
+/// waits for the answer that is made.
 pub(crate) fn converse(
     reader: impl Read,
     mut writer: impl Write,
-    (routes, token): (&Routes, &str),
+    (routes, token, is_read): (&Routes, &str, &GoOn),
     goes_on: &dyn Fn(Phase) -> bool,
 ) {
     let mut input = Input::new(reader);
@@ -34,7 +36,7 @@ pub(crate) fn converse(
         let (reply, keeps_alive): (Reply, bool) = match request(&mut input, token) {
             Ok((Route::File(file), _, keeps_alive)) => (file, keeps_alive),
             Ok((Route::Ask(question), body, keeps_alive)) if goes_on(Phase::Working) => {
-                (routes.ask(question, &body), keeps_alive)
+                (routes.ask(question, &body, is_read), keeps_alive)
             }
             Ok((Route::Ask(..), ..)) => (BUSY.into(), false),
             // What else is in the connection is not read as a request.

@@ -111,8 +111,8 @@ impl Routes {
         let (routes, question, body) = (Arc::clone(self), Question::of(name), body.to_vec());
         let frame = matches!(question, Some(Question::Frame)).then(|| self.arrive(&body));
         move || match (question, frame) {
-            (_, Some(frame)) => reply(|| routes.frame(frame?)),
-            (Some(question), _) => routes.ask(question, &body),
+            (_, Some(frame)) => reply(|| routes.frame(frame?, &always())),
+            (Some(question), _) => routes.ask(question, &body, &always()),
             (None, _) => Refused { status: 404, message: "there is no such question" }.into(),
         }
     }
@@ -124,16 +124,16 @@ impl Routes {
         self.queue.clear();
     }
 
-    /// The answer to a question. A panic of the stage is an answer too.
-    pub(crate) fn ask(&self, question: Question, body: &[u8]) -> Reply {
-        reply(|| self.put(question, body))
+    /// The answer to a question. A panic of the stage is an answer too. A picture that no one reads is given up.
+    pub(crate) fn ask(&self, question: Question, body: &[u8], is_read: &GoOn) -> Reply {
+        reply(|| self.put(question, body, is_read))
     }
 
-    fn put(&self, question: Question, body: &[u8]) -> Answer<Reply> {
+    fn put(&self, question: Question, body: &[u8], is_read: &GoOn) -> Answer<Reply> {
         match question {
             Question::Scene => self.stage.scene(&read(body)?).map(|value| Reply::json(&value)),
             Question::Fit => self.stage.fit(&read(body)?).map(|value| Reply::json(&value)),
-            Question::Frame => self.frame(self.arrive(body)?),
+            Question::Frame => self.frame(self.arrive(body)?, is_read),
             Question::Pick => self.stage.pick(&read::<PickRequest>(body)?).map(|value| Reply::json(&value)),
             Question::Select => self.stage.select(&read(body)?).map(|value| Reply::json(&value)),
             Question::Command => {
@@ -154,14 +154,17 @@ impl Routes {
         Ok((request, ticket))
     }
 
-    fn frame(&self, (request, mut ticket): (FrameRequest, Ticket)) -> Answer<Reply> {
-        if self.is_closed.load(Ordering::Relaxed) || !ticket.wait() {
+    fn frame(&self, (request, mut ticket): (FrameRequest, Ticket), is_read: &GoOn) -> Answer<Reply> {
+        if self.is_closed.load(Ordering::Relaxed) || !ticket.wait() || !is_read() {
             return Ok(Reply::EMPTY);
         }
         // A move that has begun is finished: else a page that asks while it waits would see none.
         let go_on: GoOn = match (request.mode, self.sends) {
             (Mode::Move, _) => Arc::new(|| true),
-            (Mode::Still, Sends::Jpeg) => ticket.go_on(),
+            (Mode::Still, Sends::Jpeg) => {
+                let (go_on, is_read) = (ticket.go_on(), GoOn::clone(is_read));
+                Arc::new(move || go_on() && is_read())
+            }
             (Mode::Still, Sends::Rgba(pause)) => {
                 let go_on = ticket.go_on();
                 Arc::new(move || {
@@ -185,6 +188,11 @@ impl Routes {
         };
         Ok(reply.with(picture.info))
     }
+}
+
+/// For answers that are always read.
+pub(crate) fn always() -> GoOn {
+    Arc::new(|| true)
 }
 
 /// The reply to a question. A panic is a reply too.

@@ -4,13 +4,13 @@ use crate::exchange::{BUSY, Phase, converse};
 use crate::reply::Reply;
 use crate::routes::Routes;
 use crate::slots::{ConnectionState, Slots};
-use crate::stage::Stage;
+use crate::stage::{GoOn, Stage};
 use crate::timed::Timed;
 use std::collections::VecDeque;
 use std::io::{self, Read};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -159,7 +159,7 @@ impl Shared {
     }
 
     /// Answers the requests of a connection.
-    fn serve(&self, stream: &TcpStream, number: u64) {
+    fn serve(&self, stream: &Arc<TcpStream>, number: u64) {
         let timed = Timed::new(stream);
         let _ = stream.set_nodelay(true);
         let goes_on = |phase| {
@@ -173,12 +173,39 @@ impl Shared {
             let is_here = state.is_none_or(|state| self.slots.set(number, state));
             is_here && !self.has_ended.load(Ordering::Relaxed)
         };
-        converse(&timed, &timed, (&self.routes, &self.token), &goes_on);
+        converse(&timed, &timed, (&self.routes, &self.token, &listens(stream)), &goes_on);
         // With unread bytes the last answer would be lost: the other side gets a while to stop.
         if self.slots.set(number, ConnectionState::Waiting) && stream.shutdown(Shutdown::Write).is_ok() {
             timed.allow(self.times.request.min(Duration::from_secs(1)));
             let mut reader = (&timed).take(1 << 20);
             let _ = io::copy(&mut reader, &mut io::sink());
         }
+    }
+}
+
+/// Whether the client of a connection waits for the answer that is made: it has closed nothing. The system is asked every [`TICK`], while
+/// nothing is read or written.
+fn listens(stream: &Arc<TcpStream>) -> GoOn {
+    let (stream, known) = (Arc::clone(stream), Mutex::new((Instant::now(), true)));
+    Arc::new(move || {
+        // Others need not wait for a thread that asks.
+        let Ok(mut known) = known.try_lock() else { return true };
+        if known.1 && known.0.elapsed() >= TICK {
+            *known = (Instant::now(), is_open(&stream));
+        }
+        known.1
+    })
+}
+
+/// Whether the other side of a connection may still send.
+fn is_open(stream: &TcpStream) -> bool {
+    if stream.set_nonblocking(true).is_err() {
+        return true;
+    }
+    let seen = stream.peek(&mut [0]);
+    let _ = stream.set_nonblocking(false);
+    match seen {
+        Ok(bytes) => bytes > 0,
+        Err(error) => matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted),
     }
 }

@@ -1,11 +1,12 @@
 //! Messages, and which frames are rendered.
 
-use crate::client::{CALM, answer, post, start, statuses};
+use crate::client::{CALM, answer, post, rest, start, statuses};
 use crate::stage::Fake;
 use halfline_viewer::{FrameRequest, Lens, Reply, Routes};
 use serde_json::Value;
 use std::sync::Arc;
 use std::thread;
+use std::time::Duration;
 
 const CAMERA: &str = r#"{"eye":[0,0,5],"at":[0,0,0],"up":[0,1,0],"vfov":40}"#;
 
@@ -156,5 +157,35 @@ fn a_panic_is_an_answer() {
         let text = String::from_utf8_lossy(&body);
         assert_eq!(text.contains(r#""exit":101,"kind":"internal""#), expected == "500", "{text}");
     }
+    server.stop();
+}
+
+/// A picture whose client is gone is given up, so that what waits behind it is answered, although no number cancels it; nor is one rendered
+/// whose client left while it waited. A client that stays gets its picture.
+#[test]
+fn a_picture_that_no_one_reads_is_given_up() {
+    let server = start(CALM, None);
+    let ask = |look: &str, mode: &str| {
+        let stream = server.connect();
+        let body = frame(&format!(r#","mode":"{mode}","options":{{"look":["{look}"]}}"#));
+        server.send(&stream, &post("frame", body).bytes());
+        stream
+    };
+    let gone = ask("hold", "still");
+    server.stage.wait_for(1);
+    let left = ["still", "move"].map(|mode| ask("hang", mode));
+    let behind = ask("", "still");
+    thread::sleep(Duration::from_millis(300));
+    assert_eq!(server.stage.calls(), 1, "they wait for a picture that is read");
+    drop(left);
+    thread::sleep(Duration::from_millis(100));
+    drop(gone);
+    assert_eq!(statuses(&rest(&behind)), "200");
+    assert_eq!(server.stage.calls(), 2, "only that which is read was rendered");
+    let stays = ask("hold", "still");
+    server.stage.wait_for(2);
+    thread::sleep(Duration::from_millis(300));
+    server.stage.release();
+    assert_eq!(statuses(&rest(&stays)), "200");
     server.stop();
 }
