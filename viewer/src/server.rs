@@ -202,9 +202,9 @@ fn is_open(stream: &TcpStream) -> bool {
     if stream.set_nonblocking(true).is_err() {
         return true;
     }
-    let seen = stream.peek(&mut [0]);
+    let peeked = stream.peek(&mut [0]);
     let _ = stream.set_nonblocking(false);
-    match seen {
+    match peeked {
         Ok(bytes) => bytes > 0,
         Err(error) => matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted),
     }

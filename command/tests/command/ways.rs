@@ -88,11 +88,12 @@ impl Walk<'_> {
         }
     }
 
+    /// Walks by `--stream`.
     fn stream(&self) -> Found {
         self.is_right(&run(self.dir, &self.with("--stream"), &[]), &[])
     }
 
-    /// With one byte less than the frame needs, the program reads the file as a stream, or ends with the code of memory.
+    /// Walks as a stream that the program chooses: with one byte less than the frame needs, it reads the file as a stream, or ends with the code of memory.
     fn chosen_stream(&self) -> Found {
         let first = run(self.dir, &self.with(""), &[("HALFLINE_FREE", "0")]);
         let needed = first.0.err.split_once("needs about ").and_then(|(_, rest)| rest.split(' ').next());
@@ -105,8 +106,8 @@ impl Walk<'_> {
         }
     }
 
-    /// What `sift` takes is given to it, and the rest to the picture of its part. What it takes is not ignored there either, where the part
-    /// was made without.
+    /// Walks in parts: `sift` gets the options that it takes, and the picture of its part the others. An option of `sift` is not ignored by the
+    /// picture of a part that was made without it.
     fn parts(&self) -> Found {
         let [[sift, show], [bare, _]] = [&self.row.with, &self.row.base].map(|options| {
             let (sift, show): (Vec<_>, Vec<_>) =
@@ -135,7 +136,7 @@ impl Walk<'_> {
         Ok(right)
     }
 
-    /// Over the files of a picture without the option, then over its own.
+    /// Walks by `--resume`: over the files of a picture without the option, then over its own.
     fn resume(&self) -> Found {
         run(self.dir, &self.words(&self.row.base), &[]);
         let first = keep(self.dir, &self.with("--resume"));
@@ -150,7 +151,7 @@ impl Walk<'_> {
         self.is_right(&second, &[])
     }
 
-    /// In two tiles, which are merged.
+    /// Walks in two tiles, which are merged.
     fn tiles(&self) -> Found {
         let mut files = Files::new();
         for n in ["1", "2"] {
@@ -177,7 +178,7 @@ impl Walk<'_> {
         self.is_right(&(Output { code: self.memory.0, out: Vec::new(), err: "merged".into() }, files), &[])
     }
 
-    /// As the first of two frames of the file, and the second one as that which is rendered alone.
+    /// Walks in films: the first of two frames of the file, the second one as it is rendered alone, and both as the pictures of a film.
     fn film(&self) -> Found {
         let film = run(self.dir, &in_files(&self.with("--frames 1-2"), "p.%d."), &[]);
         if film.0.code != 0 {
@@ -207,7 +208,7 @@ impl Walk<'_> {
         }
     }
 
-    /// With a camera of a list whose lens has distortion, in place of that of the row: the option has its effect there too.
+    /// Walks with a camera of a list whose lens has distortion, in place of that of the row: the option has its effect there too.
     fn curved_lens(&self) -> Found {
         // The list has camera and lens, and exact answers are within any tolerance.
         if ["vfov", "intrinsics", "hold", "tolerance"].contains(&self.row.option) {
@@ -307,8 +308,8 @@ fn check_effect(effect: Effect, [without, with]: [&(Output, Files); 2]) -> Resul
         Effect::Allows => codes[0] != 0 && codes[1] == 0,
         Effect::Fails => codes[0] == 0 && codes[1] != 0,
     };
-    let said = || format!("no effect: {effect:?}, {codes:?}: {}{}", without.0.err, with.0.err);
-    if is_there { Ok(()) } else { Err(said()) }
+    let message = || format!("no effect: {effect:?}, {codes:?}: {}{}", without.0.err, with.0.err);
+    if is_there { Ok(()) } else { Err(message()) }
 }
 
 /// The pairs of a row that are wrong, and the number of those in which the option works.
