@@ -67,7 +67,7 @@ pub(super) enum Meaning {
 use Meaning::*;
 
 /// All keys.
-const KEYS: &[(&str, Meaning)] = &[
+pub(super) const KEYS: &[(&str, Meaning)] = &[
     ("fl_x", Focal(&[0])),
     ("fl_y", Focal(&[1])),
     ("fx", Focal(&[0])),

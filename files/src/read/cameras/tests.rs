@@ -364,3 +364,50 @@ fn an_empty_list_says_what_it_should_have() {
     let list = "\u{feff}[{\"eye\": [0, 0, 9], \"at\": [0, 0, 0], \"up\": [0, 1, 0], \"vfov\": 30}]";
     assert_eq!(of_bytes(list.as_bytes(), "bom.json").expect("a list").len(), 1);
 }
+
+/// Any values of any keys give a camera, or an error with the file and a mend; what is read makes a lens or is refused.
+#[test]
+fn any_values_are_read_or_refused() {
+    let draw = &mut Draw(11);
+    let names: Vec<&str> = super::keys::KEYS.iter().map(|(key, _)| *key).chain(["k", "eye", "data"]).collect();
+    let numbers = [0.0, 1.0, -1.0, 0.5, 3.0, 4.0, 1e-320, 1e308, -2.5e8, 64.0, 4294967296.0, 0.1];
+    let words = ["", "true", "OPENCV", "opencv_fisheye", "FOV", "pinhole", "panorama", "equidistant", "\u{e9}"];
+    let mut read_of = [0, 0];
+    for _ in 0..6_000 {
+        let value = |draw: &mut Draw| -> Value {
+            let number = |draw: &mut Draw| json!(numbers[draw.below(numbers.len())]);
+            let list = |draw: &mut Draw| {
+                (0..[0, 1, 2, 3, 4, 5, 6, 8, 9, 12, 14, 16][draw.below(12)]).map(|_| number(draw)).collect()
+            };
+            match draw.below(9) {
+                0 => Value::Null,
+                1 => json!(draw.coin()),
+                2 => json!(words[draw.below(words.len())]),
+                3 => Value::Array(list(draw)),
+                4 => json!({"data": Value::Array(list(draw)), "k1": number(draw)}),
+                5 => json!({names[draw.below(names.len())]: number(draw), names[draw.below(names.len())]: list(draw)}),
+                _ => number(draw),
+            }
+        };
+        let some = |draw: &mut Draw| -> Keys {
+            (0..draw.below(5)).map(|_| (names[draw.below(names.len())].to_owned(), value(draw))).collect()
+        };
+        let (list, mut camera) = (some(draw), some(draw));
+        if draw.coin() {
+            camera.insert("fl_x".into(), json!(60));
+        }
+        match read(&list, &camera) {
+            Ok(found) => {
+                read_of[0] += 1;
+                if let Some(lens) = found.lens(None, None) {
+                    drop(lens.for_image(0, 64, 48));
+                }
+            }
+            Err(error) => {
+                read_of[1] += 1;
+                assert!(error.contains("list.json") && error.contains(';'), "{list:?} {camera:?}: {error}");
+            }
+        }
+    }
+    assert!(read_of[0] > 300 && read_of[1] > 300, "{read_of:?}");
+}
