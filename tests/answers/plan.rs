@@ -222,7 +222,7 @@ fn of_each_kind() -> Vec<(Scene, Option<Aperture>)> {
     all
 }
 
-/// What a report says of a frame before it is computed.
+/// The part of a report that is known before the frame is computed.
 fn before(report: Report) -> impl PartialEq + std::fmt::Debug {
     let Report { backend, adapter, driver, backend_reason, accuracy, method, search, reason, .. } = report;
     let Report { samples, shade, layers, opacity_shadows, tone, silhouette, outline, depth_cue, .. } = report;

@@ -153,12 +153,12 @@ mod tests {
             let lens = Lens::Curved { curve, fx, fy, cx, cy };
             let camera = Camera { eye: DVec3::new(1.0, 2.0, 9.0), look: Look::At(DVec3::ZERO), up: DVec3::Y, lens };
             let projector = camera.projector([64, 48]).expect("a camera");
-            let (mut seen, mut unseen) = (0, 0);
+            let (mut shown, mut without) = (0, 0);
             for _ in 0..120 {
                 let away = DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 0.4));
                 let center = camera.eye + away.normalize() * rng.between(3.0, 9.0);
                 let Some(Projected { at: [x, y], scale }) = projector.place(center) else {
-                    unseen += 1;
+                    without += 1;
                     continue;
                 };
                 assert_eq!(camera.project([64, 48], center).expect("a camera"), projector.place(center));
@@ -176,19 +176,20 @@ mod tests {
                 // At a pole of the panorama, and where a fisheye looks back, a sphere covers many pixels.
                 let is_wide = hits.len() > 60;
                 // Toward a fold discs become narrower than a pixel.
-                let is_beside = |n: &usize| (n / 64).abs_diff(row) <= 1 && (n % 64).abs_diff(column) <= 1;
-                let is_seen = frame.ids()[64 * row + column] == 0 || curve == folded && hits.iter().any(is_beside);
-                assert!(is_seen, "{curve:?} {center}: {x} {y} {scale} {hits:?}");
+                let is_next = |n: &usize| (n / 64).abs_diff(row) <= 1 && (n % 64).abs_diff(column) <= 1;
+                let is_there = frame.ids()[64 * row + column] == 0 || curve == folded && hits.iter().any(is_next);
+                assert!(is_there, "{curve:?} {center}: {x} {y} {scale} {hits:?}");
                 let is_near = |n: &usize| (n / 64).abs_diff(row) <= 6 && (n % 64).abs_diff(column) <= 12;
                 assert!(
                     is_wide || hits.iter().all(is_near) || curve == Curve::Panorama,
                     "{curve:?} {center}: {hits:?}"
                 );
-                seen += 1;
+                shown += 1;
             }
-            assert!(seen > 25, "{curve:?}: {seen}");
-            // A panorama sees all, and a model that folds sees less than a half.
-            assert!((unseen == 0) == (curve == Curve::Panorama || curve == fisheye), "{curve:?}: {unseen}");
+            assert!(shown > 25, "{curve:?}: {shown}");
+            // A panorama has all directions, and a plane those ahead, as far as its model does not fold.
+            assert!(curve != Curve::Panorama || without == 0, "{curve:?}: {without}");
+            assert!(curve != folded || without > 40, "{curve:?}: {without}");
             assert_eq!(projector.place(camera.eye), None);
         }
     }

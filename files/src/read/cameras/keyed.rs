@@ -205,7 +205,7 @@ impl<'a> Numbers<'a, '_> {
                 format!("{} and {} are one only for an image of a known size", keys.name(given), keys.name(other));
             return Err(keys.wrong(given, problem, "remove one of the two, or add w and h"));
         };
-        if !pixels.is_seen_by(lens, sides) {
+        if !pixels.is_view_of(lens, sides) {
             return Err(keys.apart(given, other));
         }
         // A viewport has the principal point in its middle, and straight rays.

@@ -79,6 +79,8 @@ pub(super) const KEYS: &[(&str, Meaning)] = &[
     ("y_fov", Degrees(1)),
     ("cx", Center(0)),
     ("cy", Center(1)),
+    ("ppx", Center(0)),
+    ("ppy", Center(1)),
     ("w", Side(0)),
     ("h", Side(1)),
     ("width", Side(0)),
@@ -117,6 +119,8 @@ pub(super) const KEYS: &[(&str, Meaning)] = &[
     ("lens_type", Model),
     ("model", ModelOrBody),
     ("camera_type", ModelOrBody),
+    ("lens", ModelOrBody),
+    ("camera", ModelOrBody),
     ("distortion_model", Distortion),
     ("is_fisheye", Is("OPENCV_FISHEYE")),
     ("fisheye", Is("OPENCV_FISHEYE")),
@@ -162,6 +166,16 @@ pub(super) const KEYS: &[(&str, Meaning)] = &[
     ("p6", Unknown),
     ("p7", Unknown),
     ("p8", Unknown),
+    // Coefficients and principal points of other definitions.
+    ("coeffs", Unknown),
+    ("radial_distortion", Unknown),
+    ("tangential_distortion", Unknown),
+    ("disto_k1", Unknown),
+    ("disto_k3", Unknown),
+    ("disto_t2", Unknown),
+    ("c_x", Unknown),
+    ("c_y", Unknown),
+    ("principal_point", Unknown),
     // Spheres and cones in place of a plane.
     ("xi", Unknown),
     ("alpha", Unknown),
@@ -311,7 +325,7 @@ fn add_key<'a>(key: &'a str, value: &'a Value, is_shared: bool, is_outer: bool, 
     let value = value.get("data").filter(|data| data.is_array()).unwrap_or(value);
     match value {
         Value::Null if meaning != Distance => {}
-        Value::Object(inner) if is_outer && matches!(meaning, Matrix | OpenCv | Nerfstudio) => {
+        Value::Object(inner) if is_outer && matches!(meaning, Matrix | OpenCv | Nerfstudio | ModelOrBody) => {
             add(inner, is_shared, false, given);
         }
         _ => given.push(Given { key, meaning, value, is_shared }),

@@ -53,7 +53,7 @@ impl PixelLens {
     }
 
     /// Whether a viewport or an angle shows what the focal lengths do in an image with these sides.
-    pub(super) fn is_seen_by(&self, lens: Lens, sides: [f64; 2]) -> bool {
+    pub(super) fn is_view_of(&self, lens: Lens, sides: [f64; 2]) -> bool {
         let focal = self.focal_lengths(sides);
         match lens {
             Lens::Viewport { vw, vh, distance } => {
