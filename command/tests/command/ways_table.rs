@@ -17,6 +17,8 @@ pub(crate) enum Effect {
     Fails,
     /// The same bytes.
     Nothing,
+    /// An effect of several options, which may exclude each other.
+    Any,
 }
 
 /// An option, and a rendering without it and with it. In the words `~` stands for a space.
@@ -30,7 +32,7 @@ pub(crate) struct Row {
     /// The output options, where they are not a picture and two buffers. Names of files begin with `p.`.
     pub(crate) files: Option<&'static str>,
     /// Words by which a refusal may name the option otherwise.
-    pub(crate) also: &'static [&'static str],
+    pub(crate) also: Vec<&'static str>,
 }
 
 /// A camera that does not depend on the spheres.
@@ -56,8 +58,8 @@ impl Row {
         Self { files: Some(files), ..self }
     }
 
-    fn or(self, also: &'static [&'static str]) -> Self {
-        Self { also, ..self }
+    fn or(self, also: &[&'static str]) -> Self {
+        Self { also: also.to_vec(), ..self }
     }
 
     fn does(self, effect: Effect) -> Self {
@@ -69,7 +71,7 @@ impl Row {
 fn row(option: &'static str, base: &str, more: &str) -> Row {
     let base = format!("--size 12x9 --look plain {base}");
     let with = format!("{base} {more}");
-    Row { option, effect: Effect::Numbers, file: "f.xyz", base, with, files: None, also: &[] }
+    Row { option, effect: Effect::Numbers, file: "f.xyz", base, with, files: None, also: Vec::new() }
 }
 
 /// A row of the camera of the walk.
@@ -305,7 +307,7 @@ pub(crate) fn dir() -> TestDir {
                loop_\n_symmetry_equiv_pos_as_xyz\nx,y,z\n-x,-y,z\nloop_\n_atom_site_label\n_atom_site_type_symbol\n_atom_site_fract_x\n\
                _atom_site_fract_y\n_atom_site_fract_z\n";
     let sites = list(&|([x, y, z], ..)| format!("C1 C {:.4} {:.4} {:.4}\n", x / 5.0, y / 5.0, z / 5.0));
-    let dir = TestDir::new(&[
+    let dir = in_blocks(&[
         ("f.xyz", &film),
         ("e.xyz", &elements),
         ("f.dump", &dump),
@@ -330,6 +332,25 @@ pub(crate) fn dir() -> TestDir {
     ]);
     program(&dir);
     dir
+}
+
+/// A folder with these files, which are read in blocks of a few rows.
+fn in_blocks(files: &[(&str, &str)]) -> TestDir {
+    TestDir::new(files).in_parts(20_000)
+}
+
+/// A picture with some options of drawn rows together, by a drawn camera.
+pub(crate) fn drawn(rng: &mut Rng, rows: &[Row]) -> Row {
+    let base = format!("--size 12x9 --look plain {CAMERA}");
+    let fit: Vec<&Row> =
+        rows.iter().filter(|row| row.file == "f.xyz" && row.base == base && row.files.is_none()).collect();
+    let camera = ["", CAMERA, CAMERA, "--cameras one.json", "--camera-from s.toml"][rng.below(5)];
+    let mut all = row("", camera, "").does(Effect::Any);
+    for _ in 0..2 + rng.below(2) {
+        let one = fit[rng.below(fit.len())];
+        all.with += one.with.strip_prefix(&base).unwrap_or_default();
+    }
+    all
 }
 
 /// A program that keeps the pictures of a film as they are, in place of one that encodes them.
