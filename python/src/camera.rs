@@ -20,6 +20,18 @@ pub(crate) struct Camera {
     pub(crate) in_pixels: bool,
 }
 
+impl Camera {
+    /// Checks a size, where the lens is given in pixels of an image of another one.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with both sizes.
+    pub(crate) fn check_size(&self, size: (u32, u32)) -> halfline::Result<()> {
+        let Some(own) = self.size.filter(|own| self.in_pixels && *own != size) else { return Ok(()) };
+        let problem = format!("size is {size:?}, and the camera's intrinsics belong to {own:?}");
+        Err(Error::settings(problem, "remove size, or give the intrinsics of the other size"))
+    }
+}
+
 /// The lens of a camera: its kind and its numbers.
 pub(crate) type LensArgument = (String, Vec<f64>);
 

@@ -51,6 +51,7 @@ impl Sieve {
                 let problem = "a lens with a size sees spheres that a part has forgotten";
                 return Err(Error::settings(problem, "give a camera without aperture"));
             }
+            camera.check_size(size)?;
             let (width, height) = size;
             let image = ImagePlane { width, height, ..ImagePlane::default() };
             let (spheres, lighting) = (Spheres::default(), Lighting::default());

@@ -101,12 +101,8 @@ impl Scene {
         background: Option<[f32; 3]>,
     ) -> halfline::Result<CoreScene> {
         let mut scene = self.frame.scene.clone();
-        let own = camera.filter(|camera| camera.in_pixels).and_then(|camera| camera.size);
-        if let (Some(size), Some(own)) = (size, own)
-            && size != own
-        {
-            let problem = format!("size is {size:?}, and the camera's intrinsics belong to {own:?}");
-            return Err(Error::settings(problem, "remove size, or give the intrinsics of the other size"));
+        if let (Some(camera), Some(size)) = (camera, size) {
+            camera.check_size(size)?;
         }
         if let Some(size) = size.or(camera.and_then(|camera| camera.size)) {
             (scene.image.width, scene.image.height) = size;

@@ -274,8 +274,6 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
     } else if settings.layers > 1 {
         let problem = "more than one layer of translucent spheres needs all spheres in memory";
         return Err(Error::settings(problem, format!("remove {LAYERS}, or {STREAM}")));
-    } else if scene.camera.lens.is_curved() {
-        ("the rays of a curved lens need all spheres in memory", format!("use another lens, or remove {STREAM}"))
     } else if settings.aperture.is_some() {
         ("a lens with a size sees spheres that a stream has forgotten", format!("remove {APERTURE}, or {STREAM}"))
     } else {

@@ -133,9 +133,6 @@ impl<'a> Source<'a> {
         let arrangement = args.read.arrangement();
         refused::check(args, number, taken.as_ref())?;
         let scene = SphereBlocks::scene(args.path(), &options)?;
-        if let Some((frame, _)) = &scene {
-            refused::check_scene(frame)?;
-        }
         let is_explained = Cell::new(false);
         Ok(Self { args, number, options, taken, arrangement, scene, why, is_explained, notes: Vec::new() })
     }
@@ -272,6 +269,7 @@ impl<'a> Source<'a> {
             }
             None => camera.apply_lens(&mut frame.scene.camera),
         }
+        refused::check_frame(&frame)?;
         Ok(frame)
     }
 

@@ -57,14 +57,19 @@ pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>)
     first(&refusals)
 }
 
-/// Refuses scene files whose light or lens needs all spheres in memory.
+/// Refuses a frame, still without spheres, whose light or lens needs all of them in memory.
 ///
 /// # Errors
 /// [`Error::Settings`].
-pub(super) fn check_scene(frame: &SceneFrame) -> Result<()> {
+pub(super) fn check_frame(frame: &SceneFrame) -> Result<()> {
     let shines = frame.scene.lighting.lights.iter().any(|light| matches!(light.source, LightSource::Sphere(_)));
     first(&[
         (frame.aperture.is_some(), LENS, "remove the scene's aperture"),
+        (
+            frame.scene.camera.lens.is_curved(),
+            "the rays of a curved lens need all spheres in memory",
+            "use another camera, or remove --stream",
+        ),
         (shines, "lights that are spheres need all spheres in memory", "remove them, or --stream"),
     ])
 }
