@@ -231,7 +231,10 @@ impl Walk<'_> {
         )? {
             return Ok(false);
         }
-        check_effect(self.row.effect, [&without, &with]).map(|()| true)
+        // What is refused without the option may be drawn with it.
+        let effect =
+            if without.0.code == 2 && self.row.effect == Effect::Numbers { Effect::Allows } else { self.row.effect };
+        check_effect(effect, [&without, &with]).map(|()| true)
     }
 
     /// Walks a way.
