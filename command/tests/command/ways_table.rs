@@ -241,7 +241,7 @@ pub(crate) fn dir() -> TestDir {
         rows.push((at, if n == 7 { 1.3 } else { 0.1 + 0.2 * rng.unit() }, ["a", "b", "c"][n % 3], 0.1 + rng.unit()));
     }
     for frame in 0..2 {
-        let columns = "species:S:1:pos:R:3:radius:R:1:kind:S:1:v:R:1";
+        let columns = "species:S:1:pos:R:3:radius:R:1:kind:S:1:v:R:1:u:R:1";
         writeln!(film, "150\nLattice=\"4 0 0 0 4 0 0 0 4\" Time={frame}.5 Properties={columns}").expect("text");
         writeln!(dump, "ITEM: TIMESTEP\n{frame}\nITEM: NUMBER OF ATOMS\n150\nITEM: BOX BOUNDS pp pp pp\n0 4\n0 4\n0 4")
             .expect("text");
@@ -250,7 +250,13 @@ pub(crate) fn dir() -> TestDir {
             let k = if frame == 1 { (n + 40) % 150 } else { n };
             let ([x, y, z], radius, kind, v) = rows[k];
             let x = x + 0.4 * f64::from(frame);
-            writeln!(film, "{} {x:.4} {y:.4} {z:.4} {radius:.4} {kind} {v:.4}", ["C", "O"][k % 2]).expect("text");
+            writeln!(
+                film,
+                "{} {x:.4} {y:.4} {z:.4} {radius:.4} {kind} {v:.4} {}",
+                ["C", "O"][k % 2],
+                if k % 4 == 0 { f64::NAN } else { v }
+            )
+            .expect("text");
             writeln!(dump, "{} {x:.4} {y:.4} {z:.4} {radius:.4} {} 0 0", k + 1, k % 2).expect("text");
         }
     }
