@@ -151,6 +151,9 @@ impl Setting {
     /// Whether it has this symbol, short or full, with or without the 1 of the axes of a monoclinic group, and perhaps without the origin.
     fn is_called(&self, name: &str) -> bool {
         let own = plain(self.symbol);
+        if !name.get(..1).is_some_and(|lattice| own[..1].eq_ignore_ascii_case(lattice)) {
+            return false;
+        }
         let (name, origin) = name.split_at(name.find(':').unwrap_or(name.len()));
         if !origin.is_empty() && origin != self.symbol[own.len()..].to_ascii_lowercase() {
             return false;
