@@ -405,8 +405,8 @@ fn a_bad_row_in_a_late_block_is_refused_with_its_file_and_row() {
         ("radius.csv", &*format!("radius.csv:{}:", LATE + 2)),
         ("center.npy", &format!("center.npy: row {LATE} center")),
         ("radius.npy", &format!("radius.npy: row {LATE} radius")),
-        ("center.ply", &format!("center.ply: particle {LATE} center")),
-        ("radius.ply", &format!("radius.ply: particle {LATE} radius")),
+        ("center.ply", &format!("center.ply: vertex {LATE} ")),
+        ("radius.ply", &format!("radius.ply: vertex {LATE} radius")),
     ] {
         for stream in ["--stream", ""] {
             let options = format!("{file} {CAMERA} --size 16x12 {stream} {}", outputs("bad"));

@@ -314,8 +314,8 @@ fn an_invalid_row_is_named_or_counted() {
     let cut = &whole[..whole.len() - 5 * 56 - 28];
     dir.put("bad.npy", cut);
     dir.refused(3, &on_cpu("--rays bad.npy -o hits.npz"), &["bad.npy: data: the file ends after 3 of 9 rows"]);
-    dir.put("bad.npy", npy("<i8", 7, &rows()));
-    dir.refused(3, &on_cpu("--rays bad.npy -o hits.npz"), &["dtype", "float64"]);
+    dir.put("bad.npy", npy("<c8", 7, &rows()));
+    dir.refused(3, &on_cpu("--rays bad.npy -o hits.npz"), &["dtype", "floats of at most 8 bytes"]);
     dir.refused(8, &on_cpu("--rays none.npy -o hits.npz"), &["cannot read none.npy"]);
     // A pipe is known to be too short only at its end.
     let fed = dir.run_fed(&on_cpu("--rays - -o hits.npz"), cut);

@@ -345,6 +345,11 @@ mod tests {
             assert!(values.eq(column.map(|name| (name, &[-9.0, 7.0][..]))), "{text}: {:?}", found.columns);
             assert!(found.radii.is_empty(), "the fourth number is no radius");
         }
+        for text in ["1\n1 2 3 0 -1 0 0\n", "1 2 3 -1 0 0\n"] {
+            let found = read(text).expect("a point");
+            let [warning] = &found.skipped.assumed[..] else { panic!("{text}: {:?}", found.skipped.assumed) };
+            assert!(found.colors.is_empty() && warning.contains("(-1 0 0) are no levels of a colour"), "{warning}");
+        }
         for (text, warning) in [
             ("3\n1 2 3\n4 5 6\n", "3 stands alone in its line, but the table has 2 rows"),
             ("1\n1 2 3\n2\n4 5 6\n", "the numbers of the scans add up to 3, but there are 2 rows"),

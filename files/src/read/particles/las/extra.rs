@@ -101,3 +101,65 @@ pub(super) fn fields(descriptions: &[u8], format: usize, record: usize) -> Vec<E
     }
     fields
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A description with this type and these options, whose number that means none is widened to 8 bytes.
+    fn description(kind: u8, options: u8, none: [u8; 8]) -> Vec<u8> {
+        let mut bytes = vec![0; LENGTH];
+        (bytes[2], bytes[3]) = (kind, options);
+        bytes[4..8].copy_from_slice(b"Dist");
+        bytes[40..48].copy_from_slice(&none);
+        bytes[112..120].copy_from_slice(&0.5f64.to_le_bytes());
+        bytes[136..144].copy_from_slice(&10f64.to_le_bytes());
+        bytes
+    }
+
+    #[test]
+    fn a_number_that_means_none_is_none_by_the_bit_of_the_options() {
+        let narrow = |bytes: &[u8]| {
+            let mut all = [0; 8];
+            all[..bytes.len()].copy_from_slice(bytes);
+            all
+        };
+        let (signed, float) = ((-99i64).to_le_bytes(), (-99f64).to_le_bytes());
+        // The type, the bytes of -99 or 99 in a point, and those of the description, widened and as they are.
+        for (kind, raw, wide) in [
+            (1, vec![99], 99u64.to_le_bytes()),
+            (2, (-99i8).to_le_bytes().to_vec(), signed),
+            (3, 99u16.to_le_bytes().to_vec(), 99u64.to_le_bytes()),
+            (4, (-99i16).to_le_bytes().to_vec(), signed),
+            (5, 99u32.to_le_bytes().to_vec(), 99u64.to_le_bytes()),
+            (6, (-99i32).to_le_bytes().to_vec(), signed),
+            (7, u64::MAX.to_le_bytes().to_vec(), u64::MAX.to_le_bytes()),
+            (8, (-99i64).to_le_bytes().to_vec(), signed),
+            (9, (-99f32).to_le_bytes().to_vec(), float),
+            (10, (-99f64).to_le_bytes().to_vec(), float),
+        ] {
+            for none in [wide, narrow(&raw)] {
+                for options in 0..32 {
+                    let of = |bytes: &[u8]| {
+                        let fields = fields(&description(kind, options, none), 20, 20 + bytes.len());
+                        let record = [&[0; 20], bytes].concat();
+                        (fields[0].number(&record), fields[0].warning())
+                    };
+                    let mut other = raw.clone();
+                    other[raw.len() - 1] ^= 1;
+                    let (number, warning) = of(&raw);
+                    let is_none = options & 1 > 0;
+                    assert_eq!((number.is_nan(), warning.is_some()), (is_none, is_none), "{kind} {options}");
+                    let plain = Scalar::of_numpy(TYPES[usize::from(kind) - 1]).expect("a type").number(&other);
+                    let scaled = if options & 8 > 0 { plain * 0.5 } else { plain };
+                    let moved = if options & 16 > 0 { scaled + 10.0 } else { scaled };
+                    assert_eq!(of(&other), (moved, None), "{kind} {options}");
+                }
+            }
+        }
+        let [field] = &fields(&description(1, 1, [7; 8]), 20, 21)[..] else { panic!("one field") };
+        let numbers = [7, 7, 8].map(|byte| field.number(&[&[0; 20][..], &[byte]].concat()));
+        assert_eq!(numbers.map(f64::is_nan), [true, true, false]);
+        assert!(field.warning().is_some_and(|warning| warning.starts_with("2 points have no `Dist`")));
+    }
+}

@@ -160,6 +160,73 @@ mod tests {
         }
     }
 
+    /// Splats of other trainers: two and one standard deviations, without an opacity, and with plain colours.
+    #[test]
+    fn splats_of_other_trainers_are_taken_or_refused_by_name() {
+        let row = [1.0, 2.0, 3.0, 0.0, 2.0, -2.0, 0.0, 2f32.ln(), 8f32.ln()];
+        for (count, radius, size) in [(2, 4.0, "of its two standard"), (1, 2.0, "is its standard deviation;")] {
+            let fields = [&FIELDS[..6], &FIELDS[7..7 + count]].concat();
+            let numbers = [&row[..6], &row[7..7 + count]].concat();
+            for bytes in files(&fields, &numbers) {
+                let found = read(&bytes).expect("a splat");
+                assert!((found.radii[0] - radius).abs() < 1e-5 && found.colors.len() == 1, "{:?}", found.radii);
+                assert!(found.skipped.assumed.iter().any(|note| note.contains(size)), "{:?}", found.skipped.assumed);
+            }
+        }
+        let fields = ["x", "y", "z", "red", "green", "blue", "opacity", "scale_0", "scale_1", "scale_2", "rot_0"];
+        for bytes in files(&fields, &[1.0, 2.0, 3.0, 0.25, 0.5, 0.75, 0.0, 0.0, 2f32.ln(), 4f32.ln(), 1.0]) {
+            let found = read(&bytes).expect("a splat");
+            assert!((found.radii[0] - 2.0).abs() < 1e-6 && found.colors == [[0.25, 0.5, 0.75]], "{found:?}");
+        }
+        let error = files(&["packed_position", "packed_scale"], &[1.0, 2.0]).map(|bytes| read(&bytes).map(drop));
+        for error in error {
+            let error = error.expect_err("compressed").to_string();
+            assert!(error.contains("packed_position is of Gaussian splats") && error.contains("SuperSplat"), "{error}");
+        }
+    }
+
+    /// Trainings write splats that are none.
+    #[test]
+    fn invalid_splats_are_left_out_on_request() {
+        let row = [1.0f32, 2.0, 3.0, 0.0, 2.0, -2.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+        for (k, x) in
+            [(0, f32::NAN), (2, f32::INFINITY), (3, f32::NAN), (5, f32::NEG_INFINITY), (8, f32::NAN), (9, 1e30)]
+        {
+            let mut bad = row;
+            bad[k] = x;
+            for bytes in files(&FIELDS, &[&row[..], &bad, &row].concat()) {
+                let text = String::from_utf8_lossy(&bytes).replace("vertex 1\n", "vertex 3\n");
+                let bytes = match text.contains("ascii") {
+                    true => {
+                        let (head, rows) = text.split_once("end_header\n").expect("a header");
+                        let words: Vec<&str> = rows.split_whitespace().collect();
+                        let rows: Vec<String> = words.chunks(FIELDS.len()).map(|row| row.join(" ")).collect();
+                        format!("{head}end_header\n{}\n", rows.join("\n")).into_bytes()
+                    }
+                    false => {
+                        let at = bytes.windows(9).position(|text| text == b"vertex 1\n").expect("a count");
+                        [&bytes[..at], b"vertex 3\n", &bytes[at + 9..]].concat()
+                    }
+                };
+                let read = |skip_invalid| {
+                    let request = Request { skip_invalid, ..Request::default() };
+                    super::super::read(SceneSource::of_bytes(&bytes), &request)
+                };
+                let found = read(true).unwrap_or_else(|error| panic!("{} {x}: {error}", FIELDS[k]));
+                assert_eq!(
+                    (found.positions.len(), found.radii.len(), found.colors.len()),
+                    (2, 2, 2),
+                    "{} {x}",
+                    FIELDS[k]
+                );
+                let notes = &found.skipped.assumed;
+                assert!(notes.iter().any(|note| note.starts_with("1 row left out, the first")), "{notes:?}");
+                let error = read(false).map(drop).expect_err("a splat").to_string();
+                assert!(error.contains("`\u{2060}skip_invalid`"), "{error}");
+            }
+        }
+    }
+
     #[test]
     fn a_splat_without_a_size_or_a_colour_is_an_error_at_its_field() {
         let row = [1.0f32, 2.0, 3.0, 0.0, 2.0, -2.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
