@@ -76,24 +76,36 @@ impl<R: BufRead> Ahead<R> {
         }
     }
 
-    /// Whether a stream of bzip2 follows. Other bytes are ignored, but not the beginning of a stream.
+    /// Whether a stream of bzip2 follows. Other bytes are ignored, but not the beginning of a stream. Streams without content are
+    /// passed, because a decoder of each would take longer than its bytes.
     fn is_stream(&mut self) -> io::Result<bool> {
-        self.start.drain(..std::mem::take(&mut self.passed));
-        let is_of =
-            [|byte| byte == b'B', |byte| byte == b'Z', |byte| byte == b'h', |byte: u8| (b'1'..=b'9').contains(&byte)];
-        for (k, is_of) in is_of.into_iter().enumerate() {
-            if self.start.len() <= k {
-                let next = self.reader.fill_buf()?.first().copied();
-                self.start.extend(next);
-                self.reader.consume(usize::from(next.is_some()));
+        const EMPTY: [u8; 10] = [0x17, 0x72, 0x45, 0x38, 0x50, 0x90, 0, 0, 0, 0];
+        loop {
+            for (k, of) in [&b"B"[..], b"Z", b"h", b"123456789"].into_iter().enumerate() {
+                match self.look(k)? {
+                    None if k > 0 => return Err(io::ErrorKind::UnexpectedEof.into()),
+                    Some(byte) if of.contains(&byte) => {}
+                    _ => return Ok(false),
+                }
             }
-            match self.start.get(k) {
-                None if k > 0 => return Err(io::ErrorKind::UnexpectedEof.into()),
-                Some(byte) if is_of(*byte) => {}
-                _ => return Ok(false),
+            for (k, byte) in EMPTY.into_iter().enumerate() {
+                if self.look(4 + k)? != Some(byte) {
+                    return Ok(true);
+                }
             }
+            self.consume(4 + EMPTY.len());
         }
-        Ok(true)
+    }
+
+    /// The byte behind so many bytes; `None` at the end.
+    fn look(&mut self, bytes: usize) -> io::Result<Option<u8>> {
+        self.start.drain(..std::mem::take(&mut self.passed));
+        while self.start.len() <= bytes {
+            let Some(next) = self.reader.fill_buf()?.first().copied() else { return Ok(None) };
+            self.start.push(next);
+            self.reader.consume(1);
+        }
+        Ok(Some(self.start[bytes]))
     }
 }
 

@@ -156,12 +156,14 @@ fn what_is_taken_is_what_the_programs_take() {
             [&whole[..], b"\x1f\x8b"].concat(),
             [&whole[..], b"\0\0x"].concat(),
             one.repeat(50),
+            [&one[..], &none.repeat(300), &one].concat(),
+            [&one[..], &none, &none[..none.len() - 1]].concat(),
         ];
         files.extend([1, 2, 3, 4, 5, 8, 511, 512, 100_000].map(|n| [&whole[..], &zeros(n)].concat()));
         for file in files.clone() {
             files.push(file[..file.len() - 1 - below(file.len() / 2)].to_vec());
         }
-        for _ in 0..120 {
+        for _ in 0..60 {
             let mut file = files[below(16)].clone();
             let at = if below(2) == 0 { below(file.len().min(24)) } else { below(file.len()) };
             file[at] ^= 1 << below(8);
