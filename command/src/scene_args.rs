@@ -38,8 +38,8 @@ pub(super) struct SceneArgs {
     pub(super) visible: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) read: ReadArgs,
-    /// Leaves out rows of tables, XYZ, LAMMPS dump and PLY text whose coordinates are not finite numbers or whose radius is
-    /// not positive, and counts them; otherwise the first one is an error.
+    /// Leaves out rows of tables, PTS, XYZ, LAMMPS dump, PLY, PCD, LAS, NPY and NPZ whose coordinates are not finite numbers or
+    /// whose radius is not positive, and counts them; otherwise the first one is an error.
     #[arg(long, help_heading = "Input")]
     pub(super) skip_invalid: bool,
     #[command(flatten)]

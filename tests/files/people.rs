@@ -552,7 +552,7 @@ fn extra_bytes_of_las_are_columns() {
     }
     let folder = folder(&[("a.las", &content)]);
     let info = read::info(&folder.path().join("a.las"), &ReadOptions::default()).expect("columns");
-    for (name, value) in [("pulse width", 0.5), ("intensity", 0.0), ("intensity.1", 200.0)] {
+    for (name, value) in [("Pulse width", 0.5), ("intensity", 0.0), ("intensity.1", 200.0)] {
         assert_eq!(info.columns.get(name).and_then(|column| column.max), Some(value), "{name}");
     }
     assert!(!info.columns.contains_key("unknown"));

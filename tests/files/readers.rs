@@ -582,7 +582,7 @@ fn what_is_called_like_a_colour_or_a_radius_and_is_none_is_reported() {
     let xyz = "1\nProperties=species:S:1:pos:R:3";
     for (name, content, message) in [
         ("a.npy", fields("('red', '|S1'), ('green', '|S1'), ('blue', '|S1')", b"abc"), "red"),
-        ("a.npy", fields("('radius', '<f2')", &[0, 0]), "radius"),
+        ("a.npy", fields("('radius', '<c8')", &[0; 8]), "radius"),
         ("a.npy", fields("('rgb', '<f8')", &[0; 8]), "rgb"),
         ("a.npy", fields("('red', '|u1'), ('green', '|u1')", &[1, 2]), "`red`, `green`"),
         ("a.csv", b"x,y,z,color\n0,0,0,red\n".to_vec(), "color"),

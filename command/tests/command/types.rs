@@ -216,7 +216,13 @@ fn marks_line_ends_and_encodings_of_texts() {
             let bytes: Vec<u8> =
                 units.flat_map(|unit| if big { unit.to_be_bytes() } else { unit.to_le_bytes() }).collect();
             dir.put(name, bytes);
-            dir.refused(3, &["info", name], &["a text in UTF-16", "iconv -f UTF-16 -t UTF-8"]);
+            dir.refused(3, &["info", name], &["a text in UTF-16", "iconv -f UTF-16"]);
+            // The command of the message makes a text that is read.
+            let message = dir.run(&["info", name]).err;
+            let command = message.split('`').nth(1).expect("a command");
+            let made = dir.program("sh").args(["-c", &format!("{command} {name} > made")]).status().expect("sh runs");
+            assert!(made.success(), "{message}");
+            assert_eq!(String::from_utf8_lossy(&dir.get("made")).trim_start_matches('\u{feff}'), text, "{message}");
         }
     }
     let list = r#"[{"eye":[0,0,9],"view":[0,0,-1],"up":[0,1,0],"vfov":40}]"#;

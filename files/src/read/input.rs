@@ -29,18 +29,20 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// The mark of byte order of UTF-8, which editors and spreadsheets write before a text.
 const UTF8_MARK: &[u8; 3] = b"\xef\xbb\xbf";
 
-/// Whether a file with these first 4 bytes is a text in UTF-16: it has a mark of byte order, or every second byte is 0.
-fn is_utf16(start: &[u8]) -> bool {
+/// The encoding, as iconv calls it, of a text in UTF-16 with these first 4 bytes: it has a mark of byte order, or every second byte is
+/// 0. `None` for another file.
+fn utf16_of(start: &[u8]) -> Option<&'static str> {
     let is_letter = |byte: &u8| (b' '..=b'~').contains(byte) || b"\t\n\r".contains(byte);
     match start {
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => true,
-        [a, 0, b, 0] | [0, a, 0, b] => is_letter(a) && is_letter(b),
-        _ => false,
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16"),
+        [a, 0, b, 0] if is_letter(a) && is_letter(b) => Some("UTF-16LE"),
+        [0, a, 0, b] if is_letter(a) && is_letter(b) => Some("UTF-16BE"),
+        _ => None,
     }
 }
 
-fn utf16(file: Place) -> Error {
-    let mend = "save it as UTF-8, for example with `iconv -f UTF-16 -t UTF-8`";
+fn utf16(file: Place, encoding: &str) -> Error {
+    let mend = format!("save it as UTF-8, for example with `iconv -f {encoding} -t UTF-8`");
     Error::scene(file, "this is a text in UTF-16, which is not supported", mend)
 }
 
@@ -49,9 +51,9 @@ fn utf16(file: Place) -> Error {
 /// # Errors
 /// [`Error::Scene`] for a text in UTF-16.
 pub(super) fn without_mark<'a>(bytes: &'a [u8], file: &Place) -> Result<&'a [u8]> {
-    match is_utf16(&bytes[..bytes.len().min(4)]) {
-        true => Err(utf16(file.clone())),
-        false => Ok(bytes.strip_prefix(UTF8_MARK).unwrap_or(bytes)),
+    match utf16_of(&bytes[..bytes.len().min(4)]) {
+        Some(encoding) => Err(utf16(file.clone(), encoding)),
+        None => Ok(bytes.strip_prefix(UTF8_MARK).unwrap_or(bytes)),
     }
 }
 
@@ -87,7 +89,8 @@ pub(crate) struct Input {
     delivered: u64,
     length: u64,
     packed: bool,
-    is_utf16: bool,
+    /// The encoding of a text in UTF-16.
+    utf16: Option<&'static str>,
 }
 
 impl Input {
@@ -124,8 +127,7 @@ impl Input {
             Some(packing) => (Box::new(BufReader::with_capacity(BLOCK, packing.reader(raw, &gauge.counts))), 0),
             None => (Box::new(raw), length),
         };
-        let mut input =
-            Self { reader, gauge, since: 0, delivered: 0, length, packed: packing.is_some(), is_utf16: false };
+        let mut input = Self { reader, gauge, since: 0, delivered: 0, length, packed: packing.is_some(), utf16: None };
         input.pass_mark()?;
         Ok(input)
     }
@@ -133,7 +135,7 @@ impl Input {
     /// Skips the mark of byte order before a text in UTF-8.
     fn pass_mark(&mut self) -> io::Result<()> {
         let start = self.look(4)?;
-        self.is_utf16 = is_utf16(&start);
+        self.utf16 = utf16_of(&start);
         if start.starts_with(UTF8_MARK) {
             self.read_exact(&mut [0; UTF8_MARK.len()])?;
             self.length = self.length.saturating_sub(UTF8_MARK.len() as u64);
@@ -147,7 +149,10 @@ impl Input {
     /// # Errors
     /// [`Error::Scene`] for such a text.
     pub(crate) fn without_utf16(self, path: &Path) -> Result<Self> {
-        if self.is_utf16 { Err(utf16(Place::file(path.display().to_string()))) } else { Ok(self) }
+        match self.utf16 {
+            Some(encoding) => Err(utf16(Place::file(path.display().to_string()), encoding)),
+            None => Ok(self),
+        }
     }
 
     /// Whether the input is compressed.
@@ -200,7 +205,7 @@ impl Input {
     pub(crate) fn of_bytes(bytes: &[u8]) -> Self {
         let reader = Box::new(Cursor::new(bytes.to_vec()));
         let gauge = Gauge::new(&Watch::default());
-        Self { reader, gauge, since: 0, delivered: 0, length: bytes.len() as u64, packed: false, is_utf16: false }
+        Self { reader, gauge, since: 0, delivered: 0, length: bytes.len() as u64, packed: false, utf16: None }
     }
 }
 

@@ -1,6 +1,8 @@
 //! Text line by line, with the place of every byte. The line-based formats share it for line ends and
 //! bytes that are not UTF-8, and tables for records of several lines.
 
+mod word;
+
 use super::input::Input;
 use super::particles::table::fields::Quotes;
 use crate::blocks;
@@ -8,10 +10,10 @@ use halfline::error::{Error, Place, Result};
 use halfline::memory::check_ids;
 use halfline::quote::quote;
 use halfline::quote::setting::FORMAT;
-use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
+pub(super) use word::{Word, Words, mend_number};
 
 /// The most bytes in a line, so that a file without lines does not fill the memory.
 const LONGEST: u64 = 1 << 20;
@@ -249,6 +251,32 @@ impl<R: BufRead> Lines<R> {
         Ok(count)
     }
 
+    /// Skips `count` lines that are not blank; returns the number skipped.
+    pub(super) fn pass_filled(&mut self, count: u64) -> Result<u64> {
+        let mut passed = 0;
+        while passed < count {
+            let (mut is_filled, mut is_whole, mut length) = (false, false, 0);
+            while !is_whole {
+                let bytes = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?;
+                if bytes.is_empty() {
+                    break;
+                }
+                let end = bytes.iter().position(|byte| *byte == self.end);
+                let more = end.map_or(bytes.len(), |at| at + 1);
+                is_filled |= bytes[..more].iter().any(|byte| !byte.is_ascii_whitespace());
+                (is_whole, length) = (end.is_some(), length + more);
+                self.reader.consume(more);
+            }
+            if length == 0 {
+                return Ok(passed);
+            }
+            self.number += 1;
+            passed += u64::from(is_filled);
+            self.rest(u64::from(!is_filled))?;
+        }
+        Ok(passed)
+    }
+
     /// The input after the current line.
     pub(super) fn into_reader(self) -> R {
         self.reader
@@ -370,108 +398,6 @@ impl Block {
             ..Lines::new(&self.bytes[*start..end], &self.path)
         };
         self.parts.iter().zip(ends).map(part).collect()
-    }
-}
-
-/// A word of a line.
-pub(super) struct Word<'a, R> {
-    /// Its bytes in the line; see [`Word::content`].
-    pub(super) text: &'a str,
-    /// The position of its first byte.
-    pub(super) at: usize,
-    /// Whether it stood in quotes.
-    pub(super) is_quoted: bool,
-    lines: &'a Lines<R>,
-}
-
-impl<'a, R: BufRead> Word<'a, R> {
-    /// The text: a doubled quote within quotes is one (RFC 4180, section 2).
-    pub(super) fn content(&self) -> Cow<'a, str> {
-        if self.is_quoted && self.text.contains("\"\"") {
-            return self.text.replace("\"\"", "\"").into();
-        }
-        self.text.into()
-    }
-
-    /// Parses a finite number; errors name `field`.
-    pub(super) fn finite(&self, field: &str) -> Result<f64> {
-        let number = self.number(field)?;
-        if number.is_finite() { Ok(number) } else { Err(self.wrong(field, "is not finite")) }
-    }
-
-    /// Parses a positive finite number.
-    pub(super) fn positive(&self, field: &str) -> Result<f64> {
-        let number = self.finite(field)?;
-        if number > 0.0 { Ok(number) } else { Err(self.wrong(field, "is not positive")) }
-    }
-
-    /// Parses any number, including infinities and NaN.
-    pub(super) fn number(&self, field: &str) -> Result<f64> {
-        self.text.parse().map_err(|_| self.wrong(field, "is not a number"))
-    }
-
-    /// Parses a whole number.
-    pub(super) fn whole(&self, field: &str) -> Result<i64> {
-        let problem = || format!("{} is not a whole number", quote(self.text));
-        let place = || self.lines.place(self.at).named(field);
-        self.text.parse().map_err(|_| Error::scene(place(), problem(), "use a whole number such as 7"))
-    }
-
-    fn wrong(&self, field: &str, what: &str) -> Error {
-        let problem = match self.text {
-            "" => "the field is blank".to_owned(),
-            text => format!("{} {what}", quote(text)),
-        };
-        Error::scene(
-            self.lines.place(self.at).named(field),
-            problem,
-            mend_number(self.text, "use a finite number such as 0.5"),
-        )
-    }
-}
-
-/// The remedy for a text that is not a finite number: the number respelled where the text has a Fortran exponent or a
-/// decimal comma, else `otherwise`.
-pub(super) fn mend_number(text: &str, otherwise: &str) -> String {
-    let spelled = |spelling: String| Some(spelling).filter(|text| text.parse::<f64>().is_ok_and(f64::is_finite));
-    if let Some(number) = spelled(text.replace(['D', 'd'], "E")).filter(|_| text.parse::<f64>().is_err()) {
-        return format!("write the exponent with E, as in {number}");
-    }
-    if let Some(number) = spelled(text.replacen(',', ".", 1)).filter(|_| text.parse::<f64>().is_err()) {
-        return format!("write decimals with a point, as in {number}");
-    }
-    otherwise.to_owned()
-}
-
-/// The words of a line, separated by white space.
-pub(super) struct Words<'a, R> {
-    lines: &'a Lines<R>,
-    at: usize,
-}
-
-impl<R> Clone for Words<'_, R> {
-    fn clone(&self) -> Self {
-        Self { lines: self.lines, at: self.at }
-    }
-}
-
-impl<'a, R: BufRead> Words<'a, R> {
-    /// The words of the current line.
-    pub(super) fn of(lines: &'a Lines<R>) -> Self {
-        Self { lines, at: 0 }
-    }
-}
-
-impl<'a, R: BufRead> Iterator for Words<'a, R> {
-    type Item = Word<'a, R>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        // Splitting by bytes is safe, because the separators are ASCII and no part of another character.
-        let bytes = self.lines.text.as_bytes();
-        let at = self.at + bytes.get(self.at..)?.iter().position(|b| !b.is_ascii_whitespace())?;
-        let end = bytes[at..].iter().position(u8::is_ascii_whitespace).map_or(bytes.len(), |length| at + length);
-        self.at = end;
-        Some(self.lines.word(at, end))
     }
 }
 

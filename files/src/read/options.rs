@@ -30,8 +30,8 @@ pub struct ReadOptions {
     pub columns_named: ColumnNames,
     /// The atom style of LAMMPS data; `None` takes that of the file, or one with its number of columns.
     pub atom_style: Option<AtomStyle>,
-    /// Whether rows of tables, XYZ, LAMMPS dump and PLY text whose coordinates are not finite numbers or whose radius is
-    /// not positive are left out and counted; otherwise the first is an error.
+    /// Whether rows of tables, PTS, XYZ, LAMMPS dump, PLY, PCD, LAS, NPY and NPZ whose coordinates are not finite numbers or whose
+    /// radius is not positive are left out and counted; otherwise the first is an error.
     pub skip_invalid: bool,
     /// The frames of a sequence that are read.
     pub frames: FrameRange,

@@ -89,7 +89,11 @@ impl Unpacked {
         let text = match error.kind() {
             io::ErrorKind::OutOfMemory => {
                 let most = WINDOW >> 20;
-                format!("the {name} data refer back by more than {most} MiB; decompress the file with `{program} -d`")
+                // By itself it has the same limit.
+                let long = if self.packing == Packing::Zstandard { " --long=31" } else { "" };
+                format!(
+                    "the {name} data refer back by more than {most} MiB; decompress the file with `{program} -d{long}`"
+                )
             }
             io::ErrorKind::UnexpectedEof => format!("the {name} data end too early; {mend}"),
             _ => format!("the {name} data are damaged ({error}); {mend}"),

@@ -1,23 +1,25 @@
 //! The spheres of a file in blocks, for files larger than memory: while a block is used, the next one is read.
 
+mod before;
+
 use super::derived;
 use super::format::Format;
 use super::input::read_once;
 use super::native::{self, NamedSpheres};
-use super::open::{listed, open as open_particles};
+use super::open::open as open_particles;
 use super::options::ReadOptions;
 use super::particles::colors::ColorSurvey;
 use super::particles::frame::{ParticleFrames, Particles, RuleTarget};
 use super::particles::frame_time::FrameTime;
 use super::particles::periodic::Periodic;
-use super::particles::request::Request;
 use super::particles::survey::{Part, Survey};
 use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, Style, joined_categories, no_selections};
+use super::style::{Coloring, joined_categories, no_selections};
 use crate::blocks;
+use before::{colors_of, texts_of};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
@@ -450,37 +452,6 @@ fn start(source: SceneSource, options: &ReadOptions, texts: Vec<String>) -> Resu
         mend: format!("allow the process more threads, or remove {STREAM}"),
     })?;
     Ok((scene, parts, reader))
-}
-
-/// Surveys the colours of a file, reading until their scale is certain; `None` where a part has no colours. Errors of
-/// rows are reported when their block is used, not here.
-fn colors_of(path: &Path, options: &ReadOptions) -> Result<Option<ColorSurvey>> {
-    let source = SceneSource::open(path, options.known_format(), &options.watch)?;
-    let (_, parts, reader) = start(source, &ReadOptions { style: Style::default(), ..options.clone() }, Vec::new())?;
-    let mut colors = ColorSurvey::default();
-    for part in &parts {
-        options.watch.check()?;
-        colors.see(part.color_type, &part.colors);
-        if part.colors.is_empty() || colors.is_decided() {
-            return Ok((!part.colors.is_empty()).then_some(colors));
-        }
-    }
-    if let Ok(Ok(Some(rest))) = reader.join() {
-        colors.see(rest.color_type, &rest.colors);
-    }
-    Ok(Some(colors))
-}
-
-/// Those of these columns in which some row of the frame has a text; none where the file cannot be read to its end, so that the
-/// error is that of its row.
-fn texts_of(path: &Path, options: &ReadOptions, columns: &[String]) -> Result<Vec<String>> {
-    let source = SceneSource::open(path, options.known_format(), &options.watch)?;
-    let survey = Survey::default();
-    let request = Request { columns: columns.to_vec(), survey: Some(survey.clone()), ..options.request(source.format) };
-    let Ok(frames) = listed(source, request, options)? else { return Ok(Vec::new()) };
-    let Ok(Some(rest)) = frame(frames, options.frames.numbers().next().unwrap_or(1)) else { return Ok(Vec::new()) };
-    let counts = rest.counted(&survey);
-    Ok(counts.columns.into_iter().filter(|(_, column)| column.is_text()).map(|(name, _)| name).collect())
 }
 
 /// Reads one frame, whose parts are passed on; returns the rest of it.

@@ -93,11 +93,34 @@ fn windows_are_limited() {
         ),
     ] {
         let text = unpacked(&bytes(data)).expect_err(data).to_string();
-        assert!(text.contains("more than 128 MiB") && text.contains(&format!("`{program} -d`")), "{text}");
+        assert!(text.contains("more than 128 MiB") && text.contains(&format!("`{program} -d")), "{text}");
+        // The command of the message decompresses them, where it is installed and the data are whole.
+        let command = text.split('`').nth(1).expect("a command");
+        let mut words = command.split_whitespace();
+        let whole = ["zstd", "--long=28", "-c"].map(str::to_owned);
+        let source: Vec<u8> = match program {
+            "zstd" => run(&whole[0], &whole[1..], b"x,y,z\n").unwrap_or_default(),
+            _ => bytes(data),
+        };
+        let options: Vec<String> = words.by_ref().skip(1).map(str::to_owned).chain(["-c".to_owned()]).collect();
+        if let (false, Some(content)) = (source.is_empty(), run(program, &options, &source)) {
+            assert!(!content.is_empty(), "{command}");
+        }
     }
     // A dictionary that the file does not have.
     let text = unpacked(&bytes("28b52ffd23c018341e884500000001008582940002")).expect_err("a dictionary").to_string();
     assert!(text.contains("ictionary"), "{text}");
+}
+
+/// The standard output of a program that is given these bytes; `None` where it is not installed.
+fn run(program: &str, options: &[String], input: &[u8]) -> Option<Vec<u8>> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("data");
+    std::fs::write(&path, input).expect("a file");
+    // A pipe, so that the size of the content is not known.
+    let script = format!("cat '{}' | {program} {}", path.display(), options.join(" "));
+    let output = std::process::Command::new("sh").args(["-c", &script]).output().ok()?;
+    (output.status.code() != Some(127)).then_some(output.stdout)
 }
 
 /// Whether a program takes the data: it ends with 0.

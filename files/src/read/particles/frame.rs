@@ -16,9 +16,8 @@ use crate::read::select::Note;
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::memory::{check, entries, extend_to};
-use halfline::quote::count;
 use halfline::quote::setting::STREAM;
-use halfline::scene::{Cell, is_center, is_radius, keep};
+use halfline::scene::{Cell, keep};
 use std::collections::BTreeMap;
 
 /// A property of spheres that the style's rules give to selected particles.
@@ -181,26 +180,6 @@ impl Particles {
         self.skipped.append(more.skipped);
         self.left_out.append(more.left_out);
         Ok(())
-    }
-
-    /// Leaves particles out that are no spheres, by a centre that is not finite or a radius that is not positive.
-    pub(super) fn leave_invalid_out(&mut self) {
-        // NaN is no radius.
-        let is_valid = |n: usize| {
-            let radius = self.radii.get(n).copied().filter(|radius| !radius.is_nan()).unwrap_or(1.0);
-            is_center(&self.positions[n]) & is_radius(&radius)
-        };
-        let stays: Vec<bool> = (0..self.positions.len()).map(is_valid).collect();
-        let Some(first) = stays.iter().position(|stays| !stays) else { return };
-        let left = stays.iter().filter(|stays| !**stays).count() as u64;
-        let warning = format!("{} left out, the first: row {first} is no sphere", count(left, "row"));
-        self.skipped.assumed.push(warning);
-        self.keep(&stays);
-    }
-
-    /// Reports the rows that were left out.
-    pub(in crate::read) fn tell_left_out(&mut self) {
-        self.skipped.assumed.extend(std::mem::take(&mut self.left_out).sentence());
     }
 
     /// Finishes columns of text and of symbols: finds the elements of names, and removes virtual sites.

@@ -88,17 +88,7 @@ fn next(lines: &mut Lines<Input>) -> Result<bool> {
 
 /// Skips the lines of an element; returns their number. Lines without properties are blank.
 pub(super) fn pass(lines: &mut Lines<Input>, element: &PlyElement) -> Result<u64> {
-    let mut passed = 0;
-    while passed < element.count {
-        if element.properties.is_empty() {
-            return lines.pass(element.count);
-        }
-        if !next(lines)? {
-            break;
-        }
-        passed += 1;
-    }
-    Ok(passed)
+    if element.properties.is_empty() { lines.pass(element.count) } else { lines.pass_filled(element.count) }
 }
 
 /// Checks that the lines after the vertices are those of the other elements, so that no vertex is among them.

@@ -138,18 +138,18 @@ enum Quoting {
 }
 
 impl Quotes {
-    /// No lines yet of a record with this first line, whose fields are separated by `delimiter` if it is not 0; `None` for a comment.
+    /// No lines yet of a record with this first line, whose fields are separated by `delimiter`, or for 0 by any; `None` for a
+    /// comment.
     pub(in crate::read) fn of(line: &[u8], delimiter: u8) -> Option<Self> {
-        let text = String::from_utf8_lossy(line);
-        let delimiter = if delimiter == 0 { self::delimiter(&text) } else { delimiter };
-        has_content(&text).then_some(Self { delimiter, state: Quoting::Begin })
+        let has_content = has_content(&String::from_utf8_lossy(line));
+        has_content.then_some(Self { delimiter, state: Quoting::Begin })
     }
 
     /// Whether the record ends within quotes after a line more; `None` where text follows a quote that closes a field, so that
     /// quotes mean something else.
     pub(in crate::read) fn are_open(&mut self, line: &[u8]) -> Option<bool> {
         for byte in line {
-            let ends = ends(*byte, self.delimiter);
+            let ends = if self.delimiter == 0 { DELIMITERS.contains(byte) } else { ends(*byte, self.delimiter) };
             self.state = match self.state {
                 Quoting::Quoted if *byte == b'"' => Quoting::Quote,
                 Quoting::Quote if *byte == b'"' => Quoting::Quoted,

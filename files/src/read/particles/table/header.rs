@@ -74,7 +74,10 @@ impl TableHeader {
             let bare = if given.are_numbers() { Self::bare(lines, given, kind, declared) } else { None };
             let (header, ahead) = match (found?, bare, above) {
                 (_, Some(bare), Some(above)) if above.names.len() == bare.names.len() => (above, true),
-                (Ok(header), None, _) => (header, next(lines)?),
+                (Ok(header), None, _) => {
+                    lines.set_records(header.delimiter);
+                    (header, next(lines)?)
+                }
                 (_, None, Some(above)) => (above, true),
                 (_, Some(bare), None) => (bare, true),
                 (_, Some(bare), Some(above)) => (if given.is_empty() { above } else { bare }, true),
