@@ -23,9 +23,6 @@ pub(super) enum DirectionSource {
 /// The margin around what `--focus` frames, as a share of the image: its surroundings are seen.
 const FOCUS_MARGIN: f64 = 0.25;
 
-/// A focus of which less than this share is seen has a warning.
-const HIDDEN: f64 = 0.5;
-
 impl CameraArgs {
     /// The point to look at.
     fn at(&self, frame: &SceneFrame) -> Result<Option<DVec3>> {
@@ -152,13 +149,7 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
             let camera = &frame.scene.camera;
             let source = options.direction_source(camera, frame.has_camera, frame.is_molecule, at);
             let found = look_at_focus(&source, options, camera, image, [focus, spheres], &framing)?;
-            if found.visible_share < HIDDEN {
-                let percent = (100.0 * found.visible_share).round();
-                warning = Some(format!(
-                    "{percent} % of --focus is seen, the rest is behind other spheres; --hide or --clip removes these, --view \
-                     auto looks from where least is hidden"
-                ));
-            }
+            warning = found.warning();
             found.camera
         }
         (framing, _) => {

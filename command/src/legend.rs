@@ -4,8 +4,9 @@ use super::clash::{place, written_twice};
 use super::names::{check_pattern, numbered};
 use super::picture_scene::PictureScene;
 use super::scene_args::SceneArgs;
-use halfline::error::{Error, Result};
+use halfline::error::Result;
 use halfline::frame::legend::Legend;
+use halfline::quote::setting::{LEGEND, LEGEND_IN};
 use halfline_files::read::Hold;
 use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
@@ -31,22 +32,13 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Settings`] for spheres without elements, a column and colours of selections.
 pub(super) fn check_content(args: &SceneArgs, picture: &mut PictureScene) -> Result<()> {
-    let requests = [("--legend-in", args.insets.legend_in.is_some()), ("--legend", args.color.legend.is_some())];
+    let requests = [(LEGEND_IN, args.insets.legend_in.is_some()), (LEGEND, args.color.legend.is_some())];
     let Some((option, _)) = requests.into_iter().find(|(_, is_requested)| *is_requested) else { return Ok(()) };
     if picture.legend.is_some() {
         return Ok(());
     }
-    let why = match &args.color.color_by {
-        _ if picture.scene.spheres.is_empty() => "there are no spheres".to_owned(),
-        Some(column) => format!("no value of {column} is a number; --range LOW,HIGH gives a legend its ends"),
-        None => {
-            let problem =
-                format!("{option}: the spheres have neither elements nor a column that gives them their colours");
-            let mend = "add --color-by COLUMN, or --color 'EXPR=COLOR' for a row, or remove it";
-            return Err(Error::settings(problem, mend));
-        }
-    };
-    picture.skipped.assumed.push(format!("{option}: there is no legend, because {why}"));
+    let column = args.color.color_by.as_deref();
+    picture.skipped.assumed.push(Legend::lacking(option, column, picture.scene.spheres.is_empty())?);
     Ok(())
 }
 

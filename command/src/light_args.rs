@@ -6,7 +6,7 @@ use super::values::{color, length, numbers, whole};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
-use halfline::error::{Error, Result};
+use halfline::error::Result;
 use halfline::frame::Aov;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS, Sky};
 use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, MOST_LAYERS, Outline, Settings};
@@ -59,9 +59,6 @@ pub(super) struct LightArgs {
     opacity_shadows: bool,
 }
 
-/// The light of the look `soft`, in words.
-const LIGHT: &str = ", and a light from above left without shadows if the scene has no light";
-
 /// The inputs that choose a look together with `--look`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LookRequest {
@@ -83,6 +80,8 @@ pub(super) struct PictureLook {
     shade: Option<Shade>,
     silhouette: bool,
     depth_cue: bool,
+    /// Whether lights cast shadows.
+    shadows: bool,
     /// The sky of the buffer `occlusion` in a scene without one.
     buffer_sky: Sky,
     /// Whether `--occlusion` replaces the sky rays of the look.
@@ -108,7 +107,7 @@ impl LightArgs {
     /// Applies the options to the scene, whose camera is final.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a reach without a sky; the camera's.
+    /// Errors of [`AddedLight::apply`].
     pub(super) fn apply(
         &self,
         SceneFrame { scene, skipped, .. }: &mut SceneFrame,
@@ -117,14 +116,13 @@ impl LightArgs {
         lens: PictureLens,
     ) -> Result<PictureLook> {
         let LookRequest { file, has_picture, samples, shade } = request;
-        // Frames of given rays have no light and no lines.
-        let file = FileLook { is_particles: file.is_particles && !scene.camera.lens.is_curved(), ..file };
-        let chosen = file.choose(has_picture, self.look, samples.or(lens.samples), shade);
+        let samples = samples.or(lens.samples);
+        let (chosen, warning) = file.choose_through(&scene.camera.lens, has_picture, self.look, samples, shade);
         let look = chosen.look;
         let silhouette = self.silhouette || look.has_silhouette();
         // A preference from elsewhere may apply to no picture.
         let typed = ["--outline-width", "--outline-color"].map(is_typed);
-        skipped.assumed.extend(Outline::idle(typed, has_picture, silhouette));
+        skipped.assumed.extend(warning.into_iter().chain(Outline::idle(typed, has_picture, silhouette)));
         let light = AddedLight {
             look,
             suns: self.sun.clone(),
@@ -133,18 +131,7 @@ impl LightArgs {
             reach: self.reach,
             bounces: self.bounces,
         };
-        if light.lacks_light(scene, aovs) {
-            return Err(Settings::no_light());
-        }
-        light.apply(scene)?;
-        if let Some(bounces) = light.idle_bounces(scene) {
-            let what = "no sphere has a material that reflects or refracts light like a mirror or glass";
-            skipped.assumed.push(format!("--bounces {bounces} changes nothing: {what}"));
-        }
-        if light.lacks_sky(scene, aovs) {
-            let mend = "add --occlusion or --aov occlusion=FILE, or remove --reach";
-            return Err(Error::settings("--reach applies to a sky, and there is none", mend));
-        }
+        skipped.assumed.extend(light.apply(scene, aovs)?);
         Ok(PictureLook {
             chosen,
             lens,
@@ -152,6 +139,7 @@ impl LightArgs {
             shade,
             silhouette,
             depth_cue: self.depth_cue,
+            shadows: scene.lighting.shadows,
             buffer_sky: light.buffer_sky(),
             has_own_sky: self.occlusion.is_some(),
         })
@@ -192,7 +180,11 @@ impl PictureLook {
         let sky = format!("a sky with {rays} rays from each pixel's centre");
         let longer = "--occlusion at every sample, which takes much longer";
         let sky = if self.has_own_sky { format!("{longer} than {sky}") } else { sky };
-        let light = if look == Look::Soft { LIGHT } else { "" };
+        let shadows = if self.shadows { "with" } else { "without" };
+        let light = match look {
+            Look::Soft => format!(", and a light from above left {shadows} shadows if the scene has no light"),
+            _ => String::new(),
+        };
         let stands_for = format!("--silhouette --samples {samples}, {sky}{light}");
         let default = if is_default { " (the default for particles; see --look plain)" } else { "" };
         Some(format!("look {}{default}: {stands_for}", look.name()))

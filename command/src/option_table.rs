@@ -71,7 +71,7 @@ use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tu
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 94] = [
+const OPTIONS: [OptionRow; 95] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
     row("columns", Keyword(Read, "columns", Text), 0),
@@ -103,6 +103,7 @@ const OPTIONS: [OptionRow; 94] = [
     row("map", Keyword(Read, "map", Text), CONFIG),
     row("range", Keyword(Read, "range", Tuple), 0),
     row("log", Keyword(Read, "log", Flag), 0),
+    row("nan_color", Keyword(Read, "nan_color", Color), CONFIG),
     row("frames", Keyword(Read, "frame", Number), 0),
     row("outline", Keyword(Render, "cell", NumberOrFlag), NO_PART),
     row("eye", Always, PAGE),

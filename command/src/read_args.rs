@@ -140,6 +140,9 @@ pub(super) struct ColorArgs {
     /// Uses a logarithmic colour scale.
     #[arg(long, requires = "color_by")]
     log: bool,
+    /// Colour of particles that --color-by has no number for, as of --background [default: grey].
+    #[arg(long, value_name = "COLOR", value_parser = color)]
+    nan_color: Option<[f32; 3]>,
     /// Writes the legend of the colours, of --color-by or else of the elements: .svg or .png; with %d for several frames
     /// without --range.
     #[arg(long, value_name = "FILE")]
@@ -249,33 +252,13 @@ impl ColorArgs {
     }
 
     fn coloring(&self) -> Result<Coloring> {
-        let of_numbers = [
-            ("--map", self.map.is_some() && is_typed("--map")),
-            ("--range", self.range.is_some()),
-            ("--log", self.log),
-        ];
-        if let (None | Some("element"), Some((option, _))) =
-            (self.color_by.as_deref(), of_numbers.iter().find(|(_, is_given)| *is_given))
-        {
-            let problem = format!("{option} belongs to the colours of a column");
-            return Err(Error::settings(problem, format!("add --color-by COLUMN, or remove {option}")));
-        }
-        Ok(match (Rule::for_all(&self.color), self.color_by.as_deref()) {
-            (Some(_), Some(_)) => {
-                let mend = "remove one of them, or colour selected spheres with --color 'EXPR=COLOR'";
-                return Err(Error::settings("--color for all spheres and --color-by exclude each other", mend));
-            }
-            (Some(Paint::One(color)), None) => Coloring::One(color),
-            (Some(Paint::Element), None) | (None, Some("element")) => Coloring::Element,
-            (None, Some(names)) => Coloring::Column(Scale {
-                columns: names.split(',').map(|name| name.trim().to_owned()).collect(),
-                map: self.map.as_deref().map(color_map).transpose()?,
-                range: self.range,
-                log: self.log,
-                names: Vec::new(),
-            }),
-            (None, None) => Coloring::File,
-        })
+        let by = self.color_by.as_deref();
+        // A preference from elsewhere may apply to no colours.
+        let applies = |option| is_typed(option) || by.is_some_and(|by| by != "element");
+        let map = self.map.as_deref().filter(|_| applies("--map")).map(color_map).transpose()?;
+        let nan_color = self.nan_color.filter(|_| applies("--nan-color"));
+        let scale = Scale { map, range: self.range, log: self.log, nan_color, ..Scale::of(Vec::new()) };
+        Coloring::of(Rule::for_all(&self.color), by, scale)
     }
 }
 

@@ -18,7 +18,7 @@ machines: `sift`, `Sieve`, `Part`, `combine`. This machine and files: `adapters`
 Errors: `AccuracyError`, `AdapterError`, and ValueError, OSError, MemoryError, KeyboardInterrupt.
 """
 
-import os
+import os as _os
 
 from ._halfline import AccuracyError, AdapterError, __version__
 from .atoms import from_ase, from_mdanalysis
@@ -61,6 +61,11 @@ __all__ = [
     "trace",
 ]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 # A layer of Mesa chooses the device of the desktop, and without one writes an error into every notebook.
-if not os.environ.keys() & {"XDG_RUNTIME_DIR", "DISPLAY", "MESA_VK_DEVICE_SELECT"}:
-    os.environ.setdefault("NODEVICE_SELECT", "1")
+if not _os.environ.keys() & {"XDG_RUNTIME_DIR", "DISPLAY", "MESA_VK_DEVICE_SELECT"}:
+    _os.environ.setdefault("NODEVICE_SELECT", "1")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from os import PathLike
 from typing import Any, Literal, overload
 
@@ -174,7 +175,8 @@ class Camera:
                 right, up, backward, as in pyrender, Blender and NeRF.
             distortion: Coefficients in the order of OpenCV: k1, k2, p1, p2, k3, k4, k5, k6, of which
                 the last may be left out; of a fisheye k1 to k4. Frames are then lit from the eye,
-                without lines and translucent spheres.
+                without lights, lines and translucent spheres; a warning says so of particles, whose look
+                is soft.
             fisheye: Whether the lens is a fisheye of OpenCV's model.
 
         Raises:
@@ -305,7 +307,7 @@ class Camera:
             view = "front" if focus is None else "auto"
         if margin is None:
             margin = 0.04 if focus is None else 0.25
-        fitted = _halfline.fit_camera(
+        fitted, warning = _halfline.fit_camera(
             native,
             None if isinstance(view, str) else vector("view", view),
             view if isinstance(view, str) else None,
@@ -316,6 +318,8 @@ class Camera:
             None if focus is None else _mask(scene, focus),
             number("share", share),
         )
+        if warning is not None:
+            warnings.warn(warning, stacklevel=2)
         return cls._of(fitted, None)
 
     @classmethod

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from os import PathLike
@@ -161,7 +162,8 @@ class Frame(Mapping[str, NDArray[Any]]):
             OSError: if the file cannot be written.
             ValueError: if the format cannot hold the buffers.
         """
-        self._native.save(path, *_style(aovs, bits, unit, no_return))
+        for warning in self._native.save(path, *_style(aovs, bits, unit, no_return)):
+            warnings.warn(warning, stacklevel=2)
 
     def to_png(
         self,
@@ -181,7 +183,10 @@ class Frame(Mapping[str, NDArray[Any]]):
         >>> frame.to_png()[:4]
         b'\\x89PNG'
         """
-        return self._native.encode(*_style(aovs, bits, unit, no_return))
+        encoded, found = self._native.encode(*_style(aovs, bits, unit, no_return))
+        for warning in found:
+            warnings.warn(warning, stacklevel=2)
+        return encoded
 
     def show(self, name: str | None = None) -> None:
         """Shows a buffer in a notebook, or with matplotlib or Pillow in a window; see

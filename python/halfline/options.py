@@ -250,6 +250,10 @@ def _insets(given: dict[str, Any]) -> dict[str, Any]:
     marks = given.get("mark") or {}
     if not isinstance(marks, Mapping):
         raise ValueError(f"mark is {shown(marks)}; give {{expression: text}}")
+    if given.get("mark_all") and not marks:
+        raise ValueError(
+            "mark_all belongs to mark, and there is none; give mark, or remove mark_all"
+        )
     if bar is not None and not isinstance(bar, (bool, str)):
         raise ValueError(f"scale_bar is {shown(bar)}; give True, or the unit as a text")
     return {

@@ -242,8 +242,9 @@ class Scene:
         Args:
             camera: The camera with which it begins; by default that of the file, else one that
                 shows all spheres.
-            columns: The columns that it has of each sphere, by the words of `Scene.select`: what
-                a pick shows, and what its selections read.
+            columns: Further columns that it has of each sphere, by the words of `Scene.select`: what
+                a pick shows, and what its selections read. It has chain, residue, name and
+                element, and what options name, where the scene has them.
             renderer: What renders the picture for browsers that cannot run the page; by default
                 one `Renderer` for all pages.
             **options: Those of `Renderer.render`. ``size`` is that of the page in a notebook,
@@ -380,6 +381,7 @@ def read(
     map: Path | ArrayLike | Callable[[NDArray[np.float64]], ArrayLike] | None = None,
     range: tuple[float | str, float | str] | None = None,
     log: bool = False,
+    nan_color: Color | None = None,
     wrap: bool = False,
     unwrap: bool = False,
     copies: tuple[int, int, int] | None = None,
@@ -420,7 +422,7 @@ def read(
         radius: One radius for all, or ``{expression: radius}``; scene units.
         radius_scale: Multiplies every radius.
         color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, linear
-            RGB, or for selected ones ``"element"``, which is that of each one's element.
+            RGB, or ``"element"``, which is that of each one's element.
         opacity: One opacity in pictures for all, or ``{expression: opacity}``: above 0, and at most 1.
         material: One material in pictures for all, or ``{expression: material}``: ``"matte"``,
             ``"plastic"``, ``"metal"`` or ``"glass"``.
@@ -432,6 +434,7 @@ def read(
             colormap of matplotlib.
         range: Values at the ends of the colour map, or percentiles of the values: ``("1%", "99%")``.
         log: Whether the colour scale is logarithmic.
+        nan_color: The colour of particles that ``color_by`` has no number for; grey by default.
         wrap: Whether particles are moved into the periodic cell.
         unwrap: Whether molecules that the cell cuts are made whole.
         copies: Periodic copies along the three edges of the cell, the original included.
@@ -513,24 +516,18 @@ _DEFAULTS: dict[str, Any] = {
 
 def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
     """The options in the types of the native module."""
-    columns, color_by, copies, model, limits = (
-        given[name] for name in ("columns", "color_by", "copies", "model", "range")
+    columns, color_by, copies, model, limits, ink = (
+        given[name] for name in ("columns", "color_by", "copies", "model", "range", "nan_color")
     )
     if isinstance(columns, Mapping):
         columns = ",".join(f"{meaning}={column}" for meaning, column in columns.items())
     if color_by is not None:
         color_by = ",".join(words("color_by", color_by))
     if limits is not None:
-        low, high = (
+        limits = [
             value if isinstance(value, str) else repr(number(f"range[{k}]", value))
             for k, value in enumerate(_several("range", limits, 2))
-        )
-        if low == high:
-            raise ValueError(f"range is {shown(limits)}; give two different numbers")
-        limits = [low, high]
-    if limits is not None or given["log"] or given["map"] is not None:
-        if color_by is None:
-            raise ValueError("map, range and log belong to color_by; give a column with color_by=")
+        ]
     planes = [
         [number(f"clip[{k}]", x) for x in _several(f"clip[{k}]", plane, 4)]
         for k, plane in enumerate(given["clip"])
@@ -557,13 +554,14 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         "assembly": None if given["assembly"] is None else str(given["assembly"]),
         "select": words("select", given["select"]),
         "hide": words("hide", given["hide"]),
-        **_of_all_or_some("radius", given, number, positive),
-        "radius_scale": number("radius_scale", given["radius_scale"]),
-        **_of_all_or_some("color", given, checked_color, _paint),
+        **_of_all_or_some("radius", given, positive),
+        "radius_scale": positive("radius_scale", given["radius_scale"]),
+        **_of_all_or_some("color", given, _paint),
         **_of_all_or_some("opacity", given, number),
         **_of_all_or_some("material", given, word),
         "shine": None if given["shine"] is None else number("shine", given["shine"]),
         "color_by": color_by,
+        "nan_color": None if ink is None else checked_color("nan_color", ink),
         "range": limits,
         "copies": None if copies is None else list(wholes("copies", copies, 3, 1)),
         "clip": planes,
@@ -575,22 +573,21 @@ def _of_all_or_some(
     name: str,
     given: Mapping[str, Any],
     check: Callable[[str, Any], Any],
-    check_some: Callable[[str, Any], Any] | None = None,
 ) -> dict[str, Any]:
     """An option that is one value for all, or a value for each expression."""
-    value, check_some = given[name], check_some or check
+    value = given[name]
     some = value if isinstance(value, Mapping) else {}
     return {
         name: None if value is None or isinstance(value, Mapping) else check(name, value),
         f"{name}_of": [
-            (word(name, key), check_some(f"{name}[{key!r}]", one)) for key, one in some.items()
+            (word(name, key), check(f"{name}[{key!r}]", one)) for key, one in some.items()
         ],
     }
 
 
-def _paint(name: str, value: Color) -> tuple[float, float, float] | None:
-    """Linear RGB of selected particles; none for the colour of each one's element."""
-    return None if isinstance(value, str) and value == "element" else checked_color(name, value)
+def _paint(name: str, value: Color) -> tuple[float, float, float] | str:
+    """Linear RGB, or a name: a CSS colour, or ``"element"`` for the colour of each one's element."""
+    return value if isinstance(value, str) else checked_color(name, value)
 
 
 def _map(value: Any) -> str | NDArray[np.uint8] | None:

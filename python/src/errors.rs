@@ -51,11 +51,12 @@ fn system_words(error: &std::io::Error) -> String {
 }
 
 /// Settings that have another name here.
-const RENAMED: [(&str, &str); 7] = [
+const RENAMED: [(&str, &str); 8] = [
     ("aov", "aovs"),
     ("eye", "Camera(eye)"),
     ("fit", "Camera.fit"),
     ("frames", "frame"),
+    ("legend_in", "legend"),
     ("ortho", "Camera(height=)"),
     ("tile", "crop"),
     ("vfov", "Camera(vfov=)"),

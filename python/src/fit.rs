@@ -1,7 +1,7 @@
 //! Cameras that show a scene.
 
 use crate::camera::{Camera, LensArgument, lens_of};
-use crate::errors::OrRaise;
+use crate::errors::{OrRaise, keywords};
 use crate::scene::Scene;
 use crate::work::begin;
 use halfline::camera::Look;
@@ -9,7 +9,7 @@ use halfline::scene::{Facing, Framing, NamedView, Spread, Surroundings};
 use halfline::{Camera as CoreCamera, Error};
 use pyo3::prelude::*;
 
-/// A camera that shows all spheres of a scene, or those of `focus`, from a direction or one with a name.
+/// A camera that shows all spheres of a scene, or those of `focus`, from a direction or one with a name, and a warning.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "those of `Camera.fit` in Python")]
 pub(crate) fn fit_camera(
@@ -22,7 +22,7 @@ pub(crate) fn fit_camera(
     margin: f64,
     focus: Option<Vec<bool>>,
     share: f64,
-) -> PyResult<Camera> {
+) -> PyResult<(Camera, Option<String>)> {
     begin()?;
     if !(0.0..1.0).contains(&margin) {
         let problem = format!("margin is {margin}");
@@ -49,7 +49,7 @@ pub(crate) fn fit_camera(
         };
         with_up(facing).turn(&mut camera);
         camera.fit(image, shown, &framing).or_raise()?;
-        return Ok(Camera { camera, aperture: None, size: None, in_pixels: false });
+        return Ok((Camera { camera, aperture: None, size: None, in_pixels: false }, None));
     };
     let part = framed.spheres.part(&focus);
     if part.is_empty() {
@@ -68,5 +68,6 @@ pub(crate) fn fit_camera(
         }
     };
     let found = around.look(with_up(facing), &camera).or_raise()?;
-    Ok(Camera { camera: found.camera, aperture: None, size: None, in_pixels: false })
+    let warning = found.warning().map(|warning| keywords(&warning));
+    Ok((Camera { camera: found.camera, aperture: None, size: None, in_pixels: false }, warning))
 }

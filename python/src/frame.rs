@@ -1,7 +1,7 @@
 //! Frames: their buffers as arrays, their report, their files.
 
 use crate::arrays::shown;
-use crate::errors::OrRaise;
+use crate::errors::{OrRaise, keywords};
 use crate::options::Rendered;
 use crate::shared::Shared;
 use crate::work::{Job, begin};
@@ -104,6 +104,13 @@ impl Frame {
             transparent: self.transparent,
             ..FormatOptions::default()
         })
+    }
+
+    /// Warnings about what a PNG file cannot hold of these buffers; those about masks are in the report.
+    fn file_warnings(&self, target: &Target) -> Result<Vec<String>> {
+        let is_png = target.format() == FileFormat::Png;
+        let warnings = if is_png { target.warnings(self.exact()?) } else { Vec::new() };
+        Ok(warnings.iter().map(|warning| keywords(warning)).collect())
     }
 
     fn exact(&self) -> Result<&CoreFrame> {
@@ -211,7 +218,7 @@ impl Frame {
         bits: u32,
         unit: f64,
         no_return: &str,
-    ) -> PyResult<Bound<'py, PyBytes>> {
+    ) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
         let style = self.style(bits, unit, no_return).or_raise()?;
         let mut target = self.target("frame.png".into(), aovs, style).or_raise()?;
         let job = Job::default();
@@ -220,7 +227,7 @@ impl Frame {
                 target.encode(frame, origin, &|| !job.cancel.is_cancelled())
             })
         })?;
-        Ok(PyBytes::new(py, &bytes))
+        Ok((PyBytes::new(py, &bytes), self.file_warnings(&target).or_raise()?))
     }
 
     /// Writes a file, completely or not at all.
@@ -232,7 +239,7 @@ impl Frame {
         bits: u32,
         unit: f64,
         no_return: &str,
-    ) -> PyResult<()> {
+    ) -> PyResult<Vec<String>> {
         let mut target = self.target(path, aovs, self.style(bits, unit, no_return).or_raise()?).or_raise()?;
         let job = Job::default();
         job.run(py, None, || {
@@ -240,6 +247,7 @@ impl Frame {
             self.with_drawn(&mut target, |target, frame, origin| {
                 target.write_while(frame, origin, &|| !job.cancel.is_cancelled())
             })
-        })
+        })?;
+        self.file_warnings(&target).or_raise()
     }
 }

@@ -3,6 +3,7 @@
 use crate::scene::Scene;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
+use halfline::quote::setting::LEGEND;
 use halfline::scene::ImagePlane;
 use halfline_drawing::inset::{Corner, Insets as CoreInsets, Label, LabelValues, Panels, ScaleBar, Thing};
 use halfline_files::read::mark::{self, MarkRule, Marked};
@@ -33,6 +34,11 @@ impl Insets {
         self.legend.is_some() || self.label.is_some() || self.scale_bar.is_some() || !self.mark.is_empty()
     }
 
+    /// Whether things have marks.
+    pub(crate) fn has_marks(&self) -> bool {
+        !self.mark.is_empty()
+    }
+
     /// The things of a scene that have marks, with their texts, and messages about the expressions.
     pub(crate) fn marked(&self, scene: &Scene) -> Result<(Vec<Marked>, Vec<String>)> {
         let rules = self.mark.iter().map(|(expression, text)| MarkRule::new(expression, text));
@@ -51,7 +57,7 @@ impl Insets {
     ) -> Result<Option<String>> {
         panels.also_drawn(&mark::words(marked, self.mark_all));
         let things: Vec<Thing> = marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
-        panels.add_marks(exact, &things, (!self.mark_all).then_some(ids), render)
+        panels.add_marks(exact, &things, ids, self.mark_all, render)
     }
 
     /// Checks what does not depend on a camera; `cropped` says whether a part of the picture is rendered, `colored` whether
@@ -64,9 +70,7 @@ impl Insets {
             figure::check(path)?;
             check_writable(path)?;
         }
-        if self.legend.is_some() || self.legend_file.is_some() {
-            self.legend_of(scene)?;
-        }
+        self.lacking(scene)?;
         match (self.is_given(), cropped, colored) {
             (true, true, _) => refuse("whole pictures, because parts would not merge", "remove crop"),
             (true, _, false) => refuse("the picture, and the frame has none", "add 'color' to aovs"),
@@ -91,17 +95,18 @@ impl Insets {
         self.label()?.map(|label| label.text(&values)).transpose()
     }
 
-    fn legend_of<'a>(&self, scene: &'a Scene) -> Result<&'a Legend> {
-        scene.frame.legend.as_ref().ok_or_else(|| {
-            let problem = "legend: the colours of this scene have no legend";
-            Error::settings(problem, "read the file with color_by=, such as color_by='element', or remove legend")
-        })
+    /// A warning about a legend that has nothing to show.
+    pub(crate) fn lacking(&self, scene: &Scene) -> Result<Option<String>> {
+        let is_given = self.legend.is_some() || self.legend_file.is_some();
+        let lacks = is_given && scene.frame.legend.is_none();
+        let (column, is_empty) = (scene.colored_by.as_deref(), scene.spheres().is_empty());
+        lacks.then(|| Legend::lacking(LEGEND, column, is_empty)).transpose()
     }
 
     /// Writes the file of the legend, if one is requested.
     pub(crate) fn write(&self, scene: &Scene) -> Result<()> {
-        let Some(path) = &self.legend_file else { return Ok(()) };
-        let drawing = halfline_drawing::legend::draw(self.legend_of(scene)?)?;
+        let (Some(path), Some(legend)) = (&self.legend_file, &scene.frame.legend) else { return Ok(()) };
+        let drawing = halfline_drawing::legend::draw(legend)?;
         figure::write(path, &drawing.svg, drawing.size, &drawing.levels)
     }
 
@@ -113,7 +118,7 @@ impl Insets {
     /// The legend in the picture and its corner.
     fn shown(&self, scene: &Scene) -> Result<Option<(Legend, Corner)>> {
         let corner = self.legend.as_deref().map(str::parse::<Corner>).transpose()?;
-        corner.map(|corner| Ok((self.legend_of(scene)?.clone(), corner))).transpose()
+        Ok(scene.frame.legend.clone().zip(corner))
     }
 
     /// The panels to draw into picture `number` of this scene; `None` if no keyword asks for one.

@@ -7,19 +7,21 @@ use crate::options::{Picture, Rendered};
 use crate::scene::Scene;
 use crate::shared::Shared;
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
-use halfline::settings::Settings;
+use halfline::settings::{Backend, Settings};
 use pyo3::prelude::*;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
 
+/// A rendered picture and its settings.
+type Made = halfline::Result<(Rendered, Settings)>;
+
 /// The frames of many cameras, one ahead of the caller.
 #[pyclass(frozen)]
 pub(crate) struct Frames {
-    frames: Mutex<Option<Receiver<halfline::Result<Rendered>>>>,
+    frames: Mutex<Option<Receiver<Made>>>,
     worker: Mutex<Option<JoinHandle<()>>>,
     job: Job,
-    settings: Settings,
     single: bool,
     renderer: Shared,
     #[pyo3(get)]
@@ -33,28 +35,30 @@ impl Frames {
         scene: Py<Scene>,
         cameras: Vec<Camera>,
         picture: Picture,
-        settings: Settings,
+        (accurate, backend): (Settings, Backend),
     ) -> PyResult<Self> {
         begin()?;
         let outlined = py.detach(|| picture.begin(scene.get())).or_raise()?;
         let scene = outlined.map_or(Ok(scene), |outlined| Py::new(py, outlined))?;
         // The first one is checked at once, so that an error has the caller's line.
         if let Some(first) = cameras.first() {
-            picture.scene(scene.get(), Some(first)).and_then(|scene| py.detach(|| scene.check())).or_raise()?;
+            picture.scene(scene.get(), Some(first)).and_then(|(scene, _)| py.detach(|| scene.check())).or_raise()?;
         }
         // A frame is handed over when the one before it is done, so there are at most two.
         let (sender, frames) = sync_channel(0);
         let (job, count, single) = (Job::default(), cameras.len(), picture.single);
-        let (own, shared, same) = (job.clone(), renderer.clone(), settings.clone());
+        let (own, shared) = (job.clone(), renderer.clone());
         let work = move || {
             for (number, camera) in (1..).zip(&cameras) {
-                let settings = picture.through(scene.get(), Some(camera), &same);
-                let mut rendered = picture.render(scene.get(), Some(camera), number, |exact| {
-                    shared.render(&own, exact, &settings, &scene.get().frame.skipped)
+                let scene = scene.get();
+                let settings = picture.settings(scene, Some(camera), accurate.clone(), backend);
+                let mut rendered = settings.and_then(|settings| {
+                    let render = |exact: &_| shared.render(&own, exact, &settings, &scene.frame.skipped);
+                    Ok((picture.render(scene, Some(camera), number, render)?, settings))
                 });
                 // All frames have the same legend.
                 if number == 1 {
-                    rendered = rendered.and_then(|rendered| picture.insets.write(scene.get()).map(|()| rendered));
+                    rendered = rendered.and_then(|rendered| picture.insets.write(scene).map(|()| rendered));
                 }
                 let is_last = rendered.is_err();
                 if sender.send(rendered).is_err() || is_last {
@@ -64,7 +68,7 @@ impl Frames {
         };
         let worker = Builder::new().name("halfline".into()).spawn(work).map_err(|e| exception(no_thread(&e)))?;
         let (frames, worker) = (Mutex::new(Some(frames)), Mutex::new(Some(worker)));
-        Ok(Self { frames, worker, job, settings, single, renderer, count })
+        Ok(Self { frames, worker, job, single, renderer, count })
     }
 
     /// Cancels the work and waits for its end; a panic of the work goes on here.
@@ -97,9 +101,8 @@ impl Frames {
                 frames.as_ref().map(|frames| frames.recv_timeout(SLICE))
             });
             match next {
-                Some(Ok(Ok(rendered))) => {
-                    let (settings, renderer) = (self.settings.clone(), self.renderer.clone());
-                    return Ok(Some(Frame::new(rendered, self.single, settings, renderer)));
+                Some(Ok(Ok((rendered, settings)))) => {
+                    return Ok(Some(Frame::new(rendered, self.single, settings, self.renderer.clone())));
                 }
                 Some(Ok(Err(error))) => {
                     self.stop(py);

@@ -6,8 +6,9 @@ use crate::scene::Scene;
 use halfline::camera::Aperture;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
+use halfline::quote::setting::{AOV, CRYPTOMATTE};
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
-use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Outline, Search, Settings, Tolerance};
+use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Look, Outline, Search, Settings, Tolerance};
 use halfline::window::Window;
 use halfline::{Aov, Shade};
 use halfline_drawing::inset::Panels;
@@ -86,20 +87,35 @@ pub(crate) struct Picture {
 impl Picture {
     /// Checks the scene for what is drawn into the picture, and gives the one with the edges of its cell, if they are drawn.
     pub(crate) fn begin(&self, scene: &Scene) -> Result<Option<Scene>> {
-        self.insets.check(scene, self.crop.is_some(), self.aovs()?.contains(&Aov::Color))?;
+        let has_picture = self.aovs()?.contains(&Aov::Color);
+        self.insets.check(scene, self.crop.is_some(), has_picture)?;
+        if !self.cryptomatte.is_empty() && !has_picture {
+            let problem = format!("{CRYPTOMATTE} adds layers to the picture, and the frame has none");
+            return Err(Error::settings(problem, format!("add color to {AOV}")));
+        }
         self.cell.map(|radius| scene.with_cell(radius)).transpose()
     }
 
-    /// The settings of a picture of `scene` with those of the picture.
-    pub(crate) fn settings(&self, scene: &Scene, accurate: Settings, backend: Backend) -> Result<Settings> {
+    /// The settings of a picture of `scene` with this camera, or the scene's own. A lens with a size has samples of its own, where
+    /// neither the keywords nor the file say how many.
+    pub(crate) fn settings(
+        &self,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        accurate: Settings,
+        backend: Backend,
+    ) -> Result<Settings> {
         let aovs = self.aovs()?;
-        let chosen = self.chosen(scene)?;
-        let (look, light) = (chosen.look, self.light(scene)?);
+        let ChosenLook { look, samples, .. } = self.chosen(scene, camera)?.0;
+        let light = self.light(look)?;
+        let aperture = camera.map_or(scene.frame.aperture, |camera| camera.aperture);
+        let open = aperture.is_some() && self.samples.or(scene.frame.look.samples).is_none();
         let crop = self.crop.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 });
         Ok(Settings {
             backend,
             aovs,
-            samples: chosen.samples,
+            samples: if open { Aperture::SAMPLES } else { samples },
+            aperture,
             coverage: !self.cryptomatte.is_empty(),
             seed: self.seed,
             tone: self.tone.as_deref().map(str::parse).transpose()?,
@@ -116,15 +132,6 @@ impl Picture {
         })
     }
 
-    /// The settings with the lens of this camera, or of the scene's own, and the samples that it needs where neither the
-    /// keywords nor the file say how many.
-    pub(crate) fn through(&self, scene: &Scene, camera: Option<&Camera>, settings: &Settings) -> Settings {
-        let aperture = camera.map_or(scene.frame.aperture, |camera| camera.aperture);
-        let open = aperture.is_some() && self.samples.or(scene.frame.look.samples).is_none();
-        let samples = if open { Aperture::SAMPLES } else { settings.samples };
-        Settings { aperture, samples, ..settings.clone() }
-    }
-
     /// Renders the scene with this camera; what is drawn into the picture is decided before.
     pub(crate) fn render(
         &self,
@@ -133,43 +140,40 @@ impl Picture {
         number: u64,
         mut render: impl FnMut(&halfline::Scene) -> Result<halfline::Frame>,
     ) -> Result<Rendered> {
-        let exact = self.scene(scene, camera)?;
+        let (exact, warnings) = self.scene(scene, camera)?;
         exact.check()?;
         let mut panels = self.insets.panels(scene, &exact, number)?;
         let names = scene.frame.matte_names(&self.cryptomatte)?;
         let (marked, notes) = self.insets.marked(scene)?;
         let mut frame = render(&exact)?;
-        frame.report.warnings.extend(notes);
-        if let Some(panels) = panels.as_mut().filter(|_| !marked.is_empty()) {
+        frame.report.warnings.extend(warnings.into_iter().chain(notes));
+        if let Some(panels) = panels.as_mut().filter(|_| self.insets.has_marks()) {
             let ids = frame.ids().to_vec();
             frame.report.warnings.extend(self.insets.add_marks(panels, &exact, &ids, &marked, render)?);
         }
         frame.report.number = number;
-        frame.report.look = self.look(scene)?;
-        frame.report.warnings.extend(self.idle_outline(scene)?);
+        frame.report.look = self.look(scene, camera)?;
         frame.report.warnings.extend(self.insets.warnings(scene, panels.as_ref()));
         frame.report.warnings.extend(mattes::warnings(&names, &frame));
         Ok(Rendered { scene: exact, frame, panels, mattes: names, transparent: self.transparent })
     }
 
-    /// The scene with this camera, size, background and light.
-    pub(crate) fn scene(&self, scene: &Scene, camera: Option<&Camera>) -> Result<halfline::Scene> {
+    /// The scene with this camera, size, background and light, and warnings about keywords that change nothing.
+    pub(crate) fn scene(&self, scene: &Scene, camera: Option<&Camera>) -> Result<(halfline::Scene, Vec<String>)> {
         let background = if self.transparent { Some([0.0; 3]) } else { self.background };
         let mut exact = scene.sized(camera, self.size, background)?;
         if camera.is_none() {
             let legend_shares = self.insets.legend_shares(scene, exact.image)?;
             scene.frame_with_legend(&mut exact, legend_shares)?;
         }
-        let (light, aovs) = (self.light(scene)?, self.aovs()?);
-        if light.lacks_light(&exact, &aovs) {
-            return Err(Settings::no_light());
-        }
-        light.apply(&mut exact)?;
-        if light.lacks_sky(&exact, &aovs) {
-            let mend = "add occlusion=True or the buffer occlusion, or remove reach";
-            return Err(Error::settings("reach applies to a sky, and there is none", mend));
-        }
-        Ok(exact)
+        let aovs = self.aovs()?;
+        let (ChosenLook { look, .. }, warning) = self.chosen(scene, camera)?;
+        let given = [self.outline_width.is_some(), self.outline_color.is_some()];
+        let silhouette = self.silhouette || look.has_silhouette();
+        let idle = Outline::idle(given, aovs.contains(&Aov::Color), silhouette);
+        let light = self.light(look)?.apply(&mut exact, &aovs)?;
+        let legend = self.insets.lacking(scene)?;
+        Ok((exact, warning.into_iter().chain(idle).chain(light).chain(legend).collect()))
     }
 
     /// Columns and rows, if they are given.
@@ -180,13 +184,6 @@ impl Picture {
     /// The width of outlines, if it is given.
     pub(crate) fn outline_width(&self) -> Option<f64> {
         self.outline_width
-    }
-
-    /// Warnings about the keywords of outlines, where none are drawn.
-    pub(crate) fn idle_outline(&self, scene: &Scene) -> Result<Vec<String>> {
-        let given = [self.outline_width.is_some(), self.outline_color.is_some()];
-        let silhouette = self.silhouette || self.chosen(scene)?.look.has_silhouette();
-        Ok(Outline::idle(given, self.aovs()?.contains(&Aov::Color), silhouette))
     }
 
     fn aovs(&self) -> Result<Vec<Aov>> {
@@ -201,22 +198,25 @@ impl Picture {
         self.shade.as_deref().map(str::parse).transpose()
     }
 
-    /// The look and the samples, by the rule of the command.
-    fn chosen(&self, scene: &Scene) -> Result<ChosenLook> {
+    /// The look and the samples through this camera, and a warning, by the rule of the command.
+    fn chosen(&self, scene: &Scene, camera: Option<&Camera>) -> Result<(ChosenLook, Option<String>)> {
         let look = self.look.as_deref().map(str::parse).transpose()?;
-        Ok(scene.frame.look.choose(self.aovs()?.contains(&Aov::Color), look, self.samples, self.shade()?))
+        let lens = camera.map_or(&scene.frame.scene.camera, |camera| &camera.camera).lens;
+        let has_picture = self.aovs()?.contains(&Aov::Color);
+        Ok(scene.frame.look.choose_through(&lens, has_picture, look, self.samples, self.shade()?))
     }
 
     /// The name of the look, for the report; `None` without a picture.
-    pub(crate) fn look(&self, scene: &Scene) -> Result<Option<&'static str>> {
-        Ok(Some(self.chosen(scene)?.look.name()).filter(|_| self.aovs.iter().any(|name| name == Aov::Color.name())))
+    fn look(&self, scene: &Scene, camera: Option<&Camera>) -> Result<Option<&'static str>> {
+        let look = self.chosen(scene, camera)?.0.look;
+        Ok(self.aovs()?.contains(&Aov::Color).then(|| look.name()))
     }
 
     /// The light that the keywords add to a scene.
     ///
     /// # Errors
     /// [`Error::Settings`] for a number of rays or of bounces out of range.
-    fn light(&self, scene: &Scene) -> Result<AddedLight> {
+    fn light(&self, look: Look) -> Result<AddedLight> {
         let range = |name: &str, value: Option<u32>, least: u32, most: u32| match value {
             Some(value) if !(least..=most).contains(&value) => {
                 let mend = format!("give a whole number from {least} to {most}");
@@ -227,7 +227,7 @@ impl Picture {
         range("occlusion", self.occlusion, 0, MOST_RAYS)?;
         range("bounces", self.bounces, 0, MOST_BOUNCES)?;
         Ok(AddedLight {
-            look: self.chosen(scene)?.look,
+            look,
             suns: self.sun.iter().map(|sun| (*sun).into()).collect(),
             shadows: self.shadows,
             // 0 stands for the scene's number.

@@ -1,13 +1,13 @@
 //! Reading of scene and particle files, with the options of the command.
 
 use crate::errors::OrRaise;
-use crate::scene::{Scene, bead, paint};
+use crate::scene::{Scene, bead};
 use crate::work::Job;
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Material, MaterialName, is_opacity};
-use halfline_files::read::style::{self, Coloring, Scale};
+use halfline_files::read::style::{self, Coloring, Paint, Scale};
 use halfline_files::read::{
     Altloc, AtomStyle, ColumnNames, FixedCamera, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions,
     SceneFrame, Selection, Style,
@@ -29,6 +29,23 @@ impl MapValue {
         match self {
             Self::Name(name) => style::color_map(name),
             Self::Colors(colors) => ColorMap::of_colors("own", colors.clone()),
+        }
+    }
+}
+
+/// Linear RGB, or the word for the colour of each particle's element.
+#[derive(FromPyObject)]
+pub(crate) enum Color {
+    One([f32; 3]),
+    Element(String),
+}
+
+impl Color {
+    pub(crate) fn paint(&self) -> Result<Paint> {
+        match self {
+            Self::One(color) => Ok(Paint::One(*color)),
+            Self::Element(word) if word == "element" => Ok(Paint::Element),
+            Self::Element(name) => style::color(name).map(Paint::One),
         }
     }
 }
@@ -56,8 +73,8 @@ pub(crate) struct Options {
     radius: Option<f64>,
     radius_of: Vec<(String, f64)>,
     radius_scale: f64,
-    color: Option<[f32; 3]>,
-    color_of: Vec<(String, Option<[f32; 3]>)>,
+    color: Option<Color>,
+    color_of: Vec<(String, Color)>,
     opacity: Option<f32>,
     opacity_of: Vec<(String, f32)>,
     material: Option<String>,
@@ -67,6 +84,7 @@ pub(crate) struct Options {
     map: Option<MapValue>,
     range: Option<[String; 2]>,
     log: bool,
+    nan_color: Option<[f32; 3]>,
     wrap: bool,
     unwrap: bool,
     copies: Option<[u32; 3]>,
@@ -96,24 +114,13 @@ fn opacity(opacity: f32) -> Result<f32> {
 
 impl Options {
     fn coloring(&self) -> Result<Coloring> {
-        Ok(match (self.color, self.color_by.as_deref()) {
-            (Some(_), Some(_)) => {
-                let mend = "remove one of them, or colour selected spheres with color={'EXPR': COLOR}";
-                return Err(Error::settings("one color for all spheres and color_by exclude each other", mend));
-            }
-            (Some(color), None) => Coloring::One(color),
-            (None, Some("element")) => Coloring::Element,
-            (None, Some(names)) => Coloring::Column(Scale {
-                map: self.map.as_ref().map(MapValue::map).transpose()?,
-                range: match &self.range {
-                    Some([low, high]) => Some([low.parse()?, high.parse()?]),
-                    None => None,
-                },
-                log: self.log,
-                ..Scale::of(names.split(',').map(|name| name.trim().to_owned()).collect())
-            }),
-            (None, None) => Coloring::File,
-        })
+        let range = match &self.range {
+            Some([low, high]) => Some([low.parse()?, high.parse()?]),
+            None => None,
+        };
+        let map = self.map.as_ref().map(MapValue::map).transpose()?;
+        let scale = Scale { map, range, log: self.log, nan_color: self.nan_color, ..Scale::of(Vec::new()) };
+        Coloring::of(self.color.as_ref().map(Color::paint).transpose()?, self.color_by.as_deref(), scale)
     }
 
     /// The material with this name.
@@ -137,10 +144,6 @@ impl Options {
 
     fn options(&self, job: &Job) -> Result<ReadOptions> {
         let selections = |given: &[String]| given.iter().map(|text| text.parse()).collect::<Result<Vec<Selection>>>();
-        // The package has checked that they are numbers.
-        if let Some(radius) = self.radius.iter().chain([&self.radius_scale]).find(|x| **x <= 0.0) {
-            return Err(Error::settings(format!("the radius is {radius}"), "give a positive number"));
-        }
         Ok(ReadOptions {
             strict: self.strict,
             format: parsed::<Format>(self.format.as_ref())?,
@@ -172,7 +175,11 @@ impl Options {
                 radius: self.radius,
                 radius_scale: self.radius_scale,
                 coloring: self.coloring()?,
-                paints: rules(&self.color_of)?.into_iter().map(|(of, color)| (of, paint(color))).collect(),
+                paints: self
+                    .color_of
+                    .iter()
+                    .map(|(of, color)| Ok((of.parse()?, color.paint()?)))
+                    .collect::<Result<_>>()?,
                 sizes: rules(&self.radius_of)?,
                 opacity: self.opacity.map(opacity).transpose()?,
                 fades: rules(&self.opacity_of)?
@@ -206,6 +213,7 @@ pub(crate) struct Sequence(Mutex<Opened>);
 struct Opened {
     sequence: halfline_files::read::Sequence,
     arrangement: Arrangement,
+    colored_by: Option<String>,
     file: Option<String>,
     job: Job,
     size: Option<(u32, u32)>,
@@ -242,7 +250,7 @@ impl Opened {
         self.any = true;
         self.prepare(&mut frame)?;
         frame.has_camera |= self.fixed_camera.camera.is_some();
-        Ok(Some(Scene::of_file(frame, self.file.clone(), &self.arrangement)))
+        Ok(Some(Scene::of_file(frame, self.file.clone(), &self.arrangement, self.colored_by.clone())))
     }
 }
 
@@ -253,7 +261,7 @@ impl Sequence {
     fn new(py: Python<'_>, path: PathBuf, options: Options, size: Option<(u32, u32)>, holds: bool) -> PyResult<Self> {
         let job = Job::default();
         let read = options.options(&job).or_raise()?;
-        if holds && read.hold == Hold::All {
+        if read.hold == Hold::All {
             let mend = "use hold='first', or give the camera, the radius and the range yourself";
             return Err(Error::settings("hold='all' is an option of the command only", mend)).or_raise();
         }
@@ -261,7 +269,16 @@ impl Sequence {
         let sequence = job.run(py, None, || halfline_files::read::Sequence::open(&path, &read))?;
         let arrangement = options.arrangement();
         let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
-        Ok(Self(Mutex::new(Opened { sequence, arrangement, file, job, size, fixed_camera, any: false })))
+        Ok(Self(Mutex::new(Opened {
+            sequence,
+            arrangement,
+            colored_by: options.color_by,
+            file,
+            job,
+            size,
+            fixed_camera,
+            any: false,
+        })))
     }
 
     fn __iter__(this: Bound<'_, Self>) -> Bound<'_, Self> {

@@ -32,8 +32,14 @@ pub(crate) struct Renderer {
 
 impl Renderer {
     /// The settings of a picture of a scene on this renderer.
-    fn settings(&self, scene: &Scene, picture: &Picture, accurate: &Accurate) -> PyResult<Settings> {
-        accurate.settings().and_then(|accurate| picture.settings(scene, accurate, self.backend)).or_raise()
+    fn settings(
+        &self,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        picture: &Picture,
+        accurate: &Accurate,
+    ) -> PyResult<Settings> {
+        accurate.settings().and_then(|accurate| picture.settings(scene, camera, accurate, self.backend)).or_raise()
     }
 }
 
@@ -63,7 +69,7 @@ impl Renderer {
         accurate: Accurate,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Frame> {
-        let settings = picture.through(scene, camera, &self.settings(scene, &picture, &accurate)?);
+        let settings = self.settings(scene, camera, &picture, &accurate)?;
         let job = Job::default();
         let rendered = job.run(py, progress.as_ref(), || {
             let outlined = picture.begin(scene)?;
@@ -87,7 +93,7 @@ impl Renderer {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Frame> {
         let scene = &part.scene();
-        let settings = self.settings(scene, &picture, &accurate)?;
+        let settings = self.settings(scene, None, &picture, &accurate)?;
         let settings = part.settings(picture.size(), picture.outline_width(), settings).or_raise()?;
         let job = Job::default();
         let rendered = job.run(py, progress.as_ref(), || {
@@ -117,8 +123,10 @@ impl Renderer {
         picture: Picture,
         accurate: Accurate,
     ) -> PyResult<Frames> {
-        let settings = self.settings(scene.get(), &picture, &accurate)?;
-        Frames::start(py, self.shared.clone(), scene, cameras, picture, settings)
+        // Mistakes are raised at once.
+        self.settings(scene.get(), cameras.first(), &picture, &accurate)?;
+        let accurate = accurate.settings().or_raise()?;
+        Frames::start(py, self.shared.clone(), scene, cameras, picture, (accurate, self.backend))
     }
 
     /// The requirements of a picture of the scene, as JSON; no ray is traced.
@@ -130,15 +138,15 @@ impl Renderer {
         picture: Picture,
         accurate: Accurate,
     ) -> PyResult<String> {
-        let settings = picture.through(scene, camera, &self.settings(scene, &picture, &accurate)?);
+        let settings = self.settings(scene, camera, &picture, &accurate)?;
         let job = Job::default();
         let plan = job.run(py, None, || {
             let outlined = picture.begin(scene)?;
-            let exact = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
+            let (exact, warnings) = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
             self.shared.with(&job, |renderer| {
                 let mut plan = renderer.explain(&exact, &settings)?;
                 scene.frame.skipped.report(&mut plan.skipped, &mut plan.warnings, renderer.passed_over().len());
-                plan.warnings.extend(picture.idle_outline(scene)?);
+                plan.warnings.extend(warnings);
                 Ok(plan)
             })
         })?;

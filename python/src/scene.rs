@@ -3,12 +3,12 @@
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
+use crate::read::Color;
 use crate::work::{Job, begin};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
-use halfline_files::read::style::Paint;
 use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
@@ -25,13 +25,20 @@ pub(crate) struct Scene {
     pub(crate) outlined: bool,
     /// The name of its file.
     pub(crate) file: Option<String>,
+    /// The columns that give the colours.
+    pub(crate) colored_by: Option<String>,
 }
 
 impl Scene {
-    /// The scene of a file.
-    pub(crate) fn of_file(mut frame: SceneFrame, file: Option<String>, arrangement: &Arrangement) -> Self {
+    /// The scene of a file, coloured by these columns.
+    pub(crate) fn of_file(
+        mut frame: SceneFrame,
+        file: Option<String>,
+        arrangement: &Arrangement,
+        colored_by: Option<String>,
+    ) -> Self {
         frame.scene.spheres.share();
-        Self { frame, copies: arrangement.copies, outlined: arrangement.outline.is_some(), file }
+        Self { frame, copies: arrangement.copies, outlined: arrangement.outline.is_some(), file, colored_by }
     }
 
     /// The camera and the image of a part, which stay as they are; `samples` are its own.
@@ -45,12 +52,13 @@ impl Scene {
     /// A scene of which nothing but this is known.
     fn of_arrays(scene: CoreScene) -> Self {
         let frame = SceneFrame { look: FileLook::default(), ..SceneFrame::new(1, scene) };
-        Self { frame, copies: [1; 3], outlined: false, file: None }
+        Self { frame, copies: [1; 3], outlined: false, file: None, colored_by: None }
     }
 
     /// The scene of a frame with the same spheres, of which there may be more.
     fn with(&self, frame: SceneFrame) -> Self {
-        Self { frame, file: self.file.clone(), ..*self }
+        let (file, colored_by) = (self.file.clone(), self.colored_by.clone());
+        Self { frame, file, colored_by, ..*self }
     }
 
     /// The cell of all copies together, which are made.
@@ -199,13 +207,13 @@ impl Scene {
         let mut frame = SceneFrame { legend: None, ..self.frame.clone() };
         frame.scene.spheres.colors = Some(list::<f32, [f32; 3], 3>(&colors)?);
         check(&frame.scene.spheres).or_raise()?;
-        Ok(self.with(frame))
+        Ok(Self { colored_by: None, ..self.with(frame) })
     }
 
     /// The same spheres, with a colour for those that each expression selects, the last one wins; and what is to be said
     /// about it.
-    fn painted(&self, py: Python<'_>, rules: Vec<(String, Option<[f32; 3]>)>) -> PyResult<(Self, Vec<String>)> {
-        let rules = rules.iter().map(|(text, color)| Ok((text.parse::<Selection>()?, paint(*color))));
+    fn painted(&self, py: Python<'_>, rules: Vec<(String, Color)>) -> PyResult<(Self, Vec<String>)> {
+        let rules = rules.iter().map(|(text, color)| Ok((text.parse::<Selection>()?, color.paint()?)));
         let rules = rules.collect::<halfline::Result<Vec<_>>>().or_raise()?;
         let (frame, notes) = Job::default().run(py, None, || self.frame.painted(&rules))?;
         Ok((self.with(frame), notes))
@@ -322,11 +330,6 @@ impl Scene {
         begin()?;
         Ok(py.detach(|| self.frame.scene.fingerprint()))
     }
-}
-
-/// The colour of selected particles: `None` is that of their element.
-pub(crate) fn paint(color: Option<[f32; 3]>) -> Paint {
-    color.map_or(Paint::Element, Paint::One)
 }
 
 /// The beads of a radius; infinite for the default one.

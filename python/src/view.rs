@@ -81,7 +81,7 @@ impl PageScene<'_> {
         }
         Job::default().run(py, None, || {
             picture.begin(shown)?;
-            picture.settings(shown, accurate.settings()?, renderer.backend)?;
+            picture.settings(shown, Some(camera), accurate.settings()?, renderer.backend)?;
             picture.scene(shown, Some(camera))?;
             picture.insets.text(shown, shown.frame.number)?;
             let mut content = Content {

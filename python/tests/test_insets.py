@@ -139,8 +139,8 @@ def test_the_cell_is_drawn_once_and_leaves_the_scene(cpu: hl.Renderer, dump: Pat
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"legend": True}, "legend: the colours of this scene have no legend.*color_by"),
-        ({"legend": "x.svg"}, "legend: the colours"),
+        ({"legend": True}, "legend: the spheres have neither elements nor a column.*color_by"),
+        ({"legend": "x.svg"}, "legend: the spheres have neither"),
         ({"legend": "left"}, "legend is 'left'; give True, one of right, top-left"),
         ({"legend": "x.pdf"}, "legend is 'x.pdf'"),
         ({"legend": 3}, "legend is 3"),

@@ -1,6 +1,8 @@
 //! The legend of a picture: quantity, colour map, range and categories.
 
 use super::color_map::ColorMap;
+use crate::error::{Error, Result};
+use crate::quote::setting::{COLOR, COLOR_BY, RANGE};
 use serde::{Deserialize, Serialize};
 
 /// The meaning of a picture's colours: the coloured quantity with its map and range, or categories.
@@ -31,6 +33,27 @@ impl Legend {
     pub fn of_selections(overrides: Vec<Category>) -> Self {
         let (map, range) = (ColorMap::Category, [0.0; 2]);
         Self { name: "selection".into(), map, range, log: false, categories: Vec::new(), names: Vec::new(), overrides }
+    }
+
+    /// A warning that the legend that an option asks for has nothing to show, in a scene without spheres, or one that is coloured by
+    /// a column without numbers.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for spheres whose colours have no meaning.
+    pub fn lacking(option: &str, column: Option<&str>, is_empty: bool) -> Result<String> {
+        let why = match column {
+            _ if is_empty => "there are no spheres".to_owned(),
+            Some(column) => {
+                format!("no value of {column} is a number; {RANGE} with two numbers gives a legend its ends")
+            }
+            None => {
+                let problem =
+                    format!("{option}: the spheres have neither elements nor a column that gives them their colours");
+                let mend = format!("add {COLOR_BY} with a column, or {COLOR} 'EXPR=COLOR' for a row, or remove it");
+                return Err(Error::settings(problem, mend));
+            }
+        };
+        Ok(format!("{option}: there is no legend, because {why}"))
     }
 
     /// Whether it shows numbers through a colour map; otherwise it shows categories only.

@@ -211,7 +211,7 @@ fn check_settings(scene: &Scene, settings: &Settings) -> Result<()> {
     } else {
         return Ok(());
     };
-    let problem = format!("{what} need a perspective or orthographic camera, and this lens has {CURVED}");
+    let problem = format!("only a perspective or orthographic camera has {what}, and this lens has {CURVED}");
     Err(Error::settings(problem, mend))
 }
 

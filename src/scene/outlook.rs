@@ -4,6 +4,7 @@
 use super::camera::{Camera, Viewport};
 use super::{Facing, Framing, ImagePlane, Spheres, Spread};
 use crate::error::Result;
+use crate::quote::setting::{CLIP, FOCUS, HIDE, VIEW};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -17,6 +18,23 @@ pub struct Outlook {
     pub visible_share: f64,
     /// The number of squares of the grid in which they are seen.
     area: u32,
+}
+
+/// A focus of which less than this share is seen has a warning.
+const HIDDEN: f64 = 0.5;
+
+impl Outlook {
+    /// A warning where less than half of the spheres is seen.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let percent = (100.0 * self.visible_share).round();
+        (self.visible_share < HIDDEN).then(|| {
+            format!(
+                "{percent} % of {FOCUS} is seen, the rest is behind other spheres; {HIDE} or {CLIP} removes these, {VIEW} auto \
+                 looks from where least is hidden"
+            )
+        })
+    }
 }
 
 /// Squares of the grid along the longer side of the image.

@@ -1,7 +1,10 @@
 //! The looks of a picture, and the light that options add to a scene: one rule for the command and the Python package.
 
-use crate::error::{Result, named};
+use super::Settings;
+use crate::error::{Error, Result, named};
 use crate::frame::Aov;
+use crate::quote::setting::{AOV, BOUNCES, LOOK, OCCLUSION, REACH};
+use crate::scene::camera::Lens;
 use crate::scene::{Light, LightSource, Lighting, Materials, Scene, Sky};
 use crate::shade::Shade;
 use glam::DVec3;
@@ -91,6 +94,27 @@ impl FileLook {
         let samples = samples.or(self.samples).unwrap_or(look.samples());
         ChosenLook { look, samples, is_default }
     }
+
+    /// The look of a picture through a lens, by [`Self::choose`], and a warning where it is not that of particles: frames of a curved
+    /// lens have neither lights nor lines.
+    #[must_use]
+    pub fn choose_through(
+        self,
+        lens: &Lens,
+        has_picture: bool,
+        look: Option<Look>,
+        samples: Option<u32>,
+        shade: Option<Shade>,
+    ) -> (ChosenLook, Option<String>) {
+        let own = self.choose(has_picture, look, samples, shade);
+        if !(own.is_default && lens.is_curved()) {
+            return (own, None);
+        }
+        let why = "this lens has distortion or is a fisheye or a panorama";
+        let warning =
+            format!("the picture is lit from the eye, not in the look soft of particles: {why}; {LOOK} plain says so");
+        (Self { is_particles: false, ..self }.choose(has_picture, look, samples, shade), Some(warning))
+    }
 }
 
 /// The lights, sky and bounces that options add to a scene.
@@ -111,14 +135,20 @@ pub struct AddedLight {
 }
 
 impl AddedLight {
-    /// Adds it to a scene, whose camera is final. Bounces are set where a material asks for any.
+    /// Adds it to a scene, whose camera is final, for frames with these buffers. Bounces are set where a material asks for any. Returns
+    /// warnings about what changes nothing.
     ///
     /// The lights and the sky that are added share one white light among them, so that a white sphere is at most white: half of it
     /// is an added sky's where there are lights. The lights and the sky of the scene are as bright as it says.
     ///
     /// # Errors
-    /// Errors of [`Light::above_left`].
-    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+    /// [`Error::Settings`] for the buffer `shadow` where neither the scene nor an option has a light, since buffers do not depend on
+    /// looks, and for a reach without a sky; errors of [`Light::above_left`].
+    pub fn apply(&self, scene: &mut Scene, aovs: &[Aov]) -> Result<Vec<String>> {
+        let has_light = !(scene.lighting.lights.is_empty() && self.suns.is_empty()) || self.shadows;
+        if aovs.contains(&Aov::Shadow) && !has_light {
+            return Err(Settings::no_light());
+        }
         if let Some(bounces) = self.bounces.filter(|_| bounces_at_all(scene)) {
             scene.lighting.bounces = Some(bounces);
         }
@@ -148,7 +178,13 @@ impl AddedLight {
             let each = left / lights.len() as f32;
             lights.iter_mut().for_each(|light| light.intensity = each);
         }
-        Ok(())
+        if self.reach.is_some() && sky.is_none() && !aovs.contains(&Aov::Occlusion) {
+            let mend = format!("add {OCCLUSION}, or occlusion to {AOV}, or remove {REACH}");
+            return Err(Error::settings(format!("{REACH} applies to a sky, and there is none"), mend));
+        }
+        let idle = self.bounces.filter(|bounces| *bounces > 0 && !bounces_at_all(scene));
+        let why = "no sphere has a material that reflects or refracts light like a mirror or glass";
+        Ok(idle.map(|bounces| format!("{BOUNCES} {bounces} changes nothing: {why}")).into_iter().collect())
     }
 
     /// The sky of the buffer `occlusion` in a scene without one.
@@ -156,26 +192,6 @@ impl AddedLight {
     pub fn buffer_sky(&self) -> Sky {
         let usual = Sky::default();
         Sky { reach: self.reach.unwrap_or(usual.reach), ..usual }
-    }
-
-    /// Whether the buffer `shadow` is requested, but neither the scene, before this is applied, nor an option has a light:
-    /// buffers do not depend on looks.
-    #[must_use]
-    pub fn lacks_light(&self, scene: &Scene, aovs: &[Aov]) -> bool {
-        let none = scene.lighting.lights.is_empty() && self.suns.is_empty() && !self.shadows;
-        none && aovs.contains(&Aov::Shadow)
-    }
-
-    /// Whether it has a reach, but neither the scene, once it is applied, nor the buffers have a sky.
-    #[must_use]
-    pub fn lacks_sky(&self, scene: &Scene, aovs: &[Aov]) -> bool {
-        self.reach.is_some() && scene.lighting.sky.is_none() && !aovs.contains(&Aov::Occlusion)
-    }
-
-    /// The bounces, where they change nothing of a scene although they are more than 0.
-    #[must_use]
-    pub fn idle_bounces(&self, scene: &Scene) -> Option<u32> {
-        self.bounces.filter(|bounces| *bounces > 0 && !bounces_at_all(scene))
     }
 }
 
@@ -215,7 +231,7 @@ mod tests {
             (AddedLight { reach: Some(2.0), ..soft.clone() }, None, Some((3, 2.0, true))),
         ] {
             let mut scene = scene(sky);
-            light.apply(&mut scene).expect("a camera");
+            light.apply(&mut scene, &[]).expect("a camera");
             let found = scene.lighting.sky.map(|sky| (sky.rays, sky.reach, sky.at_centers));
             assert_eq!(found, expected, "{light:?} on {sky:?}");
             assert_eq!(scene.lighting.lights.len(), usize::from(light.look == Look::Soft), "{light:?}");
@@ -241,7 +257,7 @@ mod tests {
         ] {
             let mut scene = scene(None);
             scene.lighting.lights = lights;
-            light.apply(&mut scene).expect("a camera");
+            light.apply(&mut scene, &[]).expect("a camera");
             let found: Vec<f32> = scene.lighting.lights.iter().map(|light| light.intensity).collect();
             assert_eq!(found, expected, "{light:?}");
         }
@@ -263,13 +279,13 @@ mod tests {
             (&sunny, file, 1.0, vec![0.5; 2]),
         ] {
             let mut scene = scene(own);
-            light.apply(&mut scene).expect("a camera");
+            light.apply(&mut scene, &[]).expect("a camera");
             let found: Vec<f32> = scene.lighting.lights.iter().map(|light| light.intensity).collect();
             assert_eq!((scene.lighting.sky.expect("a sky").share, found), (share, lights), "{light:?} on {own:?}");
         }
         let mut with_light = scene(None);
         with_light.lighting.lights = vec![Light::white(LightSource::Point(DVec3::Y))];
-        open.apply(&mut with_light).expect("a camera");
+        open.apply(&mut with_light, &[]).expect("a camera");
         assert_eq!(with_light.lighting.sky.expect("a sky").share, 0.5, "beside the lights of a file");
     }
 
@@ -299,13 +315,38 @@ mod tests {
         }
     }
 
+    /// A look that options or a file ask for is refused by the frame, which names it.
     #[test]
-    fn a_reach_needs_a_sky_and_bounces_a_material() {
-        let light = AddedLight { reach: Some(2.0), bounces: Some(3), ..AddedLight::default() };
+    fn particles_behind_a_curved_lens_are_lit_from_the_eye_with_a_warning() {
+        let [straight, curved] = [Lens::Vfov { degrees: 50.0, distance: 1.0 }, Lens::panorama(64, 32)];
+        let particles = FileLook::PARTICLES;
+        for (lens, from, has_picture, look, shade, expected) in [
+            (straight, particles, true, None, None, (Look::Soft, 4, false)),
+            (curved, particles, true, None, None, (Look::Plain, 1, true)),
+            (curved, particles, true, Some(Look::Plain), None, (Look::Plain, 1, false)),
+            (curved, particles, true, Some(Look::Soft), None, (Look::Soft, 4, false)),
+            (curved, particles, true, None, Some(Shade::Flat), (Look::Plain, 1, false)),
+            (curved, particles, false, None, None, (Look::Plain, 1, false)),
+            (curved, FileLook::default(), true, None, None, (Look::Plain, 1, false)),
+        ] {
+            let (chosen, warning) = from.choose_through(&lens, has_picture, look, None, shade);
+            assert_eq!((chosen.look, chosen.samples, warning.is_some()), expected, "{lens:?} {from:?} {look:?}");
+        }
+    }
+
+    #[test]
+    fn a_reach_needs_a_sky_shadows_a_light_and_bounces_a_material() {
+        let reach = AddedLight { reach: Some(2.0), bounces: Some(3), ..AddedLight::default() };
+        reach.apply(&mut scene(None), &[Aov::Color]).expect_err("no sky");
         let mut bare = scene(None);
-        light.apply(&mut bare).expect("a camera");
-        assert!(light.lacks_sky(&bare, &[Aov::Color]) && !light.lacks_sky(&bare, &[Aov::Occlusion]));
-        assert_eq!((light.buffer_sky().reach, bare.lighting.bounces, light.idle_bounces(&bare)), (2.0, None, Some(3)));
-        assert!(!light.lacks_sky(&scene(Some(Sky::default())), &[]));
+        let warnings = reach.apply(&mut bare, &[Aov::Occlusion]).expect("the sky of the buffer");
+        assert!(matches!(&warnings[..], [one] if one.contains("3 changes nothing")), "{warnings:?}");
+        assert_eq!((reach.buffer_sky().reach, bare.lighting.bounces), (2.0, None));
+        reach.apply(&mut scene(Some(Sky::default())), &[]).expect("the sky of the scene");
+        let none = AddedLight { bounces: Some(0), ..AddedLight::default() };
+        assert_eq!(none.apply(&mut bare, &[]).expect("nothing to add"), [""; 0]);
+        let soft = AddedLight { look: Look::Soft, ..AddedLight::default() };
+        soft.apply(&mut bare, &[Aov::Shadow]).expect_err("the light of a look casts none");
+        AddedLight { shadows: true, ..soft }.apply(&mut bare, &[Aov::Shadow]).expect("a light");
     }
 }

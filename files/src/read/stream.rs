@@ -297,7 +297,7 @@ impl SphereBlocks {
         }
         self.report(skipped.assumed, left as u64);
         self.legend = match (self.legend.take(), legend) {
-            (Some(first), Some(second)) if !first.is_scale() => Some(joined_categories(first, &second)),
+            (Some(first), Some(second)) => Some(joined_categories(first, &second)),
             (first, second) => first.or(second),
         };
         self.mark(masks, &spheres);

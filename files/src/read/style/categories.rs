@@ -8,16 +8,12 @@ use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::legend::{Category, Legend};
-use halfline::frame::srgb::linear;
 use halfline::quote::setting::{LOG, RANGE};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
 /// Columns whose whole numbers are identifiers: of types, molecules, copies.
 const NUMBERED: [&str; 7] = ["type", "typeid", "mol", "molecule", "model", "copy", "cluster"];
-
-/// The colour of particles without a number.
-const MISSING: [u8; 3] = [0x80; 3];
 
 /// The most categories that are counted separately; the rest are counted together.
 const MOST: usize = 1 << 16;
@@ -45,16 +41,19 @@ pub(super) fn elements(elements: &[u8], paint: &[u16]) -> Legend {
 }
 
 /// Whether a rule gives particle `n` a colour of its own.
-fn is_painted(paint: &[u16], n: usize) -> bool {
+pub(super) fn is_painted(paint: &[u16], n: usize) -> bool {
     paint.get(n).is_some_and(|rule| *rule > 0)
 }
 
-/// The legend of the categories of two parts of a file: names in their order, elements in that of [`elements`].
+/// The legend of two parts of a file: names in their order, elements in that of [`elements`].
 pub(in crate::read) fn joined_categories(mut first: Legend, second: &Legend) -> Legend {
-    for category in &second.categories {
-        match first.categories.iter_mut().find(|known| known.label == category.label) {
-            Some(known) => known.count += category.count,
-            None => first.categories.push(category.clone()),
+    let rows = [(&mut first.categories, &second.categories), (&mut first.overrides, &second.overrides)];
+    for (rows, more) in rows {
+        for category in more {
+            match rows.iter_mut().find(|known| known.label == category.label) {
+                Some(known) => known.count += category.count,
+                None => rows.push(category.clone()),
+            }
         }
     }
     let names = std::mem::take(&mut first.names);
@@ -104,7 +103,7 @@ fn colored(
 ) -> Colored {
     let categories = Categories::new(scale, labels);
     let counts = Counts::of(&categories, column, particles.rule_numbers(RuleTarget::Color));
-    skipped.assumed.extend(counts.notes(name, column.values.len(), &categories.map));
+    skipped.assumed.extend(counts.notes(name, column.values.len(), &categories.map, &scale.missing_words()));
     let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
     let legend = Legend {
         name: name.to_owned(),
@@ -113,7 +112,7 @@ fn colored(
         log: false,
         categories: counts.known.iter().map(|(number, count)| categories.row(*number, *count)).collect(),
         names: categories.names.clone(),
-        overrides: Vec::new(),
+        overrides: scale.missing_row("none", counts.missing).into_iter().collect(),
     };
     // Few colours for many particles.
     let known: BTreeMap<i64, [f32; 3]> = counts.known.keys().map(|n| (*n, categories.color(*n as f64))).collect();
@@ -158,6 +157,8 @@ struct Categories {
     map: ColorMap,
     /// The category at the end of a continuous map.
     last: f64,
+    /// Linear RGB of particles without a category.
+    missing: [f32; 3],
 }
 
 impl Categories {
@@ -166,7 +167,7 @@ impl Categories {
         let names: Vec<String> = names.unwrap_or_default();
         // A continuous map is spread over all names of the file.
         let last = labels.map_or(1, |_| names.len().saturating_sub(1).max(1)) as f64;
-        Self { names, places, map: scale.map.clone().unwrap_or(ColorMap::Category), last }
+        Self { names, places, map: scale.map.clone().unwrap_or(ColorMap::Category), last, missing: scale.missing() }
     }
 
     /// The category of a value; not finite if it has none.
@@ -183,7 +184,7 @@ impl Categories {
     }
 
     fn color(&self, category: f64) -> [f32; 3] {
-        if category.is_finite() { self.map.color(self.place(category)) } else { linear(MISSING) }
+        if category.is_finite() { self.map.color(self.place(category)) } else { self.missing }
     }
 
     /// The row of a category in the legend.
@@ -230,11 +231,11 @@ impl Counts {
     }
 
     /// Notes on particles without a category, of so many, and on categories that share colours.
-    fn notes(&self, name: &str, of: usize, map: &ColorMap) -> impl Iterator<Item = String> {
+    fn notes(&self, name: &str, of: usize, map: &ColorMap, color: &str) -> impl Iterator<Item = String> {
         let (missing, several, colors) = (self.missing, self.several(), ColorMap::CATEGORIES);
         let missing = (missing > 0).then(|| {
             format!(
-                "{missing} of {of} values of {name} are not numbers, so these particles have no category and are grey"
+                "{missing} of {of} values of {name} are not numbers, so these particles have no category and {color}"
             )
         });
         let shared = (*map == ColorMap::Category && several > colors)
@@ -262,6 +263,7 @@ mod tests {
     use super::*;
     use crate::read::color::of_hex;
     use crate::read::style::scale::RangeEnd;
+    use halfline::frame::srgb::linear;
 
     fn colored(name: &str, values: &[f64], labels: &[&str], scale: &Scale) -> Result<Option<(Colored, Vec<String>)>> {
         let column = Column { name: name.into(), values: values.to_vec() };
@@ -318,7 +320,7 @@ mod tests {
         let legend = legend.expect("a legend");
         let labels: Vec<&str> = legend.categories.iter().map(|category| &category.label[..]).collect();
         assert_eq!((labels, legend.range), (vec!["-1", "2"], [-1.0, 2.0]));
-        assert_eq!((colors[1], colors[4], colors[0]), (linear(MISSING), linear(MISSING), colors[3]));
+        assert_eq!((colors[1], colors[4], colors[0]), (linear([0x80; 3]), linear([0x80; 3]), colors[3]));
         assert!(warnings[0].starts_with("2 of 5 values of q"), "{warnings:?}");
         let many: Vec<f64> = (0..40).map(f64::from).collect();
         let (_, warnings) = colored("type", &many, &[], &scale("type", None)).expect("ok").expect("categories");

@@ -1,9 +1,9 @@
 //! Colours from columns of numbers.
 
-use super::categories;
+use super::categories::{self, is_painted};
 use super::scale::{Colored, Scale};
 use crate::read::nearest::did_you_mean;
-use crate::read::particles::frame::{Column, Particles};
+use crate::read::particles::frame::{Column, Particles, RuleTarget};
 use crate::read::particles::vectors;
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
@@ -54,19 +54,25 @@ impl Scale {
         let [low, high] = self.ends(values.iter().copied().filter(shown));
         let scaled = |x: f64| if self.log { x.ln() } else { x };
         let (from, width) = (scaled(low), scaled(high) - scaled(low));
+        let missing = self.missing();
+        let lacks_number = |x: &f64| x.is_nan() || self.log && *x <= 0.0;
         let color = |x: &f64| {
             let part = (scaled(*x) - from) / width;
-            // If all values are equal or NaN: the map's first colour.
-            map.color(if part.is_nan() { 0.0 } else { part })
+            match lacks_number(x) {
+                true => missing,
+                // If all values are equal: the map's first colour.
+                false => map.color(if part.is_nan() { 0.0 } else { part }),
+            }
         };
         let name = vectors::title(&self.columns, &particles.has);
-        let lost = values.par_iter().filter(|x| x.is_nan() || self.log && **x <= 0.0).count();
+        let lost = values.par_iter().filter(|x| lacks_number(x)).count();
         if lost > 0 {
             let why = if self.log { "are not positive numbers" } else { "are not numbers" };
-            skipped.assumed.push(format!(
-                "{lost} of {n} values of {name} {why}, so these particles have the first colour of the map"
-            ));
+            let color = self.missing_words();
+            skipped.assumed.push(format!("{lost} of {n} values of {name} {why}, so these particles {color}"));
         }
+        let paint = particles.rule_numbers(RuleTarget::Color);
+        let shown = values.iter().enumerate().filter(|(n, x)| lost > 0 && lacks_number(x) && !is_painted(paint, *n));
         let legend = Legend {
             name,
             map: map.clone(),
@@ -74,7 +80,7 @@ impl Scale {
             log: self.log,
             categories: Vec::new(),
             names: Vec::new(),
-            overrides: Vec::new(),
+            overrides: self.missing_row("no number", shown.count() as u64).into_iter().collect(),
         };
         Ok((values.par_iter().map(color).collect(), (low <= high || self.known_range().is_some()).then_some(legend)))
     }

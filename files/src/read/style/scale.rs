@@ -2,8 +2,10 @@
 
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
-use halfline::frame::legend::Legend;
+use halfline::frame::legend::{Category, Legend};
+use halfline::frame::srgb::{level, linear};
 use halfline::quote::quote;
+use halfline::quote::setting::NAN_COLOR;
 use rayon::prelude::*;
 use std::str::FromStr;
 
@@ -19,6 +21,8 @@ pub struct Scale {
     pub range: Option<[RangeEnd; 2]>,
     /// Whether the scale is logarithmic.
     pub log: bool,
+    /// Linear RGB of particles without a number; `None` takes a grey.
+    pub nan_color: Option<[f32; 3]>,
     /// Names of categories whose colours are fixed, in the order of their colours: a film keeps those of its first frame.
     /// Others follow in the file's order.
     pub names: Vec<String>,
@@ -59,12 +63,30 @@ impl Scale {
         [value(ends[0], f64::INFINITY), value(ends[1], f64::NEG_INFINITY)]
     }
 
+    /// Linear RGB of particles without a number.
+    pub(super) fn missing(&self) -> [f32; 3] {
+        self.nan_color.unwrap_or_else(|| linear(MISSING))
+    }
+
+    /// The colour of particles without a number, in words.
+    pub(super) fn missing_words(&self) -> String {
+        self.nan_color.map_or("are grey".into(), |_| format!("have the colour of {NAN_COLOR}"))
+    }
+
+    /// The row of a legend for so many particles without a number.
+    pub(super) fn missing_row(&self, label: &str, count: u64) -> Option<Category> {
+        (count > 0).then(|| Category { label: label.into(), color: self.missing().map(level), count })
+    }
+
     /// The colours of these columns, with everything else as it is by default.
     #[must_use]
     pub fn of(columns: Vec<String>) -> Self {
-        Self { columns, map: None, range: None, log: false, names: Vec::new() }
+        Self { columns, map: None, range: None, log: false, nan_color: None, names: Vec::new() }
     }
 }
+
+/// The colour of particles without a number.
+const MISSING: [u8; 3] = [0x80; 3];
 
 /// An end of a range of colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
