@@ -126,9 +126,8 @@ impl InsetArgs {
     ) -> Result<Option<String>> {
         let things: Vec<Thing> =
             picture.marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
-        let ids = (!self.mark_all).then(|| frame.ids());
         let settings = Settings { aovs: vec![Aov::Id], ..settings.clone() };
-        panels.add_marks(&picture.scene, &things, ids, |scene| renderer.render(scene, &settings))
+        panels.add_marks(&picture.scene, &things, frame.ids(), self.mark_all, |scene| renderer.render(scene, &settings))
     }
 
     /// Sentences on the limits of the panels: a scale bar that holds at one distance only, a legend that may cover

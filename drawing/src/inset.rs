@@ -2,6 +2,7 @@
 //! which is readable on dark and on light backgrounds. The size of the letters follows the picture's.
 
 mod label;
+mod line;
 mod mark;
 mod page;
 mod scale;
@@ -12,6 +13,7 @@ use halfline::error::{Result, named};
 use halfline::frame::legend::Legend;
 use halfline::frame::srgb::linear;
 use halfline::frame::{Aov, Buffer, Data, Frame};
+use line::Line;
 use page::Page;
 use std::collections::BTreeSet;
 use tiny_skia::Pixmap;
@@ -64,6 +66,8 @@ pub struct Insets {
 #[derive(Debug, Clone, Default)]
 pub struct Panels {
     panels: Vec<Panel>,
+    /// Lines from things to their marks, below the panels.
+    lines: Vec<(Line, Panel)>,
     words: String,
     /// Letters of the texts that the font lacks.
     unknown: BTreeSet<char>,
@@ -173,7 +177,7 @@ impl Insets {
             };
             panels.push(Panel { at: [left.max(0.0) as usize, row.max(0.0) as usize], pixels });
         }
-        Ok(Panels { panels, words: words.join("; "), unknown })
+        Ok(Panels { panels, lines: Vec::new(), words: words.join("; "), unknown })
     }
 }
 
@@ -201,7 +205,8 @@ impl Panels {
     pub fn draw(&self, frame: &mut Frame, transparent: bool) -> Covered {
         let mut covered = Vec::new();
         let columns = frame.width as usize;
-        for Panel { at: [left, top], pixels } in &self.panels {
+        let lines = self.lines.iter().map(|(_, panel)| panel);
+        for Panel { at: [left, top], pixels } in lines.chain(&self.panels) {
             for (row, line) in pixels.pixels().chunks(pixels.width() as usize).enumerate() {
                 let line = &line[..line.len().min(columns.saturating_sub(*left))];
                 for buffer in &mut frame.buffers {

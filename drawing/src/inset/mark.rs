@@ -1,4 +1,7 @@
-//! Marks of a picture: texts beside the things that they name, dark with a light halo, none over another.
+//! Marks of a picture: texts at pixels of the things that they name, or with a line from there, none over another.
+
+mod place;
+mod seen;
 
 use super::page::Page;
 use super::{Panel, Panels};
@@ -11,32 +14,21 @@ use halfline::frame::Frame;
 use halfline::quote::setting::{MARK, SIZE};
 use halfline::quote::{count, list};
 use halfline::scene::Scene;
+use place::{Disc, Target};
+use seen::SeenThings;
 
 /// Spheres of a scene, with the text that names them.
 pub type Thing = (String, Vec<u32>);
-
-/// A text at a thing in the picture.
-#[derive(Debug, Clone, PartialEq)]
-struct Mark {
-    text: String,
-    /// The middle of the thing, columns and rows of the picture.
-    at: [f64; 2],
-    /// Half of its width, pixels.
-    reach: f64,
-}
 
 /// Whether dark letters are hard to read on a colour in linear light: of less luminance than a middle grey.
 fn is_dark([red, green, blue]: [f32; 3]) -> bool {
     0.2126 * red + 0.7152 * green + 0.0722 * blue < 0.18
 }
 
-/// A thing that is so many times as wide as its text has the text on it, else beside it.
-const ROOMY: f32 = 1.15;
-
 impl Panels {
     /// Adds marks of things in a whole frame of a scene, in their order: of those among the `ids` of its pixels, and of those that are
-    /// seen through translucent spheres, of which `render` renders a frame without them; without ids of all in front of the camera.
-    /// Returns a warning about those that find no place.
+    /// seen through translucent spheres, of which `render` renders a frame without them; with `all` also of those that are hidden, in
+    /// front of the camera. Returns a warning about those that find no place.
     ///
     /// # Errors
     /// Errors of [`Camera::projector`](halfline::Camera::projector) and of `render`.
@@ -44,29 +36,28 @@ impl Panels {
         &mut self,
         scene: &Scene,
         things: &[Thing],
-        ids: Option<&[i32]>,
+        ids: &[i32],
+        all: bool,
         render: impl FnOnce(&Scene) -> Result<Frame>,
     ) -> Result<Option<String>> {
-        let all = ids.is_none();
-        let shown = match ids.filter(|_| !things.is_empty()) {
-            Some(ids) => visible_ids(scene, ids, render)?,
-            None => Vec::new(),
-        };
-        let mut is_shown = vec![false; scene.spheres.len()];
-        for id in shown.iter().filter_map(|id| usize::try_from(*id).ok()) {
-            is_shown[id] = true;
+        if things.is_empty() {
+            return Ok(None);
         }
-        let mut marks = Vec::new();
         let size = [scene.image.width, scene.image.height];
         let projector = scene.camera.projector(size)?;
-        for (text, ids) in things.iter().filter(|(_, ids)| all || ids.iter().any(|id| is_shown[*id as usize])) {
-            if let Some((at, reach)) = extent(scene, &projector, ids) {
-                marks.push(Mark { text: text.clone(), at, reach });
-            }
+        let seen = SeenThings::new(size.map(|side| side as usize), things, &images_of(scene, ids, render)?);
+        let mut targets = Vec::new();
+        for (number, (text, ids)) in things.iter().enumerate() {
+            let target = match seen.thing(number) {
+                Some(thing) => Some(Target::Seen(thing)),
+                None if all => disc(scene, &projector, ids).map(Target::Hidden),
+                None => None,
+            };
+            targets.extend(target.map(|target| (&text[..], target)));
         }
-        let left_out = self.mark(size, is_dark(scene.image.background), &marks);
+        let left_out = self.mark(size, is_dark(scene.image.background), &seen, &targets);
         let warning = || {
-            let (some, all) = (left_out.len(), count(marks.len() as u64, "mark"));
+            let (some, all) = (left_out.len(), count(targets.len() as u64, "mark"));
             let problem =
                 format!("{some} of {all} have no place in the picture beside the others ({})", list(&left_out));
             format!("{problem}: a larger {SIZE}, or fewer by {MARK}, leave more room")
@@ -74,61 +65,58 @@ impl Panels {
         Ok((!left_out.is_empty()).then(warning))
     }
 
-    /// Adds marks to a picture of this size, light ones with a dark halo or dark ones with a light halo, in their order: on their things
-    /// where these are wide, else beside them. Returns the texts of those that have no place in the picture beside the others.
-    fn mark<'a>(&mut self, [width, height]: [u32; 2], are_light: bool, marks: &'a [Mark]) -> Vec<&'a str> {
+    /// Adds marks to a picture of this size, light ones with a dark halo or dark ones with a light halo, in their order. Returns the
+    /// texts of those that have no place in the picture beside the others.
+    fn mark<'a>(
+        &mut self,
+        [width, height]: [u32; 2],
+        are_light: bool,
+        seen: &SeenThings,
+        targets: &[(&'a str, Target<'_>)],
+    ) -> Vec<&'a str> {
         let page = Page::new(width, height);
         let mut left_out = Vec::new();
-        for mark in marks {
-            let text = plain(&mark.text);
-            let placed = page.haloed(&text, are_light).and_then(|pixels| {
-                let size = [pixels.width() as f32, pixels.height() as f32];
-                let at = places(mark, size).into_iter().find(|at| self.is_free(&page, *at, size))?;
-                Some(Panel { at: at.map(|x| x as usize), pixels })
+        for (text, target) in targets {
+            let shown = plain(text);
+            let placed = page.haloed(&shown, are_light).and_then(|pixels| {
+                let size = [pixels.width(), pixels.height()].map(i64::from);
+                let place = self.place(&page, seen, target, size)?;
+                self.lines.extend(place.line.and_then(|line| page.line_to(line, are_light)));
+                Some(Panel { at: place.at.map(|x| x as usize), pixels })
             });
             match placed {
                 Some(panel) => {
-                    self.unknown.extend(missing(&text, false));
+                    self.unknown.extend(missing(&shown, false));
                     self.panels.push(panel);
                 }
-                None => left_out.push(mark.text.as_str()),
+                None => left_out.push(*text),
             }
         }
         left_out
     }
-
-    /// Whether a rectangle lies in the picture, beside all panels.
-    fn is_free(&self, page: &Page, [left, top]: [f32; 2], [wide, high]: [f32; 2]) -> bool {
-        let inside = left >= 0.0 && top >= 0.0 && left + wide <= page.width && top + high <= page.height;
-        let is_apart = |panel: &Panel| {
-            let [x, y] = panel.at.map(|x| x as f32);
-            let [w, h] = [panel.pixels.width() as f32, panel.pixels.height() as f32];
-            left >= x + w || x >= left + wide || top >= y + h || y >= top + high
-        };
-        inside && self.panels.iter().all(is_apart)
-    }
 }
 
-/// The ids that the pixels of a frame show, with those of the opaque spheres that they show through translucent ones, of which
-/// `render` renders a frame.
+/// The ids that the pixels of a frame show, and where spheres are translucent those of the opaque ones alone, of which `render`
+/// renders a frame.
 ///
 /// # Errors
 /// Those of `render`.
-fn visible_ids(scene: &Scene, ids: &[i32], render: impl FnOnce(&Scene) -> Result<Frame>) -> Result<Vec<i32>> {
-    let mut all = ids.to_vec();
+fn images_of(scene: &Scene, ids: &[i32], render: impl FnOnce(&Scene) -> Result<Frame>) -> Result<Vec<Vec<i32>>> {
+    let mut all = vec![ids.to_vec()];
     if scene.spheres.is_translucent() {
         let is_opaque: Vec<bool> = (0..scene.spheres.len() as u32).map(|id| scene.spheres.opacity(id) == 1.0).collect();
         let opaque: Vec<i32> = (0..).zip(&is_opaque).filter(|(_, flag)| **flag).map(|(id, _)| id).collect();
         let (spheres, lighting) = (scene.spheres.part(&is_opaque), Default::default());
         let frame = render(&Scene { camera: scene.camera, image: scene.image, spheres, lighting })?;
-        all.extend(frame.ids().iter().filter_map(|id| opaque.get(usize::try_from(*id).ok()?)));
+        let of_all = |id: &i32| usize::try_from(*id).ok().and_then(|id| opaque.get(id)).copied().unwrap_or(-1);
+        all.push(frame.ids().iter().map(of_all).collect());
     }
     Ok(all)
 }
 
 /// The middle of some spheres in the picture, and half of the width of the disc around them; `None` where the lens sees none of their
 /// centres.
-fn extent(scene: &Scene, projector: &Projector, ids: &[u32]) -> Option<([f64; 2], f64)> {
+fn disc(scene: &Scene, projector: &Projector, ids: &[u32]) -> Option<Disc> {
     let spheres = &scene.spheres;
     let disc = |id: &u32| {
         let n = *id as usize;
@@ -148,65 +136,126 @@ fn extent(scene: &Scene, projector: &Projector, ids: &[u32]) -> Option<([f64; 2]
     if turn > 0.0 {
         middle.x = middle.x.rem_euclid(turn);
     }
-    Some((middle.to_array(), reach))
-}
-
-/// The places of a text of this size, in the order in which they are tried: whole columns and rows of its top left corner.
-fn places(mark: &Mark, [wide, high]: [f32; 2]) -> Vec<[f32; 2]> {
-    let ([x, y], reach) = (mark.at.map(|x| x as f32), mark.reach as f32);
-    let middle = [x - wide / 2.0, y - high / 2.0];
-    // Diagonals begin at the edge of a disc.
-    let near = 0.71 * reach;
-    let around = [
-        [x + reach, middle[1]],
-        [x + near, y - near - high],
-        [x + near, y + near],
-        [x - reach - wide, middle[1]],
-        [middle[0], y - reach - high],
-        [middle[0], y + reach],
-    ];
-    let on_it = Some(middle).filter(|_| 2.0 * reach >= ROOMY * wide.max(high));
-    on_it.into_iter().chain(around).map(|at| at.map(f32::round)).collect()
+    Some(Disc { at: [middle.x, middle.y].map(|x| x.floor() as i64), reach: reach.round() as i64 })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn mark(at: [f64; 2], reach: f64) -> Mark {
-        Mark { text: "Io".into(), at, reach }
+    const SIZE: [usize; 2] = [400, 300];
+
+    /// An image of ids with discs, of which later ones are before earlier ones.
+    fn discs(size: [usize; 2], discs: &[([i64; 2], i64)]) -> Vec<i32> {
+        let mut ids = vec![-1; size[0] * size[1]];
+        for (id, ([x, y], radius)) in (0..).zip(discs) {
+            let [columns, rows] = [(x, size[0]), (y, size[1])]
+                .map(|(middle, side)| (middle - radius).max(0)..(middle + radius + 1).min(side as i64));
+            for [column, row] in rows.flat_map(|row| columns.clone().map(move |column| [column, row])) {
+                if (column - x).pow(2) + (row - y).pow(2) <= radius * radius {
+                    ids[row as usize * size[0] + column as usize] = id;
+                }
+            }
+        }
+        ids
+    }
+
+    /// Things of one disc each.
+    fn each(count: u32) -> Vec<Thing> {
+        (0..count).map(|id| (format!("Io{id}"), vec![id])).collect()
+    }
+
+    fn targets<'a>(things: &'a [Thing], seen: &'a SeenThings) -> Vec<(&'a str, Target<'a>)> {
+        let of = |(n, (text, _)): (usize, &'a Thing)| Some((&text[..], Target::Seen(seen.thing(n)?)));
+        things.iter().enumerate().filter_map(of).collect()
     }
 
     #[test]
     fn a_text_is_on_a_wide_thing_and_next_to_a_small_one() {
         let mut panels = Panels::default();
-        let two = [mark([200.0, 150.0], 60.0), mark([320.0, 50.0], 3.0)];
-        assert_eq!(panels.mark([400, 300], false, &two), [""; 0]);
+        let things = each(2);
+        let seen = SeenThings::new(SIZE, &things, &[discs(SIZE, &[([200, 150], 60), ([320, 50], 3)])]);
+        assert_eq!(panels.mark([400, 300], false, &seen, &targets(&things, &seen)), [""; 0]);
         let [on, other] = &panels.panels[..] else { panic!("two marks") };
         let middle = |panel: &Panel| {
             [panel.at[0] + panel.pixels.width() as usize / 2, panel.at[1] + panel.pixels.height() as usize / 2]
         };
-        assert_eq!(middle(on), [200, 150]);
-        assert_eq!(other.at[0], 323);
-        assert!(middle(other)[1].abs_diff(50) <= 1);
+        assert!(middle(on)[0].abs_diff(200) <= 1 && middle(on)[1].abs_diff(150) <= 1, "{:?}", middle(on));
+        assert_eq!(other.at[0], 324);
+        assert!(middle(other)[1].abs_diff(50) <= 1 && panels.lines.is_empty());
+    }
+
+    /// Discs at random, many of them behind others: a text is on its thing or begins at a pixel of it, or at the end of a line from one;
+    /// no text covers another, and one that can be elsewhere covers no other thing.
+    #[test]
+    fn texts_begin_at_pixels_of_what_they_name() {
+        let mut bits = 0x2545_f491_4f6c_dd1d_u64;
+        let mut next = |most: i64| {
+            bits = bits.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (bits >> 33) as i64 % most
+        };
+        let (mut on, mut beside, mut lines, mut covering) = (0, 0, 0, 0);
+        for _ in 0..4 {
+            let all: Vec<([i64; 2], i64)> = (0..40).map(|_| ([next(400), next(300)], 2 + next(28))).collect();
+            let (things, ids) = (each(40), discs(SIZE, &all));
+            let seen = SeenThings::new(SIZE, &things, std::slice::from_ref(&ids));
+            let mut panels = Panels::default();
+            for (text, target) in targets(&things, &seen) {
+                let Target::Seen(thing) = &target else { panic!("{text} is seen") };
+                let page = Page::new(400, 300);
+                let size = page
+                    .haloed(text, false)
+                    .map(|pixels| [pixels.width(), pixels.height()].map(i64::from))
+                    .expect(text);
+                let before = panels.panels.len();
+                let place = panels.place(&page, &seen, &target, size);
+                let left_out = panels.mark([400, 300], false, &seen, &[(text, Target::Seen(thing))]);
+                assert_eq!(place.is_none(), !left_out.is_empty(), "{text}");
+                let Some(place) = place else { continue };
+                assert_eq!(panels.panels[before].at.map(|x| x as i64), place.at, "{text}");
+                let ([x, y], [wide, high]) = (place.at, size);
+                let touched = (x - 1..=x + wide).flat_map(|x| (y - 1..=y + high).map(move |y| [x, y]));
+                match place.line {
+                    Some(line) => assert!(seen.shows(thing, line.from), "{text}: {line:?}"),
+                    None => assert!(touched.into_iter().any(|at| seen.shows(thing, at)), "{text}: {place:?}"),
+                }
+                let inside = || (x..x + wide).flat_map(|x| (y..y + high).map(move |y| [x, y]));
+                let share = |keep: &dyn Fn([i64; 2]) -> bool| {
+                    inside().filter(|at| keep(*at)).count() as f32 / (wide * high) as f32
+                };
+                let is_on = share(&|at| seen.shows(thing, at)) > 0.9;
+                covering += usize::from(share(&|at| seen.covers(Some(thing), at) > 0.0) > 0.2);
+                *if place.line.is_some() {
+                    &mut lines
+                } else if is_on {
+                    &mut on
+                } else {
+                    &mut beside
+                } += 1;
+            }
+            let ends = |panel: &Panel| {
+                [panel.at[0] + panel.pixels.width() as usize, panel.at[1] + panel.pixels.height() as usize]
+            };
+            for (n, a) in panels.panels.iter().enumerate() {
+                assert!(ends(a)[0] <= 400 && ends(a)[1] <= 300);
+                for b in &panels.panels[n + 1..] {
+                    assert!((0..2).any(|k| a.at[k] >= ends(b)[k] || b.at[k] >= ends(a)[k]), "{:?} {:?}", a.at, b.at);
+                }
+            }
+        }
+        assert!(on > 20 && beside > 20 && lines > 0, "{on} on, {beside} beside, {lines} with a line");
+        assert!(covering * 10 < on + beside + lines, "{covering} of {}", on + beside + lines);
     }
 
     #[test]
     fn no_text_covers_another_or_leaves_the_picture() {
+        let size = [100, 60];
+        let places: Vec<([i64; 2], i64)> = (0..40).map(|n| ([50 + n % 7, 30 + n / 7], 0)).collect();
+        let things = each(40);
+        let seen = SeenThings::new(size, &things, &[discs(size, &places)]);
         let mut panels = Panels::default();
-        let crowd: Vec<Mark> = (0..40).map(|n| mark([50.0 + f64::from(n % 7), 30.0 + f64::from(n / 7)], 2.0)).collect();
-        let left_out = panels.mark([100, 60], true, &crowd).len();
+        let left_out = panels.mark([100, 60], true, &seen, &targets(&things, &seen)).len();
         assert_eq!(left_out + panels.panels.len(), 40);
         assert!(panels.panels.len() >= 3, "{}", panels.panels.len());
-        for (n, a) in panels.panels.iter().enumerate() {
-            let end = |panel: &Panel| {
-                [panel.at[0] + panel.pixels.width() as usize, panel.at[1] + panel.pixels.height() as usize]
-            };
-            assert!(end(a)[0] <= 100 && end(a)[1] <= 60);
-            for b in &panels.panels[n + 1..] {
-                let apart = (0..2).any(|k| a.at[k] >= end(b)[k] || b.at[k] >= end(a)[k]);
-                assert!(apart, "{:?} {:?}", a.at, b.at);
-            }
-        }
     }
 }

@@ -18,8 +18,8 @@ const LEAST: f32 = 9.0;
 
 /// Opacity of a panel: text on it has a contrast of at least 9 on black, where it is grey, by the formula of WCAG 2.
 const OPACITY: f32 = 0.8;
-const INK: [u8; 3] = [0x16, 0x16, 0x16];
-const PAPER: [u8; 3] = [0xff; 3];
+pub(super) const INK: [u8; 3] = [0x16, 0x16, 0x16];
+pub(super) const PAPER: [u8; 3] = [0xff; 3];
 const LINE: [u8; 3] = [0x80, 0x80, 0x80];
 
 /// The picture that panels are for; lengths are pixels.
@@ -27,7 +27,7 @@ pub(super) struct Page {
     pub(super) width: f32,
     pub(super) height: f32,
     /// The height of a line of text.
-    size: f32,
+    pub(super) size: f32,
     /// The distance of panels from the picture's edges, and of their content from theirs.
     pub(super) margin: f32,
 }
@@ -203,7 +203,7 @@ fn fill(pixels: &mut Pixmap, [left, top, right, bottom]: [f32; 4], color: [u8; 3
     }
 }
 
-fn paint([red, green, blue]: [u8; 3]) -> Paint<'static> {
+pub(super) fn paint([red, green, blue]: [u8; 3]) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color_rgba8(red, green, blue, 255);
     paint

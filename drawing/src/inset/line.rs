@@ -1,0 +1,63 @@
+//! Lines from the things of a picture to their marks.
+
+use super::Panel;
+use super::page::{INK, PAPER, Page, paint};
+use tiny_skia::{FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
+
+/// A line between the middles of two pixels, columns and rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Line {
+    pub(super) from: [i64; 2],
+    pub(super) to: [i64; 2],
+}
+
+impl Line {
+    pub(super) fn length(&self) -> f32 {
+        let [x, y] = [0, 1].map(|k| (self.to[k] - self.from[k]) as f32);
+        (x * x + y * y).sqrt()
+    }
+
+    /// Its pixels.
+    pub(super) fn points(&self) -> impl Iterator<Item = [i64; 2]> {
+        let away = [0, 1].map(|k| self.to[k] - self.from[k]);
+        let (steps, from) = (away[0].abs().max(away[1].abs()).max(1), self.from);
+        (0..=steps).map(move |n| [0, 1].map(|k| from[k] + (2 * n * away[k] + steps).div_euclid(2 * steps)))
+    }
+
+    /// Whether two lines cross.
+    pub(super) fn crosses(&self, other: &Self) -> bool {
+        let side = |line: &Self, [x, y]: [i64; 2]| {
+            let [a, b] = [line.from, line.to];
+            ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])).signum()
+        };
+        let parts = |line: &Self, other: &Self| side(line, other.from) * side(line, other.to) <= 0;
+        parts(self, other) && parts(other, self)
+    }
+}
+
+impl Page {
+    /// A line with a halo, and a dot at its beginning.
+    pub(super) fn line_to(&self, line: Line, is_light: bool) -> Option<(Line, Panel)> {
+        let (ink, halo_ink) = if is_light { (PAPER, INK) } else { (INK, PAPER) };
+        let width = (0.06 * self.size).max(1.0);
+        let [dot, halo] = [1.6 * width, 0.08 * self.size + 1.0];
+        let edge = (dot + halo).ceil() as i64 + 1;
+        let sides = [self.width, self.height].map(|side| side as i64);
+        let low = [0, 1].map(|k| (line.from[k].min(line.to[k]) - edge).max(0));
+        let high = [0, 1].map(|k| (line.from[k].max(line.to[k]) + edge + 1).min(sides[k]));
+        let mut pixels = Pixmap::new(u32::try_from(high[0] - low[0]).ok()?, u32::try_from(high[1] - low[1]).ok()?)?;
+        let middle = |at: [i64; 2]| [0, 1].map(|k| (at[k] - low[k]) as f32 + 0.5);
+        let ([x0, y0], [x1, y1]) = (middle(line.from), middle(line.to));
+        let mut path = PathBuilder::new();
+        path.move_to(x0, y0);
+        path.line_to(x1, y1);
+        let path = path.finish()?;
+        for (ink, more) in [(halo_ink, halo), (ink, 0.0)] {
+            let stroke = Stroke { width: width + more, line_cap: LineCap::Round, ..Stroke::default() };
+            pixels.stroke_path(&path, &paint(ink), &stroke, Transform::identity(), None);
+            let circle = PathBuilder::from_circle(x0, y0, dot + more / 2.0)?;
+            pixels.fill_path(&circle, &paint(ink), FillRule::Winding, Transform::identity(), None);
+        }
+        Some((line, Panel { at: low.map(|x| x as usize), pixels }))
+    }
+}
