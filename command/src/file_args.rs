@@ -179,6 +179,9 @@ impl FileArgs {
         match aovs {
             [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),
             [Aov::Color] if self.film().is_some_and(|film| film.path == path) => Ok(Target::film(path, style)),
+            [Aov::Color] if self.picture().is_some() => {
+                Target::new(aovs, path, style).map_err(|e| with_others(path, e))
+            }
             _ => Target::new(aovs, path, style),
         }
     }
@@ -198,6 +201,24 @@ impl FileArgs {
         }
         Ok(named)
     }
+}
+
+/// Endings of films and of models in other programs.
+const FILMS: [&str; 12] = ["apng", "avi", "flv", "m4v", "mkv", "mov", "mpeg", "mpg", "ogv", "webm", "wmv", "y4m"];
+const MODELS: [&str; 14] =
+    ["3mf", "blend", "dae", "fbx", "gltf", "obj", "ply", "stl", "usd", "usda", "usdc", "usdz", "wrl", "x3d"];
+
+/// The error for a picture's file name, with the endings of what is no picture; first those of its kind.
+fn with_others(path: &Path, error: Error) -> Error {
+    let Error::Settings { problem, mend } = error else { return error };
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let [film, model] = ["a film of several pictures is .mp4 or .gif", "a model of the spheres is .glb"];
+    let mend = match &ending[..] {
+        ending if FILMS.contains(&ending) => format!("{film}; else {mend}"),
+        ending if MODELS.contains(&ending) => format!("{model}; else {mend}"),
+        _ => format!("{mend}; {film}, {model}"),
+    };
+    Error::Settings { problem, mend }
 }
 
 fn named(text: &str) -> Result<AovArgument, String> {

@@ -1,6 +1,7 @@
 //! Films: the pictures of a sequence, piped to the program ffmpeg as PNG, one after the other.
 
 use super::camera_list::sizes_differ;
+use super::messages::note;
 use super::names::check_pattern;
 use super::signals::go_on;
 use halfline::error::{Error, Result};
@@ -13,6 +14,9 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 
 /// Pictures per second where `--fps` does not say it. A GIF counts in hundredths of a second, so 25 is exact there.
 pub(super) const FPS: f64 = 25.0;
+
+/// The most pictures per second of a GIF. Browsers show a picture that is to stand for less than 0.02 s for 0.1 s.
+const MOST_OF_GIF: f64 = 50.0;
 
 /// The program that encodes.
 const PROGRAM: &str = "ffmpeg";
@@ -84,6 +88,11 @@ impl<'a> Film<'a> {
         Some(Self { path, kind: FilmKind::of(path)?, fps })
     }
 
+    /// Pictures per second of the file.
+    fn rate(&self) -> f64 {
+        if self.kind == FilmKind::Gif { self.fps.min(MOST_OF_GIF) } else { self.fps }
+    }
+
     /// Returns an error for options that make no film, and where ffmpeg is missing.
     /// `frames` counts those of the file.
     pub(super) fn check(
@@ -123,6 +132,12 @@ impl<'a> Film<'a> {
                 "use --background, or .png for the pictures",
             );
         }
+        if self.rate() < self.fps {
+            note(format_args!(
+                "{name} has {} pictures per second, the most of a GIF: players show a faster one at 10",
+                self.rate()
+            ));
+        }
         let folders = env::var_os("PATH").unwrap_or_default();
         let program = format!("{PROGRAM}{}", env::consts::EXE_SUFFIX);
         if env::split_paths(&folders).any(|folder| folder.join(&program).is_file()) {
@@ -142,7 +157,7 @@ impl<'a> Film<'a> {
     /// The command line of ffmpeg that makes the film of pictures in files.
     fn line(&self) -> String {
         let pictures = self.path.with_extension("*.png").display().to_string();
-        let (fps, name) = (self.fps.to_string(), self.path.display().to_string());
+        let (fps, name) = (self.rate().to_string(), self.path.display().to_string());
         let input = [PROGRAM, "-framerate", &fps, "-pattern_type", "glob", "-i", &pictures];
         let words = input.into_iter().chain(self.kind.encoding()).chain([name.as_str()]);
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.:/=+%".contains(c);
@@ -182,7 +197,7 @@ impl FilmWriter {
         let messages = tempfile::tempfile()?;
         let mut command = Command::new(PROGRAM);
         command.args(["-hide_banner", "-loglevel", "error", "-nostats", "-f", "image2pipe", "-c:v", "png"]);
-        command.args(["-framerate", &film.fps.to_string(), "-i", "pipe:0"]).args(film.kind.encoding());
+        command.args(["-framerate", &film.rate().to_string(), "-i", "pipe:0"]).args(film.kind.encoding());
         command.args(["-f", film.kind.name(), "-y"]).arg(name);
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(messages.try_clone()?);
         let mut encoder = command.spawn()?;
