@@ -51,7 +51,7 @@ mod visible;
 
 /// The page of `halfline view` for the widget of the Python package, and for pages without a server.
 pub mod shown {
-    pub use crate::messages::flags;
+    pub use crate::messages::{flags, in_page};
     pub use crate::page::{MadePage, make as make_page};
     pub use crate::view::{Content, MemoryScene, WrittenOption, pose, stage};
 }

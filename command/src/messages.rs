@@ -34,6 +34,21 @@ pub fn flags(message: &str) -> String {
     reworded(message, |setting| format!("--{}", setting.replace('_', "-")))
 }
 
+/// A message of the library in a page, which has not all columns of its file.
+pub fn in_page(message: &str) -> String {
+    let message = flags(message);
+    let lacking =
+        message.split_once(": the file has no ").map(|(before, rest)| (before, rest.split(';').next().unwrap_or(rest)));
+    match lacking.filter(|(_, word)| !word.contains(' ')) {
+        Some((before, word)) => {
+            format!(
+                "{before}: this page carries no column {word}; make it with --columns {word}, where the file has that"
+            )
+        }
+        None => message,
+    }
+}
+
 /// Prints an error or a warning on standard error. A standard error that cannot be written is not a failure; `eprintln`
 /// would panic.
 pub(crate) fn say(message: fmt::Arguments<'_>) {
@@ -50,5 +65,21 @@ pub(super) fn warn<T: fmt::Display>(warnings: impl IntoIterator<Item = T>) {
 pub(super) fn note(message: fmt::Arguments<'_>) {
     if !is_quiet() {
         say(message);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_does_not_speak_of_its_file() {
+        let lacking = "selection `chain A`: the file has no chain; the file has index, x, y, z";
+        assert!(
+            in_page(lacking)
+                .starts_with("selection `chain A`: this page carries no column chain; make it with --columns chain")
+        );
+        let other = "the file has no elements to colour by; remove it";
+        assert_eq!(in_page(other), other);
     }
 }

@@ -37,8 +37,8 @@ pub(crate) struct Page {
 }
 
 const EXAMPLES: &str = "\
-The options are those of halfline render that read, select, colour, light and frame. --columns names also the columns that the page
-shows of a sphere that is picked, and that its selections read.
+The options are those of halfline render that read, select, colour, light and frame. --columns names further columns that the page
+shows of a sphere that is picked, and that its selections read, beside chain, residue, name and element.
 
 Examples:
   halfline page 3SN6.cif -o figure.html --color-by chain --columns chain,resname

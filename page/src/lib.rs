@@ -9,7 +9,7 @@ use halfline::camera::{self, Camera};
 use halfline::frame::{Aov, Data};
 use halfline::render::Renderer;
 use halfline::settings::{Accuracy, Backend, Settings};
-use halfline_command::shown::{Content, MemoryScene, flags, stage};
+use halfline_command::shown::{Content, MemoryScene, in_page, stage};
 use halfline_viewer::{FrameRequest, Lens, Pose, Reply, Routes};
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
@@ -58,7 +58,7 @@ pub fn start(content: Vec<u8>, backend: String) -> Result<(), JsError> {
         Content::unpack(&content).ok_or_else(|| JsError::new("the page is damaged: its content is incomplete"))?;
     let (renderer, backend) = renderer(&backend)?;
     let renderer = Arc::new(Mutex::new(Some(renderer)));
-    let memory = MemoryScene { content, renderer, backend, words: flags };
+    let memory = MemoryScene { content, renderer, backend, words: in_page };
     let routes = Routes::within_page(stage(memory)?, pauses);
     ROUTES.set(Arc::new(routes)).map_err(|_| JsError::new("the program runs already"))
 }

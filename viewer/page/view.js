@@ -77,13 +77,13 @@ export function mount(root, transport, options = {}) {
   const controls = div("controls hl-panel");
   const dialog = div("dialog hl-panel", { role: "dialog" });
   const picture = div("picture", {}, canvas, ...rings);
-  const stage = div("stage", {}, picture, legend, scale, div("sides", {}, controls, table), note, message, dialog);
+  const stage = div("stage", {}, picture, scale, div("sides", {}, controls, table), note, message, dialog);
   const status = div("status");
   const warned = make("details", { className: "hl-warnings" });
   const number = make("output"), slider = make("input", { type: "range", ariaLabel: "Frame", oninput: () => setFrame(+slider.value) });
   const film = div("film");
   const buttons = div("buttons");
-  root.replaceChildren(div("bar", {}, title, choose, buttons), stage, film, div("foot", {}, status, warned));
+  root.replaceChildren(div("bar", {}, title, choose, buttons), div("middle", {}, legend, stage), film, div("foot", {}, status, warned));
   for (const e of [choose, buttons, message, note, scale, legend, ...rings, table, controls, dialog, warned, film]) e.hidden = true;
 
   function say(what, isError = false) {
@@ -283,9 +283,15 @@ export function mount(root, transport, options = {}) {
       if (at) ring.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
     });
   }
+  // The drawing is dark on white; the page has the colours of its theme.
+  let drawnLegend = "";
   function showLegend(svg) {
+    drawnLegend = svg ?? "";
     legend.hidden = !svg || scene.draws?.legend;
-    if (svg) legendImage.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
+    if (!svg) return;
+    const ink = getComputedStyle(root).getPropertyValue("--text").trim();
+    const themed = svg.replace(/<rect[^>]*fill="#ffffff"[^>]*>/, "").replace(/(<text[^>]* fill=|stroke=)"#222222"/g, `$1"${ink}"`);
+    legendImage.src = `data:image/svg+xml,${encodeURIComponent(themed)}`;
   }
   function warn(list) {
     const all = [...new Set([...(scene.warnings ?? []), ...(list ?? [])])];
@@ -522,6 +528,7 @@ export function mount(root, transport, options = {}) {
     return [e.clientX - left, e.clientY - top];
   };
   const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+  listen(matchMedia("(prefers-color-scheme: dark)"), "change", () => scene && showLegend(drawnLegend));
   listen(canvas, "mousedown contextmenu", (e) => e.preventDefault());   // the middle button would scroll
   listen(canvas, "pointerdown", (e) => {
     if (!scene || wasLost) return;

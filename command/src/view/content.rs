@@ -12,11 +12,18 @@ use halfline_files::read::{Codes, ColumnValues, Columns, Focus, FrameTime, Scene
 use halfline_viewer::Pose;
 use numbers::{Lists, Packed, Table};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::sync::Arc;
 
 /// The form of the bytes.
 const SCHEMA: u32 = 1;
+
+/// The columns that say what an atom is, by the words of selections: some kilobytes for a molecule.
+const USUAL: [&str; 5] = ["chain", "resname", "resid", "name", "element"];
+
+/// The options whose values name columns.
+const NAMING: [&str; 9] = ["color_by", "mark", "select", "hide", "color", "opacity", "radius", "material", "focus"];
 
 /// Scenes in memory that a page shows, with the options of every picture.
 #[derive(Debug, Clone)]
@@ -110,13 +117,18 @@ enum Column {
 }
 
 impl Content {
-    /// Keeps the columns with these names, and the number in the file.
+    /// Keeps the columns with these names, those that say what an atom is or that an option names, and the number in the file.
     ///
     /// # Errors
     /// [`Error::Settings`] for a name without a column.
     pub fn keep(&mut self, names: &[String]) -> Result<()> {
+        let options = self.copied.iter().chain(&self.rendering).filter(|(id, _)| NAMING.contains(&&id[..]));
+        let values = options.filter_map(|(_, value)| value.as_ref()?.to_str());
+        let words: BTreeSet<&str> =
+            values.flat_map(|value| value.split(|c: char| !(c.is_alphanumeric() || c == '_'))).chain(USUAL).collect();
         for frame in &mut self.frames {
             let mut kept = vec!["index"];
+            kept.extend(words.iter().filter_map(|word| Some(frame.columns.get(word).ok()?.0)));
             for name in names {
                 kept.push(frame.columns.get(name)?.0);
             }
