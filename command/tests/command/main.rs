@@ -27,6 +27,8 @@ mod compare;
 mod controls;
 mod echoes;
 mod exit_codes;
+#[cfg(unix)]
+mod farm;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;
 mod film;
