@@ -6,7 +6,6 @@ use crate::scene::Scene;
 use halfline::camera::Aperture;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
-use halfline::quote::setting::{AOV, CRYPTOMATTE};
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
 use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Look, Outline, Search, Settings, Tolerance};
 use halfline::window::Window;
@@ -87,12 +86,7 @@ pub(crate) struct Picture {
 impl Picture {
     /// Checks the scene for what is drawn into the picture, and gives the one with the edges of its cell, if they are drawn.
     pub(crate) fn begin(&self, scene: &Scene) -> Result<Option<Scene>> {
-        let has_picture = self.aovs()?.contains(&Aov::Color);
-        self.insets.check(scene, self.crop.is_some(), has_picture)?;
-        if !self.cryptomatte.is_empty() && !has_picture {
-            let problem = format!("{CRYPTOMATTE} adds layers to the picture, and the frame has none");
-            return Err(Error::settings(problem, format!("add color to {AOV}")));
-        }
+        self.insets.check(scene, self.crop.is_some(), self.aovs()?.contains(&Aov::Color))?;
         self.cell.map(|radius| scene.with_cell(radius)).transpose()
     }
 

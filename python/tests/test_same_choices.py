@@ -322,7 +322,9 @@ class Draw:
             lit = self.camera not in ("distorted", "fisheye", "panorama")
             refused = {"shadow"} if lit else {"shadow", "occlusion", "bound"}
             self.aovs = [name for name in self.aovs if name not in refused]
-        self.has_picture = self.random.random() < 0.9 or not self.aovs
+        # Python's masks are in files of any buffers.
+        is_matte = "cryptomatte" in self.render
+        self.has_picture = self.random.random() < 0.9 or not self.aovs or is_matte
         self.ending = (
             ".exr"
             if "cryptomatte" in self.render

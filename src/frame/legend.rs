@@ -44,12 +44,12 @@ impl Legend {
         let why = match column {
             _ if is_empty => "there are no spheres".to_owned(),
             Some(column) => {
-                format!("no value of {column} is a number; {RANGE} with two numbers gives a legend its ends")
+                format!("no value of {column} is a number; {RANGE} LOW,HIGH gives a legend its ends")
             }
             None => {
                 let problem =
                     format!("{option}: the spheres have neither elements nor a column that gives them their colours");
-                let mend = format!("add {COLOR_BY} with a column, or {COLOR} 'EXPR=COLOR' for a row, or remove it");
+                let mend = format!("add {COLOR_BY} COLUMN, or {COLOR} 'EXPR=COLOR' for a row, or remove it");
                 return Err(Error::settings(problem, mend));
             }
         };

@@ -201,9 +201,9 @@ fn check_settings(scene: &Scene, settings: &Settings) -> Result<()> {
     } else if settings.silhouette {
         ("the lines of silhouettes", format!("remove {SILHOUETTE}"))
     } else if settings.depth_cue {
-        ("the colours of a depth cue", format!("remove {DEPTH_CUE}"))
+        ("a depth cue", format!("remove {DEPTH_CUE}"))
     } else if settings.aperture.is_some() {
-        ("the rays of a lens with a size", format!("remove {APERTURE}, or the aperture of the file"))
+        ("a lens with a size", format!("remove {APERTURE}, or the aperture of the file"))
     } else if settings.asks(&[Aov::Color, Aov::Alpha]) && scene.spheres.is_translucent() {
         ("translucent spheres", format!("remove {OPACITY}"))
     } else if asks(Aov::Color) && settings.shade == Shade::Headlight && bounces(scene) > 0 {

@@ -179,7 +179,7 @@ impl AddedLight {
             lights.iter_mut().for_each(|light| light.intensity = each);
         }
         if self.reach.is_some() && sky.is_none() && !aovs.contains(&Aov::Occlusion) {
-            let mend = format!("add {OCCLUSION}, or occlusion to {AOV}, or remove {REACH}");
+            let mend = format!("add {OCCLUSION} or {AOV} occlusion, or remove {REACH}");
             return Err(Error::settings(format!("{REACH} applies to a sky, and there is none"), mend));
         }
         let idle = self.bounces.filter(|bounces| *bounces > 0 && !bounces_at_all(scene));

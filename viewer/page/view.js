@@ -26,13 +26,13 @@ function pace() {
   let level = 0, delay = Infinity, recent = [];
   return {
     get level() { return level; },
-    // `time` from request to picture with `flying` requests under way, `ms` of it in the server.
+    // `time` from request to picture with `flying` under way, `ms` in the server.
     add(at, time, flying, ms) {
       delay = Math.max(0, Math.min(delay * 1.02 + 0.1, time - flying * ms));
       if (at !== level) return;
       recent = [...recent.slice(-1), time / flying];
       if (recent.length < 2) return;
-      // A long way to the server is no reason for a small picture: only what exceeds it counts.
+      // Only what exceeds the way to the server counts.
       const way = delay / flying, budget = Math.max(TARGET_MS, way + 30), slow = Math.min(...recent), quick = Math.max(...recent);
       let next = level;
       if (slow > 1.3 * budget) next = Math.min(SMALLEST, level + (slow > 5 * budget ? 2 : 1));
@@ -71,7 +71,7 @@ export function mount(root, transport, options = {}) {
   const rule = div("rule"), ruleText = make("span");
   const scale = div("scale", {}, ruleText, rule);
   const legendImage = make("img", { alt: "Legend" });
-  const legend = make("details", { className: "hl-legend hl-panel", open: true }, make("summary", {}, "Legend"), legendImage);
+  const legend = make("details", { className: "hl-legend", open: true }, make("summary", {}, "Legend"), legendImage);
   const rings = [0, 1].map(() => div("ring", {}));
   const table = div("table hl-panel", { role: "region", ariaLabel: "Picked spheres" });
   const controls = div("controls hl-panel");
@@ -129,7 +129,10 @@ export function mount(root, transport, options = {}) {
         tell(what);
         await new Promise((resolve) => setTimeout(resolve, 100));
       }
-      const { json } = await ask("/scene", { size: fullSize() });
+      const framed = () => ask("/scene", { size: fullSize() });
+      let { json } = await framed();
+      showLegend(json.legend, json.draws);
+      if (!legend.hidden) ({ json } = await framed());
       if (!scene) begin(json);
     } catch (error) {
       if (!wasLost) tell(error.message, start);
@@ -159,12 +162,12 @@ export function mount(root, transport, options = {}) {
     film.hidden = scene.frames === 1;
     slider.min = scene.first;
     showFrame(scene.frames);
-    showLegend(scene.legend);
+    layout();
     warn(scene.warnings);
     adopt(options.camera?.eye ? options.camera : scene.camera);
   }
 
-  // The camera. One that is given is used as it is; one that was moved gets short numbers.
+  // A camera that is given is used as it is; one that was moved gets short numbers.
   function adopt(next) {
     vfov = next.vfov ?? vfov;
     if (axis || !camera) axis = next.up;
@@ -198,7 +201,7 @@ export function mount(root, transport, options = {}) {
     return [w, h].map((x) => Math.max(1, Math.round(x * k)));
   }
 
-  // Frames: while something changes, small and quick ones; at rest a whole one and then the still.
+  // Frames: small ones while something changes; at rest a whole one, then the still.
   function changed() {
     if (note.classList.contains("hl-error")) say("");
     version += 1;
@@ -283,15 +286,9 @@ export function mount(root, transport, options = {}) {
       if (at) ring.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
     });
   }
-  // The drawing is dark on white; the page has the colours of its theme.
-  let drawnLegend = "";
-  function showLegend(svg) {
-    drawnLegend = svg ?? "";
-    legend.hidden = !svg || scene.draws?.legend;
-    if (!svg) return;
-    const ink = getComputedStyle(root).getPropertyValue("--text").trim();
-    const themed = svg.replace(/<rect[^>]*fill="#ffffff"[^>]*>/, "").replace(/(<text[^>]* fill=|stroke=)"#222222"/g, `$1"${ink}"`);
-    legendImage.src = `data:image/svg+xml,${encodeURIComponent(themed)}`;
+  function showLegend(svg, draws = scene?.draws) {
+    legend.hidden = !svg || draws?.legend;
+    if (svg) legendImage.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
   }
   function warn(list) {
     const all = [...new Set([...(scene.warnings ?? []), ...(list ?? [])])];
@@ -353,7 +350,7 @@ export function mount(root, transport, options = {}) {
     describe("").catch(complain);
   }
 
-  // The controls: rows that the server describes, and the values of those that were changed. The options of a picture are made of them.
+  // Controls: rows of the server, and the values that were changed.
   const settings = new Map();
   function choices(expr = selection) {
     const all = {};
@@ -389,7 +386,7 @@ export function mount(root, transport, options = {}) {
   }
 
   const ofFrame = () => scene.frames === 1 ? {} : { frame };
-  // The server counts the frames while the first is shown: their number may come later.
+  // The number of frames may come later.
   function showFrame(frames) {
     if (frames) last = scene.first + frames - 1;
     number.value = last < Infinity ? `${frame} / ${last}` : `frame ${frame}`;
@@ -528,8 +525,7 @@ export function mount(root, transport, options = {}) {
     return [e.clientX - left, e.clientY - top];
   };
   const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
-  listen(matchMedia("(prefers-color-scheme: dark)"), "change", () => scene && showLegend(drawnLegend));
-  listen(canvas, "mousedown contextmenu", (e) => e.preventDefault());   // the middle button would scroll
+  listen(canvas, "mousedown contextmenu", (e) => e.preventDefault());   // it would scroll
   listen(canvas, "pointerdown", (e) => {
     if (!scene || wasLost) return;
     canvas.focus({ preventScroll: true });

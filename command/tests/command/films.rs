@@ -51,9 +51,11 @@ fn films_show_the_pictures() {
         ("film.mp4", "", "h264,64,48,yuv420p,25/1,6"),
         ("Film.GIF", "", "gif,64,48,bgra,25/1,6"),
         ("slow.mp4", "--fps 12.5", "h264,64,48,yuv420p,25/2,6"),
+        ("fast.gif", "--fps 90", "gif,64,48,bgra,50/1,6"),
     ] {
         let done = dir.render(&format!("s.toml --spin 6 --size 64x48 {rate} -o {film} --json"));
         assert_eq!(done.json_lines().len(), 6, "{film}: a report for each picture");
+        assert_eq!(done.err.contains("50 pictures per second"), film == "fast.gif", "{}", done.err);
         assert_eq!(probe(&dir, film), expected, "{film}");
         let found = decoded(&dir, film);
         assert_eq!(found.len(), pictures.len(), "{film}");

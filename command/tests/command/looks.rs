@@ -58,6 +58,38 @@ fn colours_follow_the_options() {
     assert_eq!([log[0], log[1], log[2]], ends(ColorMap::Viridis, [0.0, 0.0, 1.0]), "3 and 6 are the ends");
 }
 
+/// In memory and as a stream; the legend has a row for it.
+#[test]
+fn what_has_no_number_has_a_colour_of_its_own() {
+    let dir =
+        TestDir::new(&[("n.csv", "x,y,z,radius,q,kind\n0,0,0,1,3,1\n3,0,0,1,nan,nan\n6,0,0,1,5,2\n9,0,0,1,,1\n")]);
+    let camera = "--eye 4.5,0,30 --at 4.5,0,0 --ortho 4 --size 48x16 --look plain --shade flat --backend cpu";
+    let of = |options: &str| {
+        dir.good(&format!("render n.csv {camera} {options} -o a.npy"));
+        let (values, _) = dir.array("a.npy");
+        // The middles of the spheres, 12 pixels apart.
+        [6, 18, 30, 42].map(|column| [0, 1, 2].map(|channel| values[3 * (8 * 48 + column) + channel] as f32))
+    };
+    let grey = halfline::frame::srgb::linear([0x80; 3]);
+    let [low, high] = [0.0, 1.0].map(|part| ColorMap::Viridis.color(part));
+    for stream in ["", "--stream"] {
+        assert_eq!(of(&format!("--color-by q {stream}")), [low, grey, high, grey], "{stream}");
+        let own = of(&format!("--color-by q --nan-color 1,0.5,0 {stream}"));
+        assert_eq!(own, [low, [1.0, 0.5, 0.0], high, [1.0, 0.5, 0.0]], "{stream}");
+        let log = of(&format!("--color-by q --log --nan-color 0,1,0 {stream}"));
+        assert_eq!(log, [low, [0.0, 1.0, 0.0], high, [0.0, 1.0, 0.0]], "{stream}");
+        dir.good(&format!("render n.csv {camera} --color-by q {stream} --legend l{stream}.svg -o a.png"));
+    }
+    let legend = String::from_utf8(dir.get("l.svg")).expect("text");
+    assert!(legend.contains("no number") && legend.contains("#808080"), "{legend}");
+    assert!(legend.as_bytes() == dir.get("l--stream.svg"), "the legend of a stream");
+    let categories = of("--color-by kind --map category --nan-color 0,0,1");
+    assert_eq!([categories[1], categories[3]], [[0.0, 0.0, 1.0], ColorMap::Category.color(1.0)]);
+    dir.good(&format!("render n.csv {camera} --color-by x --legend m.svg -o a.png"));
+    assert!(!String::from_utf8(dir.get("m.svg")).expect("text").contains("no number"), "all have one");
+    dir.refused(2, &format!("render n.csv {camera} --nan-color red -o a.png"), &["--nan-color", "--color-by"]);
+}
+
 #[test]
 fn values_without_a_place_on_the_map_are_counted() {
     let dir = dir();

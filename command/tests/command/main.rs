@@ -45,6 +45,7 @@ mod looks;
 mod marks;
 mod materials;
 mod mattes;
+mod mends;
 mod merge;
 mod messages;
 mod models;

@@ -100,3 +100,21 @@ fn busiest(values: &[f64], width: usize, channels: usize) -> [usize; 4] {
     let [x, y] = places.max_by(|a, b| change(*a).total_cmp(&change(*b))).expect("a part");
     [x, y, x + PART, y + PART]
 }
+
+/// The kind of a file that is none of the formats decides which of them is named first.
+#[test]
+fn unknown_endings_name_the_nearest() {
+    let dir = TestDir::new(&[("t.csv", "x,y,z,radius\n0,0,0,1\n")]);
+    for (file, first) in [
+        ("a.webm", "; a film of several pictures is .mp4 or .gif; else use"),
+        ("a.%d.MOV", "; a film of several pictures is .mp4 or .gif; else use"),
+        ("a.gltf", "; a model of the spheres is .glb; else use"),
+        ("a.obj", "; a model of the spheres is .glb; else use"),
+        ("a.tga", ".raw; a film of several pictures is .mp4 or .gif, a model of the spheres is .glb"),
+        ("a", ".raw; a film of several pictures is .mp4 or .gif, a model of the spheres is .glb"),
+    ] {
+        let words = format!("render t.csv --size 8x8 -o {file}");
+        dir.refused(2, &words, &[first, ".png, .exr"]);
+        dir.refused(2, &format!("render t.csv --size 8x8 --aov depth={file}"), &["; use the file name extension"]);
+    }
+}

@@ -132,15 +132,16 @@ impl Coloring {
             (columns, given.into_iter().find(|(_, is_given)| *is_given))
         {
             let problem = format!("{option} belongs to the colours of a column");
-            return Err(Error::settings(problem, format!("add {COLOR_BY} with a column, or remove {option}")));
+            return Err(Error::settings(problem, format!("add {COLOR_BY} COLUMN, or remove {option}")));
         }
         if scale.range.is_some_and(|[low, high]| low == high) {
             return Err(Error::settings(format!("the ends of {RANGE} are equal"), "give two different ones"));
         }
         Ok(match (all, columns) {
             (Some(_), Some(_)) => {
-                let problem = format!("one {COLOR} for all spheres and {COLOR_BY} exclude each other");
-                return Err(Error::settings(problem, "remove one of them, or colour selected spheres only"));
+                let problem = format!("{COLOR} for all spheres and {COLOR_BY} exclude each other");
+                let mend = format!("remove one of them, or colour selected spheres with {COLOR} 'EXPR=COLOR'");
+                return Err(Error::settings(problem, mend));
             }
             (Some(Paint::One(color)), None) => Self::One(color),
             (Some(Paint::Element), None) | (None, Some("element")) => Self::Element,

@@ -663,6 +663,20 @@ class Run:
         self.check("the sizes are halves", set(sizes) <= wanted, sizes)
         tab.js(STILL)
 
+    def legend_beside(self):
+        """A legend as wide as the command's is within its panel, beside the picture."""
+        tab = self.fresh(size=(1280, 800))
+        image = "document.querySelector('.hl-legend img')"
+        wide = "<svg xmlns='http://www.w3.org/2000/svg' width='480' height='84' viewBox='0 0 960 168'><rect width='960' height='168'/></svg>"
+        tab.js(f"{image}.src = 'data:image/svg+xml,' + encodeURIComponent({json.dumps(wide)}); {image}.decode()")
+        panel, drawn, stage = (
+            tab.js(f"(({{left, right, top, bottom}}) => [left, right, top, bottom])({element}.getBoundingClientRect())")
+            for element in ("document.querySelector('.hl-legend')", image, "document.querySelector('.hl-stage')")
+        )
+        self.check("the legend is within its panel", panel[0] <= drawn[0] and drawn[1] <= panel[1] and drawn[3] <= panel[3], [panel, drawn])
+        self.check("the legend is beside the picture", panel[1] <= stage[0] and stage[1] - stage[0] > 640, [panel, stage])
+        self.shot("legend")
+
     def touches(self):
         tab = self.fresh(size=(390, 760), touch=True)
         tab.js("document.querySelector('.hl-legend summary').click()")
@@ -779,7 +793,7 @@ class Run:
             self.fresh()
             self.group("selects", self.selects)
         if self.mock:
-            for name in ("films", "supersedes", "fails", "paces", "touches", "phones", "schemes", "notebooks", "weight"):
+            for name in ("films", "supersedes", "fails", "paces", "touches", "phones", "schemes", "legend_beside", "notebooks", "weight"):
                 self.group(name, getattr(self, name))
         else:
             self.group("schemes", self.schemes)

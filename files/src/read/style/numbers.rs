@@ -55,24 +55,29 @@ impl Scale {
         let scaled = |x: f64| if self.log { x.ln() } else { x };
         let (from, width) = (scaled(low), scaled(high) - scaled(low));
         let missing = self.missing();
-        let lacks_number = |x: &f64| x.is_nan() || self.log && *x <= 0.0;
         let color = |x: &f64| {
             let part = (scaled(*x) - from) / width;
-            match lacks_number(x) {
+            match x.is_nan() {
                 true => missing,
-                // If all values are equal: the map's first colour.
+                // If all values are equal or not positive on a logarithmic scale: the map's first colour.
                 false => map.color(if part.is_nan() { 0.0 } else { part }),
             }
         };
         let name = vectors::title(&self.columns, &particles.has);
-        let lost = values.par_iter().filter(|x| lacks_number(x)).count();
+        let without = values.par_iter().filter(|x| x.is_nan()).count();
+        let lost = without + values.par_iter().filter(|x| self.log && **x <= 0.0).count();
         if lost > 0 {
-            let why = if self.log { "are not positive numbers" } else { "are not numbers" };
-            let color = self.missing_words();
+            let (why, grey) =
+                (if self.log { "are not positive numbers" } else { "are not numbers" }, self.missing_words());
+            let color = match (self.log, without) {
+                (false, _) => grey,
+                (true, 0) => "have the first colour of the map".to_owned(),
+                (true, _) => format!("have the first colour of the map, or {grey} where the value is NaN"),
+            };
             skipped.assumed.push(format!("{lost} of {n} values of {name} {why}, so these particles {color}"));
         }
         let paint = particles.rule_numbers(RuleTarget::Color);
-        let shown = values.iter().enumerate().filter(|(n, x)| lost > 0 && lacks_number(x) && !is_painted(paint, *n));
+        let shown = values.iter().enumerate().filter(|(n, x)| without > 0 && x.is_nan() && !is_painted(paint, *n));
         let legend = Legend {
             name,
             map: map.clone(),
