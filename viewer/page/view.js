@@ -6,6 +6,7 @@ const SMALLEST = 3;         // a moving frame has 1/2^3 of the width or more
 const IN_FLIGHT = 2;
 const MOST_PIXELS = 4096;   // of a side
 const PLAY_MS = 40;
+const INK = "<style>svg{shape-rendering:crispEdges}text{fill:#1b1f24}polyline{stroke:#808080}@media(prefers-color-scheme:dark){text{fill:#e6e8eb}}</style>";
 const TURN = Math.PI / 12;  // of an arrow key
 const CLICK_PX = 3, TAP_PX = 8, DOUBLE_MS = 400;
 
@@ -21,7 +22,7 @@ const plural = (n, word) => `${count(n)} ${word}${n === 1 ? "" : "s"}`;
 const short = (value) => typeof value === "number" ? +value.toPrecision(7) : Array.isArray(value) ? value.map(short) : value;
 const words = (value) => Array.isArray(value) ? value.map(words).join("\n") : String(value ?? "");
 
-// How much smaller than the canvas moving frames are, from their times.
+// The reduction of moving frames, from their times.
 function pace() {
   let level = 0, delay = Infinity, recent = [];
   return {
@@ -42,8 +43,8 @@ function pace() {
   };
 }
 
-// Builds the view in `root`. `transport` has request(route, body) -> Promise of {status, json, blob or pixels, info}; `options`: page
-// (it has the document's keys), camera, selection, onChange, onStill, words waiting and ended.
+// Builds the view in `root`. transport.request(route, body) -> Promise of {status, json, blob or pixels, info}. `options`: page, camera,
+// selection, onChange, onStill, words waiting and ended.
 export function mount(root, transport, options = {}) {
   const ended = new AbortController();
   const listen = (target, names, f, more = {}) => {
@@ -71,7 +72,7 @@ export function mount(root, transport, options = {}) {
   const rule = div("rule"), ruleText = make("span");
   const scale = div("scale", {}, ruleText, rule);
   const legendImage = make("img", { alt: "Legend" });
-  const legend = make("details", { className: "hl-legend", open: true }, make("summary", {}, "Legend"), legendImage);
+  const legend = make("details", { className: "hl-legend hl-panel", open: true }, make("summary", {}, "Legend"), legendImage);
   const rings = [0, 1].map(() => div("ring", {}));
   const table = div("table hl-panel", { role: "region", ariaLabel: "Picked spheres" });
   const controls = div("controls hl-panel");
@@ -149,7 +150,7 @@ export function mount(root, transport, options = {}) {
   function begin(json) {
     scene = json;
     frame = scene.frame;
-    // An axis, or y where the camera was turned to the spheres.
+    // An axis, or y.
     home = unit(scene.camera.up).some((x) => Math.abs(x) > 1 - 1e-6) ? scene.camera.up : [0, 1, 0];
     layout();
     title.replaceChildren(scene.file, make("small", {}, plural(scene.count, "sphere")));
@@ -167,7 +168,7 @@ export function mount(root, transport, options = {}) {
     adopt(options.camera?.eye ? options.camera : scene.camera);
   }
 
-  // A camera that is given is used as it is; one that was moved gets short numbers.
+  // One that was moved gets short numbers.
   function adopt(next) {
     vfov = next.vfov ?? vfov;
     if (axis || !camera) axis = next.up;
@@ -187,7 +188,6 @@ export function mount(root, transport, options = {}) {
     camera = tidy(before(next, center, r));
     changed();
   }
-  // A picture whose size was asked for lies in the middle.
   function layout() {
     if (!scene?.sized) return;
     const [w, h] = scene.size, k = Math.min(stage.clientWidth / w, stage.clientHeight / h);
@@ -201,7 +201,7 @@ export function mount(root, transport, options = {}) {
     return [w, h].map((x) => Math.max(1, Math.round(x * k)));
   }
 
-  // Frames: small ones while something changes; at rest a whole one, then the still.
+  // Frames: small ones in motion, at rest a whole one and the still.
   function changed() {
     if (note.classList.contains("hl-error")) say("");
     version += 1;
@@ -288,7 +288,7 @@ export function mount(root, transport, options = {}) {
   }
   function showLegend(svg, draws = scene?.draws) {
     legend.hidden = !svg || draws?.legend;
-    if (svg) legendImage.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
+    if (svg) legendImage.src = `data:image/svg+xml,${encodeURIComponent(svg.replace(/<rect.*?>/, INK))}`;
   }
   function warn(list) {
     const all = [...new Set([...(scene.warnings ?? []), ...(list ?? [])])];
@@ -326,7 +326,7 @@ export function mount(root, transport, options = {}) {
     if (answer && mine === pickNumber) setPicked(answer.json ? [...of, answer.json] : of);
     return answer?.json;
   }
-  // What an expression selects, and the legend with it.
+  // What is selected, and its legend.
   let described = 0;
   async function describe(expr) {
     const mine = ++described, { json } = await ask("/select", { expr: expr || null, options: choices(expr), ...ofFrame() });
@@ -437,7 +437,7 @@ export function mount(root, transport, options = {}) {
     setTimeout(() => URL.revokeObjectURL(href), 60000);
   }
 
-  // Keys. The rows of the help are buttons.
+  // Keys.
   const along = (name, i) => [name, [`Look along ${name} (Shift: against it)`, (back) => {
     axis &&= home;
     move(look(camera, [0, 1, 2].map((k) => k === i ? (back ? -1 : 1) : 0), home));
@@ -508,7 +508,7 @@ export function mount(root, transport, options = {}) {
   listen(options.page ? document : root, "keydown", (e) => {
     if (!options.page) e.stopPropagation();
     if (!scene || !e.key || e.defaultPrevented || e.ctrlKey || e.metaKey || e.altKey) return;
-    // Keys that are the focused control's own.
+    // Keys of the focused control.
     const own = e.key.startsWith("Arrow") ? "[type=range]" : e.key === " " || e.key === "Enter" ? "button, summary" : "textarea";
     if (e.key !== "Escape" && e.target.matches?.(`${own}, textarea, select, input:not([type=range])`)) return;
     const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
@@ -525,7 +525,7 @@ export function mount(root, transport, options = {}) {
     return [e.clientX - left, e.clientY - top];
   };
   const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
-  listen(canvas, "mousedown contextmenu", (e) => e.preventDefault());   // it would scroll
+  listen(canvas, "mousedown contextmenu", (e) => e.preventDefault());
   listen(canvas, "pointerdown", (e) => {
     if (!scene || wasLost) return;
     canvas.focus({ preventScroll: true });

@@ -78,25 +78,12 @@ pub(super) fn status(report: &Report, ms: f64, [width, height]: [u32; 2]) -> Str
     format!("{proved}, {} settled, {ms:.0} ms, {width} x {height}, {}", report.settled, report.adapter)
 }
 
-/// The letters and lines of a legend in the themes of the page, whose ground it has.
-const THEMES: &str = "<style>text{fill:#1b1f24}[stroke='#222222']{stroke:#1b1f24}\
-    @media(prefers-color-scheme:dark){text{fill:#e6e8eb}[stroke='#222222']{stroke:#e6e8eb}}</style>";
-
-/// The drawing of a legend, which is dark on white, without its white ground and in the colours of the page.
-fn themed(svg: &str) -> String {
-    let ground = svg.find("<rect").zip(svg.find("<rect").and_then(|at| Some(at + svg[at..].find('>')? + 1)));
-    match ground.filter(|(from, to)| svg[*from..*to].contains("fill=\"#ffffff\"")) {
-        Some((from, to)) => [&svg[..from], THEMES, &svg[to..]].concat(),
-        None => svg.to_owned(),
-    }
-}
-
 /// The legend of the colours as SVG; `None` without a legend.
 ///
 /// # Errors
 /// Errors of [`halfline_drawing::legend::draw`].
 pub(super) fn legend(legend: Option<&Legend>) -> Result<Option<String>> {
-    legend.map(|legend| halfline_drawing::legend::draw(legend).map(|drawing| themed(&drawing.svg))).transpose()
+    legend.map(|legend| halfline_drawing::legend::draw(legend).map(|drawing| drawing.svg)).transpose()
 }
 
 /// The type of a column, and its range or its texts.
