@@ -310,7 +310,7 @@ fn curved_lenses_have_the_rays_of_their_models() {
     let mend = "a.csv --size 40x30 --cameras list.json -o a%d.png";
     for (code, options, words) in [
         (2, "--look soft", &["lights", "--look plain"][..]),
-        (2, "--look figure", &["need a perspective", "--look plain"]),
+        (2, "--look figure", &["only a perspective", "--look plain"]),
         (2, "--silhouette", &["silhouettes", "remove --silhouette"]),
         (2, "--depth-cue", &["depth cue", "remove --depth-cue"]),
         (2, "--opacity 0.5", &["translucent", "remove --opacity"]),

@@ -134,6 +134,7 @@ pub(crate) fn rows() -> Vec<Row> {
         row("map", &format!("{CAMERA} --color-by v --range 0,1"), "--map magma"),
         row("range", &format!("{CAMERA} --color-by v"), "--range 0.2,0.4"),
         row("log", &format!("{CAMERA} --color-by v --range 0.1,1"), "--log"),
+        row("nan-color", &format!("{CAMERA} --color-by u --range 0,1"), "--nan-color red"),
         row("legend", &format!("{CAMERA} --color-by v --range 0,1"), "--legend p.l.svg").does(Bytes),
         row("legend", &format!("{CAMERA} --color-by v"), "--legend p.l.svg").does(Bytes).or(&["--color-by"]),
         row("eye", "--at 2,2,2", "--eye 9,7,12"),
