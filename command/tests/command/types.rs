@@ -57,10 +57,10 @@ fn a_text_in_any_row_makes_a_column_of_texts_in_every_way_of_reading() {
                 for (select, is) in [("nm zz", "zz"), ("nm 007 zz", "007"), ("nm zz 1.50", "1.50")] {
                     let options = ["--select", select];
                     let memory = ids(&dir, file, &options, None);
-                    // Every selected sphere is seen, and no other.
+                    // Every selected sphere is highest, and no other.
                     let count = texts.iter().filter(|text| *text == is || *text == "zz").count();
-                    let seen = memory.iter().copied().fold(-1.0, f64::max) as usize + 1;
-                    assert!(seen <= count && seen > 0, "{file} {select}: {seen} of {count}");
+                    let highest = memory.iter().copied().fold(-1.0, f64::max) as usize + 1;
+                    assert!(highest <= count && highest > 0, "{file} {select}: {highest} of {count}");
                     assert_eq!(ids(&dir, "-", &options, Some(content.as_bytes())), memory, "{file} {select}");
                     let stream = [&options[..], &["--stream"]].concat();
                     assert_eq!(ids(&dir, file, &stream, None), memory, "{file} {select} {parts}");

@@ -1,25 +1,25 @@
 //! Text line by line, with the place of every byte. The line-based formats share it for line ends and
 //! bytes that are not UTF-8, and tables for records of several lines.
 
-mod word;
+mod quotes;
+mod text;
 
 use super::input::Input;
-use super::particles::table::fields::Quotes;
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check_ids;
 use halfline::quote::quote;
 use halfline::quote::setting::FORMAT;
+pub(super) use quotes::{DELIMITERS, Quotes, ends};
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
-pub(super) use word::{Word, Words, mend_number};
+use text::{IDLE, UTF8, not_utf8_text, too_idle};
+pub(super) use text::{check_idle, comment, has_content, mend_number, not_utf8};
 
 /// The most bytes in a line, so that a file without lines does not fill the memory.
 const LONGEST: u64 = 1 << 20;
-
-/// The most lines in a row that are blank or comments, so that a file without content is not read for minutes.
-const IDLE: u64 = 1 << 20;
 
 /// The most bytes in a record of several lines.
 const LONGEST_RECORD: usize = 1 << 16;
@@ -39,7 +39,7 @@ pub(super) struct Lines<R> {
     fixed: bool,
     /// The byte that ends a line.
     end: u8,
-    /// What separates the fields of records of several lines, 0 where it is not known yet; `None` for lines.
+    /// The separator of the fields of records of several lines, 0 where it is not known yet; `None` for lines.
     records: Option<u8>,
     /// The first byte of the line that was not UTF-8.
     invalid: Option<usize>,
@@ -49,18 +49,6 @@ pub(super) struct Lines<R> {
     again: bool,
     /// The lines before that are blank or comments.
     idle: u64,
-}
-
-/// Whether a line is neither blank nor a comment.
-pub(super) fn has_content(line: &str) -> bool {
-    let text = line.trim_start();
-    !text.is_empty() && comment(text) == 0
-}
-
-/// The length of the mark of a comment at the beginning of a text: `#`, or `//` as CloudCompare writes it.
-pub(super) fn comment(text: &str) -> usize {
-    let mark = if text.starts_with("//") { '/' } else { '#' };
-    text.len() - text.trim_start_matches(mark).len()
 }
 
 impl<R: BufRead> Lines<R> {
@@ -187,11 +175,12 @@ impl<R: BufRead> Lines<R> {
         let Some(separator) = self.records.filter(|_| bytes[begin..].contains(&b'"')) else {
             return Ok(u64::from(first > 0));
         };
-        let (mut quotes, mut lines, mut last) = (Quotes::of(&bytes[begin..], separator), 1, begin);
-        while let Some(seen) = &mut quotes
+        let is_record = has_content(&String::from_utf8_lossy(&bytes[begin..]));
+        let (mut quotes, mut lines, mut last) = (is_record.then(|| Quotes::of(separator)), 1, begin);
+        while let Some(quotes) = &mut quotes
             && bytes.len() - begin < LONGEST_RECORD
         {
-            match seen.are_open(&bytes[last..]) {
+            match quotes.are_open(&bytes[last..]) {
                 Some(false) => return Ok(lines),
                 Some(true) => last = bytes.len(),
                 None => break,
@@ -401,6 +390,95 @@ impl Block {
     }
 }
 
+/// A word of a line.
+pub(super) struct Word<'a, R> {
+    /// Its bytes in the line; see [`Word::content`].
+    pub(super) text: &'a str,
+    /// The position of its first byte.
+    pub(super) at: usize,
+    /// Whether it stood in quotes.
+    pub(super) is_quoted: bool,
+    lines: &'a Lines<R>,
+}
+
+impl<'a, R: BufRead> Word<'a, R> {
+    /// The text: a doubled quote within quotes is one (RFC 4180, section 2).
+    pub(super) fn content(&self) -> Cow<'a, str> {
+        if self.is_quoted && self.text.contains("\"\"") {
+            return self.text.replace("\"\"", "\"").into();
+        }
+        self.text.into()
+    }
+
+    /// Parses a finite number; errors name `field`.
+    pub(super) fn finite(&self, field: &str) -> Result<f64> {
+        let number = self.number(field)?;
+        if number.is_finite() { Ok(number) } else { Err(self.wrong(field, "is not finite")) }
+    }
+
+    /// Parses a positive finite number.
+    pub(super) fn positive(&self, field: &str) -> Result<f64> {
+        let number = self.finite(field)?;
+        if number > 0.0 { Ok(number) } else { Err(self.wrong(field, "is not positive")) }
+    }
+
+    /// Parses any number, including infinities and NaN.
+    pub(super) fn number(&self, field: &str) -> Result<f64> {
+        self.text.parse().map_err(|_| self.wrong(field, "is not a number"))
+    }
+
+    /// Parses a whole number.
+    pub(super) fn whole(&self, field: &str) -> Result<i64> {
+        let problem = || format!("{} is not a whole number", quote(self.text));
+        let place = || self.lines.place(self.at).named(field);
+        self.text.parse().map_err(|_| Error::scene(place(), problem(), "use a whole number such as 7"))
+    }
+
+    fn wrong(&self, field: &str, what: &str) -> Error {
+        let problem = match self.text {
+            "" => "the field is blank".to_owned(),
+            text => format!("{} {what}", quote(text)),
+        };
+        Error::scene(
+            self.lines.place(self.at).named(field),
+            problem,
+            mend_number(self.text, "use a finite number such as 0.5"),
+        )
+    }
+}
+
+/// The words of a line, separated by white space.
+pub(super) struct Words<'a, R> {
+    lines: &'a Lines<R>,
+    at: usize,
+}
+
+impl<R> Clone for Words<'_, R> {
+    fn clone(&self) -> Self {
+        Self { lines: self.lines, at: self.at }
+    }
+}
+
+impl<'a, R: BufRead> Words<'a, R> {
+    /// The words of the current line.
+    pub(super) fn of(lines: &'a Lines<R>) -> Self {
+        Self { lines, at: 0 }
+    }
+}
+
+impl<'a, R: BufRead> Iterator for Words<'a, R> {
+    type Item = Word<'a, R>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        // Splitting by bytes is safe, because the separators are ASCII and no part of another character.
+        let bytes = self.lines.text.as_bytes();
+        let at = self.at + bytes.get(self.at..)?.iter().position(|b| !b.is_ascii_whitespace())?;
+        let end = bytes[at..].iter().position(u8::is_ascii_whitespace).map_or(bytes.len(), |length| at + length);
+        self.at = end;
+        Some(self.lines.word(at, end))
+    }
+}
+
 /// Line and column, from 1, stored for a later error.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Spot {
@@ -424,37 +502,3 @@ fn column(record: &str, byte: usize) -> u64 {
     let before = record.get(..byte).unwrap_or(record);
     before.rsplit('\n').next().unwrap_or_default().chars().count() as u64 + 1
 }
-
-fn too_idle(place: &Place) -> Error {
-    let problem = format!("{place}: {IDLE} lines before it are blank or comments");
-    Error::Limits { problem, mend: "remove them, and check that it is a scene or particle file".into() }
-}
-
-/// Refuses a text with as many lines in a row that are blank or comments as [`Lines`] refuses.
-pub(super) fn check_idle(text: &str, file: &Place) -> Result<()> {
-    let mut idle = 0;
-    for (line, number) in text.lines().zip(1..) {
-        idle = if has_content(line) { 0 } else { idle + 1 };
-        if idle > IDLE {
-            return Err(too_idle(&file.clone().at(number, 1)));
-        }
-    }
-    Ok(())
-}
-
-/// The error for text after `lines` whole lines that is not UTF-8.
-pub(super) fn not_utf8(file: Place, lines: u64, error: std::string::FromUtf8Error) -> Error {
-    let valid = error.utf8_error().valid_up_to();
-    let bytes = error.as_bytes();
-    let before = String::from_utf8_lossy(&bytes[..valid]);
-    let mut place = file.at_byte(&before, before.len());
-    place.line = place.line.map(|line| lines + line);
-    let byte = bytes.get(valid).copied().unwrap_or_default();
-    Error::scene(place, not_utf8_text(byte), UTF8)
-}
-
-fn not_utf8_text(byte: u8) -> String {
-    format!("the byte 0x{byte:02x} is not UTF-8 text")
-}
-
-const UTF8: &str = "save the file as UTF-8";

@@ -1,45 +1,36 @@
 //! The spheres of a file in blocks, for files larger than memory: while a block is used, the next one is read.
 
-mod before;
+mod start;
 
 use super::derived;
 use super::format::Format;
 use super::input::read_once;
-use super::native::{self, NamedSpheres};
-use super::open::open as open_particles;
+use super::native;
 use super::options::ReadOptions;
 use super::particles::colors::ColorSurvey;
-use super::particles::frame::{ParticleFrames, Particles, RuleTarget};
+use super::particles::frame::{Particles, RuleTarget};
 use super::particles::frame_time::FrameTime;
 use super::particles::periodic::Periodic;
-use super::particles::survey::{Part, Survey};
+use super::particles::survey::Part;
 use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
 use super::skipped::Skipped;
 use super::source::SceneSource;
-use super::style::{Coloring, joined_categories, no_selections};
-use crate::blocks;
-use before::{colors_of, texts_of};
+use super::style::{Coloring, joined_categories};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
-use halfline::progress::Watch;
 use halfline::quote::count;
 use halfline::quote::setting::{COLOR, COLOR_BY, FRAMES, MAP, MATERIAL, RADIUS, RANGE, STREAM, TOPOLOGY, UNWRAP, WRAP};
 use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
+use start::{colors_of, start, texts_of};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, sync_channel};
-use std::thread::{self, JoinHandle};
+use std::sync::mpsc::Receiver;
+use std::thread::JoinHandle;
 
 /// The formats that list particles row by row.
 const ROWS: [Format; 8] =
     [Format::Npy, Format::Csv, Format::Xyz, Format::Dump, Format::Ply, Format::Las, Format::Pts, Format::Ptx];
-
-/// Spheres of a block.
-const BLOCK: usize = 1 << 18;
-
-/// Blocks that are read ahead.
-const AHEAD: usize = 2;
 
 /// The spheres of one frame of a file, block by block, in the order of the file. They are those that
 /// [`Sequence`](super::Sequence) gives in memory.
@@ -381,89 +372,6 @@ impl SphereBlocks {
         self.range = Some([least.min(*low), most.max(*high)]);
         Ok(())
     }
-}
-
-/// The spheres of a scene file: its own, and those of the files that it refers to.
-struct InBlocks {
-    own: Spheres,
-    files: Vec<NamedSpheres>,
-    is_colored: bool,
-    watch: Watch,
-}
-
-impl InBlocks {
-    fn open(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        if let Some(once) = read_once(&source.path) {
-            let problem = format!("{STREAM}: a scene is read for its camera first, and {once} can be read once");
-            return Err(Error::settings(problem, "use a file"));
-        }
-        let watch = options.watch.clone();
-        let (read, files) = native::without_files(source.reader, &source.path, &watch)?;
-        let own = read.scene.spheres;
-        if own.materials.is_some() {
-            let problem = format!("{STREAM}: mirrors and glass need all spheres in memory");
-            return Err(Error::settings(problem, "remove the materials of the scene"));
-        }
-        if own.opacities.is_some() || files.iter().any(|file| file.opacity < 1.0) {
-            let problem = format!("{STREAM}: the opacities of a scene file need all its spheres in memory");
-            return Err(Error::settings(problem, format!("remove the opacities of the scene, or {STREAM}")));
-        }
-        let colored = files.iter().map(|file| file.is_colored(&watch));
-        let is_colored = own.colors.is_some() || colored.collect::<Result<Vec<_>>>()?.contains(&true);
-        Ok(Self { own, files, is_colored, watch })
-    }
-
-    /// Passes all spheres on; what remains are messages.
-    fn pass(mut self, survey: &Survey) -> Result<Option<Particles>> {
-        survey.take_spheres(&mut self.own, true)?;
-        let mut rest = Particles::default();
-        for file in &self.files {
-            rest.skipped.assumed.extend(file.pass(survey, &self.watch)?);
-        }
-        Ok(Some(rest))
-    }
-}
-
-/// The parts of a file while they are read, and the thread that reads them; whether the spheres of a scene have colours.
-type Started = (Option<bool>, Receiver<Part>, JoinHandle<Result<Option<Particles>>>);
-
-/// Starts to read a file in parts, where these columns are known to have texts.
-fn start(source: SceneSource, options: &ReadOptions, texts: Vec<String>) -> Result<Started> {
-    let (sender, parts) = sync_channel(AHEAD);
-    let survey = Survey::passing(sender, blocks::at_most(BLOCK)).with_texts(texts);
-    let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if source.format == Format::Native {
-        if !(options.select.is_empty() && options.hide.is_empty()) {
-            return Err(no_selections());
-        }
-        let scene = InBlocks::open(source, options)?;
-        (Some(scene.is_colored), Box::new(move || scene.pass(&survey)))
-    } else {
-        let passing = ReadOptions { survey: Some(survey), ..options.clone() };
-        let Ok(frames) = open_particles(source, &passing)? else {
-            return Err(Error::settings("scenes are not read as a stream", format!("remove {STREAM}")));
-        };
-        let number = options.frames.numbers().next().unwrap_or(1);
-        // The thread must hold the only sender, so that the receiver sees the end.
-        (None, Box::new(move || frame(frames, number)))
-    };
-    let reader = thread::Builder::new().name("halfline blocks".into()).spawn(read);
-    let reader = reader.map_err(|e| Error::Limits {
-        problem: format!("no thread could be started to read the file: {e}"),
-        mend: format!("allow the process more threads, or remove {STREAM}"),
-    })?;
-    Ok((scene, parts, reader))
-}
-
-/// Reads one frame, whose parts are passed on; returns the rest of it.
-fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Particles>> {
-    for _ in 1..number {
-        if !frames.skip()? {
-            return Ok(None);
-        }
-    }
-    let rest = frames.next()?;
-    // The rest must not hold the sender: the receiver waits for the end of all parts before it takes it.
-    Ok(rest.map(|rest| Particles { survey: None, ..rest }))
 }
 
 /// Refuses what needs all particles at once.

@@ -134,7 +134,7 @@ fn is_taken(program: &str, data: &[u8]) -> Option<bool> {
     command.ok().map(|status| status.success())
 }
 
-/// What is taken is what the programs take, and so the advice of a message, to test the file with one of them, is true.
+/// The data that are taken are those that the programs take, and so the advice of a message, to test the file with one of them, is true.
 #[test]
 fn what_is_taken_is_what_the_programs_take() {
     let programs = ["gzip", "bzip2", "xz", "zstd"];

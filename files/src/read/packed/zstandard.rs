@@ -26,7 +26,7 @@ struct Frame {
 impl<R: BufRead> Frames<R> {
     pub(super) fn new(reader: R, counts: Arc<Counts>, window: u64) -> Self {
         Self {
-            source: Source { reader, error: None, is_end: false, start: [0; 5], seen: 0 },
+            source: Source { reader, error: None, is_end: false, start: [0; 5], known: 0 },
             frame: None,
             counts,
             window,
@@ -41,7 +41,7 @@ impl<R: BufRead> Frames<R> {
         // A decoder that is used again reserves the window of the header.
         let mut decoder = FrameDecoder::new();
         decoder.set_max_window_size(self.window);
-        self.source.seen = 0;
+        self.source.known = 0;
         match decoder.reset(&mut self.source) {
             // RFC 8878, 3.1.1.1.1.4.
             Ok(()) if self.source.start[4] & RESERVED > 0 => {
@@ -111,16 +111,16 @@ struct Source<R> {
     is_end: bool,
     /// The magic number and the descriptor of the frame, and how many of these bytes were read.
     start: [u8; 5],
-    seen: usize,
+    known: usize,
 }
 
 impl<R: Read> Read for Source<R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let read = self.reader.read(bytes);
-        if let (Ok(read), true) = (&read, self.seen < self.start.len()) {
-            let more = (self.start.len() - self.seen).min(*read);
-            self.start[self.seen..self.seen + more].copy_from_slice(&bytes[..more]);
-            self.seen += more;
+        if let (Ok(read), true) = (&read, self.known < self.start.len()) {
+            let more = (self.start.len() - self.known).min(*read);
+            self.start[self.known..self.known + more].copy_from_slice(&bytes[..more]);
+            self.known += more;
         }
         self.is_end |= matches!(read, Ok(0)) && !bytes.is_empty();
         read.map_err(|error| {

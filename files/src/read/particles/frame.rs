@@ -182,6 +182,11 @@ impl Particles {
         Ok(())
     }
 
+    /// Reports the rows that were left out.
+    pub(in crate::read) fn tell_left_out(&mut self) {
+        self.skipped.assumed.extend(std::mem::take(&mut self.left_out).sentence());
+    }
+
     /// Finishes columns of text and of symbols: finds the elements of names, and removes virtual sites.
     ///
     /// # Errors

@@ -1,9 +1,7 @@
 //! Rows that are left out because their coordinates or their radius are invalid.
 
-use super::frame::Particles;
 use halfline::error::{Error, Place};
 use halfline::quote::{count, shortened};
-use halfline::scene::{is_center, is_radius};
 
 /// The number of rows, and the first of them.
 #[derive(Debug, Clone, Default)]
@@ -43,27 +41,5 @@ impl LeftOut {
         let field = place.field.unwrap_or_default();
         let field = shortened(&field, FIELD);
         Some(format!("{} left out, the first{line}: {field}: {problem}", count(self.count, "row")))
-    }
-}
-
-impl Particles {
-    /// Leaves particles out that are no spheres, by a centre that is not finite or a radius that is not positive.
-    pub(super) fn leave_invalid_out(&mut self) {
-        // NaN is no radius.
-        let is_valid = |n: usize| {
-            let radius = self.radii.get(n).copied().filter(|radius| !radius.is_nan()).unwrap_or(1.0);
-            is_center(&self.positions[n]) & is_radius(&radius)
-        };
-        let stays: Vec<bool> = (0..self.positions.len()).map(is_valid).collect();
-        let Some(first) = stays.iter().position(|stays| !stays) else { return };
-        let left = stays.iter().filter(|stays| !**stays).count() as u64;
-        let warning = format!("{} left out, the first: row {first} is no sphere", count(left, "row"));
-        self.skipped.assumed.push(warning);
-        self.keep(&stays);
-    }
-
-    /// Reports the rows that were left out.
-    pub(in crate::read) fn tell_left_out(&mut self) {
-        self.skipped.assumed.extend(std::mem::take(&mut self.left_out).sentence());
     }
 }

@@ -15,8 +15,8 @@ use crate::read::source::SceneSource;
 use archive::{Archive, MEND};
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check;
-use halfline::quote::{list, quote};
-use halfline::scene::check_color;
+use halfline::quote::{count, list, quote};
+use halfline::scene::{check_color, is_center, is_radius};
 use std::collections::BTreeMap;
 use std::io::BufRead;
 use std::sync::Arc;
@@ -284,7 +284,7 @@ impl ParticleFrames for Npz {
         let mut particles = self.arrays.particles(self.next, &self.file)?;
         self.next += 1;
         if self.request.skip_invalid {
-            particles.leave_invalid_out();
+            leave_invalid_out(&mut particles);
         }
         Ok(Some(particles))
     }
@@ -294,6 +294,21 @@ impl ParticleFrames for Npz {
         self.next += usize::from(has_next);
         Ok(has_next)
     }
+}
+
+/// Leaves particles out that are no spheres, by a centre that is not finite or a radius that is not positive.
+fn leave_invalid_out(particles: &mut Particles) {
+    // NaN is no radius.
+    let is_valid = |n: usize| {
+        let radius = particles.radii.get(n).copied().filter(|radius| !radius.is_nan()).unwrap_or(1.0);
+        is_center(&particles.positions[n]) & is_radius(&radius)
+    };
+    let stays: Vec<bool> = (0..particles.positions.len()).map(is_valid).collect();
+    let Some(first) = stays.iter().position(|stays| !stays) else { return };
+    let left = stays.iter().filter(|stays| !**stays).count() as u64;
+    let warning = format!("{} left out, the first: row {first} is no sphere", count(left, "row"));
+    particles.skipped.assumed.push(warning);
+    particles.keep(&stays);
 }
 
 /// Whether a name is of one number of each particle.

@@ -36,7 +36,7 @@ impl Selection {
         columns
     }
 
-    /// Those of which it lists values, in lower case.
+    /// The columns of which it lists values, in lower case.
     pub(in crate::read) fn worded_columns(&self) -> Vec<String> {
         let mut columns = Vec::new();
         self.root.visit(&mut |node| {

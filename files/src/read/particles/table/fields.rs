@@ -1,12 +1,9 @@
 //! The fields of a line of a table.
 
-use crate::read::lines::{Lines, Word, has_content};
+use crate::read::lines::{DELIMITERS, Lines, Word, ends, has_content};
 use halfline::error::{Error, Result};
 use halfline::quote::quote;
 use std::io::BufRead;
-
-/// The bytes that may separate fields, the most certain first. Blanks are the last.
-const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', b' '];
 
 /// The delimiter of a line.
 pub(crate) fn delimiter(line: &str) -> u8 {
@@ -116,60 +113,6 @@ pub(crate) fn each_number<R: BufRead>(
             Err(Error::scene(lines.place(word.at).named("row"), problem, mend))
         }
     }
-}
-
-/// The quotes of a record of which lines arrive one by one.
-pub(in crate::read) struct Quotes {
-    delimiter: u8,
-    state: Quoting,
-}
-
-/// The place in a field.
-#[derive(Clone, Copy, PartialEq)]
-enum Quoting {
-    /// Before it.
-    Begin,
-    Plain,
-    Quoted,
-    /// Behind a quote, which ends the quoted text or is doubled.
-    Quote,
-    /// Behind the quoted text.
-    Closed,
-}
-
-impl Quotes {
-    /// No lines yet of a record with this first line, whose fields are separated by `delimiter`, or for 0 by any; `None` for a
-    /// comment.
-    pub(in crate::read) fn of(line: &[u8], delimiter: u8) -> Option<Self> {
-        let has_content = has_content(&String::from_utf8_lossy(line));
-        has_content.then_some(Self { delimiter, state: Quoting::Begin })
-    }
-
-    /// Whether the record ends within quotes after a line more; `None` where text follows a quote that closes a field, so that
-    /// quotes mean something else.
-    pub(in crate::read) fn are_open(&mut self, line: &[u8]) -> Option<bool> {
-        for byte in line {
-            let ends = if self.delimiter == 0 { DELIMITERS.contains(byte) } else { ends(*byte, self.delimiter) };
-            self.state = match self.state {
-                Quoting::Quoted if *byte == b'"' => Quoting::Quote,
-                Quoting::Quote if *byte == b'"' => Quoting::Quoted,
-                Quoting::Quoted => Quoting::Quoted,
-                _ if ends => Quoting::Begin,
-                Quoting::Plain => Quoting::Plain,
-                Quoting::Begin if byte.is_ascii_whitespace() => Quoting::Begin,
-                Quoting::Begin if *byte == b'"' => Quoting::Quoted,
-                Quoting::Begin => Quoting::Plain,
-                Quoting::Quote | Quoting::Closed if byte.is_ascii_whitespace() => Quoting::Closed,
-                Quoting::Quote | Quoting::Closed => return None,
-            };
-        }
-        Some(self.state == Quoting::Quoted)
-    }
-}
-
-/// Whether a byte ends a field without quotes.
-fn ends(byte: u8, delimiter: u8) -> bool {
-    if delimiter == b' ' { byte.is_ascii_whitespace() } else { byte == delimiter }
 }
 
 /// A field of a record: its first byte without padding, the length of its text in quotes, if it is quoted, and its end.
