@@ -102,7 +102,7 @@ RENDER: dict[str, list[Choice]] = {
     "tone": [("soft", "soft"), ("linear", "linear"), ("film", "film")],
     "shade": [("flat", "flat"), ("normal", "normal"), ("headlight", "headlight")],
     "look": [("plain", "plain"), ("soft", "soft"), ("figure", "figure"), ("none", "none")],
-    "occlusion": [(None, True), ("5", 5), ("0", 0), ("100000", 100000)],
+    "occlusion": [(None, True), ("5", 5), ("0", 0), ("5000000000", 5000000000)],
     "reach": [("2", 2), ("0", 0)],
     "sun": [("1,1,1", (1, 1, 1)), ("0,0,0", (0, 0, 0))],
     "shadows": [(None, True)],
@@ -287,6 +287,9 @@ class Draw:
         if self.camera in [*LENSES, "fit", "focus"]:
             # Frame 2 has camera 2 of a list, and the camera that shows all spheres is that of frame 1.
             chosen = [name for name in chosen if name != "frames"]
+        if self.camera == "focus":
+            # The command selects a focus in the file, Python in the scene: of what is left, and of all copies.
+            chosen = [name for name in chosen if name not in ("select", "hide", "copies")]
         drawn = self.random.sample(sorted(RENDER), self.random.choice([0, 1, 2, 3, 4]))
         if self.camera in ("fit", "focus"):
             # A camera that Python fits knows no legend.
