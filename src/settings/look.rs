@@ -317,7 +317,7 @@ mod tests {
 
     /// A look that options or a file ask for is refused by the frame, which names it.
     #[test]
-    fn particles_behind_a_curved_lens_are_lit_from_the_eye_with_a_warning() {
+    fn particles_through_a_curved_lens_have_the_look_plain_and_a_warning() {
         let [straight, curved] = [Lens::Vfov { degrees: 50.0, distance: 1.0 }, Lens::panorama(64, 32)];
         let particles = FileLook::PARTICLES;
         for (lens, from, has_picture, look, shade, expected) in [

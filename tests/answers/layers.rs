@@ -133,7 +133,7 @@ fn kinds() -> Vec<(&'static str, Scene, Settings)> {
     let plain = crowd();
     let with = |light: AddedLight| {
         let mut scene = crowd();
-        light.apply(&mut scene).expect("light");
+        light.apply(&mut scene, &[]).expect("light");
         scene
     };
     let soft = with(AddedLight { look: Look::Soft, ..AddedLight::default() });

@@ -1,7 +1,7 @@
 //! Marks of a picture: texts at pixels of the things that they name, or with a line from there, none over another.
 
 mod place;
-mod seen;
+mod visible;
 
 use super::page::Page;
 use super::{Panel, Panels};
@@ -15,7 +15,7 @@ use halfline::quote::setting::{MARK, SIZE};
 use halfline::quote::{count, list};
 use halfline::scene::Scene;
 use place::{Disc, Target};
-use seen::SeenThings;
+use visible::VisibleThings;
 
 /// Spheres of a scene, with the text that names them.
 pub type Thing = (String, Vec<u32>);
@@ -27,7 +27,7 @@ fn is_dark([red, green, blue]: [f32; 3]) -> bool {
 
 impl Panels {
     /// Adds marks of things in a whole frame of a scene, in their order: of those among the `ids` of its pixels, and of those that are
-    /// seen through translucent spheres, of which `render` renders a frame without them; with `all` also of those that are hidden, in
+    /// visible through translucent spheres, of which `render` renders a frame without them; with `all` also of those that are hidden, in
     /// front of the camera. Returns a warning about those that find no place.
     ///
     /// # Errors
@@ -45,17 +45,17 @@ impl Panels {
         }
         let size = [scene.image.width, scene.image.height];
         let projector = scene.camera.projector(size)?;
-        let seen = SeenThings::new(size.map(|side| side as usize), things, &images_of(scene, ids, render)?);
+        let visible = VisibleThings::new(size.map(|side| side as usize), things, &images_of(scene, ids, render)?);
         let mut targets = Vec::new();
         for (number, (text, ids)) in things.iter().enumerate() {
-            let target = match seen.thing(number) {
-                Some(thing) => Some(Target::Seen(thing)),
+            let target = match visible.thing(number) {
+                Some(thing) => Some(Target::Visible(thing)),
                 None if all => disc(scene, &projector, ids).map(Target::Hidden),
                 None => None,
             };
             targets.extend(target.map(|target| (&text[..], target)));
         }
-        let left_out = self.mark(size, is_dark(scene.image.background), &seen, &targets);
+        let left_out = self.mark(size, is_dark(scene.image.background), &visible, &targets);
         let warning = || {
             let (some, all) = (left_out.len(), count(targets.len() as u64, "mark"));
             let problem =
@@ -71,7 +71,7 @@ impl Panels {
         &mut self,
         [width, height]: [u32; 2],
         are_light: bool,
-        seen: &SeenThings,
+        visible: &VisibleThings,
         targets: &[(&'a str, Target<'_>)],
     ) -> Vec<&'a str> {
         let page = Page::new(width, height);
@@ -80,7 +80,7 @@ impl Panels {
             let shown = plain(text);
             let placed = page.haloed(&shown, are_light).and_then(|pixels| {
                 let size = [pixels.width(), pixels.height()].map(i64::from);
-                let place = self.place(&page, seen, target, size)?;
+                let place = self.place(&page, visible, target, size)?;
                 self.lines.extend(place.line.and_then(|line| page.line_to(line, are_light)));
                 Some(Panel { at: place.at.map(|x| x as usize), pixels })
             });
@@ -165,8 +165,8 @@ mod tests {
         (0..count).map(|id| (format!("Io{id}"), vec![id])).collect()
     }
 
-    fn targets<'a>(things: &'a [Thing], seen: &'a SeenThings) -> Vec<(&'a str, Target<'a>)> {
-        let of = |(n, (text, _)): (usize, &'a Thing)| Some((&text[..], Target::Seen(seen.thing(n)?)));
+    fn targets<'a>(things: &'a [Thing], visible: &'a VisibleThings) -> Vec<(&'a str, Target<'a>)> {
+        let of = |(n, (text, _)): (usize, &'a Thing)| Some((&text[..], Target::Visible(visible.thing(n)?)));
         things.iter().enumerate().filter_map(of).collect()
     }
 
@@ -174,8 +174,8 @@ mod tests {
     fn a_text_is_on_a_wide_thing_and_next_to_a_small_one() {
         let mut panels = Panels::default();
         let things = each(2);
-        let seen = SeenThings::new(SIZE, &things, &[discs(SIZE, &[([200, 150], 60), ([320, 50], 3)])]);
-        assert_eq!(panels.mark([400, 300], false, &seen, &targets(&things, &seen)), [""; 0]);
+        let visible = VisibleThings::new(SIZE, &things, &[discs(SIZE, &[([200, 150], 60), ([320, 50], 3)])]);
+        assert_eq!(panels.mark([400, 300], false, &visible, &targets(&things, &visible)), [""; 0]);
         let [on, other] = &panels.panels[..] else { panic!("two marks") };
         let middle = |panel: &Panel| {
             [panel.at[0] + panel.pixels.width() as usize / 2, panel.at[1] + panel.pixels.height() as usize / 2]
@@ -194,43 +194,43 @@ mod tests {
             bits = bits.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
             (bits >> 33) as i64 % most
         };
-        let (mut on, mut beside, mut lines, mut covering) = (0, 0, 0, 0);
+        let (mut on, mut adjacent, mut lines, mut covering) = (0, 0, 0, 0);
         for _ in 0..4 {
             let all: Vec<([i64; 2], i64)> = (0..40).map(|_| ([next(400), next(300)], 2 + next(28))).collect();
             let (things, ids) = (each(40), discs(SIZE, &all));
-            let seen = SeenThings::new(SIZE, &things, std::slice::from_ref(&ids));
+            let visible = VisibleThings::new(SIZE, &things, std::slice::from_ref(&ids));
             let mut panels = Panels::default();
-            for (text, target) in targets(&things, &seen) {
-                let Target::Seen(thing) = &target else { panic!("{text} is seen") };
+            for (text, target) in targets(&things, &visible) {
+                let Target::Visible(thing) = &target else { panic!("{text} is visible") };
                 let page = Page::new(400, 300);
                 let size = page
                     .haloed(text, false)
                     .map(|pixels| [pixels.width(), pixels.height()].map(i64::from))
                     .expect(text);
                 let before = panels.panels.len();
-                let place = panels.place(&page, &seen, &target, size);
-                let left_out = panels.mark([400, 300], false, &seen, &[(text, Target::Seen(thing))]);
+                let place = panels.place(&page, &visible, &target, size);
+                let left_out = panels.mark([400, 300], false, &visible, &[(text, Target::Visible(thing))]);
                 assert_eq!(place.is_none(), !left_out.is_empty(), "{text}");
                 let Some(place) = place else { continue };
                 assert_eq!(panels.panels[before].at.map(|x| x as i64), place.at, "{text}");
                 let ([x, y], [wide, high]) = (place.at, size);
                 let touched = (x - 1..=x + wide).flat_map(|x| (y - 1..=y + high).map(move |y| [x, y]));
                 match place.line {
-                    Some(line) => assert!(seen.shows(thing, line.from), "{text}: {line:?}"),
-                    None => assert!(touched.into_iter().any(|at| seen.shows(thing, at)), "{text}: {place:?}"),
+                    Some(line) => assert!(visible.shows(thing, line.from), "{text}: {line:?}"),
+                    None => assert!(touched.into_iter().any(|at| visible.shows(thing, at)), "{text}: {place:?}"),
                 }
                 let inside = || (x..x + wide).flat_map(|x| (y..y + high).map(move |y| [x, y]));
                 let share = |keep: &dyn Fn([i64; 2]) -> bool| {
                     inside().filter(|at| keep(*at)).count() as f32 / (wide * high) as f32
                 };
-                let is_on = share(&|at| seen.shows(thing, at)) > 0.9;
-                covering += usize::from(share(&|at| seen.covers(Some(thing), at) > 0.0) > 0.2);
+                let is_on = share(&|at| visible.shows(thing, at)) > 0.9;
+                covering += usize::from(share(&|at| visible.covers(Some(thing), at) > 0.0) > 0.2);
                 *if place.line.is_some() {
                     &mut lines
                 } else if is_on {
                     &mut on
                 } else {
-                    &mut beside
+                    &mut adjacent
                 } += 1;
             }
             let ends = |panel: &Panel| {
@@ -243,8 +243,8 @@ mod tests {
                 }
             }
         }
-        assert!(on > 20 && beside > 20 && lines > 0, "{on} on, {beside} beside, {lines} with a line");
-        assert!(covering * 10 < on + beside + lines, "{covering} of {}", on + beside + lines);
+        assert!(on > 20 && adjacent > 20 && lines > 0, "{on} on, {adjacent} adjacent, {lines} with a line");
+        assert!(covering * 10 < on + adjacent + lines, "{covering} of {}", on + adjacent + lines);
     }
 
     #[test]
@@ -252,9 +252,9 @@ mod tests {
         let size = [100, 60];
         let places: Vec<([i64; 2], i64)> = (0..40).map(|n| ([50 + n % 7, 30 + n / 7], 0)).collect();
         let things = each(40);
-        let seen = SeenThings::new(size, &things, &[discs(size, &places)]);
+        let visible = VisibleThings::new(size, &things, &[discs(size, &places)]);
         let mut panels = Panels::default();
-        let left_out = panels.mark([100, 60], true, &seen, &targets(&things, &seen)).len();
+        let left_out = panels.mark([100, 60], true, &visible, &targets(&things, &visible)).len();
         assert_eq!(left_out + panels.panels.len(), 40);
         assert!(panels.panels.len() >= 3, "{}", panels.panels.len());
     }

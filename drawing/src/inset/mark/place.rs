@@ -2,7 +2,7 @@
 
 use super::super::page::Page;
 use super::super::{Line, Panel, Panels};
-use super::seen::{SeenThing, SeenThings};
+use super::visible::{VisibleThing, VisibleThings};
 
 /// A text is on its thing where the thing has this share of its pixels, of those that are looked at.
 const ON_IT: f32 = 0.95;
@@ -12,7 +12,7 @@ const GRID: [i64; 2] = [16, 6];
 
 /// The cost of a text beside its thing, of one with a line, and of a line as long as the shorter side of the picture; that of a text
 /// on another thing is 1. A text beside its thing costs a little more in each next direction.
-const BESIDE: f32 = 0.03;
+const ADJACENT: f32 = 0.03;
 const NEXT: f32 = 1e-3;
 const WITH_LINE: f32 = 0.12;
 const LONG_LINE: f32 = 0.45;
@@ -29,7 +29,7 @@ const LENGTHS: [f64; 9] = [0.8, 1.2, 1.7, 2.4, 3.4, 4.8, 6.7, 9.4, 13.0];
 /// The target of a text.
 pub(super) enum Target<'a> {
     /// A thing that some pixel shows.
-    Seen(&'a SeenThing),
+    Visible(&'a VisibleThing),
     /// The place of a hidden thing.
     Hidden(Disc),
 }
@@ -53,12 +53,18 @@ type Choice = Option<(f32, Place)>;
 impl Panels {
     /// The place of a text of this size that covers least of other things: on its thing, beginning at a pixel of it, or at the end of a
     /// line from there. `None` where no place is free.
-    pub(super) fn place(&self, page: &Page, seen: &SeenThings, target: &Target<'_>, size: [i64; 2]) -> Option<Place> {
+    pub(super) fn place(
+        &self,
+        page: &Page,
+        visible: &VisibleThings,
+        target: &Target<'_>,
+        size: [i64; 2],
+    ) -> Option<Place> {
         let mut best: Choice = None;
         let mut consider = |at: [i64; 2], line: Option<Line>, cost: f32| {
             if best.is_none_or(|(least, _)| cost < least) && self.is_free(page, at, size) {
-                let thing = if let Target::Seen(thing) = target { Some(*thing) } else { None };
-                let cost = cost + covered(seen, thing, at, size) + line.map_or(0.0, |line| self.crossings(line));
+                let thing = if let Target::Visible(thing) = target { Some(*thing) } else { None };
+                let cost = cost + covered(visible, thing, at, size) + line.map_or(0.0, |line| self.crossings(line));
                 if best.is_none_or(|(least, _)| cost < least) {
                     best = Some((cost, Place { at, line }));
                 }
@@ -66,17 +72,17 @@ impl Panels {
         };
         let [wide, high] = size;
         let from = match target {
-            Target::Seen(thing) => {
+            Target::Visible(thing) => {
                 for [x, y] in thing.places.iter().map(|place| place.map(|x| x as i64)) {
                     let at = [x - wide / 2, y - high / 2];
-                    if shown(seen, thing, at, size) >= ON_IT {
+                    if shown(visible, thing, at, size) >= ON_IT {
                         consider(at, None, 0.0);
                     }
                 }
                 for place in &thing.places {
                     for (n, direction) in DIRECTIONS.into_iter().enumerate() {
-                        let edge = seen.edge(thing, *place, direction);
-                        consider(beside(edge, direction, size, 1), None, BESIDE + NEXT * n as f32);
+                        let edge = visible.edge(thing, *place, direction);
+                        consider(adjacent(edge, direction, size, 1), None, ADJACENT + NEXT * n as f32);
                     }
                 }
                 thing.places[0].map(|x| x as i64)
@@ -90,9 +96,9 @@ impl Panels {
                     // Diagonals begin at the edge of a disc.
                     let reach = if dx * dy == 0 { *reach } else { reach * 5 / 7 };
                     consider(
-                        beside([x + dx * reach, y + dy * reach], [dx, dy], size, 1),
+                        adjacent([x + dx * reach, y + dy * reach], [dx, dy], size, 1),
                         None,
-                        BESIDE + NEXT * n as f32,
+                        ADJACENT + NEXT * n as f32,
                     );
                 }
                 *at
@@ -103,7 +109,7 @@ impl Panels {
         {
             let away = length * high as f64 / ((dx * dx + dy * dy) as f64).sqrt();
             let end = [(dx, from[0]), (dy, from[1])].map(|(d, x)| x + (d as f64 * away).round() as i64);
-            let at = beside(end, [dx, dy].map(i64::signum), size, 0);
+            let at = adjacent(end, [dx, dy].map(i64::signum), size, 0);
             let to = [0, 1].map(|k| from[k].clamp(at[k], at[k] + size[k]));
             let line = Line { from, to };
             if self.is_clear(line) {
@@ -143,7 +149,7 @@ impl Panels {
 }
 
 /// The top left corner of a text that begins at a pixel in one of the [`DIRECTIONS`], so many pixels behind it.
-fn beside([x, y]: [i64; 2], [dx, dy]: [i64; 2], [wide, high]: [i64; 2], behind: i64) -> [i64; 2] {
+fn adjacent([x, y]: [i64; 2], [dx, dy]: [i64; 2], [wide, high]: [i64; 2], behind: i64) -> [i64; 2] {
     let along = |at: i64, direction: i64, side: i64| match direction {
         1 => at + behind,
         0 => at - side / 2,
@@ -168,11 +174,11 @@ fn samples([left, top]: [i64; 2], [wide, high]: [i64; 2]) -> impl Iterator<Item 
 }
 
 /// The mean of what a text covers.
-fn covered(seen: &SeenThings, thing: Option<&SeenThing>, at: [i64; 2], size: [i64; 2]) -> f32 {
-    samples(at, size).map(|at| seen.covers(thing, at)).sum::<f32>() / (GRID[0] * GRID[1]) as f32
+fn covered(visible: &VisibleThings, thing: Option<&VisibleThing>, at: [i64; 2], size: [i64; 2]) -> f32 {
+    samples(at, size).map(|at| visible.covers(thing, at)).sum::<f32>() / (GRID[0] * GRID[1]) as f32
 }
 
 /// The share of a text's pixels that show its thing.
-fn shown(seen: &SeenThings, thing: &SeenThing, at: [i64; 2], size: [i64; 2]) -> f32 {
-    samples(at, size).filter(|at| seen.shows(thing, *at)).count() as f32 / (GRID[0] * GRID[1]) as f32
+fn shown(visible: &VisibleThings, thing: &VisibleThing, at: [i64; 2], size: [i64; 2]) -> f32 {
+    samples(at, size).filter(|at| visible.shows(thing, *at)).count() as f32 / (GRID[0] * GRID[1]) as f32
 }

@@ -1,4 +1,4 @@
-//! The pixels of a frame in which things are seen.
+//! The pixels of a frame in which things are visible.
 
 use super::Thing;
 use std::collections::BTreeMap;
@@ -17,18 +17,18 @@ const STEP: u32 = 3;
 const CORNER: u32 = 4;
 
 /// The pixels of a frame by what they show.
-pub(super) struct SeenThings {
+pub(super) struct VisibleThings {
     size: [usize; 2],
     /// The labels of the pixels: of the first spheres, then of the opaque ones behind translucent ones.
     images: Vec<Vec<u32>>,
     /// The numbers of the things of each label from [`NAMED`] on.
     named: Vec<Vec<u16>>,
     /// Each thing, if some pixel shows it.
-    things: Vec<Option<SeenThing>>,
+    things: Vec<Option<VisibleThing>>,
 }
 
 /// A thing that some pixel shows.
-pub(super) struct SeenThing {
+pub(super) struct VisibleThing {
     number: u16,
     /// The image that shows it.
     image: usize,
@@ -36,7 +36,7 @@ pub(super) struct SeenThing {
     pub(super) places: Vec<[usize; 2]>,
 }
 
-impl SeenThings {
+impl VisibleThings {
     /// The things in images of ids.
     pub(super) fn new(size: [usize; 2], things: &[Thing], ids: &[Vec<i32>]) -> Self {
         let mut of_sphere: BTreeMap<u32, Vec<u16>> = BTreeMap::new();
@@ -56,10 +56,10 @@ impl SeenThings {
             .collect();
         let label = |id: &i32| u32::try_from(*id).map_or(BACKGROUND, |id| labels.get(&id).copied().unwrap_or(UNNAMED));
         let images = ids.iter().map(|ids| ids.iter().map(label).collect()).collect();
-        let mut seen = Self { size, images, named, things: Vec::new() };
-        seen.things.resize_with(things.len(), || None);
-        (0..seen.images.len()).for_each(|image| seen.find(image));
-        seen
+        let mut visible = Self { size, images, named, things: Vec::new() };
+        visible.things.resize_with(things.len(), || None);
+        (0..visible.images.len()).for_each(|image| visible.find(image));
+        visible
     }
 
     /// Finds the things that an image shows and those before it do not.
@@ -106,23 +106,23 @@ impl SeenThings {
         for (number, found) in (0..).zip(all).filter(|(_, found)| found.count > 0) {
             let middle = found.middle.map(|(_, at)| at);
             let places = [found.deepest.1].into_iter().chain(middle).chain(found.others).collect();
-            self.things[usize::from(number)].get_or_insert(SeenThing { number, image, places });
+            self.things[usize::from(number)].get_or_insert(VisibleThing { number, image, places });
         }
     }
 
     /// A thing; `None` for one that no pixel shows.
-    pub(super) fn thing(&self, number: usize) -> Option<&SeenThing> {
+    pub(super) fn thing(&self, number: usize) -> Option<&VisibleThing> {
         self.things.get(number)?.as_ref()
     }
 
     /// Whether a pixel shows a thing; false outside of the image.
-    pub(super) fn shows(&self, thing: &SeenThing, [x, y]: [i64; 2]) -> bool {
+    pub(super) fn shows(&self, thing: &VisibleThing, [x, y]: [i64; 2]) -> bool {
         let label = self.pixel([x, y]).map(|pixel| self.images[thing.image][pixel]);
         label.is_some_and(|label| label >= NAMED && self.named[(label - NAMED) as usize].contains(&thing.number))
     }
 
-    /// What a text covers at a pixel, from 0 to 1: nothing, a sphere without a name, or another thing; nothing of `thing` itself.
-    pub(super) fn covers(&self, thing: Option<&SeenThing>, at: [i64; 2]) -> f32 {
+    /// The share of a pixel that a text takes from others than `thing`: 0 of the background, half of a sphere without a name, all of another thing.
+    pub(super) fn covers(&self, thing: Option<&VisibleThing>, at: [i64; 2]) -> f32 {
         let Some(pixel) = self.pixel(at) else { return 0.0 };
         match self.images.first().map_or(BACKGROUND, |labels| labels[pixel]) {
             BACKGROUND => 0.0,
@@ -133,7 +133,7 @@ impl SeenThings {
     }
 
     /// The last pixel that shows a thing on the way from one that does.
-    pub(super) fn edge(&self, thing: &SeenThing, from: [usize; 2], [dx, dy]: [i64; 2]) -> [i64; 2] {
+    pub(super) fn edge(&self, thing: &VisibleThing, from: [usize; 2], [dx, dy]: [i64; 2]) -> [i64; 2] {
         let mut at = from.map(|x| x as i64);
         while self.shows(thing, [at[0] + dx, at[1] + dy]) {
             at = [at[0] + dx, at[1] + dy];
@@ -180,14 +180,14 @@ mod tests {
             ids[row * 20 + 12..row * 20 + 14].fill(2);
         }
         let things = [("bar".to_owned(), vec![0]), ("none".to_owned(), vec![1]), ("both".to_owned(), vec![0, 2])];
-        let seen = SeenThings::new([20, 10], &things, &[ids]);
-        let bar = seen.thing(0).expect("seen");
+        let visible = VisibleThings::new([20, 10], &things, &[ids]);
+        let bar = visible.thing(0).expect("visible");
         assert_eq!(bar.places[0][1], 4, "the row of its middle");
         assert!((5..10).contains(&bar.places[0][0]) && bar.places[1] == [7, 4], "{:?}", bar.places);
-        assert!(seen.thing(1).is_none());
-        let both = seen.thing(2).expect("seen");
-        assert_eq!((seen.edge(bar, [7, 4], [1, 0]), seen.edge(both, [7, 4], [1, 0])), ([11, 4], [13, 4]));
-        assert_eq!([[7, 4], [12, 4], [0, 0], [-1, 4]].map(|at| seen.covers(Some(bar), at)), [0.0, 1.0, 0.0, 0.0]);
-        assert!(both.places.iter().all(|[x, y]| seen.shows(both, [*x as i64, *y as i64])));
+        assert!(visible.thing(1).is_none());
+        let both = visible.thing(2).expect("visible");
+        assert_eq!((visible.edge(bar, [7, 4], [1, 0]), visible.edge(both, [7, 4], [1, 0])), ([11, 4], [13, 4]));
+        assert_eq!([[7, 4], [12, 4], [0, 0], [-1, 4]].map(|at| visible.covers(Some(bar), at)), [0.0, 1.0, 0.0, 0.0]);
+        assert!(both.places.iter().all(|[x, y]| visible.shows(both, [*x as i64, *y as i64])));
     }
 }
