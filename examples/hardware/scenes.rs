@@ -24,7 +24,7 @@ pub(crate) fn looked(count: usize, look: &str, side: u32, backend: Backend) -> R
         "plain" => {}
         "answers" => settings.aovs.extend([Aov::Distance, Aov::Normal, Aov::Mask]),
         "soft" => {
-            AddedLight { look: Look::Soft, ..AddedLight::default() }.apply(&mut scene)?;
+            AddedLight { look: Look::Soft, ..AddedLight::default() }.apply(&mut scene, &settings.aovs)?;
             (settings.samples, settings.silhouette) = (4, true);
         }
         _ => {
