@@ -90,7 +90,7 @@ impl Unpacked {
             io::ErrorKind::OutOfMemory => {
                 let most = WINDOW >> 20;
                 // By itself it has the same limit.
-                let long = if self.packing == Packing::Zstandard { " --long=31" } else { "" };
+                let long = if self.packing == Packing::Zstandard { " -M2048MB" } else { "" };
                 format!(
                     "the {name} data refer back by more than {most} MiB; decompress the file with `{program} -d{long}`"
                 )
