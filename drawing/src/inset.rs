@@ -14,9 +14,8 @@ use halfline::frame::legend::Legend;
 use halfline::frame::srgb::linear;
 use halfline::frame::{Aov, Buffer, Data, Frame};
 use line::Line;
-use page::Page;
+use page::{Page, Panel};
 use std::collections::BTreeSet;
-use tiny_skia::Pixmap;
 
 pub use label::{Label, LabelValues};
 pub use mark::Thing;
@@ -71,12 +70,6 @@ pub struct Panels {
     words: String,
     /// Letters of the texts that the font lacks.
     unknown: BTreeSet<char>,
-}
-
-#[derive(Debug, Clone)]
-struct Panel {
-    at: [usize; 2],
-    pixels: Pixmap,
 }
 
 /// The part of a frame's colour and alpha that panels cover.

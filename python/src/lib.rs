@@ -4,6 +4,7 @@
 mod arrays;
 mod atoms;
 mod camera;
+mod color;
 mod command;
 mod errors;
 mod fit;

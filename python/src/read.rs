@@ -1,5 +1,6 @@
 //! Reading of scene and particle files, with the options of the command.
 
+use crate::color::Color;
 use crate::errors::OrRaise;
 use crate::scene::{Scene, bead};
 use crate::work::Job;
@@ -7,7 +8,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Material, MaterialName, is_opacity};
-use halfline_files::read::style::{self, Coloring, Paint, Scale};
+use halfline_files::read::style::{self, Coloring, Scale};
 use halfline_files::read::{
     Altloc, AtomStyle, ColumnNames, FixedCamera, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions,
     SceneFrame, Selection, Style,
@@ -29,23 +30,6 @@ impl MapValue {
         match self {
             Self::Name(name) => style::color_map(name),
             Self::Colors(colors) => ColorMap::of_colors("own", colors.clone()),
-        }
-    }
-}
-
-/// Linear RGB, or the word for the colour of each particle's element.
-#[derive(FromPyObject)]
-pub(crate) enum Color {
-    One([f32; 3]),
-    Element(String),
-}
-
-impl Color {
-    pub(crate) fn paint(&self) -> Result<Paint> {
-        match self {
-            Self::One(color) => Ok(Paint::One(*color)),
-            Self::Element(word) if word == "element" => Ok(Paint::Element),
-            Self::Element(name) => style::color(name).map(Paint::One),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
+use crate::color::Color;
 use crate::errors::{OrRaise, keywords};
-use crate::read::Color;
 use crate::work::{Job, begin};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};

@@ -142,7 +142,9 @@ def test_what_does_not_belong_together_is_refused(cpu: hl.Renderer) -> None:
         (lambda: hl.sift([[0, 0, np.nan]], 1.0, **VIEW), "center"),
         (lambda: hl.sift([[0, 0, 0]], [1.0, 2.0], **VIEW), "radii has 2 rows, and centers has 1"),
         (
-            lambda: hl.Sieve(hl.Camera.from_intrinsics(50, 50, 32, 24, 64, 48, np.eye(4)), (32, 24)),
+            lambda: hl.Sieve(
+                hl.Camera.from_intrinsics(50, 50, 32, 24, 64, 48, np.eye(4)), (32, 24)
+            ),
             "the camera's intrinsics belong to (64, 48)",
         ),
         (lambda: hl.sift([[0, 0]], 1.0, **VIEW), "shape"),

@@ -334,7 +334,7 @@ fn curved_lenses_have_the_rays_of_their_models() {
     dir.put("from.png", dir.get("c1.png"));
     let stream = "render a.csv --backend cpu --camera-from from.png --stream --aov id=s.npy";
     let refused = dir.run(stream);
-    assert!(refused.code == 3 && refused.err.contains("without --stream"), "{}", refused.err);
+    assert!(refused.code == 2 && refused.err.contains("or remove --stream"), "{}", refused.err);
     let page = dir.run("view a.csv --backend cpu --camera-from from.png --no-open --idle 1 --port 0");
     assert!(page.code == 0 || page.err.contains("--camera-from"), "{} {}", page.code, page.err);
 }

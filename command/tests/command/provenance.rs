@@ -48,7 +48,7 @@ const OF_SCENES: [(&str, &[&str]); 40] = [
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),
 ];
-const OF_PARTICLES: [(&str, &[&str]); 23] = [
+const OF_PARTICLES: [(&str, &[&str]); 24] = [
     ("--select", &["x > 0", "element O"]),
     ("--hide", &["element H"]),
     ("--radii", &["vdw", "covalent"]),
@@ -66,6 +66,7 @@ const OF_PARTICLES: [(&str, &[&str]); 23] = [
     ("--mark", &["element O={element}", "all=x"]),
     ("--mark-all", &[""]),
     ("--map", &["magma", "grays"]),
+    ("--nan-color", &["red", "#102030"]),
     ("--range", &["0,1", "0,3"]),
     ("--log", &[""]),
     ("--legend-in", &["", "=left"]),

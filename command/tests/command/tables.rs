@@ -160,6 +160,6 @@ fn particles_are_moved_by_edges_of_the_cell() {
     dir.refused_render(
         2,
         "alone --unwrap -o b.png",
-        &["--unwrap needs image flags (ix, iy, iz), molecules (mol), residues or elements"],
+        &["--unwrap needs image flags (ix, iy, iz, or an image of extended XYZ), molecules (mol), residues or elements"],
     );
 }

@@ -255,7 +255,7 @@ pub(crate) fn dir() -> TestDir {
                 film,
                 "{} {x:.4} {y:.4} {z:.4} {radius:.4} {kind} {v:.4} {}",
                 ["C", "O"][k % 2],
-                if k % 4 == 0 { f64::NAN } else { v }
+                if k % 4 == 3 { f64::NAN } else { v }
             )
             .expect("text");
             writeln!(dump, "{} {x:.4} {y:.4} {z:.4} {radius:.4} {} 0 0", k + 1, k % 2).expect("text");

@@ -1,7 +1,6 @@
 //! Lines from the things of a picture to their marks.
 
-use super::Panel;
-use super::page::{INK, PAPER, Page, paint};
+use super::page::{INK, PAPER, Page, Panel, paint};
 use tiny_skia::{FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
 
 /// A line between the middles of two pixels, columns and rows.

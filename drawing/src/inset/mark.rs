@@ -3,8 +3,9 @@
 mod place;
 mod visible;
 
+use super::Panels;
 use super::page::Page;
-use super::{Panel, Panels};
+use super::page::Panel;
 use crate::canvas::plain;
 use crate::raster::missing;
 use glam::DVec2;
@@ -15,10 +16,8 @@ use halfline::quote::setting::{MARK, SIZE};
 use halfline::quote::{count, list};
 use halfline::scene::Scene;
 use place::{Disc, Target};
+pub use visible::Thing;
 use visible::VisibleThings;
-
-/// Spheres of a scene, with the text that names them.
-pub type Thing = (String, Vec<u32>);
 
 /// Whether dark letters are hard to read on a colour in linear light: of less luminance than a middle grey.
 fn is_dark([red, green, blue]: [f32; 3]) -> bool {

@@ -22,6 +22,13 @@ pub(super) const INK: [u8; 3] = [0x16, 0x16, 0x16];
 pub(super) const PAPER: [u8; 3] = [0xff; 3];
 const LINE: [u8; 3] = [0x80, 0x80, 0x80];
 
+/// A drawing at a place of the picture: column and row of its top left pixel.
+#[derive(Debug, Clone)]
+pub(super) struct Panel {
+    pub(super) at: [usize; 2],
+    pub(super) pixels: Pixmap,
+}
+
 /// The picture that panels are for; lengths are pixels.
 pub(super) struct Page {
     pub(super) width: f32,

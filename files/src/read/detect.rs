@@ -29,7 +29,6 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String
     match (of_content(start, named), foreign::of_content(start, &lines)) {
         (None, Some(found)) if !is_native(&lines) => return Err(foreign(found)),
         (Some(Format::Xyz), Some(found)) if !is_atoms(&lines) => return Err(foreign(found)),
-        (Some(Format::Nff), Some(found)) => return Err(foreign(found)),
         (Some(format), _) => return Ok((format, named.and_then(|named| contradiction(format, named, &text)))),
         (None, _) => {}
     }
@@ -412,8 +411,10 @@ fn is_pcd(lines: &[&str]) -> bool {
 fn is_nff(lines: &[&str]) -> bool {
     content_lines(lines).next().is_some_and(|line| {
         let mut words = line.split_whitespace().take_while(|word| !word.starts_with('#'));
-        let directive = words.next().is_some_and(|word| nff::DIRECTIVES.contains(&word));
-        directive && words.all(|word| word.parse::<f64>().is_ok())
+        let Some(directive) = words.next().filter(|word| nff::DIRECTIVES.contains(word)) else { return false };
+        let numbers: Vec<&str> = words.collect();
+        // `v` with numbers is a vertex of OBJ.
+        (directive != "v" || numbers.is_empty()) && numbers.iter().all(|word| word.parse::<f64>().is_ok())
     })
 }
 

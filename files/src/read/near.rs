@@ -64,7 +64,7 @@ impl Reach {
         }
     }
 
-    /// How many of the others are at most this far away.
+    /// The number of the others that are at most this far away.
     fn count(&self, point: &[f64; 3], others: &[[f64; 3]]) -> u64 {
         let apart = |other: &[f64; 3]| [0, 1, 2].map(|k| point[k] - other[k]);
         let (mut sure, mut perhaps) = (0, 0);

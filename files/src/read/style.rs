@@ -1,6 +1,7 @@
 //! The style of particles: how their radii and colours are chosen when they become spheres.
 
 mod categories;
+mod coloring;
 mod confidence;
 mod map_file;
 mod numbers;
@@ -9,6 +10,7 @@ mod placed;
 mod scale;
 
 pub use super::color::color;
+pub use coloring::Coloring;
 pub use map_file::color_map;
 pub use paint::Paint;
 pub use scale::{RangeEnd, Scale};
@@ -99,20 +101,6 @@ impl Radii {
             Self::Covalent => element.covalent,
         }
     }
-}
-
-/// The source of the colours.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum Coloring {
-    /// The file's colours, else those of the elements, else none.
-    #[default]
-    File,
-    /// The elements' colours, even if the file has colours.
-    Element,
-    /// One linear RGB for all.
-    One([f32; 3]),
-    /// A column of numbers through a colour map.
-    Column(Scale),
 }
 
 /// Linear RGB of each particle.

@@ -1,7 +1,8 @@
 //! The places of texts at the things that they name.
 
-use super::super::page::Page;
-use super::super::{Line, Panel, Panels};
+use super::super::Panels;
+use super::super::line::Line;
+use super::super::page::{Page, Panel};
 use super::visible::{VisibleThing, VisibleThings};
 
 /// A text is on its thing where the thing has this share of its pixels, of those that are looked at.

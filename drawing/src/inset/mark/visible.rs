@@ -1,7 +1,9 @@
 //! The pixels of a frame in which things are visible.
 
-use super::Thing;
 use std::collections::BTreeMap;
+
+/// Spheres of a scene, with the text that names them.
+pub type Thing = (String, Vec<u32>);
 
 /// Labels of pixels: background, a sphere of no thing; then those of the spheres that have the same things.
 const BACKGROUND: u32 = 0;

@@ -217,7 +217,7 @@ impl<'a> Numbers<'a, '_> {
     #[expect(clippy::type_complexity, reason = "a pair for one caller")]
     fn plain(&self) -> Result<(Option<(Lens, Given<'a>)>, Option<Aperture>)> {
         let keys = self.keys;
-        let of = |wanted: Meaning| keys.find(|meaning| meaning == wanted);
+        let of = |asked: Meaning| keys.find(|meaning| meaning == asked);
         let vfov = of(Meaning::Vfov).map(|given| Ok::<_, halfline::Error>((keys.number(given)?, given))).transpose()?;
         let by_angle = vfov.map(|(degrees, given)| (Lens::Vfov { degrees, distance: 1.0 }, given));
         let Some(viewport) = of(Meaning::Viewport) else { return Ok((by_angle, None)) };
@@ -235,7 +235,7 @@ impl<'a> Numbers<'a, '_> {
                 return Err(keys.apart(given, viewport));
             }
         }
-        let optional = |wanted| of(wanted).map(|given| keys.number(given)).transpose();
+        let optional = |asked| of(asked).map(|given| keys.number(given)).transpose();
         let (diameter, focus) = (optional(Meaning::Aperture)?, optional(Meaning::Focus)?);
         Ok((Some((lens, viewport)), diameter.map(|diameter| Aperture { diameter, focus })))
     }

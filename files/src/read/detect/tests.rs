@@ -160,7 +160,7 @@ fn titles_and_comments_look_like_other_formats() {
     }
 }
 
-/// What begins other formats, ours and others, as a line of a title or a comment.
+/// Beginnings of other formats, as a line of a title or a comment.
 const BEGINNINGS: [&str; 66] = [
     "ply",
     "ITEM: TIMESTEP",
@@ -262,9 +262,9 @@ fn written(format: Format, line: &str) -> Option<String> {
     })
 }
 
-/// What one format leaves to the writer is no sign of another, whatever it says and whatever the file is called.
+/// Text that one format leaves to its writer is no sign of another, whatever it says and whatever the file is called.
 #[test]
-fn a_format_is_known_by_its_own_words_beside_those_of_others() {
+fn signatures_of_other_formats_never_beat_the_words_of_a_format() {
     let mut wrong = Vec::new();
     let mut count = 0;
     for format in Format::ALL {

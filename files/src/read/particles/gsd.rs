@@ -242,13 +242,15 @@ impl ParticleFrames for Gsd {
         let mut shapes = std::mem::take(&mut self.shapes);
         let Some((file, frame)) = self.advance()? else { return Ok(None) };
         let reading = Reading::new(file, frame)?;
+        // The positions prove the count.
+        let positions = reading.positions()?;
         reading.shapes(&mut shapes)?;
         let (radii, warning) = reading.radii(&shapes.1)?;
         // The schema's images are all 0, so a file without any does not say which they are.
         let is_there = |kind: &usize| COLUMNS[*kind].1 != IMAGE || file.has(IMAGE);
         let has = (0..COLUMNS.len()).filter(is_there).map(|kind| COLUMNS[kind].0.to_owned()).collect();
         let mut particles = Particles {
-            positions: reading.positions()?,
+            positions,
             radii,
             cell: reading.cell()?,
             when: FrameTime::of(None, Some(reading.step())),

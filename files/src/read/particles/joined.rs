@@ -131,7 +131,7 @@ impl Joined {
     }
 }
 
-/// Where a cell begins that changes from another one with all that it holds: the point at 0 keeps its fractions.
+/// The origin of a cell that changes from another one with all that it holds: the point at 0 keeps its fractions.
 fn origin(edges: &[[f64; 3]; 3], of: &Cell) -> [f64; 3] {
     let parts = DMat3::from_cols_array_2d(&of.edges).inverse() * DVec3::from_array(of.origin);
     let moved = (DMat3::from_cols_array_2d(edges) * parts).to_array();

@@ -147,7 +147,8 @@ mod tests {
         apply(scale(Some([0.0, 20.0]), true), &p).expect_err("0 has no logarithm");
         p.columns[0].values = vec![f64::NAN, -1.0, 5.0];
         let (colors, legend, warnings) = apply(scale(None, true), &p).expect("colours");
-        assert_eq!((legend.map(|legend| legend.range), colors[0]), (Some([5.0, 5.0]), ColorMap::Viridis.color(0.0)));
+        assert_eq!((legend.map(|legend| legend.range), colors[1]), (Some([5.0, 5.0]), ColorMap::Viridis.color(0.0)));
+        assert!(colors[0][0] == colors[0][1] && colors[0][1] == colors[0][2], "NaN is grey: {:?}", colors[0]);
         assert!(warnings[0].starts_with("2 of 3 values of V "), "{warnings:?}");
         p.columns[0].values = vec![f64::NAN; 3];
         assert_eq!(apply(scale(None, false), &p).expect("colours").1, None, "no legend without values");

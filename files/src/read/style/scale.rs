@@ -1,12 +1,11 @@
 //! Scales of colours.
 
-use super::{Coloring, Paint};
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb::{level, linear};
 use halfline::quote::quote;
-use halfline::quote::setting::{COLOR, COLOR_BY, LOG, MAP, NAN_COLOR, RANGE};
+use halfline::quote::setting::NAN_COLOR;
 use rayon::prelude::*;
 use std::str::FromStr;
 
@@ -83,45 +82,6 @@ impl Scale {
     #[must_use]
     pub fn of(columns: Vec<String>) -> Self {
         Self { columns, map: None, range: None, log: false, nan_color: None, names: Vec::new() }
-    }
-}
-
-impl Coloring {
-    /// The colours that options ask for: one for all, or those of columns with commas between them, by the map, the range and the
-    /// logarithm of a scale.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for one colour and columns, and for a map, a range or a logarithm without columns.
-    pub fn of(all: Option<Paint>, columns: Option<&str>, scale: Scale) -> Result<Self> {
-        let given = [
-            (MAP, scale.map.is_some()),
-            (RANGE, scale.range.is_some()),
-            (LOG, scale.log),
-            (NAN_COLOR, scale.nan_color.is_some()),
-        ];
-        if let (None | Some("element"), Some((option, _))) =
-            (columns, given.into_iter().find(|(_, is_given)| *is_given))
-        {
-            let problem = format!("{option} belongs to the colours of a column");
-            return Err(Error::settings(problem, format!("add {COLOR_BY} COLUMN, or remove {option}")));
-        }
-        if scale.range.is_some_and(|[low, high]| low == high) {
-            return Err(Error::settings(format!("the ends of {RANGE} are equal"), "give two different ones"));
-        }
-        Ok(match (all, columns) {
-            (Some(_), Some(_)) => {
-                let problem = format!("{COLOR} for all spheres and {COLOR_BY} exclude each other");
-                let mend = format!("remove one of them, or colour selected spheres with {COLOR} 'EXPR=COLOR'");
-                return Err(Error::settings(problem, mend));
-            }
-            (Some(Paint::One(color)), None) => Self::One(color),
-            (Some(Paint::Element), None) | (None, Some("element")) => Self::Element,
-            (None, Some(names)) => {
-                let columns = names.split(',').map(|name| name.trim().to_owned()).collect();
-                Self::Column(Scale { columns, ..scale })
-            }
-            (None, None) => Self::File,
-        })
     }
 }
 

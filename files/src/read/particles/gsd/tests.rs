@@ -177,9 +177,9 @@ fn shapes_of_types_give_radii() {
     ] {
         let frames = of(shapes, None).expect("frames");
         assert!(frames.iter().all(|frame| frame.radii == radii), "{shapes:?}: {:?}", frames[0].radii);
-        let said = &frames[0].skipped.assumed;
-        assert_eq!(said.len(), usize::from(warning.is_some()), "{said:?}");
-        assert!(warning.is_none_or(|warning| said[0].contains(warning)), "{said:?}");
+        let words = &frames[0].skipped.assumed;
+        assert_eq!(words.len(), usize::from(warning.is_some()), "{words:?}");
+        assert!(warning.is_none_or(|warning| words[0].contains(warning)), "{words:?}");
         assert!(frames[1].skipped.assumed.is_empty(), "once for all frames");
     }
     let diameters = Some((0, DIAMETER, F32, 2, 1, floats(&[2.0, 4.0])));

@@ -385,7 +385,7 @@ mod tests {
         assert_eq!(moved(&broken, "1").expect("the other is good"), [3.0]);
     }
 
-    /// What the message about assemblies says is counted without a look at the operators, of which an expression names any number.
+    /// The operators of a message about assemblies are counted without a look at them; an expression names any number.
     #[test]
     fn expressions_are_counted_without_their_operators() {
         let mut all = operators(20_000);

@@ -101,8 +101,8 @@ fn numbered(number: Option<f64>) -> Vec<Setting> {
 
 /// Of such settings those with the symbol of the first, which is the standard one: others have other axes or another cell, or a glide e by
 /// its other name, which has another origin.
-fn first(is_wanted: impl Fn(&Setting) -> bool) -> Vec<Setting> {
-    let mut found = settings().filter(is_wanted).peekable();
+fn first(is_match: impl Fn(&Setting) -> bool) -> Vec<Setting> {
+    let mut found = settings().filter(is_match).peekable();
     let first = found.peek().map(|setting| plain(setting.symbol));
     found.filter(|setting| Some(plain(setting.symbol)) == first).collect()
 }

@@ -225,7 +225,7 @@ fn magnetic_operators_fill_the_cell() {
     ] {
         let found = filled(&of(operators, centering), &cube, &[[0.1, 0.2, 0.3]]).expect("filled");
         assert_eq!(found.positions.len(), count, "{operators:?} {centering:?}");
-        assert!(!found.skipped.assumed.iter().any(|said| said.contains("no symmetry")), "{:?}", found.skipped);
+        assert!(!found.skipped.assumed.iter().any(|message| message.contains("no symmetry")), "{:?}", found.skipped);
     }
     // Plain operators come first, and each list has its limit.
     let both = Symmetry { operators: list(&["x,y,z"]), ..of(&["x,y,z,1", "-x,-y,-z,1"], &[]) };
@@ -235,7 +235,7 @@ fn magnetic_operators_fill_the_cell() {
     let error =
         filled(&of(&many, &["x,y,z", "x,y+1/2,z", "x,y+1/3,z"]), &cube, &[[0.1; 3]]).map(drop).expect_err("many");
     assert!(error.to_string().contains("more than 384 operators and translations"), "{error}");
-    for (symmetry, said) in [
+    for (symmetry, words) in [
         (
             Symmetry { magnetic_name: "P 1.1' [P 1]".into(), ..Symmetry::default() },
             "the magnetic group P 1.1' [P 1] but lists no",
@@ -246,7 +246,7 @@ fn magnetic_operators_fill_the_cell() {
         ),
     ] {
         let found = filled(&symmetry, &cube, &[[0.1; 3]]).expect("as listed");
-        assert!(found.skipped.assumed.iter().any(|message| message.contains(said)), "{:?}", found.skipped);
+        assert!(found.skipped.assumed.iter().any(|message| message.contains(words)), "{:?}", found.skipped);
     }
 }
 

@@ -207,14 +207,14 @@ fn what_is_ambiguous_or_does_not_fit_is_not_assumed() {
         let found = find(hall, name, number, &cell_of(numbers)).expect_err(reason);
         assert!(found.contains(reason), "{hall}{name}: {found}");
     }
-    // A name that is not known leaves the number, in its standard setting, which is said.
-    for (hall, name, said) in
+    // A name that is not known leaves the number, in its standard setting, and a note of it.
+    for (hall, name, words) in
         [("", "by hand", "the name by hand is not known"), ("Q 2", "", "the name Q 2 is not known")]
     {
         let found = find(hall, name, Some(225.0), &cell_of(CUBE)).expect("a group");
         assert!(found.by_number && found.symbol == "F m -3 m" && found.operators.len() == 192, "{found:?}");
         assert!(
-            found.note().is_some_and(|note| note.contains(said) && note.contains("standard setting")),
+            found.note().is_some_and(|note| note.contains(words) && note.contains("standard setting")),
             "{:?}",
             found.note()
         );
