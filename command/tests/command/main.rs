@@ -25,6 +25,7 @@ mod clash;
 mod clouds;
 mod compare;
 mod controls;
+mod curved;
 mod echoes;
 mod exit_codes;
 #[cfg(unix)]
