@@ -81,6 +81,8 @@ pub fn read_once(path: &Path) -> Option<&'static str> {
 
 /// An opened file, pipe or standard input.
 pub(crate) struct Input {
+    /// Bytes that were looked at, which are delivered before those of the reader.
+    ahead: Cursor<Vec<u8>>,
     reader: Box<dyn BufRead + Send>,
     gauge: Gauge,
     /// Bytes since the last check.
@@ -127,7 +129,8 @@ impl Input {
             Some(packing) => (Box::new(BufReader::with_capacity(BLOCK, packing.reader(raw, &gauge.counts))), 0),
             None => (Box::new(raw), length),
         };
-        let mut input = Self { reader, gauge, since: 0, delivered: 0, length, packed: packing.is_some(), utf16: None };
+        let (ahead, packed) = (Cursor::default(), packing.is_some());
+        let mut input = Self { ahead, reader, gauge, since: 0, delivered: 0, length, packed, utf16: None };
         input.pass_mark()?;
         Ok(input)
     }
@@ -182,10 +185,18 @@ impl Input {
     pub(crate) fn look(&mut self, most: u64) -> io::Result<Vec<u8>> {
         let mut start = Vec::new();
         self.by_ref().take(most).read_to_end(&mut start)?;
-        let rest = std::mem::replace(&mut self.reader, Box::new(io::empty()));
-        self.reader = Box::new(Cursor::new(start.clone()).chain(rest));
+        let mut ahead = start.clone();
+        // Bytes of an earlier look that this one left.
+        self.ahead.read_to_end(&mut ahead)?;
+        self.ahead = Cursor::new(ahead);
         self.delivered = 0;
         Ok(start)
+    }
+
+    /// The next bytes: those ahead, else those of the reader.
+    fn source(&mut self) -> &mut (dyn BufRead + Send) {
+        let is_ahead = self.ahead.position() < self.ahead.get_ref().len() as u64;
+        if is_ahead { &mut self.ahead } else { &mut *self.reader }
     }
 
     /// Reports a particle, which resets the count of bytes without one.
@@ -205,7 +216,8 @@ impl Input {
     pub(crate) fn of_bytes(bytes: &[u8]) -> Self {
         let reader = Box::new(Cursor::new(bytes.to_vec()));
         let gauge = Gauge::new(&Watch::default());
-        Self { reader, gauge, since: 0, delivered: 0, length: bytes.len() as u64, packed: false, utf16: None }
+        let (ahead, length) = (Cursor::default(), bytes.len() as u64);
+        Self { ahead, reader, gauge, since: 0, delivered: 0, length, packed: false, utf16: None }
     }
 }
 
@@ -244,15 +256,15 @@ impl Input {
 impl BufRead for Input {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         self.pass_silence()?;
-        let available = self.reader.fill_buf()?.len();
+        let available = self.source().fill_buf()?.len();
         self.arrived(available)?;
         // What was read is still there; the end is not read twice.
-        if available == 0 { Ok(&[]) } else { self.reader.fill_buf() }
+        if available == 0 { Ok(&[]) } else { self.source().fill_buf() }
     }
 
     fn consume(&mut self, bytes: usize) {
         self.count(bytes);
-        self.reader.consume(bytes);
+        self.source().consume(bytes);
     }
 }
 
@@ -262,7 +274,7 @@ impl Read for Input {
             // Buffers pass large reads on, without a copy of their own.
             self.pass_silence()?;
             let most = bytes.len().min(LARGE);
-            let read = self.reader.read(&mut bytes[..most])?;
+            let read = self.source().read(&mut bytes[..most])?;
             self.arrived(read)?;
             self.count(read);
             return Ok(read);
