@@ -16,8 +16,8 @@ pub(super) type Recognised = (Format, Option<String>);
 
 /// The format of a file with this beginning and name, or the problem and its remedy. The name decides where the beginning can be of
 /// its format: titles and comments may look like any other format. Else the structure of a format whose first line is a title does,
-/// then a signature, which one format alone has, and then what else the content shows. Where it is not recognised, the name decides. What
-/// is not supported is told by what no supported format has.
+/// then a signature, which one format alone has, and then what else the content shows. Where it is not recognised, the name decides. A
+/// format that is not supported is recognised by content that no supported format has.
 pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Recognised, (String, String)> {
     let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.lines().take(64).collect();

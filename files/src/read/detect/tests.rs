@@ -285,7 +285,7 @@ fn signatures_of_other_formats_never_beat_the_words_of_a_format() {
     assert!(count > 2000 && wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// The words of extended XYZ are those of no other format, whatever its columns are; Tinker's file is told by its rows.
+/// The words of extended XYZ are those of no other format, whatever its columns are; the rows of Tinker's file distinguish it.
 #[test]
 fn extended_xyz_is_not_tinker() {
     for comment in ["Properties=id:I:1:species:S:1:pos:R:3:type:I:1", "properties=id:I:1:species:S:1:pos:R:3:a:I:1 x=1"]
