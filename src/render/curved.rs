@@ -129,7 +129,7 @@ impl Renderer {
         Ok(Frame { width, height, window, full, buffers, coverage, report })
     }
 
-    /// The decisions for a frame of a curved lens, with its report as far as it is known before a ray is traced.
+    /// The plan of a frame of a curved lens. Its report has all entries that need no traced ray.
     ///
     /// # Errors
     /// As [`Self::render_curved`], as far as no ray is traced.

@@ -183,8 +183,8 @@ impl Shared {
     }
 }
 
-/// Whether the client of a connection waits for the answer that is made: it has closed nothing. The system is asked every [`TICK`], while
-/// nothing is read or written.
+/// Whether the client still waits for its answer, which it does until it closes its side. The socket is tested at most once in each
+/// [`TICK`], while nothing is read or written.
 fn listens(stream: &Arc<TcpStream>) -> GoOn {
     let (stream, known) = (Arc::clone(stream), Mutex::new((Instant::now(), true)));
     Arc::new(move || {

@@ -65,7 +65,8 @@ impl Scale {
         };
         let name = vectors::title(&self.columns, &particles.has);
         let without = values.par_iter().filter(|x| x.is_nan()).count();
-        let lost = without + values.par_iter().filter(|x| self.log && **x <= 0.0).count();
+        let below = if self.log { values.par_iter().filter(|x| **x <= 0.0).count() } else { 0 };
+        let lost = without + below;
         if lost > 0 {
             let (why, grey) =
                 (if self.log { "are not positive numbers" } else { "are not numbers" }, self.missing_words());
@@ -77,7 +78,8 @@ impl Scale {
             skipped.assumed.push(format!("{lost} of {n} values of {name} {why}, so these particles {color}"));
         }
         let paint = particles.rule_numbers(RuleTarget::Color);
-        let shown = values.iter().enumerate().filter(|(n, x)| without > 0 && x.is_nan() && !is_painted(paint, *n));
+        let shown = values.iter().enumerate().filter(|(n, x)| x.is_nan() && !is_painted(paint, *n));
+        let shown = if without > 0 { shown.count() } else { 0 };
         let legend = Legend {
             name,
             map: map.clone(),
@@ -85,7 +87,7 @@ impl Scale {
             log: self.log,
             categories: Vec::new(),
             names: Vec::new(),
-            overrides: self.missing_row("no number", shown.count() as u64).into_iter().collect(),
+            overrides: self.missing_row("no number", shown as u64).into_iter().collect(),
         };
         Ok((values.par_iter().map(color).collect(), (low <= high || self.known_range().is_some()).then_some(legend)))
     }
