@@ -14,13 +14,13 @@ use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, RaySource, Task};
 use crate::number::Number;
 use crate::number::vector::{LANES, Laned};
+use crate::parallel::{self, Rows};
 use crate::search::eight::{EightHits, spheres_together, together};
 use crate::shade::{Shade, color_of, to_world};
 use crate::view::ray::{Hit, NONE, Ray, RayRecord, viewing_ray};
 use crate::view::{Sphere, View, ViewRecord};
 use given_rays::{direction, moved};
 use pulp::NullaryFnOnce;
-use rayon::prelude::*;
 use std::marker::PhantomData;
 
 pub(crate) use certified::certified;
@@ -71,15 +71,17 @@ impl Visit for Frame<'_> {
         // Normals of the lecture's forms are computed from t, even if t is not requested.
         raw.t.resize(raw.id.len(), f32::MAX);
         raw.t_low.resize(raw.id.len(), 0.0);
-        let ts = raw.t.par_chunks_mut(width).zip(raw.t_low.par_chunks_mut(width));
-        let rows = raw.id.par_chunks_mut(width).zip(ts).enumerate();
+        let ts = (Rows { values: &mut raw.t, each: width }, Rows { values: &mut raw.t_low, each: width });
         let arch = pulp::Arch::new();
-        rows.filter(|_| go_on()).for_each(|(i, (ids, (ts, lows)))| {
-            arch.dispatch(Row::<V, N> { scene: &scene, i, ids, ts, lows, form: PhantomData });
+        parallel::fill((Rows { values: &mut raw.id, each: width }, ts), 1, &|row, (ids, (ts, lows))| {
+            if go_on() {
+                let (ids, ts, lows) = (ids.values, ts.values, lows.values);
+                arch.dispatch(Row::<V, N> { scene: &scene, i: row.start, ids, ts, lows, form: PhantomData });
+            }
         });
         let (id, t, low) = (&raw.id, &raw.t, &raw.t_low);
         let each = |out: &mut [f32], miss: [f32; 3], value: Value<'_, N>| {
-            out.par_chunks_mut(3 * width).enumerate().for_each(|(i, row)| {
+            parallel::chunks(out, 3 * width, &|i, row| {
                 for (j, out) in row.chunks_exact_mut(3).enumerate() {
                     let pixel = i * width + j;
                     let hit = Hit { t: N::from_hi_lo(t[pixel], low[pixel]), id: id[pixel] };

@@ -54,6 +54,7 @@ pub mod intersect;
 mod kernel;
 pub mod memory;
 pub mod number;
+pub mod parallel;
 pub mod progress;
 pub mod quote;
 pub mod render;

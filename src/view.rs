@@ -25,6 +25,7 @@ use crate::error::{Error, Place, Result};
 use crate::exact::Judge;
 use crate::number::Number;
 use crate::number::vector::vectorized;
+use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::camera::{Basis, CentredFrame, ExactViewport};
 use crate::window::Window;
@@ -32,7 +33,6 @@ use bytemuck::Zeroable;
 use glam::DVec3;
 use moved::Moved;
 use raster::Raster;
-use rayon::prelude::*;
 
 /// Which sphere records a view holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,7 +94,7 @@ impl View {
     pub(crate) fn for_rays(scene: &Scene, raster: Raster, records: Records) -> Result<Self> {
         let mut view = Self::in_unit(scene, raster, None)?;
         if records != Records::None {
-            view.spheres = view.moved(&scene.spheres.centers, &scene.spheres.radii).collect();
+            view.spheres = view.moved(&scene.spheres.centers, &scene.spheres.radii);
         }
         if records == Records::WithResiduals {
             view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
@@ -174,7 +174,7 @@ impl View {
         let basis = Basis { e: eye, u: DVec3::X, v: DVec3::Y, w: DVec3::Z };
         let unit = unit(eye, centers, radii)?;
         let mut view = Self::of_basis(basis, ViewRecord::zeroed(), [0.0; 3], radii.len(), unit);
-        view.spheres = view.moved(centers, radii).collect();
+        view.spheres = view.moved(centers, radii);
         Ok(view)
     }
 
@@ -197,8 +197,8 @@ impl View {
     /// Keeps the rounding errors of the records of this view's spheres.
     pub(crate) fn keep_residuals(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
         let (basis, spheres) = (self.basis, &self.spheres);
-        let moved = centers.par_iter().zip(radii).map(|(c, r)| Moved::new(&basis, *c, *r));
-        self.residuals = spheres.par_iter().zip(moved).map(|(s, moved)| moved.residuals(s)).collect();
+        let residuals = |n: usize| Moved::new(&basis, centers[n], radii[n]).residuals(&spheres[n]);
+        self.residuals = parallel::from_fn(spheres.len(), residuals);
     }
 
     /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's;
@@ -234,21 +234,18 @@ impl View {
     }
 
     /// The records of these spheres, moved into the canonical camera, in their order.
-    pub(crate) fn moved<'a>(
-        &self,
-        centers: &'a [[f64; 3]],
-        radii: &'a [f64],
-    ) -> impl IndexedParallelIterator<Item = SphereRecord> + use<'a> {
-        let (basis, unit) = (self.basis, self.unit);
-        centers.par_iter().zip(radii).map(move |(c, r)| Moved::new(&basis, *c, *r).record(unit))
+    pub(crate) fn moved(&self, centers: &[[f64; 3]], radii: &[f64]) -> Vec<SphereRecord> {
+        parallel::from_fn(radii.len(), |n| Moved::new(&self.basis, centers[n], radii[n]).record(self.unit))
     }
 }
 
 /// The middle of the exponents of all sizes and of all distances from `eye`: the exponent of the frame's unit.
 pub(crate) fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
-    let jobs = centers.par_chunks(SPHERES_PER_JOB).zip(radii.par_chunks(SPHERES_PER_JOB));
-    let jobs = jobs.map(|(centers, radii)| vectorized!(sizes(eye, centers, radii)));
-    let Some(range) = jobs.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
+    let jobs = parallel::blocks(0..radii.len(), SPHERES_PER_JOB, &|ids, _| {
+        let (centers, radii) = (&centers[ids.clone()], &radii[ids]);
+        vectorized!(sizes(eye, centers, radii))
+    });
+    let Some(range) = jobs.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
         return Ok(0);
     };
     let [least, most] = range.map(|bits| dd::exponent(f64::from_bits(bits as u64)));

@@ -10,9 +10,9 @@ use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};
 use crate::memory::Pool;
 use crate::number::vector::vectorized;
+use crate::parallel;
 use crate::view::View;
 use crate::view::ray::NONE;
-use rayon::prelude::*;
 
 /// The answers of a finished frame: the kernel's, and the settled pixels over them.
 pub(crate) struct Answers<'a> {
@@ -74,11 +74,11 @@ impl Answers<'_> {
                 }
                 Aov::Alpha => Data::F32(match &mut self.sampled {
                     Some(sampled) => std::mem::take(&mut sampled.alpha),
-                    None => self.raw.id.par_iter().map(|id| f32::from(*id != NONE)).collect(),
+                    None => parallel::map(&self.raw.id, |id| f32::from(*id != NONE)),
                 }),
                 Aov::Shadow => Data::F32(std::mem::take(&mut self.light.shadow)),
                 Aov::Occlusion => Data::F32(std::mem::take(&mut self.light.occlusion)),
-                Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
+                Aov::Mask => Data::U8(parallel::map(&self.raw.id, |id| u8::from(*id != NONE))),
                 Aov::Certainty => {
                     let mut certainty = vec![if self.promised { 0 } else { NOT_CERTIFIED }; w * h];
                     if self.promised {
@@ -118,7 +118,7 @@ impl Answers<'_> {
         // What was not requested is 0.
         let (none, nowhere) = (vec![0.0; width], vec![0.0; width]);
         let (raw, xs, hit, certify) = (&self.raw, &xs[..], &hit, self.certify);
-        out.par_chunks_mut(N * width).enumerate().for_each(|(i, out)| {
+        parallel::chunks(&mut out, N * width, &|i, out| {
             let ([_, y], w) = direction(i, 0);
             let first = i * width;
             let ids = &raw.id[first..first + width];

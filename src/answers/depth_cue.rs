@@ -1,10 +1,11 @@
 //! Depth cue: the colour of a hit fades toward the background with its depth.
 
+use crate::parallel::{self, CHEAP};
 use crate::scene::Scene;
 use crate::scene::camera::Basis;
 use crate::view::ray::NONE;
 use glam::DVec3;
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// The share of the background in the colour of the farthest point. At 1 that point could not be seen at all. With 0.6,
 /// on black, 0.4 of its light is left, which is two thirds of its value in sRGB: visibly darker, and its own colour is
@@ -33,11 +34,16 @@ impl DepthCue {
     /// From the nearest to the farthest depth of the scene's spheres, as far as they lie in front of the eye, whether or
     /// not they are in the picture: so parts of a frame agree. `None` if there are none.
     pub(crate) fn of(scene: &Scene, basis: &Basis) -> Option<Self> {
-        let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii);
-        let depths =
-            spheres.map(|(center, radius)| reach(basis, *center, *radius)).filter(|[near, _]| near.is_finite());
-        let both = depths.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-        both.map(|[near, far]| Self { near: near.max(0.0), far })
+        let spheres = &scene.spheres;
+        let joined = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        let depths = |ids: Range<usize>| {
+            let all = spheres.centers[ids.clone()].iter().zip(&spheres.radii[ids]);
+            all.map(|(center, radius)| reach(basis, *center, *radius))
+                .filter(|[near, _]| near.is_finite())
+                .reduce(joined)
+        };
+        let both = parallel::blocks(0..spheres.len(), CHEAP, &|ids, _| depths(ids));
+        both.into_iter().flatten().reduce(joined).map(|[near, far]| Self { near: near.max(0.0), far })
     }
 
     /// The background's share at this depth; 0 for NaN.
@@ -55,8 +61,8 @@ impl DepthCue {
         background: &(dyn Fn(u32) -> [f32; 3] + Sync),
         color: &mut [f32],
     ) {
-        color.par_chunks_exact_mut(3).zip(ids).zip(depths).enumerate().for_each(|(pixel, ((rgb, id), depth))| {
-            let share = if *id == NONE { 0.0 } else { self.share(*depth) };
+        parallel::each(color.as_chunks_mut::<3>().0, |pixel, rgb| {
+            let share = if ids[pixel] == NONE { 0.0 } else { self.share(depths[pixel]) };
             if share > 0.0 {
                 for (value, behind) in rgb.iter_mut().zip(background(pixel as u32)) {
                     *value += share * (behind - *value);

@@ -2,12 +2,12 @@
 
 use super::depth_cue::DepthCue;
 use super::silhouette::{Line, PixelSize, Shown};
+use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::camera::Basis;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::picture_rays::PictureRays;
-use rayon::prelude::*;
 
 /// The effects that are drawn over the colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,9 +58,10 @@ impl Finish {
 
 /// The planar depth of each pixel's hit in the scene's unit, +inf on a miss.
 fn depths(scene: &Scene, view: &View, ids: &[u32]) -> Vec<f64> {
-    const CHUNK: usize = 1 << 10;
+    const BLOCK: usize = 1 << 10;
     let (rays, mut depths) = (PictureRays::new(view), vec![0.0; ids.len()]);
-    let chunks = ids.par_chunks(CHUNK).zip(depths.par_chunks_mut(CHUNK)).enumerate();
-    chunks.for_each(|(n, (ids, depths))| rays.depths((n * CHUNK) as u32, ids, &scene.spheres, depths));
+    parallel::fill(&mut depths[..], BLOCK, &|pixels, depths| {
+        rays.depths(pixels.start as u32, &ids[pixels], &scene.spheres, depths);
+    });
     depths
 }

@@ -5,6 +5,7 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::Judge;
+use crate::parallel;
 use crate::progress::{Step, Watch};
 use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
 use crate::shade::Shade;
@@ -12,8 +13,8 @@ use crate::view::View;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::cell::OnceCell;
+use std::ops::Range;
 
 /// Pixels that one job peels.
 const PIXELS_PER_JOB: usize = 256;
@@ -48,12 +49,12 @@ impl Peeling<'_> {
         // Without lists one judge knows all spheres.
         let all = if twin.is_none() { Some(self.view.judge(self.scene)?) } else { None };
         let doing = watch.begin(Step::Settle, first.len() as u64);
-        let job = |(n, first): (usize, &[u32])| -> Result<Vec<Vec<u32>>> {
-            let mut layers = vec![vec![NONE; first.len()]; more as usize];
-            if !doing.next(first.len() as u64) {
-                return Ok(layers);
+        let job = |range: Range<usize>| -> Vec<Vec<u32>> {
+            let mut layers = vec![vec![NONE; range.len()]; more as usize];
+            if !doing.next(range.len() as u64) {
+                return layers;
             }
-            let pixels = (n * PIXELS_PER_JOB..).zip(first).enumerate().filter(|(_, (_, id))| **id != NONE);
+            let pixels = range.clone().zip(&first[range]).enumerate().filter(|(_, (_, id))| **id != NONE);
             match (&twin, &all) {
                 (Some(twin), _) => {
                     let candidates = |pixel, id| self.candidates(twin, pixel, id);
@@ -67,9 +68,9 @@ impl Peeling<'_> {
                 }
                 (None, None) => {}
             }
-            Ok(layers)
+            layers
         };
-        let parts: Vec<_> = first.par_chunks(PIXELS_PER_JOB).enumerate().map(job).collect::<Result<_>>()?;
+        let parts = parallel::blocks(0..first.len(), PIXELS_PER_JOB, &|range, _| job(range));
         doing.end()?;
         let layer = |k: usize| parts.iter().flat_map(|part| part[k].iter().copied()).collect();
         Ok((0..more as usize).map(layer).collect())
@@ -193,24 +194,24 @@ impl Nearest<'_> {
 pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, ids: &[u32]) -> Result<Vec<f32>> {
     let (rays, spheres, judge) = (PictureRays::new(view), &scene.spheres, view.judge(&scene.bare())?);
     let mut color = vec![0.0; 3 * ids.len()];
-    let write = |(pixel, (id, rgb)): (usize, (&u32, &mut [f32]))| {
-        if *id == NONE {
+    parallel::each(color.as_chunks_mut().0, |pixel, rgb: &mut [f32; 3]| {
+        let id = ids[pixel];
+        if id == NONE {
             return;
         }
-        let own = || spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[*id as usize]);
-        let ball = spheres.ball(*id);
+        let own = || spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
+        let ball = spheres.ball(id);
         let hit = rays.hit(pixel as u32, ball.center, ball.radius);
         let normal = || {
             let [row, column] = view.record.position(pixel as u32);
             let exact = || judge.hit_of(row, column, ball).map(|truth| DVec3::from_array(truth.normal));
             if hit.near { hit.normal } else { exact().unwrap_or(-hit.along) }
         };
-        rgb.copy_from_slice(&match shade {
+        *rgb = match shade {
             Shade::Flat => own(),
             Shade::Normal => normal().to_array().map(|x| (0.5 * x + 0.5) as f32),
             Shade::Headlight => own().map(|x| (-normal().dot(hit.along)).max(0.0) as f32 * x),
-        });
-    };
-    ids.par_iter().zip(color.par_chunks_exact_mut(3)).enumerate().for_each(write);
+        };
+    });
     Ok(color)
 }

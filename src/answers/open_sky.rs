@@ -4,11 +4,11 @@
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::number::vector::vectorized;
+use crate::parallel;
 use crate::scene::SkyLight;
 use crate::view::ray::NONE;
 use crate::window::Window;
 use glam::DVec3;
-use rayon::prelude::*;
 
 #[cfg(test)]
 mod tests;
@@ -163,11 +163,11 @@ impl OpenSky {
         for &step in smoothing.0 {
             let mut next: Vec<i16> = pool.values(count * ids.len())?;
             let pass = &Pass { width, ids: &ids, normals: &normals, sums: &sums, count, step: step as usize };
-            let write = |(y, out): (usize, &mut [i16])| {
+            let write = |y: usize, out: &mut [i16]| {
                 let mut memory = RowMemory::new(width, count);
                 vectorized!(pass.write_row(y, &mut memory, out));
             };
-            next.par_chunks_mut(count * width).enumerate().for_each(write);
+            parallel::chunks(&mut next, count * width, &write);
             pool.put_back(std::mem::replace(&mut sums, next));
         }
         pool.put_back(normals);
@@ -235,13 +235,13 @@ const ALIKE: f32 = 0.15;
 
 /// Orders the numbers of each row by component: of pixels with `count` numbers each, first the first of all of them.
 fn by_component(values: &mut [i16], width: usize, count: usize) {
-    let order = |row: &mut [i16]| {
+    let order = |_: usize, row: &mut [i16]| {
         let pixels = row.to_vec();
         for (k, out) in row.chunks_exact_mut(width).enumerate() {
             out.iter_mut().zip(pixels[k..].iter().step_by(count)).for_each(|(out, number)| *out = *number);
         }
     };
-    values.par_chunks_mut(count * width).for_each(order);
+    parallel::chunks(values, count * width, &order);
 }
 
 /// Memory for a row of a pass.

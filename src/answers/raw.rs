@@ -4,8 +4,8 @@ use super::settle::Settled;
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
+use crate::parallel;
 use crate::view::ray::NONE;
-use rayon::prelude::*;
 
 /// The output buffers of a kernel in row order; buffers that were not requested are empty.
 #[derive(Debug, Default, PartialEq)]
@@ -59,8 +59,8 @@ impl Raw {
             _ => (bytemuck::cast_slice_mut(&mut self.id), 1),
         };
         let size = 4 * channels;
-        let to = buffer[size * first..size * (first + pixels)].par_chunks_mut(BYTES_PER_JOB);
-        to.zip(bytes.par_chunks(BYTES_PER_JOB)).for_each(|(to, bytes)| to.copy_from_slice(bytes));
+        let to = &mut buffer[size * first..size * (first + pixels)];
+        parallel::fill(to, BYTES_PER_JOB, &|range, to| to.copy_from_slice(&bytes[range]));
     }
 
     /// Splits the buffers after the first `first` pixels, and then every `pixels`. Buffers that were not requested stay

@@ -3,9 +3,9 @@
 use super::raw::Raw;
 use crate::error::Result;
 use crate::memory::Pool;
+use crate::parallel::{self, CHEAP, Rows};
 use crate::view::ray::NONE;
 use crate::window::Window;
-use rayon::prelude::*;
 
 /// The means over all samples of each pixel.
 #[derive(Debug, Default)]
@@ -22,11 +22,11 @@ impl Means {
         let pixels = window.width() as usize * window.height() as usize;
         let mut means = Self { color: vec![0.0; 3 * pixels], alpha: vec![0.0; pixels] };
         let each = window.width() as usize;
-        let rows = means.color.par_chunks_exact_mut(3 * each).zip(means.alpha.par_chunks_exact_mut(each));
-        rows.zip(window.y0..window.y1).for_each(|((color, alpha), y)| {
-            let first = 4 * (y as usize * width as usize + window.x0 as usize);
+        let rows = (Rows { values: &mut means.color, each: 3 * each }, Rows { values: &mut means.alpha, each });
+        parallel::fill(rows, 1, &|row, (color, alpha)| {
+            let first = 4 * ((window.y0 as usize + row.start) * width as usize + window.x0 as usize);
             let pixels = sums[first..first + 4 * each].chunks_exact(4);
-            for ((sums, color), alpha) in pixels.zip(color.chunks_exact_mut(3)).zip(alpha) {
+            for ((sums, color), alpha) in pixels.zip(color.values.chunks_exact_mut(3)).zip(alpha.values) {
                 let [red, green, blue, cover] = [0, 1, 2, 3].map(|k| sums[k] / count as f32);
                 color.copy_from_slice(&[red, green, blue]);
                 *alpha = cover;
@@ -69,22 +69,26 @@ impl Sums {
 
     /// Adds one sample of every pixel; `passing` is the share of what it shows that layers before it let pass, empty without layers.
     pub(crate) fn add(&mut self, raw: &Raw, passing: &[f32]) {
-        self.color.par_iter_mut().zip(&raw.color).for_each(|(sum, x)| *sum += f64::from(*x));
-        let hits = self.cover.par_iter_mut().zip(&raw.id);
-        match passing {
-            [] => hits.for_each(|(cover, id)| *cover += f32::from(*id != NONE)),
-            _ => hits
-                .zip(passing)
-                .for_each(|((cover, id), passing)| *cover += if *id == NONE { 1.0 - passing } else { 1.0 }),
-        }
+        parallel::fill(&mut self.color[..], CHEAP, &|range, sums| {
+            sums.iter_mut().zip(&raw.color[range]).for_each(|(sum, x)| *sum += f64::from(*x));
+        });
+        parallel::fill(&mut self.cover[..], CHEAP, &|range, cover| {
+            let hits = cover.iter_mut().zip(&raw.id[range.clone()]);
+            match passing {
+                [] => hits.for_each(|(cover, id)| *cover += f32::from(*id != NONE)),
+                _ => hits
+                    .zip(&passing[range])
+                    .for_each(|((cover, id), passing)| *cover += if *id == NONE { 1.0 - passing } else { 1.0 }),
+            }
+        });
     }
 
     /// The means of `count` samples.
     pub(crate) fn means(self, count: u32, pool: &Pool) -> Means {
         let count = f64::from(count);
         let means = Means {
-            color: self.color.par_iter().map(|sum| (sum / count) as f32).collect(),
-            alpha: self.cover.par_iter().map(|cover| (f64::from(*cover) / count) as f32).collect(),
+            color: parallel::map(&self.color, |sum| (sum / count) as f32),
+            alpha: parallel::map(&self.cover, |cover| (f64::from(*cover) / count) as f32),
         };
         pool.put_back(self.color);
         pool.put_back(self.cover);

@@ -7,6 +7,7 @@ use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
 use crate::number::vector::{LANES, vectorized};
+use crate::parallel::{self, CHEAP, Rows};
 use crate::scene::{Scene, Spheres};
 use crate::shade::{Shade, color_of};
 use crate::view::ray::UNSURE;
@@ -28,11 +29,14 @@ const COMPARED: usize = 64;
 
 /// The pixels that a certified kernel marked unsure.
 pub(crate) fn unsure(ids: &[u32]) -> Vec<u32> {
-    let parts = ids.par_chunks(COMPARED).enumerate();
-    // All ids are compared, without a branch, so that compilers make vectors of them.
-    let unsure = parts.filter(|(_, ids)| ids.iter().fold(false, |has, id| has | (*id == UNSURE)));
-    let pixels = |(n, ids)| (n * COMPARED..).zip(ids).filter(|(_, id): &(_, &u32)| **id == UNSURE);
-    unsure.flat_map_iter(pixels).map(|(pixel, _)| pixel as u32).collect()
+    parallel::collect(ids.len(), CHEAP, &|range, out| {
+        for (first, ids) in range.clone().step_by(COMPARED).zip(ids[range].chunks(COMPARED)) {
+            // All ids are compared, without a branch, so that compilers make vectors of them.
+            if ids.iter().fold(false, |has, id| has | (*id == UNSURE)) {
+                out.extend((first as u32..).zip(ids).filter(|(_, id)| **id == UNSURE).map(|(pixel, _)| pixel));
+            }
+        }
+    })
 }
 
 /// The most candidates reserved at once: 64 MiB, and as much again for each pixel's own lists.
@@ -50,7 +54,7 @@ pub(crate) fn settle(
 ) -> Result<Vec<Settled>> {
     let settler = Settler { scene, view, twin: Certify::new(&view.record, binned), go_on };
     let mut settled = Vec::with_capacity(unsure.len());
-    let most: Vec<usize> = unsure.par_iter().map(|pixel| settler.most(*pixel)).collect();
+    let most: Vec<usize> = parallel::map(unsure, |pixel| settler.most(*pixel));
     let mut left = unsure;
     while !left.is_empty() {
         let mut reserved = 0;
@@ -106,9 +110,12 @@ impl Settler<'_> {
 
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let scene = self.scene;
-        let mut lists: Vec<Lists> = pixels.par_chunks(PIXELS_PER_JOB).map(|pixels| self.candidates(pixels)).collect();
+        let mut lists: Vec<Lists> =
+            parallel::blocks(0..pixels.len(), PIXELS_PER_JOB, &|range, _| self.candidates(&pixels[range]));
         // Only the candidates are set up, in their order, so that the lower id stays the lower.
-        let mut ids: Vec<u32> = lists.par_iter().flat_map_iter(Lists::different).collect();
+        let mut ids: Vec<u32> = parallel::collect(lists.len(), 1, &|range, out| {
+            lists[range].iter().for_each(|list| out.extend(list.different()))
+        });
         ids.par_sort_unstable();
         ids.dedup();
         let mut spheres = Spheres::default();
@@ -121,8 +128,8 @@ impl Settler<'_> {
             lists.iter().any(|lists| (0..lists.ends.len()).any(|n| lists.of(n).len() > EQUAL_SEARCH_MIN_CANDIDATES));
         let firsts = if is_long { firsts(&few.spheres) } else { None };
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
-        let mut settled: Vec<Settled> = pixels.par_iter().map(|&pixel| Settled { pixel, truth: None }).collect();
-        let decide = |(settled, lists): (&mut [Settled], &mut Lists)| {
+        let mut settled: Vec<Settled> = pixels.iter().map(|&pixel| Settled { pixel, truth: None }).collect();
+        let decide = |settled: &mut [Settled], lists: &mut Lists| {
             lists.ids.iter_mut().for_each(|id| *id = local(id));
             firsts.iter().for_each(|firsts| lists.keep(firsts));
             let (lists, some) = (&*lists, &mut *settled);
@@ -131,7 +138,8 @@ impl Settler<'_> {
                 truth.id = ids[truth.id as usize];
             }
         };
-        settled.par_chunks_mut(PIXELS_PER_JOB).zip(&mut lists).for_each(decide);
+        let jobs = (Rows { values: &mut settled, each: PIXELS_PER_JOB }, &mut lists[..]);
+        parallel::fill(jobs, 1, &|_, (settled, lists)| decide(settled.values, &mut lists[0]));
         Ok(settled)
     }
 }
@@ -244,15 +252,16 @@ fn decide_lists(judge: &Judge, view: &ViewRecord, lists: &Lists, settled: &mut [
 pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Settled>> {
     let record = &view.record;
     let judge = view.judge(scene)?;
-    let row = |i: u32| {
-        let pixels = if go_on() { i * record.columns..(i + 1) * record.columns } else { 0..0 };
+    let row = |i: usize| {
+        let first = i as u32 * record.columns;
+        let pixels = if go_on() { first..first + record.columns } else { 0..0 };
         let decide = |pixel: u32| {
             let [row, column] = record.position(pixel);
             Settled { pixel, truth: judge.pixel(row, column) }
         };
-        pixels.map(decide).collect::<Vec<_>>()
+        pixels.map(decide)
     };
-    Ok((0..record.rows).into_par_iter().flat_map_iter(row).collect())
+    Ok(parallel::collect(record.rows as usize, 1, &|rows, out| out.extend(rows.flat_map(row))))
 }
 
 /// Colours the settled pixels from their exact normals.

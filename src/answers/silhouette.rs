@@ -17,10 +17,10 @@ use crate::double_double as dd;
 use crate::frame::outline::Outline;
 use crate::number::larger;
 use crate::number::vector::{LANES, vectorized};
+use crate::parallel;
 use crate::scene::Materials;
 use crate::view::View;
 use crate::view::ray::NONE;
-use rayon::prelude::*;
 
 /// Columns and rows around a pixel that a line of the least full width depends on, in pixels.
 const REACH: isize = 2;
@@ -149,7 +149,7 @@ impl Shown<'_> {
     /// gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.
     pub(crate) fn draw(&self, between: bool, color: &mut [f32]) {
         let pairs = &self.line.pairs()[..];
-        color.par_chunks_mut((3 * self.width).max(1)).enumerate().for_each(|(y, row)| {
+        parallel::chunks(color, 3 * self.width, &|y, row| {
             vectorized!(self.draw_row(pairs, between, y as isize, row));
         });
     }

@@ -17,10 +17,10 @@ use super::tiles::Lists;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::number::vector::LANES;
+use crate::parallel;
 use crate::scene::{Scene, Spheres};
 use crate::view::View;
 use pulp::NullaryFnOnce;
-use rayon::prelude::*;
 
 /// The scene as the certified kernel reads it.
 #[derive(Debug, Clone)]
@@ -130,7 +130,7 @@ impl Binning<'_> {
         let bins = if reference > 0.0 {
             projection.bin_spheres(order, reference.into(), self.pool)
         } else {
-            let entries = bins.par_iter().map(|bin| bin.entries(0)).sum();
+            let entries = Bin::total(&bins, 0);
             SphereBins { projected_count: bins.len() as u64, bins, generals, range, entries }
         };
         self.list(projection, bins, order, reference)
@@ -178,11 +178,10 @@ impl ProjectionBounds {
         // batches need no copy of variable length.
         let mut bins: Vec<Bin> = pool.sized(order.len().next_multiple_of(LANES));
         let arch = pulp::Arch::new();
-        let job = |(n, bins): (usize, &mut [Bin])| {
+        let done = parallel::blocks(&mut bins[..], SPHERES_PER_JOB, &|places, bins| {
             let bins = bins.as_chunks_mut().0;
-            arch.dispatch(Batch { projection: self, order, first: n * SPHERES_PER_JOB, reference, bins })
-        };
-        let done: Vec<_> = bins.par_chunks_mut(SPHERES_PER_JOB).enumerate().map(job).collect();
+            arch.dispatch(Batch { projection: self, order, first: places.start, reference, bins })
+        });
         bins.truncate(order.len());
         let range = done.iter().filter_map(|(sums, _)| sums.range()).reduce(joined);
         let projected_count = done.iter().flat_map(|(sums, _)| sums.projected_count).sum();

@@ -1,6 +1,8 @@
 //! The entry of a sphere in the lists of tiles: where it lies, and its records.
 
 use super::projected::{ProjectedDetailRecord, ProjectedRecord};
+use crate::parallel::{self, CHEAP};
+use std::ops::Range;
 
 /// The bin of a sphere.
 #[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
@@ -20,6 +22,12 @@ impl Bin {
         let [columns, rows] =
             self.tiles.map(|[first, last]| (u64::from(last >> level) + 1).saturating_sub(u64::from(first >> level)));
         columns * rows
+    }
+
+    /// Number of entries of all bins.
+    pub(crate) fn total(bins: &[Self], level: u32) -> u64 {
+        let some = |range: Range<usize>| bins[range].iter().map(|bin| bin.entries(level)).sum::<u64>();
+        parallel::blocks(0..bins.len(), CHEAP, &|range, _| some(range)).into_iter().sum()
     }
 }
 

@@ -7,9 +7,9 @@ mod cell;
 use super::general::{General, GeneralRecord};
 use super::projection::ProjectionBounds;
 use super::tiles::Grid;
+use crate::parallel;
 use crate::tile::TILE;
 use cell::TileBlock;
-use rayon::prelude::*;
 
 /// Slots of one level of cells beyond eight per sphere: 8 MiB. A cell whose list is longer than its share of them is not
 /// divided further.
@@ -87,8 +87,9 @@ impl<'a> GeneralTree<'a> {
         let mut done = Vec::new();
         while top > level && !open.is_empty() {
             top -= 1;
-            let children = |node: &Node| self.children(node, tiles).collect::<Vec<_>>();
-            let made: Vec<Node> = open.par_iter().flat_map_iter(children).collect();
+            let made = parallel::collect(open.len(), 1, &|nodes, made| {
+                open[nodes].iter().for_each(|node| made.extend(self.children(node, tiles)));
+            });
             // The share of a cell among all cells of the image, so that it is the same for every window.
             let share = most >> (2 * (shift - top)).min(63);
             let (ended, divided): (Vec<_>, Vec<_>) =

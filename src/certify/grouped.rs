@@ -9,6 +9,7 @@ use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
 use super::reference::{joined, reference};
 use super::sieve::{Fate, Fates, GroupFate, Sieve};
+use crate::parallel;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::{Ball, NumberedBall};
 use crate::window::Window;
@@ -23,6 +24,7 @@ const GROUPS_PER_LARGE_GROUP: usize = 8;
 /// Refreshes of the pyramid in a frame, and large groups of one job.
 const REFRESHES: usize = 8;
 const GROUPS_PER_JOB: usize = 4;
+const BOXES_PER_JOB: usize = 64;
 
 /// Boxes around groups of spheres.
 #[derive(Debug)]
@@ -39,8 +41,8 @@ impl Boxes {
             each.fold(Enclosure::NOTHING, |all, one| all.with(&one))
         };
         let union = |group: &[Enclosure]| group.iter().fold(Enclosure::NOTHING, |all, one| all.with(one));
-        let small: Vec<Enclosure> = spheres.par_chunks(SPHERES_PER_GROUP).map(bounds).collect();
-        let large = small.par_chunks(GROUPS_PER_LARGE_GROUP).map(union).collect();
+        let small = parallel::blocks(0..spheres.len(), SPHERES_PER_GROUP, &|group, _| bounds(&spheres[group]));
+        let large = parallel::blocks(0..small.len(), GROUPS_PER_LARGE_GROUP, &|group, _| union(&small[group]));
         Self { small, large }
     }
 }
@@ -102,7 +104,8 @@ impl GroupedBins {
             projection.stage(id, center, radius, 0.0)
         };
         let is_general = |place: usize| matches!(stage(place), Staged::General(_));
-        if self.missed.par_iter().any(|group| group.clone().any(is_general)) {
+        if parallel::any(self.missed.len(), 1, &|groups| self.missed[groups].iter().cloned().flatten().any(is_general))
+        {
             return 0.0;
         }
         let mut range = self.range;
@@ -151,18 +154,20 @@ impl ProjectionBounds {
     pub(super) fn foremost(&self, groups: Grouped<'_>, size: [u32; 2], window: Window, tolerance: f64) -> GroupedBins {
         let pyramid = DepthPyramid::new(self, size, window, tolerance);
         let mut sieve = Sieve { projection: self.clone(), pyramid };
-        let near = |(n, bounds): (usize, &Enclosure)| match self.enclose(bounds) {
+        let large = &groups.boxes.large;
+        let near = |n: usize| match self.enclose(&large[n]) {
             Enclosed::Unseen => None,
             Enclosed::Projected { least, .. } => Some((least, n as u32)),
             Enclosed::Missed | Enclosed::Unknown => Some((f32::NEG_INFINITY, n as u32)),
         };
-        let mut nearest: Vec<(f32, u32)> = groups.boxes.large.par_iter().enumerate().filter_map(near).collect();
+        let mut nearest =
+            parallel::collect(large.len(), BOXES_PER_JOB, &|range, out| out.extend(range.filter_map(near)));
         nearest.par_sort_unstable_by(|(a, m), (b, n)| a.total_cmp(b).then(m.cmp(n)));
         let arch = pulp::Arch::new();
         let mut parts = Vec::new();
         for some in nearest.chunks(nearest.len().div_ceil(REFRESHES).max(1)) {
             let job = |large: &[(f32, u32)]| arch.dispatch(Job { sieve: &sieve, groups, large });
-            parts.par_extend(some.par_chunks(GROUPS_PER_JOB).map(job));
+            parts.extend(parallel::blocks(0..some.len(), GROUPS_PER_JOB, &|range, _| job(&some[range])));
             sieve.refresh();
         }
         GroupedBins::of(parts)

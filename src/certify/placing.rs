@@ -12,6 +12,7 @@ use super::tiles::{Lists, Placed};
 use super::{TERMS, answer::ProjectionRecord};
 use crate::error::Result;
 use crate::memory::Pool;
+use crate::parallel;
 use crate::scene::Scene;
 #[cfg(test)]
 use crate::scene::instances::enclosure::Enclosure;
@@ -81,8 +82,7 @@ impl Placer {
     /// [`BinnedScene::new`].
     pub(crate) fn by_host(&self, scene: &Scene, view: &View, summary: &PlacedSummary, pool: &Pool) -> ByHost {
         let stage = |reference: f64| -> Vec<Staged> {
-            let one = |id: &u32| self.stage(scene, *id, reference);
-            summary.for_host.par_iter().map(one).collect()
+            parallel::map(&summary.for_host, |id| self.stage(scene, *id, reference))
         };
         let mut staged = stage(0.0);
         let general = |staged: &Staged| matches!(staged, Staged::General(_));
@@ -170,7 +170,7 @@ impl Placer {
             let placed = pairs.iter().filter_map(|[_, id]| self.placed(scene, *id, reference));
             ([left + pairs[0][0] % columns, top + pairs[0][0] / columns], placed.collect())
         };
-        let lists: Vec<_> = listed.par_iter().map(list).collect();
+        let lists = parallel::collect(listed.len(), 1, &|range, lists| lists.extend(listed[range].iter().map(list)));
         binned.lists = Lists::of_tiles(tiles, &lists);
     }
 }

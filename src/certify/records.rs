@@ -8,10 +8,10 @@ use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
 use crate::memory::Pool;
 use crate::number::vector::LANES;
+use crate::parallel;
 use crate::scene::{NumberedBall, Spheres};
 use crate::tile::CHUNK;
 use pulp::NullaryFnOnce;
-use rayon::prelude::*;
 
 /// The spheres of lists, by their numbers.
 #[derive(Clone, Copy)]
@@ -69,8 +69,9 @@ impl RecordMaker<'_> {
     pub(super) fn project_all(&mut self, pool: &Pool) {
         let mut ready: Vec<Placed> = pool.sized(self.order.len());
         let (maker, arch) = (&*self, pulp::Arch::new());
-        let job = |(n, to): (usize, &mut [Placed])| arch.dispatch(Ready { maker, first: n * SPHERES_PER_JOB, to });
-        ready.par_chunks_mut(SPHERES_PER_JOB).enumerate().for_each(job);
+        parallel::fill(&mut ready[..], SPHERES_PER_JOB, &|places, to| {
+            arch.dispatch(Ready { maker, first: places.start, to });
+        });
         self.ready = ready;
     }
 

@@ -13,12 +13,12 @@ use crate::error::Result;
 use crate::memory::check;
 use crate::number::ldexp;
 use crate::number::vector::LANES;
+use crate::parallel;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::{NumberedBall, Scene, Spheres};
 use crate::view::View;
 use crate::view::raster::Raster;
 use pulp::NullaryFnOnce;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Spheres that one job sifts.
@@ -224,15 +224,14 @@ pub(crate) fn sift(sieves: &[Sieve], block: &Spheres, covers: bool) -> Sifted {
     let (centers, radii) = (&block.centers[..], &block.radii[..]);
     let mut kept = vec![sieves.is_empty(); radii.len()];
     let arch = pulp::Arch::new();
-    let job = |(n, kept): (usize, &mut [bool])| -> Vec<Marks> {
-        let first = n * SPHERES_PER_JOB;
+    let found = parallel::blocks(&mut kept[..], SPHERES_PER_JOB, &|places, kept| -> Vec<Marks> {
+        let first = places.start;
         let one = |sieve| {
             let marks = Marks::default();
             arch.dispatch(Job { sieve, first, centers, radii, covers, kept: &mut *kept, marks })
         };
         sieves.iter().map(one).collect()
-    };
-    let found: Vec<_> = kept.par_chunks_mut(SPHERES_PER_JOB).enumerate().map(job).collect();
+    });
     let mut marks = vec![Marks::default(); sieves.len()];
     found.iter().for_each(|found| marks.iter_mut().zip(found).for_each(|(all, next)| all.join(next)));
     Sifted { kept, marks }

@@ -14,12 +14,12 @@ use super::entry::{Bin, number};
 use super::projected::{ProjectedDetailRecord, ProjectedRecord};
 use super::records::{AHEAD, ListRecords, RecordMaker};
 use crate::memory::Pool;
+use crate::parallel;
 use crate::tile::{CHUNK, TILE, WHOLE};
 use crate::view::ray::NONE;
 use bytemuck::Zeroable;
 use grid::Keys;
 use pulp::NullaryFnOnce;
-use rayon::prelude::*;
 
 /// Entries beyond eight per sphere before tiles share their lists: 64 MiB.
 const SPARE: u64 = 1 << 21;
@@ -65,7 +65,7 @@ impl Lists {
         let most = (8 * bins.len() as u64 + SPARE).min(u64::from(u32::MAX));
         let entries = |level: u32| match level {
             0 => single,
-            _ => bins.par_iter().map(|bin| bin.entries(level)).sum::<u64>(),
+            _ => Bin::total(bins, level),
         };
         let fits = |level: &u32| *level >= WHOLE || entries(*level) <= most;
         let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
@@ -115,8 +115,8 @@ impl Lists {
     /// Creates the lists of every row of cells and concatenates them.
     fn gather(grid: Grid, keys: &Keys, maker: &RecordMaker<'_>, pool: &Pool) -> Self {
         let arch = pulp::Arch::new();
-        let row = |own: &mut Vec<u64>, i: usize| arch.dispatch(Cells { grid, keys, i, maker, own, pool });
-        let rows: Vec<Self> = (0..grid.rows as usize).into_par_iter().map_init(Vec::new, row).collect();
+        let row = |i: usize| arch.dispatch(Cells { grid, keys, i, maker, own: &mut Vec::new(), pool });
+        let rows = parallel::blocks(0..grid.rows as usize, 1, &|rows, _| row(rows.start));
         let mut ends = Vec::with_capacity(grid.cells());
         let mut first = 0;
         for row in &rows {
@@ -211,7 +211,7 @@ fn concatenated<T: Zeroable + Copy + Send + Sync + 'static>(
         pairs.push((to, values));
         rest = after;
     }
-    pairs.into_par_iter().for_each(|(to, values)| to.copy_from_slice(values));
+    parallel::fill(&mut pairs[..], 1, &|_, pairs| pairs.iter_mut().for_each(|(to, values)| to.copy_from_slice(values)));
     all
 }
 

@@ -13,11 +13,11 @@ use crate::kernel::Kernel;
 use crate::number::vector::LANES;
 #[cfg(target_arch = "x86_64")]
 use crate::number::vector::WIDE;
+use crate::parallel;
 use crate::tile::TILE;
 use crate::view::View;
 use pixels::{Band, Pixels, StripFrame};
 use pulp::NullaryFnOnce;
-use rayon::prelude::*;
 use strip::Strip;
 use triples::{Portable, Triples};
 
@@ -54,11 +54,12 @@ fn each_strip<const N: usize>(
     let end = record.first_row + record.rows;
     let first = record.first_row / tall;
     let foremost = (first + 1) * tall - record.first_row;
-    let pieces: Vec<_> = raw.cut(foremost as usize * width, tall as usize * width).collect();
+    let mut pieces: Vec<_> = raw.cut(foremost as usize * width, tall as usize * width).map(Some).collect();
     let arch = pulp::Arch::new();
-    pieces.into_par_iter().zip(first..end.div_ceil(tall)).for_each(|(piece, n)| {
+    parallel::fill(&mut pieces[..], 1, &|numbers, pieces| {
+        let (n, piece) = (first + numbers.start as u32, pieces[0].take());
         let rows = record.first_row.max(n * tall)..end.min((n + 1) * tall);
-        if rows.clone().all(|_| go_on()) {
+        if let Some(piece) = piece.filter(|_| rows.clone().all(|_| go_on())) {
             let band = Band { columns: columns.clone(), rows, piece };
             arch.dispatch(Strips::<N, _> { frame, triples, i: n * tall, band });
         }

@@ -3,11 +3,11 @@
 
 use super::foremost::Foremost;
 use crate::certify::given::{AnyHit, Bounds, CertifiedRay, HitNumbers};
+use crate::parallel;
 use crate::search::tree::lanes::{Lanes, Portable, RAYS_PER_TASK, Work, dispatch};
 use crate::search::tree::walk::{Test, may_intersect, may_pass, walk};
 use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
-use rayon::prelude::*;
 
 /// The answer to the nearest hit of one ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,8 +35,9 @@ impl Given<'_> {
     /// The answers to the rays with these numbers.
     pub(crate) fn each<Q: Query>(&self, numbers: &[u32]) -> Vec<Q> {
         let mut answers = vec![Q::NONE; numbers.len()];
-        let tasks = answers.par_chunks_mut(RAYS_PER_TASK).zip(numbers.par_chunks(RAYS_PER_TASK));
-        tasks.for_each(|(answers, numbers)| dispatch(Task { given: self, numbers, answers }));
+        parallel::fill(&mut answers[..], RAYS_PER_TASK, &|range, answers| {
+            dispatch(Task { given: self, numbers: &numbers[range], answers });
+        });
         answers
     }
 

@@ -11,6 +11,7 @@ mod surface;
 
 use crate::answers::light::{Chunk, LightBuffers, NOT_CERTIFIED, PixelLight, SETTLED};
 use crate::answers::open_sky::SkyAtHit;
+use crate::parallel;
 use crate::search::tree::lanes::RAYS_PER_TASK;
 use crate::view::directions::PixelSample;
 use crate::view::picture_rays::PictureRays;
@@ -20,7 +21,6 @@ use colors::Colors;
 use glam::{DVec3, Vec3};
 pub(crate) use lighting::{LightOutputs, LightingContext};
 use point::PointLight;
-use rayon::prelude::*;
 use std::cell::OnceCell;
 use surface::Surface;
 
@@ -32,21 +32,22 @@ impl LightingContext<'_> {
     /// of pixels; after `false` the rest is left unchanged.
     pub(crate) fn fill(&self, ids: &[u32], buffers: &mut LightBuffers, go_on: &(dyn Fn(u64) -> bool + Sync)) {
         let lights = self.scene.lighting.lights.len();
-        let chunks: Vec<Chunk<'_>> = buffers.chunks(ids.len(), RAYS_PER_TASK, lights).collect();
-        let work = |mut chunk: Chunk<'_>| {
+        let mut chunks: Vec<Chunk<'_>> = buffers.chunks(ids.len(), RAYS_PER_TASK, lights).collect();
+        let work = |chunk: &mut Chunk<'_>| {
             let ids = &ids[chunk.first..chunk.first + chunk.count];
-            if go_on(ids.len() as u64) { self.fill_chunk(ids, &mut chunk) } else { Vec::new() }
+            if go_on(ids.len() as u64) { self.fill_chunk(ids, chunk) } else { Vec::new() }
         };
-        buffers.unsure = chunks.into_par_iter().flat_map_iter(work).collect();
+        let unsure = parallel::blocks(&mut chunks[..], 1, &|_, chunk| work(&mut chunk[0]));
+        drop(chunks);
+        buffers.unsure = unsure.concat();
     }
 
     /// The rays toward the sky from the hits of some pixels, each on a sphere.
     pub(crate) fn sky_at(&self, hits: &[(u32, u32)]) -> Vec<SkyAtHit> {
-        let work = |hits: &[(u32, u32)]| {
+        parallel::collect(hits.len(), HITS_PER_TASK, &|range, out| {
             let mut shader = PixelShader::new(self);
-            hits.iter().map(|(pixel, id)| shader.shade_pixel(*pixel, *id).sky).collect::<Vec<_>>()
-        };
-        hits.par_chunks(HITS_PER_TASK).flat_map_iter(work).collect()
+            out.extend(hits[range].iter().map(|(pixel, id)| shader.shade_pixel(*pixel, *id).sky));
+        })
     }
 
     /// Fills some pixels of one row or more. Returns the pixels that are not certain, each with its certainty.

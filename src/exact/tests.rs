@@ -7,6 +7,7 @@ use super::*;
 use crate::scene::ImagePlane;
 use crate::scene::camera::{Camera, Look};
 use crate::testing::Rng;
+use rayon::prelude::*;
 
 type Sphere = ([f64; 3], f64);
 

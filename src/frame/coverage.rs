@@ -1,8 +1,8 @@
 //! The spheres that the samples of each pixel show, and how many samples show each: mattes of objects are made of them.
 
+use crate::parallel;
 use crate::view::ray::NONE;
 use crate::window::Window;
-use rayon::prelude::*;
 
 /// A sphere in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,9 +38,9 @@ impl Coverage {
     /// Adds one sample of every pixel: the spheres `ids` of rows of `width` pixels, of which `window` is counted.
     pub(crate) fn add(&mut self, ids: &[u32], window: Window, width: u32) {
         self.samples += 1;
-        let rows = ids.par_chunks_exact(width as usize).skip(window.y0 as usize);
-        self.rows.par_iter_mut().zip(rows).for_each(|(row, ids)| {
-            *row = merged(row, &ids[window.x0 as usize..window.x1 as usize]);
+        parallel::fill(&mut self.rows[..], 1, &|rows, row| {
+            let ids = &ids[(window.y0 as usize + rows.start) * width as usize..];
+            row[0] = merged(&row[0], &ids[window.x0 as usize..window.x1 as usize]);
         });
     }
 }

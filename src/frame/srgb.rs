@@ -1,6 +1,6 @@
 //! The sRGB transfer function of IEC 61966-2-1, from linear light to levels and back.
 
-use rayon::prelude::*;
+use crate::parallel;
 use std::sync::LazyLock;
 
 /// The 8-bit sRGB level of a linear component: clamped to [0, 1], through the transfer function of IEC 61966-2-1, times
@@ -13,11 +13,7 @@ pub fn level(linear: f32) -> u8 {
 pub fn levels(linear: &[f32]) -> Vec<u8> {
     let mut levels = vec![0; linear.len()];
     let table = &*TABLE;
-    levels.par_chunks_mut(1 << 14).zip(linear.par_chunks(1 << 14)).for_each(|(levels, linear)| {
-        for (level, linear) in levels.iter_mut().zip(linear) {
-            *level = table.level(*linear);
-        }
-    });
+    parallel::each(&mut levels, |n, level| *level = table.level(linear[n]));
     levels
 }
 
@@ -93,6 +89,7 @@ impl LevelTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rayon::prelude::*;
 
     #[test]
     fn level_equals_the_formula_on_a_dense_sweep() {

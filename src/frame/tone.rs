@@ -1,7 +1,7 @@
 //! The tone of a picture: how linear light becomes the light of a picture of 8 or 16 bits, which ends at 1.
 
 use crate::error::{Error, Result, named};
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 use std::borrow::Cow;
 
@@ -72,12 +72,7 @@ impl Toning {
             return linear.into();
         }
         let mut toned = linear.to_vec();
-        let pixel = |rgb: &mut [f32]| {
-            if let Some(rgb) = rgb.first_chunk_mut() {
-                *rgb = self.of(*rgb);
-            }
-        };
-        toned.par_chunks_exact_mut(3).with_min_len(1 << 12).for_each(pixel);
+        parallel::each(toned.as_chunks_mut().0, |_, rgb| *rgb = self.of(*rgb));
         toned.into()
     }
 

@@ -13,11 +13,11 @@
 
 use super::{Form, Method};
 use crate::error::{Error, Result};
+use crate::parallel::{self, CHEAP};
 use crate::quote::number;
 use crate::quote::setting::ACCURACY;
 use crate::scene::{Scene, Spheres};
 use crate::view::{SphereRecord, View};
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// The unit roundoff of WGSL's f32, which may round either way.
@@ -77,8 +77,10 @@ impl Prediction {
     /// The prediction for the spheres of `scene`, seen from its view.
     pub(crate) fn of_view(view: &View, scene: &Scene, method: Method) -> Option<Self> {
         let Spheres { centers, radii, .. } = &scene.spheres;
-        let one = |(id, s)| Self::of_sphere(&Extent::of(&s), id as u32, method);
-        view.moved(centers, radii).enumerate().map(one).reduce_with(Self::and)
+        let spheres = view.moved(centers, radii);
+        let one = |id: usize| Self::of_sphere(&Extent::of(&spheres[id]), id as u32, method);
+        let all = parallel::blocks(0..spheres.len(), CHEAP, &|ids, _| ids.map(one).reduce(Self::and));
+        all.into_iter().flatten().reduce(Self::and)
     }
 
     fn of_sphere(extent: &Extent, sphere: u32, method: Method) -> Self {

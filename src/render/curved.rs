@@ -11,6 +11,7 @@ use crate::frame::report::{Report, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::kernel::{Kernel, Task};
 use crate::memory::check;
+use crate::parallel::{self, CHEAP, Rows};
 use crate::progress::Step;
 use crate::quote::setting::{AOV, APERTURE, BOUNCES, DEPTH_CUE, LOOK, MATERIAL, OCCLUSION, OPACITY, SILHOUETTE, SUN};
 use crate::scene::Scene;
@@ -21,7 +22,6 @@ use crate::view::ViewRecord;
 use crate::view::raster::Raster;
 use crate::window::Window;
 use glam::DVec3;
-use rayon::prelude::*;
 use web_time::Instant;
 
 /// Rays that are traced at once.
@@ -243,7 +243,7 @@ fn record(raster: Raster) -> ViewRecord {
 impl FrameRays {
     /// The hits of all pixels; a pixel without a ray is a miss.
     fn trace(&self, tracer: &mut Tracer<'_>, pixels: usize, go_on: &dyn Fn(u64) -> bool) -> Result<WindowHits> {
-        let directions: Vec<Option<DVec3>> = (0..pixels).into_par_iter().map(|pixel| self.direction(pixel)).collect();
+        let directions = parallel::from_fn(pixels, |pixel| self.direction(pixel));
         let origins = [self.basis.e.to_array()];
         let mut all = tracer.misses(pixels);
         for first in (0..pixels).step_by(BLOCK) {
@@ -272,17 +272,16 @@ impl Picture {
     fn add(&mut self, found: &WindowHits, scene: &Scene, shade: Shade) {
         let WindowHits { directions, hits } = found;
         self.alpha.iter_mut().zip(&hits.id).for_each(|(alpha, id)| *alpha += f64::from(u8::from(*id >= 0)));
-        self.color.par_chunks_exact_mut(3).enumerate().for_each(|(pixel, color)| {
+        let color_at = |pixel: usize| {
             let id = hits.id[pixel];
-            let rgb = match directions[pixel].filter(|_| id >= 0) {
-                Some(direction) => {
-                    let normal = hits.normal.as_ref().map_or([0.0; 3], |normals| normals[pixel]);
-                    let own = color_of(scene.spheres.colors.as_deref(), id as u32);
-                    shade.in_world(direction, DVec3::from(normal.map(f64::from)), own)
-                }
-                None => scene.image.background,
-            };
-            color.iter_mut().zip(rgb).for_each(|(sum, x)| *sum += f64::from(x));
+            let Some(direction) = directions[pixel].filter(|_| id >= 0) else { return scene.image.background };
+            let normal = hits.normal.as_ref().map_or([0.0; 3], |normals| normals[pixel]);
+            let own = color_of(scene.spheres.colors.as_deref(), id as u32);
+            shade.in_world(direction, DVec3::from(normal.map(f64::from)), own)
+        };
+        parallel::fill(Rows { values: &mut self.color[..], each: 3 }, CHEAP, &|pixels, sums| {
+            let colors = pixels.flat_map(color_at);
+            sums.values.iter_mut().zip(colors).for_each(|(sum, x)| *sum += f64::from(x));
         });
     }
 
@@ -303,7 +302,7 @@ fn buffers(
     let forward = -basis.w;
     let each = |missed: f64, of: &(dyn Fn(usize, DVec3) -> f64 + Sync)| -> Vec<f64> {
         let value = |pixel: usize| directions[pixel].filter(|_| hits.id[pixel] >= 0).map_or(missed, |d| of(pixel, d));
-        (0..hits.id.len()).into_par_iter().map(value).collect()
+        parallel::from_fn(hits.id.len(), value)
     };
     let single = |values: &[f64]| Data::F32(values.iter().map(|x| *x as f32).collect());
     let data = |aov: Aov| match aov {

@@ -26,6 +26,7 @@ use crate::gpu::input::{Input, KernelRays, Output};
 use crate::gpu::resident::scene::Reach;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::gpu::traffic::Traffic;
+use crate::parallel;
 use crate::progress::Step;
 use crate::scene::Scene;
 use crate::scene::camera::CameraRecord;
@@ -33,7 +34,6 @@ use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use crate::view::{Records, View};
 use crate::window::Window;
-use rayon::prelude::*;
 use std::sync::Arc;
 use web_time::Instant;
 
@@ -407,8 +407,8 @@ impl Renderer {
 /// The number of hits in the buffer of ids; 0 in any other.
 fn hits(buffer: &Buffer) -> u64 {
     match &buffer.data {
-        Data::I32(ids) => ids.par_iter().filter(|id| **id >= 0).count() as u64,
-        Data::I64(ids) => ids.par_iter().filter(|id| **id >= 0).count() as u64,
+        Data::I32(ids) => parallel::count(ids.len(), |n| ids[n] >= 0) as u64,
+        Data::I64(ids) => parallel::count(ids.len(), |n| ids[n] >= 0) as u64,
         _ => 0,
     }
 }

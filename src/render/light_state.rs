@@ -1,8 +1,8 @@
 //! The part of a device in the light of a frame.
 
 use crate::answers::light::Traced;
+use crate::parallel;
 use crate::view::ray::NONE;
-use rayon::prelude::*;
 
 /// The number of hits of which a device traced the rays, and of those hits that it decided.
 #[derive(Debug, Clone, Copy, Default)]
@@ -19,13 +19,13 @@ impl LightOnDevice {
 
     /// Adds the hits of a frame of which the device left so many to the host.
     pub(super) fn add_left(&mut self, ids: &[u32], left: usize) {
-        let hits = ids.par_iter().filter(|id| **id != NONE).count();
+        let hits = parallel::count(ids.len(), |pixel| ids[pixel] != NONE);
         self.hits += hits;
         self.decided += hits.saturating_sub(left);
     }
 
     pub(super) fn add(&mut self, ids: &[u32], traced: &Traced<'_>) {
-        let is_left = |pixel: &u32| ids[*pixel as usize] != NONE && traced.of(*pixel).is_none();
-        self.add_left(ids, (0..ids.len() as u32).into_par_iter().filter(is_left).count());
+        let is_left = |pixel: usize| ids[pixel] != NONE && traced.of(pixel as u32).is_none();
+        self.add_left(ids, parallel::count(ids.len(), is_left));
     }
 }

@@ -1,12 +1,13 @@
 //! Explains a picture without a hit.
 
+use crate::parallel::{self, CHEAP};
 use crate::quote::number;
 use crate::quote::setting::{EYE, FIT, ORTHO, SIZE, VFOV};
 use crate::scene::camera::Look;
 use crate::scene::{Scene, point};
 use crate::window::Window;
 use glam::DVec3;
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// Why no ray hits a sphere, and the remedy; `None` without spheres.
 pub(super) fn missed(scene: &Scene, window: Option<Window>) -> Option<String> {
@@ -34,15 +35,16 @@ fn slips_through(scene: &Scene) -> Option<String> {
     let (camera, image) = (&scene.camera, &scene.image);
     let (basis, v) = (camera.basis().ok()?, camera.viewport(image.width, image.height).ok()?);
     let pixel = (v.vw / f64::from(image.width)).max(v.vh / f64::from(image.height));
-    let across = |center: &[f64; 3], radius: f64| {
-        let c = DVec3::from_array(*center) - basis.e;
+    let across = |id: usize| {
+        let (c, radius) = (DVec3::from_array(scene.spheres.centers[id]) - basis.e, scene.spheres.radii[id]);
         let depth = -c.dot(basis.w);
         let scale = if v.is_parallel() { 1.0 } else { depth / v.d };
         let inside = 2.0 * c.dot(basis.u).abs() <= v.vw * scale && 2.0 * c.dot(basis.v).abs() <= v.vh * scale;
         (depth > 0.0 && inside).then(|| 2.0 * radius / (pixel * scale))
     };
-    let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii);
-    let largest = spheres.filter_map(|(center, radius)| across(center, *radius)).reduce(|| 0.0, f64::max);
+    let largest = |ids: Range<usize>| ids.filter_map(across).fold(0.0, f64::max);
+    let each = parallel::blocks(0..scene.spheres.len(), CHEAP, &|ids, _| largest(ids));
+    let largest = each.into_iter().fold(0.0, f64::max);
     let mend = match v.is_parallel() {
         true => format!("a smaller {ORTHO}"),
         false => format!("a nearer {EYE}, a smaller {VFOV}"),

@@ -18,6 +18,7 @@ use crate::gpu::resident::picture::{MAX_SOURCES, Patches, PictureRecord};
 use crate::gpu::resident::sky::SkyRays;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::kernel::Certificate;
+use crate::parallel::{self, CHEAP};
 use crate::progress::Step;
 use crate::scene::{Gradient, Scene, SkyLight};
 use crate::search::tree::Tree;
@@ -28,7 +29,6 @@ use crate::view::ray::NONE;
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 mod trial;
@@ -96,7 +96,11 @@ impl Sampling<'_> {
             let way = in_frame(cue.far - cue.near).max(f32::MIN_POSITIVE);
             (record.cue_near, record.cue_slope, record.cue_share) = (in_frame(cue.near), 1.0 / way, MAX_SHARE as f32);
         }
-        let farthest = scene.spheres.centers.par_iter().map(|center| (DVec3::from_array(*center) - basis.e).length());
+        let farthest = || {
+            let away = |id: usize| (DVec3::from_array(scene.spheres.centers[id]) - basis.e).length();
+            let each = parallel::blocks(0..scene.spheres.len(), CHEAP, &|ids, _| ids.map(away).fold(0.0, f64::max));
+            each.into_iter().fold(0.0, f64::max)
+        };
         let is_fine = match PixelSize::of(view) {
             PixelSize::Perspective(slope) => {
                 record.pixel_slope = slope as f32;
@@ -104,7 +108,7 @@ impl Sampling<'_> {
             }
             PixelSize::Parallel(size) => {
                 record.pixel_size = in_frame(size);
-                size >= LEAST_PIXEL * farthest.reduce(|| 0.0, f64::max)
+                size >= LEAST_PIXEL * farthest()
             }
         };
         Ok(Some(record).filter(|record| is_fine && record.radius.is_normal() && record.cue_slope.is_finite()))

@@ -3,12 +3,12 @@
 use super::order::LastOrder;
 use crate::error::Result;
 use crate::memory::check;
+use crate::parallel;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
 use crate::scene::{Lighting, Scene, Spheres};
 use crate::search::tree::Tree;
 use crate::view::ray::NONE;
-use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
 /// The opaque spheres of a scene.
@@ -25,11 +25,10 @@ impl Opaque {
         let count = spheres.len() as u64;
         check(48 * count, || format!("the opaque ones of {count} spheres"))?;
         let ids: Vec<u32> = (0..spheres.len() as u32).filter(|id| spheres.opacity(*id) == 1.0).collect();
-        let all = || ids.par_iter().map(|id| *id as usize);
         let mut own = Spheres {
-            centers: List::sound(all().map(|n| spheres.centers[n]).collect()),
-            radii: List::sound(all().map(|n| spheres.radii[n]).collect()),
-            colors: spheres.colors.as_ref().map(|colors| all().map(|n| colors[n]).collect::<Vec<_>>().into()),
+            centers: List::sound(parallel::map(&ids, |id| spheres.centers[*id as usize])),
+            radii: List::sound(parallel::map(&ids, |id| spheres.radii[*id as usize])),
+            colors: spheres.colors.as_ref().map(|colors| parallel::map(&ids, |id| colors[*id as usize]).into()),
             materials: None,
             opacities: None,
         };
@@ -45,7 +44,7 @@ impl Opaque {
 
     /// Gives spheres of [`Opaque::scene`] the ids that they have in the whole scene.
     pub(super) fn rename(&self, ids: &mut [u32]) {
-        ids.par_iter_mut().filter(|id| **id != NONE).for_each(|id| *id = self.ids[*id as usize]);
+        parallel::each(ids, |_, id| *id = if *id == NONE { NONE } else { self.ids[*id as usize] });
     }
 
     /// The tree over them, for rays that only opaque spheres block; `None` where the scene has no spheres.

@@ -13,11 +13,11 @@ use crate::certify::binned::{BinnedScene, Binning};
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::memory::Pool;
+use crate::parallel::{self, CHEAP, Rows};
 use crate::scene::{Scene, Spheres};
 use crate::settings::Settings;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The frame of all spheres for the rays of a view, from which translucent hits are found.
@@ -104,7 +104,11 @@ impl Renderer {
         let mut first = std::mem::take(&mut raw.id);
         raw.put_back(&pool);
         let spheres = &scene.spheres;
-        first.par_iter_mut().filter(|id| **id != NONE && spheres.opacity(**id) == 1.0).for_each(|id| *id = NONE);
+        parallel::each(&mut first, |_, id| {
+            if *id != NONE && spheres.opacity(*id) == 1.0 {
+                *id = NONE;
+            }
+        });
         let mut layers = vec![first];
         if settings.layers > 1 {
             let peeling = Peeling { scene, view: &setup.view, lists: lists.as_ref(), opaque };
@@ -119,10 +123,12 @@ impl Renderer {
 /// of the light behind that reaches the eye.
 pub(super) fn lay_over(spheres: &Spheres, layer: &[u32], over: &[f32], color: &mut [f32], passing: &mut [f32]) {
     let opacity = |id: u32| if id == NONE { 0.0 } else { spheres.opacity(id) };
-    passing.par_iter_mut().zip(layer).for_each(|(passing, id)| *passing *= 1.0 - opacity(*id));
-    let pixels = color.par_chunks_exact_mut(3).zip(over.par_chunks_exact(3)).zip(layer);
-    pixels.for_each(|((color, over), id)| {
-        let opacity = opacity(*id);
-        color.iter_mut().zip(over).for_each(|(color, over)| *color += opacity * (*over - *color));
+    parallel::each(passing, |pixel, passing| *passing *= 1.0 - opacity(layer[pixel]));
+    parallel::fill(Rows { values: color, each: 3 }, CHEAP, &|pixels, color| {
+        let over = over[3 * pixels.start..].chunks_exact(3);
+        for ((color, over), id) in color.values.chunks_exact_mut(3).zip(over).zip(&layer[pixels]) {
+            let opacity = opacity(*id);
+            color.iter_mut().zip(over).for_each(|(color, over)| *color += opacity * (*over - *color));
+        }
     });
 }

@@ -17,6 +17,7 @@ use crate::double_double::exponent;
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
 use crate::memory::{check_wide_ids, ids_fit};
+use crate::parallel;
 use crate::quote::setting::{ACCURACY, AOV, APERTURE, LAYERS, LOOK, METHOD, OCCLUSION, SHADOWS, STREAM, SUN};
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
@@ -24,7 +25,6 @@ use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use crate::view::{middle, unit};
 use digests::Digests;
-use rayon::prelude::*;
 use witness::Witnesses;
 
 /// The number of spheres after which the sieves take over the depths that these cover: often enough to hide spheres,
@@ -162,7 +162,7 @@ impl Stream {
     /// Adds the opaque spheres of a block to the stream of these alone, where the spheres have opacities.
     fn add_opaque(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let Some(opacities) = &block.opacities else { return Ok(()) };
-        let flags: Vec<bool> = opacities.par_iter().map(|opacity| *opacity == 1.0).collect();
+        let flags = parallel::map(opacities, |opacity| *opacity == 1.0);
         let mut alone = Spheres { opacities: None, ..block.clone() };
         alone.keep(&flags);
         let opaque = match self.opaque.take() {
@@ -310,10 +310,9 @@ impl StreamIds {
             let Data::I32(ids) = &mut buffer.data else { continue };
             let of_stream = |id: i32| usize::try_from(id).ok().and_then(|n| self.ids.get(n)).copied();
             if self.are_wide() {
-                let wide = ids.par_iter().map(|id| of_stream(*id).map_or(i64::from(*id), |id| id as i64));
-                buffer.data = Data::I64(wide.collect());
+                buffer.data = Data::I64(parallel::map(ids, |id| of_stream(*id).map_or(i64::from(*id), |id| id as i64)));
             } else {
-                ids.par_iter_mut().for_each(|id| *id = of_stream(*id).map_or(*id, |id| id as i32));
+                parallel::each(ids, |_, id| *id = of_stream(*id).map_or(*id, |id| id as i32));
             }
         }
     }

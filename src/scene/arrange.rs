@@ -4,9 +4,9 @@ use super::instances::{Instances, Lattice, is_kept};
 use super::{Cell, List, Material, Materials, Spheres};
 use crate::error::{Error, Result};
 use crate::memory::{check, check_spheres, extend_to};
+use crate::parallel::{self, CHEAP};
 use crate::progress::Watch;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Copies, clip planes and outline, applied in this order.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,8 +83,9 @@ impl Arrangement {
         for copy in 0..lattice.count() {
             watch.check()?;
             let stays = self.stays(&lattice, copy);
-            let all = spheres.centers.par_iter().enumerate();
-            rows.par_extend(all.filter(|(_, center)| stays(center)).map(|(row, _)| row as u32));
+            rows.extend(parallel::collect(spheres.len(), CHEAP, &|range, rows| {
+                rows.extend(range.filter(|row| stays(&spheres.centers[*row])).map(|row| row as u32));
+            }));
         }
         Ok(rows)
     }
@@ -128,7 +129,8 @@ impl Arrangement {
         check_spheres(lattice.count().saturating_mul(spheres.len() as u64), spheres.colors.is_some())?;
         for copy in 0..lattice.count() {
             watch.check()?;
-            if spheres.centers.par_iter().any(self.stays(&lattice, copy)) {
+            let stays = self.stays(&lattice, copy);
+            if parallel::any(spheres.len(), CHEAP, &|range| spheres.centers[range].iter().any(&stays)) {
                 return Ok(false);
             }
         }
@@ -158,7 +160,8 @@ fn repeat(spheres: &mut Spheres, lattice: &Lattice, watch: &Watch) -> Result<()>
     extend_to(centers, total)?;
     for start in (0..total).step_by(SPHERES_PER_CHECK) {
         watch.check()?;
-        centers.par_extend((start..total.min(start + SPHERES_PER_CHECK)).into_par_iter().map(copy));
+        let more = total.min(start + SPHERES_PER_CHECK) - start;
+        centers.extend(parallel::from_fn(more, |n| copy(start + n)));
     }
     spheres.radii = repeated(own.radii, total, watch)?;
     spheres.materials = own
@@ -186,7 +189,7 @@ fn repeated<T: Copy>(values: List<T>, total: usize, watch: &Watch) -> Result<Lis
 
 fn clip(spheres: &mut Spheres, plane: [f64; 4]) -> Result<()> {
     check(spheres.len() as u64, || format!("a clip plane for {} spheres", spheres.len()))?;
-    let kept: Vec<bool> = spheres.centers.par_iter().map(|c| is_kept(plane, DVec3::from_array(*c))).collect();
+    let kept = parallel::map(&spheres.centers, |c| is_kept(plane, DVec3::from_array(*c)));
     spheres.keep(&kept);
     Ok(())
 }

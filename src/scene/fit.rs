@@ -5,9 +5,9 @@ use super::orient::{Facing, Spread};
 use super::source::{SphereSource, middle};
 use super::{ImagePlane, Scene, Spheres, extent};
 use crate::error::{Error, Place, Result};
+use crate::parallel::{self, CHEAP};
 use crate::quote::setting;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// The rules of framing: the free margins, the framed shape and the aim.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -244,9 +244,9 @@ fn slopes(framing: &Framing, viewport: Viewport) -> ([[f64; 2]; 2], [[f64; 2]; 2
 impl Spheres {
     /// The least n.(c - p) - r of all spheres; infinite without any.
     pub(super) fn least_along(&self, normal: DVec3, from: DVec3) -> f64 {
-        let each = self.centers.par_iter().zip(&self.radii);
-        let least = each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - from) - r);
-        least.reduce(|| f64::INFINITY, f64::min)
+        let along = |id: usize| normal.dot(DVec3::from_array(self.centers[id]) - from) - self.radii[id];
+        let least = parallel::blocks(0..self.len(), CHEAP, &|ids, _| ids.map(along).fold(f64::INFINITY, f64::min));
+        least.into_iter().fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -254,9 +254,9 @@ impl Spheres {
 fn ball(spheres: &dyn SphereSource, middle: DVec3) -> Result<Spheres> {
     let mut radius = 0.0_f64;
     spheres.each(&mut |block| {
-        let each = block.centers.par_iter().zip(&block.radii);
-        let reach = each.map(|(c, r)| (DVec3::from_array(*c) - middle).length() + r);
-        radius = reach.reduce(|| radius, f64::max);
+        let reach = |id: usize| (DVec3::from_array(block.centers[id]) - middle).length() + block.radii[id];
+        let most = parallel::blocks(0..block.len(), CHEAP, &|ids, _| ids.map(reach).fold(0.0, f64::max));
+        radius = most.into_iter().fold(radius, f64::max);
         Ok(())
     })?;
     let mut ball = Spheres::default();

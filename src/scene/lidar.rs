@@ -19,10 +19,10 @@ pub use beam::Beam;
 
 use super::camera::Basis;
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::quote::quote;
 use beam::MAX_RETURNS;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::str::FromStr;
 
@@ -45,6 +45,9 @@ const KEYS: &str = "rings, vfov, step, azimuth, range, divergence, returns, nois
 
 /// An example of a description, for messages.
 const EXAMPLE: &str = "use a pattern such as lidar:rings=64,vfov=-25..15,step=0.2";
+
+/// Beams whose rays one job makes.
+const BEAMS_PER_JOB: usize = 1 << 8;
 
 impl Lidar {
     /// The number of rings.
@@ -94,7 +97,10 @@ impl Lidar {
     #[must_use]
     pub fn directions(&self, beams: Range<u64>, basis: &Basis) -> Vec<[f64; 3]> {
         let cone = self.echoes.map(|beam| beam.cone()).unwrap_or_default();
-        beams.into_par_iter().flat_map_iter(|beam| beam::rays(self.frame(beam, basis), &cone)).collect()
+        parallel::collect((beams.end - beams.start) as usize, BEAMS_PER_JOB, &|range, rays| {
+            let beams = range.map(|n| beams.start + n as u64);
+            beams.for_each(|beam| rays.extend(beam::rays(self.frame(beam, basis), &cone)));
+        })
     }
 
     /// The axis of a beam, and across it the directions of growing azimuth and of growing elevation.

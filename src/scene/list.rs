@@ -1,5 +1,6 @@
 //! The numbers of a scene's spheres, which a scene owns or shares.
 
+use crate::parallel;
 use blake3::{Hash, Hasher};
 use bytemuck::NoUninit;
 use rayon::prelude::*;
@@ -105,7 +106,7 @@ impl<T: Sync> List<T> {
     pub(crate) fn is_sound(&self, rule: impl Fn(&T) -> bool + Sync) -> bool {
         // Without branches within a job, so that compilers vectorize it.
         let sound = |values: &[T]| values.iter().fold(true, |all, value| all & rule(value));
-        let test = |values: &[T]| values.par_chunks(VALUES_PER_JOB).all(sound);
+        let test = |values: &[T]| !parallel::any(values.len(), VALUES_PER_JOB, &|range| !sound(&values[range]));
         match &self.0 {
             Store::Kept(kept) => *kept.sound.get_or_init(|| test(&kept.values)),
             Store::Own(_) | Store::Foreign(_) => test(self),

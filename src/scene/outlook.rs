@@ -4,9 +4,9 @@
 use super::camera::{Camera, Viewport};
 use super::{Facing, Framing, ImagePlane, Spheres, Spread};
 use crate::error::Result;
+use crate::parallel::{self, CHEAP};
 use crate::quote::setting::{CLIP, FOCUS, HIDE, VIEW};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// A camera that shows some spheres of a scene.
@@ -68,13 +68,12 @@ impl Spheres {
     pub fn central(&self, share: f64) -> Self {
         let mut count = (share * self.len() as f64).ceil().min(self.len() as f64) as usize;
         let median = [0, 1, 2].map(|axis| {
-            let mut along: Vec<f64> = self.centers.par_iter().map(|center| center[axis]).collect();
+            let mut along = parallel::map(&self.centers, |center| center[axis]);
             let middle = along.len() / 2;
             if along.is_empty() { 0.0 } else { *along.select_nth_unstable_by(middle, f64::total_cmp).1 }
         });
         let from = DVec3::from_array(median);
-        let away: Vec<f64> =
-            self.centers.par_iter().map(|center| (DVec3::from_array(*center) - from).length()).collect();
+        let away = parallel::map(&self.centers, |center| (DVec3::from_array(*center) - from).length());
         let mut sorted = away.clone();
         let Some(last) = count.checked_sub(1) else { return self.part(&[]) };
         let most = *sorted.select_nth_unstable_by(last, f64::total_cmp).1;
@@ -147,7 +146,8 @@ impl<'a> Surroundings<'a> {
         let along = if is_tall { face.up } else { face.view.cross(face.up) };
         let others = directions().map(|back| turned(-back, along, is_tall));
         let candidates: Vec<Facing> = [face, back].into_iter().chain(others).collect();
-        let found = candidates.par_iter().map(|facing| self.look(*facing, camera)).collect::<Result<Vec<Outlook>>>()?;
+        let look = |n: usize| self.look(candidates[n], camera);
+        let found = parallel::try_collect(candidates.len(), 1, &|range| range.map(look).collect::<Result<_>>())?;
         let best = found.iter().map(|outlook| outlook.area).max().unwrap_or(0);
         let good = |outlook: &&Outlook| f64::from(outlook.area) >= AS_GOOD * f64::from(best);
         // The first two by their faces, the others by what they show.
@@ -189,8 +189,9 @@ impl<'a> Surroundings<'a> {
 
     /// Whether a point is inside of a sphere, or almost.
     fn is_inside(&self, eye: DVec3) -> bool {
-        let each = self.all.centers.par_iter().zip(&self.all.radii);
-        each.any(|(c, r)| (DVec3::from_array(*c) - eye).length() <= CLEAR * r)
+        let is_near =
+            |id: usize| (DVec3::from_array(self.all.centers[id]) - eye).length() <= CLEAR * self.all.radii[id];
+        parallel::any(self.all.len(), CHEAP, &|mut ids| ids.any(is_near))
     }
 
     /// The squares of the grid in which the part is seen, and those in which it would be without the others.

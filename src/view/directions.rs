@@ -10,7 +10,7 @@
 mod tests;
 
 use super::records::pcg4d;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Cosine and sine of the golden angle, pi (3 - sqrt 5), and its share of a turn.
 const GOLDEN: [f64; 2] = [-0.737_368_878_078_319_9, 0.675_490_294_261_523_6];
@@ -213,11 +213,10 @@ impl SkyDirections {
         let that_have = |directions: u32| directions / lattice.len().max(1) as u32;
         let turns = that_have(TURNED).clamp(TURNS[0], TURNS[1]).min(that_have(MAX_TURNED)).max(1).next_power_of_two();
         let rows = |turn: u32| PixelSample { row: turn, column: 0, sample: 0, seed: 0 }.rotation(0);
-        let all = |turn| {
-            let rows = rows(turn);
-            lattice.iter().map(move |p| rotated(rows, p))
-        };
-        let turned = (0..turns).into_par_iter().flat_map_iter(all).collect();
+        let turned = parallel::collect(turns as usize, 1, &|turn, turned| {
+            let rows = rows(turn.start as u32);
+            turned.extend(lattice.iter().map(|p| rotated(rows, p)));
+        });
         Self { turned, count: lattice.len(), is_interleaved: false }
     }
 

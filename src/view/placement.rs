@@ -1,8 +1,9 @@
 //! Placement of a set of spheres: its own origin and unit.
 
 use crate::double_double::{self as dd, Dd};
+use crate::parallel::{self, CHEAP};
 use glam::DVec3;
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// The middle of the scene, and a power of two that brings every sphere into [-1, 1] in each coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,10 +22,13 @@ pub(crate) const PLACED: f64 = 1.0 / (1u64 << 51) as f64;
 
 impl Placement {
     pub(crate) fn new(centers: &[[f64; 3]], radii: &[f64]) -> Self {
-        let span = centers.par_iter().map(|c| [DVec3::from_array(*c); 2]);
+        let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let join = |[low, high]: [DVec3; 2], other: [DVec3; 2]| [low.min(other[0]), high.max(other[1])];
-        let [low, high] = span.reduce(|| [DVec3::INFINITY, DVec3::NEG_INFINITY], join);
-        let largest = radii.par_iter().copied().reduce(|| 0.0, f64::max);
+        let span = |ids: Range<usize>| centers[ids].iter().map(|c| [DVec3::from_array(*c); 2]).fold(nothing, join);
+        let spans = parallel::blocks(0..centers.len(), CHEAP, &|ids, _| span(ids));
+        let [low, high] = spans.into_iter().fold(nothing, join);
+        let most = parallel::blocks(0..radii.len(), CHEAP, &|ids, _| radii[ids].iter().copied().fold(0.0, f64::max));
+        let largest = most.into_iter().fold(0.0, f64::max);
         if centers.is_empty() {
             return Self { middle: [0.0; 3], k: 0, half: 1.0, shrink: [1.0; 2] };
         }

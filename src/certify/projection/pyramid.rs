@@ -7,10 +7,10 @@ use super::{ProjectionBounds, host_cull_margin, not_below};
 use crate::certify::entry::{Placed, number, ordered};
 use crate::number::vector::LANES;
 use crate::number::{larger, smaller};
+use crate::parallel;
 use crate::tile::TILE;
 use crate::view::ViewRecord;
 use crate::window::Window;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -107,7 +107,8 @@ impl DepthPyramid {
             })
         };
         let row = |row: u32| (x0..x1).flat_map(move |column| pixel(row, column));
-        let places = (y0..y1).into_par_iter().flat_map_iter(row).collect();
+        let places =
+            parallel::collect((y1 - y0) as usize, 1, &|rows, places| places.extend(row(y0 + rows.start as u32)));
         let coverage = Coverage::new(projection, self.coverage.size, 0.0, host_cull_margin(tolerance), 1.0);
         self.samples = Some(SamplePlaces { coverage, fine, count, places });
         self.limits = (0..all).map(|_| AtomicU32::new(ordered(f32::INFINITY))).collect();
@@ -145,8 +146,10 @@ impl DepthPyramid {
             }
             most
         };
-        let rows: Vec<u32> = (first[1]..=last[1]).collect();
-        let farthest = rows.into_par_iter().flat_map_iter(row).map(number).collect();
+        let rows = (last[1] - first[1] + 1) as usize;
+        let farthest = parallel::collect(rows, 1, &|rows, farthest| {
+            farthest.extend(row(first[1] + rows.start as u32).into_iter().map(number));
+        });
         let mut levels = vec![Level { first, columns, farthest }];
         while let Some(fine) = levels.last().filter(|level| level.farthest.len() > 1) {
             let rows = fine.farthest.len() as u32 / fine.columns;

@@ -2,8 +2,8 @@
 
 use crate::certify::entry::{Bin, ordered};
 use crate::memory::Pool;
+use crate::parallel;
 use crate::tile::TILE;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Squares of 2^level tiles that share a list, called cells, as far as they overlap the window.
@@ -87,7 +87,7 @@ impl Grid {
             }
             counts
         };
-        let mut places: Vec<Vec<u32>> = bins.par_chunks(group).map(count).collect();
+        let mut places: Vec<Vec<u32>> = parallel::blocks(0..bins.len(), group, &|range, _| count(&bins[range]));
         let mut starts = Vec::with_capacity(self.rows as usize + 1);
         let mut total = 0;
         for row in 0..self.rows as usize {
@@ -99,8 +99,9 @@ impl Grid {
         starts.push(total);
         let keys: Vec<AtomicU64> = pool.sized(total as usize);
         let columns: Vec<AtomicU32> = pool.sized(total as usize);
-        bins.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (bins, places))| {
-            for (id, bin) in (n * group..).zip(bins) {
+        parallel::fill(&mut places[..], 1, &|groups, places| {
+            let (first, places) = (groups.start * group, &mut places[0]);
+            for (id, bin) in (first..bins.len().min(first + group)).zip(&bins[first..]) {
                 let key = u64::from(ordered(bin.chunk_min_depth)) << 32 | id as u64;
                 let [[left, right], [top, bottom]] = self.part(bin.tiles);
                 for row in top..bottom {

@@ -12,13 +12,14 @@ use crate::gpu::sizes::{
     HOST_SPHERES, SUMMARY_DEPTHS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MISSED, SUMMARY_MORE, SUMMARY_PERHAPS,
     SUMMARY_PIECES,
 };
+use crate::parallel;
 use crate::scene::Spheres;
 use crate::scene::camera::Camera;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
 use crate::view::ViewRecord;
 use glam::DVec3;
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// The hits that a frame leaves on the device, from which rays start.
 #[derive(Debug, Clone, Copy)]
@@ -65,13 +66,14 @@ impl Reach {
             let radii = [all.radii[0].min(*radius), all.radii[1].max(*radius)];
             Self { low: all.low.min(center), high: all.high.max(center), radii }
         };
-        let jobs = spheres.centers.par_chunks(SPHERES_PER_JOB).zip(spheres.radii.par_chunks(SPHERES_PER_JOB));
+        let job = |ids: Range<usize>| spheres.centers[ids.clone()].iter().zip(&spheres.radii[ids]).fold(none, one);
         let both = |a: Self, b: Self| Self {
             low: a.low.min(b.low),
             high: a.high.max(b.high),
             radii: [a.radii[0].min(b.radii[0]), a.radii[1].max(b.radii[1])],
         };
-        jobs.map(|(centers, radii)| centers.iter().zip(radii).fold(none, one)).reduce(|| none, both)
+        let jobs = parallel::blocks(0..spheres.len(), SPHERES_PER_JOB, &|ids, _| job(ids));
+        jobs.into_iter().reduce(both).unwrap_or(none)
     }
 
     /// Bounds of the exponents of all sizes and of all distances from `eye`; `None` where they may be too far apart.
@@ -154,8 +156,10 @@ impl ResidentScene {
             let range = *first as usize..(first + count) as usize;
             let (centers, radii) = (&spheres.centers[range.clone()], &spheres.radii[range]);
             let mut packed: Vec<[f64; 4]> = vec![[0.0; 4]; centers.len()];
-            let jobs = packed.par_iter_mut().zip(centers).zip(radii);
-            jobs.with_min_len(SPHERES_PER_JOB).for_each(|((to, [x, y, z]), r)| *to = [*x, *y, *z, *r]);
+            parallel::each(&mut packed, |n, to| {
+                let [x, y, z] = centers[n];
+                *to = [x, y, z, radii[n]];
+            });
             let bytes: &[u8] = bytemuck::cast_slice(&packed);
             to.as_ref().map_or(Ok(()), |to| open.write(to, 0, bytes))?;
             sent += bytes.len() as u64;

@@ -3,12 +3,13 @@
 use crate::answers::depth_cue::reach;
 use crate::certify::sieve::Marks;
 use crate::double_double::ldexp;
+use crate::parallel;
 use crate::render::plan::choose::MAX_FOR_METHOD;
 use crate::scene::Spheres;
 use crate::scene::camera::Basis;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::view::size_from;
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// A sphere with its number.
 #[derive(Debug, Clone, Copy)]
@@ -68,14 +69,13 @@ impl Witnesses {
     /// Takes the spheres of a block.
     pub(super) fn see(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64) {
         let basis = self.basis;
-        let job = |(centers, radii): (&[[f64; 3]], &[f64])| {
-            centers.iter().zip(radii).fold([f64::NEG_INFINITY; SCORES], |best, (center, radius)| {
-                let score = scores(&basis, *center, *radius);
+        let job = |ids: Range<usize>| {
+            ids.fold([f64::NEG_INFINITY; SCORES], |best, id| {
+                let score = scores(&basis, block.centers[id], block.radii[id]);
                 std::array::from_fn(|k| if score[k] > best[k] { score[k] } else { best[k] })
             })
         };
-        let jobs = block.centers.par_chunks(SPHERES_PER_JOB).zip(block.radii.par_chunks(SPHERES_PER_JOB));
-        let all: Vec<[f64; SCORES]> = jobs.map(job).collect();
+        let all = parallel::blocks(0..block.len(), SPHERES_PER_JOB, &|ids, _| job(ids));
         for (n, best) in all.into_iter().enumerate() {
             for (k, score) in best.into_iter().enumerate() {
                 improve(&mut self.best[k], score, || {

@@ -10,11 +10,11 @@ use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::kernel::{Kernel, RaySource, Task};
+use crate::parallel;
 use crate::view::View;
 use crate::view::ray::{NONE, RayRecord};
 use crate::{cpu, double_double as dd};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// A smaller group does not pay for moving the spheres: its rays fill one workgroup.
@@ -36,7 +36,7 @@ impl Tracer<'_> {
                 view.keep_residuals(&spheres.centers, &spheres.radii);
             }
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
-            let records: Vec<_> = group.rays.par_iter().map(record).collect();
+            let records = parallel::map(&group.rays, record);
             let mut raw = Raw::new(&kernel, records.len(), &self.renderer.pool)?;
             match &mut self.renderer.device.gpu {
                 Some(gpu) => {
@@ -48,12 +48,12 @@ impl Tracer<'_> {
                 }
                 None => cpu::render(&kernel, &view, Some(&records), None, &mut raw, &|| true),
             }
-            let there = |(k, n): (usize, &u32)| {
-                let d = directions[*n as usize];
+            let there = |k: usize| {
+                let d = directions[group.rays[k] as usize];
                 let t = dd::ldexp(raw.t(k), view.unit - scale(d));
                 (t, t * DVec3::from_array(d).length())
             };
-            let there: Vec<(f64, f64)> = group.rays.par_iter().enumerate().map(there).collect();
+            let there = parallel::from_fn(group.rays.len(), there);
             for (k, (&n, (t, distance))) in group.rays.iter().zip(there).enumerate() {
                 let n = n as usize;
                 if raw.id[k] == NONE || t >= rays.ray(n).limit {

@@ -5,10 +5,10 @@ use crate::certify::given::AnyHit;
 use crate::cpu::given_certified::{Given, NearestHit, Query};
 use crate::error::{Error, Result};
 use crate::exact::{Truth, judge_ray_among};
+use crate::parallel::{self, CHEAP};
 use crate::progress::Watch;
 use crate::scene::Spheres;
 use crate::settings::{Accuracy, Search};
-use rayon::prelude::*;
 
 /// Rays between two looks at whether to go on.
 const RAYS_PER_CHECK: usize = 1 << 18;
@@ -56,8 +56,9 @@ impl Tracer<'_> {
                 (Some(gpu), Some(device)) => device.answers(gpu, &given, numbers, &renderer.watch)?,
                 _ => given.each(numbers),
             };
-            let is_unsure = |(answer, n): (&Q, &u32)| (*answer == Q::UNSURE).then_some(*n);
-            let unsure: Vec<u32> = answers.par_iter().zip(numbers).filter_map(is_unsure).collect();
+            let unsure = parallel::collect(numbers.len(), CHEAP, &|range, unsure| {
+                unsure.extend(range.filter(|k| answers[*k] == Q::UNSURE).map(|k| numbers[k]));
+            });
             let mut settled = settle(spheres, &given, &unsure, &renderer.watch).into_iter();
             // Rays that were left out have no truth.
             renderer.watch.check()?;
@@ -70,6 +71,9 @@ impl Tracer<'_> {
     }
 }
 
+/// Rays that one job decides in exact arithmetic.
+const RAYS_PER_JOB: usize = 16;
+
 /// Decides rays in exact arithmetic, among the spheres that may be hit first, until the work is cancelled.
 fn settle(spheres: &Spheres, given: &Given<'_>, numbers: &[u32], watch: &Watch) -> Vec<Option<Truth>> {
     let decide = |&n: &u32| {
@@ -81,7 +85,7 @@ fn settle(spheres: &Spheres, given: &Given<'_>, numbers: &[u32], watch: &Watch) 
             |ids: &mut dyn Iterator<Item = u32>| judge_ray_among(ray.origin, ray.direction, ray.limit, spheres, ids);
         if given.all { judge(&mut (0..spheres.len() as u32)) } else { judge(&mut given.candidates(&ray).into_iter()) }
     };
-    numbers.par_iter().map(decide).collect()
+    parallel::collect(numbers.len(), RAYS_PER_JOB, &|range, truths| truths.extend(numbers[range].iter().map(decide)))
 }
 
 impl Hits {

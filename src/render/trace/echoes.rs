@@ -1,12 +1,12 @@
 //! The echoes of a scanner's beams: the hits of a beam's rays on one sphere are one echo.
 
 use super::{Hits, Rays};
+use crate::parallel;
 use crate::scene::Spheres;
 use crate::scene::lidar::{Beam, Lidar};
 use crate::shade::color_of;
 use crate::view::pcg4d;
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -56,6 +56,9 @@ struct Group {
 /// The shares of linear red, green and blue in the luminance (ITU-R BT.709).
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
+/// Beams whose echoes one job finds.
+const BEAMS_PER_JOB: usize = 1 << 8;
+
 impl Echoes {
     /// The echoes of whole beams of `lidar`, the first of which has the number `first`, of the hits of their rays on
     /// `spheres`. `None` for hits without normals, and for beams whose echoes are not measured.
@@ -86,7 +89,9 @@ impl Echoes {
                 }
             })
         };
-        Some(Self { beams: count as u64, all: (0..count).into_par_iter().flat_map_iter(echoes).collect() })
+        let all =
+            parallel::collect(count, BEAMS_PER_JOB, &|beams, all| beams.for_each(|beam| all.extend(echoes(beam))));
+        Some(Self { beams: count as u64, all })
     }
 }
 

@@ -9,12 +9,12 @@ use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::kernel::{Kernel, Task};
 use crate::memory::Pool;
+use crate::parallel;
 use crate::progress::Watch;
 use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
 use crate::view::View;
 use crate::view::ray::{NONE, UNSURE};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// The state of a tracer's work on a device.
 #[derive(Debug, Default)]
@@ -34,11 +34,9 @@ impl OnDevice {
         numbers: &[u32],
         watch: &Watch,
     ) -> Result<Vec<Q>> {
-        let records: Vec<Option<CertifiedRayRecord>>;
-        let boxes: Vec<BoxRayRecord>;
-        (records, boxes) = numbers.par_iter().map(|&n| device_ray(given, n)).unzip();
-        let rays: Vec<CertifiedRayRecord> =
-            records.par_iter().map(|record| record.unwrap_or(CertifiedRayRecord::NOTHING)).collect();
+        let both = parallel::map(numbers, |n| device_ray(given, *n));
+        let boxes = parallel::map(&both, |(_, ray)| *ray);
+        let rays = parallel::map(&both, |(record, _)| record.unwrap_or(CertifiedRayRecord::NOTHING));
         let (nodes, spheres) = match self.is_uploaded {
             true => (Vec::new(), Vec::new()),
             false => (given.tree.device_nodes(), given.tree.device_spheres()),
@@ -55,12 +53,12 @@ impl OnDevice {
         let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
         gpu.run(&kernel, &input, &mut output, &|_| watch.goes_on())?;
         self.is_uploaded = true;
-        let decide = |((place, record), &n): ((&u32, &Option<CertifiedRayRecord>), &u32)| match (*place, record) {
+        let decide = |k: usize| match (raw.id[k], both[k].0) {
             (UNSURE, _) | (_, None) => Q::UNSURE,
             (NONE, _) => Q::NONE,
-            (place, _) => Q::hit(given, &given.rays.ray(n as usize), place as usize),
+            (place, _) => Q::hit(given, &given.rays.ray(numbers[k] as usize), place as usize),
         };
-        let mut answers: Vec<Q> = raw.id.par_iter().zip(&records).zip(numbers).map(decide).collect();
+        let mut answers = parallel::from_fn(numbers.len(), decide);
         let left: Vec<u32> =
             answers.iter().zip(numbers).filter_map(|(answer, &n)| (*answer == Q::UNSURE).then_some(n)).collect();
         self.refined += left.len() as u64;

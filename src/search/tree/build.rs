@@ -2,8 +2,8 @@
 //! first.
 
 use super::{ABSENT, Block, MAX_SPHERES, Node, Tree, WIDE};
+use crate::parallel::{self, CHEAP};
 use crate::view::placement::{PLACED, Placement};
-use rayon::prelude::*;
 
 /// A sphere while it is ordered: its centre in f32 in the tree's unit, and its index.
 #[derive(Debug, Clone, Copy)]
@@ -18,28 +18,28 @@ const PARALLEL_MIN_ITEMS: usize = 1 << 12;
 impl Tree {
     /// The tree of these spheres; `None` for none or more than [`MAX_SPHERES`].
     pub(crate) fn new(centers: &[[f64; 3]], radii: &[f64]) -> Option<Self> {
-        Self::of(centers, radii, (0..radii.len() as u32).into_par_iter())
+        Self::of(centers, radii, radii.len(), |n| n as u32)
     }
 
     /// The tree of some of these spheres, which may be none of them, in the placement of all.
     pub(crate) fn of_some(centers: &[[f64; 3]], radii: &[f64], ids: &[u32]) -> Option<Self> {
-        Self::of(centers, radii, ids.par_iter().copied())
+        Self::of(centers, radii, ids.len(), |n| ids[n])
     }
 
-    fn of(centers: &[[f64; 3]], radii: &[f64], ids: impl IndexedParallelIterator<Item = u32>) -> Option<Self> {
+    fn of(centers: &[[f64; 3]], radii: &[f64], count: usize, id: impl Fn(usize) -> u32 + Sync) -> Option<Self> {
         if radii.is_empty() || radii.len() > MAX_SPHERES {
             return None;
         }
         let placement = Placement::new(centers, radii);
         let item = |id: u32| Item { at: placement.point(centers[id as usize]).map(|x| x as f32), id };
-        let mut items: Vec<Item> = ids.map(item).collect();
+        let mut items = parallel::from_fn(count, |n| item(id(n)));
         let mut sizes = vec![items.len().div_ceil(WIDE).div_ceil(WIDE).max(1)];
         while sizes[sizes.len() - 1] > 1 {
             sizes.push(sizes[sizes.len() - 1].div_ceil(WIDE));
         }
         sizes.reverse();
         halve(&mut items, WIDE.pow(sizes.len() as u32));
-        let ids: Vec<u32> = items.par_iter().map(|item| item.id).collect();
+        let ids = parallel::map(&items, |item| item.id);
         drop(items);
         let mut firsts = vec![0u32];
         for size in &sizes {
@@ -49,17 +49,28 @@ impl Tree {
             let [x, y, z] = centers[id as usize];
             [x, y, z, radii[id as usize]]
         };
-        let spheres: Vec<[f64; 4]> = ids.par_iter().map(exact).collect();
-        let (blocks, mut boxes): (Vec<Block>, Vec<[[f32; 3]; 2]>) =
-            spheres.par_chunks(WIDE).map(|spheres| block(&placement, spheres)).unzip();
+        let spheres = parallel::map(&ids, exact);
+        let mut blocks =
+            vec![Block { center: [[0.0; WIDE]; 3], radius: [-ABSENT; WIDE] }; spheres.len().div_ceil(WIDE)];
+        let mut boxes = vec![NOTHING; blocks.len()];
+        parallel::fill((&mut blocks[..], &mut boxes[..]), CHEAP / WIDE, &|range, (blocks, boxes)| {
+            let spheres = spheres[range.start * WIDE..].chunks(WIDE);
+            for ((block, own), spheres) in blocks.iter_mut().zip(boxes).zip(spheres) {
+                *own = fill(block, &placement, spheres);
+            }
+        });
         let mut nodes = vec![Node::of([]); firsts[sizes.len()] as usize];
         for level in (0..sizes.len()).rev() {
             let nodes = &mut nodes[firsts[level] as usize..firsts[level + 1] as usize];
-            let join = |(node, children): (&mut Node, &[[[f32; 3]; 2]])| {
-                *node = Node::of(children.iter().copied());
-                children.iter().fold(NOTHING, |all, one| union(all, *one))
-            };
-            boxes = nodes.par_iter_mut().zip(boxes.par_chunks(WIDE)).map(join).collect();
+            let mut unions = vec![NOTHING; nodes.len()];
+            parallel::fill((nodes, &mut unions[..]), CHEAP / WIDE, &|range, (nodes, unions)| {
+                let children = boxes[range.start * WIDE..].chunks(WIDE);
+                for ((node, own), children) in nodes.iter_mut().zip(unions).zip(children) {
+                    *node = Node::of(children.iter().copied());
+                    *own = children.iter().fold(NOTHING, |all, one| union(all, *one));
+                }
+            });
+            boxes = unions;
         }
         Some(Self { placement, nodes, firsts, blocks, ids, spheres })
     }
@@ -94,7 +105,8 @@ fn longest(items: &[Item]) -> usize {
     let [low, high] = if items.len() < PARALLEL_MIN_ITEMS {
         one(items)
     } else {
-        items.par_chunks(PARALLEL_MIN_ITEMS).map(one).reduce(|| NOTHING, union)
+        let parts = parallel::blocks(0..items.len(), PARALLEL_MIN_ITEMS, &|range, _| one(&items[range]));
+        parts.into_iter().fold(NOTHING, union)
     };
     let extent: [f32; 3] = std::array::from_fn(|n| high[n] - low[n]);
     (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0)
@@ -125,9 +137,8 @@ fn reach(placement: &Placement, radius: f64) -> f64 {
     placement.radius(radius) + 2.0 * PLACED
 }
 
-/// A block and the box of its spheres.
-fn block(placement: &Placement, spheres: &[[f64; 4]]) -> (Block, [[f32; 3]; 2]) {
-    let mut block = Block { center: [[0.0; WIDE]; 3], radius: [-ABSENT; WIDE] };
+/// Fills an empty block, and returns the box of its spheres.
+fn fill(block: &mut Block, placement: &Placement, spheres: &[[f64; 4]]) -> [[f32; 3]; 2] {
     let mut all = NOTHING;
     for (lane, sphere) in spheres.iter().enumerate() {
         let at = placement.point([sphere[0], sphere[1], sphere[2]]);
@@ -137,5 +148,5 @@ fn block(placement: &Placement, spheres: &[[f64; 4]]) -> (Block, [[f32; 3]; 2]) 
         }
         block.radius[lane] = (reach(placement, sphere[3]) as f32).next_up();
     }
-    (block, all)
+    all
 }

@@ -7,10 +7,10 @@
 use super::build::bounds;
 use super::{Node, Tree, WIDE};
 use crate::double_double as dd;
+use crate::parallel;
 use crate::view::View;
 use crate::view::placement::PLACED;
 use bytemuck::{Pod, Zeroable};
-use rayon::prelude::*;
 
 /// The most levels of nodes: bindings of 2^32 bytes hold at most 2^27 spheres, and ten levels 2^30.
 #[cfg(test)]
@@ -118,14 +118,13 @@ impl Tree {
         let mut records = vec![NodeRecord::zeroed(); blocks + self.blocks.len()];
         for level in 0..self.levels() {
             let nodes = &self.nodes[self.firsts[level] as usize..self.firsts[level + 1] as usize];
-            records[first(level)..]
-                .par_iter_mut()
-                .zip(nodes)
-                .for_each(|(record, node)| *record = NodeRecord::new(node));
+            let records = &mut records[first(level)..][..nodes.len()];
+            parallel::each(records, |n, record| *record = NodeRecord::new(&nodes[n]));
         }
-        let spheres = self.spheres.par_chunks(WIDE).map(|spheres| spheres.iter().map(|s| bounds(&self.placement, s)));
-        let lowest = spheres.map(|boxes| NodeRecord::new(&Node::of(boxes)));
-        records[blocks..].par_iter_mut().zip(lowest).for_each(|(record, lowest)| *record = lowest);
+        parallel::each(&mut records[blocks..], |n, record| {
+            let spheres = &self.spheres[n * WIDE..self.spheres.len().min((n + 1) * WIDE)];
+            *record = NodeRecord::new(&Node::of(spheres.iter().map(|s| bounds(&self.placement, s))));
+        });
         records
     }
 
@@ -135,6 +134,6 @@ impl Tree {
             let (steps, rest) = on_grid(self.placement.point([x, y, z]));
             PlacedSphereRecord { steps, radius: self.placement.radius(radius) as f32, rest, unused: 0.0 }
         };
-        self.spheres.par_iter().map(record).collect()
+        parallel::map(&self.spheres, record)
     }
 }

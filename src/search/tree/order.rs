@@ -2,6 +2,7 @@
 //! by side. The answers do not depend on the order.
 
 use super::BoxRay;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Fewer rays than this are not sorted.
@@ -14,9 +15,9 @@ pub(crate) fn order(count: u32, ray: impl Fn(u32) -> Option<BoxRay> + Sync) -> V
         return (0..count).collect();
     }
     let key = |n: u32| u64::from(ray(n).map_or(0, |ray| key(&ray))) << 32 | u64::from(n);
-    let mut keys: Vec<u64> = (0..count).into_par_iter().map(key).collect();
+    let mut keys = parallel::from_fn(count as usize, |n| key(n as u32));
     keys.par_sort_unstable();
-    keys.into_par_iter().map(|key| key as u32).collect()
+    parallel::map(&keys, |key| *key as u32)
 }
 
 fn key(ray: &BoxRay) -> u32 {

@@ -1,0 +1,244 @@
+//! Parallel loops over blocks of indices. A body is a `&dyn Fn` of a block, so a loop is compiled once for each type of its values and
+//! not once for each body; inside a block the body is as fast as any. The results do not depend on the number of threads: values keep
+//! the order of their indices, and blocks have the length that the caller gives.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Indices of a block where the work for each is a few instructions.
+pub const CHEAP: usize = 1 << 12;
+
+/// Memory that is divided among the blocks that write it, or indices alone.
+pub trait Target: Send + Sized {
+    /// The number of indices.
+    fn count(&self) -> usize;
+    /// The parts of the first `count` indices and of the others.
+    fn split(self, count: usize) -> [Self; 2];
+}
+
+impl Target for Range<usize> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+    fn split(self, count: usize) -> [Self; 2] {
+        let middle = self.start + count;
+        [self.start..middle, middle..self.end]
+    }
+}
+
+/// One value for each index.
+impl<T: Send> Target for &mut [T] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+    fn split(self, count: usize) -> [Self; 2] {
+        self.split_at_mut(count).into()
+    }
+}
+
+/// Several values for each index.
+#[derive(Debug)]
+pub struct Rows<'a, T> {
+    /// The values of the indices, one row after the other.
+    pub values: &'a mut [T],
+    /// The values of one index, at least 1; the last may have fewer.
+    pub each: usize,
+}
+
+impl<T: Send> Target for Rows<'_, T> {
+    fn count(&self) -> usize {
+        self.values.len().div_ceil(self.each)
+    }
+    fn split(self, count: usize) -> [Self; 2] {
+        let (first, others) = self.values.split_at_mut(count * self.each);
+        [first, others].map(|values| Rows { values, each: self.each })
+    }
+}
+
+/// Two targets of the same indices.
+impl<A: Target, B: Target> Target for (A, B) {
+    fn count(&self) -> usize {
+        self.0.count().min(self.1.count())
+    }
+    fn split(self, count: usize) -> [Self; 2] {
+        let ([a, c], [b, d]) = (self.0.split(count), self.1.split(count));
+        [(a, b), (c, d)]
+    }
+}
+
+/// Runs `body` for each block of the target's indices, with its part of the target. All blocks are `block` long but the last.
+pub fn fill<T: Target>(target: T, block: usize, body: &(dyn Fn(Range<usize>, T) + Sync)) {
+    let count = target.count();
+    if count > 0 {
+        divide(target, 0..count, block.max(1), body);
+    }
+}
+
+fn divide<T: Target>(target: T, range: Range<usize>, block: usize, body: &(dyn Fn(Range<usize>, T) + Sync)) {
+    if range.len() <= block {
+        return body(range, target);
+    }
+    let middle = range.start + range.len().div_ceil(block) / 2 * block;
+    let [lower, upper] = target.split(middle - range.start);
+    rayon::join(|| divide(lower, range.start..middle, block, body), || divide(upper, middle..range.end, block, body));
+}
+
+/// Runs `body` for each chunk of `size` values, with its number; the last may be shorter.
+pub fn chunks<T: Send>(values: &mut [T], size: usize, body: &(dyn Fn(usize, &mut [T]) + Sync)) {
+    fill(Rows { values, each: size.max(1) }, 1, &|range, rows| body(range.start, rows.values));
+}
+
+/// Runs `each` for all values, with their indices; the work for one is a few instructions.
+pub fn each<T: Send>(values: &mut [T], each: impl Fn(usize, &mut T) + Sync) {
+    fill(values, CHEAP, &|range, part| range.zip(part).for_each(|(n, value)| each(n, value)));
+}
+
+/// One place for each block of the indices.
+struct Places<'a, T> {
+    places: &'a mut [Option<T>],
+    block: usize,
+}
+
+impl<T: Send> Target for Places<'_, T> {
+    fn count(&self) -> usize {
+        self.places.len() * self.block
+    }
+    fn split(self, count: usize) -> [Self; 2] {
+        let (first, others) = self.places.split_at_mut(count / self.block);
+        [first, others].map(|places| Places { places, block: self.block })
+    }
+}
+
+/// The value of each block of the target's indices, in the order of the blocks.
+pub fn blocks<T: Target, V: Send>(target: T, block: usize, of: &(dyn Fn(Range<usize>, T) -> V + Sync)) -> Vec<V> {
+    let block = block.max(1);
+    let mut values: Vec<Option<V>> = Vec::new();
+    values.resize_with(target.count().div_ceil(block), || None);
+    fill((target, Places { places: &mut values, block }), block, &|range, (part, to)| {
+        to.places[0] = Some(of(range, part))
+    });
+    values.into_iter().flatten().collect()
+}
+
+/// The values that `body` appends for each block of `0..count`, in the order of the blocks.
+pub fn collect<T: Send>(count: usize, block: usize, body: &(dyn Fn(Range<usize>, &mut Vec<T>) + Sync)) -> Vec<T> {
+    joined(blocks(0..count, block, &|range, _| {
+        let mut part = Vec::new();
+        body(range, &mut part);
+        part
+    }))
+}
+
+/// The values of all parts, one part after the other.
+fn joined<T>(mut parts: Vec<Vec<T>>) -> Vec<T> {
+    if parts.len() <= 1 {
+        return parts.pop().unwrap_or_default();
+    }
+    let mut all = Vec::with_capacity(parts.iter().map(Vec::len).sum());
+    parts.iter_mut().for_each(|part| all.append(part));
+    all
+}
+
+/// The values of the numbers below `count`, in their order; the work for each is a few instructions.
+pub fn from_fn<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    collect(count, CHEAP, &|range, out| out.extend(range.map(&each)))
+}
+
+/// The values of the items, in their order; the work for each is a few instructions.
+pub fn map<A: Sync, T: Send>(items: &[A], each: impl Fn(&A) -> T + Sync) -> Vec<T> {
+    collect(items.len(), CHEAP, &|range, out| out.extend(items[range].iter().map(&each)))
+}
+
+/// The values of each block of `0..count`, in the order of the blocks.
+///
+/// # Errors
+/// The error of the first block that has one, in the order of the blocks. Blocks behind one that failed may not be run.
+pub fn try_collect<T: Send, E: Send>(
+    count: usize,
+    block: usize,
+    of: &(dyn Fn(Range<usize>) -> Result<Vec<T>, E> + Sync),
+) -> Result<Vec<T>, E> {
+    let failed = AtomicUsize::new(usize::MAX);
+    let parts = blocks(0..count, block, &|range, _| {
+        let first = range.start;
+        let part = if first < failed.load(Ordering::Relaxed) { of(range) } else { Ok(Vec::new()) };
+        if part.is_err() {
+            failed.fetch_min(first, Ordering::Relaxed);
+        }
+        part
+    });
+    parts.into_iter().collect::<Result<_, E>>().map(joined)
+}
+
+/// The number of indices below `count` for which `is` holds; the work for each is a few instructions.
+pub fn count(count: usize, is: impl Fn(usize) -> bool + Sync) -> usize {
+    blocks(0..count, CHEAP, &|range, _| range.filter(|n| is(*n)).count()).into_iter().sum()
+}
+
+/// Whether `is` holds for a block of `0..count`. Blocks behind one may not be asked.
+pub fn any(count: usize, block: usize, is: &(dyn Fn(Range<usize>) -> bool + Sync)) -> bool {
+    let none = |range| if is(range) { Err(()) } else { Ok(Vec::<()>::new()) };
+    try_collect(count, block, &none).is_err()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lengths around those of blocks.
+    const CASES: [(usize, usize); 9] = [(0, 1), (1, 1), (1, 4), (3, 4), (4, 4), (5, 4), (17, 4), (1000, 7), (5, 0)];
+
+    fn with_threads(test: impl Fn() + Sync + Send) {
+        for threads in [1, 2, 16] {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(&test);
+        }
+    }
+
+    #[test]
+    fn blocks_are_those_of_chunks() {
+        with_threads(|| {
+            for (count, block) in CASES {
+                let all: Vec<usize> = (0..count).collect();
+                let expected: Vec<_> = all.chunks(block.max(1)).map(|chunk| chunk[0]..chunk[0] + chunk.len()).collect();
+                assert_eq!(collect(count, block, &|range, out| out.push(range)), expected, "{count}, {block}");
+                let (mut ones, mut threes) = (vec![0; count], vec![0; (3 * count).saturating_sub(1)]);
+                fill((&mut ones[..], Rows { values: &mut threes, each: 3 }), block, &|range, (one, three)| {
+                    assert!(expected.contains(&range) && one.len() == range.len());
+                    one.iter_mut().zip(range.clone()).for_each(|(one, n)| *one = n);
+                    three.values.iter_mut().zip(3 * range.start..).for_each(|(three, n)| *three = n);
+                });
+                assert_eq!(ones, all);
+                assert!(threes.iter().enumerate().all(|(n, three)| n == *three));
+            }
+        });
+    }
+
+    #[test]
+    fn values_keep_their_order() {
+        with_threads(|| {
+            for (count, block) in CASES {
+                let even = collect(count, block, &|range, out| out.extend(range.filter(|n| n % 2 == 0)));
+                assert_eq!(even, (0..count).filter(|n| n % 2 == 0).collect::<Vec<_>>());
+                let digits = blocks(0..count, block, &|range, _| range.map(|n| n.to_string()).collect::<String>());
+                let expected: String = (0..count).map(|n| n.to_string()).collect();
+                assert_eq!(digits.concat(), expected);
+            }
+            assert_eq!(map(&[1, 2, 3], |n| n * n), [1, 4, 9]);
+        });
+    }
+
+    #[test]
+    fn the_error_is_that_of_the_first_block_that_fails() {
+        with_threads(|| {
+            for wrong in [0, 1, 500, 998] {
+                let part = |range: Range<usize>| {
+                    if range.end > wrong { Err(range.start) } else { Ok(range.collect::<Vec<_>>()) }
+                };
+                assert_eq!(try_collect(1000, 10, &part), Err(wrong / 10 * 10));
+                assert!(any(1000, 10, &|range| range.contains(&wrong)));
+            }
+            assert_eq!(try_collect::<_, ()>(25, 10, &|range| Ok(range.collect())), Ok((0..25).collect()));
+            assert!(!any(1000, 10, &|range| range.contains(&1000)));
+        });
+    }
+}
