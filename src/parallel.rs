@@ -4,6 +4,7 @@
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Indices of a block where the work for each is a few instructions.
 pub const CHEAP: usize = 1 << 12;
@@ -68,19 +69,41 @@ impl<A: Target, B: Target> Target for (A, B) {
 
 /// Runs `body` for each block of the target's indices, with its part of the target. All blocks are `block` long but the last.
 pub fn fill<T: Target>(target: T, block: usize, body: &(dyn Fn(Range<usize>, T) + Sync)) {
-    let count = target.count();
-    if count > 0 {
-        divide(target, 0..count, block.max(1), body);
+    let (count, block) = (target.count(), block.max(1));
+    if count <= block {
+        if count > 0 {
+            body(0..count, target);
+        }
+        return;
     }
+    let mut parts = Vec::with_capacity(count.div_ceil(block));
+    let mut others = target;
+    for first in (0..count).step_by(block) {
+        let range = first..count.min(first + block);
+        let [part, rest] = others.split(range.len());
+        parts.push(Mutex::new(Some((range, part))));
+        others = rest;
+    }
+    run(0..parts.len(), &|n| {
+        let part = lock(&parts[n]).take();
+        if let Some((range, part)) = part {
+            body(range, part);
+        }
+    });
 }
 
-fn divide<T: Target>(target: T, range: Range<usize>, block: usize, body: &(dyn Fn(Range<usize>, T) + Sync)) {
-    if range.len() <= block {
-        return body(range, target);
+/// Runs `job` for each number. The jobs have no type of their own, so this is compiled once for the whole program.
+fn run(jobs: Range<usize>, job: &(dyn Fn(usize) + Sync)) {
+    if jobs.len() <= 1 {
+        return jobs.for_each(job);
     }
-    let middle = range.start + range.len().div_ceil(block) / 2 * block;
-    let [lower, upper] = target.split(middle - range.start);
-    rayon::join(|| divide(lower, range.start..middle, block, body), || divide(upper, middle..range.end, block, body));
+    let middle = jobs.start + jobs.len() / 2;
+    rayon::join(|| run(jobs.start..middle, job), || run(middle..jobs.end, job));
+}
+
+/// The lock of a value that one job uses. A job that panics ends the whole loop, so nobody sees what it leaves.
+fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Runs `body` for each chunk of `size` values, with its number; the last may be shorter.
@@ -93,31 +116,16 @@ pub fn each<T: Send>(values: &mut [T], each: impl Fn(usize, &mut T) + Sync) {
     fill(values, CHEAP, &|range, part| range.zip(part).for_each(|(n, value)| each(n, value)));
 }
 
-/// One place for each block of the indices.
-struct Places<'a, T> {
-    places: &'a mut [Option<T>],
-    block: usize,
-}
-
-impl<T: Send> Target for Places<'_, T> {
-    fn count(&self) -> usize {
-        self.places.len() * self.block
-    }
-    fn split(self, count: usize) -> [Self; 2] {
-        let (first, others) = self.places.split_at_mut(count / self.block);
-        [first, others].map(|places| Places { places, block: self.block })
-    }
-}
-
 /// The value of each block of the target's indices, in the order of the blocks.
 pub fn blocks<T: Target, V: Send>(target: T, block: usize, of: &(dyn Fn(Range<usize>, T) -> V + Sync)) -> Vec<V> {
     let block = block.max(1);
-    let mut values: Vec<Option<V>> = Vec::new();
-    values.resize_with(target.count().div_ceil(block), || None);
-    fill((target, Places { places: &mut values, block }), block, &|range, (part, to)| {
-        to.places[0] = Some(of(range, part))
+    let values: Vec<_> = (0..target.count().div_ceil(block)).map(|_| Mutex::new(None)).collect();
+    fill(target, block, &|range, part| {
+        let place = &values[range.start / block];
+        let value = of(range, part);
+        *lock(place) = Some(value);
     });
-    values.into_iter().flatten().collect()
+    values.into_iter().filter_map(|value| value.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
 }
 
 /// The values that `body` appends for each block of `0..count`, in the order of the blocks.
