@@ -51,7 +51,7 @@ impl<T: Send> Target for Rows<'_, T> {
         self.values.len().div_ceil(self.each)
     }
     fn split(self, count: usize) -> [Self; 2] {
-        let (first, others) = self.values.split_at_mut(count * self.each);
+        let (first, others) = self.values.split_at_mut(self.values.len().min(count * self.each));
         [first, others].map(|values| Rows { values, each: self.each })
     }
 }
