@@ -2,6 +2,7 @@
 //! not once for each body; inside a block the body is as fast as any. The results do not depend on the number of threads: values keep
 //! the order of their indices, and blocks have the length that the caller gives.
 
+use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -84,7 +85,7 @@ pub fn fill<T: Target>(target: T, block: usize, body: &(dyn Fn(Range<usize>, T) 
         parts.push(Mutex::new(Some((range, part))));
         others = rest;
     }
-    run(0..parts.len(), &|n| {
+    run(parts.len(), &|n| {
         let part = lock(&parts[n]).take();
         if let Some((range, part)) = part {
             body(range, part);
@@ -92,13 +93,9 @@ pub fn fill<T: Target>(target: T, block: usize, body: &(dyn Fn(Range<usize>, T) 
     });
 }
 
-/// Runs `job` for each number. The jobs have no type of their own, so this is compiled once for the whole program.
-fn run(jobs: Range<usize>, job: &(dyn Fn(usize) + Sync)) {
-    if jobs.len() <= 1 {
-        return jobs.for_each(job);
-    }
-    let middle = jobs.start + jobs.len() / 2;
-    rayon::join(|| run(jobs.start..middle, job), || run(middle..jobs.end, job));
+/// Runs `job` for each number below `jobs`. The jobs have no type of their own, so this is compiled once for the whole program.
+fn run(jobs: usize, job: &(dyn Fn(usize) + Sync)) {
+    (0..jobs).into_par_iter().for_each(job);
 }
 
 /// The lock of a value that one job uses. A job that panics ends the whole loop, so nobody sees what it leaves.
