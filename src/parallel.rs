@@ -2,6 +2,8 @@
 //! not once for each body; inside a block the body is as fast as any. The results do not depend on the number of threads: values keep
 //! the order of their indices, and blocks have the length that the caller gives.
 
+use bytemuck::Zeroable;
+use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -144,14 +146,20 @@ fn joined<T>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     all
 }
 
-/// The values of the numbers below `count`, in their order; the work for each is a few instructions.
-pub fn from_fn<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    collect(count, CHEAP, &|range, out| out.extend(range.map(&each)))
+/// The values of the numbers below `count`, in their order; the work for each is a few instructions. They are written where they stay.
+pub fn from_fn<T: Zeroable + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut values = zeroed_vec(count);
+    each(&mut values, |n, value| *value = of(n));
+    values
 }
 
 /// The values of the items, in their order; the work for each is a few instructions.
-pub fn map<A: Sync, T: Send>(items: &[A], each: impl Fn(&A) -> T + Sync) -> Vec<T> {
-    collect(items.len(), CHEAP, &|range, out| out.extend(items[range].iter().map(&each)))
+pub fn map<A: Sync, T: Zeroable + Send>(items: &[A], of: impl Fn(&A) -> T + Sync) -> Vec<T> {
+    let mut values = zeroed_vec(items.len());
+    fill(&mut values[..], CHEAP, &|range, values| {
+        values.iter_mut().zip(&items[range]).for_each(|(value, item)| *value = of(item));
+    });
+    values
 }
 
 /// The values of each block of `0..count`, in the order of the blocks.

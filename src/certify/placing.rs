@@ -12,7 +12,7 @@ use super::tiles::{Lists, Placed};
 use super::{TERMS, answer::ProjectionRecord};
 use crate::error::Result;
 use crate::memory::Pool;
-use crate::parallel;
+use crate::parallel::{self, CHEAP};
 use crate::scene::Scene;
 #[cfg(test)]
 use crate::scene::instances::enclosure::Enclosure;
@@ -82,7 +82,10 @@ impl Placer {
     /// [`BinnedScene::new`].
     pub(crate) fn by_host(&self, scene: &Scene, view: &View, summary: &PlacedSummary, pool: &Pool) -> ByHost {
         let stage = |reference: f64| -> Vec<Staged> {
-            parallel::map(&summary.for_host, |id| self.stage(scene, *id, reference))
+            let ids = &summary.for_host;
+            parallel::collect(ids.len(), CHEAP, &|range, staged| {
+                staged.extend(ids[range].iter().map(|id| self.stage(scene, *id, reference)));
+            })
         };
         let mut staged = stage(0.0);
         let general = |staged: &Staged| matches!(staged, Staged::General(_));

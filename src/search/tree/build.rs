@@ -6,7 +6,7 @@ use crate::parallel::{self, CHEAP};
 use crate::view::placement::{PLACED, Placement};
 
 /// A sphere while it is ordered: its centre in f32 in the tree's unit, and its index.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
 struct Item {
     at: [f32; 3],
     id: u32,
