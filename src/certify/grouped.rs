@@ -41,8 +41,10 @@ impl Boxes {
             each.fold(Enclosure::NOTHING, |all, one| all.with(&one))
         };
         let union = |group: &[Enclosure]| group.iter().fold(Enclosure::NOTHING, |all, one| all.with(one));
-        let small = parallel::blocks(0..spheres.len(), SPHERES_PER_GROUP, &|group, _| bounds(&spheres[group]));
-        let large = parallel::blocks(0..small.len(), GROUPS_PER_LARGE_GROUP, &|group, _| union(&small[group]));
+        let small = parallel::collect(spheres.len(), SPHERES_PER_GROUP * BOXES_PER_JOB, &|range, small| {
+            small.extend(spheres[range].chunks(SPHERES_PER_GROUP).map(bounds));
+        });
+        let large = small.chunks(GROUPS_PER_LARGE_GROUP).map(union).collect();
         Self { small, large }
     }
 }
