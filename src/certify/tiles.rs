@@ -115,7 +115,7 @@ impl Lists {
     /// Creates the lists of every row of cells and concatenates them.
     fn gather(grid: Grid, keys: &Keys, maker: &RecordMaker<'_>, pool: &Pool) -> Self {
         let arch = pulp::Arch::new();
-        let row = |i: usize| arch.dispatch(Cells { grid, keys, i, maker, own: &mut Vec::new(), pool });
+        let row = |i: usize| arch.dispatch(Cells { grid, keys, i, maker, pool });
         let rows = parallel::blocks(0..grid.rows as usize, 1, &|rows, _| row(rows.start));
         let mut ends = Vec::with_capacity(grid.cells());
         let mut first = 0;
@@ -221,7 +221,6 @@ struct Cells<'a> {
     keys: &'a Keys,
     i: usize,
     maker: &'a RecordMaker<'a>,
-    own: &'a mut Vec<u64>,
     pool: &'a Pool,
 }
 
@@ -230,9 +229,9 @@ impl NullaryFnOnce for Cells<'_> {
 
     #[inline(always)]
     fn call(self) -> Lists {
-        let Self { grid, keys, i, maker, own, pool } = self;
+        let Self { grid, keys, i, maker, pool } = self;
         let columns = grid.columns as usize;
-        let starts = keys.of_row(i, columns, own);
+        let (mut own, starts) = keys.of_row(i, columns, pool);
         let mut row = Lists::with_capacity(grid, own.len() + columns * CHUNK, pool);
         let mut records = maker.lists();
         for (j, pair) in starts.windows(2).enumerate() {
@@ -244,6 +243,7 @@ impl NullaryFnOnce for Cells<'_> {
             }
             row.ends.push(row.projected.len() as u32);
         }
+        pool.put_back(own);
         row
     }
 }

@@ -127,8 +127,8 @@ pub(super) struct Keys {
 }
 
 impl Keys {
-    /// The keys of a row of so many cells, one cell after the other; the start of each in `own`, and the end of all.
-    pub(super) fn of_row(&self, row: usize, cells: usize, own: &mut Vec<u64>) -> Vec<u32> {
+    /// The keys of a row of so many cells, one cell after the other; and the start of each, and the end of all.
+    pub(super) fn of_row(&self, row: usize, cells: usize, pool: &Pool) -> (Vec<u64>, Vec<u32>) {
         let range = self.starts[row] as usize..self.starts[row + 1] as usize;
         let (keys, columns) = (&self.keys[range.clone()], &self.columns[range]);
         // Counts are one place further, so that their sums are starts; and those end as the starts of the next cell.
@@ -137,14 +137,14 @@ impl Keys {
         for cell in 2..starts.len() {
             starts[cell] += starts[cell - 1];
         }
-        own.resize(keys.len(), 0);
+        let mut own = pool.sized(keys.len());
         for (key, column) in keys.iter().zip(columns) {
             let place = &mut starts[column.load(Ordering::Relaxed) as usize + 1];
             own[*place as usize] = key.load(Ordering::Relaxed);
             *place += 1;
         }
         starts.pop();
-        starts
+        (own, starts)
     }
 
     pub(super) fn put_back(self, pool: &Pool) {
