@@ -87,7 +87,8 @@ impl Frame {
         Some(srgb::levels(&self.toning().all(self.f32(Aov::Color)?)))
     }
 
-    /// The same picture with alpha 255.
+    /// The same picture with alpha 255; with the feature `image`, which is on by default.
+    #[cfg(feature = "image")]
     #[must_use]
     pub fn image(&self) -> Option<image::RgbaImage> {
         let bytes = self.levels()?.chunks_exact(3).flat_map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();

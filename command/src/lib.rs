@@ -4,12 +4,22 @@
 //!
 //! [`command`] is the whole command, for the wheel of the Python package and for the binary.
 
+#![cfg_attr(
+    not(feature = "view"),
+    expect(
+        dead_code,
+        unreachable_pub,
+        reason = "the subcommands view and page alone use some of what others share with them"
+    )
+)]
+
 mod adapters;
 mod bar;
 mod camera_args;
 mod camera_file;
 mod camera_list;
 mod clash;
+#[cfg(feature = "measure")]
 mod compare;
 mod config;
 mod exhaustion;
@@ -20,15 +30,19 @@ mod framing;
 mod help;
 mod info;
 mod inset_args;
+#[cfg(not(all(feature = "measure", feature = "view")))]
+mod left_out;
 mod legend;
 mod lens_args;
 mod light_args;
 mod lines;
+#[cfg(feature = "measure")]
 mod measure;
 mod merge;
 mod messages;
 mod names;
 mod option_table;
+#[cfg(feature = "view")]
 mod page;
 mod picture_scene;
 mod plan;
@@ -46,10 +60,17 @@ mod tally;
 mod threads;
 mod trace;
 mod values;
+#[cfg(feature = "view")]
 mod view;
 mod visible;
 
+#[cfg(not(feature = "measure"))]
+use left_out::{self as compare, self as measure};
+#[cfg(not(feature = "view"))]
+use left_out::{self as page, self as view};
+
 /// The page of `halfline view` for the widget of the Python package, and for pages without a server.
+#[cfg(feature = "view")]
 pub mod shown {
     pub use crate::messages::{flags, in_page};
     pub use crate::page::{MadePage, make as make_page};
