@@ -30,7 +30,7 @@ pub(crate) const NAME: &str = "cpu";
 
 /// The driver's name and version of an adapter: here the reference path and its threads.
 pub(crate) fn driver() -> String {
-    format!("{CPU_DRIVER}, {} threads", rayon::current_num_threads())
+    format!("{CPU_DRIVER}, {} threads", parallel::threads())
 }
 
 /// Fills `raw` by `kernel`'s method, all spheres for every ray: those of the window, unless some are given. `go_on` is called

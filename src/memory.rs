@@ -33,6 +33,12 @@ struct Spare {
 /// Frames after which an unused vector is freed.
 const MAX_UNUSED_FRAMES: u32 = 2;
 
+/// Zeros, which the system provides when a thread first writes them.
+pub(crate) fn zeroed<T: Zeroable>(n: usize) -> Vec<T> {
+    let room = Layout::array::<T>(n).unwrap_or(Layout::new::<T>());
+    try_zeroed_vec(n).unwrap_or_else(|()| handle_alloc_error(room))
+}
+
 impl Pool {
     /// A vector with capacity for `n`, with the contents that an earlier frame left in it: the caller overwrites all of
     /// it.
@@ -71,8 +77,7 @@ impl Pool {
     pub(crate) fn sized<T: Zeroable + Send + 'static>(&self, n: usize) -> Vec<T> {
         let mut vector = self.take(n);
         if vector.is_empty() {
-            let room = Layout::array::<T>(n).unwrap_or(Layout::new::<T>());
-            return try_zeroed_vec(n).unwrap_or_else(|()| handle_alloc_error(room));
+            return zeroed(n);
         }
         vector.resize_with(n, T::zeroed);
         vector

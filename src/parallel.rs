@@ -1,12 +1,15 @@
 //! Parallel loops over blocks of indices. A body is a `&dyn Fn` of a block, so a loop is compiled once for each type of its values and
 //! not once for each body; inside a block the body is as fast as any. The results do not depend on the number of threads: values keep
-//! the order of their indices, and blocks have the length that the caller gives.
+//! the order of their indices, and blocks have the length that the caller gives. A page of a browser has one thread.
 
+use crate::memory::zeroed;
+use blake3::Hasher;
 use bytemuck::Zeroable;
-use bytemuck::allocation::zeroed_vec;
+#[cfg(not(target_arch = "wasm32"))]
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Indices of a block where the work for each is a few instructions.
@@ -97,12 +100,57 @@ pub fn fill<T: Target>(target: T, block: usize, body: &(dyn Fn(Range<usize>, T) 
 
 /// Runs `job` for each number below `jobs`. The jobs have no type of their own, so this is compiled once for the whole program.
 fn run(jobs: usize, job: &(dyn Fn(usize) + Sync)) {
+    #[cfg(target_arch = "wasm32")]
+    (0..jobs).for_each(job);
+    #[cfg(not(target_arch = "wasm32"))]
     (0..jobs).into_par_iter().for_each(job);
 }
 
 /// The lock of a value that one job uses. A job that panics ends the whole loop, so nobody sees what it leaves.
 fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Runs both at once, as far as there are threads.
+pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    #[cfg(target_arch = "wasm32")]
+    return (a(), b());
+    #[cfg(not(target_arch = "wasm32"))]
+    rayon::join(a, b)
+}
+
+/// The number of threads.
+#[must_use]
+pub fn threads() -> usize {
+    #[cfg(target_arch = "wasm32")]
+    return 1;
+    #[cfg(not(target_arch = "wasm32"))]
+    rayon::current_num_threads()
+}
+
+/// Sorts values; the order of equal ones is not kept.
+pub fn sort<T: Send>(values: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
+    #[cfg(target_arch = "wasm32")]
+    values.sort_unstable_by(order);
+    #[cfg(not(target_arch = "wasm32"))]
+    values.par_sort_unstable_by(order);
+}
+
+/// Adds bytes to a hash.
+pub fn hash<'a>(hasher: &'a mut Hasher, bytes: &[u8]) -> &'a mut Hasher {
+    #[cfg(target_arch = "wasm32")]
+    return hasher.update(bytes);
+    #[cfg(not(target_arch = "wasm32"))]
+    hasher.update_rayon(bytes)
+}
+
+/// Appends the values of the numbers below `count`, in their order. Each loop is compiled anew, but the new memory is first written by all
+/// threads, not by the one that appends.
+pub fn extend<T: Send>(values: &mut Vec<T>, count: usize, each: impl Fn(usize) -> T + Send + Sync) {
+    #[cfg(target_arch = "wasm32")]
+    values.extend((0..count).map(each));
+    #[cfg(not(target_arch = "wasm32"))]
+    values.par_extend((0..count).into_par_iter().with_min_len(CHEAP).map(each));
 }
 
 /// Runs `body` for each chunk of `size` values, with its number; the last may be shorter.
@@ -113,6 +161,14 @@ pub fn chunks<T: Send>(values: &mut [T], size: usize, body: &(dyn Fn(usize, &mut
 /// Runs `each` for all values, with their indices; the work for one is a few instructions.
 pub fn each<T: Send>(values: &mut [T], each: impl Fn(usize, &mut T) + Sync) {
     fill(values, CHEAP, &|range, part| range.zip(part).for_each(|(n, value)| each(n, value)));
+}
+
+/// Runs `each` for the values and the others of their indices, as far as there are both; the work for one is a few instructions.
+pub fn zip<T: Send, A: Sync>(values: &mut [T], others: &[A], each: impl Fn(&mut T, &A) + Sync) {
+    let count = values.len().min(others.len());
+    fill(&mut values[..count], CHEAP, &|range, part| {
+        part.iter_mut().zip(&others[range]).for_each(|(value, other)| each(value, other))
+    });
 }
 
 /// The value of each block of the target's indices, in the order of the blocks.
@@ -146,20 +202,29 @@ fn joined<T>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     all
 }
 
-/// The values of the numbers below `count`, in their order; the work for each is a few instructions. They are written where they stay.
-pub fn from_fn<T: Zeroable + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let mut values = zeroed_vec(count);
-    each(&mut values, |n, value| *value = of(n));
+/// The values of the numbers below `count`, in their order.
+pub fn values<T: Send>(count: usize, block: usize, each: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    collect(count, block, &|range, out| out.extend(range.map(&each)))
+}
+
+/// The same of plain values, which are written in place; the work for each is a few instructions.
+pub fn from_fn<T: Zeroable + Send>(count: usize, each: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut values = zeroed(count);
+    self::each(&mut values, |n, value| *value = each(n));
     values
 }
 
-/// The values of the items, in their order; the work for each is a few instructions.
-pub fn map<A: Sync, T: Zeroable + Send>(items: &[A], of: impl Fn(&A) -> T + Sync) -> Vec<T> {
-    let mut values = zeroed_vec(items.len());
-    fill(&mut values[..], CHEAP, &|range, values| {
-        values.iter_mut().zip(&items[range]).for_each(|(value, item)| *value = of(item));
-    });
+/// The plain values of the items, in their order; the work for each is a few instructions.
+pub fn map<A: Sync, T: Zeroable + Send>(items: &[A], each: impl Fn(&A) -> T + Sync) -> Vec<T> {
+    let mut values = zeroed(items.len());
+    zip(&mut values, items, |value, item| *value = each(item));
     values
+}
+
+/// The values reduced to one by `both`, which may be applied in any order; the work for each is a few instructions.
+pub fn reduce<T: Copy + Send + Sync>(values: &[T], start: T, both: impl Fn(T, T) -> T + Sync) -> T {
+    let of = |values: &[T]| values.iter().fold(start, |all, value| both(all, *value));
+    of(&blocks(0..values.len(), CHEAP, &|range, _| of(&values[range])))
 }
 
 /// The values of each block of `0..count`, in the order of the blocks.
@@ -174,9 +239,9 @@ pub fn try_collect<T: Send, E: Send>(
     let failed = AtomicUsize::new(usize::MAX);
     let parts = blocks(0..count, block, &|range, _| {
         let first = range.start;
-        let part = if first < failed.load(Ordering::Relaxed) { of(range) } else { Ok(Vec::new()) };
+        let part = if first < failed.load(Relaxed) { of(range) } else { Ok(Vec::new()) };
         if part.is_err() {
-            failed.fetch_min(first, Ordering::Relaxed);
+            failed.fetch_min(first, Relaxed);
         }
         part
     });
@@ -192,6 +257,11 @@ pub fn count(count: usize, is: impl Fn(usize) -> bool + Sync) -> usize {
 pub fn any(count: usize, block: usize, is: &(dyn Fn(Range<usize>) -> bool + Sync)) -> bool {
     let none = |range| if is(range) { Err(()) } else { Ok(Vec::<()>::new()) };
     try_collect(count, block, &none).is_err()
+}
+
+/// Whether `is` holds for all items; the work for each is a few instructions.
+pub fn all<A: Sync>(items: &[A], is: impl Fn(&A) -> bool + Sync) -> bool {
+    !any(items.len(), CHEAP, &|range| !items[range].iter().all(&is))
 }
 
 #[cfg(test)]
@@ -237,6 +307,28 @@ mod tests {
                 assert_eq!(digits.concat(), expected);
             }
             assert_eq!(map(&[1, 2, 3], |n| n * n), [1, 4, 9]);
+        });
+    }
+
+    #[test]
+    fn loops_over_many_values_are_those_of_one_thread() {
+        with_threads(|| {
+            for count in [0, 1, CHEAP, 3 * CHEAP + 1] {
+                let mixed = from_fn(count, |n| n * 7919 % 10_007);
+                assert_eq!(mixed, (0..count).map(|n| n * 7919 % 10_007).collect::<Vec<_>>());
+                assert_eq!((values(count, 5, |n| mixed[n]), map(&mixed, |n| *n)), (mixed.clone(), mixed.clone()));
+                assert_eq!(reduce(&mixed, 0, usize::max), mixed.iter().copied().max().unwrap_or(0));
+                let most = count.saturating_sub(1);
+                assert!(all(&mixed, |n| *n < 10_007) && (count == 0 || !all(&mixed, |n| *n != mixed[most])));
+                let (mut sorted, mut sums, mut more) = (mixed.clone(), mixed.clone(), vec![1]);
+                sort(&mut sorted, usize::cmp);
+                zip(&mut sums, &mixed, |sum, n| *sum += n);
+                extend(&mut more, count, |n| mixed[n]);
+                assert!(sorted.is_sorted() && sorted.len() == count && more[1..] == mixed);
+                assert!(sums.iter().zip(&mixed).all(|(sum, n)| *sum == 2 * n));
+                let bytes: Vec<u8> = mixed.iter().map(|n| *n as u8).collect();
+                assert_eq!(hash(&mut Hasher::new(), &bytes).finalize(), blake3::hash(&bytes));
+            }
         });
     }
 

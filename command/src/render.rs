@@ -24,6 +24,7 @@ use super::visible;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
+use halfline::parallel;
 use halfline::progress::Cancel;
 use halfline::render::Renderer;
 use halfline::settings::Settings;
@@ -113,7 +114,7 @@ impl Concurrency {
     fn lanes(self, is_gpu: bool) -> usize {
         match self {
             Self::Alone | Self::Next => 1,
-            Self::Pictures(most) => most.min(if is_gpu { 2 } else { rayon::current_num_threads() }).max(1),
+            Self::Pictures(most) => most.min(if is_gpu { 2 } else { parallel::threads() }).max(1),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Compares two arrays: the places and sizes of their differences.
 
 use super::{Array, ArrayValue, Values};
-use rayon::prelude::*;
+use halfline::parallel::{self, CHEAP};
 
 /// The result of [`compare`]. Differences are absolute, in the files' own units (PNG: levels).
 #[derive(Debug, Clone, PartialEq)]
@@ -68,10 +68,9 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Difference {
         return found;
     }
     let width = columns * channels;
-    let per_row: Vec<RowDifference> = (0..rows)
-        .into_par_iter()
-        .map(|row| RowDifference::of(a.values(), b.values(), row * width..(row + 1) * width, channels, tolerance))
-        .collect();
+    let row =
+        |row: usize| RowDifference::of(a.values(), b.values(), row * width..(row + 1) * width, channels, tolerance);
+    let per_row = parallel::values(rows, (CHEAP / width).max(1), row);
     // Summed in the order of the rows, so that the mean does not depend on the threads.
     for row in per_row {
         found.differing += row.differing;

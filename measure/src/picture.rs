@@ -3,9 +3,9 @@
 use super::compare::{Difference, distance_at, is_beyond};
 use super::{Array, Values};
 use halfline::error::{Error, Result};
+use halfline::parallel;
 use halfline_files::write::format::FileFormat;
 use halfline_files::write::{file, png};
-use rayon::prelude::*;
 use std::path::Path;
 
 /// Checks that the picture can be written to `path`, for use before the work begins.
@@ -64,7 +64,8 @@ pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Resu
             // Several rows at a time, each in a thread.
             let together = ((1 << 22) / (columns * 9)).max(1);
             (0..rows).step_by(together).try_for_each(|first| {
-                let lines: Vec<_> = (first..(first + together).min(rows)).into_par_iter().map(line).collect();
+                let some = first..(first + together).min(rows);
+                let lines = parallel::blocks(some, 1, &|_, rows| line(rows.start));
                 lines.iter().try_for_each(|line| out.write_all(line))
             })
         })

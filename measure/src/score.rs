@@ -29,10 +29,13 @@ use halfline::error::{Error, Result};
 use halfline::exact::{Judge, Root};
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::predict::Prediction;
+use halfline::parallel;
 use halfline::progress::{Step, Watch};
 use halfline::scene::Scene;
 use halfline::scene::camera::Lens;
-use rayon::prelude::*;
+
+/// Pixels that one job judges.
+const PIXELS_PER_JOB: usize = 1 << 8;
 
 /// The most cells along the longer side of a map.
 const CELLS: u32 = 160;
@@ -138,7 +141,7 @@ impl<'a> Truths<'a> {
             let columns = if doing.next(u64::from(width)) { 0..width } else { 0..0 };
             columns.map(move |j| answer(judge, i, j))
         };
-        let answers: Vec<_> = (0..height).into_par_iter().flat_map_iter(row).collect();
+        let answers = parallel::collect(height as usize, 1, &|rows, out| out.extend(row(rows.start as u32)));
         doing.end()?;
         one_eye(scene)?;
         Ok(Self { scene, judge, answers })
@@ -181,7 +184,7 @@ impl<'a> Truths<'a> {
             }
             pixel
         };
-        let pixels = (0..ids.len()).into_par_iter().map(pixel).collect();
+        let pixels = parallel::values(ids.len(), PIXELS_PER_JOB, pixel);
         Ok(Score { size, pixels })
     }
 
@@ -373,7 +376,7 @@ impl Score {
 impl Spread {
     /// The quantiles of errors, none of them NaN: each number is one of the errors.
     pub(crate) fn of(mut errors: Vec<f64>) -> Self {
-        errors.par_sort_unstable_by(f64::total_cmp);
+        parallel::sort(&mut errors, f64::total_cmp);
         let at = |share: f64| {
             let rank = (share * errors.len() as f64).ceil() as usize;
             errors.get(rank.saturating_sub(1)).map_or(Some(0.0), |x| finite(*x))

@@ -8,6 +8,7 @@ use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
 use halfline::frame::provenance::Origin;
+use halfline::parallel;
 use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::{Aov, Frame as CoreFrame, Scene};
@@ -19,7 +20,6 @@ use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -49,7 +49,7 @@ impl Rounded {
     /// The nearest float32 of each value, ties to even; beyond the largest one infinity. `None` for other buffers.
     fn of(&self, aov: Aov, values: &[f64]) -> Option<&[f32]> {
         let place = [Aov::Distance, Aov::Depth, Aov::Position].iter().position(|known| *known == aov)?;
-        Some(self.0[place].get_or_init(|| values.par_iter().map(|value| *value as f32).collect()))
+        Some(self.0[place].get_or_init(|| parallel::map(values, |value| *value as f32)))
     }
 }
 

@@ -13,7 +13,6 @@ use crate::shade::{Shade, color_of};
 use crate::view::ray::UNSURE;
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// A pixel that was settled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,7 +115,7 @@ impl Settler<'_> {
         let mut ids: Vec<u32> = parallel::collect(lists.len(), 1, &|range, out| {
             lists[range].iter().for_each(|list| out.extend(list.different()))
         });
-        ids.par_sort_unstable();
+        parallel::sort(&mut ids, u32::cmp);
         ids.dedup();
         let mut spheres = Spheres::default();
         for &id in &ids {
@@ -200,7 +199,7 @@ fn firsts(spheres: &Spheres) -> Option<Vec<u32>> {
         [x, y, z, r].map(|x| (x + 0.0).to_bits())
     };
     let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
-    order.par_sort_unstable_by_key(|n| (key(n), *n));
+    parallel::sort(&mut order, |a, b| (key(a), a).cmp(&(key(b), b)));
     let mut firsts: Vec<u32> = (0..spheres.len() as u32).collect();
     let mut has_equal = false;
     for equal in order.chunk_by(|a, b| key(a) == key(b)) {

@@ -14,7 +14,6 @@ use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::{Ball, NumberedBall};
 use crate::window::Window;
 use pulp::NullaryFnOnce;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Spheres of a group, and groups of a larger one.
@@ -82,7 +81,7 @@ impl GroupedBins {
             all.hidden.append(&mut part.hidden);
             all.missed.append(&mut part.missed);
         }
-        let (places, bins) = rayon::join(
+        let (places, bins) = parallel::join(
             || parts.iter().map(|part| &part.places[..]).collect::<Vec<_>>().concat(),
             || parts.iter().map(|part| &part.bins[..]).collect::<Vec<_>>().concat(),
         );
@@ -164,7 +163,7 @@ impl ProjectionBounds {
         };
         let mut nearest =
             parallel::collect(large.len(), BOXES_PER_JOB, &|range, out| out.extend(range.filter_map(near)));
-        nearest.par_sort_unstable_by(|(a, m), (b, n)| a.total_cmp(b).then(m.cmp(n)));
+        parallel::sort(&mut nearest, |(a, m), (b, n)| a.total_cmp(b).then(m.cmp(n)));
         let arch = pulp::Arch::new();
         let mut parts = Vec::new();
         for some in nearest.chunks(nearest.len().div_ceil(REFRESHES).max(1)) {

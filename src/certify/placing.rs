@@ -18,7 +18,6 @@ use crate::scene::Scene;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::tile::TILE;
 use crate::view::View;
-use rayon::prelude::*;
 
 /// The result of placing all spheres on a device.
 #[derive(Debug, Default)]
@@ -82,10 +81,7 @@ impl Placer {
     /// [`BinnedScene::new`].
     pub(crate) fn by_host(&self, scene: &Scene, view: &View, summary: &PlacedSummary, pool: &Pool) -> ByHost {
         let stage = |reference: f64| -> Vec<Staged> {
-            let ids = &summary.for_host;
-            parallel::collect(ids.len(), CHEAP, &|range, staged| {
-                staged.extend(ids[range].iter().map(|id| self.stage(scene, *id, reference)));
-            })
+            parallel::values(summary.for_host.len(), CHEAP, |n| self.stage(scene, summary.for_host[n], reference))
         };
         let mut staged = stage(0.0);
         let general = |staged: &Staged| matches!(staged, Staged::General(_));
@@ -165,7 +161,7 @@ impl Placer {
             let [row, column] = view.record.place(*tile);
             *tile = (row / TILE - top) * columns + (column / TILE - left);
         }
-        pairs.par_sort_unstable();
+        parallel::sort(&mut pairs, <[u32; 2]>::cmp);
         pairs.dedup();
         let listed: Vec<_> = pairs.chunk_by(|a, b| a[0] == b[0]).collect();
         let reference = binned.projection.depth;

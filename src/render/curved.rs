@@ -243,9 +243,7 @@ fn record(raster: Raster) -> ViewRecord {
 impl FrameRays {
     /// The hits of all pixels; a pixel without a ray is a miss.
     fn trace(&self, tracer: &mut Tracer<'_>, pixels: usize, go_on: &dyn Fn(u64) -> bool) -> Result<WindowHits> {
-        let directions = parallel::collect(pixels, CHEAP, &|range, directions| {
-            directions.extend(range.map(|pixel| self.direction(pixel)));
-        });
+        let directions = parallel::values(pixels, CHEAP, |pixel| self.direction(pixel));
         let origins = [self.basis.e.to_array()];
         let mut all = tracer.misses(pixels);
         for first in (0..pixels).step_by(BLOCK) {

@@ -129,7 +129,7 @@ impl Stream {
         check_wide_ids(first.saturating_add(size as u64))?;
         let mut digests = std::mem::take(&mut self.digests);
         // Places are new, so bytes cannot differ.
-        let (added, _) = rayon::join(|| self.add_block(block, &|n| first + n as u64), || digests.add(first, block));
+        let (added, _) = parallel::join(|| self.add_block(block, &|n| first + n as u64), || digests.add(first, block));
         self.digests = digests;
         self.count += size as u64;
         added

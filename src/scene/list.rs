@@ -3,7 +3,6 @@
 use crate::parallel;
 use blake3::{Hash, Hasher};
 use bytemuck::NoUninit;
-use rayon::prelude::*;
 use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
@@ -117,7 +116,7 @@ impl<T: Sync> List<T> {
 impl<T: NoUninit + Sync> List<T> {
     /// BLAKE3 of the values' bytes; computed once for clones.
     pub(crate) fn digest(&self) -> Hash {
-        let digest = |values: &[T]| Hasher::new().update_rayon(bytemuck::cast_slice(values)).finalize();
+        let digest = |values: &[T]| parallel::hash(&mut Hasher::new(), bytemuck::cast_slice(values)).finalize();
         match &self.0 {
             Store::Kept(kept) => *kept.digest.get_or_init(|| digest(&kept.values)),
             Store::Own(_) | Store::Foreign(_) => digest(self),
@@ -196,15 +195,6 @@ impl<'a, T> IntoIterator for &'a List<T> {
 
     fn into_iter(self) -> Self::IntoIter {
         self.iter()
-    }
-}
-
-impl<'a, T: Sync> IntoParallelIterator for &'a List<T> {
-    type Item = &'a T;
-    type Iter = rayon::slice::Iter<'a, T>;
-
-    fn into_par_iter(self) -> Self::Iter {
-        (**self).par_iter()
     }
 }
 

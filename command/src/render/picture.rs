@@ -12,6 +12,7 @@ use crate::signals::go_on;
 use halfline::error::Result;
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
+use halfline::parallel;
 use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
@@ -20,7 +21,6 @@ use halfline_drawing::inset::Panels;
 use halfline_files::write::figure;
 use halfline_files::write::file::{Target, check_writable};
 use halfline_files::write::glb;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
@@ -247,7 +247,9 @@ impl PictureWriter<'_> {
             }
             _ => target.write_while(frame, origin, &go_on),
         };
-        let write = |frame: &Frame, targets: &[&Target]| targets.par_iter().try_for_each(|target| put(frame, target));
+        let write = |frame: &Frame, targets: &[&Target]| {
+            parallel::try_collect(targets.len(), 1, &|n| put(frame, targets[n.start]).map(|()| Vec::<()>::new()))
+        };
         if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {
             let covered = panels.draw(frame, self.args.files.transparent);
             let written = write(frame, &pictures);

@@ -4,12 +4,12 @@ use glam::DVec3;
 use halfline::camera::{Basis, Camera, Viewport};
 use halfline::error::Result;
 use halfline::frame::{Aov, Data};
+use halfline::parallel::{self, CHEAP};
 use halfline::render::Renderer;
 use halfline::scene::{Cell, Lighting, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
 use halfline_files::read::{ColumnValue, Columns};
-use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// The sphere that pixel `x`, `y` of a scene shows: its id as in the buffer `id`, and as JSON with centre, radius, position and
@@ -71,15 +71,15 @@ fn ray(camera: &Camera, size: [u32; 2], [column, row]: [u32; 2]) -> Result<[DVec
 fn near_ray(spheres: &Spheres, [origin, direction]: [DVec3; 2]) -> Vec<usize> {
     const SLACK: f64 = 1e-9;
     let along = direction.normalize();
-    let is_near = |(center, radius): (&[f64; 3], &f64)| {
-        let toward = DVec3::from_array(*center) - origin;
+    let is_near = |id: &usize| {
+        let (center, radius) = (spheres.centers[*id], spheres.radii[*id]);
+        let toward = DVec3::from_array(center) - origin;
         let distance = (toward - along * toward.dot(along)).length();
         let reach = radius * (1.0 + SLACK) + SLACK * toward.length();
         // Numbers too large for f64 are no reason to leave a sphere out.
         distance <= reach || distance.is_nan() || reach.is_nan()
     };
-    let all = (spheres.centers.par_iter(), spheres.radii.par_iter()).into_par_iter().enumerate();
-    all.filter(|(_, sphere)| is_near(*sphere)).map(|(id, _)| id).collect()
+    parallel::collect(spheres.len(), CHEAP, &|ids, out| out.extend(ids.filter(is_near)))
 }
 
 /// Adds to `picked` the data that the file has of sphere `id`: `row`, its number in the file from 0, and `columns`, its

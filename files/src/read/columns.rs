@@ -7,9 +7,9 @@ use super::select::selection::Selection;
 use super::select::{self, candidates};
 use halfline::error::{Error, Result};
 use halfline::memory::check;
+use halfline::parallel;
 use halfline::quote::{list, quote};
 use halfline::scene::Spheres;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Columns in the order of a scene's spheres.
@@ -99,12 +99,13 @@ impl Columns {
             let symbol = |number: u8| element(number).map_or_else(String::new, |element| element.symbol.to_owned());
             list.push((ELEMENT.into(), of_elements(&particles.elements, (0..=u8::MAX).map(symbol).collect())));
         }
-        let places = particles.places.par_iter().map(|place| i32::try_from(*place));
+        let places = &particles.places;
+        let has_places = places.len() == count && parallel::all(places, |place| i32::try_from(*place).is_ok());
         list.push((
             INDEX.into(),
-            match places.collect::<std::result::Result<Vec<_>, _>>() {
-                Ok(places) if !places.is_empty() || count == 0 => ColumnValues::Whole(places),
-                _ => ColumnValues::Order(count),
+            match has_places {
+                true => ColumnValues::Whole(parallel::map(places, |place| *place as i32)),
+                false => ColumnValues::Order(count),
             },
         ));
         let is_kept = |name: &String| list.iter().any(|(known, _)| known == name);
@@ -206,11 +207,11 @@ impl Columns {
                 _ if name == INDEX => {
                     let place =
                         |n| Some(values.at(n)).filter(|place| !place.is_nan()).map_or(u32::MAX, |place| place as u32);
-                    particles.places = (0..count).into_par_iter().map(place).collect();
+                    particles.places = parallel::from_fn(count, place);
                 }
                 _ => {
-                    let numbers = (0..count).into_par_iter().map(|n| values.at(n)).collect();
-                    particles.columns.push(Column { name: name.clone(), values: numbers });
+                    let values = parallel::from_fn(count, |n| values.at(n));
+                    particles.columns.push(Column { name: name.clone(), values });
                 }
             }
             if let ColumnValues::Texts(_, texts) = values {
@@ -282,16 +283,15 @@ impl ColumnValues {
 
     fn rearranged(&self, rows: &[u32], extra: usize) -> Self {
         let with_nan = |at: &(dyn Fn(u32) -> f64 + Sync)| {
-            let mut values: Vec<f64> = rows.par_iter().map(|row| at(*row)).collect();
-            values.resize(rows.len() + extra, f64::NAN);
-            Self::Numbers(values)
+            let value = |n: usize| rows.get(n).map_or(f64::NAN, |row| at(*row));
+            Self::Numbers(parallel::from_fn(rows.len() + extra, value))
         };
         match self {
             Self::Numbers(values) => with_nan(&|row| values[row as usize]),
             Self::Whole(values) if extra > 0 => with_nan(&|row| f64::from(values[row as usize])),
             Self::Order(_) if extra > 0 => with_nan(&f64::from),
-            Self::Whole(values) => Self::Whole(rows.par_iter().map(|row| values[*row as usize]).collect()),
-            Self::Order(_) => Self::Whole(rows.par_iter().map(|row| *row as i32).collect()),
+            Self::Whole(values) => Self::Whole(parallel::map(rows, |row| values[*row as usize])),
+            Self::Order(_) => Self::Whole(parallel::map(rows, |row| *row as i32)),
             Self::Texts(codes, texts) => {
                 let mut texts = texts.clone();
                 let blank = texts.iter().position(String::is_empty).unwrap_or_else(|| {
@@ -308,12 +308,11 @@ impl ColumnValues {
 
 impl Codes {
     /// The codes of so many spheres, for so many texts.
-    fn of(count: usize, texts: usize, at: impl Fn(usize) -> u32 + Send + Sync) -> Self {
-        let all = (0..count).into_par_iter();
+    fn of(count: usize, texts: usize, at: impl Fn(usize) -> u32 + Sync) -> Self {
         match texts {
-            0..=0x100 => Self::U8(all.map(|n| at(n) as u8).collect()),
-            0x101..=0x10000 => Self::U16(all.map(|n| at(n) as u16).collect()),
-            _ => Self::U32(all.map(at).collect()),
+            0..=0x100 => Self::U8(parallel::from_fn(count, |n| at(n) as u8)),
+            0x101..=0x10000 => Self::U16(parallel::from_fn(count, |n| at(n) as u16)),
+            _ => Self::U32(parallel::from_fn(count, at)),
         }
     }
 
@@ -337,8 +336,8 @@ impl Codes {
 /// Numbers, as whole ones where the column counts or identifies and they are.
 fn of_numbers(name: &str, values: &[f64]) -> ColumnValues {
     let is_whole = |value: &f64| f64::from(*value as i32) == *value;
-    match WHOLE.contains(&name) && values.par_iter().all(is_whole) {
-        true => ColumnValues::Whole(values.par_iter().map(|value| *value as i32).collect()),
+    match WHOLE.contains(&name) && parallel::all(values, is_whole) {
+        true => ColumnValues::Whole(parallel::map(values, |value| *value as i32)),
         false => ColumnValues::Numbers(values.to_vec()),
     }
 }

@@ -2,10 +2,13 @@
 
 use halfline::error::Result;
 use halfline::memory::check;
-use rayon::prelude::*;
+use halfline::parallel;
 
 /// Bytes per point in the tree.
 const POINT: u64 = 64;
+
+/// Points that one job looks around.
+const POINTS_PER_JOB: usize = 1 << 8;
 
 /// Points that are not divided.
 const FEW: usize = 16;
@@ -84,13 +87,13 @@ impl Reach {
 /// # Errors
 /// [`Error::Limits`](halfline::error::Error::Limits) where memory is short.
 pub(super) fn near(points: &[[f64; 3]], chosen: &[bool], reach: f64) -> Result<Vec<bool>> {
-    let count = chosen.par_iter().filter(|chosen| **chosen).count() as u64;
+    let count = parallel::count(chosen.len(), |n| chosen[n]) as u64;
     check(POINT.saturating_mul(count), || format!("the distances to {count} selected particles"))?;
     let mut others: Vec<[f64; 3]> =
         points.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(point, _)| *point).collect();
     let all = Boxed::around(&mut others);
-    let found = |(point, is_chosen): (&[f64; 3], &bool)| *is_chosen || all.has(point, reach);
-    Ok(points.par_iter().zip(chosen).map(found).collect())
+    let found = |n: usize| chosen[n] || all.has(&points[n], reach);
+    Ok(parallel::values(points.len(), POINTS_PER_JOB, found))
 }
 
 /// The number of other points at most `reach` away from each, in their images at `shifts` too, of which 0 is one. A point counts each of
@@ -103,8 +106,8 @@ pub(super) fn counts(points: &[[f64; 3]], shifts: &[[f64; 3]], reach: f64) -> Re
     let (all, reach) = (Boxed::around(&mut points.to_vec()), Reach::new(reach));
     let moved = |point: &[f64; 3], shift: &[f64; 3]| [0, 1, 2].map(|k| point[k] + shift[k]);
     // The point itself is among those around it.
-    let of = |point: &[f64; 3]| shifts.iter().map(|shift| all.count(&moved(point, shift), &reach)).sum::<u64>() - 1;
-    Ok(points.par_iter().map(of).collect())
+    let of = |n: usize| shifts.iter().map(|shift| all.count(&moved(&points[n], shift), &reach)).sum::<u64>() - 1;
+    Ok(parallel::values(points.len(), POINTS_PER_JOB, of))
 }
 
 fn square([x, y, z]: [f64; 3]) -> f64 {
@@ -132,7 +135,7 @@ impl Boxed {
         let middle = points.len() / 2;
         points.select_nth_unstable_by(middle, |a, b| a[longest].total_cmp(&b[longest]));
         let (lower, upper) = points.split_at_mut(middle);
-        let (lower, upper) = rayon::join(|| Self::around(lower), || Self::around(upper));
+        let (lower, upper) = parallel::join(|| Self::around(lower), || Self::around(upper));
         Self { low, high, count, inside: Inside::Halves(Box::new([lower, upper])) }
     }
 

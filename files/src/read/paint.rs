@@ -6,8 +6,8 @@ use super::style::{self, Paint, Style, paint};
 use halfline::error::Result;
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb;
+use halfline::parallel::{self, CHEAP};
 use halfline::scene::DEFAULT_COLOR;
-use rayon::prelude::*;
 
 impl SceneFrame {
     /// The same spheres with the colours and the opacities that the rules of a style give them.
@@ -27,13 +27,12 @@ impl SceneFrame {
         let (chosen, _) = self.chosen(&style.fades)?;
         let count = chosen.len() - self.beads;
         let of_all = style.opacity.unwrap_or(1.0);
-        let opacity = |(n, rule): (usize, &u32)| match rule {
+        let opacity = |n: usize| match chosen[n] {
             _ if n >= count => 1.0,
             0 => of_all,
-            rule => style.fades[*rule as usize - 1].1,
+            rule => style.fades[rule as usize - 1].1,
         };
-        let opacities: Vec<f32> = chosen.par_iter().enumerate().map(opacity).collect();
-        self.scene.spheres.opacities = Some(opacities.into());
+        self.scene.spheres.opacities = Some(parallel::from_fn(chosen.len(), opacity).into());
         self.scene.spheres.share();
         let rows = paint::categories(style.fades.iter().map(style::faded), &counts(&chosen, style.fades.len()));
         match &mut self.legend {
@@ -55,14 +54,14 @@ impl SceneFrame {
         paint::check(rules, &elements)?;
         let element = |n: usize| elements.get(n).copied().unwrap_or(0);
         let before = |n: usize| self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[n]);
-        let color = |(n, rule): (usize, &u32)| match rule {
+        let color = |n: usize| match paint[n] {
             0 => before(n),
-            rule => rules[*rule as usize - 1].1.color(element(n)),
+            rule => rules[rule as usize - 1].1.color(element(n)),
         };
-        let colors: Vec<[f32; 3]> = paint.par_iter().enumerate().map(color).collect();
+        let colors = parallel::from_fn(paint.len(), color);
         let stays = |row: &&Category| {
-            let is_shown = |(n, rule): (usize, &u32)| *rule == 0 && before(n).map(srgb::level) == row.color;
-            paint.par_iter().enumerate().any(is_shown)
+            let is_shown = |n: usize| paint[n] == 0 && before(n).map(srgb::level) == row.color;
+            parallel::any(paint.len(), CHEAP, &|mut spheres| spheres.any(is_shown))
         };
         let mut painted = Self { legend: self.legend_with(&paint, rules, element, stays), ..self.clone() };
         painted.scene.spheres.colors = Some(colors.into());
@@ -77,7 +76,7 @@ impl SceneFrame {
         let count = spheres.len() - self.beads;
         for (number, (selection, _)) in (1..).zip(rules) {
             let (mask, messages) = self.columns.select(selection, spheres)?;
-            paint[..count].par_iter_mut().zip(&mask).filter(|(_, flag)| **flag).for_each(|(paint, _)| *paint = number);
+            parallel::zip(&mut paint[..count], &mask, |paint, flag| *paint = if *flag { number } else { *paint });
             notes.extend(messages);
         }
         Ok((paint, notes))

@@ -22,13 +22,13 @@ pub(super) use categories::joined_categories;
 use halfline::error::{Error, Place, Result, named};
 use halfline::frame::legend::Legend;
 use halfline::memory::check_spheres;
+use halfline::parallel::{self, CHEAP};
 use halfline::quote::setting::{COLOR_BY, RADIUS};
 use halfline::quote::{number, quote};
 use halfline::scene::{DEFAULT_COLOR, Material, Materials, Spheres, check_sphere, is_center, is_radius};
 
 use super::color::of_hex;
 use super::elements::{Element, element};
-use rayon::prelude::*;
 
 /// The style of particles.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,7 +156,7 @@ impl Style {
             spheres.materials = Some(Materials { kinds: vec![material], of: vec![0; spheres.len()].into() });
         }
         let scale = self.radius_scale;
-        spheres.radii.to_mut().par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
+        parallel::each(spheres.radii.to_mut(), |_, radius| *radius = self.radius.unwrap_or(*radius) * scale);
         match &self.coloring {
             Coloring::File => Ok(()),
             Coloring::One(color) => {
@@ -213,9 +213,10 @@ impl Style {
         let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (std::mem::take(&mut particles.positions).into(), colors.map(Into::into));
         let spheres = Spheres { centers, radii: radii.into(), colors, materials, opacities };
-        let of_two = |(center, radius)| !(is_center(center) & is_radius(radius));
-        let all = || spheres.centers.par_iter().zip(&spheres.radii);
-        if let Some(n) = (!are_checked).then(all).and_then(|all| all.position_first(of_two)) {
+        let is_invalid = |n: &usize| !(is_center(&spheres.centers[*n]) & is_radius(&spheres.radii[*n]));
+        let count = if are_checked { 0 } else { spheres.len() };
+        let invalid = parallel::blocks(0..count, CHEAP, &|_, mut spheres| spheres.find(is_invalid));
+        if let Some(n) = invalid.into_iter().flatten().next() {
             let place = || file.clone().named(format!("particle {}", particles.index(n)));
             check_sphere(spheres.centers[n], spheres.radii[n], place)?;
         }
@@ -258,13 +259,13 @@ impl Style {
             paint::check(&self.paints, &particles.elements)?;
             let element = |n: usize| particles.elements.get(n).copied().unwrap_or(0);
             let colors = colors.get_or_insert_with(|| vec![DEFAULT_COLOR; radii.len()]);
-            colors.par_iter_mut().enumerate().for_each(|(n, color)| {
+            parallel::each(colors, |n, color| {
                 let paint = particles.rule(RuleTarget::Color, n).map(|rule| self.paints[rule].1);
                 *color = paint.map_or(*color, |paint| paint.color(element(n)));
             });
         }
         if particles.has_rules(RuleTarget::Radius) {
-            radii.par_iter_mut().enumerate().for_each(|(n, radius)| {
+            parallel::each(radii, |n, radius| {
                 let own = |rule: usize| self.sizes[rule].1 * self.radius_scale;
                 *radius = particles.rule(RuleTarget::Radius, n).map_or(*radius, own);
             });
@@ -279,7 +280,7 @@ impl Style {
         }
         let of_all = self.opacity.unwrap_or(1.0);
         let of = |n: usize| particles.rule(RuleTarget::Opacity, n).map_or(of_all, |rule| self.fades[rule].1);
-        Some((0..particles.positions.len()).into_par_iter().map(of).collect())
+        Some(parallel::from_fn(particles.positions.len(), of))
     }
 
     /// Whether it gives spheres materials.
@@ -295,7 +296,7 @@ impl Style {
         let of_all = self.material.unwrap_or_default();
         let kinds = [of_all].into_iter().chain(self.matters.iter().map(|(_, material)| *material)).collect();
         let of = |n: usize| particles.rule(RuleTarget::Material, n).map_or(0, |rule| rule as u32 + 1);
-        Some(Materials { kinds, of: (0..particles.positions.len()).into_par_iter().map(of).collect::<Vec<_>>().into() })
+        Some(Materials { kinds, of: parallel::from_fn(particles.positions.len(), of).into() })
     }
 
     /// The number of particles in each row that the rules for colours add to a legend, then of those that each rule for opacities
@@ -332,7 +333,7 @@ impl Style {
             return vec![radius * scale; n];
         }
         let count = |lacks: &(dyn Fn(usize) -> bool + Sync)| {
-            (0..n).into_par_iter().filter(|n| particles.rule(RuleTarget::Radius, *n).is_none() && lacks(*n)).count()
+            parallel::count(n, |n| particles.rule(RuleTarget::Radius, n).is_none() && lacks(n))
         };
         if !particles.radii.is_empty() {
             let missing = count(&|n| particles.radii[n].is_nan());
@@ -342,10 +343,8 @@ impl Style {
                 ));
             }
             let own = |n: usize| particles.elements.get(n).map_or(UNKNOWN_RADIUS, |number| self.radii.radius(*number));
-            let radius = |(n, radius): (usize, &f64)| {
-                if radius.is_nan() { own(n) } else { *radius }
-            };
-            return particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect();
+            let radius = |n: usize| if particles.radii[n].is_nan() { own(n) } else { particles.radii[n] };
+            return parallel::from_fn(particles.radii.len(), |n| radius(n) * scale);
         }
         if let Some(radius) = spaced {
             let missing = count(&|_| true);
@@ -368,7 +367,7 @@ impl Style {
                 self.radii.name()
             ));
         }
-        particles.elements.par_iter().map(|number| self.radii.radius(*number) * scale).collect()
+        parallel::map(&particles.elements, |number| self.radii.radius(*number) * scale)
     }
 
     /// Takes the file's colours where the style uses them.
@@ -377,7 +376,7 @@ impl Style {
             // The table is computed once, not a power for every atom.
             let table: Vec<[f32; 3]> = (0..=118).map(color_of_element).collect();
             let of = |number: &u8| table[usize::from(*number).min(118)];
-            (!particles.elements.is_empty()).then(|| particles.elements.par_iter().map(of).collect())
+            (!particles.elements.is_empty()).then(|| parallel::map(&particles.elements, of))
         };
         let colors = match &self.coloring {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),

@@ -3,6 +3,7 @@
 use super::rows::{Head, Rows, malformed};
 use halfline::error::Result;
 use halfline::frame::provenance::Provenance;
+use halfline::parallel;
 
 /// BLAKE3 of each layer's samples in the order of [`Rows`] and of each manifest, and of these hashes: 32 hexadecimal digits.
 pub(super) struct Digest(Vec<blake3::Hasher>);
@@ -38,7 +39,7 @@ impl Digest {
         if samples.len() < MANY {
             self.0[layer].update(samples);
         } else {
-            self.0[layer].update_rayon(samples);
+            parallel::hash(&mut self.0[layer], samples);
         }
     }
 

@@ -9,9 +9,9 @@ use halfline::error::{Error, Result};
 use halfline::frame::coverage::Coverage;
 use halfline::frame::tone::Toning;
 use halfline::frame::{Aov, Buffer, Data, Frame, srgb};
+use halfline::parallel;
 use halfline::quote::number;
 use halfline::quote::setting::{SELECT, UNIT};
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -82,8 +82,9 @@ impl Rows for Encoder<'_> {
     fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
         if let (Some(matte), Some(coverage)) = (layer.checked_sub(self.forms.len()), self.coverage) {
             let (matte, columns) = (&self.mattes[matte], self.columns);
-            let ranked = |row| matte.ranked(row, columns, coverage.samples);
-            let all: Vec<f32> = coverage.rows[rows].par_iter().flat_map_iter(|row| ranked(row)).collect();
+            let ranked = |row: &Vec<_>| matte.ranked(row, columns, coverage.samples);
+            let rows = &coverage.rows[rows];
+            let all = parallel::collect(rows.len(), 1, &|range, out| out.extend(rows[range].iter().flat_map(ranked)));
             return Ok(made(&all, f32::to_le_bytes).into());
         }
         let (buffer, form, style) = (self.buffers[layer], self.forms[layer], self.style);
@@ -169,7 +170,7 @@ pub(super) fn plain<T: bytemuck::NoUninit + Sync, const N: usize>(
 
 fn made<T: Copy + Sync, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; N] + Sync) -> Vec<u8> {
     let mut out = vec![0; N * values.len()];
-    out.par_chunks_exact_mut(N).zip(values).with_min_len(1 << 12).for_each(|(out, x)| out.copy_from_slice(&bytes(*x)));
+    parallel::zip(out.as_chunks_mut().0, values, |out, x| *out = bytes(*x));
     out
 }
 
@@ -182,13 +183,10 @@ fn straight<const N: usize>(
     share: impl Fn(f32) -> [u8; N] + Sync,
 ) -> Vec<u8> {
     let mut out = vec![0; 4 * N * alpha.len()];
-    let pixels = out.par_chunks_exact_mut(4 * N).zip(linear.par_chunks_exact(3)).zip(alpha);
-    pixels.for_each(|((out, rgb), alpha)| {
-        let own = [0, 1, 2].map(|k| if *alpha > 0.0 { rgb[k] / alpha } else { 0.0 });
-        for (out, x) in out.chunks_exact_mut(N).zip(toning.of(own)) {
-            out.copy_from_slice(&level(x));
-        }
-        out[3 * N..].copy_from_slice(&share(*alpha));
+    parallel::each(out.as_chunks_mut().0.as_chunks_mut().0, |n, out| {
+        let own = [0, 1, 2].map(|k| if alpha[n] > 0.0 { linear[3 * n + k] / alpha[n] } else { 0.0 });
+        let [red, green, blue] = toning.of(own).map(&level);
+        *out = [red, green, blue, share(alpha[n])];
     });
     out
 }
@@ -222,7 +220,7 @@ fn number_of(id: i32) -> Option<u16> {
 /// [`Error::Settings`] for an id above 65534.
 pub(super) fn check_ids(buffer: &Buffer) -> Result<()> {
     let Data::I32(ids) = &buffer.data else { return Ok(()) };
-    match ids.par_iter().copied().max().filter(|id| number_of(*id).is_none()) {
+    match Some(parallel::reduce(ids, -1, i32::max)).filter(|id| number_of(*id).is_none()) {
         Some(id) => {
             let problem = format!("the id {id} does not fit into a 16-bit PNG, which holds ids up to 65534");
             Err(Error::settings(problem, format!("write .npy or .exr, or {SELECT} fewer spheres")))
@@ -234,12 +232,12 @@ pub(super) fn check_ids(buffer: &Buffer) -> Result<()> {
 /// A warning about lengths that do not fit into a 16-bit PNG.
 pub(super) fn warning(buffer: &Buffer, unit: f64) -> Option<String> {
     let Data::F64(values) = &buffer.data else { return None };
-    let beyond = |x: &&f64| x.is_finite() && (**x / unit).round() > STEPS;
-    let count = values.par_iter().filter(beyond).count();
+    let beyond = |n: usize| values[n].is_finite() && (values[n] / unit).round() > STEPS;
+    let count = parallel::count(values.len(), beyond);
     if count == 0 {
         return None;
     }
-    let farthest = values.par_iter().filter(|x| x.is_finite()).copied().reduce(|| 0.0, f64::max);
+    let farthest = parallel::reduce(values, 0.0, |most, x| if x.is_finite() { most.max(x) } else { most });
     let (aov, enough) = (buffer.aov, farthest / STEPS);
     Some(format!(
         "{count} values of {aov} exceed 65535 units of {unit} and are written as 65535; the largest is {farthest}; \

@@ -17,7 +17,7 @@ use exr::prelude::{AttributeValue, Compression, LineOrder, Text, Vec2};
 use halfline::error::Result;
 use halfline::frame::Aov;
 use halfline::frame::provenance::Provenance;
-use rayon::prelude::*;
+use halfline::parallel;
 use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -195,16 +195,17 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
     let mut place = table + 8 * blocks as u64;
     out.seek(SeekFrom::Start(place))?;
     let mut offsets = Vec::with_capacity(blocks);
-    let compress = |(block, bytes): (usize, Vec<u8>)| {
-        let packed =
-            layout.header.compression.compress_image_section_to_le(&layout.header, bytes, layout.bounds(block));
-        packed.map(|packed| (block, packed)).map_err(io::Error::other)
+    let compress = |block: usize, bytes: Vec<u8>| {
+        layout.header.compression.compress_image_section_to_le(&layout.header, bytes, layout.bounds(block))
     };
     let together = blocks_together(layout.size(EXR_ROWS));
     for first in (0..blocks).step_by(together) {
         let some = first..(first + together).min(blocks);
-        let raw = some.map(|block| Ok((block, layout.gather(rows, block)?))).collect::<io::Result<Vec<_>>>()?;
-        for (block, packed) in raw.into_par_iter().map(compress).collect::<io::Result<Vec<_>>>()? {
+        let mut raw = some.clone().map(|block| layout.gather(rows, block)).collect::<io::Result<Vec<_>>>()?;
+        let packed =
+            parallel::blocks(&mut raw[..], 1, &|n, raw| compress(first + n.start, std::mem::take(&mut raw[0])));
+        for (block, packed) in some.zip(packed) {
+            let packed = packed.map_err(io::Error::other)?;
             let size = i32::try_from(packed.len()).map_err(io::Error::other)?;
             offsets.push(place);
             out.write_all(&layout.y(block).to_le_bytes())?;
@@ -222,7 +223,7 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
 /// The number of blocks of `bytes` bytes compressed at once: two per thread, within a memory limit.
 fn blocks_together(bytes: usize) -> usize {
     const MEMORY: usize = 64 << 20;
-    (MEMORY / (3 * bytes).max(1)).clamp(1, 2 * rayon::current_num_threads())
+    (MEMORY / (3 * bytes).max(1)).clamp(1, 2 * parallel::threads())
 }
 
 /// The most bytes needed for blocks of rows of `row` bytes.

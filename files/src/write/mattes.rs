@@ -5,8 +5,8 @@ use super::cryptomatte::{CHANNELS, LAYERS, MatteHead, RANKS, hexadecimal, id_of}
 use crate::read::matte::MatteNames;
 use halfline::Frame;
 use halfline::frame::coverage::{Cover, Coverage};
+use halfline::parallel;
 use halfline::quote::count;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The keyword and the text of the layers of a scene with so many spheres.
@@ -22,6 +22,9 @@ pub fn warnings(mattes: &[MatteNames], frame: &Frame) -> Vec<String> {
     layers.flat_map(|(names, coverage)| MatteLayer::new(names, coverage).warnings(coverage)).collect()
 }
 
+/// Names that one job makes.
+const NAMES_PER_JOB: usize = 1 << 8;
+
 /// A layer of a frame.
 pub(super) struct MatteLayer {
     pub(super) head: MatteHead,
@@ -32,10 +35,11 @@ pub(super) struct MatteLayer {
 impl MatteLayer {
     /// The layer of a frame with these names.
     pub(super) fn new(names: &MatteNames, coverage: &Coverage) -> Self {
-        let mut visible: Vec<u32> = coverage.rows.par_iter().flatten_iter().map(|cover| cover.id).collect();
-        visible.par_sort_unstable();
+        let ids = |row: usize| coverage.rows[row].iter().map(|cover| cover.id);
+        let mut visible = parallel::collect(coverage.rows.len(), 1, &|rows, out| out.extend(rows.flat_map(ids)));
+        parallel::sort(&mut visible, u32::cmp);
         visible.dedup();
-        let named: Vec<String> = visible.par_iter().map(|sphere| names.name(*sphere)).collect();
+        let named = parallel::values(visible.len(), NAMES_PER_JOB, |n| names.name(visible[n]));
         let ids = visible.into_iter().zip(&named).map(|(sphere, name)| (sphere, id_of(name))).collect();
         let manifest = named.into_iter().map(|name| (id_of(&name), name)).map(|(id, name)| (name, hexadecimal(id)));
         Self { head: MatteHead { layer: names.layer().to_owned(), manifest: manifest.collect() }, ids }
@@ -82,11 +86,11 @@ impl MatteLayer {
                 if shared.len() > 1 { format!(", and {} more pairs do", shared.len() - 1) } else { String::new() };
             format!("{one:?} and {other:?} have the same hash in the layer {layer}, so a matte of one shows both{more}")
         });
-        let rows = coverage.rows.par_iter().map(|row| {
-            let pixels = row.chunk_by(|a, b| a.column == b.column);
+        let rows = parallel::blocks(0..coverage.rows.len(), 1, &|rows, _| {
+            let pixels = coverage.rows[rows.start].chunk_by(|a, b| a.column == b.column);
             pixels.filter(|pixel| pixel.len() > RANKS && self.objects(pixel).len() > RANKS).count()
         });
-        let full: usize = rows.sum();
+        let full: usize = rows.into_iter().sum();
         let full = (full > 0).then(|| {
             let pixels = count(full as u64, "pixel");
             format!("{pixels} of the layer {layer} with more than {RANKS} objects: those that cover least are left out")

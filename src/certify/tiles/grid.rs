@@ -78,7 +78,7 @@ impl Grid {
     /// Not per cell: processors write to so few places at once fast, and sort the keys of a row in their caches.
     pub(super) fn scatter(&self, bins: &[Bin], pool: &Pool) -> Keys {
         // Each group has counters of its own, from which its positions in every row follow.
-        let group = bins.len().div_ceil(2 * rayon::current_num_threads()).max(1);
+        let group = bins.len().div_ceil(2 * parallel::threads()).max(1);
         let count = |bins: &[Bin]| {
             let mut counts = vec![0u32; self.rows as usize];
             for bin in bins {

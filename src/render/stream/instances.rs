@@ -7,6 +7,7 @@ use crate::certify::sieve::{Sieve, sift};
 use crate::double_double::ldexp;
 use crate::error::Result;
 use crate::memory::{check_wide_ids, ids_fit};
+use crate::parallel;
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::scene::instances::enclosure::Enclosure;
@@ -161,7 +162,7 @@ impl Stream {
         while let Some(this) = block {
             watch.check()?;
             // Places are new, so bytes cannot differ.
-            (block, _) = rayon::join(|| blocks.next(), || self.digests.add(first, &this));
+            (block, _) = parallel::join(|| blocks.next(), || self.digests.add(first, &this));
             first += this.len() as u64;
         }
         Ok(())

@@ -5,6 +5,7 @@
 use super::digests::{Digests, MAX_SPHERES};
 use super::{CULL_MIN_SPHERES, Stream, StreamIds, Visible, check, visible};
 use crate::error::{Error, Place, Result};
+use crate::parallel;
 use crate::quote::setting::{FIRST_ID, TOLERANCE};
 use crate::quote::{count, quote};
 use crate::scene::camera::Camera;
@@ -382,7 +383,7 @@ impl NumberedSpheres {
     /// BLAKE3 of all numbers.
     fn digest(&self) -> String {
         let mut hasher = blake3::Hasher::new();
-        hasher.update_rayon(bytemuck::cast_slice(&self.numbers));
+        parallel::hash(&mut hasher, bytemuck::cast_slice(&self.numbers));
         for digest in [self.spheres.centers.digest(), self.spheres.radii.digest()] {
             hasher.update(digest.as_bytes());
         }

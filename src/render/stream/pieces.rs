@@ -2,6 +2,7 @@
 //! the bytes in one piece. BLAKE3 is a binary tree over chunks of 1024 bytes (specification, section 2.1), so whole subtrees
 //! are kept as their chaining values, and the bytes of chunks that are known in part as they are.
 
+use crate::parallel;
 use blake3::hazmat::{ChainingValue, HasherExt, Mode, left_subtree_len, max_subtree_len};
 use blake3::hazmat::{merge_subtrees_non_root, merge_subtrees_root};
 use blake3::{CHUNK_LEN, Hash, Hasher};
@@ -199,7 +200,7 @@ impl Pieces {
 
 /// The chaining value of a subtree, not the root, whose bytes begin at `at`.
 fn chaining_value(at: u64, bytes: &[u8]) -> ChainingValue {
-    Hasher::new().set_input_offset(at).update_rayon(bytes).finalize_non_root()
+    parallel::hash(Hasher::new().set_input_offset(at), bytes).finalize_non_root()
 }
 
 impl From<Pieces> for Record {

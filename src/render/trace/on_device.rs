@@ -34,9 +34,7 @@ impl OnDevice {
         numbers: &[u32],
         watch: &Watch,
     ) -> Result<Vec<Q>> {
-        let both = parallel::collect(numbers.len(), CHEAP, &|range, both| {
-            both.extend(numbers[range].iter().map(|n| device_ray(given, *n)));
-        });
+        let both = parallel::values(numbers.len(), CHEAP, |n| device_ray(given, numbers[n]));
         let boxes = parallel::map(&both, |(_, ray)| *ray);
         let rays = parallel::map(&both, |(record, _)| record.unwrap_or(CertifiedRayRecord::NOTHING));
         let (nodes, spheres) = match self.is_uploaded {
@@ -60,7 +58,7 @@ impl OnDevice {
             (NONE, _) => Q::NONE,
             (place, _) => Q::hit(given, &given.rays.ray(numbers[k] as usize), place as usize),
         };
-        let mut answers = parallel::collect(numbers.len(), CHEAP, &|range, answers| answers.extend(range.map(decide)));
+        let mut answers = parallel::values(numbers.len(), CHEAP, decide);
         let left: Vec<u32> =
             answers.iter().zip(numbers).filter_map(|(answer, &n)| (*answer == Q::UNSURE).then_some(n)).collect();
         self.refined += left.len() as u64;

@@ -95,7 +95,7 @@ fn halve(items: &mut [Item], full: usize) {
         halve(a, run * WIDE);
         halve(b, run * WIDE);
     } else {
-        rayon::join(|| halve(a, run * WIDE), || halve(b, run * WIDE));
+        parallel::join(|| halve(a, run * WIDE), || halve(b, run * WIDE));
     }
 }
 

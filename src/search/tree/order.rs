@@ -3,7 +3,6 @@
 
 use super::BoxRay;
 use crate::parallel;
-use rayon::prelude::*;
 
 /// Fewer rays than this are not sorted.
 const SORTING_MIN_RAYS: u32 = 1 << 10;
@@ -16,7 +15,7 @@ pub(crate) fn order(count: u32, ray: impl Fn(u32) -> Option<BoxRay> + Sync) -> V
     }
     let key = |n: u32| u64::from(ray(n).map_or(0, |ray| key(&ray))) << 32 | u64::from(n);
     let mut keys = parallel::from_fn(count as usize, |n| key(n as u32));
-    keys.par_sort_unstable();
+    parallel::sort(&mut keys, u64::cmp);
     parallel::map(&keys, |key| *key as u32)
 }
 

@@ -7,12 +7,9 @@ use crate::read::input::Input;
 use crate::read::particles::survey::Survey;
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check_spheres;
+use halfline::parallel::{self, CHEAP};
 use halfline::scene::{Spheres, check_color, check_sphere, is_center, is_radius};
-use rayon::prelude::*;
 use std::io::ErrorKind;
-
-/// Numbers that one job tests.
-const TOGETHER: usize = 1 << 12;
 
 impl Npy<Input> {
     /// Appends the spheres of an array with one of these widths, which is returned; for a width of 3 the radii are 1.
@@ -53,7 +50,7 @@ impl Npy<Input> {
             let left = matrix.rows - done - found;
             let (skips, mut invalid) = (self.left_out.is_some(), Vec::new());
             let converted;
-            (converted, read) = rayon::join(
+            (converted, read) = parallel::join(
                 || matrix.convert(&block, spheres, skips.then_some(&mut invalid)),
                 || self.block(left, matrix.row(), &mut next),
             );
@@ -181,18 +178,21 @@ impl Matrix {
     ) -> bool {
         let (before, has_radii) = (spheres.len(), self.width == 4);
         let at = |row: &[u8], column: usize| row.as_chunks().0.get(column).map_or(1.0, |bytes| number(*bytes));
-        let rows = block.par_chunks_exact(self.row());
+        let (size, count) = (self.row(), block.len() / self.row());
+        let row = |n: usize| &block[n * size..][..size];
         let (centers, radii) = (spheres.centers.to_mut(), spheres.radii.to_mut());
-        centers.par_extend(rows.clone().map(|row| [at(row, 0), at(row, 1), at(row, 2)]));
-        radii.par_extend(rows.map(|row| if has_radii { at(row, 3) } else { 1.0 }));
-        let are_finite = |centers: &[[f64; 3]]| centers.iter().fold(true, |all, center| all & is_center(center));
-        let are_sizes = |radii: &[f64]| radii.iter().fold(true, |all, radius| all & is_radius(radius));
-        let valid = centers[before..].par_chunks(TOGETHER).all(are_finite)
-            && radii[before..].par_chunks(TOGETHER).all(are_sizes);
-        if !valid {
+        parallel::extend(centers, count, |n| [0, 1, 2].map(|column| at(row(n), column)));
+        parallel::extend(radii, count, |n| if has_radii { at(row(n), 3) } else { 1.0 });
+        let (new_centers, new_radii) = (&centers[before..], &radii[before..]);
+        // Without branches within a job, so that compilers vectorize it.
+        let invalid = parallel::any(count, CHEAP, &|rows| {
+            let all = new_centers[rows.clone()].iter().zip(&new_radii[rows]);
+            !all.fold(true, |all, (center, radius)| all & is_center(center) & is_radius(radius))
+        });
+        if invalid {
             centers.truncate(before);
             radii.truncate(before);
         }
-        valid
+        !invalid
     }
 }

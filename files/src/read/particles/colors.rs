@@ -3,8 +3,8 @@
 
 use crate::npy::{NumberKind, Scalar};
 use crate::read::color::{srgb_to_linear, top_level};
+use halfline::parallel;
 use halfline::quote::setting::COLOR;
-use rayon::prelude::*;
 
 /// The type of the fields of colours, which decides what their numbers can mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -53,13 +53,10 @@ impl ColorSurvey {
     /// Takes more colours of the file.
     pub(in crate::read) fn see(&mut self, kind: ColorType, colors: &[[f32; 3]]) {
         let is_level = |x: f32| x.fract() == 0.0 && (0.0..=65535.0).contains(&x);
-        let one =
-            |color: &[f32; 3]| (color.iter().fold(0.0f32, |most, x| most.max(*x)), !color.iter().all(|x| is_level(*x)));
-        let both = |a: (f32, bool), b: (f32, bool)| (a.0.max(b.0), a.1 | b.1);
-        let (most, has_fractions) = colors.par_iter().map(one).reduce(|| (0.0, false), both);
         self.kind = kind;
         self.count += colors.len() as u64;
-        (self.most, self.has_fractions) = both((self.most, self.has_fractions), (most, has_fractions));
+        self.most = parallel::reduce(colors.as_flattened(), self.most, f32::max);
+        self.has_fractions = self.has_fractions || !parallel::all(colors.as_flattened(), |x| is_level(*x));
     }
 
     /// Whether no other colours of the file can change the scale.
@@ -89,7 +86,7 @@ impl ColorSurvey {
             ColorScale::Empty => colors.clear(),
             ColorScale::Linear => {}
             ColorScale::Levels(top) => {
-                colors.par_iter_mut().for_each(|color| *color = color.map(|level| srgb_to_linear(level, top)));
+                parallel::each(colors, |_, color| *color = color.map(|level| srgb_to_linear(level, top)));
             }
         }
     }

@@ -14,11 +14,11 @@ use edges::Edges;
 use glam::DVec3;
 use halfline::error::{Error, Result};
 use halfline::memory::check;
+use halfline::parallel;
 use halfline::quote::count;
 use halfline::quote::setting::{UNWRAP, WRAP};
 use join::{Endless, Joined};
 use pairs::pairs;
-use rayon::prelude::*;
 
 /// The treatment of the particles of a periodic cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -84,7 +84,7 @@ pub(in crate::read) fn apply(periodic: Periodic, particles: &mut Particles) -> R
     check(WORK * number as u64, || format!("{what} {number} particles"))?;
     let moved: Vec<[f64; 3]> = match periodic {
         Periodic::Unwrap => unwrapped(&frame, particles)?,
-        _ => particles.positions.par_iter().map(|position| frame.wrapped(*position)).collect(),
+        _ => parallel::map(&particles.positions, |position| frame.wrapped(*position)),
     };
     // Columns of coordinates, such as for --color-by z, follow the particles.
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -121,14 +121,14 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
         |names: [&str; 3]| if let [Some(x), Some(y), Some(z)] = names.map(column) { Some([x, y, z]) } else { None };
     let shifts = flags(SHIFTS);
     if let Some(images) = FLAGS.into_iter().find_map(flags).or(shifts) {
-        let moved = |(n, position): (usize, &[f64; 3])| {
+        let moved = |n: usize| {
             let [x, y, z] = images.map(|column| column.values[n]);
-            frame.back(*position, -DVec3::new(x, y, z))
+            frame.back(positions[n], -DVec3::new(x, y, z))
         };
-        let moved: Vec<[f64; 3]> = positions.par_iter().enumerate().map(moved).collect();
+        let moved = parallel::from_fn(positions.len(), moved);
         let is_centred =
             |position: &[f64; 3]| frame.fractions(DVec3::from_array(*position)).abs().max_element() < 0.5 + 1e-9;
-        let are_shifts = shifts == Some(images) && moved.par_iter().all(is_centred);
+        let are_shifts = shifts == Some(images) && parallel::all(&moved, is_centred);
         return Ok(if are_shifts { positions.clone() } else { moved });
     }
     let (groups, are_residues): (Vec<Option<u64>>, bool) = match MOLECULES.into_iter().find_map(column) {
@@ -153,7 +153,7 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
     let touch = |a, b| atoms.may_touch(a, b) && joined.are_apart(a, b);
     joined.link(frame, positions, &pairs(frame, positions, &atoms.contacts, touch)?);
     let Joined { images, endless, .. } = joined;
-    let moved = positions.par_iter().zip(&images).map(|(position, images)| frame.back(*position, *images)).collect();
+    let moved = parallel::from_fn(positions.len(), |n| frame.back(positions[n], images[n]));
     let mut warnings = Vec::new();
     if let Some(Endless { first, size }) = endless.first() {
         let whole = if endless.len() == 1 { "it" } else { "them" };
@@ -177,7 +177,8 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
 fn at_one_place(positions: &[[f64; 3]], reaches: &[f32]) -> (Vec<[u32; 2]>, Vec<f32>) {
     let place = |n: u32| positions[n as usize].map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..reaches.len() as u32).filter(|n| reaches[*n as usize] > 0.0).collect();
-    order.par_sort_unstable_by_key(|n| (place(*n), std::cmp::Reverse(reaches[*n as usize].to_bits()), *n));
+    let key = |n: &u32| (place(*n), std::cmp::Reverse(reaches[*n as usize].to_bits()), *n);
+    parallel::sort(&mut order, |a, b| key(a).cmp(&key(b)));
     let (mut joined, mut left) = (Vec::new(), reaches.to_vec());
     for same in order.chunk_by(|a, b| place(*a) == place(*b)) {
         for n in &same[1..] {

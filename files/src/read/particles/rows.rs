@@ -6,7 +6,7 @@ use super::layout::Layout;
 use crate::read::input::Input;
 use crate::read::lines::{Block, Lines};
 use halfline::error::{Error, Result};
-use rayon::prelude::*;
+use halfline::parallel;
 
 /// Reads at most `most` lines into `particles`, which `layout` began; returns their number. `row` parses the current
 /// line.
@@ -20,10 +20,10 @@ pub(super) fn rows(
     particles: &mut Particles,
     row: impl Fn(&Lines<&[u8]>, &mut Particles) -> Result<()> + Sync,
 ) -> Result<u64> {
-    let found = |mut part: Lines<&[u8]>| -> Result<Particles> {
+    let found = |part: &mut Lines<&[u8]>| -> Result<Particles> {
         let mut particles = layout.begin_part();
         while part.advance()? {
-            row(&part, &mut particles)?;
+            row(part, &mut particles)?;
         }
         Ok(particles)
     };
@@ -31,18 +31,18 @@ pub(super) fn rows(
     lines.block(most, &mut block)?;
     let mut taken = block.len();
     while block.len() > 0 {
-        let (mut some, parts) = (false, block.parts());
+        let (mut some, mut parts) = (false, block.parts());
         let mut append = |part: Particles| {
             some |= !part.positions.is_empty() || !part.left_out.is_empty();
             particles.append(part)
         };
         let read = if parts.len() == 1 {
             // A small frame does not pay for waking other threads.
-            parts.into_iter().try_for_each(|part| append(found(part)?))?;
+            append(found(&mut parts[0])?)?;
             lines.block(most - taken, &mut next)
         } else {
-            let (read, all): (_, Vec<Result<Particles>>) =
-                rayon::join(|| lines.block(most - taken, &mut next), || parts.into_par_iter().map(found).collect());
+            let all = || parallel::blocks(&mut parts[..], 1, &|_, part| found(&mut part[0]));
+            let (read, all) = parallel::join(|| lines.block(most - taken, &mut next), all);
             all.into_iter().try_for_each(|part| append(part?))?;
             read
         };

@@ -1,7 +1,7 @@
 //! Vectors whose components are columns: the one name of the velocity in all formats, columns of lengths, and the common
 //! name of components.
 
-use rayon::prelude::*;
+use halfline::parallel;
 
 /// The name of the velocity, and the other words for its length.
 pub(in crate::read) const VELOCITY: &str = "velocity";
@@ -58,7 +58,7 @@ pub(in crate::read) fn length(parts: &[&[f64]]) -> Vec<f64> {
         return one.to_vec();
     }
     let count = parts.first().map_or(0, |part| part.len());
-    (0..count).into_par_iter().map(|n| parts.iter().map(|part| part[n].powi(2)).sum::<f64>().sqrt()).collect()
+    parallel::from_fn(count, |n| parts.iter().map(|part| part[n].powi(2)).sum::<f64>().sqrt())
 }
 
 /// The name of a quantity for a legend: `|velocity|` for the length of a vector whose columns have a common name, else

@@ -7,7 +7,7 @@ use crate::read::input::Input;
 use crate::read::lines::{Block, Lines, has_content};
 use crate::read::particles::table::fields::{declared_delimiter, delimiter, each_number, fields, named_columns};
 use halfline::error::{Error, Result};
-use rayon::prelude::*;
+use halfline::parallel;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -82,7 +82,8 @@ impl RayTable {
                 break;
             }
             let before = block.rows();
-            let parts: Vec<_> = self.text.parts().into_par_iter().map(|part| self.form.part(part, options)).collect();
+            let mut parts = self.text.parts();
+            let parts = parallel::blocks(&mut parts[..], 1, &|_, part| self.form.part(&mut part[0], options));
             parts.into_iter().try_for_each(|part| part.map(|part| block.append(part)))?;
             if block.rows() > before {
                 self.lines.found();
@@ -94,11 +95,11 @@ impl RayTable {
 
 impl Form {
     /// The rows of some lines.
-    fn part(&self, mut lines: Lines<&[u8]>, options: &RayOptions) -> Result<RayBlock> {
+    fn part(&self, lines: &mut Lines<&[u8]>, options: &RayOptions) -> Result<RayBlock> {
         let mut block = RayBlock::default();
         while lines.advance()? {
             if has_content(lines.text()) {
-                self.read(&lines, options, &mut block)?;
+                self.read(lines, options, &mut block)?;
             }
         }
         Ok(block)

@@ -6,8 +6,8 @@ use super::selection::Selection;
 use crate::read::particles::frame::{Particles, RuleTarget};
 use halfline::error::Result;
 use halfline::memory::check;
+use halfline::parallel;
 use halfline::scene::{Spheres, keep};
-use rayon::prelude::*;
 
 /// The selections that apply to the particles of a frame, by their use.
 pub(in crate::read) struct Selections<'a> {
@@ -49,7 +49,7 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
             rule.resize(count, 0);
             let number = u16::try_from(k + 1).unwrap_or(u16::MAX);
             let mask = of(selection)?;
-            rule.par_iter_mut().zip(&mask).filter(|(_, flag)| **flag).for_each(|(rule, _)| *rule = number);
+            parallel::zip(&mut rule, &mask, |rule, flag| *rule = if *flag { number } else { *rule });
         }
         Ok(rule)
     };
@@ -60,11 +60,11 @@ pub(in crate::read) fn apply(selections: &Selections<'_>, particles: &mut Partic
     let mut stays = vec![select.is_empty(); count];
     for selection in *select {
         let mask = of(selection)?;
-        stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays |= flag);
+        parallel::zip(&mut stays, &mask, |stays, flag| *stays |= flag);
     }
     for selection in *hide {
         let mask = of(selection)?;
-        stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays &= !flag);
+        parallel::zip(&mut stays, &mask, |stays, flag| *stays &= !flag);
     }
     (particles.rules, particles.marks) = (numbers, marks);
     if !(select.is_empty() && hide.is_empty()) {

@@ -15,8 +15,8 @@ use crate::read::particles::infer::rules::is_ion;
 use crate::read::particles::residues;
 use glob::{MatchOptions, Pattern};
 use halfline::error::{Error, Result};
+use halfline::parallel;
 use halfline::quote::{list, number, quote};
-use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -70,14 +70,14 @@ impl<'a> Evaluator<'a> {
                 let mask = self.node(inner);
                 self.is_negated = !self.is_negated;
                 let mut mask = mask?;
-                mask.par_iter_mut().for_each(|flag| *flag = !*flag);
+                parallel::each(&mut mask, |_, flag| *flag = !*flag);
                 Ok(mask)
             }
             Node::Chain(first, rest) => {
                 let mut mask = self.node(first)?;
                 for (operation, part) in rest {
                     let other = self.node(part)?;
-                    mask.par_iter_mut().zip(&other).for_each(|(flag, other)| match operation {
+                    parallel::zip(&mut mask, &other, |flag, other| match operation {
                         Operation::And => *flag &= other,
                         Operation::Or => *flag |= other,
                     });
@@ -91,7 +91,7 @@ impl<'a> Evaluator<'a> {
                 let chosen = self.node(&part.of)?;
                 let mut mask = near(&self.particles.positions, &chosen, part.reach)?;
                 if !part.itself {
-                    mask.par_iter_mut().zip(&chosen).for_each(|(flag, chosen)| *flag &= !chosen);
+                    parallel::zip(&mut mask, &chosen, |flag, chosen| *flag &= !chosen);
                 }
                 Ok(mask)
             }
@@ -104,12 +104,12 @@ impl<'a> Evaluator<'a> {
 
     fn kind(&mut self, kind: Kind) -> Result<Mask> {
         let mask = match kind {
-            Kind::Hydrogen => self.elements("hydrogen")?.par_iter().map(|number| *number == 1).collect(),
+            Kind::Hydrogen => parallel::map(self.elements("hydrogen")?, |number| *number == 1),
             Kind::Protein => self.residues(|name| class(name) == Some(ResidueClass::Protein))?,
             Kind::Nucleic => self.residues(|name| class(name) == Some(ResidueClass::Nucleic))?,
             Kind::Water => self.residues(|name| class(name) == Some(ResidueClass::Water))?,
             Kind::Ion => self.residues(is_ion)?,
-            Kind::Metal => self.elements("metal")?.par_iter().map(|number| is_metal(*number)).collect(),
+            Kind::Metal => parallel::map(self.elements("metal")?, |number| is_metal(*number)),
             Kind::Ligand => self.ligands()?,
             Kind::Backbone => {
                 let mut mask = self.residues(|name| class(name) == Some(ResidueClass::Protein))?;
@@ -118,11 +118,11 @@ impl<'a> Evaluator<'a> {
                 };
                 let backbone = |name: &String| ["N", "CA", "C", "O"].contains(&name.trim());
                 let named = flags(values, &names.iter().map(backbone).collect::<Vec<_>>());
-                mask.par_iter_mut().zip(named).for_each(|(flag, named)| *flag &= named);
+                parallel::zip(&mut mask, &named, |flag, named| *flag &= named);
                 mask
             }
         };
-        if !mask.par_iter().any(|flag| *flag) {
+        if parallel::all(&mask, |flag| !flag) {
             let residues = match self.column("resname").map(|column| self.particles.labels.get(&column.name)) {
                 Some(Some(names)) => format!("the residues of the file are {}", listed(names)),
                 _ => String::new(),
@@ -187,7 +187,7 @@ impl<'a> Evaluator<'a> {
                 elements.iter().for_each(|number| there[usize::from(*number)] = true);
                 let any_case = MatchOptions { case_sensitive: false, ..MatchOptions::new() };
                 let chosen = any_of(values, &names, &there, any_case, &mut note);
-                elements.par_iter().map(|number| chosen[usize::from(*number)]).collect()
+                parallel::map(elements, |number| chosen[usize::from(*number)])
             }
             Data::Numbers(of) => {
                 let mut mask = vec![false; self.len()];
@@ -198,9 +198,11 @@ impl<'a> Evaluator<'a> {
                         None => range.contains(of(n)),
                     };
                     let found = AtomicBool::new(false);
-                    mask.par_iter_mut().enumerate().filter(|(n, _)| is_in(*n)).for_each(|(_, flag)| {
-                        *flag = true;
-                        found.store(true, Relaxed);
+                    parallel::each(&mut mask, |n, flag| {
+                        if is_in(n) {
+                            *flag = true;
+                            found.store(true, Relaxed);
+                        }
                     });
                     note(value, !found.load(Relaxed));
                 }
@@ -231,7 +233,7 @@ impl<'a> Evaluator<'a> {
         match (self.data(column)?, value.parse::<f64>()) {
             (Data::Numbers(of), Ok(limit)) => {
                 let of = |n: usize| if *absolute { of(n).abs() } else { of(n) };
-                Ok((0..self.len()).into_par_iter().map(|n| sign.holds(of(n), limit)).collect())
+                Ok(parallel::from_fn(self.len(), |n| sign.holds(of(n), limit)))
             }
             (Data::Numbers(_), Err(_)) => {
                 let problem = format!("{column} is a number in this file, and {} is not", quote(value));
@@ -251,7 +253,7 @@ impl<'a> Evaluator<'a> {
                 let residues = self.residue_numbers()?;
                 let mut members = vec![false; residues.last().map_or(0, |last| *last as usize + 1)];
                 residues.iter().zip(chosen).filter(|(_, flag)| **flag).for_each(|(n, _)| members[*n as usize] = true);
-                Ok(residues.par_iter().map(|n| members[*n as usize]).collect())
+                Ok(parallel::map(&residues, |n| members[*n as usize]))
             }
             _ => {
                 let of: Box<dyn Fn(usize) -> f64 + Sync> = match self.data(word)? {
@@ -262,7 +264,7 @@ impl<'a> Evaluator<'a> {
                 // Zeros are equal whatever their sign.
                 let bits = |n: usize| (of(n) + 0.0).to_bits();
                 let known: HashSet<u64> = (0..self.len()).filter(|n| chosen[*n]).map(bits).collect();
-                Ok((0..self.len()).into_par_iter().map(|n| known.contains(&bits(n))).collect())
+                Ok(parallel::from_fn(self.len(), |n| known.contains(&bits(n))))
             }
         }
     }
@@ -393,7 +395,7 @@ fn occurring(values: &[f64], count: usize) -> Vec<bool> {
 
 /// The flags of particles whose values are numbers of names.
 fn flags(values: &[f64], chosen: &[bool]) -> Mask {
-    values.par_iter().map(|value| *value >= 0.0 && chosen.get(*value as usize).copied().unwrap_or(false)).collect()
+    parallel::map(values, |value| *value >= 0.0 && chosen.get(*value as usize).copied().unwrap_or(false))
 }
 
 /// Names for a message, without blank ones.

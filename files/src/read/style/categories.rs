@@ -8,8 +8,8 @@ use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::legend::{Category, Legend};
+use halfline::parallel;
 use halfline::quote::setting::{LOG, RANGE};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
 /// Columns whose whole numbers are identifiers: of types, molecules, copies.
@@ -121,13 +121,13 @@ fn colored(
         let color = known.get(&(category as i64)).filter(|_| category.is_finite());
         color.copied().unwrap_or_else(|| categories.color(category))
     };
-    let colors = column.values.par_iter().map(of).collect();
+    let colors = parallel::map(&column.values, of);
     (colors, (counts.several() > 0).then_some(legend))
 }
 
 /// Whether columns of numbers are categories: by the map, or because the column's whole numbers are identifiers.
 fn are_categories(scale: &Scale, columns: &[&Column]) -> bool {
-    let whole = |column: &Column| column.values.par_iter().all(|x| x.fract() == 0.0);
+    let whole = |column: &Column| parallel::all(&column.values, |x| x.fract() == 0.0);
     let is_plain = scale.map.is_none() && scale.range.is_none() && !scale.log;
     let are_numbered = || matches!(columns, [column] if NUMBERED.contains(&&column.name[..]) && whole(column));
     scale.map == Some(ColorMap::Category) || is_plain && are_numbered()

@@ -3,8 +3,8 @@
 
 use crate::read::particles::frame::Column;
 use crate::read::skipped::Skipped;
+use halfline::parallel;
 use halfline::quote::setting::RANGE;
-use rayon::prelude::*;
 
 /// The name of the quantity.
 pub(super) const NAME: &str = "pLDDT";
@@ -47,10 +47,7 @@ pub(super) fn classes(column: &Column, [low, high]: [f64; 2], skipped: &mut Skip
         format!("{third} or less"),
     ];
     let names = CLASSES.iter().zip(ranges).map(|(class, range)| format!("{class}: {range}")).collect();
-    Classes {
-        column: Column { name: column.name.clone(), values: column.values.par_iter().map(class).collect() },
-        names,
-    }
+    Classes { column: Column { name: column.name.clone(), values: parallel::map(&column.values, class) }, names }
 }
 
 #[cfg(test)]

@@ -8,9 +8,9 @@ use crate::read::particles::vectors;
 use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
+use halfline::parallel;
 use halfline::quote::setting::{COLOR_BY, LOG, MAP};
 use halfline::quote::{list, quote};
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 impl Scale {
@@ -64,8 +64,8 @@ impl Scale {
             }
         };
         let name = vectors::title(&self.columns, &particles.has);
-        let without = values.par_iter().filter(|x| x.is_nan()).count();
-        let below = if self.log { values.par_iter().filter(|x| **x <= 0.0).count() } else { 0 };
+        let without = parallel::count(values.len(), |n| values[n].is_nan());
+        let below = if self.log { parallel::count(values.len(), |n| values[n] <= 0.0) } else { 0 };
         let lost = without + below;
         if lost > 0 {
             let (why, grey) =
@@ -89,7 +89,7 @@ impl Scale {
             names: Vec::new(),
             overrides: self.missing_row("no number", shown as u64).into_iter().collect(),
         };
-        Ok((values.par_iter().map(color).collect(), (low <= high || self.known_range().is_some()).then_some(legend)))
+        Ok((parallel::map(&values, color), (low <= high || self.known_range().is_some()).then_some(legend)))
     }
 }
 

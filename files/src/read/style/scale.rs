@@ -4,9 +4,9 @@ use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb::{level, linear};
+use halfline::parallel;
 use halfline::quote::quote;
 use halfline::quote::setting::NAN_COLOR;
-use rayon::prelude::*;
 use std::str::FromStr;
 
 /// The mapping of the numbers or names of a column to colours.
@@ -55,7 +55,7 @@ impl Scale {
             return values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
         };
         let mut sorted: Vec<f64> = values.collect();
-        sorted.par_sort_unstable_by(f64::total_cmp);
+        parallel::sort(&mut sorted, f64::total_cmp);
         let value = |end: RangeEnd, without: f64| match end {
             RangeEnd::Value(value) => value,
             RangeEnd::Percentile(percent) => percentile(&sorted, percent).unwrap_or(without),

@@ -1,9 +1,9 @@
 //! The answers to a block of rays as columns: of numbers for archives and clouds, or as lines of text.
 
 use crate::write::encode::plain;
+use halfline::parallel;
 use halfline::render::trace::echoes::{Echo, Echoes};
 use halfline::render::trace::{Hits, Occlusion, Rays};
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -93,8 +93,8 @@ const PART: usize = 1 << 11;
 impl<'a> Rows<'a> {
     /// The nearest hits of rays, and misses at the places `invalid`; `None` for hits without normals.
     pub(super) fn nearest(rays: &Rays<'_>, hits: &'a Hits, invalid: &[u32]) -> Option<Self> {
-        let position = |(n, t): (usize, &f64)| if hits.id[n] < 0 { [f64::NAN; 3] } else { rays.at(n, *t) };
-        let mut position: Vec<_> = hits.t.par_iter().enumerate().map(position).collect();
+        let position = |n: usize| if hits.id[n] < 0 { [f64::NAN; 3] } else { rays.at(n, hits.t[n]) };
+        let mut position = parallel::from_fn(hits.t.len(), position);
         if !invalid.is_empty() {
             position = spread(&position, invalid, [f64::NAN; 3]).into_owned();
         }
@@ -152,8 +152,7 @@ impl<'a> Rows<'a> {
     pub(super) fn write_text(&self, out: &mut dyn Write) -> io::Result<()> {
         for first in (0..self.len()).step_by(LINES) {
             let last = self.len().min(first + LINES);
-            let parts = (first..last).into_par_iter().step_by(PART);
-            let parts: Vec<String> = parts.map(|start| self.text(start..last.min(start + PART))).collect();
+            let parts = parallel::blocks(first..last, PART, &|_, rows| self.text(rows));
             parts.iter().try_for_each(|text| out.write_all(text.as_bytes()))?;
         }
         Ok(())

@@ -2,7 +2,7 @@
 //! alone, so the bytes are the same on any number of threads.
 
 use super::joined;
-use rayon::prelude::*;
+use halfline::parallel;
 use std::io::{self, Write};
 
 /// Bytes of samples in a strip, but at least one row. A strip takes 60 bytes in the file besides its pixels.
@@ -50,10 +50,12 @@ impl<W: FnMut(&[u8]) -> io::Result<()>> Strips<W> {
     fn compress(&mut self) -> io::Result<()> {
         let Self { row, pixel, above, samples, strip, .. } = self;
         let all = &samples[..];
-        let above_of = |n: usize| if n == 0 { &above[..] } else { &all[n * *strip - *row..n * *strip] };
-        let strips = all.par_chunks(*strip).enumerate();
-        let packed = strips.map(|(n, samples)| joined::Part::new(&filtered(samples, above_of(n), *row, *pixel)));
-        for part in packed.collect::<io::Result<Vec<_>>>()? {
+        let above_of = |first: usize| if first == 0 { &above[..] } else { &all[first - *row..first] };
+        let packed = parallel::blocks(0..all.len(), *strip, &|bytes, _| {
+            joined::Part::new(&filtered(&all[bytes.clone()], above_of(bytes.start), *row, *pixel))
+        });
+        for part in packed {
+            let part = part?;
             self.adler.append(&part);
             let mut bytes = if self.has_begun { Vec::new() } else { joined::BEGIN.to_vec() };
             bytes.extend(part.bytes);

@@ -11,13 +11,14 @@ use crate::read::lines::Spot;
 use crate::read::particles::frame::{Column, Particles};
 use halfline::error::{Error, Place, Result};
 use halfline::memory::{check, check_spheres};
+use halfline::parallel;
 use halfline::progress::Watch;
 use halfline::quote::setting::AS_LISTED;
 use halfline::quote::{quote, unquoted};
 use halfline::scene::Cell;
 use halfline::scene::instances::Operator;
-use rayon::prelude::*;
 use std::collections::HashSet;
+use std::ops::Range;
 
 /// Two images of one atom closer than this, ångström, are one atom on a special position whose coordinates are rounded
 /// (0.333 for 1/3) or refined slightly beside it. It is half the shortest distance between nuclei, the bond of H2,
@@ -271,7 +272,7 @@ impl Symmetry {
             listed.skipped.assumed.push(warning);
         }
         if operators.len() < 2 {
-            listed.positions.par_iter_mut().for_each(|position| *position = cell.place(*position));
+            parallel::each(&mut listed.positions, |_, position| *position = cell.place(*position));
             if is_requested && operators.is_empty() && !self.is_named() {
                 listed.skipped.assumed.push(self.without());
             }
@@ -282,14 +283,12 @@ impl Symmetry {
         let each =
             2 * size_of::<Image>() + size_of::<[f64; 3]>() + size_of::<u8>() + listed.columns.len() * size_of::<f64>();
         check(total.saturating_mul(each as u64), || format!("the {total} atoms that symmetry may make"))?;
-        let part = |(part, positions): (usize, &[[f64; 3]])| {
+        let part = |atoms: Range<usize>| {
             watch.check()?;
-            let numbered = positions.iter().enumerate();
-            Ok(numbered.flat_map(|(n, place)| images(&operators, *place, cell, part * PART + n)).collect::<Vec<_>>())
+            Ok(atoms.flat_map(|n| images(&operators, listed.positions[n], cell, n)).collect())
         };
-        let parts = listed.positions.par_chunks(PART).enumerate().map(part).collect::<Result<Vec<_>>>()?;
-        let mut places: Vec<Image> = parts.into_iter().flatten().collect();
-        places.par_sort_unstable_by_key(|image| (image.operator, image.atom));
+        let mut places: Vec<Image> = parallel::try_collect(atoms, PART, &part)?;
+        parallel::sort(&mut places, |a, b| (a.operator, a.atom).cmp(&(b.operator, b.atom)));
         let mut whole = Particles { has: listed.has, labels: listed.labels, ..Particles::default() };
         whole.positions = places.iter().map(|image| cell.place(image.position)).collect();
         whole.elements = places.iter().map(|image| listed.elements[image.atom]).collect();

@@ -3,7 +3,7 @@
 use crate::read::elements::element;
 use crate::read::particles::frame::Particles;
 use crate::read::particles::infer::residues::{ResidueClass, class};
-use rayon::prelude::*;
+use halfline::parallel::{self, CHEAP};
 
 /// The longest bond, in sums of covalent radii. Vibrations stretch bonds by less; the closest atoms without a bond are the
 /// ends of a hydrogen bond, 1.5 times their sum apart.
@@ -30,28 +30,26 @@ pub(super) struct Atoms {
 
 impl Atoms {
     pub(super) fn of(particles: &Particles) -> Self {
-        let covalent = |number: &u8| element(*number).and_then(|element| element.covalent);
-        let has_elements = particles.elements.par_iter().any(|number| covalent(number).is_some());
+        let elements = &particles.elements;
+        let covalent = |number: u8| element(number).and_then(|element| element.covalent);
+        let has_elements = !parallel::all(elements, |number| covalent(*number).is_none());
         let reach = |number: u8| {
-            let radius = covalent(&number).filter(|_| !IONS.contains(&number));
+            let radius = covalent(number).filter(|_| !IONS.contains(&number));
             radius.map_or(0.0, |radius| LONGEST * radius as f32)
         };
         let table: Vec<f32> = (0..=u8::MAX).map(reach).collect();
         let classes = classes(particles);
         let is = |n: usize, class: ResidueClass| classes.get(n).is_some_and(|found| *found == Some(class));
-        let atoms = || particles.elements.par_iter().enumerate();
-        let bond = |(n, number): (usize, &u8)| {
-            if is(n, ResidueClass::Water) { 0.0 } else { table[usize::from(*number)] }
-        };
+        let bond = |n: usize| if is(n, ResidueClass::Water) { 0.0 } else { table[usize::from(elements[n])] };
         let is_polymer = |n: usize| is(n, ResidueClass::Protein) || is(n, ResidueClass::Nucleic);
-        let are_polymers: Vec<bool> = atoms().map(|(n, _)| is_polymer(n)).collect();
-        let contact = |(n, number): (usize, &u8)| {
-            let touches = *number > 1 && (are_polymers[n] || classes.get(n) == Some(&None));
+        let are_polymers = parallel::from_fn(elements.len(), is_polymer);
+        let contact = |n: usize| {
+            let touches = elements[n] > 1 && (are_polymers[n] || classes.get(n) == Some(&None));
             if touches { TOUCH } else { 0.0 }
         };
-        let any = are_polymers.par_iter().any(|is_polymer| *is_polymer);
-        let contacts = if any { atoms().map(contact).collect() } else { Vec::new() };
-        Self { bonds: atoms().map(bond).collect(), contacts, are_polymers, has_elements }
+        let is_without = parallel::all(&are_polymers, |is_polymer| !is_polymer);
+        let contacts = if is_without { Vec::new() } else { parallel::from_fn(elements.len(), contact) };
+        Self { bonds: parallel::from_fn(elements.len(), bond), contacts, are_polymers, has_elements }
     }
 
     /// Whether two atoms that touch are joined.
@@ -68,5 +66,5 @@ fn classes(particles: &Particles) -> Vec<Option<ResidueClass>> {
     };
     let of = |name: &String| class(name.trim().to_ascii_uppercase().as_bytes());
     let known: Vec<_> = names.iter().map(of).collect();
-    column.values.par_iter().map(|name| known.get(*name as usize).copied().flatten()).collect()
+    parallel::values(column.values.len(), CHEAP, |n| known.get(column.values[n] as usize).copied().flatten())
 }

@@ -3,8 +3,8 @@
 use super::edges::Edges;
 use glam::{DMat3, DVec3};
 use halfline::error::{Error, Result};
+use halfline::parallel;
 use halfline::scene::Cell;
-use rayon::prelude::*;
 
 /// The most cells that a distance may span along an edge.
 const MOST: f64 = 50.0;
@@ -50,7 +50,7 @@ impl Images {
             let fractions = edges.fractions(DVec3::from_array(*position) - edges.origin);
             edges.back(*position, fractions.floor() * self.repeats)
         };
-        positions.par_iter().map(inside).collect()
+        parallel::map(positions, inside)
     }
 }
 

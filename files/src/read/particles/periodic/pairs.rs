@@ -4,8 +4,8 @@ use super::super::grouped::Grouped;
 use super::edges::Edges;
 use glam::DVec3;
 use halfline::error::{Error, Result};
+use halfline::parallel::{self, CHEAP};
 use halfline::quote::setting::UNWRAP;
-use rayon::prelude::*;
 
 /// The pairs of atoms whose nearest images are at most the sum of their reaches apart, as far as they are wanted: each once,
 /// the lower index first, in ascending order. An atom with the reach 0 is in none. The time is that of the atoms and their
@@ -19,7 +19,7 @@ pub(super) fn pairs(
     reaches: &[f32],
     is_pair: impl Fn(usize, usize) -> bool + Sync,
 ) -> Result<Vec<[u32; 2]>> {
-    let largest = reaches.par_iter().copied().reduce(|| 0.0, f32::max);
+    let largest = parallel::reduce(reaches, 0.0, f32::max);
     if largest <= 0.0 {
         return Ok(Vec::new());
     }
@@ -46,8 +46,13 @@ pub(super) fn pairs(
         found.sort_unstable();
         found.into_iter().map(move |b| [a as u32, b])
     };
-    Ok((0..positions.len()).into_par_iter().filter(|a| reaches[*a] > 0.0).flat_map_iter(of).collect())
+    Ok(parallel::collect(positions.len(), ATOMS_PER_JOB, &|atoms, out| {
+        out.extend(atoms.filter(|a| reaches[*a] > 0.0).flat_map(of));
+    }))
 }
+
+/// Atoms whose pairs one job finds.
+const ATOMS_PER_JOB: usize = 1 << 8;
 
 /// The most pairs within cells for each atom, and in all: those of bonds are some 15, and of a thousand atoms at one place a thousand.
 const MOST_PAIRS: u64 = 1 << 10;
@@ -70,11 +75,11 @@ struct Grid {
 impl Grid {
     /// With cells that are at least `width` across.
     fn new(frame: &Edges, positions: &[[f64; 3]], reaches: &[f32], width: f64) -> Self {
-        let fraction = |position: &[f64; 3]| {
-            let fractions = frame.fractions(DVec3::from_array(*position) - frame.origin);
+        let fraction = |position: [f64; 3]| {
+            let fractions = frame.fractions(DVec3::from_array(position) - frame.origin);
             fractions - fractions.floor()
         };
-        let fractions: Vec<DVec3> = positions.par_iter().map(fraction).collect();
+        let fractions = parallel::values(positions.len(), CHEAP, |n| fraction(positions[n]));
         // A sparse cell needs no more cells than it has atoms.
         let most = (2.0 * (positions.len() as f64).cbrt()).ceil().max(3.0);
         let all = (frame.heights() / width).to_array().map(|side| side.floor().clamp(1.0, FINEST));
