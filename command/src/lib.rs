@@ -63,6 +63,8 @@ mod values;
 #[cfg(feature = "view")]
 mod view;
 mod visible;
+#[cfg(not(target_arch = "wasm32"))]
+mod workers;
 
 #[cfg(not(feature = "measure"))]
 use left_out::{self as compare, self as measure};
@@ -170,7 +172,8 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let log = tracing_subscriber::fmt::layer().with_ansi(colored).with_writer(io::stderr).log_internal_errors(false);
     tracing_subscriber::registry().with(log.with_filter(levels)).init();
     signals::listen();
-    threads::start();
+    #[cfg(not(target_arch = "wasm32"))]
+    workers::start();
     match &arguments.command {
         Command::Render(render) => render.run(),
         Command::Info(info) => info.run(),
