@@ -144,13 +144,13 @@ pub fn hash<'a>(hasher: &'a mut Hasher, bytes: &[u8]) -> &'a mut Hasher {
     hasher.update_rayon(bytes)
 }
 
-/// Appends the values of the numbers below `count`, in their order. Each loop is compiled anew, but the new memory is first written by all
-/// threads, not by the one that appends.
-pub fn extend<T: Send>(values: &mut Vec<T>, count: usize, each: impl Fn(usize) -> T + Send + Sync) {
+/// Appends the value of each `size` items. Each loop is compiled anew, but the new memory is first written by all threads, not by the one
+/// that appends.
+pub fn extend<A: Sync, T: Send>(values: &mut Vec<T>, items: &[A], size: usize, of: impl Fn(&[A]) -> T + Send + Sync) {
     #[cfg(target_arch = "wasm32")]
-    values.extend((0..count).map(each));
+    values.extend(items.chunks_exact(size).map(of));
     #[cfg(not(target_arch = "wasm32"))]
-    values.par_extend((0..count).into_par_iter().with_min_len(CHEAP).map(each));
+    values.par_extend(items.par_chunks_exact(size).map(of));
 }
 
 /// Runs `body` for each chunk of `size` values, with its number; the last may be shorter.
@@ -323,8 +323,9 @@ mod tests {
                 let (mut sorted, mut sums, mut more) = (mixed.clone(), mixed.clone(), vec![1]);
                 sort(&mut sorted, usize::cmp);
                 zip(&mut sums, &mixed, |sum, n| *sum += n);
-                extend(&mut more, count, |n| mixed[n]);
-                assert!(sorted.is_sorted() && sorted.len() == count && more[1..] == mixed);
+                extend(&mut more, &mixed, 2, |pair| pair[1]);
+                assert!(sorted.is_sorted() && sorted.len() == count);
+                assert!(more[1..].iter().eq(mixed.iter().skip(1).step_by(2)));
                 assert!(sums.iter().zip(&mixed).all(|(sum, n)| *sum == 2 * n));
                 let bytes: Vec<u8> = mixed.iter().map(|n| *n as u8).collect();
                 assert_eq!(hash(&mut Hasher::new(), &bytes).finalize(), blake3::hash(&bytes));

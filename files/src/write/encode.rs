@@ -182,9 +182,9 @@ fn straight<const N: usize>(
     level: impl Fn(f32) -> [u8; N] + Sync,
     share: impl Fn(f32) -> [u8; N] + Sync,
 ) -> Vec<u8> {
-    let mut out = vec![0; 4 * N * alpha.len()];
+    let (linear, mut out) = (linear.as_chunks().0, vec![0; 4 * N * alpha.len()]);
     parallel::each(out.as_chunks_mut().0.as_chunks_mut().0, |n, out| {
-        let own = [0, 1, 2].map(|k| if alpha[n] > 0.0 { linear[3 * n + k] / alpha[n] } else { 0.0 });
+        let own = linear[n].map(|x| if alpha[n] > 0.0 { x / alpha[n] } else { 0.0 });
         let [red, green, blue] = toning.of(own).map(&level);
         *out = [red, green, blue, share(alpha[n])];
     });

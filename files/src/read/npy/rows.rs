@@ -178,14 +178,12 @@ impl Matrix {
     ) -> bool {
         let (before, has_radii) = (spheres.len(), self.width == 4);
         let at = |row: &[u8], column: usize| row.as_chunks().0.get(column).map_or(1.0, |bytes| number(*bytes));
-        let (size, count) = (self.row(), block.len() / self.row());
-        let row = |n: usize| &block[n * size..][..size];
         let (centers, radii) = (spheres.centers.to_mut(), spheres.radii.to_mut());
-        parallel::extend(centers, count, |n| [0, 1, 2].map(|column| at(row(n), column)));
-        parallel::extend(radii, count, |n| if has_radii { at(row(n), 3) } else { 1.0 });
+        parallel::extend(centers, block, self.row(), |row| [at(row, 0), at(row, 1), at(row, 2)]);
+        parallel::extend(radii, block, self.row(), |row| if has_radii { at(row, 3) } else { 1.0 });
         let (new_centers, new_radii) = (&centers[before..], &radii[before..]);
         // Without branches within a job, so that compilers vectorize it.
-        let invalid = parallel::any(count, CHEAP, &|rows| {
+        let invalid = parallel::any(new_radii.len(), CHEAP, &|rows| {
             let all = new_centers[rows.clone()].iter().zip(&new_radii[rows]);
             !all.fold(true, |all, (center, radius)| all & is_center(center) & is_radius(radius))
         });
