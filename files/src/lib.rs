@@ -4,6 +4,11 @@
 //! - [`write`](mod@write): the files of frames, written, read back and merged; files of hits and rays.
 //! - [`parts`]: files of the share that some of a scene's spheres have in a frame.
 
+#![cfg_attr(
+    not(feature = "formats"),
+    expect(dead_code, reason = "the readers that are left out use some of what all share")
+)]
+
 #[doc(hidden)]
 pub mod blocks;
 mod npy;
@@ -12,3 +17,7 @@ pub mod read;
 pub mod write;
 
 pub use read::ReadOptions;
+
+/// What brings the formats that a build lacks.
+#[cfg(not(feature = "formats"))]
+const WHOLE: &str = "cargo install --path command brings all formats";

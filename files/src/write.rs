@@ -6,6 +6,7 @@ pub mod buffers;
 mod cryptomatte;
 mod digest;
 mod encode;
+#[cfg(feature = "formats")]
 mod exr;
 pub mod figure;
 pub mod file;
@@ -16,6 +17,8 @@ pub mod image_file;
 mod layer;
 pub mod mattes;
 pub mod merge;
+#[cfg(not(feature = "formats"))]
+mod no_exr;
 pub mod npy;
 pub(crate) mod npz;
 mod pfm;
@@ -23,3 +26,6 @@ mod plain;
 pub mod png;
 pub mod rays;
 mod rows;
+
+#[cfg(not(feature = "formats"))]
+use no_exr as exr;

@@ -9,8 +9,11 @@ use super::particles::identity::{self, Ordered};
 use super::particles::joined::{Joined, NUMBERS, Topology};
 use super::particles::request::Request;
 use super::particles::table::Table;
+#[cfg(feature = "formats")]
 use super::particles::trajectory::Trajectory;
-use super::particles::{data, dump, gro, gsd, las, mmcif, molecule, npz, pcd, pdb, ply, poscar, ptx, xyz};
+#[cfg(feature = "formats")]
+use super::particles::{data, gsd, las, mmcif, npz, pcd, poscar, ptx};
+use super::particles::{dump, gro, molecule, pdb, ply, xyz};
 use super::source::SceneSource;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::setting::{ATOM_STYLE, COLUMNS, FORMAT, TOPOLOGY};
@@ -76,34 +79,48 @@ pub(super) fn listed(
     }
     let warning = source.warning.take();
     let frames: Box<dyn ParticleFrames> = match source.format {
-        Format::Mmcif => Box::new(mmcif::Mmcif::new(source, request)),
         Format::Gro => Box::new(gro::Gro::new(source, request)),
         Format::Pdb | Format::Pqr | Format::Pdbqt => Box::new(pdb::Pdb::new(source, request)),
         Format::Xyz => Box::new(xyz::Xyz::new(source, request)),
         Format::Dump => Box::new(dump::Dump::new(source, request)),
-        Format::Data => one(move || data::read(source, &request)),
         Format::Ply => one(move || ply::read(source, &request)),
         Format::Csv => {
             let table = Table::open(source, &request)?;
             one(move || table.all())
         }
-        Format::Ptx => one(move || ptx::read(source, &request)),
         Format::Pts => one(move || Table::points(source, &request)?.all()),
         Format::Npy => Box::new(records::Array::new(source, request)),
-        Format::Npz => Box::new(npz::Npz::new(source, request)),
-        Format::Xtc | Format::Trr | Format::Dcd => {
-            Box::new(Trajectory::new(source, options.topology.is_some(), &request))
-        }
-        Format::Poscar => one(move || poscar::read(source, &request)),
-        Format::Pcd => one(move || pcd::read(source, &request)),
-        Format::Las => one(move || las::read(source, &request)),
-        Format::Gsd => Box::new(gsd::Gsd::new(source, request)),
-        _ => return Ok(Err(SceneSource { warning, ..source })),
+        Format::Native | Format::Nff => return Ok(Err(SceneSource { warning, ..source })),
+        _ => other(source, request, options.topology.is_some())?,
     };
     Ok(Ok(match warning {
         Some(_) => Box::new(Noted { frames, warning }),
         None => frames,
     }))
+}
+
+/// The frames of a file in a format of the feature `formats`.
+#[cfg(feature = "formats")]
+#[expect(clippy::unnecessary_wraps, reason = "a build without these formats refuses")]
+fn other(source: SceneSource, request: Request, has_topology: bool) -> Result<Box<dyn ParticleFrames>> {
+    Ok(match source.format {
+        Format::Data => one(move || data::read(source, &request)),
+        Format::Gsd => Box::new(gsd::Gsd::new(source, request)),
+        Format::Las => one(move || las::read(source, &request)),
+        Format::Npz => Box::new(npz::Npz::new(source, request)),
+        Format::Pcd => one(move || pcd::read(source, &request)),
+        Format::Poscar => one(move || poscar::read(source, &request)),
+        Format::Ptx => one(move || ptx::read(source, &request)),
+        Format::Xtc | Format::Trr | Format::Dcd => Box::new(Trajectory::new(source, has_topology, &request)),
+        _ => Box::new(mmcif::Mmcif::new(source, request)),
+    })
+}
+
+#[cfg(not(feature = "formats"))]
+fn other(source: SceneSource, _: Request, _: bool) -> Result<Box<dyn ParticleFrames>> {
+    let file = Place::file(source.path.display().to_string());
+    let problem = format!("this build of halfline does not read the format {}", source.format.name());
+    Err(Error::scene(file, problem, crate::WHOLE))
 }
 
 /// The frames of a file of which something is to be said, which the first that is read says.

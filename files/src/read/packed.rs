@@ -2,10 +2,12 @@
 //! of gzip, streams of bzip2 and xz, frames of Zstandard) are one content.
 
 mod members;
+#[cfg(feature = "formats")]
 mod zstandard;
 
 use super::gauge::Counts;
 use halfline::error::Error;
+#[cfg(feature = "formats")]
 use lzma_rust2::XzReader;
 use members::Members;
 use std::io::{self, BufRead, Read};
@@ -44,12 +46,17 @@ impl Packing {
     }
 
     /// The decompressed content of `raw`; `counts` gets notice of decompressed bytes that are not delivered yet.
+    #[cfg_attr(not(feature = "formats"), expect(unused_variables, reason = "Zstandard alone counts"))]
     pub(super) fn reader(self, raw: impl BufRead + Send + 'static, counts: &Arc<Counts>) -> Unpacked {
         let reader: Box<dyn Read + Send> = match self {
             Self::Gzip => Box::new(Members::gzip(raw)),
             Self::Bzip2 => Box::new(Members::bzip2(raw)),
+            #[cfg(feature = "formats")]
             Self::Xz => Box::new(XzReader::new_mem_limit(raw, true, XZ_MEMORY)),
+            #[cfg(feature = "formats")]
             Self::Zstandard => Box::new(zstandard::Frames::new(raw, Arc::clone(counts), WINDOW)),
+            #[cfg(not(feature = "formats"))]
+            Self::Xz | Self::Zstandard => Box::new(Refused(self)),
         };
         Unpacked { reader, packing: self }
     }
@@ -99,6 +106,18 @@ impl Unpacked {
             _ => format!("the {name} data are damaged ({error}); {mend}"),
         };
         io::Error::new(error.kind(), text)
+    }
+}
+
+/// Data that this build does not decompress.
+#[cfg(not(feature = "formats"))]
+struct Refused(Packing);
+
+#[cfg(not(feature = "formats"))]
+impl Read for Refused {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        let problem = format!("this build of halfline does not decompress {}", self.0.names()[0]);
+        Err(io::Error::other(Error::settings(problem, crate::WHOLE)))
     }
 }
 

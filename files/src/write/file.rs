@@ -58,6 +58,11 @@ impl Target {
             let problem = format!("{} cannot hold the {names} {buffers}", path.display());
             return Err(Error::settings(problem, format!("use the file name extension {}", FileFormat::endings(fits))));
         };
+        #[cfg(not(feature = "formats"))]
+        if format == FileFormat::Exr {
+            let problem = format!("{}: this build of halfline does not write OpenEXR", path.display());
+            return Err(Error::settings(problem, crate::WHOLE));
+        }
         Ok(Self::with_format(aovs, path, format, style))
     }
 
