@@ -171,13 +171,28 @@ fn polyline(points: &[BackendCoord], closed: bool) -> Option<Path> {
     path.finish()
 }
 
+/// The fonts of a page, of which each reader loads a copy, have the letters of Europe and the signs of physics: fonts/make.
+#[cfg(target_arch = "wasm32")]
+mod sans {
+    pub(super) fn regular() -> &'static [u8] {
+        include_bytes!("../fonts/DejaVuSans.ttf")
+    }
+
+    pub(super) fn bold() -> &'static [u8] {
+        include_bytes!("../fonts/DejaVuSans-Bold.ttf")
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+use dejavu::sans;
+
 struct Faces {
     regular: Face,
     bold: Face,
 }
 
 static FACES: LazyLock<Faces> =
-    LazyLock::new(|| Faces { regular: Face::new(dejavu::sans::regular()), bold: Face::new(dejavu::sans::bold()) });
+    LazyLock::new(|| Faces { regular: Face::new(sans::regular()), bold: Face::new(sans::bold()) });
 
 /// The outlines of a text that begins at a point of its baseline; `None` for blanks.
 pub(super) fn letters(text: &str, bold: bool, size: f32, at: (f32, f32)) -> Option<Path> {
