@@ -1,6 +1,9 @@
 //! docs/claims.md names code and tests that exist.
 
-use std::path::Path;
+#[path = "common/home.rs"]
+mod home;
+
+use home::home;
 
 /// `file#name` and files of theorems, in backquotes.
 fn named(cell: &str) -> impl Iterator<Item = (&str, Option<&str>)> {
@@ -9,7 +12,7 @@ fn named(cell: &str) -> impl Iterator<Item = (&str, Option<&str>)> {
 }
 
 fn text(file: &str) -> Option<String> {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).ok()
+    std::fs::read_to_string(home().join(file)).ok()
 }
 
 fn is_declared(text: &str, name: &str) -> bool {
@@ -58,7 +61,7 @@ fn every_claim_names_code_and_a_test_that_exist() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
     assert!(rows > 40, "{rows} rows");
     // Every theorem is named in a row.
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gappa");
+    let folder = home().join("tests/gappa");
     let theorems = std::fs::read_dir(folder).expect("tests/gappa").map(|entry| entry.expect("a file").path());
     for theorem in theorems.filter(|path| path.extension().is_some_and(|ending| ending == "g")) {
         let name = format!("tests/gappa/{}", theorem.file_name().expect("a name").to_string_lossy());

@@ -5,6 +5,9 @@
 
 #![expect(unsafe_code, reason = "a global allocator needs it")]
 
+#[path = "common/amount.rs"]
+#[expect(dead_code, reason = "there is no end of damaged inputs")]
+mod amount;
 #[path = "../fuzz/src/corpus.rs"]
 mod corpus;
 #[path = "../fuzz/src/counting.rs"]
@@ -13,15 +16,18 @@ mod counting;
 mod damage;
 #[path = "../fuzz/src/harness.rs"]
 mod harness;
+#[path = "common/home.rs"]
+mod home;
 #[path = "common/rng.rs"]
 #[expect(dead_code, reason = "files need no real numbers")]
 mod rng;
 
+use amount::amount;
 use damage::damage;
 use harness::Target;
+use home::home;
 use rng::Rng;
 use std::panic::{self, AssertUnwindSafe};
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 #[global_allocator]
@@ -45,11 +51,12 @@ fn fault(target: &Target, content: &[u8]) -> Option<String> {
 // One test, because memory is counted for the whole process.
 #[test]
 fn every_input_of_the_corpus_is_read_or_refused_and_so_are_damaged_ones() {
-    let runs: usize = std::env::var("HALFLINE_FUZZ_RUNS").map_or(1000, |runs| runs.parse().expect("a number of runs"));
+    let given = std::env::var("HALFLINE_FUZZ_RUNS").map(|runs| runs.parse().expect("a number of runs"));
+    let runs: usize = given.unwrap_or_else(|_| amount("damaged inputs of a target", [200, 1000, 1000]));
     let only = std::env::var("HALFLINE_FUZZ_TARGET").ok();
     let mut faults = Vec::new();
     for target in Target::all().iter().filter(|target| only.as_deref().is_none_or(|only| only == target.name)) {
-        let pack = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target.name).with_extension("zip");
+        let pack = home().join("fuzz/corpus").join(target.name).with_extension("zip");
         let inputs = corpus::read(&pack);
         assert!(inputs.len() > 1, "{} has no corpus", target.name);
         for (name, content) in &inputs {

@@ -1,6 +1,10 @@
 //! The rooms of src/ import only downwards, by the table of ARCHITECTURE.md, and no files of a crate or of the Python package
 //! import each other in a circle.
 
+#[path = "common/home.rs"]
+mod home;
+
+use home::home;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -14,12 +18,8 @@ type Files = BTreeMap<Module, String>;
 /// The files that each file imports from.
 type Imports = BTreeMap<Module, BTreeSet<Module>>;
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
 fn read(path: impl AsRef<Path>) -> String {
-    let path = root().join(path);
+    let path = home().join(path);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
@@ -68,13 +68,13 @@ fn code(text: &str) -> String {
 /// The folders of the crates that exist.
 fn crates() -> impl Iterator<Item = &'static str> {
     let all = ["src", "command/src", "drawing/src", "files/src", "measure/src", "viewer/src", "python/src"];
-    all.into_iter().filter(|folder| root().join(folder).is_dir())
+    all.into_iter().filter(|folder| home().join(folder).is_dir())
 }
 
 /// The files of the crate in `folder`.
 fn files(folder: &str) -> Files {
     let mut files = Files::new();
-    collect(&root().join(folder), &[], &mut files);
+    collect(&home().join(folder), &[], &mut files);
     files
 }
 
@@ -310,7 +310,7 @@ fn rooms_import_only_downwards() {
 #[test]
 fn no_files_import_each_other_in_a_circle() {
     let found = crates().map(|folder| (folder, imports(&files(folder))));
-    let package = ("python/halfline", python_imports(&root().join("python/halfline")));
+    let package = ("python/halfline", python_imports(&home().join("python/halfline")));
     let mut faults = Vec::new();
     for (folder, imports) in found.chain([package]) {
         let count: usize = imports.values().map(BTreeSet::len).sum();

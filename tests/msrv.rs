@@ -1,6 +1,10 @@
 //! The promise: no dependency declares a newer Rust version than Cargo.toml, and no document or workflow names another. For
 //! crates that declare none, a CI job builds with that version.
 
+#[path = "common/home.rs"]
+mod home;
+
+use home::home;
 use serde_json::Value;
 use std::process::Command;
 
@@ -11,7 +15,7 @@ fn version(text: &str) -> Vec<u64> {
 #[test]
 fn no_dependency_needs_a_newer_rust() {
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["metadata", "--locked", "--format-version", "1"]).current_dir(env!("CARGO_MANIFEST_DIR"));
+    cargo.args(["metadata", "--locked", "--format-version", "1"]).current_dir(home());
     let output = cargo.output().expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let metadata: Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -35,7 +39,7 @@ fn after<'a>(text: &'a str, before: &str) -> Vec<&'a str> {
 #[test]
 fn documents_and_workflows_name_the_rust_of_the_manifest() {
     let text = |file: &str| {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+        let path = home().join(file);
         std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{file}: {e}"))
     };
     let ours = env!("CARGO_PKG_RUST_VERSION").trim_end_matches(".0");
