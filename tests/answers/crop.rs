@@ -66,7 +66,7 @@ pub(crate) fn windows() -> Vec<Window> {
         let [a, b] = [0, 1].map(|_| (random.unit() * f64::from(n)) as u32);
         [a.min(b), a.max(b) + 1]
     };
-    let random = (0..amount("random windows", 1, 6))
+    let random = (0..amount("random windows", [1, 1, 6]))
         .map(|_| (range(w), range(h)))
         .map(|([x0, x1], [y0, y1])| [x0, y0, x1, y1])
         .collect::<Vec<_>>();

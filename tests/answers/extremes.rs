@@ -54,7 +54,7 @@ fn settings(accuracy: Accuracy, tolerance: f64) -> Settings {
 
 /// The seeds of a test that would take these: the first alone where not everything is tested.
 pub(crate) fn seeds(all: &[u64]) -> &[u64] {
-    &all[..amount("seeds of families", 1, all.len())]
+    &all[..amount("seeds of families", [1, 1, all.len()])]
 }
 
 /// The scenes of a family, in frames of half their size where not everything is tested. Families that read files get generated
@@ -67,11 +67,15 @@ pub(crate) fn scenes(family: &Family, seed: u64) -> Vec<Scene> {
     let mut scenes = family.scenes(seed, Some(folder.path())).expect("valid scenes");
     assert!(!scenes.is_empty(), "{} has scenes", family.name);
     if !everything() {
-        for ImagePlane { width, height, .. } in scenes.iter_mut().map(|scene| &mut scene.image) {
-            (*width, *height) = (width.div_ceil(2), height.div_ceil(2));
-        }
+        scenes.iter_mut().for_each(halve);
     }
     scenes
+}
+
+/// Halves the sides of a frame.
+pub(crate) fn halve(scene: &mut Scene) {
+    let ImagePlane { width, height, .. } = &mut scene.image;
+    (*width, *height) = (width.div_ceil(2), height.div_ceil(2));
 }
 
 /// The exact frame.

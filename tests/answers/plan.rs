@@ -246,7 +246,7 @@ fn before(report: Report) -> impl PartialEq + std::fmt::Debug {
 fn the_plan_is_what_is_rendered() {
     let (mut compared, mut combination) = (0, 0);
     // A number that has no divisor in common with the numbers of choices: every pair of choices occurs.
-    let stride = 7 / amount("combinations of settings, in sevenths", 1, 7);
+    let stride = 7 / amount("combinations of settings, in sevenths", [1, 1, 7]);
     for (backend, mut renderer) in renderers() {
         for (mut scene, aperture) in of_each_kind() {
             (scene.image.width, scene.image.height) = (24, 16);

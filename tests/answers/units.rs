@@ -59,7 +59,7 @@ fn scene(rng: &mut Rng, most: i32) -> Scene {
     let camera = Camera { lens, ..Camera::CANONICAL };
     Scene {
         camera,
-        image: ImagePlane { width: 24, height: 20, background: [0.0; 3] },
+        image: ImagePlane { width: 16, height: 12, background: [0.0; 3] },
         spheres,
         lighting: Default::default(),
     }
@@ -70,7 +70,7 @@ fn an_adapter_has_the_bits_of_the_cpu_path_in_any_unit() {
     let Some(mut both) = Both::new() else { return };
     let mut rng = Rng::new(0x1e);
     let mut hits = 0;
-    for case in 0..amount("units on an adapter", 150, 1500) {
+    for case in 0..amount("units on an adapter", [50, 150, 1500]) {
         let scene = scene(&mut rng, 60);
         let settings = settings();
         hits += both.compare(&format!("{case}: {:?}", scene.camera.lens), &scene, &settings).report.hits;
@@ -115,7 +115,7 @@ fn streams_and_parts_have_the_bits_of_memory_in_any_unit() {
     let mut renderer = cpu();
     let mut rng = Rng::new(0x5e);
     let [mut hits, mut compared, mut refused] = [0; 3];
-    for case in 0..amount("units of streams", 150, 1500) {
+    for case in 0..amount("units of streams", [50, 150, 1500]) {
         let scene = scene(&mut rng, 120);
         let whole = renderer.render(&scene, &settings()).expect("a frame");
         for (way, visible) in [("streamed", streamed(&scene)), ("in parts", in_parts(&scene, case % 2 == 0))] {

@@ -1,5 +1,6 @@
 //! The controls of the page of `halfline view`: options that it sets give the picture of the command that it copies.
 
+use crate::amount::amount;
 use crate::data::real_or_skip;
 use crate::page::{Page, moved};
 use crate::rng::Rng;
@@ -88,7 +89,7 @@ fn drawn_controls_have_the_bytes_of_their_command() {
         (5, "film.xyz --look plain --color-by q --mark element~O=oxygen", "q > 0"),
         (6, "s.toml --look soft", "radius > 0"),
     ] {
-        all.extend(check(&dir, arguments, selection, 12, seed));
+        all.extend(check(&dir, arguments, selection, amount("stills with drawn controls", [6, 12, 12]), seed));
     }
     for id in ["color_by", "map", "opacity", "layers", "background", "look", "samples", "clip"] {
         assert!(all.iter().any(|drawn| drawn == id), "{id} was never drawn");
@@ -100,7 +101,7 @@ fn drawn_controls_of_real_files_have_the_bytes_of_their_command() {
     let dir = dir();
     for (name, path) in real_or_skip(&["1tii.pdb", "balls_s2.nff"]) {
         dir.put(name, std::fs::read(path).expect("a file"));
-        check(&dir, name, "z > 0", 9, 7);
+        check(&dir, name, "z > 0", amount("stills of a real file", [3, 9, 9]), 7);
     }
 }
 

@@ -132,6 +132,10 @@ impl Case {
         if err.trim().is_empty() {
             return Some(format!("ends with {code} and says nothing"));
         }
+        // What succeeds on the same files is known.
+        if *files == self.before {
+            return None;
+        }
         let again = run(shim, self.command, files, None);
         (again.code != Some(0) || again.files != self.after).then(|| format!("cannot be done again: {}", again.err))
     }
@@ -143,7 +147,10 @@ impl Case {
         assert_eq!((whole.code, &whole.files), (Some(0), &self.after), "{} counted: {}", self.name, whole.err);
         let calls = whole.calls.expect("the shim counts");
         // The number and the order of allocations vary with the threads.
-        let share = if calls > 24 { amount("calls of a kind that has many, in eighths", 1, 8) } else { 8 };
+        let share = match calls {
+            0..=24 => amount("calls of a kind that has few, in eighths", [3, 8, 8]),
+            _ => amount("calls of a kind that has many, in eighths", [1, 1, 8]),
+        };
         let failing = (1..=calls).filter(|n| n % 8 < share);
         let runs = failing.flat_map(|n| [(n, n), (n, u64::MAX >> 1)]).collect::<Vec<_>>();
         let outcomes: Vec<_> = runs

@@ -73,33 +73,33 @@ fn too_little_memory_is_exit_code_5() {
         found.least
     };
     // The limits lie farther apart where not everything is tested.
-    let apart = 4 / amount("limits of memory, in quarters", 1, 4);
-    let render = "render s.toml --backend cpu --size 1500x1500";
-    refused(&format!("{render} -o a.png"), "a.png", (64..=320).step_by(32 * apart));
+    let apart = 4 / amount("limits of memory, in quarters", [1, 1, 4]);
+    let render = "render s.toml --backend cpu --size 750x750";
+    refused(&format!("{render} -o a.png"), "a.png", (64..=160).step_by(8 * apart));
     let all = "--aov depth,distance,normal,position,id,mask,certainty,bound,alpha";
-    refused(&format!("{render} -o all.exr {all}"), "all.exr", (96..=864).step_by(64 * apart));
-    refused(&format!("{render} -o all.npz {all}"), "all.npz", (96..=864).step_by(64 * apart));
+    refused(&format!("{render} -o all.exr {all}"), "all.exr", (64..=288).step_by(16 * apart));
+    refused(&format!("{render} -o all.npz {all}"), "all.npz", (64..=288).step_by(16 * apart));
 
-    // Merging does not hold the whole frame in memory: two tiles of 81 MiB each are merged in less than either.
+    // Merging does not hold the whole frame in memory: two tiles of 41 MiB each are merged in less than either.
     for (tile, name) in [("1/2", "1.npy"), ("2/2", "2.npy")] {
-        dir.good(&format!("render s.toml --backend cpu --size 2660x2660 --tile {tile} --aov position={name}"));
+        dir.good(&format!("render s.toml --backend cpu --size 1900x1900 --tile {tile} --aov position={name}"));
     }
     let length = fs::metadata(dir.path("1.npy")).expect("there").len() >> 20;
-    assert!(length >= 80, "{length} MiB");
+    assert!(length >= 41, "{length} MiB");
     // Below 64 MiB the program itself may not be loaded, or its threads not be started.
     let base =
-        within(&dir, "render s.toml --backend cpu -o little.png", "little.png", (64..=192).step_by(8 * apart)).least;
-    let merged = refused("merge 1.npy 2.npy -o whole.npy", "whole.npy", (64..=320).step_by(8 * apart));
+        within(&dir, "render s.toml --backend cpu -o little.png", "little.png", (64..=128).step_by(4 * apart)).least;
+    let merged = refused("merge 1.npy 2.npy -o whole.npy", "whole.npy", (64..=192).step_by(4 * apart));
     assert!(merged < base + length, "merged within {merged} MiB, the program itself takes {base}");
-    refused("compare 1.npy 1.npy", "none", (128..=1152).step_by(128 * apart));
+    refused("compare 1.npy 1.npy", "none", (64..=576).step_by(64 * apart));
 }
 
 /// The memory for many rays is that for some: blocks are read, traced and written one after the other.
 #[test]
 fn any_number_of_rays_needs_the_same_memory() {
-    let dir = dir();
-    // Rays of 24 bytes and hits of 33: 36 MB and 50 MB, or four times as many.
-    for (name, count) in [("some.npy", 1_500_000), ("many.npy", 6_000_000)] {
+    let dir = dir().in_parts(4);
+    // Rays of 24 bytes and hits of 33: 9 MB and 12 MB, or four times as many.
+    for (name, count) in [("some.npy", 375_000), ("many.npy", 1_500_000)] {
         let rays: Vec<u8> = [0.0f32, 0.0, 0.0, 0.0, 0.0, -1.0].into_iter().flat_map(f32::to_le_bytes).collect();
         dir.put(name, npy_of("<f4", "False", &format!("({count}, 6)"), &rays.repeat(count)));
     }
@@ -112,12 +112,12 @@ fn any_number_of_rays_needs_the_same_memory() {
             let _ = fs::remove_file(dir.path(output));
             code == 0
         };
-        let least = (96..2048).step_by(32).find(|mib| traced("some.npy", *mib)).expect("enough memory");
+        let least = (64..1024).step_by(8).find(|mib| traced("some.npy", *mib)).expect("enough memory");
         println!("{output}: {least} MiB");
-        // The 4,500,000 rays and hits more are 244 MiB, of which a half would be noticed. Blocks are traced while others are
-        // read and written, so how many are alive at once, and what lies between them, differs from run to run: by 32 MiB on
+        // The 1,125,000 rays and hits more are 61 MiB, of which a half would be noticed. Blocks are traced while others are
+        // read and written, so how many are alive at once, and what lies between them, differs from run to run: by 8 MiB on
         // an idle machine of 2 cores.
-        assert!(traced("many.npy", least + 122), "{output}: some rays are traced in {least} MiB");
+        assert!(traced("many.npy", least + 30), "{output}: some rays are traced in {least} MiB");
     }
 }
 

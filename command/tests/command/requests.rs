@@ -353,7 +353,7 @@ fn drawn_options_have_the_bytes_of_their_command() {
         "--format csv",
     ];
     let mut rng = Rng::new(77);
-    for _ in 0..amount("draws", 4, 20) {
+    for _ in 0..amount("draws", [2, 4, 20]) {
         let mut drawn: Vec<&str> = Vec::new();
         for _ in 0..3 {
             let option = options[(rng.unit() * options.len() as f64) as usize];

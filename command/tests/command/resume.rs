@@ -166,7 +166,7 @@ fn signals_leave_no_half_files() {
     let renders = Renders::new();
     let before = renders.names();
     let (mut ended, start) = (0, Instant::now());
-    let apart = 4 / amount("moments of signals, in quarters", 1, 4);
+    let apart = 4 / amount("moments of signals, in quarters", [1, 1, 4]);
     for n in (0..24u64).step_by(apart) {
         let signal = ["-TERM", "-INT", "-HUP", "-QUIT", "-KILL", "-USR1"][(n as usize + n as usize / 8) % 6];
         // Some spend more time rendering, some more writing.

@@ -151,7 +151,7 @@ fn ordinary(quantity: Quantity, regime: Regime) -> [f64; 2] {
 }
 
 fn table(quantities: &[Quantity], regimes: &[Regime]) {
-    let lineages = amount("lineages of shots for a quantity and regime", 1, 4);
+    let lineages = amount("lineages of shots for a quantity and regime", [1, 1, 4]);
     let pairs: Vec<_> = quantities.iter().flat_map(|quantity| regimes.iter().map(move |r| (*quantity, *r))).collect();
     let found: Vec<_> = pairs
         .par_iter()

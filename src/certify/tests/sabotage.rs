@@ -241,7 +241,7 @@ fn every_constant_is_needed() {
             everything() || stored(name, *factor).is_none() && !survives(name, *factor)
         })
         .collect();
-    amount("searches for reduced constants", searched.len(), all.len());
+    amount("searches for reduced constants", [searched.len(), searched.len(), all.len()]);
     let found: Vec<_> = searched.par_iter().map(|(constant, factor)| sabotage(constant, *factor)).collect();
     println!("constant, factor: false answer, false bound, share");
     for ((Constant { name, .. }, factor), caught) in searched.iter().zip(&found) {

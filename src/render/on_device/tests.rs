@@ -103,7 +103,8 @@ fn a_device_that_fails_the_trial_draws_no_picture() {
 fn a_device_that_fails_while_it_draws_leaves_a_picture() {
     let Some(found) = adapter_or_skip() else { return };
     let apart = calls_apart(&found.summary.name);
-    let scene = cloud(12, true, 1);
+    let mut scene = cloud(12, true, 1);
+    (scene.image.width, scene.image.height) = (67, 51);
     let mut host = Renderer::new(&settings(Backend::Cpu)).expect("the CPU path");
     let expected = host.render(&scene, &settings(Backend::Cpu)).expect("a frame");
     for (fault, word) in [(Fault::Lost, " was lost"), (Fault::OutOfMemory, " is out of memory")] {
