@@ -11,14 +11,16 @@ import pytest
 
 import halfline as hl
 
-# Packages whose tests only `tests/run --all` runs: where they are installed too, so that a run does not depend on the machine.
+# Packages whose tests only `tests/run --all` runs, and those of `--ci`: hidden where they are installed too, so that a run does not
+# depend on the machine.
 ECOSYSTEM = ("ase", "MDAnalysis", "MDAnalysisTests", "h5py", "zarr", "pyarrow", "dask")
 ECOSYSTEM += ("distributed", "mpi4py", "openpmd_api")
-EVERYTHING = os.environ.get("HALFLINE_TESTS") == "all"
-if not EVERYTHING:
-    for name in ECOSYSTEM:
-        # Importing it fails, as if it were not installed.
-        sys.modules[name] = None  # type: ignore[assignment]
+CHECKED = ("anywidget", "nbclient", "nbformat", "PIL", "xarray", "Pillow", "mypy", "pyright", "ruff")
+LEVEL = os.environ.get("HALFLINE_TESTS", "ci")
+LEFT = {"all": (), "ci": ECOSYSTEM, "": ECOSYSTEM + CHECKED}[LEVEL]
+for name in LEFT:
+    # Importing it fails, as if it were not installed.
+    sys.modules[name] = None  # type: ignore[assignment]
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "scenes"
@@ -71,9 +73,10 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     }
     for report in terminalreporter.getreports("skipped"):
         reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
-        left = not EVERYTHING and any(name in str(reason) for name in ECOSYSTEM)
+        left = any(name in str(reason) for name in LEFT)
         counts["skipped"] -= left
-        words = "LEFT OUT: tests with packages of the ecosystem" if left else "SKIPPED:"
+        kind = "--all" if any(name in str(reason) for name in ECOSYSTEM) else "--ci"
+        words = f"LEFT OUT: tests with packages that {kind} installs" if left else "SKIPPED:"
         terminalreporter.write_line(
             words if left else f"{words} {report.nodeid.rpartition('/')[2]}: {reason}"
         )
