@@ -1,11 +1,13 @@
 //! The promise: no dependency declares a newer Rust version than Cargo.toml, and no document or workflow names another. For
-//! crates that declare none, a CI job builds with that version.
+//! crates that declare none, a CI job builds with that version. No dependency of the Python package has other features than in the
+//! tests.
 
 #[path = "common/home.rs"]
 mod home;
 
 use home::home;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::process::Command;
 
 fn version(text: &str) -> Vec<u64> {
@@ -63,4 +65,26 @@ fn documents_and_workflows_name_the_rust_of_the_manifest() {
         assert_eq!(version, file.ends_with("ci.yml"), "{file}: where the oldest Rust is read");
     }
     assert_eq!(oldest, 1, "jobs with the oldest Rust");
+}
+
+/// The packages of a build with their features.
+fn features(of: &str) -> BTreeSet<String> {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["tree", "--locked", "--offline", "--prefix", "none", "--format", "{p} [{f}]"]).args(of.split(' '));
+    let output = cargo.current_dir(home()).output().expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    text.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+}
+
+/// One dependency with other features is compiled twice, and so is all that depends on it.
+#[test]
+fn the_wheel_has_the_build_of_the_tests() {
+    let tests = features("--workspace --exclude halfline-page --exclude halfline-page-bind --edges normal,build,dev");
+    let wheel = features("--package halfline-python --features like-tests --edges normal,build");
+    let other: Vec<_> = wheel.difference(&tests).filter(|line| !line.starts_with("halfline-python ")).collect();
+    assert!(
+        wheel.len() > 100 && other.is_empty(),
+        "add to `like-tests` of python/Cargo.toml what these lack: {other:?}"
+    );
 }

@@ -80,18 +80,18 @@ fn too_little_memory_is_exit_code_5() {
     refused(&format!("{render} -o all.exr {all}"), "all.exr", (64..=288).step_by(16 * apart));
     refused(&format!("{render} -o all.npz {all}"), "all.npz", (64..=288).step_by(16 * apart));
 
-    // Merging does not hold the whole frame in memory: two tiles of 41 MiB each are merged in less than either.
+    // Merging does not hold the whole frame in memory: two tiles of 81 MiB each are merged in less than either.
     for (tile, name) in [("1/2", "1.npy"), ("2/2", "2.npy")] {
-        dir.good(&format!("render s.toml --backend cpu --size 1900x1900 --tile {tile} --aov position={name}"));
+        dir.good(&format!("render s.toml --backend cpu --size 2660x2660 --tile {tile} --aov position={name}"));
     }
     let length = fs::metadata(dir.path("1.npy")).expect("there").len() >> 20;
-    assert!(length >= 41, "{length} MiB");
+    assert!(length >= 80, "{length} MiB");
     // Below 64 MiB the program itself may not be loaded, or its threads not be started.
     let base =
-        within(&dir, "render s.toml --backend cpu -o little.png", "little.png", (64..=128).step_by(4 * apart)).least;
-    let merged = refused("merge 1.npy 2.npy -o whole.npy", "whole.npy", (64..=192).step_by(4 * apart));
+        within(&dir, "render s.toml --backend cpu -o little.png", "little.png", (64..=192).step_by(8 * apart)).least;
+    let merged = refused("merge 1.npy 2.npy -o whole.npy", "whole.npy", (64..=320).step_by(8 * apart));
     assert!(merged < base + length, "merged within {merged} MiB, the program itself takes {base}");
-    refused("compare 1.npy 1.npy", "none", (64..=576).step_by(64 * apart));
+    refused("compare 1.npy 1.npy", "none", (128..=1152).step_by(128 * apart));
 }
 
 /// The memory for many rays is that for some: blocks are read, traced and written one after the other.

@@ -263,7 +263,7 @@ fn placed_counts(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (
 fn spheres_that_a_device_leaves_out_are_missed() {
     let Some(mut gpu) = open() else { return };
     let (mut rng, mut number, mut out, mut generals) = (Rng(0xa51de), 4000, 0, 0);
-    for case in 0..amount("clouds around the eye", [4, 6, 60]) {
+    for case in 0..amount("clouds around the eye", [6, 6, 60]) {
         for lens in lenses_within(&mut rng) {
             let mut scene = within_cloud(&mut rng, 3000, lens);
             // Of many sizes, up to the distance of the eye: most are general, and planes of the image pass between them.
@@ -288,7 +288,7 @@ fn spheres_that_a_device_leaves_out_are_missed() {
         }
     }
     println!("{out} spheres are left out, of which {generals} are general");
-    assert!(generals > 3000, "{generals} of {out}");
+    assert!(generals > 5000, "{generals} of {out}");
 }
 
 /// In a cloud around the eye the host looks at the spheres near the eye alone, in place of all near its plane: 2,471 with this
@@ -388,7 +388,7 @@ fn places_have_the_bits_of_the_host() {
     let strict = keeps_bits(&gpu.summary.name);
     let mut rng = Rng(0x91ace);
     let (mut placed, mut number) = (0, 1000);
-    for case in 0..amount("clouds whose places are compared", [60, 120, 120]) {
+    for case in 0..120 {
         let scale = 2f64.powf(rng.between(-60.0, 60.0));
         let at = [0; 3].map(|_| scale * rng.between(-10.0, 10.0) * 10f64.powf(rng.between(0.0, 6.0)));
         let mut spheres = Spheres::default();
