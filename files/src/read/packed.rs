@@ -88,7 +88,8 @@ impl Unpacked {
     /// The error with its remedy; errors of the file itself stay.
     fn error(&self, error: io::Error) -> io::Error {
         let is_ours = error.get_ref().is_some_and(|inner| inner.is::<Error>());
-        if is_ours || error.raw_os_error().is_some() || error.kind() == io::ErrorKind::Interrupted {
+        let kinds = [io::ErrorKind::Interrupted, io::ErrorKind::Unsupported];
+        if is_ours || error.raw_os_error().is_some() || kinds.contains(&error.kind()) {
             return error;
         }
         let [name, program] = self.packing.names();
@@ -116,8 +117,8 @@ struct Refused(Packing);
 #[cfg(not(feature = "formats"))]
 impl Read for Refused {
     fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
-        let problem = format!("this build of halfline does not decompress {}", self.0.names()[0]);
-        Err(io::Error::other(Error::settings(problem, crate::WHOLE)))
+        let problem = format!("this build of halfline does not decompress {}; {}", self.0.names()[0], crate::WHOLE);
+        Err(io::Error::new(io::ErrorKind::Unsupported, problem))
     }
 }
 
