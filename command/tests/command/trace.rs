@@ -186,15 +186,15 @@ fn numpy_reads_the_archive() {
 #[test]
 fn the_order_of_rays_is_kept_and_blocks_change_nothing() {
     let dir = dir();
-    let beams = "--pattern lidar:rings=300,vfov=-20..20,step=0.04,azimuth=-20..20,range=5.5";
+    let beams = "--pattern lidar:rings=300,vfov=-20..20,step=0.02,azimuth=-20..20,range=5.5";
     let report = trace(&dir, &format!("{beams} --rays-out all.npy -o all.csv --json")).json();
-    assert_eq!((&report["pattern"]["rings"], &report["pattern"]["azimuths"]), (&300.into(), &1001.into()));
+    assert_eq!((&report["pattern"]["rings"], &report["pattern"]["azimuths"]), (&300.into(), &2001.into()));
     let (values, shape) = dir.array("all.npy");
-    assert_eq!(shape, [300_300, 7]);
+    assert_eq!(shape, [600_300, 7]);
     assert!(report["trace_ms"].as_array().expect("a list").len() > 1, "several blocks: {report}");
     let rows: Vec<[f64; 7]> = values.as_chunks::<7>().0.to_vec();
     let all = String::from_utf8(dir.get("all.csv")).expect("text");
-    assert_eq!(all.lines().count(), 300_301);
+    assert_eq!(all.lines().count(), 600_301);
 
     let (first, second) = rows.split_at(123_456);
     let mut parts = String::new();
@@ -211,7 +211,7 @@ fn the_order_of_rays_is_kept_and_blocks_change_nothing() {
     for (name, (values, shape)) in &flat {
         let equal = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         assert!(values.iter().zip(&shaped[name].0).all(equal), "{name}");
-        assert_eq!(shaped[name].1, [&[300, 1001], &shape[1..]].concat(), "{name}");
+        assert_eq!(shaped[name].1, [&[300, 2001], &shape[1..]].concat(), "{name}");
     }
     // The other way round.
     let reversed: Vec<_> = rows.iter().rev().copied().collect();
@@ -222,9 +222,9 @@ fn the_order_of_rays_is_kept_and_blocks_change_nothing() {
     // The middle column of the middle rings looks at the first sphere.
     let arrays = npz(&dir, "npy.npz");
     let (ids, t) = (&arrays["id"].0, &arrays["t"].0);
-    let middle = 150 * 1001 + 500;
+    let middle = 150 * 2001 + 1000;
     assert!(ids[middle] == 0.0 && (t[middle] - 2.0).abs() < 1e-3, "{} {}", ids[middle], t[middle]);
-    assert!(ids[0] < 0.0 && ids[300_299] < 0.0 && !ids.contains(&1.0), "the second sphere is hidden");
+    assert!(ids[0] < 0.0 && ids[600_299] < 0.0 && !ids.contains(&1.0), "the second sphere is hidden");
 }
 
 #[test]
