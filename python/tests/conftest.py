@@ -17,6 +17,7 @@ ECOSYSTEM = ("ase", "MDAnalysis", "MDAnalysisTests", "h5py", "zarr", "pyarrow", 
 ECOSYSTEM += ("distributed", "mpi4py", "openpmd_api")
 CHECKED = ("anywidget", "nbclient", "nbformat", "PIL", "xarray", "Pillow", "mypy", "pyright", "ruff")
 LEVEL = os.environ.get("HALFLINE_TESTS", "ci")
+EVERYTHING = LEVEL == "all"
 LEFT = {"all": (), "ci": ECOSYSTEM, "": ECOSYSTEM + CHECKED}[LEVEL]
 for name in LEFT:
     # Importing it fails, as if it were not installed.
