@@ -1,8 +1,7 @@
 //! OpenEXR in a build without the feature `formats`: refused.
 
-use super::rows::{Found, Head, Rows, SeekRead, Sink};
+use super::rows::{Found, Head, NamedArrays, Rows, SeekRead, Sink};
 use halfline::error::{Error, Place, Result};
-use halfline::frame::array::Array;
 use std::io;
 
 /// The first bytes of a file.
@@ -12,7 +11,7 @@ fn refused(name: &str) -> Error {
     Error::scene(Place::file(name), "this build of halfline does not read OpenEXR", crate::WHOLE)
 }
 
-pub(super) fn read(_: &[u8], name: &str) -> Result<(Vec<(Option<String>, Array)>, Option<[i32; 2]>)> {
+pub(super) fn read(_: &[u8], name: &str) -> Result<(NamedArrays, Option<[i32; 2]>)> {
     Err(refused(name))
 }
 

@@ -7,6 +7,7 @@ use super::format::{Bits, FileFormat};
 use super::layer::{LayerFormat, SampleType};
 use crate::blocks;
 use halfline::error::{Error, Place, Result};
+use halfline::frame::array::Array;
 use halfline::frame::provenance::Provenance;
 use halfline::window::Window;
 use std::borrow::Cow;
@@ -104,6 +105,9 @@ pub trait Rows: Send {
 
 /// The head and the rows of an opened file; `None` where it has no provenance.
 pub(super) type Found<'a> = Option<(Head, Box<dyn Rows + 'a>)>;
+
+/// Arrays by the names of their buffers.
+pub(super) type NamedArrays = Vec<(Option<String>, Array)>;
 
 /// Rows for a writer, with errors wrapped as the system's; [`super::atomic`] unwraps them.
 pub(super) fn pulled(rows: &mut dyn Rows, layer: usize, range: Range<usize>) -> io::Result<Cow<'_, [u8]>> {

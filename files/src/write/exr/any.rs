@@ -2,16 +2,13 @@
 //! are `color`, A is `alpha`, Z is `depth`, and `layer.X`, `layer.Y`, `layer.Z` are the components of `layer`, as are
 //! `layer.0`, `layer.1` and so on. In files with several parts the name of a buffer includes its part's name.
 
-use crate::write::rows::malformed;
+use crate::write::rows::{NamedArrays, malformed};
 use exr::prelude::*;
 use halfline::error::Result;
 use halfline::frame::array::{Array, Values};
 use halfline::memory::check;
 use std::collections::BTreeMap;
 use std::io::Cursor;
-
-/// Arrays by the names of their buffers.
-type NamedArrays = Vec<(Option<String>, Array)>;
 
 pub(in crate::write) fn read(bytes: &[u8], name: &str) -> Result<(NamedArrays, Option<[i32; 2]>)> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "EXR", why);
