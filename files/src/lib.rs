@@ -18,6 +18,6 @@ pub mod write;
 
 pub use read::ReadOptions;
 
-/// What brings the formats that a build lacks.
+/// The line that brings the formats that a build lacks.
 #[cfg(not(feature = "formats"))]
 const WHOLE: &str = "cargo install --path command brings all formats";

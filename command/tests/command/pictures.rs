@@ -31,7 +31,11 @@ fn pictures() -> Vec<Picture> {
     ];
     let of_page = |(page, folders): &(String, Vec<&str>)| {
         let of = |line: &str| {
-            let line = line.trim_start().replacen("cargo run --release --", "halfline", 1);
+            let line = line.trim_start().replacen(
+                "cargo run --release --no-default-features --bin halfline --",
+                "halfline",
+                1,
+            );
             let words = words(line.split("  #").next()?.strip_prefix("halfline render ")?);
             let name = words.last()?;
             let folder = folders.iter().find(|folder| page.contains(&format!("]({folder}{name})")))?;
