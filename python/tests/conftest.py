@@ -15,7 +15,17 @@ import halfline as hl
 # depend on the machine.
 ECOSYSTEM = ("ase", "MDAnalysis", "MDAnalysisTests", "h5py", "zarr", "pyarrow", "dask")
 ECOSYSTEM += ("distributed", "mpi4py", "openpmd_api")
-CHECKED = ("anywidget", "nbclient", "nbformat", "PIL", "xarray", "Pillow", "mypy", "pyright", "ruff")
+CHECKED = (
+    "anywidget",
+    "nbclient",
+    "nbformat",
+    "PIL",
+    "xarray",
+    "Pillow",
+    "mypy",
+    "pyright",
+    "ruff",
+)
 LEVEL = os.environ.get("HALFLINE_TESTS", "ci")
 EVERYTHING = LEVEL == "all"
 LEFT = {"all": (), "ci": ECOSYSTEM, "": ECOSYSTEM + CHECKED}[LEVEL]
