@@ -106,7 +106,7 @@ fn run(jobs: usize, job: &(dyn Fn(usize) + Sync)) {
     (0..jobs).into_par_iter().for_each(job);
 }
 
-/// The lock of a value that one job uses. A job that panics ends the whole loop, so nobody sees what it leaves.
+/// Locks a value that only one job uses. A panic in a job ends the whole loop, so the poison of a lock has no meaning.
 fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -27,8 +27,7 @@ impl Placement {
         let span = |ids: Range<usize>| centers[ids].iter().map(|c| [DVec3::from_array(*c); 2]).fold(nothing, join);
         let spans = parallel::blocks(0..centers.len(), CHEAP, &|ids, _| span(ids));
         let [low, high] = spans.into_iter().fold(nothing, join);
-        let most = parallel::blocks(0..radii.len(), CHEAP, &|ids, _| radii[ids].iter().copied().fold(0.0, f64::max));
-        let largest = most.into_iter().fold(0.0, f64::max);
+        let largest = parallel::reduce(radii, 0.0, f64::max);
         if centers.is_empty() {
             return Self { middle: [0.0; 3], k: 0, half: 1.0, shrink: [1.0; 2] };
         }
