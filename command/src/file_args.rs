@@ -4,7 +4,7 @@ use super::clash::{place, written_twice};
 use super::film::{FPS, Film};
 use super::messages::warn;
 use super::names::{check_pattern, numbered};
-use super::process::is_typed;
+use super::typed::Typed;
 use super::values::{color, positive};
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -23,6 +23,8 @@ type AovArgument = (Vec<Aov>, Option<PathBuf>);
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(super) struct FileArgs {
+    #[command(flatten)]
+    typed: Typed,
     /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw; - is a PNG on standard output. For several pictures
     /// %d or %04d is replaced by the number, and %% beside it by %, or .mp4 or .gif is a film of them, made by ffmpeg. .glb is
     /// no picture but the spheres themselves, as points with radii and colours for Blender and other programs.
@@ -113,7 +115,7 @@ impl FileArgs {
     pub(super) fn check_dpi(&self, targets: &[Target]) -> Result<()> {
         let film = self.film().map(|film| film.path);
         let holds = |target: &Target| target.format() == FileFormat::Png && Some(target.path()) != film;
-        if !is_typed("--dpi") || targets.iter().any(holds) {
+        if !self.typed.has("dpi") || targets.iter().any(holds) {
             return Ok(());
         }
         let problem = "--dpi applies to PNG files, and none is written";
@@ -123,7 +125,7 @@ impl FileArgs {
     /// Warns of a --transparent of the command line that none of the files shows.
     pub(super) fn check_transparent(&self, targets: &[Target]) {
         let shows = |target: &Target| target.aovs().contains(&Aov::Alpha);
-        if is_typed("--transparent") && !targets.is_empty() && !targets.iter().any(shows) {
+        if self.typed.has("transparent") && !targets.is_empty() && !targets.iter().any(shows) {
             warn(["--transparent: no file has the alpha of the picture; .png, .exr and .npz store it"]);
         }
     }

@@ -52,29 +52,35 @@ impl InsetArgs {
     /// # Errors
     /// [`Error::Settings`] for a part of a picture, and for a picture that is neither PNG nor EXR nor one of a film.
     pub(super) fn check(&self, is_part: bool, files: &FileArgs) -> Result<()> {
-        if !self.is_given() {
-            return Ok(());
-        }
-        let refuse = |problem: &str, mend: &str| {
-            let what = match self.mark.is_empty() {
-                true => "--legend-in, --label and --scale-bar",
-                false => "texts of --mark",
-            };
-            Err(Error::settings(format!("{what} {problem}"), mend))
-        };
-        if is_part {
-            return refuse("are drawn into whole pictures, because parts would not merge", "remove --crop or --tile");
-        }
         let is_picture = |path: &Path| {
             let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
             is_standard_output(path) || ending.is_some_and(|ending| ending == "png" || ending == "exr")
         };
-        match files.output.as_deref() {
-            Some(path) if (is_picture(path) || files.film().is_some()) && !files.raw => Ok(()),
-            _ => refuse(
-                "are drawn into PNG and EXR pictures and into films",
-                "use -o with the file name extension .png, .exr, .mp4 or .gif",
-            ),
+        let is_drawn = files.output.as_deref().is_some_and(|path| is_picture(path) || files.film().is_some());
+        let mend = "use -o with the file name extension .png, .exr, .mp4 or .gif";
+        self.check_place(is_part, is_drawn && !files.raw, "PNG and EXR pictures and into films", mend)
+    }
+
+    /// Checks that there is a whole picture to draw into: `places` are the pictures that have one.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a part of a picture, and with the mend where none is drawn.
+    pub(super) fn check_place(&self, is_part: bool, is_drawn: bool, places: &str, mend: &str) -> Result<()> {
+        if !self.is_given() {
+            return Ok(());
+        }
+        let what = match self.mark.is_empty() {
+            true => "--legend-in, --label and --scale-bar",
+            false => "texts of --mark",
+        };
+        let problem = |problem: &str| format!("{what} are drawn into {problem}");
+        match (is_part, is_drawn) {
+            (true, _) => {
+                let whole = problem("whole pictures, because parts would not merge");
+                Err(Error::settings(whole, "remove --crop or --tile"))
+            }
+            (false, false) => Err(Error::settings(problem(places), mend)),
+            (false, true) => Ok(()),
         }
     }
 
@@ -88,13 +94,13 @@ impl InsetArgs {
         insets.legend_shares(frame.scene.image.width, frame.scene.image.height)
     }
 
-    /// The panels to draw into one picture of the scene file: legend, label, scale bar. `None` if no option asks for
+    /// The panels to draw into one picture of the scene, whose file has this name: legend, label, scale bar. `None` if no option asks for
     /// one.
     ///
     /// # Errors
     /// [`Error::Settings`] for a picture that is too small for it, a time that the frame does not have, and a scale bar of
     /// a scene that is not in front of the camera.
-    pub(super) fn panels(&self, file: &Path, picture: &PictureScene) -> Result<Option<Panels>> {
+    pub(super) fn panels(&self, file: Option<String>, picture: &PictureScene) -> Result<Option<Panels>> {
         if !self.is_given() {
             return Ok(None);
         }
@@ -102,7 +108,7 @@ impl InsetArgs {
         let legend = |legend: &Legend| self.legend_in.map(|corner| (legend.clone(), corner));
         let insets = Insets {
             legend: picture.legend.as_ref().and_then(legend),
-            label: self.label.as_ref().map(|label| label.text(&values(file, picture))).transpose()?,
+            label: self.label.as_ref().map(|label| label.text(&values(file.clone(), picture))).transpose()?,
             scale_bar: self.scale_bar.as_ref().map(|unit| ScaleBar::of(scene, unit)).transpose()?,
         };
         let mut panels = insets.panels(scene.image.width, scene.image.height)?;
@@ -142,11 +148,10 @@ impl InsetArgs {
 }
 
 /// The values of the names in braces of a label.
-fn values(file: &Path, picture: &PictureScene) -> LabelValues {
-    let name = file.file_name().unwrap_or(file.as_os_str());
+fn values(file: Option<String>, picture: &PictureScene) -> LabelValues {
     LabelValues {
         frame: picture.number,
-        file: Some(name.to_string_lossy().into_owned()),
+        file,
         count: picture.ids.as_ref().map_or(picture.scene.spheres.len() - picture.beads, |ids| ids.count as usize),
         time: picture.when.time,
         step: picture.when.step,

@@ -27,17 +27,16 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     Ok(())
 }
 
-/// Warns where a legend is requested and the colours have no values to show.
+/// Warns where a legend is requested and the colours, of this column, have no values to show.
 ///
 /// # Errors
 /// [`Error::Settings`] for spheres without elements, a column and colours of selections.
-pub(super) fn check_content(args: &SceneArgs, picture: &mut PictureScene) -> Result<()> {
+pub(super) fn check_content(args: &SceneArgs, column: Option<&str>, picture: &mut PictureScene) -> Result<()> {
     let requests = [(LEGEND_IN, args.insets.legend_in.is_some()), (LEGEND, args.color.legend.is_some())];
     let Some((option, _)) = requests.into_iter().find(|(_, is_requested)| *is_requested) else { return Ok(()) };
     if picture.legend.is_some() {
         return Ok(());
     }
-    let column = args.color.color_by.as_deref();
     picture.skipped.assumed.push(Legend::lacking(option, column, picture.scene.spheres.is_empty())?);
     Ok(())
 }

@@ -18,6 +18,8 @@ mod bar;
 mod camera_args;
 mod camera_file;
 mod camera_list;
+#[cfg(feature = "view")]
+pub mod choices;
 mod clash;
 #[cfg(feature = "measure")]
 mod compare;
@@ -59,6 +61,7 @@ mod standard;
 mod tally;
 mod threads;
 mod trace;
+mod typed;
 mod values;
 #[cfg(feature = "view")]
 mod view;
@@ -75,6 +78,7 @@ use left_out::{self as page, self as view};
 #[cfg(feature = "view")]
 pub mod shown {
     pub use crate::messages::{flags, in_page};
+    pub use crate::option_table::{Call, Form, keywords, of_keyword};
     pub use crate::page::{MadePage, make as make_page};
     pub use crate::view::{Content, MemoryScene, WrittenOption, pose, stage};
 }

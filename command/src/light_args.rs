@@ -1,7 +1,7 @@
 //! Lights, sky and lines of the picture as options, and the looks that stand for several of them.
 
 use super::lens_args::PictureLens;
-use super::process::is_typed;
+use super::typed::Typed;
 use super::values::{color, length, numbers, whole};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -17,6 +17,8 @@ use halfline_files::read::SceneFrame;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(super) struct LightArgs {
+    #[command(flatten)]
+    typed: Typed,
     /// Look of the picture, to which other options add: plain (nothing), soft (--samples 4, --silhouette, a sky with 3 rays
     /// from each pixel's centre, and a light from above left if the scene has none), figure (--samples 16, --silhouette,
     /// and a sky with 8 rays) [default: the scene file's, else plain; for particles soft, unless --shade or --stream is given].
@@ -121,7 +123,7 @@ impl LightArgs {
         let look = chosen.look;
         let silhouette = self.silhouette || look.has_silhouette();
         // A preference from elsewhere may apply to no picture.
-        let typed = ["--outline-width", "--outline-color"].map(is_typed);
+        let typed = ["outline_width", "outline_color"].map(|id| self.typed.has(id));
         skipped.assumed.extend(warning.into_iter().chain(Outline::idle(typed, has_picture, silhouette)));
         let light = AddedLight {
             look,

@@ -26,7 +26,7 @@ pub(super) const NO_PART: u8 = 8;
 pub(super) enum Python {
     /// A keyword of a call.
     Keyword(Call, &'static str, Form),
-    /// An argument that the lines always have: the camera and the size.
+    /// An argument that the lines always have: the camera.
     Always,
     /// An option that does not change a picture, and is left out.
     Outside,
@@ -36,21 +36,37 @@ pub(super) enum Python {
 
 /// The Python call that takes an option as a keyword: reading, rendering, renderer, camera or saving.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Call {
+pub enum Call {
+    /// `read`.
     Read,
+    /// `Renderer.render`.
     Render,
+    /// `Renderer`.
     Renderer,
+    /// `Camera`.
     Camera,
+    /// `Frame.save`.
     Save,
 }
 
 /// The form of an option's value in Python.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Form {
+pub enum Form {
+    /// Whether it is so.
     Flag,
+    /// A number.
     Number,
+    /// A text, or the name of a file.
     Text,
-    /// Numbers with commas between them.
+    /// A text, or a whole number that is a name.
+    Name,
+    /// A text, or names for meanings.
+    Columns,
+    /// A text, or several with commas between them.
+    Names,
+    /// Columns and rows.
+    Size,
+    /// Numbers or percentages with commas between them.
     Tuple,
     /// A tuple each time that the option is given.
     Tuples,
@@ -58,30 +74,37 @@ pub(super) enum Form {
     Texts,
     /// A number or a text, or one for each selection.
     Rules,
+    /// A text for each selection.
+    Marks,
     /// A number, or `True` without one.
     NumberOrFlag,
     /// A text, or `True` without one.
     TextOrFlag,
+    /// A corner or `True`; or a file, which another option names.
+    Legend,
     /// A name, or linear numbers.
     Color,
 }
 
 use Call::{Camera, Read, Render, Renderer, Save};
-use Form::{Color, Flag, Number, NumberOrFlag, Rules, Text, TextOrFlag, Texts, Tuple, Tuples};
+use Form::{
+    Color, Columns, Flag, Legend, Marks, Name, Names, Number, NumberOrFlag, Rules, Size, Text, TextOrFlag, Texts,
+    Tuple, Tuples,
+};
 use Python::{Always, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
 const OPTIONS: [OptionRow; 95] = [
     row("visible", Missing, NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text), 0),
-    row("columns", Keyword(Read, "columns", Text), 0),
+    row("columns", Keyword(Read, "columns", Columns), 0),
     row("atom_style", Keyword(Read, "atom_style", Text), 0),
     row("hold", Keyword(Read, "hold", Text), 0),
     row("topology", Keyword(Read, "topology", Text), NO_PART),
     row("identity", Keyword(Read, "identity", Text), NO_PART),
     row("model", Keyword(Read, "model", Number), 0),
     row("altloc", Keyword(Read, "altloc", Text), 0),
-    row("assembly", Keyword(Read, "assembly", Text), NO_PART),
+    row("assembly", Keyword(Read, "assembly", Name), NO_PART),
     row("as_listed", Keyword(Read, "as_listed", Flag), 0),
     row("strict", Keyword(Read, "strict", Flag), 0),
     row("skip_invalid", Keyword(Read, "skip_invalid", Flag), 0),
@@ -99,7 +122,7 @@ const OPTIONS: [OptionRow; 95] = [
     row("opacity", Keyword(Read, "opacity", Rules), 0),
     row("material", Keyword(Read, "material", Rules), NO_PART),
     row("shine", Keyword(Read, "shine", Number), NO_PART),
-    row("color_by", Keyword(Read, "color_by", Text), 0),
+    row("color_by", Keyword(Read, "color_by", Names), 0),
     row("map", Keyword(Read, "map", Text), CONFIG),
     row("range", Keyword(Read, "range", Tuple), 0),
     row("log", Keyword(Read, "log", Flag), 0),
@@ -111,7 +134,7 @@ const OPTIONS: [OptionRow; 95] = [
     row("up", Always, PAGE),
     row("vfov", Always, PAGE),
     row("ortho", Always, PAGE),
-    row("size", Always, PAGE | CONFIG),
+    row("size", Keyword(Render, "size", Size), PAGE | CONFIG),
     row("view", Missing, PAGE),
     row("focus", Missing, PAGE),
     row("frame_share", Missing, PAGE),
@@ -121,7 +144,7 @@ const OPTIONS: [OptionRow; 95] = [
     row("aperture", Keyword(Camera, "aperture", Number), NO_PART),
     row("focus_distance", Keyword(Camera, "focus", Number), NO_PART),
     row("backend", Keyword(Renderer, "backend", Text), CONFIG | NO_PART),
-    row("adapter", Keyword(Renderer, "adapter", Text), CONFIG | NO_PART),
+    row("adapter", Keyword(Renderer, "adapter", Name), CONFIG | NO_PART),
     row("samples", Keyword(Render, "samples", Number), CONFIG),
     row("seed", Keyword(Render, "seed", Number), CONFIG),
     row("exposure", Keyword(Render, "exposure", Number), CONFIG | NO_PART),
@@ -140,10 +163,10 @@ const OPTIONS: [OptionRow; 95] = [
     row("layers", Keyword(Render, "layers", Number), NO_PART),
     row("opacity_shadows", Keyword(Render, "opacity_shadows", Flag), NO_PART),
     row("background", Keyword(Render, "background", Color), CONFIG | NO_PART),
-    row("legend_in", Keyword(Render, "legend", TextOrFlag), NO_PART),
+    row("legend_in", Keyword(Render, "legend", Legend), NO_PART),
     row("label", Keyword(Render, "label", Text), NO_PART),
     row("scale_bar", Keyword(Render, "scale_bar", TextOrFlag), NO_PART),
-    row("mark", Keyword(Render, "mark", Rules), NO_PART),
+    row("mark", Keyword(Render, "mark", Marks), NO_PART),
     row("mark_all", Keyword(Render, "mark_all", Flag), NO_PART),
     row("accuracy", Keyword(Render, "accuracy", Text), CONFIG | NO_PART),
     row("method", Keyword(Render, "method", Text), CONFIG | NO_PART),
@@ -159,7 +182,7 @@ const OPTIONS: [OptionRow; 95] = [
     row("no_return", Outside, CONFIG | NO_VIEW | NO_PART),
     row("raw", Missing, NO_VIEW | NO_PART),
     row("legend", Missing, NO_VIEW | NO_PART),
-    row("crop", Missing, NO_VIEW),
+    row("crop", Keyword(Render, "crop", Tuple), NO_VIEW),
     row("tile", Missing, NO_VIEW),
     row("spin", Missing, NO_VIEW | NO_PART),
     row("file", Missing, NO_VIEW | NO_PART),
@@ -169,6 +192,13 @@ const OPTIONS: [OptionRow; 95] = [
     row("quiet", Outside, CONFIG),
 ];
 
+impl OptionRow {
+    /// Whether the page sets it by itself.
+    pub(super) fn is_of_page(&self) -> bool {
+        self.uses & PAGE != 0
+    }
+}
+
 const fn row(id: &'static str, python: Python, uses: u8) -> OptionRow {
     OptionRow { id, python, uses }
 }
@@ -176,6 +206,22 @@ const fn row(id: &'static str, python: Python, uses: u8) -> OptionRow {
 /// All options, in the order of the table.
 pub(super) fn options() -> impl Iterator<Item = &'static OptionRow> {
     OPTIONS.iter()
+}
+
+/// The option with this keyword of a call: its identifier and the form of its value.
+pub fn of_keyword(call: Call, keyword: &str) -> Option<(&'static str, Form)> {
+    options().find_map(|row| match row.python {
+        Keyword(of, name, form) if of == call && name == keyword => Some((row.id, form)),
+        _ => None,
+    })
+}
+
+/// The keywords of a call.
+pub fn keywords(call: Call) -> impl Iterator<Item = &'static str> {
+    options().filter_map(move |row| match row.python {
+        Keyword(of, name, _) if of == call => Some(name),
+        _ => None,
+    })
 }
 
 /// The Python call that takes the option with this identifier.

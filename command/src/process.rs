@@ -21,12 +21,6 @@ pub(super) fn arguments() -> impl Iterator<Item = &'static OsString> {
     all_arguments().iter().skip(1)
 }
 
-/// Whether the command line gives an option with a value.
-pub(super) fn is_typed(option: &str) -> bool {
-    let is_it = |text: &str| text.split('=').next() == Some(option);
-    arguments().take_while(|text| *text != "--").any(|text| text.to_str().is_some_and(is_it))
-}
-
 /// An exit code. That of the standard library does not show its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct ExitCode(pub(super) u8);

@@ -1,8 +1,8 @@
 //! Options for reading a scene, and for the radii and the colours of its particles.
 
 use super::messages::note;
-use super::process::is_typed;
 use super::signals::watch;
+use super::typed::Typed;
 use super::values::{color, numbers, positive, wholes};
 use clap::Args;
 use halfline::error::{Error, Result};
@@ -111,6 +111,8 @@ pub(super) struct ReadArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = LOOK)]
 pub(super) struct ColorArgs {
+    #[command(flatten)]
+    typed: Typed,
     /// Colour of all spheres, or with EXPR=C of selected ones: a CSS name such as red, #rgb or #rrggbb in sRGB, r,g,b in
     /// linear RGB, or element for the colours of the elements. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
@@ -254,9 +256,9 @@ impl ColorArgs {
     fn coloring(&self) -> Result<Coloring> {
         let by = self.color_by.as_deref();
         // A preference from elsewhere may apply to no colours.
-        let applies = |option| is_typed(option) || by.is_some_and(|by| by != "element");
-        let map = self.map.as_deref().filter(|_| applies("--map")).map(color_map).transpose()?;
-        let nan_color = self.nan_color.filter(|_| applies("--nan-color"));
+        let applies = |id| self.typed.has(id) || by.is_some_and(|by| by != "element");
+        let map = self.map.as_deref().filter(|_| applies("map")).map(color_map).transpose()?;
+        let nan_color = self.nan_color.filter(|_| applies("nan_color"));
         let scale = Scale { map, range: self.range, log: self.log, nan_color, ..Scale::of(Vec::new()) };
         Coloring::of(Rule::for_all(&self.color), by, scale)
     }
@@ -307,7 +309,11 @@ fn material_rule(text: &str) -> Result<Rule<MaterialName>, String> {
 fn opacity_rule(text: &str) -> Result<Rule<f32>, String> {
     let expected =
         "expected a number above 0 and at most 1, or EXPR=A such as 'chain A=0.3'; --hide leaves spheres out";
-    Rule::parse(text, |text| text.parse().ok().filter(|opacity| is_opacity(*opacity)).ok_or_else(|| expected.into()))
+    Rule::parse(text, |text| {
+        // By way of f64, as numbers of other programs are rounded.
+        let opacity = text.parse().ok().map(|opacity: f64| opacity as f32);
+        opacity.filter(|opacity| is_opacity(*opacity)).ok_or_else(|| expected.into())
+    })
 }
 
 fn range(text: &str) -> Result<[RangeEnd; 2], String> {

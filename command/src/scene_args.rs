@@ -8,13 +8,15 @@ use super::inset_args::InsetArgs;
 use super::light_args::{LightArgs, LookRequest};
 use super::names::number_in;
 use super::picture_scene::PictureScene;
-use super::process::is_typed;
 use super::read_args::{ColorArgs, ReadArgs};
+use super::typed::Typed;
 use super::values::{at_least_one, wholes};
 use clap::Args;
 use halfline::error::{Error, Result};
+use halfline::frame::Aov;
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
+use halfline::render::stream::PartView;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, FileLook, Outline, Settings, Tolerance};
 use halfline::shade::Shade;
@@ -28,6 +30,9 @@ use std::path::{Path, PathBuf};
 /// The options of `render` and `plan`, in the groups of their help.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
+    /// All options that are given.
+    #[command(flatten)]
+    pub(super) typed: Typed,
     /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, xtc, trr, dcd;
     /// also .gz, .bz2, .xz or .zst); - for standard input.
     #[arg(required_unless_present = "visible")]
@@ -138,6 +143,12 @@ impl ComputeArgs {
 }
 
 impl SceneArgs {
+    /// The name of the scene file, without its folder.
+    pub(super) fn file_name(&self) -> String {
+        let path = self.path();
+        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    }
+
     /// The scene file, or the first of the parts in its place.
     pub(super) fn path(&self) -> &Path {
         self.scene.as_ref().or(self.visible.first()).map_or(Path::new("-"), PathBuf::as_path)
@@ -147,7 +158,7 @@ impl SceneArgs {
     /// colour is computed.
     pub(super) fn look_request(&self, file: FileLook, has_picture: bool) -> LookRequest {
         let Self { image, .. } = self;
-        LookRequest { file, has_picture, samples: image.samples.map(NonZeroU32::get), shade: image.shade }
+        LookRequest { file, has_picture, samples: image.samples(), shade: image.shade }
     }
 
     /// Whether several pictures are rendered.
@@ -221,6 +232,21 @@ impl SceneArgs {
         Ok(tile.transpose()?.or(self.image.crop))
     }
 
+    /// Checks that a size is that of the parts, unless it is a preference.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with both sizes.
+    pub(super) fn check_size(&self, view: &PartView) -> Result<()> {
+        let [w, h] = view.size;
+        match self.image.size.filter(|_| self.typed.has("size")) {
+            Some((width, height)) if [width, height] != view.size => {
+                let problem = format!("--size {width}x{height}: the parts are of a frame of {w}x{h}");
+                Err(Error::settings(problem, "remove --size, or sift again"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The settings for one picture, whose frame is written to these files.
     pub(super) fn settings_for(
         &self,
@@ -237,11 +263,11 @@ impl SceneArgs {
             .fold(0, u64::saturating_add);
         let own = Settings { window, reserve, ..picture.look.settings(settings) };
         let Some(view) = &picture.part_view else { return Ok(own) };
-        let width = if is_typed("--outline-width") { own.outline.width } else { view.outline };
+        let width = if self.typed.has("outline_width") { own.outline.width } else { view.outline };
         Ok(Settings {
             window: Some(view.window),
-            seed: if is_typed("--seed") { own.seed } else { view.seed },
-            tolerance: if is_typed("--tolerance") { own.tolerance } else { parts::tolerance(view)? },
+            seed: if self.typed.has("seed") { own.seed } else { view.seed },
+            tolerance: if self.typed.has("tolerance") { own.tolerance } else { parts::tolerance(view)? },
             outline: Outline { width, ..own.outline },
             ..own
         })
@@ -249,9 +275,14 @@ impl SceneArgs {
 
     /// The settings for these files, without those that depend on the scene.
     pub(super) fn settings(&self, targets: &[Target]) -> Settings {
+        self.settings_of(targets.iter().flat_map(Target::aovs).copied().collect())
+    }
+
+    /// The settings for these buffers, without those that depend on the scene.
+    pub(super) fn settings_of(&self, aovs: Vec<Aov>) -> Settings {
         self.light.drawn(Settings {
             tolerance: self.accuracy.tolerance,
-            aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
+            aovs,
             seed: self.image.seed,
             coverage: !self.files.cryptomatte.is_empty(),
             tone: self.image.tone,
@@ -262,6 +293,11 @@ impl SceneArgs {
 }
 
 impl ImageArgs {
+    /// The samples per pixel, if they are given.
+    pub(super) fn samples(&self) -> Option<u32> {
+        self.samples.map(NonZeroU32::get)
+    }
+
     /// Whether only a part of the picture is rendered.
     pub(super) fn is_part(&self) -> bool {
         self.crop.is_some() || self.tile.is_some()

@@ -205,11 +205,25 @@ pub(super) fn posed(args: &SceneArgs, mut frame: SceneFrame, taken: Option<Apert
     light(args, frame, true, taken, |_| ())
 }
 
-/// The picture of a frame whose camera is final but for a turn: with its lens and its light.
+/// The picture of a frame whose camera is final but for a turn: with its lens and its light, and with the buffers of the options.
 fn light(
     args: &SceneArgs,
-    mut frame: SceneFrame,
+    frame: SceneFrame,
     has_picture: bool,
+    taken: Option<Aperture>,
+    turn: impl FnOnce(&mut SceneFrame),
+) -> Result<PictureScene> {
+    let mut picture = lit(args, frame, (has_picture, &args.files.buffers()), taken, turn)?;
+    legend::check_content(args, args.color.color_by.as_deref(), &mut picture)?;
+    Ok(picture)
+}
+
+/// The picture of a frame whose camera is final but for a turn: with its lens and its light. It says whether its colour is computed, and
+/// which buffers are.
+pub(super) fn lit(
+    args: &SceneArgs,
+    mut frame: SceneFrame,
+    (has_picture, aovs): (bool, &[Aov]),
     taken: Option<Aperture>,
     turn: impl FnOnce(&mut SceneFrame),
 ) -> Result<PictureScene> {
@@ -218,15 +232,12 @@ fn light(
     let lens = args.camera.lens.lens(&frame, taken, has_samples)?;
     turn(&mut frame);
     // The light from above left belongs to the final camera.
-    let look = args.light.apply(&mut frame, &args.files.buffers(), request, lens)?;
+    let look = args.light.apply(&mut frame, aovs, request, lens)?;
     let (marked, notes) = frame.marked(&args.insets.mark)?;
     frame.skipped.assumed.extend(notes);
     let mattes = frame.matte_names(&args.files.cryptomatte)?;
     let SceneFrame { number, scene, skipped, legend, when, beads, .. } = frame;
-    let mut picture =
-        PictureScene { number, beads, skipped, legend, when, marked, mattes, ..PictureScene::bare(scene, look) };
-    legend::check_content(args, &mut picture)?;
-    Ok(picture)
+    Ok(PictureScene { number, beads, skipped, legend, when, marked, mattes, ..PictureScene::bare(scene, look) })
 }
 
 /// The camera that shows all frames of the file, and the middle of the first; their default radius and range of colours

@@ -3,7 +3,7 @@
 use super::clash::{check_inputs, check_text};
 use super::messages::{QuietArgs, flags, note, warn};
 use super::option_table::{NO_PART, has, hidden};
-use super::process::{ExitCode, is_typed};
+use super::process::ExitCode;
 use super::render::stream::Source;
 use super::scene_args::SceneArgs;
 use super::standard::print_json;
@@ -109,9 +109,9 @@ impl Sift {
     /// Refuses options that a part does not depend on, and those that would need other parts.
     fn check(&self) -> Result<()> {
         let command = SceneArgs::augment_args(Command::new("sift"));
-        let refused = command.get_arguments().filter(|arg| has(arg.get_id().as_str(), NO_PART));
-        let typed = |long: &&str| is_typed(&format!("--{long}"));
-        if let Some(long) = refused.filter_map(Arg::get_long).find(typed) {
+        let mut refused = command.get_arguments().filter(|arg| has(arg.get_id().as_str(), NO_PART));
+        let typed = |arg: &&Arg| self.args.typed.has(arg.get_id().as_str());
+        if let Some(long) = refused.find(typed).and_then(Arg::get_long) {
             let problem = format!("--{long} is not an option of a part of a scene");
             return Err(Error::settings(problem, "remove it, or give it to halfline render --visible"));
         }

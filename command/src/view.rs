@@ -21,6 +21,7 @@ pub(crate) use given::Given;
 pub use given::WrittenOption;
 pub use lens::pose;
 pub use memory::MemoryScene;
+pub(crate) use parse::Parser;
 
 use super::messages::{QuietArgs, note};
 use super::option_table::{NO_VIEW, has, hidden};

@@ -6,7 +6,6 @@ use super::lens_args::PictureLens;
 use super::messages::note;
 use super::option_table::{NO_PART, has};
 use super::picture_scene::PictureScene;
-use super::process::is_typed;
 use super::read_args::{ColorArgs, ReadArgs};
 use super::scene_args::SceneArgs;
 use super::signals::watch;
@@ -30,13 +29,7 @@ pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target])
     let part = combined(args)?;
     let view = part.view().clone();
     let mut frame = SceneFrame::new(1, view.scene());
-    if let Some((width, height)) = args.image.size.filter(|_| is_typed("--size"))
-        && [width, height] != view.size
-    {
-        let [w, h] = view.size;
-        let problem = format!("--size {width}x{height}: the parts are of a frame of {w}x{h}");
-        return Err(Error::settings(problem, "remove --size, or sift again"));
-    }
+    args.check_size(&view)?;
     args.files.apply(&mut frame.scene);
     let file = FileLook { samples: Some(view.samples), ..FileLook::default() };
     let request = args.look_request(file, settings.aovs.contains(&Aov::Color));
@@ -86,8 +79,8 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     let all = SceneArgs::augment_args(Command::new("render"));
     let others = all.get_arguments().filter(|arg| ["crop", "tile", "skip_invalid"].contains(&arg.get_id().as_str()));
     let applied = groups.get_arguments().chain(others);
-    let mut typed = applied.filter_map(|arg| Some((arg.get_id().as_str(), arg.get_long()?)));
-    match typed.find(|(_, long)| is_typed(&format!("--{long}"))) {
+    let mut applied = applied.filter_map(|arg| Some((arg.get_id().as_str(), arg.get_long()?)));
+    match applied.find(|(id, _)| args.typed.has(id)) {
         Some((id, long)) => {
             let problem = format!("--{long} belongs to the parts of --visible, which were made with their own options");
             let is_taken = !has(id, NO_PART);

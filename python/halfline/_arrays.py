@@ -143,23 +143,6 @@ def words(name: str, values: Any) -> list[str]:
         raise ValueError(f"{name} is {shown(values)}; give a text or a list of texts") from None
 
 
-def positive(name: str, value: Any) -> float:
-    """A finite number above 0."""
-    found = number(name, value)
-    if found <= 0:
-        raise ValueError(f"{name} is {found}; give a positive number")
-    return found
-
-
-def cell_radius(cell: Any) -> float | None:
-    """The radius of the beads that draw the edges of a cell: infinite for the default one, none
-    for no edges.
-    """
-    if isinstance(cell, (bool, np.bool_)):
-        return math.inf if cell else None
-    return positive("cell", cell)
-
-
 def color(name: str, value: Color) -> Vector:
     """Linear RGB: three numbers, or a CSS name or ``#rrggbb`` in sRGB."""
     if isinstance(value, str):

@@ -91,24 +91,21 @@ class Scene:
 @final
 class Sequence:
     def __new__(
-        cls, path: str | PathLike[str], options: dict[str, Any], size: Size | None, holds: bool
+        cls,
+        path: str | PathLike[str],
+        options: dict[str, Any],
+        keep: Any,
+        colors: NDArray[np.uint8] | None,
+        frames: str,
+        size: Size | None,
+        holds: bool,
     ) -> Sequence: ...
     def __iter__(self) -> Iterator[Scene]: ...
     def __next__(self) -> Scene: ...
 
 @final
 class Sieve:
-    def __new__(
-        cls,
-        camera: Camera,
-        size: Size,
-        samples: int,
-        seed: int,
-        crop: list[int] | None,
-        tolerance: float | None,
-        outline_width: float | None,
-        first_id: int,
-    ) -> Sieve: ...
+    def __new__(cls, camera: Camera, options: dict[str, Any], first_id: int) -> Sieve: ...
     def add(
         self,
         centers: NDArray[np.float64],
@@ -162,30 +159,26 @@ class Renderer:
         self,
         scene: Scene,
         camera: Camera | None,
-        picture: dict[str, Any],
-        accurate: dict[str, Any],
+        options: dict[str, Any],
         progress: Report | None,
     ) -> Frame: ...
     def render_part(
         self,
         part: Part,
-        picture: dict[str, Any],
-        accurate: dict[str, Any],
+        options: dict[str, Any],
         progress: Report | None,
     ) -> Frame: ...
     def render_many(
         self,
         scene: Scene,
         cameras: list[Camera],
-        picture: dict[str, Any],
-        accurate: dict[str, Any],
+        options: dict[str, Any],
     ) -> Frames: ...
     def plan(
         self,
         scene: Scene,
         camera: Camera | None,
-        picture: dict[str, Any],
-        accurate: dict[str, Any],
+        options: dict[str, Any],
     ) -> str: ...
 
 @final
@@ -227,11 +220,11 @@ class PageScene(Protocol):
     @property
     def size(self) -> Size: ...
     @property
-    def picture(self) -> dict[str, Any]: ...
+    def options(self) -> dict[str, Any]: ...
     @property
-    def accurate(self) -> dict[str, Any]: ...
+    def lens(self) -> dict[str, float]: ...
     @property
-    def lines(self) -> dict[str, Any]: ...
+    def origin(self) -> dict[str, Any]: ...
 
 @final
 class Desk:
@@ -305,7 +298,8 @@ def trace(
     directions: NDArray[np.float64],
     limits: NDArray[np.float64] | None,
     any: bool,
-    accurate: dict[str, Any],
+    accuracy: dict[str, Any],
+    search: str,
     progress: Report | None,
 ) -> tuple[NDArray[Any], ...]: ...
 def widget_module() -> str: ...

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
+from os import fspath
 from typing import Any
 
 from . import _halfline
 from ._arrays import Renders, native_renderer
 from ._arrays import size as checked_size
-from ._lines import lines
 from ._source import Source
 from .camera import Camera
-from .options import Options, checked
+from .options import Options
 
 
 @functools.cache
@@ -30,10 +30,9 @@ class Shown:
     renderer: _halfline.Renderer
     camera: Camera
     size: tuple[int, int]
-    picture: dict[str, Any]
-    accurate: dict[str, Any]
-    lines: dict[str, Any]
+    options: dict[str, Any]
     lens: dict[str, float]
+    origin: dict[str, Any]
 
     @property
     def native_camera(self) -> _halfline.Camera:
@@ -61,8 +60,6 @@ class Shown:
         if not (legend is None or isinstance(legend, bool) or "." not in str(legend)):
             raise ValueError(f"{thing} writes no files; give legend=True or a corner")
         size = checked_size("size", given.pop("size", None) or (640, 480))
-        chosen: Any = given
-        picture, accurate = checked(chosen)
         if camera is None:
             camera = Camera._of(scene.camera(size), None)
         elif not isinstance(camera, Camera):
@@ -74,5 +71,10 @@ class Shown:
         if renderer is not None:
             # On one machine the name of an adapter is enough to find it again.
             choosing = {"adapter": renderer.adapter} if renderer.is_gpu else {"backend": "cpu"}
-        words = lines(source, given, lens, choosing)
-        return Shown(scene, name, native, camera, size, picture, accurate, words, lens)
+        reading = {} if source is None else source.options
+        origin = {
+            "file": None if source is None else fspath(source.path),
+            "reading": {name: value for name, value in reading.items() if name != "keep"},
+            "renderer": choosing,
+        }
+        return Shown(scene, name, native, camera, size, given, lens, origin)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _halfline
-from ._arrays import Color, array, number, whole, wholes
+from ._arrays import Color, array, whole
 from ._arrays import color as checked_color
 from ._arrays import size as checked_size
 from .camera import Camera
@@ -173,15 +173,16 @@ class Sieve:
     ) -> None:
         if not isinstance(camera, Camera):
             raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
+        given = {
+            "size": checked_size("size", size),
+            "samples": samples,
+            "seed": seed,
+            "crop": crop,
+            "tolerance": tolerance,
+            "outline_width": outline_width,
+        }
         self._native = _halfline.Sieve(
-            camera._native,
-            checked_size("size", size),
-            whole("samples", samples, 1),
-            whole("seed", seed),
-            None if crop is None else list(wholes("crop", crop, 4)),
-            None if tolerance is None else number("tolerance", tolerance),
-            None if outline_width is None else number("outline_width", outline_width),
-            whole("first_id", first_id, 0, 2**55),
+            camera._native, given, whole("first_id", first_id, 0, 2**55)
         )
 
     def add(self, centers: Any, radii: Any, colors: Any = None, *, opacities: Any = None) -> None:

@@ -16,7 +16,7 @@ from ._arrays import size as checked_size
 from ._progress import Callback, reporter
 from .camera import Camera
 from .frame import Frame
-from .options import Options, accuracy_of, checked
+from .options import Options
 from .parts import Part
 from .scene import Scene
 
@@ -160,17 +160,13 @@ class Renderer:
             AdapterError: if the device was lost, with ``backend="gpu"``.
             KeyboardInterrupt: ctrl-C.
         """
-        picture, accurate = checked(options)
+        given = dict(options)
         with reporter(progress) as report:
             if isinstance(scene, Part):
                 if camera is not None:
                     raise ValueError("a part has the camera that it was made for; remove camera")
-                return Frame._of(
-                    self._native.render_part(scene._native, picture, accurate, report)
-                )
-            native = self._native.render(
-                native_scene(scene), _camera(camera), picture, accurate, report
-            )
+                return Frame._of(self._native.render_part(scene._native, given, report))
+            native = self._native.render(native_scene(scene), _camera(camera), given, report)
         return Frame._of(native)
 
     def render_many(
@@ -203,9 +199,8 @@ class Renderer:
         >>> [float(frame["depth"][1, 1]) for frame in frames]
         [1.0, 2.0]
         """
-        picture, accurate = checked(options)
         natives = [_native_camera(camera) for camera in cameras]
-        frames = self._native.render_many(native_scene(scene), natives, picture, accurate)
+        frames = self._native.render_many(native_scene(scene), natives, dict(options))
         return _frames(frames, progress)
 
     @overload
@@ -297,7 +292,7 @@ class Renderer:
             if given.ndim and given.shape != shape:
                 raise ValueError(f"tmax has the shape {given.shape}; give {shape}, or one number")
             limits = array("tmax", np.broadcast_to(given, shape).reshape(-1), np.float64, "(n,)")
-        accurate = accuracy_of(accuracy, method, search, tolerance)
+        accurate = {"accuracy": accuracy, "method": method, "tolerance": tolerance}
         with reporter(progress) as report:
             answers = _halfline.trace(
                 self._native,
@@ -307,6 +302,7 @@ class Renderer:
                 limits,
                 bool(any),
                 accurate,
+                word("search", search),
                 report,
             )
         if any:
@@ -334,9 +330,8 @@ class Renderer:
         """What a frame requires and why: accuracy, method, search, buffers, memory; as ``halfline
         plan --json``.
         """
-        picture, accurate = checked(options)
         plan: dict[str, Any] = json.loads(
-            self._native.plan(native_scene(scene), _camera(camera), picture, accurate)
+            self._native.plan(native_scene(scene), _camera(camera), dict(options))
         )
         return plan
 

@@ -15,14 +15,8 @@ from ._arrays import (
     Color,
     Renders,
     array,
-    cell_radius,
-    number,
-    positive,
-    shown,
     whole,
-    wholes,
     word,
-    words,
 )
 from ._arrays import color as checked_color
 from ._arrays import size as checked_size
@@ -31,7 +25,7 @@ from ._source import Source
 from .camera import Camera
 from .columns import Columns
 from .frame import Frame
-from .options import Options, checked
+from .options import Options
 
 if TYPE_CHECKING:
     from .page import Page
@@ -125,11 +119,8 @@ class Scene:
         shrink = _PREVIEW / max(width, height)
         size = max(round(width * shrink), 1), max(round(height * shrink), 1)
         try:
-            picture, accurate = checked({"size": size})
             native = _halfline.Renderer("cpu", None)
-            return Frame._of(
-                native.render(self._native, None, picture, accurate, None)
-            )._repr_png_()
+            return Frame._of(native.render(self._native, None, {"size": size}, None))._repr_png_()
         except Exception:
             # A notebook then shows the text.
             return None
@@ -501,7 +492,10 @@ def _sequence(
     given = {**_DEFAULTS, **options}
     fspath(path)
     image = None if size is None else checked_size("size", size)
-    sequence = _halfline.Sequence(path, {"frames": frames, **_checked(given)}, image, holds)
+    words = {name: value for name, value in given.items() if name != "keep"}
+    map, colors = _map(given["map"])
+    words["map"] = map
+    sequence = _halfline.Sequence(path, words, given["keep"], colors, frames, image, holds)
     return sequence, {
         name: value for name, value in options.items() if value is not _DEFAULTS[name]
     }
@@ -514,86 +508,15 @@ _DEFAULTS: dict[str, Any] = {
 }
 
 
-def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
-    """The options in the types of the native module."""
-    columns, color_by, copies, model, limits, ink = (
-        given[name] for name in ("columns", "color_by", "copies", "model", "range", "nan_color")
-    )
-    if isinstance(columns, Mapping):
-        columns = ",".join(f"{meaning}={column}" for meaning, column in columns.items())
-    if color_by is not None:
-        color_by = ",".join(words("color_by", color_by))
-    if limits is not None:
-        limits = [
-            value if isinstance(value, str) else repr(number(f"range[{k}]", value))
-            for k, value in enumerate(_several("range", limits, 2))
-        ]
-    planes = [
-        [number(f"clip[{k}]", x) for x in _several(f"clip[{k}]", plane, 4)]
-        for k, plane in enumerate(given["clip"])
-    ]
-    if any(plane[:3] == [0, 0, 0] for plane in planes):
-        raise ValueError(
-            "a plane of clip has no direction; give (x, y, z, d) with x, y, z not all 0"
-        )
-    return {
-        **{
-            name: given[name]
-            for name in ("as_listed", "strict", "skip_invalid", "log", "wrap", "unwrap")
-        },
-        **{name: word(name, given[name]) for name in ("hold", "altloc", "radii")},
-        **{
-            name: None if given[name] is None else word(name, given[name])
-            for name in ("format", "atom_style", "identity")
-        },
-        "columns": None if columns is None else word("columns", columns),
-        "keep": _kept(given["keep"]),
-        "topology": given["topology"],
-        "map": _map(given["map"]),
-        "model": None if model is None else whole("model", model, -(2**63), 2**63 - 1),
-        "assembly": None if given["assembly"] is None else str(given["assembly"]),
-        "select": words("select", given["select"]),
-        "hide": words("hide", given["hide"]),
-        **_of_all_or_some("radius", given, positive),
-        "radius_scale": positive("radius_scale", given["radius_scale"]),
-        **_of_all_or_some("color", given, _paint),
-        **_of_all_or_some("opacity", given, number),
-        **_of_all_or_some("material", given, word),
-        "shine": None if given["shine"] is None else number("shine", given["shine"]),
-        "color_by": color_by,
-        "nan_color": None if ink is None else checked_color("nan_color", ink),
-        "range": limits,
-        "copies": None if copies is None else list(wholes("copies", copies, 3, 1)),
-        "clip": planes,
-        "cell": cell_radius(given["cell"]),
-    }
-
-
-def _of_all_or_some(
-    name: str,
-    given: Mapping[str, Any],
-    check: Callable[[str, Any], Any],
-) -> dict[str, Any]:
-    """An option that is one value for all, or a value for each expression."""
-    value = given[name]
-    some = value if isinstance(value, Mapping) else {}
-    return {
-        name: None if value is None or isinstance(value, Mapping) else check(name, value),
-        f"{name}_of": [
-            (word(name, key), check(f"{name}[{key!r}]", one)) for key, one in some.items()
-        ],
-    }
-
-
 def _paint(name: str, value: Color) -> tuple[float, float, float] | str:
     """Linear RGB, or a name: a CSS colour, or ``"element"`` for the colour of each one's element."""
     return value if isinstance(value, str) else checked_color(name, value)
 
 
-def _map(value: Any) -> str | NDArray[np.uint8] | None:
-    """The name or file of a colour map, or its colours, uint8, shape (n, 3)."""
+def _map(value: Any) -> tuple[Any, NDArray[np.uint8] | None]:
+    """The name or file of a colour map; or any name and colours in its place, uint8, shape (n, 3)."""
     if value is None or isinstance(value, (str, PathLike)):
-        return None if value is None else fspath(value)
+        return value, None
     # A colormap of matplotlib gives RGBA between 0 and 1.
     given = np.asarray(value(np.linspace(0, 1, 256)) if callable(value) else value)
     if given.ndim != 2 or given.shape[1] not in (3, 4) or given.dtype.kind not in "fu":
@@ -605,21 +528,4 @@ def _map(value: Any) -> str | NDArray[np.uint8] | None:
     if not ((levels >= 0) & (levels <= 255)).all():
         raise ValueError("map has colours beyond 0 and 1; give sRGB from 0 to 1, or uint8")
     colors: NDArray[np.uint8] = np.rint(levels).astype(np.uint8)
-    return colors
-
-
-def _kept(keep: Any) -> tuple[str, list[str]]:
-    """The columns to keep: a kind, and the names of the kind ``named``."""
-    if keep is None or isinstance(keep, bool):
-        return {None: "molecules", True: "all", False: "nothing"}[keep], []
-    return "named", words("keep", keep)
-
-
-def _several(name: str, values: Any, count: int) -> list[Any]:
-    try:
-        found = list(values)
-    except TypeError:
-        found = []
-    if len(found) != count:
-        raise ValueError(f"{name} is {shown(values)}; give {count} numbers")
-    return found
+    return "grays", colors

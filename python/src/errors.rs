@@ -1,7 +1,7 @@
 //! Errors of the library as exceptions of Python, in the command's own words.
 
 use halfline::Error;
-use halfline::quote::reworded;
+use halfline_command::choices::reworded;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -64,9 +64,8 @@ const RENAMED: [(&str, &str); 8] = [
 
 /// A message of the library with keywords of Python in place of the names of settings.
 pub(crate) fn keywords(message: &str) -> String {
-    let keyword =
-        |setting: &str| RENAMED.iter().find(|(name, _)| *name == setting).map_or(setting, |(_, word)| *word).to_owned();
-    reworded(message, keyword)
+    let renamed = |setting: &str| RENAMED.iter().find(|(name, _)| *name == setting).map(|(_, word)| *word);
+    reworded(message, |setting| renamed(setting).unwrap_or(setting).to_owned())
 }
 
 /// The library's result as a result of Python.

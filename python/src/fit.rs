@@ -28,7 +28,7 @@ pub(crate) fn fit_camera(
         let problem = format!("margin is {margin}");
         return Err(Error::settings(problem, "give a share of the image from 0 to less than 1")).or_raise();
     }
-    let framed = scene.sized(None, Some(size), None).or_raise()?;
+    let framed = scene.sized(None, Some(size)).or_raise()?;
     let framing = Framing { margin, ..Framing::default() };
     let image = framed.image;
     let mut camera = CoreCamera { lens: lens_of(&lens, None).or_raise()?, ..framed.camera };

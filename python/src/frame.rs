@@ -2,7 +2,6 @@
 
 use crate::arrays::shown;
 use crate::errors::{OrRaise, keywords};
-use crate::options::Rendered;
 use crate::shared::Shared;
 use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
@@ -12,6 +11,7 @@ use halfline::parallel;
 use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::{Aov, Frame as CoreFrame, Scene};
+use halfline_command::choices::Rendered;
 use halfline_drawing::inset::Panels;
 use halfline_files::read::matte::MatteNames;
 use halfline_files::write::file::Target;
@@ -54,8 +54,8 @@ impl Rounded {
 }
 
 impl Frame {
-    pub(crate) fn new(rendered: Rendered, single: bool, settings: Settings, renderer: Shared) -> Self {
-        let Rendered { scene, frame, panels, mattes, transparent } = rendered;
+    pub(crate) fn new(rendered: Rendered, single: bool, renderer: Shared) -> Self {
+        let Rendered { scene, settings, frame, panels, mattes, transparent } = rendered;
         let frame = Some(frame);
         Self { frame, scene, settings, renderer, panels, mattes, transparent, rounded: single.then(Rounded::default) }
     }

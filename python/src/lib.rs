@@ -9,10 +9,8 @@ mod command;
 mod errors;
 mod fit;
 mod frame;
-mod insets;
 mod many;
 mod measure;
-mod options;
 mod parts;
 mod png;
 mod read;
@@ -22,6 +20,7 @@ mod scene;
 mod shared;
 mod trace;
 mod view;
+mod words;
 mod work;
 
 use pyo3::prelude::*;

@@ -3,18 +3,30 @@
 use crate::camera::Camera;
 use crate::errors::{OrRaise, exception};
 use crate::frame::Frame;
-use crate::options::{Picture, Rendered};
 use crate::scene::Scene;
 use crate::shared::Shared;
+use crate::words::Chosen;
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
-use halfline::settings::{Backend, Settings};
+use halfline::settings::Backend;
+use halfline_command::choices::{ChosenPicture, Rendered};
 use pyo3::prelude::*;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
 
-/// A rendered picture and its settings.
-type Made = halfline::Result<(Rendered, Settings)>;
+/// A rendered picture.
+type Made = halfline::Result<Rendered>;
+
+/// Picture `number` of a scene with this camera.
+fn picture_of<'a>(
+    scene: &'a Scene,
+    camera: &Camera,
+    chosen: &'a Chosen,
+    number: u64,
+    backend: Backend,
+) -> halfline::Result<ChosenPicture<'a>> {
+    chosen.choices.picture(scene.chosen(Some(camera), chosen.choices.size(), number)?, &chosen.aovs, backend)
+}
 
 /// The frames of many cameras, one ahead of the caller.
 #[pyclass(frozen)]
@@ -34,32 +46,31 @@ impl Frames {
         renderer: Shared,
         scene: Py<Scene>,
         cameras: Vec<Camera>,
-        picture: Picture,
-        (accurate, backend): (Settings, Backend),
+        chosen: Chosen,
+        backend: Backend,
     ) -> PyResult<Self> {
         begin()?;
-        let outlined = py.detach(|| picture.begin(scene.get())).or_raise()?;
-        let scene = outlined.map_or(Ok(scene), |outlined| Py::new(py, outlined))?;
         // The first one is checked at once, so that an error has the caller's line.
         if let Some(first) = cameras.first() {
-            picture.scene(scene.get(), Some(first)).and_then(|(scene, _)| py.detach(|| scene.check())).or_raise()?;
+            let first = || picture_of(scene.get(), first, &chosen, 1, backend).map(drop);
+            py.detach(first).or_raise()?;
         }
         // A frame is handed over when the one before it is done, so there are at most two.
         let (sender, frames) = sync_channel(0);
-        let (job, count, single) = (Job::default(), cameras.len(), picture.single);
+        let (job, count, single) = (Job::default(), cameras.len(), chosen.single);
         let (own, shared) = (job.clone(), renderer.clone());
         let work = move || {
             for (number, camera) in (1..).zip(&cameras) {
-                let scene = scene.get();
-                let settings = picture.settings(scene, Some(camera), accurate.clone(), backend);
-                let mut rendered = settings.and_then(|settings| {
-                    let render = |exact: &_| shared.render(&own, exact, &settings, &scene.frame.skipped);
-                    Ok((picture.render(scene, Some(camera), number, render)?, settings))
-                });
-                // All frames have the same legend.
-                if number == 1 {
-                    rendered = rendered.and_then(|rendered| picture.insets.write(scene).map(|()| rendered));
-                }
+                let render = || {
+                    let picture = picture_of(scene.get(), camera, &chosen, number, backend)?;
+                    let rendered = shared.with(&own, |renderer| picture.render(renderer))?;
+                    // All frames have the same legend.
+                    if number == 1 {
+                        picture.write_legend()?
+                    }
+                    Ok(rendered)
+                };
+                let rendered = render();
                 let is_last = rendered.is_err();
                 if sender.send(rendered).is_err() || is_last {
                     return;
@@ -101,8 +112,8 @@ impl Frames {
                 frames.as_ref().map(|frames| frames.recv_timeout(SLICE))
             });
             match next {
-                Some(Ok(Ok((rendered, settings)))) => {
-                    return Ok(Some(Frame::new(rendered, self.single, settings, self.renderer.clone())));
+                Some(Ok(Ok(rendered))) => {
+                    return Ok(Some(Frame::new(rendered, self.single, self.renderer.clone())));
                 }
                 Some(Ok(Err(error))) => {
                     self.stop(py);

@@ -4,17 +4,18 @@ use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::errors::OrRaise;
 use crate::scene::Scene;
+use crate::words::written;
 use crate::work::Job;
-use halfline::error::{Error, Result};
+use halfline::error::Error;
 use halfline::render::stream::{Part as CorePart, Stream};
 use halfline::scene::{ImagePlane, Lighting};
-use halfline::settings::{Outline, Settings, Tolerance};
-use halfline::window::Window;
 use halfline::{Scene as CoreScene, Spheres};
+use halfline_command::choices::Choices;
+use halfline_command::shown::Call;
 use halfline_files::parts;
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -35,37 +36,20 @@ fn ended() -> Error {
 #[pymethods]
 impl Sieve {
     #[new]
-    #[expect(clippy::too_many_arguments, reason = "those of the class in Python")]
-    fn new(
-        camera: &Camera,
-        size: (u32, u32),
-        samples: u32,
-        seed: u32,
-        crop: Option<[u32; 4]>,
-        tolerance: Option<f64>,
-        outline_width: Option<f64>,
-        first_id: u64,
-    ) -> PyResult<Self> {
+    fn new(camera: &Camera, options: &Bound<'_, PyDict>, first_id: u64) -> PyResult<Self> {
+        let choices = Choices::of(&written(options, Call::Render)?).or_raise()?;
         let stream = || {
             if camera.aperture.is_some() {
                 let problem = "a lens with a size sees spheres that a part has forgotten";
                 return Err(Error::settings(problem, "give a camera without aperture"));
             }
-            camera.check_size(size)?;
-            let (width, height) = size;
+            let (width, height) = choices.size().unwrap_or_default();
+            camera.check_size((width, height))?;
             let image = ImagePlane { width, height, ..ImagePlane::default() };
             let (spheres, lighting) = (Spheres::default(), Lighting::default());
             let scene = CoreScene { camera: camera.camera, image, spheres, lighting };
             scene.check()?;
-            let settings = Settings {
-                samples,
-                seed,
-                window: crop.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 }),
-                tolerance: tolerance.map(Tolerance::new).transpose()?,
-                outline: Outline::of(outline_width, None),
-                ..Settings::default()
-            };
-            Stream::of_part(&scene, &settings, first_id)
+            Stream::of_part(&scene, &choices.settings_of_part(&scene)?, first_id)
         };
         Ok(Self(Mutex::new(Some(stream().or_raise()?))))
     }
@@ -103,26 +87,6 @@ impl Part {
     /// A scene with the camera and the image of the part, without spheres.
     pub(crate) fn scene(&self) -> Scene {
         Scene::of_part(self.0.view().scene(), self.0.view().samples)
-    }
-
-    /// The settings of a frame of the part; those that are given must be its own.
-    pub(crate) fn settings(
-        &self,
-        size: Option<(u32, u32)>,
-        outline_width: Option<f64>,
-        settings: Settings,
-    ) -> Result<Settings> {
-        let view = self.0.view();
-        let own = (view.size[0], view.size[1]);
-        if let Some(size) = size.filter(|size| *size != own) {
-            let problem = format!("size is {size:?}, and the part is of a frame of {own:?}");
-            return Err(Error::settings(problem, "remove size, or sift again"));
-        }
-        // 0 is the default of the keyword.
-        let seed = if settings.seed == 0 { view.seed } else { settings.seed };
-        let tolerance = settings.tolerance.or(parts::tolerance(view)?);
-        let outline = Outline { width: outline_width.unwrap_or(view.outline), ..settings.outline };
-        Ok(Settings { seed, tolerance, outline, window: settings.window.or(Some(view.window)), ..settings })
     }
 }
 

@@ -4,15 +4,16 @@ use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
 use crate::frame::Frame;
 use crate::many::Frames;
-use crate::options::{Accurate, Picture};
 use crate::parts::Part;
 use crate::scene::Scene;
 use crate::shared::Shared;
+use crate::words::Chosen;
 use crate::work::Job;
 use halfline::Renderer as CoreRenderer;
-use halfline::render::stream::Visible;
 use halfline::settings::{Backend, Settings};
+use halfline_command::choices::ChosenScene;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 /// A renderer.
 #[pyclass(frozen)]
@@ -28,19 +29,6 @@ pub(crate) struct Renderer {
     /// Why adapters that were found are not used.
     #[pyo3(get)]
     warnings: Vec<String>,
-}
-
-impl Renderer {
-    /// The settings of a picture of a scene on this renderer.
-    fn settings(
-        &self,
-        scene: &Scene,
-        camera: Option<&Camera>,
-        picture: &Picture,
-        accurate: &Accurate,
-    ) -> PyResult<Settings> {
-        accurate.settings().and_then(|accurate| picture.settings(scene, camera, accurate, self.backend)).or_raise()
-    }
 }
 
 #[pymethods]
@@ -65,22 +53,13 @@ impl Renderer {
         py: Python<'_>,
         scene: &Scene,
         camera: Option<&Camera>,
-        picture: Picture,
-        accurate: Accurate,
+        options: &Bound<'_, PyDict>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Frame> {
-        let settings = self.settings(scene, camera, &picture, &accurate)?;
-        let job = Job::default();
-        let rendered = job.run(py, progress.as_ref(), || {
-            let outlined = picture.begin(scene)?;
-            let scene = outlined.as_ref().unwrap_or(scene);
-            let rendered = picture.render(scene, camera, scene.frame.number, |exact| {
-                self.shared.render(&job, exact, &settings, &scene.frame.skipped)
-            })?;
-            picture.insets.write(scene)?;
-            Ok(rendered)
-        })?;
-        Ok(Frame::new(rendered, picture.single, settings, self.shared.clone()))
+        let chosen = Chosen::of(options)?;
+        self.rendered(py, progress.as_ref(), &chosen, || {
+            scene.chosen(camera, chosen.choices.size(), scene.frame.number)
+        })
     }
 
     /// Renders the frame of a part.
@@ -88,30 +67,12 @@ impl Renderer {
         &self,
         py: Python<'_>,
         part: &Part,
-        picture: Picture,
-        accurate: Accurate,
+        options: &Bound<'_, PyDict>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Frame> {
-        let scene = &part.scene();
-        let settings = self.settings(scene, None, &picture, &accurate)?;
-        let settings = part.settings(picture.size(), picture.outline_width(), settings).or_raise()?;
-        let job = Job::default();
-        let rendered = job.run(py, progress.as_ref(), || {
-            picture.begin(scene)?;
-            let mut shown = None;
-            let mut rendered = picture.render(scene, None, scene.frame.number, |exact| {
-                let Visible { scene: left, ids } = part.0.clone().visible(exact, &settings)?;
-                let mut frame = self.shared.render(&job, &left, &settings, &scene.frame.skipped)?;
-                ids.restore(&mut frame);
-                frame.report.warnings.extend(part.0.gaps());
-                shown = Some(left);
-                Ok(frame)
-            })?;
-            // Provenance is that of all spheres.
-            rendered.scene = shown.unwrap_or(rendered.scene);
-            Ok(rendered)
-        })?;
-        Ok(Frame::new(rendered, picture.single, settings, self.shared.clone()))
+        let (chosen, scene) = (Chosen::of(options)?, part.scene());
+        let of_part = || Ok(ChosenScene { part: Some(&part.0), ..scene.chosen(None, None, 1)? });
+        self.rendered(py, progress.as_ref(), &chosen, of_part)
     }
 
     /// Renders a picture for each camera, one ahead of the caller.
@@ -120,13 +81,9 @@ impl Renderer {
         py: Python<'_>,
         scene: Py<Scene>,
         cameras: Vec<Camera>,
-        picture: Picture,
-        accurate: Accurate,
+        options: &Bound<'_, PyDict>,
     ) -> PyResult<Frames> {
-        // Mistakes are raised at once.
-        self.settings(scene.get(), cameras.first(), &picture, &accurate)?;
-        let accurate = accurate.settings().or_raise()?;
-        Frames::start(py, self.shared.clone(), scene, cameras, picture, (accurate, self.backend))
+        Frames::start(py, self.shared.clone(), scene, cameras, Chosen::of(options)?, self.backend)
     }
 
     /// The requirements of a picture of the scene, as JSON; no ray is traced.
@@ -135,21 +92,35 @@ impl Renderer {
         py: Python<'_>,
         scene: &Scene,
         camera: Option<&Camera>,
-        picture: Picture,
-        accurate: Accurate,
+        options: &Bound<'_, PyDict>,
     ) -> PyResult<String> {
-        let settings = self.settings(scene, camera, &picture, &accurate)?;
+        let Chosen { choices, aovs, .. } = Chosen::of(options)?;
         let job = Job::default();
         let plan = job.run(py, None, || {
-            let outlined = picture.begin(scene)?;
-            let (exact, warnings) = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
-            self.shared.with(&job, |renderer| {
-                let mut plan = renderer.explain(&exact, &settings)?;
-                scene.frame.skipped.report(&mut plan.skipped, &mut plan.warnings, renderer.passed_over().len());
-                plan.warnings.extend(warnings);
-                Ok(plan)
-            })
+            let of = scene.chosen(camera, choices.size(), scene.frame.number)?;
+            let picture = choices.picture(of, &aovs, self.backend)?;
+            self.shared.with(&job, |renderer| picture.explain(renderer))
         })?;
         crate::reports::json(&plan)
+    }
+}
+
+impl Renderer {
+    /// Renders the picture of a scene, and writes the file of its legend.
+    fn rendered<'a>(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Py<PyAny>>,
+        chosen: &Chosen,
+        scene: impl FnOnce() -> halfline::Result<ChosenScene<'a>> + Send,
+    ) -> PyResult<Frame> {
+        let job = Job::default();
+        let rendered = job.run(py, progress, || {
+            let picture = chosen.choices.picture(scene()?, &chosen.aovs, self.backend)?;
+            let rendered = self.shared.with(&job, |renderer| picture.render(renderer))?;
+            picture.write_legend()?;
+            Ok(rendered)
+        })?;
+        Ok(Frame::new(rendered, chosen.single, self.shared.clone()))
     }
 }

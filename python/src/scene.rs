@@ -5,10 +5,11 @@ use crate::camera::Camera;
 use crate::color::Color;
 use crate::errors::{OrRaise, keywords};
 use crate::work::{Job, begin};
-use halfline::scene::arrange::{Arrangement, Bead};
+use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
+use halfline_command::choices::ChosenScene;
 use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
@@ -70,21 +71,26 @@ impl Scene {
         })
     }
 
-    /// The scene with the edges of its cell as beads of this radius, after all other spheres; infinite for the default one.
-    pub(crate) fn with_cell(&self, radius: f64) -> halfline::Result<Self> {
-        let mut frame = self.frame.clone();
-        if !self.outlined {
-            frame.outline(self.edges().as_ref(), bead(radius))?;
+    /// The scene for a picture with this camera and size, as frame `number`.
+    pub(crate) fn chosen(
+        &self,
+        camera: Option<&Camera>,
+        size: Option<(u32, u32)>,
+        number: u64,
+    ) -> halfline::Result<ChosenScene<'_>> {
+        let scene = self.sized(camera, size)?;
+        let mut frame = SceneFrame { number, scene, ..self.frame.clone() };
+        if let Some(camera) = camera {
+            (frame.has_camera, frame.aperture) = (true, camera.aperture);
         }
-        Ok(Self { outlined: true, ..self.with(frame) })
-    }
-
-    /// Frames the spheres beside a legend that takes these shares of the picture's width, unless the file has a camera.
-    pub(crate) fn frame_with_legend(&self, exact: &mut CoreScene, legend_shares: [f64; 2]) -> halfline::Result<()> {
-        if self.frame.has_camera {
-            return Ok(());
-        }
-        exact.frame_by_default(self.frame.is_molecule, &Framing { legend_shares, ..Framing::default() })
+        Ok(ChosenScene {
+            frame,
+            edges: self.edges(),
+            is_outlined: self.outlined,
+            file: self.file.clone(),
+            colored_by: self.colored_by.as_deref(),
+            part: None,
+        })
     }
 
     /// The spheres.
@@ -94,29 +100,21 @@ impl Scene {
 
     /// The scene with another camera or size; its own camera shows all spheres, unless it is the file's.
     pub(crate) fn exact(&self, camera: Option<&Camera>, size: Option<(u32, u32)>) -> halfline::Result<CoreScene> {
-        let mut exact = self.sized(camera, size, None)?;
-        if camera.is_none() {
-            self.frame_with_legend(&mut exact, [0.0; 2])?;
+        let mut exact = self.sized(camera, size)?;
+        if camera.is_none() && !self.frame.has_camera {
+            exact.frame_by_default(self.frame.is_molecule, &Framing::default())?;
         }
         Ok(exact)
     }
 
-    /// The scene with another camera, size or background; its own camera is still to be framed. The spheres are shared.
-    pub(crate) fn sized(
-        &self,
-        camera: Option<&Camera>,
-        size: Option<(u32, u32)>,
-        background: Option<[f32; 3]>,
-    ) -> halfline::Result<CoreScene> {
+    /// The scene with another camera or size; its own camera is still to be framed. The spheres are shared.
+    pub(crate) fn sized(&self, camera: Option<&Camera>, size: Option<(u32, u32)>) -> halfline::Result<CoreScene> {
         let mut scene = self.frame.scene.clone();
         if let (Some(camera), Some(size)) = (camera, size) {
             camera.check_size(size)?;
         }
         if let Some(size) = size.or(camera.and_then(|camera| camera.size)) {
             (scene.image.width, scene.image.height) = size;
-        }
-        if let Some(color) = background {
-            scene.set_background(color);
         }
         match camera {
             Some(camera) => scene.camera = camera.camera,
@@ -330,11 +328,6 @@ impl Scene {
         begin()?;
         Ok(py.detach(|| self.frame.scene.fingerprint()))
     }
-}
-
-/// The beads of a radius; infinite for the default one.
-pub(crate) fn bead(radius: f64) -> Bead {
-    if radius.is_finite() { Bead::Radius(radius) } else { Bead::Thin }
 }
 
 /// Checks the spheres; an error names the argument and the row.

@@ -1,8 +1,7 @@
 //! A renderer that a Python renderer shares with its frames.
 
 use crate::work::{Job, is_forked};
-use halfline::{Error, Frame, Renderer, Result, Scene, Settings};
-use halfline_files::read::Skipped;
+use halfline::{Error, Frame, Renderer, Result};
 use std::sync::{Arc, Mutex};
 
 /// The renderer, which one thread uses at a time; the others wait.
@@ -30,16 +29,6 @@ impl Shared {
         let result = work(&mut renderer);
         *place = Some(renderer);
         result
-    }
-
-    /// Renders `exact`; the report has what the reader left out too.
-    pub(crate) fn render(&self, job: &Job, exact: &Scene, settings: &Settings, skipped: &Skipped) -> Result<Frame> {
-        self.with(job, |renderer| {
-            let mut frame = renderer.render(exact, settings)?;
-            let report = &mut frame.report;
-            skipped.report(&mut report.skipped, &mut report.warnings, renderer.passed_over().len());
-            Ok(frame)
-        })
     }
 
     /// Gives the memory of a frame back, unless the renderer is at work, which does not wait for memory.

@@ -2,16 +2,16 @@
 
 use crate::arrays::{list, owned};
 use crate::errors::OrRaise;
-use crate::options::Accurate;
 use crate::renderer::Renderer;
 use crate::scene::Scene;
+use crate::words::settings;
 use crate::work::Job;
 use halfline::error::{Error, Result};
 use halfline::settings::Settings;
 use halfline::{Aov, Progress, Rays, Step, Tracer};
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 
 /// The rays of a block. The answers do not depend on it.
 const BLOCK: usize = 1 << 19;
@@ -98,11 +98,13 @@ pub(crate) fn trace<'py>(
     directions: PyReadonlyArrayDyn<'py, f64>,
     limits: Option<PyReadonlyArrayDyn<'py, f64>>,
     any: bool,
-    accurate: Accurate,
+    accuracy: &Bound<'_, PyDict>,
+    search: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyTuple>> {
     let aovs = if any { Vec::new() } else { vec![Aov::Normal] };
-    let settings = Settings { backend: renderer.backend, aovs, ..accurate.settings().or_raise()? };
+    let search = search.parse().or_raise()?;
+    let settings = Settings { backend: renderer.backend, aovs, search, ..settings(accuracy)? };
     let origins = list::<f64, [f64; 3], 3>(&origins)?;
     let directions = list::<f64, [f64; 3], 3>(&directions)?;
     let limits = limits.map(|limits| list::<f64, f64, 1>(&limits)).transpose()?.unwrap_or_default();

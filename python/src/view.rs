@@ -2,16 +2,17 @@
 
 use crate::camera::Camera;
 use crate::errors::{AccuracyError, AdapterError, OrRaise, exception, keywords};
-use crate::options::{Accurate, Picture};
 use crate::renderer::Renderer;
 use crate::scene::Scene;
+use crate::words::{Chosen, written};
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
-use halfline_command::shown::{self, Content, MemoryScene, WrittenOption};
+use halfline::Aov;
+use halfline_command::shown::{self, Call, Content, MemoryScene};
 use halfline_files::write::file::write_atomically;
 use halfline_viewer::{FrameRequest, GoOn, Lens, Pixels, Pose, Refusal, Reply, Routes, SelectRequest, Stage};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -30,15 +31,13 @@ pub(crate) fn widget_style() -> &'static str {
     halfline_viewer::style()
 }
 
-/// The options of a view in the words of the command, and the file of its scene.
+/// Where the scene of a page was read from, and how: its file, the keywords of `read` and of `Renderer`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(crate) struct Lines {
-    source: Option<OsString>,
-    /// The options of every picture.
-    rendering: Vec<WrittenOption>,
-    /// The options in lines that are copied.
-    copied: Vec<WrittenOption>,
+pub(crate) struct Origin<'py> {
+    file: Option<OsString>,
+    reading: Bound<'py, PyDict>,
+    renderer: Bound<'py, PyDict>,
 }
 
 /// A scene that a view shows, and the answers to its page.
@@ -54,7 +53,7 @@ pub(crate) struct Desk {
 /// A camera as the page has it, for an image of this size.
 fn pose_of(scene: &Scene, camera: &Camera, size: (u32, u32)) -> halfline::Result<Pose> {
     let size = camera.size.is_none().then_some(size);
-    shown::pose(&scene.sized(Some(camera), size, None)?, None)
+    shown::pose(&scene.sized(Some(camera), size)?, None)
 }
 
 /// A scene and the options of a page, as the package checked them.
@@ -64,26 +63,29 @@ pub(crate) struct PageScene<'py> {
     renderer: PyRef<'py, Renderer>,
     native_camera: PyRef<'py, Camera>,
     size: (u32, u32),
-    picture: Picture,
-    accurate: Accurate,
-    lines: Lines,
+    /// The keywords of the picture, and those of its lens.
+    options: Bound<'py, PyDict>,
+    lens: Bound<'py, PyDict>,
+    origin: Origin<'py>,
 }
 
 impl PageScene<'_> {
     /// The scene in memory, with the columns of `keep`, or all. Mistakes are named as keywords.
     fn memory(self, py: Python<'_>, keep: Option<&[String]>) -> PyResult<MemoryScene> {
-        let Self { scene, renderer, native_camera, size, picture, accurate, lines } = self;
+        let Self { scene, renderer, native_camera, size, options, lens, origin } = self;
         let (shown, renderer, camera) = (scene.get(), &*renderer, &*native_camera);
-        let Lines { source, mut rendering, mut copied } = lines;
+        let chosen = Chosen::of(&options)?;
+        let mut rendering = written(&options, Call::Render)?;
+        rendering.extend(written(&lens, Call::Camera)?);
         // Edges that are drawn already are not drawn again.
-        for options in [&mut rendering, &mut copied] {
-            options.retain(|(id, _)| !(shown.outlined && id == "outline"));
-        }
+        rendering.retain(|(id, _)| !(shown.outlined && id == "outline"));
+        let mut copied = written(&origin.reading, Call::Read)?;
+        copied.retain(|(id, _)| !(shown.outlined && id == "outline"));
+        copied.extend(rendering.iter().cloned().chain(written(&origin.renderer, Call::Renderer)?));
+        let source = origin.file;
         Job::default().run(py, None, || {
-            picture.begin(shown)?;
-            picture.settings(shown, Some(camera), accurate.settings()?, renderer.backend)?;
-            picture.scene(shown, Some(camera))?;
-            picture.insets.text(shown, shown.frame.number)?;
+            let first = shown.chosen(Some(camera), Some(size), shown.frame.number)?;
+            chosen.choices.picture(first, &[Aov::Color], renderer.backend)?;
             let mut content = Content {
                 frames: vec![shown.frame.clone()],
                 edges: shown.edges(),

@@ -71,7 +71,7 @@ def test_ctrl_c_ends_the_command(command: str, tmp_path: Path) -> None:
         "cpu",
     ]
     child = subprocess.Popen(
-        [command, *arguments, "--size", "9000x9000", "--accuracy", "exact"], stderr=subprocess.PIPE
+        [command, *arguments, "--size", "5000x5000", "--accuracy", "exact"], stderr=subprocess.PIPE
     )
     time.sleep(1.5)
     child.send_signal(signal.SIGINT)

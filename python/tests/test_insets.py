@@ -141,8 +141,11 @@ def test_the_cell_is_drawn_once_and_leaves_the_scene(cpu: hl.Renderer, dump: Pat
     [
         ({"legend": True}, "legend: the spheres have neither elements nor a column.*color_by"),
         ({"legend": "x.svg"}, "legend: the spheres have neither"),
-        ({"legend": "left"}, "legend is 'left'; give True, one of right, top-left"),
-        ({"legend": "x.pdf"}, "legend is 'x.pdf'"),
+        ({"legend": "left"}, "legend: there is no corner 'left'; choose from right, top-left"),
+        (
+            {"legend": "x.pdf"},
+            "a legend cannot be written to x.pdf; use the file name extension .svg",
+        ),
         ({"legend": 3}, "legend is 3"),
         ({"label": "{time}"}, "^label has {time}, but the frame has no time.*or use {step}"),
         ({"label": "{who}"}, "{frame}, {file}, {count}, {time} or {step}"),

@@ -135,7 +135,7 @@ def test_what_does_not_belong_together_is_refused(cpu: hl.Renderer) -> None:
         (lambda: one | hl.sift(spheres()[0][100:200], 0.1, **VIEW), "have different spheres"),
         (lambda: one | hl.sift(spheres()[0][100:200], 0.1, first_id=100, **VIEW), "has colours"),
         (lambda: cpu.render(one, CAMERA), "remove camera"),
-        (lambda: cpu.render(one, size=(9, 9)), "the part is of a frame of"),
+        (lambda: cpu.render(one, size=(9, 9)), "the parts are of a frame of"),
         (lambda: cpu.render(one, samples=4), "its number of samples is 1, and not 4"),
         (lambda: cpu.render(one, occlusion=True), "need all spheres in memory"),
         (lambda: hl.sift([[0, 0, 0]], -1.0, **VIEW), "radi"),

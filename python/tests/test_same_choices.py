@@ -27,6 +27,8 @@ ELSEWHERE = {
     "outline": "the earlier name of cell",
     "bits": "test_read.py saves with 16 bits",
     "topology": "test_read.py reads one",
+    "size": "each draw has one",
+    "crop": "test_render.py has it",
 }
 
 # The names of settings that have another one in Python.

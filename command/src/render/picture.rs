@@ -106,7 +106,7 @@ impl PictureWriter<'_> {
         let mut targets = self.args.files.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
         let written = |files, report, still| Picture { number, files, report, still };
-        let mut panels = self.args.insets.panels(self.args.path(), numbered)?;
+        let mut panels = self.args.insets.panels(Some(self.args.file_name()), numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
             target.set_drawn(panels.words());
         }
@@ -117,7 +117,7 @@ impl PictureWriter<'_> {
         if let Some(model) = self.args.files.model() {
             let report = self.write_model(model, numbered, renderer, settings)?;
             if targets.is_empty() && self.preview.is_none() {
-                self.write_legend(numbered)?;
+                write_legend(self.args, numbered)?;
                 return Ok(written(files, report, None));
             }
         }
@@ -130,26 +130,13 @@ impl PictureWriter<'_> {
             targets.retain(|target| !target.is_there(&origin, &go_on));
             if targets.is_empty() {
                 self.messages.note(number, already_there(&files));
-                self.write_legend(numbered)?;
+                write_legend(self.args, numbered)?;
                 return Ok(written(files, Report { resumed: true, number, ..report }, None));
             }
         }
         self.messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
-        if let Some(ids) = &numbered.ids {
-            ids.restore(&mut frame);
-        }
-        let report = &mut frame.report;
-        numbered.skipped.report(&mut report.skipped, &mut report.warnings, renderer.passed_over().len());
-        frame.report.number = number;
-        frame.report.hold = self.args.read.hold();
-        frame.report.look = numbered.look.name();
-        if let Some(panels) = &mut panels {
-            frame.report.warnings.extend(self.args.insets.add_marks(panels, numbered, &frame, (renderer, settings))?);
-            frame.report.warnings.extend(panels.warning());
-        }
-        let of_legend = legend::warning(self.args, numbered.legend.as_ref());
-        frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
+        complete(self.args, numbered, &mut frame, panels.as_mut(), (renderer, settings))?;
         self.args
             .read
             .hold_words()
@@ -170,7 +157,7 @@ impl PictureWriter<'_> {
                     .note(number, "a film has even sides, so the last column or row of pixels is left out".into());
             }
         }
-        self.write_legend(numbered)?;
+        write_legend(self.args, numbered)?;
         if let Some(preview) = self.preview {
             preview.show(&frame);
         }
@@ -220,16 +207,6 @@ impl PictureWriter<'_> {
         Ok(report)
     }
 
-    fn write_legend(&self, numbered: &PictureScene) -> Result<()> {
-        match (legend::file(self.args, numbered.number)?, &numbered.legend) {
-            (Some(path), Some(legend)) => {
-                let drawing = halfline_drawing::legend::draw(legend)?;
-                figure::write(&path, &drawing.svg, drawing.size, &drawing.levels)
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Writes the files, and returns the bytes of the picture of a film; the panels are drawn into the picture, and into no
     /// other file.
     fn write(
@@ -259,6 +236,42 @@ impl PictureWriter<'_> {
         write(frame, &others)?;
         Ok(still.into_inner())
     }
+}
+
+/// Completes a frame: the ids and the report of its scene, the marks of its panels, warnings about what is drawn.
+///
+/// # Errors
+/// Errors of the camera, and of the renderer.
+pub(crate) fn complete(
+    args: &SceneArgs,
+    numbered: &PictureScene,
+    frame: &mut Frame,
+    panels: Option<&mut Panels>,
+    (renderer, settings): (&mut Renderer, &Settings),
+) -> Result<()> {
+    if let Some(ids) = &numbered.ids {
+        ids.restore(frame);
+    }
+    let report = &mut frame.report;
+    numbered.skipped.report(&mut report.skipped, &mut report.warnings, renderer.passed_over().len());
+    (report.number, report.hold, report.look) = (numbered.number, args.read.hold(), numbered.look.name());
+    if let Some(panels) = panels {
+        frame.report.warnings.extend(args.insets.add_marks(panels, numbered, frame, (renderer, settings))?);
+        frame.report.warnings.extend(panels.warning());
+    }
+    let of_legend = legend::warning(args, numbered.legend.as_ref());
+    frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
+    Ok(())
+}
+
+/// Writes the file of the legend, if one is requested and the colours have one.
+///
+/// # Errors
+/// Errors of writing.
+pub(crate) fn write_legend(args: &SceneArgs, numbered: &PictureScene) -> Result<()> {
+    let (Some(path), Some(legend)) = (legend::file(args, numbered.number)?, &numbered.legend) else { return Ok(()) };
+    let drawing = halfline_drawing::legend::draw(legend)?;
+    figure::write(&path, &drawing.svg, drawing.size, &drawing.levels)
 }
 
 /// The files of picture `number`, once they are known to be writable, and neither they nor what is written beside them is one of

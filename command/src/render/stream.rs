@@ -209,7 +209,7 @@ impl<'a> Source<'a> {
         (picture.legend, picture.when) = (facts.legend, facts.when);
         let framed = framed.then(|| "all spheres".to_owned());
         let mut picture = PictureScene { scene, skipped: facts.skipped, framed, ids: Some(ids), ..picture };
-        legend::check_content(self.args, &mut picture)?;
+        legend::check_content(self.args, self.args.color.color_by.as_deref(), &mut picture)?;
         Ok(picture)
     }
 

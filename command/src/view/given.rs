@@ -19,7 +19,7 @@ pub type WrittenOption = (String, Option<OsString>);
 
 /// An option with its values as they were typed; a flag has none.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct GivenOption {
+pub(crate) struct GivenOption {
     /// Its identifier in the definition of the command.
     pub(super) id: String,
     long: String,
@@ -87,7 +87,7 @@ impl Given {
 
     /// A scene with options by their identifiers. The command has one option for edges of the cell that are drawn at the
     /// reading and at the rendering.
-    pub(super) fn of_options(scene: OsString, options: &[WrittenOption]) -> Self {
+    pub(crate) fn of_options(scene: OsString, options: &[WrittenOption]) -> Self {
         let option = |(id, value): &WrittenOption| match GivenOption::new(id, value.clone()) {
             edges if id == "outline" => GivenOption { long: "cell".into(), ..edges },
             option => option,
@@ -97,7 +97,7 @@ impl Given {
     }
 
     /// The options that hold for every picture.
-    pub(super) fn options(&self) -> &[GivenOption] {
+    pub(crate) fn options(&self) -> &[GivenOption] {
         &self.options
     }
 
@@ -182,7 +182,7 @@ impl Given {
     }
 
     /// The words of `halfline render` with these options, without an output.
-    pub(super) fn words(&self, options: &[GivenOption]) -> Vec<OsString> {
+    pub(crate) fn words(&self, options: &[GivenOption]) -> Vec<OsString> {
         let scene = match self.scene.as_encoded_bytes().first() {
             // A file whose name looks like an option.
             Some(b'-') => [OsStr::new("./"), &self.scene].into_iter().collect(),

@@ -3,12 +3,14 @@
 use crate::config::Config;
 use crate::render::Render;
 use crate::scene_args::SceneArgs;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Args, Command, FromArgMatches};
 use halfline::error::{Error, Result};
+use std::error::Error as _;
 use std::ffi::OsString;
 
 /// The definition of `halfline render`.
-pub(super) struct Parser(Command);
+pub(crate) struct Parser(Command);
 
 impl Parser {
     /// The parser, with the defaults of the environment and of the configuration file.
@@ -20,7 +22,7 @@ impl Parser {
     }
 
     /// The parser without environment and configuration.
-    pub(super) fn without_preferences() -> Self {
+    pub(crate) fn without_preferences() -> Self {
         let render = Render::augment_args(Command::new("render"));
         Self(Command::new("halfline").no_binary_name(true).subcommand(render))
     }
@@ -29,7 +31,7 @@ impl Parser {
     ///
     /// # Errors
     /// [`Error::Settings`] with clap's words.
-    pub(super) fn args(&mut self, words: &[OsString]) -> Result<SceneArgs> {
+    pub(crate) fn args(&mut self, words: &[OsString]) -> Result<SceneArgs> {
         let matches = self.0.try_get_matches_from_mut(words).map_err(|error| refused(&error))?;
         let (_, matches) = matches.subcommand().ok_or_else(|| Error::settings("no command", "use render"))?;
         Ok(Render::from_arg_matches(matches).map_err(|error| refused(&error))?.args)
@@ -43,16 +45,46 @@ impl Parser {
     }
 }
 
-/// An error of clap in one line, without its hints on usage. Its option is named as a setting, which has another name in a
-/// notebook.
+/// An error of clap. Its options are named as settings, which have other names in a notebook and in Python.
 fn refused(error: &clap::Error) -> Error {
-    let text = error.render().to_string();
-    let line = text.lines().next().unwrap_or_default();
-    let line = line.strip_prefix("error: ").unwrap_or(line);
-    let named = line.split_once(" for '--").and_then(|(before, rest)| {
-        let (option, after) = rest.split_once('\'')?;
-        let name = option.split(' ').next()?.replace('-', "_");
-        Some(format!("{before} for `\u{2060}{name}`{after}"))
-    });
-    Error::settings(named.unwrap_or_else(|| line.to_owned()), "use another value")
+    let said = |kind: ContextKind| match error.get(kind) {
+        Some(ContextValue::String(text)) => vec![text.as_str()],
+        Some(ContextValue::Strings(all)) => all.iter().map(String::as_str).collect(),
+        _ => Vec::new(),
+    };
+    let named = |kind| said(kind).into_iter().map(setting).collect::<Vec<_>>().join(" and ");
+    let (name, value) = (named(ContextKind::InvalidArg), said(ContextKind::InvalidValue).join(","));
+    match error.kind() {
+        ErrorKind::ValueValidation => {
+            let source = error.source().map(ToString::to_string).unwrap_or_default();
+            match (source.strip_prefix("expected "), source.rsplit_once("; ")) {
+                (Some(expected), _) => Error::settings(format!("{name} is {value}"), format!("give {expected}")),
+                (None, Some((problem, mend))) => Error::settings(format!("{name}: {problem}"), mend),
+                (None, None) => Error::settings(format!("{name}: {source}"), "give another value"),
+            }
+        }
+        ErrorKind::InvalidValue => {
+            let values = said(ContextKind::ValidValue).join(", ");
+            let mend = if values.is_empty() { "give a value".into() } else { format!("choose from {values}") };
+            Error::settings(format!("{name} is {value}"), mend)
+        }
+        ErrorKind::ArgumentConflict => {
+            let other = named(ContextKind::PriorArg);
+            Error::settings(format!("{name} and {other} exclude each other"), "remove one of them")
+        }
+        ErrorKind::MissingRequiredArgument => {
+            Error::settings(format!("another option needs {name}, which is not given"), format!("give {name}"))
+        }
+        _ => {
+            let text = error.render().to_string();
+            let line = text.lines().next().unwrap_or_default();
+            Error::settings(line.strip_prefix("error: ").unwrap_or(line), "use another value")
+        }
+    }
+}
+
+/// The name of the setting of an option as clap shows it: `--shine <N>`, `--cell[=<RADIUS>]`.
+fn setting(usage: &str) -> String {
+    let name = usage.trim_start_matches('-').split([' ', '=', '[']).next().unwrap_or_default();
+    format!("`\u{2060}{}`", name.replace('-', "_"))
 }

@@ -11,7 +11,7 @@ use std::str::Utf8Chunk;
 pub(super) fn lines(file: Option<&OsStr>, output: &OsStr, options: &[GivenOption], request: &FrameRequest) -> String {
     let keywords = |call: Call| {
         let keyword = |row: &OptionRow| match row.python {
-            Python::Keyword(of, name, form) if of == call => {
+            Python::Keyword(of, name, form) if of == call && !row.is_of_page() => {
                 Some(format!(", {name}={}", value(form, &values(options, row.id)?)))
             }
             _ => None,
@@ -68,14 +68,14 @@ fn value(form: Form, values: &[String]) -> String {
             "False".into()
         }
         Form::Flag => "True".into(),
-        Form::NumberOrFlag | Form::TextOrFlag if last.is_empty() => "True".into(),
+        Form::NumberOrFlag | Form::TextOrFlag | Form::Legend if last.is_empty() => "True".into(),
         Form::Number | Form::NumberOrFlag => last.to_owned(),
-        Form::Text | Form::TextOrFlag => text(last),
-        Form::Tuple => tuple(last),
+        Form::Text | Form::Name | Form::Columns | Form::Names | Form::TextOrFlag | Form::Legend => text(last),
+        Form::Tuple | Form::Size => tuple(last),
         Form::Tuples => several(tuple),
         Form::Texts => several(text),
         Form::Color => literal(last),
-        Form::Rules => match values {
+        Form::Rules | Form::Marks => match values {
             [one] if !one.contains('=') => literal(one),
             rules => {
                 let rule = |rule: &String| {

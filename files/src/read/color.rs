@@ -35,8 +35,9 @@ pub fn color(text: &str) -> Result<[f32; 3]> {
     if let Some((_, srgb)) = COLORS_DATA.iter().find(|(name, _)| name.eq_ignore_ascii_case(text.trim())) {
         return Ok(linear(*srgb));
     }
-    let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
-    let color = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+    // By way of f64, as numbers of other programs are rounded.
+    let numbers: Option<Vec<f64>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    let color = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok()).map(|color| color.map(|c| c as f32));
     color.filter(|color| color.iter().all(|c| c.is_finite() && *c >= 0.0)).ok_or_else(|| {
         let names = COLORS_DATA.iter().map(|(name, _)| name.to_ascii_lowercase());
         let nearest = nearest(text, names).map_or(String::new(), |name| format!("{name}, "));
