@@ -3,7 +3,7 @@
 
 use super::legend;
 use super::messages::flags;
-use super::option_table::options as all_options;
+use super::option_table::{options as all_options, word_of};
 use super::picture_scene::PictureScene;
 use super::render::picture::{complete, write_legend};
 use super::scene_args::SceneArgs;
@@ -23,6 +23,8 @@ use halfline_drawing::inset::Panels;
 use halfline_files::read::matte::MatteNames;
 use halfline_files::read::style::Coloring;
 use halfline_files::read::{Keep, ReadOptions, SceneFrame};
+use halfline_files::write::file::Target;
+use halfline_files::write::format::FormatOptions;
 use halfline_files::write::mattes;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -141,6 +143,20 @@ impl Choices {
         self.args.settings_of(aovs)
     }
 
+    /// The options of the formats of files, with an alpha where a picture is `transparent`.
+    #[must_use]
+    pub fn format_options(&self, transparent: bool) -> FormatOptions {
+        FormatOptions { transparent, ..self.args.files.style() }
+    }
+
+    /// Checks that a file holds what the options ask for.
+    ///
+    /// # Errors
+    /// [`Error::Settings`](halfline::error::Error::Settings) for pixels per inch of a file that has none.
+    pub fn check_file(&self, target: &Target) -> Result<()> {
+        self.args.files.check_dpi(std::slice::from_ref(target))
+    }
+
     /// The settings of a part of this scene.
     ///
     /// # Errors
@@ -230,8 +246,8 @@ impl ChosenPicture<'_> {
     }
 }
 
-/// A message with this word for each setting and for each option that it names as the command line has it.
-pub fn reworded(message: &str, word: impl Fn(&str) -> String) -> String {
+/// A message in words of Python: a keyword for each setting, and for each option that it names as the command line has it.
+pub fn in_keywords(message: &str) -> String {
     let message = flags(message);
     let mut words = String::with_capacity(message.len());
     let mut rest = &message[..];
@@ -242,7 +258,7 @@ pub fn reworded(message: &str, word: impl Fn(&str) -> String) -> String {
         let id = name.replace('-', "_");
         words += before;
         match is_alone && all_options().any(|row| row.id == id) {
-            true => words += &word(&id),
+            true => words += word_of(&id).unwrap_or(&id),
             false => {
                 words += "--";
                 words += name;

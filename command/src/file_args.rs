@@ -175,9 +175,14 @@ impl FileArgs {
         names.into_iter().filter(|path| Some(*path) != film).try_for_each(check_pattern)
     }
 
-    fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
+    /// The options of the formats.
+    pub(super) fn style(&self) -> FormatOptions {
         let Self { bits, unit, no_return, transparent, dpi, .. } = *self;
-        let style = FormatOptions { bits, unit, no_return, transparent, dpi };
+        FormatOptions { bits, unit, no_return, transparent, dpi }
+    }
+
+    fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
+        let style = self.style();
         match aovs {
             [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),
             [Aov::Color] if self.film().is_some_and(|film| film.path == path) => Ok(Target::film(path, style)),

@@ -1,6 +1,9 @@
 //! The table of the options of a picture: who takes an option, and its keyword in Python. clap defines their values and
 //! their help; every other list of options is a column of this table.
 
+#[cfg(all(test, feature = "view"))]
+mod python;
+
 use clap::Command;
 
 /// An option of a picture.
@@ -24,10 +27,10 @@ pub(super) const NO_PART: u8 = 8;
 /// An option in the lines of Python that render a picture of the page.
 #[derive(Clone, Copy)]
 pub(super) enum Python {
-    /// A keyword of a call.
-    Keyword(Call, &'static str, Form),
-    /// An argument that the lines always have: the camera.
-    Always,
+    /// A keyword of a call, with the form of its value and its type.
+    Keyword(Call, &'static str, Form, &'static str),
+    /// Another object or call does the same.
+    Elsewhere(&'static str),
     /// An option that does not change a picture, and is left out.
     Outside,
     /// An option without a keyword, which a comment names.
@@ -91,111 +94,127 @@ use Form::{
     Color, Columns, Flag, Legend, Marks, Name, Names, Number, NumberOrFlag, Rules, Size, Text, TextOrFlag, Texts,
     Tuple, Tuples,
 };
-use Python::{Always, Keyword, Missing, Outside};
+use Python::{Elsewhere, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
 const OPTIONS: [OptionRow; 95] = [
-    row("visible", Missing, NO_VIEW | NO_PART),
-    row("format", Keyword(Read, "format", Text), 0),
-    row("columns", Keyword(Read, "columns", Columns), 0),
-    row("atom_style", Keyword(Read, "atom_style", Text), 0),
-    row("hold", Keyword(Read, "hold", Text), 0),
-    row("topology", Keyword(Read, "topology", Text), NO_PART),
-    row("identity", Keyword(Read, "identity", Text), NO_PART),
-    row("model", Keyword(Read, "model", Number), 0),
-    row("altloc", Keyword(Read, "altloc", Text), 0),
-    row("assembly", Keyword(Read, "assembly", Name), NO_PART),
-    row("as_listed", Keyword(Read, "as_listed", Flag), 0),
-    row("strict", Keyword(Read, "strict", Flag), 0),
-    row("skip_invalid", Keyword(Read, "skip_invalid", Flag), 0),
-    row("select", Keyword(Read, "select", Texts), 0),
-    row("hide", Keyword(Read, "hide", Texts), 0),
-    row("radii", Keyword(Read, "radii", Text), CONFIG),
-    row("radius", Keyword(Read, "radius", Rules), 0),
-    row("radius_scale", Keyword(Read, "radius_scale", Number), CONFIG),
-    row("wrap", Keyword(Read, "wrap", Flag), NO_PART),
-    row("unwrap", Keyword(Read, "unwrap", Flag), NO_PART),
-    row("copies", Keyword(Read, "copies", Tuple), NO_PART),
-    row("clip", Keyword(Read, "clip", Tuples), 0),
-    row("cell", Keyword(Read, "cell", NumberOrFlag), NO_PART),
-    row("color", Keyword(Read, "color", Rules), 0),
-    row("opacity", Keyword(Read, "opacity", Rules), 0),
-    row("material", Keyword(Read, "material", Rules), NO_PART),
-    row("shine", Keyword(Read, "shine", Number), NO_PART),
-    row("color_by", Keyword(Read, "color_by", Names), 0),
-    row("map", Keyword(Read, "map", Text), CONFIG),
-    row("range", Keyword(Read, "range", Tuple), 0),
-    row("log", Keyword(Read, "log", Flag), 0),
-    row("nan_color", Keyword(Read, "nan_color", Color), CONFIG),
-    row("frames", Keyword(Read, "frame", Number), 0),
-    row("outline", Keyword(Render, "cell", NumberOrFlag), NO_PART),
-    row("eye", Always, PAGE),
-    row("at", Always, PAGE),
-    row("up", Always, PAGE),
-    row("vfov", Always, PAGE),
-    row("ortho", Always, PAGE),
-    row("size", Keyword(Render, "size", Size), PAGE | CONFIG),
-    row("view", Missing, PAGE),
-    row("focus", Missing, PAGE),
-    row("frame_share", Missing, PAGE),
-    row("fit", Missing, PAGE),
+    row("visible", Elsewhere("render of a Part"), NO_VIEW | NO_PART),
+    row("format", Keyword(Read, "format", Text, "str | None"), 0),
+    row("columns", Keyword(Read, "columns", Columns, "str | Mapping[str, str | int] | None"), 0),
+    row("atom_style", Keyword(Read, "atom_style", Text, "str | None"), 0),
+    row("hold", Keyword(Read, "hold", Text, "Literal[\"first\", \"none\"]"), 0),
+    row("topology", Keyword(Read, "topology", Text, "Path | None"), NO_PART),
+    row("identity", Keyword(Read, "identity", Text, "str | None"), NO_PART),
+    row("model", Keyword(Read, "model", Number, "int | None"), 0),
+    row("altloc", Keyword(Read, "altloc", Text, "str"), 0),
+    row("assembly", Keyword(Read, "assembly", Name, "str | int | None"), NO_PART),
+    row("as_listed", Keyword(Read, "as_listed", Flag, "bool"), 0),
+    row("strict", Keyword(Read, "strict", Flag, "bool"), 0),
+    row("skip_invalid", Keyword(Read, "skip_invalid", Flag, "bool"), 0),
+    row("select", Keyword(Read, "select", Texts, "str | Iterable[str]"), 0),
+    row("hide", Keyword(Read, "hide", Texts, "str | Iterable[str]"), 0),
+    row("radii", Keyword(Read, "radii", Text, "Literal[\"vdw\", \"covalent\"]"), CONFIG),
+    row("radius", Keyword(Read, "radius", Rules, "float | Mapping[str, float] | None"), 0),
+    row("radius_scale", Keyword(Read, "radius_scale", Number, "float"), CONFIG),
+    row("wrap", Keyword(Read, "wrap", Flag, "bool"), NO_PART),
+    row("unwrap", Keyword(Read, "unwrap", Flag, "bool"), NO_PART),
+    row("copies", Keyword(Read, "copies", Tuple, "tuple[int, int, int] | None"), NO_PART),
+    row("clip", Keyword(Read, "clip", Tuples, "ArrayLike"), 0),
+    row("cell", Keyword(Read, "cell", NumberOrFlag, "bool | float"), NO_PART),
+    row("color", Keyword(Read, "color", Rules, "Color | Mapping[str, Color] | None"), 0),
+    row("opacity", Keyword(Read, "opacity", Rules, "float | Mapping[str, float] | None"), 0),
+    row("material", Keyword(Read, "material", Rules, "str | Mapping[str, str] | None"), NO_PART),
+    row("shine", Keyword(Read, "shine", Number, "float | None"), NO_PART),
+    row("color_by", Keyword(Read, "color_by", Names, "str | Iterable[str] | None"), 0),
+    row(
+        "map",
+        Keyword(Read, "map", Text, "Path | ArrayLike | Callable[[NDArray[np.float64]], ArrayLike] | None"),
+        CONFIG,
+    ),
+    row("range", Keyword(Read, "range", Tuple, "tuple[float | str, float | str] | None"), 0),
+    row("log", Keyword(Read, "log", Flag, "bool"), 0),
+    row("nan_color", Keyword(Read, "nan_color", Color, "Color | None"), CONFIG),
+    row("frames", Keyword(Read, "frame", Number, "int"), 0),
+    row("outline", Keyword(Render, "cell", NumberOrFlag, "bool | float"), NO_PART),
+    row("eye", Elsewhere("Camera(eye)"), PAGE),
+    row("at", Elsewhere("Camera(at)"), PAGE),
+    row("up", Elsewhere("Camera(up)"), PAGE),
+    row("vfov", Elsewhere("Camera(vfov=)"), PAGE),
+    row("ortho", Elsewhere("Camera(height=)"), PAGE),
+    row("size", Keyword(Render, "size", Size, "tuple[int, int] | None"), PAGE | CONFIG),
+    row("view", Elsewhere("Camera(view)"), PAGE),
+    row("focus", Elsewhere("Camera.fit(focus)"), PAGE),
+    row("frame_share", Elsewhere("Camera.fit(share)"), PAGE),
+    row("fit", Elsewhere("Camera.fit"), PAGE),
     row("from", Missing, PAGE),
     row("zoom", Missing, PAGE),
-    row("aperture", Keyword(Camera, "aperture", Number), NO_PART),
-    row("focus_distance", Keyword(Camera, "focus", Number), NO_PART),
-    row("backend", Keyword(Renderer, "backend", Text), CONFIG | NO_PART),
-    row("adapter", Keyword(Renderer, "adapter", Name), CONFIG | NO_PART),
-    row("samples", Keyword(Render, "samples", Number), CONFIG),
-    row("seed", Keyword(Render, "seed", Number), CONFIG),
-    row("exposure", Keyword(Render, "exposure", Number), CONFIG | NO_PART),
-    row("tone", Keyword(Render, "tone", Text), CONFIG | NO_PART),
-    row("shade", Keyword(Render, "shade", Text), CONFIG | NO_PART),
-    row("look", Keyword(Render, "look", Text), CONFIG | NO_PART),
-    row("occlusion", Keyword(Render, "occlusion", NumberOrFlag), CONFIG | NO_PART),
-    row("reach", Keyword(Render, "reach", Number), NO_PART),
-    row("sun", Keyword(Render, "sun", Tuples), NO_PART),
-    row("shadows", Keyword(Render, "shadows", Flag), CONFIG | NO_PART),
-    row("bounces", Keyword(Render, "bounces", Number), CONFIG | NO_PART),
-    row("silhouette", Keyword(Render, "silhouette", Flag), CONFIG | NO_PART),
-    row("outline_width", Keyword(Render, "outline_width", Number), CONFIG),
-    row("outline_color", Keyword(Render, "outline_color", Color), CONFIG | NO_PART),
-    row("depth_cue", Keyword(Render, "depth_cue", Flag), CONFIG | NO_PART),
-    row("layers", Keyword(Render, "layers", Number), NO_PART),
-    row("opacity_shadows", Keyword(Render, "opacity_shadows", Flag), NO_PART),
-    row("background", Keyword(Render, "background", Color), CONFIG | NO_PART),
-    row("legend_in", Keyword(Render, "legend", Legend), NO_PART),
-    row("label", Keyword(Render, "label", Text), NO_PART),
-    row("scale_bar", Keyword(Render, "scale_bar", TextOrFlag), NO_PART),
-    row("mark", Keyword(Render, "mark", Marks), NO_PART),
-    row("mark_all", Keyword(Render, "mark_all", Flag), NO_PART),
-    row("accuracy", Keyword(Render, "accuracy", Text), CONFIG | NO_PART),
-    row("method", Keyword(Render, "method", Text), CONFIG | NO_PART),
-    row("tolerance", Keyword(Render, "tolerance", Number), CONFIG),
-    row("transparent", Keyword(Render, "transparent", Flag), CONFIG | NO_PART),
-    row("output", Missing, NO_VIEW),
-    row("aov", Missing, NO_VIEW | NO_PART),
-    row("cryptomatte", Keyword(Render, "cryptomatte", Texts), NO_VIEW | NO_PART),
+    row("aperture", Keyword(Camera, "aperture", Number, "float | None"), NO_PART),
+    row("focus_distance", Keyword(Camera, "focus", Number, "float | None"), NO_PART),
+    row("backend", Keyword(Renderer, "backend", Text, "Literal[\"auto\", \"gpu\", \"cpu\"]"), CONFIG | NO_PART),
+    row("adapter", Keyword(Renderer, "adapter", Name, "str | int | None"), CONFIG | NO_PART),
+    row("samples", Keyword(Render, "samples", Number, "int | None"), CONFIG),
+    row("seed", Keyword(Render, "seed", Number, "int"), CONFIG),
+    row("exposure", Keyword(Render, "exposure", Number, "float"), CONFIG | NO_PART),
+    row("tone", Keyword(Render, "tone", Text, "Literal[\"linear\", \"soft\"] | None"), CONFIG | NO_PART),
+    row(
+        "shade",
+        Keyword(Render, "shade", Text, "Literal[\"headlight\", \"flat\", \"normal\"] | None"),
+        CONFIG | NO_PART,
+    ),
+    row("look", Keyword(Render, "look", Text, "Literal[\"plain\", \"soft\", \"figure\"] | None"), CONFIG | NO_PART),
+    row("occlusion", Keyword(Render, "occlusion", NumberOrFlag, "bool | int"), CONFIG | NO_PART),
+    row("reach", Keyword(Render, "reach", Number, "float | None"), NO_PART),
+    row("sun", Keyword(Render, "sun", Tuples, "ArrayLike"), NO_PART),
+    row("shadows", Keyword(Render, "shadows", Flag, "bool"), CONFIG | NO_PART),
+    row("bounces", Keyword(Render, "bounces", Number, "int | None"), CONFIG | NO_PART),
+    row("silhouette", Keyword(Render, "silhouette", Flag, "bool"), CONFIG | NO_PART),
+    row("outline_width", Keyword(Render, "outline_width", Number, "float | None"), CONFIG),
+    row("outline_color", Keyword(Render, "outline_color", Color, "Color | None"), CONFIG | NO_PART),
+    row("depth_cue", Keyword(Render, "depth_cue", Flag, "bool"), CONFIG | NO_PART),
+    row("layers", Keyword(Render, "layers", Number, "int | None"), NO_PART),
+    row("opacity_shadows", Keyword(Render, "opacity_shadows", Flag, "bool"), NO_PART),
+    row("background", Keyword(Render, "background", Color, "Color | None"), CONFIG | NO_PART),
+    row("legend_in", Keyword(Render, "legend", Legend, "bool | Path"), NO_PART),
+    row("label", Keyword(Render, "label", Text, "str | None"), NO_PART),
+    row("scale_bar", Keyword(Render, "scale_bar", TextOrFlag, "bool | str"), NO_PART),
+    row("mark", Keyword(Render, "mark", Marks, "Mapping[str, str]"), NO_PART),
+    row("mark_all", Keyword(Render, "mark_all", Flag, "bool"), NO_PART),
+    row(
+        "accuracy",
+        Keyword(Render, "accuracy", Text, "Literal[\"auto\", \"fast\", \"certified\", \"exact\"]"),
+        CONFIG | NO_PART,
+    ),
+    row("method", Keyword(Render, "method", Text, "str | None"), CONFIG | NO_PART),
+    row("tolerance", Keyword(Render, "tolerance", Number, "float | None"), CONFIG),
+    row("transparent", Keyword(Render, "transparent", Flag, "bool"), CONFIG | NO_PART),
+    row("output", Elsewhere("Frame.save"), NO_VIEW),
+    row("aov", Elsewhere("aovs"), NO_VIEW | NO_PART),
+    row("cryptomatte", Keyword(Render, "cryptomatte", Texts, "str | Iterable[str]"), NO_VIEW | NO_PART),
     row("fps", Missing, NO_VIEW | NO_PART),
-    row("bits", Keyword(Save, "bits", Number), CONFIG | NO_PART),
-    row("dpi", Missing, CONFIG | NO_PART),
-    row("unit", Outside, CONFIG | NO_VIEW | NO_PART),
-    row("no_return", Outside, CONFIG | NO_VIEW | NO_PART),
-    row("raw", Missing, NO_VIEW | NO_PART),
-    row("legend", Missing, NO_VIEW | NO_PART),
-    row("crop", Keyword(Render, "crop", Tuple), NO_VIEW),
-    row("tile", Missing, NO_VIEW),
+    row("bits", Keyword(Save, "bits", Number, "Literal[8, 16]"), CONFIG | NO_PART),
+    row("dpi", Keyword(Save, "dpi", Number, "float | None"), CONFIG | NO_PART),
+    row("unit", Keyword(Save, "unit", Number, "float"), CONFIG | NO_VIEW | NO_PART),
+    row(
+        "no_return",
+        Keyword(Save, "no_return", Text, "Literal[\"inf\", \"nan\", \"zero\"]"),
+        CONFIG | NO_VIEW | NO_PART,
+    ),
+    row("raw", Elsewhere("Frame arrays"), NO_VIEW | NO_PART),
+    row("legend", Elsewhere("legend"), NO_VIEW | NO_PART),
+    row("crop", Keyword(Render, "crop", Tuple, "tuple[int, int, int, int] | None"), NO_VIEW),
+    row("tile", Elsewhere("crop"), NO_VIEW),
     row("spin", Missing, NO_VIEW | NO_PART),
-    row("file", Missing, NO_VIEW | NO_PART),
-    row("intrinsics", Missing, NO_VIEW),
+    row("file", Elsewhere("read_cameras"), NO_VIEW | NO_PART),
+    row("intrinsics", Elsewhere("read_cameras(intrinsics)"), NO_VIEW),
     row("preview", Outside, CONFIG),
     row("progress", Outside, CONFIG),
     row("quiet", Outside, CONFIG),
 ];
 
 impl OptionRow {
-    /// Whether the page sets it by itself.
-    pub(super) fn is_of_page(&self) -> bool {
-        self.uses & PAGE != 0
+    /// Whether lines of Python that render a picture of the page have it: the page does not set it by itself, and it names no file.
+    pub(super) fn is_copied(&self) -> bool {
+        self.uses & (PAGE | NO_VIEW) == 0
     }
 }
 
@@ -208,20 +227,33 @@ pub(super) fn options() -> impl Iterator<Item = &'static OptionRow> {
     OPTIONS.iter()
 }
 
+/// The options of a call that are its keywords. The number of a frame is an argument of its own.
+fn of_call() -> impl Iterator<Item = &'static OptionRow> {
+    options().filter(|row| row.id != "frames")
+}
+
 /// The option with this keyword of a call: its identifier and the form of its value.
 pub fn of_keyword(call: Call, keyword: &str) -> Option<(&'static str, Form)> {
-    options().find_map(|row| match row.python {
-        Keyword(of, name, form) if of == call && name == keyword => Some((row.id, form)),
+    of_call().find_map(|row| match row.python {
+        Keyword(of, name, form, _) if of == call && name == keyword => Some((row.id, form)),
         _ => None,
     })
 }
 
-/// The keywords of a call.
-pub fn keywords(call: Call) -> impl Iterator<Item = &'static str> {
-    options().filter_map(move |row| match row.python {
-        Keyword(of, name, _) if of == call => Some(name),
+/// The keywords of a call, with the types of their values.
+pub fn keywords(call: Call) -> impl Iterator<Item = (&'static str, &'static str)> {
+    of_call().filter_map(move |row| match row.python {
+        Keyword(of, name, _, kind) if of == call => Some((name, kind)),
         _ => None,
     })
+}
+
+/// The word of Python for the option with this identifier: its keyword, or what does the same.
+pub(super) fn word_of(id: &str) -> Option<&'static str> {
+    match options().find(|row| row.id == id)?.python {
+        Keyword(_, word, ..) | Elsewhere(word) => Some(word),
+        Outside | Missing => None,
+    }
 }
 
 /// The Python call that takes the option with this identifier.
@@ -269,7 +301,8 @@ mod tests {
         let all: BTreeSet<String> = Arguments::command().get_subcommands().flat_map(&options_of).collect();
         let stale: Vec<_> = rows.difference(&all).cloned().collect();
         assert!(stale.is_empty(), "rows without an option: {stale:?}");
-        let without_keyword = options().filter(|row| matches!(row.python, Missing) && row.uses & (PAGE | NO_VIEW) == 0);
-        assert_eq!(without_keyword.map(|row| row.id).collect::<Vec<_>>(), ["dpi"], "it is no part of the pixels");
+        let missing = options().filter(|row| matches!(row.python, Missing)).map(|row| row.id);
+        let why = "a film is several frames, a zoom a vfov, a camera of a file that of its scene";
+        assert_eq!(missing.collect::<Vec<_>>(), ["from", "zoom", "fps", "spin"], "without a keyword, because {why}");
     }
 }

@@ -25,7 +25,7 @@ from .atoms import from_ase, from_mdanalysis
 from .camera import Camera, read_cameras
 from .columns import Columns
 from .frame import Frame
-from .options import Aov, Options
+from .options import Aov, Options, ReadOptions, SaveOptions
 from .parts import Part, Sieve, combine, sift
 from .renderer import Hits, Occlusion, Renderer, measure, plan, render, trace
 from .reports import adapters, info
@@ -42,7 +42,9 @@ __all__ = [
     "Occlusion",
     "Options",
     "Part",
+    "ReadOptions",
     "Renderer",
+    "SaveOptions",
     "Scene",
     "Sieve",
     "__version__",

@@ -191,15 +191,10 @@ class Frame:
     def image(self) -> NDArray[np.uint8]: ...
     def report(self) -> str: ...
     def encode(
-        self, aovs: list[str] | None, bits: int, unit: float, no_return: str
+        self, aovs: list[str] | None, options: dict[str, Any]
     ) -> tuple[bytes, list[str]]: ...
     def save(
-        self,
-        path: str | PathLike[str],
-        aovs: list[str] | None,
-        bits: int,
-        unit: float,
-        no_return: str,
+        self, path: str | PathLike[str], aovs: list[str] | None, options: dict[str, Any]
     ) -> list[str]: ...
 
 @final

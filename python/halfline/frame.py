@@ -7,14 +7,15 @@ import warnings
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _halfline
-from ._arrays import number, words
+from ._arrays import words
 from ._colors import picture
+from .options import SaveOptions
 
 
 class _NoBufferError(KeyError, ValueError):
@@ -140,9 +141,7 @@ class Frame(Mapping[str, NDArray[Any]]):
         path: str | PathLike[str],
         *,
         aovs: str | list[str] | None = None,
-        bits: Literal[8, 16] = 8,
-        unit: float = 0.001,
-        no_return: Literal["inf", "nan", "zero"] = "inf",
+        **options: Unpack[SaveOptions],
     ) -> None:
         """Writes a file, completely or not at all, with the provenance of the frame.
 
@@ -154,24 +153,17 @@ class Frame(Mapping[str, NDArray[Any]]):
                 docs/formats.md).
             aovs: The buffers; by default color for .png and .npy, or the only other buffer, and
                 all for .exr and .npz.
-            bits: Bits of colour in .png.
-            unit: Scene units per level of lengths in .png.
-            no_return: Value of lengths on a miss.
+            **options: See `SaveOptions`.
 
         Raises:
             OSError: if the file cannot be written.
             ValueError: if the format cannot hold the buffers.
         """
-        for warning in self._native.save(path, *_style(aovs, bits, unit, no_return)):
+        for warning in self._native.save(path, _names(aovs), dict(options)):
             warnings.warn(warning, stacklevel=2)
 
     def to_png(
-        self,
-        *,
-        aovs: str | list[str] | None = None,
-        bits: Literal[8, 16] = 8,
-        unit: float = 0.001,
-        no_return: Literal["inf", "nan", "zero"] = "inf",
+        self, *, aovs: str | list[str] | None = None, **options: Unpack[SaveOptions]
     ) -> bytes:
         """The bytes that `save` writes to a .png file with the same arguments.
 
@@ -183,7 +175,7 @@ class Frame(Mapping[str, NDArray[Any]]):
         >>> frame.to_png()[:4]
         b'\\x89PNG'
         """
-        encoded, found = self._native.encode(*_style(aovs, bits, unit, no_return))
+        encoded, found = self._native.encode(_names(aovs), dict(options))
         for warning in found:
             warnings.warn(warning, stacklevel=2)
         return encoded
@@ -244,14 +236,8 @@ class Frame(Mapping[str, NDArray[Any]]):
         return xarray.Dataset(variables, coordinates, {"report": json.dumps(self.report)})
 
 
-def _style(aovs: Any, bits: Any, unit: Any, no_return: Any) -> tuple[Any, int, float, str]:
-    """The arguments of `Frame.save`, checked."""
-    length = number("unit", unit)
-    if length <= 0:
-        raise ValueError(f"unit is {unit}; give a positive length")
-    if bits not in (8, 16):
-        raise ValueError(f"bits is {bits}; give 8 or 16")
-    return None if aovs is None else words("aovs", aovs), bits, length, no_return
+def _names(aovs: Any) -> list[str] | None:
+    return None if aovs is None else words("aovs", aovs)
 
 
 _LENGTHS = ("distance", "depth", "position", "bound")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,13 +25,11 @@ from ._source import Source
 from .camera import Camera
 from .columns import Columns
 from .frame import Frame
-from .options import Options
+from .options import Options, Path, ReadOptions
 
 if TYPE_CHECKING:
     from .page import Page
     from .view import View
-
-Path = str | PathLike[str]
 
 # The longer side of the picture in a notebook, pixels.
 _PREVIEW = 320
@@ -348,38 +346,8 @@ def read(
     *,
     frame: int = 1,
     size: tuple[int, int] | None = None,
-    format: str | None = None,
-    columns: str | Mapping[str, str | int] | None = None,
-    atom_style: str | None = None,
-    topology: Path | None = None,
-    identity: str | None = None,
-    model: int | None = None,
-    altloc: str = "all",
-    assembly: str | int | None = None,
-    as_listed: bool = False,
-    strict: bool = False,
-    skip_invalid: bool = False,
-    select: str | Iterable[str] = (),
-    hide: str | Iterable[str] = (),
-    radii: Literal["vdw", "covalent"] = "vdw",
-    radius: float | Mapping[str, float] | None = None,
-    radius_scale: float = 1.0,
-    color: Color | Mapping[str, Color] | None = None,
-    opacity: float | Mapping[str, float] | None = None,
-    material: str | Mapping[str, str] | None = None,
-    shine: float | None = None,
-    color_by: str | Iterable[str] | None = None,
-    map: Path | ArrayLike | Callable[[NDArray[np.float64]], ArrayLike] | None = None,
-    range: tuple[float | str, float | str] | None = None,
-    log: bool = False,
-    nan_color: Color | None = None,
-    wrap: bool = False,
-    unwrap: bool = False,
-    copies: tuple[int, int, int] | None = None,
-    clip: Iterable[tuple[float, float, float, float]] = (),
-    cell: bool | float = False,
-    hold: Literal["first", "none"] = "first",
     keep: bool | str | Iterable[str] | None = None,
+    **options: Unpack[ReadOptions],
 ) -> Scene:
     """Reads one scene. The keywords are the options of ``halfline render``, with underscores.
 
@@ -390,53 +358,11 @@ def read(
         frame: The frame of a sequence, from 1.
         size: Columns and rows of the image for which the camera is framed; by default those of the
             file, else 512 x 512.
-        format: The format, if neither content nor name show it.
-        columns: Columns of a table by meaning: ``{"x": "pos_x", "radius": "r"}`` or
-            ``"x=pos_x,radius=r"``.
-        atom_style: The atom style of a LAMMPS data file, in place of that behind ``Atoms #``:
-            ``"full"``, ``"hybrid charge sphere"``, or the columns, ``"id type q x y z"``.
-        topology: The file with the atoms of a trajectory: what its frames lack of elements, radii,
-            colours and columns.
-        identity: The column that identifies particles, by which the frames of a film have the order
-            of the first; ``"row"`` leaves them as they are. By default ``id`` of dumps and extended
-            XYZ that have it.
-        model: Model number of a PDB or mmCIF file.
-        altloc: Alternate locations: ``"all"``, ``"highest"``, or an identifier.
-        assembly: The biological assembly to build.
-        as_listed: Whether the atoms of a small-molecule CIF are taken as listed, without its
-            symmetry.
-        strict: Whether anything but spheres is an error.
-        skip_invalid: Whether rows that are not spheres are left out and counted.
-        select: Expressions of the particles to take, such as ``"protein and not name H*"``.
-        hide: Expressions of the particles to leave out.
-        radii: Radii of elements.
-        radius: One radius for all, or ``{expression: radius}``; scene units.
-        radius_scale: Multiplies every radius.
-        color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, linear
-            RGB, or ``"element"``, which is that of each one's element.
-        opacity: One opacity in pictures for all, or ``{expression: opacity}``: above 0, and at most 1.
-        material: One material in pictures for all, or ``{expression: material}``: ``"matte"``,
-            ``"plastic"``, ``"metal"`` or ``"glass"``.
-        shine: Exponent of the highlights of plastic, 40 by default.
-        color_by: The column, or the columns of a vector, that gives the colours: ``"element"``,
-            ``"chain"``, ``"vx,vy,vz"``.
-        map: Colour map of ``color_by``: a name, also reversed (``"viridis_r"``); a file of colours
-            (CSV, JSON); sRGB at equal steps, shape (n, 3), float from 0 to 1 or uint8; or a
-            colormap of matplotlib.
-        range: Values at the ends of the colour map, or percentiles of the values: ``("1%", "99%")``.
-        log: Whether the colour scale is logarithmic.
-        nan_color: The colour of particles that ``color_by`` has no number for; grey by default.
-        wrap: Whether particles are moved into the periodic cell.
-        unwrap: Whether molecules that the cell cuts are made whole.
-        copies: Periodic copies along the three edges of the cell, the original included.
-        clip: Planes ``(x, y, z, d)``; spheres whose centre c has (x, y, z) . c > d are removed.
-        cell: Whether the edges of the cell are drawn, or the radius of the beads that draw them.
-        hold: Where default radii and the range of colours come from: the first frame of the file,
-            or each frame itself.
         keep: The columns in `Scene.columns`: ``True`` for all, names or words of selections such
             as ``["speed"]``, ``False`` for none. By default all of a molecule (PDB, PQR, PDBQT,
             mmCIF, GRO, also as the topology of a trajectory), which takes some 40 bytes per atom,
             and of other files those that colours and selections read, 8 bytes per number.
+        **options: See `ReadOptions`.
 
     Raises:
         OSError: if the file cannot be read.
@@ -445,16 +371,18 @@ def read(
         MemoryError: if the scene does not fit into memory.
         KeyboardInterrupt: ctrl-C, within a second.
     """
-    options = dict(locals())
-    for name in ("path", "frame", "size"):
-        del options[name]
     number = whole("frame", frame, 1)
-    native, given = _sequence(path, str(number), size, False, options)
+    native, given = _sequence(path, str(number), size, False, keep, options)
     return Scene._of(next(native), Source(path, number, given))
 
 
 def read_frames(
-    path: Path, frames: str = "1-", *, size: tuple[int, int] | None = None, **options: Any
+    path: Path,
+    frames: str = "1-",
+    *,
+    size: tuple[int, int] | None = None,
+    keep: bool | str | Iterable[str] | None = None,
+    **options: Unpack[ReadOptions],
 ) -> Iterator[Scene]:
     """The frames of a sequence, one after the other; at most one is in memory.
 
@@ -466,46 +394,36 @@ def read_frames(
         frames: The frames, counted from 1: ``"2"``, ``"1-10"``, ``"1-3,5,7-20:2"``, ``"5-"`` to
             the last.
         size: Columns and rows of the images for which the camera is framed.
-        **options: The keywords of `read`, except ``frame``.
+        keep: As for `read`.
+        **options: See `ReadOptions`.
 
     Raises:
         As `read`.
     """
-    natives, given = _sequence(path, word("frames", frames), size, True, options)
+    natives, given = _sequence(path, word("frames", frames), size, True, keep, options)
     return (Scene._of(native, Source(path, native.number, given)) for native in natives)
 
 
 def _sequence(
-    path: Path, frames: str, size: tuple[int, int] | None, holds: bool, options: Mapping[str, Any]
+    path: Path,
+    frames: str,
+    size: tuple[int, int] | None,
+    holds: bool,
+    keep: Any,
+    options: ReadOptions,
 ) -> tuple[_halfline.Sequence, dict[str, Any]]:
-    """The frames, and the keywords that are not the default ones."""
-    unknown = set(options) - set(_DEFAULTS)
-    if unknown:
-        raise TypeError(
-            f"there is no option {sorted(unknown)[0]!r}; choose from {', '.join(_DEFAULTS)}"
-        )
+    """The frames, and the keywords by which they are read."""
     # An iterator is gone once it was read.
-    options = {
+    given = {
         name: list(value) if isinstance(value, Iterator) else value
         for name, value in options.items()
     }
-    given = {**_DEFAULTS, **options}
     fspath(path)
     image = None if size is None else checked_size("size", size)
-    words = {name: value for name, value in given.items() if name != "keep"}
-    map, colors = _map(given["map"])
-    words["map"] = map
-    sequence = _halfline.Sequence(path, words, given["keep"], colors, frames, image, holds)
-    return sequence, {
-        name: value for name, value in options.items() if value is not _DEFAULTS[name]
-    }
-
-
-_DEFAULTS: dict[str, Any] = {
-    name: value
-    for name, value in (read.__kwdefaults__ or {}).items()
-    if name not in ("frame", "size")
-}
+    map, colors = _map(given.get("map"))
+    words = {**given, "map": map}
+    sequence = _halfline.Sequence(path, words, keep, colors, frames, image, holds)
+    return sequence, given
 
 
 def _paint(name: str, value: Color) -> tuple[float, float, float] | str:

@@ -1,7 +1,7 @@
 //! Errors of the library as exceptions of Python, in the command's own words.
 
 use halfline::Error;
-use halfline_command::choices::reworded;
+use halfline_command::choices::in_keywords;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ create_exception!(
 
 /// The exception for an error.
 pub(crate) fn exception(error: Error) -> PyErr {
-    let text = keywords(&error.to_string());
+    let text = in_keywords(&error.to_string());
     match error {
         Error::Settings { .. } | Error::Scene { .. } => PyValueError::new_err(text),
         Error::Limits { .. } => PyMemoryError::new_err(text),
@@ -48,24 +48,6 @@ fn number_of(kind: ErrorKind) -> Option<i32> {
 fn system_words(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or_default().to_owned()
-}
-
-/// Settings that have another name here.
-const RENAMED: [(&str, &str); 8] = [
-    ("aov", "aovs"),
-    ("eye", "Camera(eye)"),
-    ("fit", "Camera.fit"),
-    ("frames", "frame"),
-    ("legend_in", "legend"),
-    ("ortho", "Camera(height=)"),
-    ("tile", "crop"),
-    ("vfov", "Camera(vfov=)"),
-];
-
-/// A message of the library with keywords of Python in place of the names of settings.
-pub(crate) fn keywords(message: &str) -> String {
-    let renamed = |setting: &str| RENAMED.iter().find(|(name, _)| *name == setting).map(|(_, word)| *word);
-    reworded(message, |setting| renamed(setting).unwrap_or(setting).to_owned())
 }
 
 /// The library's result as a result of Python.

@@ -1,12 +1,14 @@
 //! Cameras that show a scene.
 
 use crate::camera::{Camera, LensArgument, lens_of};
-use crate::errors::{OrRaise, keywords};
+use crate::errors::OrRaise;
+
 use crate::scene::Scene;
 use crate::work::begin;
 use halfline::camera::Look;
 use halfline::scene::{Facing, Framing, NamedView, Spread, Surroundings};
 use halfline::{Camera as CoreCamera, Error};
+use halfline_command::choices::in_keywords;
 use pyo3::prelude::*;
 
 /// A camera that shows all spheres of a scene, or those of `focus`, from a direction or one with a name, and a warning.
@@ -68,6 +70,6 @@ pub(crate) fn fit_camera(
         }
     };
     let found = around.look(with_up(facing), &camera).or_raise()?;
-    let warning = found.warning().map(|warning| keywords(&warning));
+    let warning = found.warning().map(|warning| in_keywords(&warning));
     Ok((Camera { camera: found.camera, aperture: None, size: None, in_pixels: false }, warning))
 }

@@ -1,8 +1,10 @@
 //! Frames: their buffers as arrays, their report, their files.
 
 use crate::arrays::shown;
-use crate::errors::{OrRaise, keywords};
+use crate::errors::OrRaise;
+
 use crate::shared::Shared;
+use crate::words::written;
 use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
@@ -11,7 +13,9 @@ use halfline::parallel;
 use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::{Aov, Frame as CoreFrame, Scene};
-use halfline_command::choices::Rendered;
+use halfline_command::choices::in_keywords;
+use halfline_command::choices::{Choices, Rendered};
+use halfline_command::shown::Call;
 use halfline_drawing::inset::Panels;
 use halfline_files::read::matte::MatteNames;
 use halfline_files::write::file::Target;
@@ -19,7 +23,7 @@ use halfline_files::write::format::{FileFormat, FormatOptions};
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -95,22 +99,19 @@ impl Frame {
         write(target, drawn.as_ref().unwrap_or(frame), &origin)
     }
 
-    /// The options of the file formats.
-    fn style(&self, bits: u32, unit: f64, no_return: &str) -> Result<FormatOptions> {
-        Ok(FormatOptions {
-            bits: bits.to_string().parse()?,
-            unit,
-            no_return: no_return.parse()?,
-            transparent: self.transparent,
-            ..FormatOptions::default()
-        })
+    /// The file at `path` with these buffers, by the keywords of `Frame.save`.
+    fn target_of(&self, path: PathBuf, aovs: Option<Vec<String>>, options: &Bound<'_, PyDict>) -> PyResult<Target> {
+        let choices = Choices::of(&written(options, Call::Save)?).or_raise()?;
+        let style = choices.format_options(self.transparent);
+        let target = self.target(path, aovs, style).and_then(|target| choices.check_file(&target).map(|()| target));
+        target.or_raise()
     }
 
     /// Warnings about what a PNG file cannot hold of these buffers; those about masks are in the report.
     fn file_warnings(&self, target: &Target) -> Result<Vec<String>> {
         let is_png = target.format() == FileFormat::Png;
         let warnings = if is_png { target.warnings(self.exact()?) } else { Vec::new() };
-        Ok(warnings.iter().map(|warning| keywords(warning)).collect())
+        Ok(warnings.iter().map(|warning| in_keywords(warning)).collect())
     }
 
     fn exact(&self) -> Result<&CoreFrame> {
@@ -215,12 +216,9 @@ impl Frame {
         &self,
         py: Python<'py>,
         aovs: Option<Vec<String>>,
-        bits: u32,
-        unit: f64,
-        no_return: &str,
+        options: &Bound<'py, PyDict>,
     ) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
-        let style = self.style(bits, unit, no_return).or_raise()?;
-        let mut target = self.target("frame.png".into(), aovs, style).or_raise()?;
+        let mut target = self.target_of("frame.png".into(), aovs, options)?;
         let job = Job::default();
         let bytes = job.run(py, None, || {
             self.with_drawn(&mut target, |target, frame, origin| {
@@ -236,11 +234,9 @@ impl Frame {
         py: Python<'_>,
         path: PathBuf,
         aovs: Option<Vec<String>>,
-        bits: u32,
-        unit: f64,
-        no_return: &str,
+        options: &Bound<'_, PyDict>,
     ) -> PyResult<Vec<String>> {
-        let mut target = self.target(path, aovs, self.style(bits, unit, no_return).or_raise()?).or_raise()?;
+        let mut target = self.target_of(path, aovs, options)?;
         let job = Job::default();
         job.run(py, None, || {
             target.check()?;

@@ -1,7 +1,8 @@
 //! The renderer: a device, or the CPU path, kept for many frames.
 
 use crate::camera::Camera;
-use crate::errors::{OrRaise, keywords};
+use crate::errors::OrRaise;
+
 use crate::frame::Frame;
 use crate::many::Frames;
 use crate::parts::Part;
@@ -12,6 +13,7 @@ use crate::work::Job;
 use halfline::Renderer as CoreRenderer;
 use halfline::settings::{Backend, Settings};
 use halfline_command::choices::ChosenScene;
+use halfline_command::choices::in_keywords;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -43,7 +45,7 @@ impl Renderer {
             adapter: exact.adapter().to_owned(),
             driver: exact.driver(),
             is_gpu: exact.is_gpu(),
-            warnings: exact.passed_over().iter().map(|warning| keywords(warning)).collect(),
+            warnings: exact.passed_over().iter().map(|warning| in_keywords(warning)).collect(),
             shared: Shared::new(exact),
         })
     }

@@ -1,7 +1,9 @@
 //! Reports as JSON: adapters and files.
 
-use crate::errors::{OrRaise, exception, keywords};
+use crate::errors::{OrRaise, exception};
+
 use crate::work::Job;
+use halfline_command::choices::in_keywords;
 use halfline_files::read::ReadOptions;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -10,7 +12,7 @@ use std::path::PathBuf;
 /// A report as JSON.
 pub(crate) fn json(report: &impl Serialize) -> PyResult<String> {
     let text = serde_json::to_string(report).map_err(|error| exception(halfline::Error::write("-", error.into())))?;
-    Ok(keywords(&text))
+    Ok(in_keywords(&text))
 }
 
 /// Every adapter with the measured properties of its arithmetic.

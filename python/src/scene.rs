@@ -3,13 +3,15 @@
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::color::Color;
-use crate::errors::{OrRaise, keywords};
+use crate::errors::OrRaise;
+
 use crate::work::{Job, begin};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
 use halfline_command::choices::ChosenScene;
+use halfline_command::choices::in_keywords;
 use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
@@ -226,7 +228,7 @@ impl Scene {
     /// The numbers of a column, by the word of a selection; of a column of texts the number of each, and the texts.
     fn column<'py>(this: &Bound<'py, Self>, word: &str) -> PyResult<(Bound<'py, PyAny>, Option<Vec<String>>)> {
         let columns = &this.get().frame.columns;
-        let (_, values) = columns.get(word).map_err(|error| PyKeyError::new_err(keywords(&error.to_string())))?;
+        let (_, values) = columns.get(word).map_err(|error| PyKeyError::new_err(in_keywords(&error.to_string())))?;
         let (owner, py) = (this.clone().into_any(), this.py());
         #[expect(unsafe_code, reason = "arrays of the memory of this scene")]
         // SAFETY: a scene is frozen, and the array keeps it alive.
@@ -294,7 +296,7 @@ impl Scene {
         let (mask, notes) =
             Job::default().run(py, None, || self.frame.columns.select(&selection, &self.frame.scene.spheres))?;
         let count = mask.len();
-        let notes = notes.iter().map(|note| keywords(note)).collect();
+        let notes = notes.iter().map(|note| in_keywords(note)).collect();
         Ok((owned(py, mask.into_iter().map(u8::from).collect(), &[count])?, notes))
     }
 
@@ -313,7 +315,7 @@ impl Scene {
     /// Objects that the reader left out, and assumptions that it made, in whole sentences.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.frame.skipped.warnings().iter().map(|warning| keywords(warning)).collect()
+        self.frame.skipped.warnings().iter().map(|warning| in_keywords(warning)).collect()
     }
 
     /// The camera for an image of this size.

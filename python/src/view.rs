@@ -1,12 +1,14 @@
 //! The view of a notebook: its page, which the code of `halfline view` answers.
 
 use crate::camera::Camera;
-use crate::errors::{AccuracyError, AdapterError, OrRaise, exception, keywords};
+use crate::errors::{AccuracyError, AdapterError, OrRaise, exception};
+
 use crate::renderer::Renderer;
 use crate::scene::Scene;
 use crate::words::{Chosen, written};
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
 use halfline::Aov;
+use halfline_command::choices::in_keywords;
 use halfline_command::shown::{self, Call, Content, MemoryScene};
 use halfline_files::write::file::write_atomically;
 use halfline_viewer::{FrameRequest, GoOn, Lens, Pixels, Pose, Refusal, Reply, Routes, SelectRequest, Stage};
@@ -98,7 +100,12 @@ impl PageScene<'_> {
                 is_sized: false,
             };
             keep.map_or(Ok(()), |names| content.keep(names))?;
-            Ok(MemoryScene { content, renderer: renderer.shared.place(), backend: renderer.backend, words: keywords })
+            Ok(MemoryScene {
+                content,
+                renderer: renderer.shared.place(),
+                backend: renderer.backend,
+                words: in_keywords,
+            })
         })
     }
 }

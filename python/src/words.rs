@@ -57,7 +57,7 @@ pub(crate) fn written(given: &Bound<'_, PyDict>, call: Call) -> PyResult<Vec<Wri
                 continue;
             }
             let others = if call == Call::Render { &ARRAYS[..] } else { &[] };
-            let names: Vec<&str> = keywords(call).chain(others.iter().copied()).collect();
+            let names: Vec<&str> = keywords(call).map(|(name, _)| name).chain(others.iter().copied()).collect();
             let problem = format!("there is no option '{keyword}'; choose from {}", names.join(", "));
             return Err(PyTypeError::new_err(problem));
         };

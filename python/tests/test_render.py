@@ -572,3 +572,24 @@ def test_an_exception_of_the_callback_ends_the_frame(cpu: hl.Renderer, cloud: hl
             cloud, size=(2000, 2000), aovs=["position"], accuracy="exact", progress=callback
         )
     assert cpu.render(cloud, size=(4, 4)).size == (4, 4)
+
+
+def test_depths_are_saved_as_the_command_writes_them(tmp_path: Path, cpu: hl.Renderer) -> None:
+    scene = hl.Scene([[0, 0, -3]], 1.0)
+    camera = hl.Camera((0, 0, 0), vfov=60)
+    frame = cpu.render(scene, camera, size=(5, 3), aovs="depth")
+    frame.save(tmp_path / "d.npy", aovs=["depth"], no_return="nan")
+    saved = np.load(tmp_path / "d.npy")
+    assert np.isnan(saved[frame["id"] < 0]).all() and saved[1, 2] == 2.0
+    levels = []
+    for unit in (0.001, 0.01):
+        frame.save(tmp_path / "d.png", aovs=["depth"], unit=unit)
+        levels.append((tmp_path / "d.png").read_bytes())
+    assert levels[0] != levels[1]
+    for wrong in ({"unit": 0}, {"unit": "far"}, {"no_return": "none"}, {"bits": 12}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            frame.save(tmp_path / "d.png", aovs=["depth"], **wrong)
+    with pytest.raises(ValueError, match="dpi applies to PNG"):
+        frame.save(tmp_path / "d.npy", aovs=["depth"], dpi=300)
+    with pytest.raises(TypeError, match="no option 'quality'"):
+        frame.save(tmp_path / "d.png", aovs=["depth"], quality=3)  # type: ignore[call-arg]

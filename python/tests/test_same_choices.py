@@ -25,22 +25,27 @@ ELSEWHERE = {
     "backend": "all draws are on the CPU path",
     "hold": "test_read.py compares films",
     "outline": "the earlier name of cell",
-    "bits": "test_read.py saves with 16 bits",
     "topology": "test_read.py reads one",
     "size": "each draw has one",
     "crop": "test_render.py has it",
+    "unit": "test_render.py saves depths",
+    "no_return": "test_render.py saves depths",
 }
 
 # The names of settings that have another one in Python.
 RENAMED = {
     "aov": "aovs",
+    "at": "Camera(at)",
     "eye": "Camera(eye)",
     "fit": "Camera.fit",
+    "focus": "Camera.fit(focus)",
+    "focus_distance": "focus",
     "frames": "frame",
     "legend_in": "legend",
     "ortho": "Camera(height=)",
     "tile": "crop",
     "vfov": "Camera(vfov=)",
+    "view": "Camera(view)",
 }
 
 # Values of options by identifier: words behind the option (none for a flag), and the value of the keyword. Some are wrong.
@@ -152,6 +157,11 @@ NEEDED = {
     **dict.fromkeys(["map", "range", "log", "nan_color", "legend_in"], "color_by"),
     "shine": "material",
     "mark_all": "mark",
+}
+# These are keywords of the call that saves the picture.
+SAVE: dict[str, list[Choice]] = {
+    "bits": [("16", 16), ("8", 8), ("12", 12)],
+    "dpi": [("300", 300), ("72.5", 72.5), ("0", 0)],
 }
 # These are drawn with a camera.
 LENS = {"aperture": [("0.5", 0.5)], "focus_distance": [("20", 20)]}
@@ -277,6 +287,7 @@ class Draw:
         self.refusal = ""
         self.read: dict[str, Any] = {}
         self.render: dict[str, Any] = {}
+        self.save: dict[str, Any] = {}
         self.file = self.random.choice(["m.pdb"] * 3 + ["t.csv"] * 2 + ["f.xyz"] * 2 + ["s.toml"])
         self.camera, self.pose = self.of_camera()
         chosen = self.random.sample(sorted(READ), self.random.choice([0, 0, 1, 2, 3, 4]))
@@ -335,6 +346,8 @@ class Draw:
             if "cryptomatte" in self.render
             else self.random.choice([".png", ".png", ".exr"])
         )
+        if self.has_picture and self.random.random() < 0.2:
+            self.add(self.random.choice(sorted(SAVE)), SAVE, self.save)
 
     def add(self, name: str, choices: dict[str, list[Choice]], keywords: dict[str, Any]) -> None:
         word, value = self.random.choice(choices[name])
@@ -429,7 +442,7 @@ class Draw:
             aovs = (["color"] if self.has_picture else []) + self.aovs
             frame = renderer.render(scene, camera, size=size, aovs=aovs, **self.render)
             if self.has_picture:
-                frame.save(out / f"package{self.ending}", aovs=["color"])
+                frame.save(out / f"package{self.ending}", aovs=["color"], **self.save)
         return frame, [str(warning.message) for warning in caught]
 
 
@@ -498,9 +511,9 @@ def test_the_same_choices_are_the_same_pictures(
 
 def test_every_option_with_a_keyword_is_drawn() -> None:
     text = (ROOT / "command/src/option_table.rs").read_text()
-    rows = re.findall(r'row\("(\w+)", Keyword\((\w+),', text)
+    rows = re.findall(r'row\(\s*"(\w+)",\s*Keyword\((\w+),', text)
     assert len(rows) > 60, "the table of options"
-    drawn = READ.keys() | RENDER.keys() | LENS.keys() | ELSEWHERE.keys()
+    drawn = READ.keys() | RENDER.keys() | SAVE.keys() | LENS.keys() | ELSEWHERE.keys()
     lacking = {name for name, _ in rows} - drawn
     assert not lacking, f"options without a choice here: {sorted(lacking)}"
     stale = drawn - {name for name, _ in rows}

@@ -11,7 +11,7 @@ use std::str::Utf8Chunk;
 pub(super) fn lines(file: Option<&OsStr>, output: &OsStr, options: &[GivenOption], request: &FrameRequest) -> String {
     let keywords = |call: Call| {
         let keyword = |row: &OptionRow| match row.python {
-            Python::Keyword(of, name, form) if of == call && !row.is_of_page() => {
+            Python::Keyword(of, name, form, _) if of == call && row.is_copied() => {
                 Some(format!(", {name}={}", value(form, &values(options, row.id)?)))
             }
             _ => None,
@@ -163,11 +163,10 @@ mod tests {
         let lines = lines(Some("a.pdb".as_ref()), "a-view.png".as_ref(), &options, &request);
         let expected = r#"import halfline as hl
 
-# --dpi has no keyword in Python
 scene = hl.read("a.pdb", clip=[(0, 0, 1, 2.5)], cell=True, color={"not (chain A)": "silver", "(chain A)": (1, 0.5, 0)})
 camera = hl.Camera((0.0, 0.1, 1e-7), at=(0.0, 0.0, 0.0), up=(0.0, 1.0, 0.0), height=2.0)
 frame = hl.Renderer(backend="cpu").render(scene, camera, size=(4, 3), label="a \"b\"\U0000000a")
-frame.save("a-view.png", bits=16)
+frame.save("a-view.png", bits=16, dpi=300)
 "#;
         assert_eq!(lines, expected);
     }
