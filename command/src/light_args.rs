@@ -106,6 +106,11 @@ impl LightArgs {
         }
     }
 
+    /// The width of outlines that words give, else `other`.
+    pub(super) fn width_or(&self, other: f64) -> f64 {
+        self.outline_width.filter(|_| self.typed.has("outline_width")).unwrap_or(other)
+    }
+
     /// Applies the options to the scene, whose camera is final.
     ///
     /// # Errors

@@ -44,6 +44,8 @@ pub enum Call {
     Read,
     /// `Renderer.render`.
     Render,
+    /// `Sieve`, which takes those of a rendering on which a part depends.
+    Sieve,
     /// `Renderer`.
     Renderer,
     /// `Camera`.
@@ -228,22 +230,26 @@ pub(super) fn options() -> impl Iterator<Item = &'static OptionRow> {
 }
 
 /// The options of a call that are its keywords. The number of a frame is an argument of its own.
-fn of_call() -> impl Iterator<Item = &'static OptionRow> {
-    options().filter(|row| row.id != "frames")
+fn of_call(call: Call) -> impl Iterator<Item = &'static OptionRow> {
+    options().filter(move |row| match row.python {
+        Keyword(Render, ..) if call == Call::Sieve => row.uses & NO_PART == 0,
+        Keyword(of, ..) => of == call && row.id != "frames",
+        _ => false,
+    })
 }
 
 /// The option with this keyword of a call: its identifier and the form of its value.
 pub fn of_keyword(call: Call, keyword: &str) -> Option<(&'static str, Form)> {
-    of_call().find_map(|row| match row.python {
-        Keyword(of, name, form, _) if of == call && name == keyword => Some((row.id, form)),
+    of_call(call).find_map(|row| match row.python {
+        Keyword(_, name, form, _) if name == keyword => Some((row.id, form)),
         _ => None,
     })
 }
 
 /// The keywords of a call, with the types of their values.
 pub fn keywords(call: Call) -> impl Iterator<Item = (&'static str, &'static str)> {
-    of_call().filter_map(move |row| match row.python {
-        Keyword(of, name, _, kind) if of == call => Some((name, kind)),
+    of_call(call).filter_map(|row| match row.python {
+        Keyword(_, name, _, kind) => Some((name, kind)),
         _ => None,
     })
 }

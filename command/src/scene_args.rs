@@ -263,7 +263,7 @@ impl SceneArgs {
             .fold(0, u64::saturating_add);
         let own = Settings { window, reserve, ..picture.look.settings(settings) };
         let Some(view) = &picture.part_view else { return Ok(own) };
-        let width = if self.typed.has("outline_width") { own.outline.width } else { view.outline };
+        let width = self.light.width_or(view.outline);
         Ok(Settings {
             window: Some(view.window),
             seed: if self.typed.has("seed") { own.seed } else { view.seed },

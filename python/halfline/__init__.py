@@ -25,7 +25,7 @@ from .atoms import from_ase, from_mdanalysis
 from .camera import Camera, read_cameras
 from .columns import Columns
 from .frame import Frame
-from .options import Aov, Options, ReadOptions, SaveOptions
+from .options import Aov, Options, PartOptions, ReadOptions, SaveOptions
 from .parts import Part, Sieve, combine, sift
 from .renderer import Hits, Occlusion, Renderer, measure, plan, render, trace
 from .reports import adapters, info
@@ -42,6 +42,7 @@ __all__ = [
     "Occlusion",
     "Options",
     "Part",
+    "PartOptions",
     "ReadOptions",
     "Renderer",
     "SaveOptions",

@@ -275,6 +275,31 @@ class Options(TypedDict, total=False):
     """
 
 
+class PartOptions(TypedDict, total=False):
+    """Keywords of `Sieve` and `sift`: of the frame of all parts, which needs the same ones."""
+
+    samples: int | None
+    """Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number.
+    Other buffers use the pixel's centre [default: the scene file's, else 1, and 4 in the look
+    soft].
+    """
+    seed: int
+    """Seed of the sample positions [default: 0]."""
+    outline_width: float | None
+    """Width of these lines, from 0.1 to 40 pixels; below 1.3 they become paler instead of
+    narrower [default: 1.3].
+    """
+    tolerance: float | None
+    """Allowed error of distances (relative) and outlines (in radii), at least 2^-50. Certified
+    answers stay within it (1e-5 if not given); with accuracy auto, the cheapest method that does
+    is used.
+    """
+    crop: tuple[int, int, int, int] | None
+    """Renders only columns X0 to X1 and rows Y0 to Y1, counted from 0 at the top left, ends
+    excluded.
+    """
+
+
 class SaveOptions(TypedDict, total=False):
     """Keywords of `Frame.save` and `Frame.to_png`."""
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from os import PathLike, fspath
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _halfline
 from ._arrays import Color, array, whole
 from ._arrays import color as checked_color
-from ._arrays import size as checked_size
 from .camera import Camera
+from .options import PartOptions
 
 # Spheres that are in memory at a time.
 _BLOCK = 1 << 18
@@ -140,14 +140,8 @@ class Sieve:
     Args:
         camera: The camera of the frame. All parts need the same one, so it cannot depend on the
             spheres of one part.
-        size: Columns and rows of the frame.
-        samples: Samples per pixel, as of the frame.
-        seed: Seed of their positions.
-        crop: The window ``(x0, y0, x1, y1)`` of the frame; by default all of it.
-        tolerance: The allowed relative error of distances, if the frame is to have another than the
-            default.
-        outline_width: The width of outlines, if the frame is to have others than the default.
         first_id: The id of the first sphere.
+        **options: See `PartOptions`; ``size`` is needed.
 
     >>> import halfline as hl, numpy as np
     >>> sieve = hl.Sieve(hl.Camera((0, 0, 5), at=(0, 0, 0)), (64, 48), first_id=5_000_000_000)
@@ -164,25 +158,13 @@ class Sieve:
         camera: Camera,
         size: tuple[int, int],
         *,
-        samples: int = 1,
-        seed: int = 0,
-        crop: tuple[int, int, int, int] | None = None,
-        tolerance: float | None = None,
-        outline_width: float | None = None,
         first_id: int = 0,
+        **options: Unpack[PartOptions],
     ) -> None:
         if not isinstance(camera, Camera):
             raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
-        given = {
-            "size": checked_size("size", size),
-            "samples": samples,
-            "seed": seed,
-            "crop": crop,
-            "tolerance": tolerance,
-            "outline_width": outline_width,
-        }
         self._native = _halfline.Sieve(
-            camera._native, given, whole("first_id", first_id, 0, 2**55)
+            camera._native, {**options, "size": size}, whole("first_id", first_id, 0, 2**55)
         )
 
     def add(self, centers: Any, radii: Any, colors: Any = None, *, opacities: Any = None) -> None:
@@ -254,24 +236,11 @@ def sift(
     opacities: Any = None,
     camera: Camera,
     size: tuple[int, int],
-    samples: int = 1,
-    seed: int = 0,
-    crop: tuple[int, int, int, int] | None = None,
-    tolerance: float | None = None,
-    outline_width: float | None = None,
     first_id: int = 0,
+    **options: Unpack[PartOptions],
 ) -> Part:
     """The part of these spheres; see `Sieve`, whose `Sieve.add` says which arrays can be given."""
-    sieve = Sieve(
-        camera,
-        size,
-        samples=samples,
-        seed=seed,
-        crop=crop,
-        tolerance=tolerance,
-        outline_width=outline_width,
-        first_id=first_id,
-    )
+    sieve = Sieve(camera, size, first_id=first_id, **options)
     sieve.add(centers, radii, colors, opacities=opacities)
     return sieve.part()
 

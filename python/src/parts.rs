@@ -37,7 +37,7 @@ fn ended() -> Error {
 impl Sieve {
     #[new]
     fn new(camera: &Camera, options: &Bound<'_, PyDict>, first_id: u64) -> PyResult<Self> {
-        let choices = Choices::of(&written(options, Call::Render)?).or_raise()?;
+        let choices = Choices::of(&written(options, Call::Sieve)?).or_raise()?;
         let stream = || {
             if camera.aperture.is_some() {
                 let problem = "a lens with a size sees spheres that a part has forgotten";

@@ -285,58 +285,8 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
 ) -> None:
     dice = random.Random(5)
     camera = hl.Camera((0, 0, 9))
-    names = [
-        "size",
-        "aovs",
-        "accuracy",
-        "method",
-        "tolerance",
-        "samples",
-        "seed",
-        "shade",
-        "look",
-        "tone",
-        "exposure",
-        "silhouette",
-        "outline_width",
-        "outline_color",
-        "layers",
-        "opacity_shadows",
-        "crop",
-        "background",
-        "sun",
-        "shadows",
-        "occlusion",
-        "reach",
-        "bounces",
-        "progress",
-        "depth_cue",
-        "legend",
-        "label",
-        "scale_bar",
-        "mark",
-        "mark_all",
-        "cell",
-        "cryptomatte",
-        "dtype",
-    ]
-    reading = [
-        "frame",
-        "size",
-        "format",
-        "columns",
-        "select",
-        "hide",
-        "radius",
-        "color",
-        "opacity",
-        "material",
-        "shine",
-        "color_by",
-        "range",
-        "clip",
-        "keep",
-    ]
+    names = ["progress", *hl.Options.__annotations__]
+    reading = ["frame", "size", "keep", *hl.ReadOptions.__annotations__]
 
     def odd() -> Any:
         return dice.choice(ODD)

@@ -1,6 +1,6 @@
 //! The keywords of the Python package, written from the table and from clap's help into `python/halfline/options.py`.
 
-use super::{Call, Form, Python, options};
+use super::{Call, Form, Python, of_call};
 use crate::choices::in_keywords;
 use crate::scene_args::SceneArgs;
 use clap::{Args, Command};
@@ -38,11 +38,9 @@ fn keywords(call: Call) -> String {
     let command = SceneArgs::augment_args(Command::new("render"));
     let of = |id: &str| command.get_arguments().find(|arg| arg.get_id() == id);
     let mut text = String::new();
-    for row in options().filter(|row| row.id != "frames") {
+    // The size of parts is an argument of its own.
+    for row in of_call(call).filter(|row| call != Call::Sieve || row.id != "size") {
         let Python::Keyword(_, name, form, kind) = row.python else { continue };
-        if super::call(row.id) != Some(call) {
-            continue;
-        }
         // An earlier name of an option has no help of its own.
         let id = if row.id == "outline" { "cell" } else { row.id };
         let arg = of(id).expect("an option");
@@ -64,10 +62,11 @@ fn keywords(call: Call) -> String {
 #[test]
 fn keywords_of_python_are_those_of_the_table() {
     let mut expected = TEMPLATE.to_owned();
-    for (place, call) in [("    # read\n", Call::Read), ("    # render\n", Call::Render), ("    # save\n", Call::Save)]
-    {
-        expected = expected.replace(place, &keywords(call));
+    let calls = [("read", Call::Read), ("render", Call::Render), ("sieve", Call::Sieve), ("save", Call::Save)];
+    for (place, call) in calls {
+        expected = expected.replace(&format!("    # {place}\n"), &keywords(call));
     }
+    assert!(!expected.contains("    # "), "a place without keywords");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/halfline/options.py");
     if std::env::var_os("HALFLINE_WRITE").is_some() {
         fs::write(&path, &expected).expect("the file of the package");
