@@ -27,7 +27,7 @@ from .columns import Columns
 from .frame import Frame
 from .options import Aov, Options, PartOptions, ReadOptions, SaveOptions
 from .parts import Part, Sieve, combine, sift
-from .renderer import Hits, Occlusion, Renderer, measure, plan, render, trace
+from .renderer import Echoes, Hits, Occlusion, Renderer, measure, plan, render, trace
 from .reports import adapters, info
 from .scene import Scene, read, read_frames
 
@@ -37,6 +37,7 @@ __all__ = [
     "Aov",
     "Camera",
     "Columns",
+    "Echoes",
     "Frame",
     "Hits",
     "Occlusion",

@@ -60,6 +60,33 @@ class Occlusion:
         return _summary(self, self.hit)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Echoes:
+    """What a scanner measures of its beams, a row for each echo, beam by beam from the nearest."""
+
+    beam: NDArray[np.uint32]
+    """Ring and column of the beam, from 0, shape (n, 2); the highest ring is the first."""
+    returns: NDArray[np.uint8]
+    """The number of the echo among those of its beam, from 1, and how many the beam has, shape
+    (n, 2).
+    """
+    id: NDArray[np.int32]
+    """Index of the sphere, int32."""
+    distance: NDArray[np.float64]
+    """The mean of the distances of the beam's hits on the sphere, with noise, scene units."""
+    position: NDArray[np.float64]
+    """The point at this distance on the beam's axis, shape (n, 3), scene units."""
+    intensity: NDArray[np.float32]
+    """The light that comes back, 0 to 1: cosines between ray and normal, times the luminance of
+    the sphere's colour, over the rays of the beam.
+    """
+    certainty: NDArray[np.uint8]
+    """The largest of the hits' as in `Hits`; 255 with noise."""
+
+    def __repr__(self) -> str:
+        return f"Echoes({len(self.id)} of spheres)"
+
+
 def _summary(answers: Hits | Occlusion, hit: NDArray[np.bool_]) -> str:
     """Counts, and the arrays by name, type and shape."""
     found = int(np.count_nonzero(hit))
@@ -322,6 +349,62 @@ class Renderer:
             normal.reshape(*shape, 3),
             certainty.reshape(shape),
             position,
+        )
+
+    def scan(
+        self,
+        scene: Scene,
+        pattern: str,
+        camera: Camera | None = None,
+        *,
+        accuracy: Literal["auto", "fast", "certified", "exact"] = "auto",
+        progress: bool | Callback = False,
+    ) -> Hits | Echoes:
+        """The sweep of a spinning scanner, as ``halfline trace --pattern``.
+
+        All rays of the sweep are in memory, 100 bytes each; the command traces longer ones in
+        blocks.
+
+        Args:
+            scene: The scene.
+            pattern: Degrees: ``"lidar:rings=N,vfov=LOW..HIGH,step=DEG"``, and optionally
+                ``,azimuth=FROM..TO`` and ``,range=LENGTH``. Azimuths are clockwise from the view.
+                ``,divergence=DEG[,returns=N]`` and ``,noise=SIGMA[,seed=N]`` measure echoes.
+            camera: The pose of the scanner: its eye, view and up; by default that of the scene.
+            accuracy: As for `trace`.
+            progress: As for `render`.
+
+        Returns:
+            `Hits` of the shape (rings, azimuths); or the `Echoes` of a pattern with a divergence or
+            with noise.
+
+        Raises:
+            ValueError: for a pattern with a mistake.
+
+        >>> import halfline as hl
+        >>> scene = hl.Scene([[0, 0, -3]], 1.0)
+        >>> scanner = hl.Camera((0, 0, 0), view=(0, 0, -1), up=(0, 1, 0))
+        >>> sweep = hl.Renderer("cpu").scan(scene, "lidar:rings=1,step=90", scanner)
+        >>> sweep.id
+        array([[-1, -1,  0, -1]], dtype=int32)
+        """
+        native = native_scene(scene)
+        pose = native.camera(None) if camera is None else _native_camera(camera)
+        beams = _halfline.Pattern(word("pattern", pattern))
+        rings, azimuths, _ = beams.shape
+        eye: list[float] = json.loads(pose.record((1, 1)))["eye"]
+        rays = beams.directions(pose)
+        hits = self.trace(scene, eye, rays, beams.range, accuracy=accuracy, progress=progress)
+        if beams.has_echoes:
+            x, y, z = eye
+            arrays = (hits.id, hits.distance, hits.normal, hits.certainty)
+            return Echoes(*beams.echoes(native, (x, y, z), rays, *arrays))
+        shape = (rings, azimuths)
+        return Hits(
+            *(
+                getattr(hits, field.name).reshape(shape + getattr(hits, field.name).shape[1:])
+                for field in fields(Hits)
+            )
         )
 
     def plan(

@@ -321,6 +321,22 @@ class Scene:
         found = self._native.cell
         return None if found is None else (np.array(found[0]), np.array(found[1]))
 
+    def save(self, path: Path, camera: Camera | None = None) -> None:
+        """Writes the spheres as a model: points with radii and colours, for Blender and other
+        programs, as ``halfline render -o FILE.glb``.
+
+        Args:
+            path: The file, a .glb.
+            camera: The camera that the file has; by default that of the scene.
+
+        Raises:
+            OSError: if the file cannot be written.
+            ValueError: for another extension, and for lengths beyond float32.
+        """
+        native = None if camera is None else camera._native
+        for warning in self._native.save(fspath(path), native):
+            warnings.warn(warning, stacklevel=2)
+
     def fingerprint(self) -> str:
         """32 hexadecimal digits, equal for equal numbers; files of frames hold it."""
         return self._native.fingerprint()

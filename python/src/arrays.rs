@@ -40,6 +40,8 @@ impl Plain<f64, 3> for [f64; 3] {}
 impl Plain<f32, 3> for [f32; 3] {}
 impl Plain<f64, 1> for f64 {}
 impl Plain<f32, 1> for f32 {}
+impl Plain<i32, 1> for i32 {}
+impl Plain<u8, 1> for u8 {}
 
 /// The rows of a contiguous array as a list that shares its memory.
 ///

@@ -16,6 +16,7 @@ mod png;
 mod read;
 mod renderer;
 mod reports;
+mod scan;
 mod scene;
 mod shared;
 mod trace;
@@ -54,6 +55,8 @@ mod _halfline {
     use super::renderer::Renderer;
     #[pymodule_export]
     use super::reports::{adapters, info};
+    #[pymodule_export]
+    use super::scan::Pattern;
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]

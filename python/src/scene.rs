@@ -13,9 +13,12 @@ use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
 use halfline_command::choices::ChosenScene;
 use halfline_command::choices::in_keywords;
 use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
+use halfline_files::write::file::check_writable;
+use halfline_files::write::glb;
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
+use std::path::PathBuf;
 
 /// A scene; it does not change, so that any number of threads may render it.
 #[pyclass(frozen)]
@@ -323,6 +326,19 @@ impl Scene {
         begin()?;
         let scene = self.exact(None, size).or_raise()?;
         Ok(Camera { camera: scene.camera, aperture: self.frame.aperture, size: None, in_pixels: false })
+    }
+
+    /// Writes the spheres, and this camera or their own, as a model; warnings.
+    fn save(&self, py: Python<'_>, path: PathBuf, camera: Option<&Camera>) -> PyResult<Vec<String>> {
+        let warning = Job::default().run(py, None, || {
+            if !glb::is_glb(&path) {
+                let problem = format!("{} cannot hold spheres", path.display());
+                return Err(Error::settings(problem, "use the file name extension .glb"));
+            }
+            check_writable(&path)?;
+            glb::write(&path, &self.exact(camera, None)?)
+        })?;
+        Ok(warning.iter().map(|warning| in_keywords(warning)).collect())
     }
 
     /// Equal for equal numbers.
