@@ -289,3 +289,21 @@ impl Face {
         path.finish()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_of_letters_are_kerned() {
+        for bold in [false, true] {
+            let width = |text: &str| face(bold).width(text, 100.0);
+            for pair in ["AV", "To", "LT"] {
+                let apart: f32 = pair.chars().map(|letter| width(&letter.to_string())).sum();
+                // By 2 % of an em or more, which no rounding does.
+                assert!(width(pair) < apart - 2.0, "{pair}: {} of {apart}", width(pair));
+            }
+            assert_eq!(width("HH"), 2.0 * width("H"), "straight letters are not");
+        }
+    }
+}

@@ -215,3 +215,13 @@ fn a_crop_shows_the_shading_and_the_verdict() {
     assert_eq!((&crop.shade[..5], &crop.shade[6..]), ("..0.f", "..."), "{}", crop.shade);
     assert!(crop.shade.as_bytes()[RIGHT].is_ascii_hexdigit());
 }
+
+#[test]
+fn a_spread_has_the_quantiles_of_its_errors() {
+    let mut errors: Vec<f64> = (1..=1000).map(f64::from).collect();
+    errors.reverse();
+    let Spread { median, p99, max } = Spread::of(errors);
+    assert_eq!((median, p99, max), (Some(500.0), Some(990.0), Some(1000.0)));
+    let Spread { median, p99, max } = Spread::of(vec![2.0]);
+    assert_eq!((median, p99, max), (Some(2.0), Some(2.0), Some(2.0)));
+}
