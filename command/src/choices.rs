@@ -189,7 +189,7 @@ impl Choices {
             let legend_shares = args.insets.legend_shares(&frame)?;
             frame.scene.frame_by_default(frame.is_molecule, &Framing { legend_shares, ..Framing::default() })?;
         }
-        let mut picture = scene_frames::lit(args, frame, (has_picture, aovs), None, |_| ())?;
+        let mut picture = scene_frames::with_light(args, frame, (has_picture, aovs), None, |_| ())?;
         legend::check_content(args, colored_by, &mut picture)?;
         let mut buffers = aovs.to_vec();
         if args.files.transparent && has_picture && !buffers.contains(&Aov::Alpha) {

@@ -213,14 +213,14 @@ fn light(
     taken: Option<Aperture>,
     turn: impl FnOnce(&mut SceneFrame),
 ) -> Result<PictureScene> {
-    let mut picture = lit(args, frame, (has_picture, &args.files.buffers()), taken, turn)?;
+    let mut picture = with_light(args, frame, (has_picture, &args.files.buffers()), taken, turn)?;
     legend::check_content(args, args.color.color_by.as_deref(), &mut picture)?;
     Ok(picture)
 }
 
 /// The picture of a frame whose camera is final but for a turn: with its lens and its light. It says whether its colour is computed, and
 /// which buffers are.
-pub(super) fn lit(
+pub(super) fn with_light(
     args: &SceneArgs,
     mut frame: SceneFrame,
     (has_picture, aovs): (bool, &[Aov]),

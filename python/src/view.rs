@@ -33,7 +33,7 @@ pub(crate) fn widget_style() -> &'static str {
     halfline_viewer::style()
 }
 
-/// Where the scene of a page was read from, and how: its file, the keywords of `read` and of `Renderer`.
+/// Source of the scene of a page: its file, and the keywords of `read` and of `Renderer`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Origin<'py> {

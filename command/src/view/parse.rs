@@ -47,13 +47,13 @@ impl Parser {
 
 /// An error of clap. Its options are named as settings, which have other names in a notebook and in Python.
 fn refused(error: &clap::Error) -> Error {
-    let said = |kind: ContextKind| match error.get(kind) {
+    let context = |kind: ContextKind| match error.get(kind) {
         Some(ContextValue::String(text)) => vec![text.as_str()],
         Some(ContextValue::Strings(all)) => all.iter().map(String::as_str).collect(),
         _ => Vec::new(),
     };
-    let named = |kind| said(kind).into_iter().map(setting).collect::<Vec<_>>().join(" and ");
-    let (name, value) = (named(ContextKind::InvalidArg), said(ContextKind::InvalidValue).join(","));
+    let named = |kind| context(kind).into_iter().map(setting).collect::<Vec<_>>().join(" and ");
+    let (name, value) = (named(ContextKind::InvalidArg), context(ContextKind::InvalidValue).join(","));
     match error.kind() {
         ErrorKind::ValueValidation => {
             let source = error.source().map(ToString::to_string).unwrap_or_default();
@@ -64,7 +64,7 @@ fn refused(error: &clap::Error) -> Error {
             }
         }
         ErrorKind::InvalidValue => {
-            let values = said(ContextKind::ValidValue).join(", ");
+            let values = context(ContextKind::ValidValue).join(", ");
             let mend = if values.is_empty() { "give a value".into() } else { format!("choose from {values}") };
             Error::settings(format!("{name} is {value}"), mend)
         }
