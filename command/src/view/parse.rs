@@ -32,9 +32,27 @@ impl Parser {
     /// # Errors
     /// [`Error::Settings`] with clap's words.
     pub(crate) fn args(&mut self, words: &[OsString]) -> Result<SceneArgs> {
-        let matches = self.0.try_get_matches_from_mut(words).map_err(|error| refused(&error))?;
+        let matches = self.0.try_get_matches_from_mut(words).map_err(|error| self.refused(words, &error))?;
         let (_, matches) = matches.subcommand().ok_or_else(|| Error::settings("no command", "use render"))?;
         Ok(Render::from_arg_matches(matches).map_err(|error| refused(&error))?.args)
+    }
+
+    /// An error of clap; where an option lacks another one, it names both.
+    fn refused(&mut self, words: &[OsString], error: &clap::Error) -> Error {
+        let is_lacking = |error: &clap::Error| error.kind() == ErrorKind::MissingRequiredArgument;
+        // The option without which nothing is lacking.
+        let needs = (2..words.len()).filter(|_| is_lacking(error)).find(|n| {
+            let fewer = words.iter().enumerate().filter(|(k, _)| k != n).map(|(_, word)| word);
+            !self.0.try_get_matches_from_mut(fewer).is_err_and(|error| is_lacking(&error))
+        });
+        match needs {
+            Some(n) => {
+                let (given, lacking) = (setting(&words[n].to_string_lossy()), named(error, ContextKind::InvalidArg));
+                let problem = format!("{given} belongs to {lacking}, and there is none");
+                Error::settings(problem, format!("give {lacking}, or remove {given}"))
+            }
+            None => refused(error),
+        }
     }
 
     /// The help of an option of `halfline render`.
@@ -47,13 +65,7 @@ impl Parser {
 
 /// An error of clap. Its options are named as settings, which have other names in a notebook and in Python.
 fn refused(error: &clap::Error) -> Error {
-    let context = |kind: ContextKind| match error.get(kind) {
-        Some(ContextValue::String(text)) => vec![text.as_str()],
-        Some(ContextValue::Strings(all)) => all.iter().map(String::as_str).collect(),
-        _ => Vec::new(),
-    };
-    let named = |kind| context(kind).into_iter().map(setting).collect::<Vec<_>>().join(" and ");
-    let (name, value) = (named(ContextKind::InvalidArg), context(ContextKind::InvalidValue).join(","));
+    let (name, value) = (named(error, ContextKind::InvalidArg), context(error, ContextKind::InvalidValue).join(","));
     match error.kind() {
         ErrorKind::ValueValidation => {
             let source = error.source().map(ToString::to_string).unwrap_or_default();
@@ -64,12 +76,12 @@ fn refused(error: &clap::Error) -> Error {
             }
         }
         ErrorKind::InvalidValue => {
-            let values = context(ContextKind::ValidValue).join(", ");
+            let values = context(error, ContextKind::ValidValue).join(", ");
             let mend = if values.is_empty() { "give a value".into() } else { format!("choose from {values}") };
             Error::settings(format!("{name} is {value}"), mend)
         }
         ErrorKind::ArgumentConflict => {
-            let other = named(ContextKind::PriorArg);
+            let other = named(error, ContextKind::PriorArg);
             Error::settings(format!("{name} and {other} exclude each other"), "remove one of them")
         }
         ErrorKind::MissingRequiredArgument => {
@@ -81,6 +93,20 @@ fn refused(error: &clap::Error) -> Error {
             Error::settings(line.strip_prefix("error: ").unwrap_or(line), "use another value")
         }
     }
+}
+
+/// The texts of an error about this part of the command line.
+fn context(error: &clap::Error, kind: ContextKind) -> Vec<&str> {
+    match error.get(kind) {
+        Some(ContextValue::String(text)) => vec![text],
+        Some(ContextValue::Strings(all)) => all.iter().map(String::as_str).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The settings that an error names.
+fn named(error: &clap::Error, kind: ContextKind) -> String {
+    context(error, kind).into_iter().map(setting).collect::<Vec<_>>().join(" and ")
 }
 
 /// The name of the setting of an option as clap shows it: `--shine <N>`, `--cell[=<RADIUS>]`.
