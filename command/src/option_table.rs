@@ -99,7 +99,7 @@ use Form::{
 use Python::{Elsewhere, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
-const OPTIONS: [OptionRow; 95] = [
+const OPTIONS: &[OptionRow] = &[
     row("visible", Elsewhere("render of a Part"), NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text, "str | None"), 0),
     row("columns", Keyword(Read, "columns", Columns, "str | Mapping[str, str | int] | None"), 0),

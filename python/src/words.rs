@@ -1,5 +1,6 @@
 //! Keywords of Python as options of the command, which alone understands them.
 
+use crate::errors::OrRaise;
 use halfline::Aov;
 use halfline::error::Result;
 use halfline::settings::Settings;
@@ -27,7 +28,6 @@ pub(crate) struct Chosen {
 impl Chosen {
     /// The keywords of `Renderer.render`.
     pub(crate) fn of(options: &Bound<'_, PyDict>) -> PyResult<Self> {
-        use crate::errors::OrRaise;
         let choices = Choices::of(&written(options, Call::Render)?).or_raise()?;
         let aovs = match options.get_item("aovs")? {
             Some(names) => texts("aovs", &names)?.iter().map(|name| name.parse()).collect::<Result<_>>().or_raise()?,
@@ -40,7 +40,6 @@ impl Chosen {
 
 /// The settings of keywords that do not depend on a scene: accuracy, method, tolerance.
 pub(crate) fn settings(options: &Bound<'_, PyDict>) -> PyResult<Settings> {
-    use crate::errors::OrRaise;
     Ok(Choices::of(&written(options, Call::Render)?).or_raise()?.settings(Vec::new()))
 }
 
@@ -94,7 +93,7 @@ fn add(all: &mut Vec<WrittenOption>, id: &str, form: Form, name: &str, value: &B
         Form::Name if value.is_instance_of::<PyInt>() => push(Some(number(name, value)?.into())),
         Form::Name => push(Some(text(name, value)?)),
         Form::Marks if value.cast::<PyMapping>().is_err() => {
-            return Err(PyValueError::new_err(format!("{name} is {}; give {{expression: text}}", shown(value)?)));
+            return Err(wrong(name, value, "{expression: text}"));
         }
         Form::Columns => match value.cast::<PyMapping>() {
             Ok(meanings) => {
@@ -108,7 +107,7 @@ fn add(all: &mut Vec<WrittenOption>, id: &str, form: Form, name: &str, value: &B
         Form::Size => {
             let sides = parts(name, value, whole)?;
             if sides.len() != 2 {
-                return Err(PyValueError::new_err(format!("{name} is {}; give (width, height)", shown(value)?)));
+                return Err(wrong(name, value, "(width, height)"));
             }
             push(Some(sides.join("x").into()));
         }
@@ -128,8 +127,7 @@ fn add(all: &mut Vec<WrittenOption>, id: &str, form: Form, name: &str, value: &B
                 for (expression, value) in pairs(rules)? {
                     let word = color(&format!("{name}['{expression}']"), &value)?;
                     if word.as_encoded_bytes().contains(&b'=') {
-                        let problem = format!("{name}['{expression}'] is {}; give a text without =", shown(&value)?);
-                        return Err(PyValueError::new_err(problem));
+                        return Err(wrong(&format!("{name}['{expression}']"), &value, "a text without ="));
                     }
                     let mut rule = OsString::from(expression + "=");
                     rule.push(word);
@@ -149,23 +147,22 @@ fn is_bool(value: &Bound<'_, PyAny>) -> PyResult<bool> {
 
 /// A number in decimals that are read back as the same number.
 fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
-    let wrong = |what: &str| Ok::<_, PyErr>(PyValueError::new_err(format!("{name} is {}; give {what}", shown(value)?)));
     if is_bool(value)? || value.is_instance_of::<PyString>() || value.is_instance_of::<PyBytes>() {
-        return Err(wrong("a number")?);
+        return Err(wrong(name, value, "a number"));
     }
     if value.is_instance_of::<PyInt>() {
         return Ok(value.str()?.to_string());
     }
     if value.is_instance_of::<PyFloat>() {
-        return finite(value.extract()?).map_or_else(|| Err(wrong("a finite number")?), Ok);
+        return finite(value.extract()?).ok_or_else(|| wrong(name, value, "a finite number"));
     }
     // Numbers of other packages.
     if let Ok(whole) = value.call_method0("__index__") {
         return Ok(whole.str()?.to_string());
     }
     match value.extract::<f64>() {
-        Ok(number) => finite(number).map_or_else(|| Err(wrong("a finite number")?), Ok),
-        Err(_) => Err(wrong("a number")?),
+        Ok(number) => finite(number).ok_or_else(|| wrong(name, value, "a finite number")),
+        Err(_) => Err(wrong(name, value, "a number")),
     }
 }
 
@@ -174,7 +171,7 @@ fn whole(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     let word = number(name, value)?;
     match word.bytes().all(|c| c.is_ascii_digit()) && word != "0" {
         true => Ok(word),
-        false => Err(PyValueError::new_err(format!("{name} is {}; give a positive whole number", shown(value)?))),
+        false => Err(wrong(name, value, "a positive whole number")),
     }
 }
 
@@ -198,7 +195,7 @@ fn text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<OsString> {
     if value.hasattr("__fspath__")? {
         return value.extract::<OsString>().or_else(|_| value.call_method0("__fspath__")?.extract());
     }
-    Err(PyValueError::new_err(format!("{name} is {}; give a text", shown(value)?)))
+    Err(wrong(name, value, "a text"))
 }
 
 /// A text or several.
@@ -206,16 +203,13 @@ pub(crate) fn texts(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<String
     if let Ok(text) = value.extract::<String>() {
         return Ok(vec![text]);
     }
-    let wrong = |name: &str, value: &Bound<'_, PyAny>, what: &str| {
-        Ok::<_, PyErr>(PyValueError::new_err(format!("{name} is {}; give {what}", shown(value)?)))
-    };
-    let Ok(items) = value.try_iter() else { return Err(wrong(name, value, "a text or a list of texts")?) };
+    let Ok(items) = value.try_iter() else { return Err(wrong(name, value, "a text or a list of texts")) };
     let mut all = Vec::new();
     for (k, item) in items.enumerate() {
         let item = item?;
         match item.extract::<String>() {
             Ok(text) => all.push(text),
-            Err(_) => return Err(wrong(&format!("{name}[{k}]"), &item, "a text")?),
+            Err(_) => return Err(wrong(&format!("{name}[{k}]"), &item, "a text")),
         }
     }
     Ok(all)
@@ -235,7 +229,7 @@ fn color(name: &str, value: &Bound<'_, PyAny>) -> PyResult<OsString> {
 fn items<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Vec<Bound<'py, PyAny>>> {
     match value.try_iter() {
         Ok(items) if !value.is_instance_of::<PyString>() => items.collect(),
-        _ => Err(PyValueError::new_err(format!("{name} is {}; give several numbers", shown(value)?))),
+        _ => Err(wrong(name, value, "several numbers")),
     }
 }
 
@@ -253,10 +247,12 @@ fn pairs<'py>(mapping: &Bound<'py, PyMapping>) -> PyResult<Vec<(String, Bound<'p
     mapping.items()?.iter().map(|pair| pair.extract()).collect()
 }
 
-/// A value in a message, shortened.
-fn shown(value: &Bound<'_, PyAny>) -> PyResult<String> {
-    let text = value.repr()?.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    Ok(if text.chars().count() <= 60 { text } else { text.chars().take(57).chain("...".chars()).collect() })
+/// The error for a value of another form, which is shown in at most 60 characters.
+fn wrong(name: &str, value: &Bound<'_, PyAny>, what: &str) -> PyErr {
+    let text = value.repr().map_or_else(|_| "a value".to_owned(), |text| text.to_string());
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = if text.chars().count() <= 60 { text } else { text.chars().take(57).chain("...".chars()).collect() };
+    PyValueError::new_err(format!("{name} is {text}; give {what}"))
 }
 
 /// Whether a type of NumPy is float32.
@@ -267,6 +263,6 @@ fn is_single(dtype: &Bound<'_, PyAny>) -> PyResult<bool> {
     match name().as_deref() {
         Ok("float32") if !dtype.is_none() => Ok(true),
         Ok("float64") if !dtype.is_none() => Ok(false),
-        _ => Err(PyValueError::new_err(format!("dtype is {}; give 'float32' or 'float64'", shown(dtype)?))),
+        _ => Err(wrong("dtype", dtype, "'float32' or 'float64'")),
     }
 }

@@ -6,7 +6,7 @@ use crate::rng::Rng;
 use crate::test_dir::TestDir;
 
 /// Values of options; "" is the option alone. Those of a scene file and of particles.
-const OF_SCENES: [(&str, &[&str]); 40] = [
+const OF_SCENES: &[(&str, &[&str])] = &[
     ("--eye", &["0.3,0.2,4", "0,0,3"]),
     ("--at", &["0.1,0,0", "0,0.2,0"]),
     ("--view", &["0,0,-1", "left"]),
@@ -198,11 +198,11 @@ fn check(dir: &TestDir, input: &str, [first, second]: &[Words; 2]) -> bool {
 #[test]
 fn a_file_of_other_options_is_neither_kept_nor_merged() {
     let dir = TestDir::new(&[("s.toml", SCENE), ("p.xyz", PARTICLES)]);
-    let particles = [&OF_SCENES[..], &OF_PARTICLES[..]].concat();
+    let particles = [OF_SCENES, &OF_PARTICLES[..]].concat();
     let mut rng = Rng::new(0xb17e);
     let (pairs, mut compared) = (amount("pairs of options", [20, 60, 1500]), 0);
     for n in 0..pairs {
-        let (input, table) = if n % 2 == 0 { ("s.toml", &OF_SCENES[..]) } else { ("p.xyz", &particles[..]) };
+        let (input, table) = if n % 2 == 0 { ("s.toml", OF_SCENES) } else { ("p.xyz", &particles[..]) };
         compared += usize::from(check(&dir, input, &pair(&mut rng, table)));
     }
     println!("{compared} of {pairs} pairs compared; the others are refused");
