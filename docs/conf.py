@@ -28,3 +28,20 @@ html_title = "halfline"
 html_copy_source = False
 # Links to the sources of pages would be wrong for those at the root of the repository.
 html_theme_options = {"top_of_page_buttons": []}
+
+
+def setup(app):
+    """Texts of attributes stay as they are: napoleon takes what stands before a colon for a type."""
+    texts = {}
+
+    def keep(_app, what, name, _obj, _options, lines):
+        if what == "attribute":
+            texts[name] = list(lines)
+
+    def restore(_app, what, name, _obj, _options, lines):
+        if what == "attribute":
+            lines[:] = texts.pop(name)
+
+    # Before and after napoleon, which has 500.
+    app.connect("autodoc-process-docstring", keep, priority=400)
+    app.connect("autodoc-process-docstring", restore, priority=600)

@@ -50,7 +50,7 @@ class ReadOptions(TypedDict, total=False):
     b, element. With numbers only the table needs no header.
     """
     atom_style: str | None
-    """Atom style of a LAMMPS data file, in place of that behind `Atoms #`: full, sphere, ...,
+    """Atom style of a LAMMPS data file, in place of that behind ``Atoms #``: full, sphere, ...,
     "hybrid charge sphere", or the columns such as "id type q x y z".
     """
     hold: Literal["first", "none"]

@@ -371,8 +371,8 @@ class Renderer:
                 ``,azimuth=FROM..TO`` and ``,range=LENGTH``. Azimuths are clockwise from the view.
                 ``,divergence=DEG[,returns=N]`` and ``,noise=SIGMA[,seed=N]`` measure echoes.
             camera: The pose of the scanner: its eye, view and up; by default that of the scene.
-            accuracy: As for `trace`.
-            progress: As for `render`.
+            accuracy: As for `Renderer.trace`.
+            progress: As for `Renderer.render`.
 
         Returns:
             `Hits` of the shape (rings, azimuths); or the `Echoes` of a pattern with a divergence or

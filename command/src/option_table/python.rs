@@ -45,7 +45,7 @@ fn keywords(call: Call) -> String {
         let id = if row.id == "outline" { "cell" } else { row.id };
         let arg = of(id).expect("an option");
         let mut help = in_keywords(&arg.get_help().map(ToString::to_string).unwrap_or_default());
-        help.push('.');
+        help = help.replace('`', "``") + ".";
         if let [default] = arg.get_default_values()
             && !matches!(form, Form::Flag | Form::TextOrFlag)
         {
