@@ -89,7 +89,7 @@ impl Choices {
     /// The choices of these options. Those of an earlier call are not parsed again.
     ///
     /// # Errors
-    /// [`Error::Settings`] that names the option, its value and what it takes.
+    /// [`Error::Settings`](halfline::error::Error::Settings) that names the option, its value and what it takes.
     pub fn of(options: &[WrittenOption]) -> Result<Arc<Self>> {
         static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -110,7 +110,7 @@ impl Choices {
     /// The options for reading with these columns; `map` replaces the colour map.
     ///
     /// # Errors
-    /// [`Error::Settings`] for options that exclude each other.
+    /// [`Error::Settings`](halfline::error::Error::Settings) for options that exclude each other.
     pub fn reading(&self, keep: Keep, map: Option<ColorMap>, watch: Watch) -> Result<ReadOptions> {
         let mut options = ReadOptions { keep, watch, ..scene_frames::options(&self.args, &Cancel::default())? };
         if let (Some(map), Coloring::Column(scale)) = (map, &mut options.style.coloring) {

@@ -1,6 +1,7 @@
 //! Keywords of Python as options of the command, which alone understands them.
 
 use crate::errors::OrRaise;
+use crate::work::begin;
 use halfline::Aov;
 use halfline::error::Result;
 use halfline::settings::Settings;
@@ -46,8 +47,10 @@ pub(crate) fn settings(options: &Bound<'_, PyDict>) -> PyResult<Settings> {
 /// The keywords of a call as options, in the order in which they are given. `None` and `False` stand for no option.
 ///
 /// # Errors
-/// TypeError for an unknown keyword; ValueError for a value of another form, which names the keyword.
+/// TypeError for an unknown keyword; ValueError for a value of another form, which names the keyword; those of [`begin`].
 pub(crate) fn written(given: &Bound<'_, PyDict>, call: Call) -> PyResult<Vec<WrittenOption>> {
+    // A process that was forked may wait for ever for the parser, which another thread had.
+    begin()?;
     let mut all = Vec::with_capacity(given.len());
     for (keyword, value) in given {
         let keyword = keyword.extract::<String>()?;
