@@ -39,7 +39,7 @@ pub struct Choices {
 pub struct ChosenScene<'a> {
     /// The spheres, with the size and the camera of the picture; without a camera of its own it shows all spheres.
     pub frame: SceneFrame,
-    /// The cell whose edges the picture may draw; `None` where they are drawn already.
+    /// The cell whose edges the picture may draw; `None` without one.
     pub edges: Option<Cell>,
     /// Whether the edges of the cell are among the spheres.
     pub is_outlined: bool,

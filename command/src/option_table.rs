@@ -99,6 +99,7 @@ use Form::{
 use Python::{Elsewhere, Keyword, Missing, Outside};
 
 /// All options of a picture. Python's keywords have this order.
+#[rustfmt::skip]
 const OPTIONS: &[OptionRow] = &[
     row("visible", Elsewhere("render of a Part"), NO_VIEW | NO_PART),
     row("format", Keyword(Read, "format", Text, "str | None"), 0),
@@ -128,11 +129,7 @@ const OPTIONS: &[OptionRow] = &[
     row("material", Keyword(Read, "material", Rules, "str | Mapping[str, str] | None"), NO_PART),
     row("shine", Keyword(Read, "shine", Number, "float | None"), NO_PART),
     row("color_by", Keyword(Read, "color_by", Names, "str | Iterable[str] | None"), 0),
-    row(
-        "map",
-        Keyword(Read, "map", Text, "Path | ArrayLike | Callable[[NDArray[np.float64]], ArrayLike] | None"),
-        CONFIG,
-    ),
+    row("map", Keyword(Read, "map", Text, "Path | ArrayLike | Callable[[NDArray[np.float64]], ArrayLike] | None"), CONFIG),
     row("range", Keyword(Read, "range", Tuple, "tuple[float | str, float | str] | None"), 0),
     row("log", Keyword(Read, "log", Flag, "bool"), 0),
     row("nan_color", Keyword(Read, "nan_color", Color, "Color | None"), CONFIG),
@@ -158,11 +155,7 @@ const OPTIONS: &[OptionRow] = &[
     row("seed", Keyword(Render, "seed", Number, "int"), CONFIG),
     row("exposure", Keyword(Render, "exposure", Number, "float"), CONFIG | NO_PART),
     row("tone", Keyword(Render, "tone", Text, "Literal[\"linear\", \"soft\"] | None"), CONFIG | NO_PART),
-    row(
-        "shade",
-        Keyword(Render, "shade", Text, "Literal[\"headlight\", \"flat\", \"normal\"] | None"),
-        CONFIG | NO_PART,
-    ),
+    row("shade", Keyword(Render, "shade", Text, "Literal[\"headlight\", \"flat\", \"normal\"] | None"), CONFIG | NO_PART),
     row("look", Keyword(Render, "look", Text, "Literal[\"plain\", \"soft\", \"figure\"] | None"), CONFIG | NO_PART),
     row("occlusion", Keyword(Render, "occlusion", NumberOrFlag, "bool | int"), CONFIG | NO_PART),
     row("reach", Keyword(Render, "reach", Number, "float | None"), NO_PART),
@@ -181,11 +174,7 @@ const OPTIONS: &[OptionRow] = &[
     row("scale_bar", Keyword(Render, "scale_bar", TextOrFlag, "bool | str"), NO_PART),
     row("mark", Keyword(Render, "mark", Marks, "Mapping[str, str]"), NO_PART),
     row("mark_all", Keyword(Render, "mark_all", Flag, "bool"), NO_PART),
-    row(
-        "accuracy",
-        Keyword(Render, "accuracy", Text, "Literal[\"auto\", \"fast\", \"certified\", \"exact\"]"),
-        CONFIG | NO_PART,
-    ),
+    row("accuracy", Keyword(Render, "accuracy", Text, "Literal[\"auto\", \"fast\", \"certified\", \"exact\"]"), CONFIG | NO_PART),
     row("method", Keyword(Render, "method", Text, "str | None"), CONFIG | NO_PART),
     row("tolerance", Keyword(Render, "tolerance", Number, "float | None"), CONFIG),
     row("transparent", Keyword(Render, "transparent", Flag, "bool"), CONFIG | NO_PART),
@@ -196,11 +185,7 @@ const OPTIONS: &[OptionRow] = &[
     row("bits", Keyword(Save, "bits", Number, "Literal[8, 16]"), CONFIG | NO_PART),
     row("dpi", Keyword(Save, "dpi", Number, "float | None"), CONFIG | NO_PART),
     row("unit", Keyword(Save, "unit", Number, "float"), CONFIG | NO_VIEW | NO_PART),
-    row(
-        "no_return",
-        Keyword(Save, "no_return", Text, "Literal[\"inf\", \"nan\", \"zero\"]"),
-        CONFIG | NO_VIEW | NO_PART,
-    ),
+    row("no_return", Keyword(Save, "no_return", Text, "Literal[\"inf\", \"nan\", \"zero\"]"), CONFIG | NO_VIEW | NO_PART),
     row("raw", Elsewhere("Frame arrays"), NO_VIEW | NO_PART),
     row("legend", Elsewhere("legend"), NO_VIEW | NO_PART),
     row("crop", Keyword(Render, "crop", Tuple, "tuple[int, int, int, int] | None"), NO_VIEW),

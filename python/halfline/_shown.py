@@ -11,7 +11,7 @@ from . import _halfline
 from ._arrays import Renders, native_renderer
 from ._arrays import size as checked_size
 from ._source import Source
-from .camera import Camera
+from .camera import Camera, native_camera
 from .options import Options
 
 
@@ -62,8 +62,8 @@ class Shown:
         size = checked_size("size", given.pop("size", None) or (640, 480))
         if camera is None:
             camera = Camera._of(scene.camera(size), None)
-        elif not isinstance(camera, Camera):
-            raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
+        # A TypeError for anything else.
+        native_camera(camera)
         record = camera.record(size if camera.size is None else None)
         lens = {name: record[name] for name in record if name in ("aperture", "focus")}
         choosing: dict[str, str] = {}

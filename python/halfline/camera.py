@@ -371,6 +371,13 @@ class Camera:
         return f"Camera({', '.join(words)})"
 
 
+def native_camera(camera: Camera) -> _halfline.Camera:
+    """The native part of a `Camera`."""
+    if not isinstance(camera, Camera):
+        raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
+    return camera._native
+
+
 def read_cameras(
     path: str | PathLike[str],
     *,

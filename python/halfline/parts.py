@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _halfline
 from ._arrays import Color, array, whole
 from ._arrays import color as checked_color
-from .camera import Camera
+from .camera import Camera, native_camera
 from .options import PartOptions
 
 # Spheres that are in memory at a time.
@@ -161,10 +161,8 @@ class Sieve:
         first_id: int = 0,
         **options: Unpack[PartOptions],
     ) -> None:
-        if not isinstance(camera, Camera):
-            raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
         self._native = _halfline.Sieve(
-            camera._native, {**options, "size": size}, whole("first_id", first_id, 0, 2**55)
+            native_camera(camera), {**options, "size": size}, whole("first_id", first_id, 0, 2**55)
         )
 
     def add(self, centers: Any, radii: Any, colors: Any = None, *, opacities: Any = None) -> None:

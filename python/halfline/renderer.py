@@ -14,7 +14,7 @@ from . import _halfline
 from ._arrays import array, native_scene, number, whole, word, words
 from ._arrays import size as checked_size
 from ._progress import Callback, reporter
-from .camera import Camera
+from .camera import Camera, native_camera
 from .frame import Frame
 from .options import Options
 from .parts import Part
@@ -226,7 +226,7 @@ class Renderer:
         >>> [float(frame["depth"][1, 1]) for frame in frames]
         [1.0, 2.0]
         """
-        natives = [_native_camera(camera) for camera in cameras]
+        natives = [native_camera(camera) for camera in cameras]
         frames = self._native.render_many(native_scene(scene), natives, dict(options))
         return _frames(frames, progress)
 
@@ -389,7 +389,7 @@ class Renderer:
         array([[-1, -1,  0, -1]], dtype=int32)
         """
         native = native_scene(scene)
-        pose = native.camera(None) if camera is None else _native_camera(camera)
+        pose = native.camera(None) if camera is None else native_camera(camera)
         beams = _halfline.Pattern(word("pattern", pattern))
         rings, azimuths, _ = beams.shape
         eye: list[float] = json.loads(pose.record((1, 1)))["eye"]
@@ -491,11 +491,5 @@ def _frames(frames: _halfline.Frames, progress: bool | Callback) -> Iterator[Fra
         frames.close()
 
 
-def _native_camera(camera: Camera) -> _halfline.Camera:
-    if not isinstance(camera, Camera):
-        raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
-    return camera._native
-
-
 def _camera(camera: Camera | None) -> _halfline.Camera | None:
-    return None if camera is None else _native_camera(camera)
+    return None if camera is None else native_camera(camera)

@@ -22,7 +22,7 @@ from ._arrays import color as checked_color
 from ._arrays import size as checked_size
 from ._shown import Shown
 from ._source import Source
-from .camera import Camera
+from .camera import Camera, native_camera
 from .columns import Columns
 from .frame import Frame
 from .options import Options, Path, ReadOptions
@@ -333,7 +333,7 @@ class Scene:
             OSError: if the file cannot be written.
             ValueError: for another extension, and for lengths beyond float32.
         """
-        native = None if camera is None else camera._native
+        native = None if camera is None else native_camera(camera)
         for warning in self._native.save(fspath(path), native):
             warnings.warn(warning, stacklevel=2)
 

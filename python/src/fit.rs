@@ -2,7 +2,6 @@
 
 use crate::camera::{Camera, LensArgument, lens_of};
 use crate::errors::OrRaise;
-
 use crate::scene::Scene;
 use crate::work::begin;
 use halfline::camera::Look;

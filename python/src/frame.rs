@@ -2,7 +2,6 @@
 
 use crate::arrays::shown;
 use crate::errors::OrRaise;
-
 use crate::shared::Shared;
 use crate::words::written;
 use crate::work::{Job, begin};
@@ -13,8 +12,7 @@ use halfline::parallel;
 use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::{Aov, Frame as CoreFrame, Scene};
-use halfline_command::choices::in_keywords;
-use halfline_command::choices::{Choices, Rendered};
+use halfline_command::choices::{Choices, Rendered, in_keywords};
 use halfline_command::shown::Call;
 use halfline_drawing::inset::Panels;
 use halfline_files::read::matte::MatteNames;

@@ -2,7 +2,6 @@
 
 use crate::camera::Camera;
 use crate::errors::OrRaise;
-
 use crate::frame::Frame;
 use crate::many::Frames;
 use crate::parts::Part;
@@ -12,8 +11,7 @@ use crate::words::Chosen;
 use crate::work::Job;
 use halfline::Renderer as CoreRenderer;
 use halfline::settings::{Backend, Settings};
-use halfline_command::choices::ChosenScene;
-use halfline_command::choices::in_keywords;
+use halfline_command::choices::{ChosenScene, in_keywords};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

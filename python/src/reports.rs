@@ -1,7 +1,6 @@
 //! Reports as JSON: adapters and files.
 
 use crate::errors::{OrRaise, exception};
-
 use crate::work::Job;
 use halfline_command::choices::in_keywords;
 use halfline_files::read::ReadOptions;

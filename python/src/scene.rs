@@ -4,14 +4,12 @@ use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::color::Color;
 use crate::errors::OrRaise;
-
 use crate::work::{Job, begin};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
-use halfline_command::choices::ChosenScene;
-use halfline_command::choices::in_keywords;
+use halfline_command::choices::{ChosenScene, in_keywords};
 use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
 use halfline_files::write::file::check_writable;
 use halfline_files::write::glb;

@@ -2,7 +2,6 @@
 
 use crate::camera::Camera;
 use crate::errors::{AccuracyError, AdapterError, OrRaise, exception};
-
 use crate::renderer::Renderer;
 use crate::scene::Scene;
 use crate::words::{Chosen, written};
@@ -76,18 +75,16 @@ impl PageScene<'_> {
     fn memory(self, py: Python<'_>, keep: Option<&[String]>) -> PyResult<MemoryScene> {
         let Self { scene, renderer, native_camera, size, options, lens, origin } = self;
         let (shown, renderer, camera) = (scene.get(), &*renderer, &*native_camera);
-        let chosen = Chosen::of(&options)?;
-        let mut rendering = written(&options, Call::Render)?;
+        let Chosen { written: mut rendering, choices, .. } = Chosen::of(&options)?;
         rendering.extend(written(&lens, Call::Camera)?);
         // Edges that are drawn already are not drawn again.
         rendering.retain(|(id, _)| !(shown.outlined && id == "outline"));
         let mut copied = written(&origin.reading, Call::Read)?;
-        copied.retain(|(id, _)| !(shown.outlined && id == "outline"));
         copied.extend(rendering.iter().cloned().chain(written(&origin.renderer, Call::Renderer)?));
         let source = origin.file;
         Job::default().run(py, None, || {
             let first = shown.chosen(Some(camera), Some(size), shown.frame.number)?;
-            chosen.choices.picture(first, &[Aov::Color], renderer.backend)?;
+            choices.picture(first, &[Aov::Color], renderer.backend)?;
             let mut content = Content {
                 frames: vec![shown.frame.clone()],
                 edges: shown.edges(),

@@ -7,7 +7,6 @@ use halfline::error::Result;
 use halfline::settings::Settings;
 use halfline_command::choices::Choices;
 use halfline_command::shown::{Call, Form, WrittenOption, keywords, of_keyword};
-use halfline_drawing::inset::Corner;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyBytes, PyDict, PyFloat, PyInt, PyMapping, PyString};
@@ -18,8 +17,9 @@ use std::sync::Arc;
 const ARRAYS: [&str; 2] = ["aovs", "dtype"];
 
 /// The keywords of a rendering.
-#[derive(Clone)]
 pub(crate) struct Chosen {
+    /// The options that they are, without those of arrays.
+    pub(crate) written: Vec<WrittenOption>,
     pub(crate) choices: Arc<Choices>,
     pub(crate) aovs: Vec<Aov>,
     /// Whether lengths are float32.
@@ -29,13 +29,14 @@ pub(crate) struct Chosen {
 impl Chosen {
     /// The keywords of `Renderer.render`.
     pub(crate) fn of(options: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let choices = Choices::of(&written(options, Call::Render)?).or_raise()?;
+        let written = written(options, Call::Render)?;
+        let choices = Choices::of(&written).or_raise()?;
         let aovs = match options.get_item("aovs")? {
             Some(names) => texts("aovs", &names)?.iter().map(|name| name.parse()).collect::<Result<_>>().or_raise()?,
             None => vec![Aov::Color],
         };
         let single = options.get_item("dtype")?.map_or(Ok(false), |dtype| is_single(&dtype))?;
-        Ok(Self { choices, aovs, single })
+        Ok(Self { written, choices, aovs, single })
     }
 }
 
@@ -85,11 +86,10 @@ fn add(all: &mut Vec<WrittenOption>, id: &str, form: Form, name: &str, value: &B
             }
         }
         Form::Legend => {
+            // No corner has a dot, and every file name an extension.
             let word = text(name, value)?;
-            let is_corner = word.to_str().is_some_and(|word| Corner::ALL.iter().any(|corner| corner.name() == word));
-            let is_file = word.to_str().is_some_and(|word| word.contains('.'));
-            let id = if is_file && !is_corner { "legend" } else { id };
-            all.push((id.to_owned(), Some(word)));
+            let is_file = word.as_encoded_bytes().contains(&b'.');
+            all.push((if is_file { "legend" } else { id }.to_owned(), Some(word)));
         }
         Form::Number | Form::NumberOrFlag => push(Some(number(name, value)?.into())),
         Form::Text | Form::TextOrFlag => push(Some(text(name, value)?)),
