@@ -4,6 +4,7 @@
 pub(crate) mod assemble;
 pub(crate) mod depth_cue;
 pub(crate) mod finish;
+pub(crate) mod hits;
 pub(crate) mod layers;
 pub(crate) mod light;
 pub(crate) mod open_sky;

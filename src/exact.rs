@@ -23,7 +23,7 @@ use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
 use crate::number::vector::{LANES, Vector};
 use crate::parallel;
-use crate::scene::camera::{CentredFrame, ExactViewport};
+use crate::scene::camera::{CentredFrame, CurvedFrame, ExactViewport};
 use crate::scene::{Ball, Scene, Spheres, check_sphere};
 pub use answer::Truth;
 use answer::{DecidedHit, Path, Quick};
@@ -43,8 +43,13 @@ pub(crate) const BYTES_PER_SPHERE: u64 = (size_of::<Body>() + size_of::<Screen>(
 /// A scene set up for exact decisions, pixel by pixel, from any number of threads.
 pub struct Judge {
     bench: Bench,
-    lens: ExactLens,
-    frame: CentredFrame,
+    lens: JudgedLens,
+}
+
+/// The rays of an image.
+enum JudgedLens {
+    Plane(Box<ExactLens>, CentredFrame),
+    Curved(Box<CurvedFrame>),
 }
 
 impl Judge {
@@ -52,49 +57,61 @@ impl Judge {
     ///
     /// # Errors
     /// Errors of [`Scene::check`]; [`Error::Limits`](crate::Error::Limits) for an off-centre lens whose frame has more
-    /// than 2^20 columns or rows.
+    /// than 2^20 columns or rows; [`Error::Settings`](crate::Error::Settings) for numbers of a curved lens that give no rays.
     pub fn new(scene: &Scene) -> Result<Self> {
         scene.check()?;
-        let frame = scene.camera.centred([scene.image.width, scene.image.height], 1, 1)?;
+        let size = [scene.image.width, scene.image.height];
+        if let Some(curved) = CurvedFrame::new(&scene.camera, size, 1)? {
+            let eye = scene.camera.eye.to_array();
+            let bench = Bench::new(ExactFrame::world(eye), eye, &scene.spheres);
+            return Ok(Self { bench, lens: JudgedLens::Curved(Box::new(curved)) });
+        }
+        let frame = scene.camera.centred(size, 1, 1)?;
         let viewport = frame.viewport;
-        let lens = ExactLens::of(viewport, frame.size);
+        let lens = JudgedLens::Plane(Box::new(ExactLens::of(viewport, frame.size)), frame);
         let mut bench = Bench::new(ExactFrame::of(&scene.camera), scene.camera.eye.to_array(), &scene.spheres);
         if viewport.is_parallel() {
             let k = filter::exponent(&viewport);
             parallel::each(&mut bench.screens, |id, screen| screen.rescale(&bench.bodies[id], k));
         }
-        Ok(Self { bench, lens, frame })
+        Ok(Self { bench, lens })
     }
 
     /// The judge of the same spheres for the pixels of a frame with this viewport and size. Rows and columns then refer
     /// to this frame.
     pub(crate) fn in_frame(self, viewport: ExactViewport, size: [u32; 2]) -> Self {
         let frame = CentredFrame { viewport, size, step: 1, shift: [0; 2] };
-        Self { lens: ExactLens::of(viewport, size), frame, ..self }
+        Self { lens: JudgedLens::Plane(Box::new(ExactLens::of(viewport, size)), frame), ..self }
+    }
+
+    /// The judge of the same spheres for the places of a frame of a curved lens. Rows and columns then refer to this frame.
+    pub(crate) fn in_curved_frame(self, frame: CurvedFrame) -> Self {
+        Self { lens: JudgedLens::Curved(Box::new(frame)), ..self }
     }
 
     /// The nearest hit of the ray through the centre of row `i`, column `j`, over all spheres.
     pub fn pixel(&self, i: u32, j: u32) -> Option<Truth> {
-        self.bench.nearest(&self.ray(i, j), 0..self.bench.bodies.len() as u32, f64::INFINITY)
+        let ids = 0..self.bench.bodies.len() as u32;
+        self.with_depth([i, j], self.bench.nearest(&self.ray(i, j)?, ids, f64::INFINITY)?)
     }
 
     /// [`Self::pixel`] among the spheres with these indices. Indices beyond the scene's are ignored.
     #[inline(always)]
     pub fn among(&self, i: u32, j: u32, candidates: &[u32]) -> Option<Truth> {
-        self.bench.nearest(&self.ray(i, j), candidates.iter().copied(), f64::INFINITY)
+        self.with_depth([i, j], self.bench.nearest(&self.ray(i, j)?, candidates.iter().copied(), f64::INFINITY)?)
     }
 
     /// Whether each of `lights` is hidden from the nearest hit of the ray through the centre of row `i`, column `j`: by the
     /// sphere of the hit itself or by another one between. `None` where the ray hits nothing. All numbers are exact, so a
     /// ray that grazes its own or another surface is hidden, and no epsilon moves it off its surface.
     pub fn hidden(&self, i: u32, j: u32, lights: &[Toward]) -> Option<Vec<bool>> {
-        self.bench.hidden(&self.ray(i, j), lights)
+        self.bench.hidden(&self.ray(i, j)?, lights)
     }
 
     /// t of either root of sphere `id`, ahead or behind, as the unevaluated sum of two f64 (about 106 bits); `None`
     /// when the ray's line misses the sphere or there is no such sphere.
     pub fn t(&self, i: u32, j: u32, id: u32, root: Root) -> Option<[f64; 2]> {
-        let t = self.bench.t(&self.ray(i, j), id, root)?.to_dd();
+        let t = self.bench.t(&self.ray(i, j)?, id, root)?.to_dd();
         Some([t.hi, t.lo])
     }
 
@@ -103,7 +120,7 @@ impl Judge {
     /// NaN when the line misses the sphere or `t` is NaN, infinite for an infinite `t`; where t* is 0, 0 for a `t` of
     /// 0 and infinite for any other.
     pub fn relative_error_of_t(&self, i: u32, j: u32, id: u32, root: Root, t: f64) -> f64 {
-        let Some(real) = self.bench.t(&self.ray(i, j), id, root) else {
+        let Some(real) = self.ray(i, j).and_then(|ray| self.bench.t(&ray, id, root)) else {
             return f64::NAN;
         };
         if !t.is_finite() {
@@ -120,10 +137,10 @@ impl Judge {
     /// l/r - 1 of a sphere, where l is the distance of its centre from the half-line of a perspective camera: negative for a
     /// hit, with an error of about 2^-94 of the centre's distance in radii. Infinity for a sphere that the scene does not have.
     pub fn excess(&self, i: u32, j: u32, id: u32) -> f64 {
-        let Some(body) = self.bench.bodies.get(id as usize) else {
+        let (Some(body), Some(ray)) = (self.bench.bodies.get(id as usize), self.ray(i, j)) else {
             return f64::INFINITY;
         };
-        let FilterRay { dir, a, .. } = self.ray(i, j).quick;
+        let FilterRay { dir, a, .. } = ray.quick;
         let (p, r) = (body.p, Dd::from(body.r));
         let l = if dd::dot(dir, p).hi > 0.0 {
             let moment = dd::cross(dir, p);
@@ -136,34 +153,52 @@ impl Judge {
 
     /// The hit of one sphere by the ray of row `i`, column `j`, as if it were the only one.
     pub(crate) fn hit_of(&self, i: u32, j: u32, ball: Ball) -> Option<Truth> {
-        let (rays, body) = (self.ray(i, j), self.bench.body(ball));
-        self.bench.truth(&rays, &self.bench.hit_body(&rays, 0, &body)?)
+        let (rays, body) = (self.ray(i, j)?, self.bench.body(ball));
+        self.with_depth([i, j], self.bench.truth(&rays, &self.bench.hit_body(&rays, 0, &body)?)?)
     }
 
     /// The answers to questions about the hit of one sphere by the ray of row `i`, column `j`; `None` where the ray misses
     /// that sphere.
     pub(crate) fn ask(&self, i: u32, j: u32, ball: Ball, questions: &[LightQuestion]) -> Option<Vec<bool>> {
-        let (rays, body) = (self.ray(i, j), self.bench.body(ball));
+        let (rays, body) = (self.ray(i, j)?, self.bench.body(ball));
         let best = self.bench.hit_body(&rays, 0, &body)?;
         let hit = self.bench.hit_point(&rays, &best);
         Some(questions.iter().map(|question| question.answer(&hit)).collect())
     }
 
+    /// The ray of row `i` and column `j`; `None` where a curved lens has none.
     #[inline(always)]
-    fn ray(&self, i: u32, j: u32) -> RayForms<'_> {
-        let CentredFrame { viewport, size, step, shift: [left, top] } = &self.frame;
+    fn ray(&self, i: u32, j: u32) -> Option<RayForms<'_>> {
+        let (lens, CentredFrame { viewport, size, step, shift: [left, top] }) = match &self.lens {
+            JudgedLens::Plane(lens, frame) => (lens, frame),
+            JudgedLens::Curved(frame) => {
+                let direction = frame.in_world([i, j]).to_array();
+                return (direction != [0.0; 3]).then(|| RayForms::along(direction));
+            }
+        };
         let (i, j) = (i * step + top, j * step + left);
         let odds = odds(size.map(i64::from), i, j).map(|n| n as f64);
-        RayForms::through(&self.lens, [i, j], FilterRay::through(viewport, *size, odds))
+        Some(RayForms::through(lens, [i, j], FilterRay::through(viewport, *size, odds)))
+    }
+
+    /// The hit of a ray of row `i` and column `j`, with the depth along the axis of a curved lens.
+    #[inline(always)]
+    fn with_depth(&self, place: [u32; 2], truth: Truth) -> Option<Truth> {
+        Some(match &self.lens {
+            JudgedLens::Plane(..) => truth,
+            JudgedLens::Curved(frame) => Truth { depth: -frame.direction(place)[2] * truth.t, ..truth },
+        })
     }
 
     /// The hits of one sphere by the rays through these rows and columns, as if it were the only one, where double-double decides all
-    /// about them; `None` where it does not, and for parallel rays.
+    /// about them; `None` where it does not, and for rays that are parallel or of a curved lens.
     #[inline(always)]
     pub(crate) fn surely_hit(&self, at: &[[u32; 2]; LANES], id: u32) -> [Option<Truth>; LANES] {
-        let CentredFrame { viewport, size, step, shift: [left, top] } = &self.frame;
         let body = &self.bench.bodies[id as usize];
         let mut truths = [None; LANES];
+        let JudgedLens::Plane(_, CentredFrame { viewport, size, step, shift: [left, top] }) = &self.lens else {
+            return truths;
+        };
         if viewport.is_parallel() {
             return truths;
         }

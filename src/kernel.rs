@@ -162,6 +162,11 @@ impl Kernel {
         self.certificate().is_some()
     }
 
+    /// Whether its rays are given.
+    pub(crate) fn is_given(&self) -> bool {
+        matches!(self.task, Task::Given { .. })
+    }
+
     /// Whether its rays are those of pixels.
     pub(crate) fn has_pixels(&self) -> bool {
         self.is_certified() || matches!(self.task, Task::Method { rays: RaySource::Camera, .. })
@@ -177,9 +182,9 @@ impl Kernel {
         self.certificate().is_some_and(|certificate| certificate.depth_interval)
     }
 
-    /// Whether it writes the depths of centres, to which its own are relative.
+    /// Whether it writes the depths of centres, to which its own are relative. Of given rays they are t itself, in f64.
     pub(crate) fn has_depths(&self) -> bool {
-        self.is_certified() && (self.t || self.has_depth_interval())
+        self.is_certified() && (self.t || self.has_depth_interval()) || self.is_given() && self.t
     }
 
     /// Whether normals are computed, as an output or for shading.

@@ -1,22 +1,20 @@
 //! Renders frames and traces given rays: plans, checks memory, sets up, runs kernels, and makes the answers.
 
 mod budget;
-mod curved;
+mod engine;
 pub mod explain;
 mod fallback;
 mod frame;
 mod lens;
-mod light;
-mod light_state;
+mod log;
 mod missed;
-mod on_device;
 mod opaque;
 mod order;
+mod passes;
 mod place;
 pub mod plan;
 mod renderer;
-mod sample;
-mod see_through;
+mod report;
 mod setup;
 pub mod stream;
 pub mod trace;

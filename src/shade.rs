@@ -49,15 +49,13 @@ pub(crate) fn to_world<A: Arithmetic>(view: &ViewRecord, a: [A; 3]) -> [A; 3] {
 }
 
 impl Shade {
-    /// Linear RGB of a hit in world space: of a ray in `direction`, of any length, on a sphere of the colour `own`, in f64.
-    pub(crate) fn in_world(self, direction: DVec3, normal: DVec3, own: [f32; 3]) -> [f32; 3] {
+    /// Linear RGB of a hit on a sphere of the colour `own`, in f64: of its unit normal in world space, and the cosine between that and the
+    /// way back along the ray.
+    pub(crate) fn in_world(self, normal: DVec3, cosine: f64, own: [f32; 3]) -> [f32; 3] {
         match self {
             Self::Flat => own,
             Self::Normal => (0.5 * normal + 0.5).as_vec3().to_array(),
-            Self::Headlight => {
-                let cosine = -normal.dot(direction) / direction.length();
-                own.map(|x| positive(cosine as f32) * x)
-            }
+            Self::Headlight => own.map(|x| positive(cosine as f32) * x),
         }
     }
 

@@ -6,6 +6,7 @@
 //! (the largest of |p_x|, |p_y|, |p_z|, r lies in [1, 2)).
 
 pub(crate) mod backdrop;
+mod curved;
 pub(crate) mod directions;
 pub(crate) mod given;
 mod moved;
@@ -15,6 +16,7 @@ pub(crate) mod raster;
 pub mod ray;
 mod records;
 
+use curved::CurvedView;
 pub(crate) use moved::FromEye;
 pub use raster::strata_of;
 pub(crate) use records::pcg4d;
@@ -27,7 +29,7 @@ use crate::number::Number;
 use crate::number::vector::vectorized;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::scene::camera::{Basis, CentredFrame, ExactViewport};
+use crate::scene::camera::{Basis, CentredFrame, CurvedFrame, ExactViewport};
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -61,10 +63,20 @@ pub struct View {
     pub pitch: [f64; 3],
     /// Whether the viewing rays are parallel.
     pub parallel: bool,
-    /// The viewport of the whole frame, of which the record has the size; `None` for given rays.
+    /// The viewport of the whole frame, of which the record has the size; `None` for given rays and for a curved lens.
     pub(crate) viewport: Option<ExactViewport>,
+    /// The viewing rays of a curved lens.
+    pub(crate) curved: Option<CurvedView>,
     /// The frame's unit of t is 2^unit: a hit lies at t 2^unit (u, v, -d), with u, v, d as scaled.
     pub unit: i32,
+}
+
+/// The viewing rays of a view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RayKind {
+    Perspective,
+    Parallel,
+    Curved,
 }
 
 /// The largest range of exponents in one frame that leaves room for the roots.
@@ -116,6 +128,9 @@ impl View {
     pub(crate) fn in_unit(scene: &Scene, raster: Raster, unit: Option<i32>) -> Result<Self> {
         scene.check()?;
         let size = [scene.image.width, scene.image.height];
+        if let Some(frame) = CurvedFrame::new(&scene.camera, size, raster.strata * raster.jitter)? {
+            return Self::of_curved(scene, raster, unit, frame);
+        }
         let CentredFrame { viewport, size: [width, height], step, shift } =
             scene.camera.centred(size, raster.strata, raster.jitter)?.moved(raster.lens_offset)?;
         let parallel = viewport.is_parallel();
@@ -129,18 +144,9 @@ impl View {
             true => (parallel_pitch(&viewport, width, height, unit), [0.0; 3], [0.0; 3]),
             false => scaled_pitch(&viewport, width, height),
         };
-        let [red, green, blue] = scene.image.background;
         let record = ViewRecord {
-            background: [red, green, blue, 0.0],
             width,
             height,
-            first_row: raster.window.y0,
-            rows: raster.window.height(),
-            first_column: raster.window.x0,
-            columns: raster.window.width(),
-            strata: raster.strata,
-            jitter: raster.jitter,
-            seed: raster.seed,
             step,
             shift_column: shift[0],
             shift_row: shift[1],
@@ -150,10 +156,41 @@ impl View {
             half_du_low: low[0],
             half_dv_low: low[1],
             d_low: low[2],
-            ..ViewRecord::zeroed()
+            ..raster.record(scene.image.background)
         };
         let view = Self::of_basis(basis, record, pitch, scene.spheres.len(), unit);
         Ok(Self { parallel, viewport: Some(viewport), ..view })
+    }
+
+    /// The view of a curved lens, for the first sample of the raster.
+    fn of_curved(scene: &Scene, raster: Raster, unit: Option<i32>, frame: CurvedFrame) -> Result<Self> {
+        let basis = scene.camera.basis()?;
+        let unit = match unit {
+            Some(unit) => unit,
+            None => self::unit(basis.e, &scene.spheres.centers, &scene.spheres.radii)?,
+        };
+        let fine = raster.strata * raster.jitter;
+        let [width, height] = [scene.image.width, scene.image.height].map(|side| side * fine);
+        let record = ViewRecord { width, height, step: 1, ..raster.record(scene.image.background) };
+        let side = frame.pixel() / f64::from(2 * fine);
+        let view = Self::of_basis(basis, record, [side, side, 1.0], scene.spheres.len(), unit);
+        Ok(Self { curved: Some(CurvedView::new(frame, &view.record)), ..view })
+    }
+
+    /// Selects the sample of each pixel whose rays the view has.
+    pub(crate) fn set_sample(&mut self, sample: u32) {
+        self.record.sample = sample;
+        if let Some(curved) = &mut self.curved {
+            *curved = CurvedView::new(curved.frame, &self.record);
+        }
+    }
+
+    pub(crate) fn kind(&self) -> RayKind {
+        match &self.curved {
+            Some(_) => RayKind::Curved,
+            None if self.parallel => RayKind::Parallel,
+            None => RayKind::Perspective,
+        }
     }
 
     /// The judge of a scene for rays by their row and column in the record's frame.
@@ -165,7 +202,10 @@ impl View {
         let size = [self.record.width, self.record.height];
         Ok(match self.viewport {
             Some(viewport) => judge.in_frame(viewport, size),
-            None => judge,
+            None => match &self.curved {
+                Some(curved) => judge.in_curved_frame(curved.frame),
+                None => judge,
+            },
         })
     }
 
@@ -183,7 +223,8 @@ impl View {
         let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
         let [right, up, back] = [basis.u, basis.v, basis.w].map(axis);
         let record = ViewRecord { right, up, back, spheres: spheres as u32, ..record };
-        Self { record, spheres: Vec::new(), residuals: Vec::new(), basis, pitch, parallel: false, viewport: None, unit }
+        let (spheres, residuals) = (Vec::new(), Vec::new());
+        Self { record, spheres, residuals, basis, pitch, parallel: false, viewport: None, curved: None, unit }
     }
 
     /// The spheres in the arithmetic of a CPU twin, with their rounding errors where `wide`.
@@ -202,9 +243,13 @@ impl View {
     }
 
     /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's;
-    /// (0, 0, -1) for parallel rays.
+    /// (0, 0, -1) for parallel rays; that of a curved lens's model, or zero where it has none.
     pub(crate) fn direction(&self, i: u32, j: u32) -> [f64; 3] {
-        if self.parallel { [0.0, 0.0, -1.0] } else { self.slope_direction(i, j) }
+        match &self.curved {
+            Some(curved) => curved.direction(&self.record, [i, j]),
+            None if self.parallel => [0.0, 0.0, -1.0],
+            None => self.slope_direction(i, j),
+        }
     }
 
     /// The origin of the viewing ray of row i and column j, in the canonical camera.

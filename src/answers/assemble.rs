@@ -19,8 +19,6 @@ pub(crate) struct Answers<'a> {
     pub(crate) pool: &'a Pool,
     pub(crate) view: &'a View,
     pub(crate) raw: Raw,
-    /// Whether the kernel's depths are relative to those of the spheres' centres.
-    pub(crate) certify: bool,
     /// Whether answers are proved or settled; otherwise none is.
     pub(crate) promised: bool,
     /// In pixel order.
@@ -56,7 +54,7 @@ impl Answers<'_> {
                 // Ids come last because the other buffers read them. NONE and -1 are the same bits.
                 Aov::Id => continue,
                 Aov::Distance => Data::F64(self.fill(inf, |_, d, depth| [depth * length(d)], |t| [t.distance])?),
-                Aov::Depth => Data::F64(self.fill(inf, |_, _, depth| [depth], |t| [t.depth])?),
+                Aov::Depth => Data::F64(self.fill(inf, |_, d, depth| [-d[2] * depth], |t| [t.depth])?),
                 Aov::Position => {
                     let point = |pixel: usize, d, depth| {
                         let [row, column] = self.view.record.position(pixel as u32);
@@ -97,8 +95,8 @@ impl Answers<'_> {
         Ok(buffers)
     }
 
-    /// One buffer of `N` numbers per pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, and
-    /// `truth` where the pixel was settled.
+    /// One buffer of `N` numbers per pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, for a curved lens its
+    /// direction and t, and `truth` where the pixel was settled.
     fn fill<const N: usize>(
         &self,
         missed: f64,
@@ -117,11 +115,20 @@ impl Answers<'_> {
         let xs: Vec<f64> = (0..width).map(|j| direction(0, j).0[0]).collect();
         // What was not requested is 0.
         let (none, nowhere) = (vec![0.0; width], vec![0.0; width]);
-        let (raw, xs, hit, certify) = (&self.raw, &xs[..], &hit, self.certify);
+        // The depths of a certified kernel are relative to those of the spheres' centres.
+        let (raw, xs, hit, certify) = (&self.raw, &xs[..], &hit, !self.raw.depth.is_empty());
+        let curved = self.view.curved.as_ref().map(|curved| curved.directions());
         parallel::chunks(&mut out, N * width, &|i, out| {
             let ([_, y], w) = direction(i, 0);
             let first = i * width;
             let ids = &raw.id[first..first + width];
+            if let Some(directions) = curved {
+                for (j, out) in out.as_chunks_mut::<N>().0.iter_mut().enumerate() {
+                    let t = raw.depth.get(first + j).map_or(0.0, |t| t * unit);
+                    *out = if ids[j] == NONE { [missed; N] } else { hit(first + j, directions[first + j], t) };
+                }
+                return;
+            }
             // In the frame's unit: t in two parts, and the depths of centres.
             let [high, low] = [&raw.t, &raw.t_low].map(|t| t.get(first..first + width).unwrap_or(&none));
             let centers = raw.depth.get(first..first + width).unwrap_or(&nowhere);

@@ -21,6 +21,12 @@ pub(crate) fn reach(basis: &Basis, center: [f64; 3], radius: f64) -> [f64; 2] {
     if counts { [near, far] } else { [f64::INFINITY, f64::NEG_INFINITY] }
 }
 
+/// The least and the largest distance of a sphere from the eye; the least is not below 0.
+fn away(basis: &Basis, center: [f64; 3], radius: f64) -> [f64; 2] {
+    let distance = (DVec3::from_array(center) - basis.e).length();
+    [(distance - radius).max(0.0), distance + radius]
+}
+
 /// Depths along the view axis between which the background's share grows, in the scene's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DepthCue {
@@ -32,15 +38,20 @@ pub(crate) struct DepthCue {
 
 impl DepthCue {
     /// From the nearest to the farthest depth of the scene's spheres, as far as they lie in front of the eye, whether or
-    /// not they are in the picture: so parts of a frame agree. `None` if there are none.
+    /// not they are in the picture: so parts of a frame agree. `None` if there are none. Depths of a curved lens, which may see behind the
+    /// eye, are distances from it.
     pub(crate) fn of(scene: &Scene, basis: &Basis) -> Option<Self> {
-        let spheres = &scene.spheres;
+        let (spheres, is_curved) = (&scene.spheres, scene.camera.lens.is_curved());
         let joined = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         let depths = |ids: Range<usize>| {
             let all = spheres.centers[ids.clone()].iter().zip(&spheres.radii[ids]);
-            all.map(|(center, radius)| reach(basis, *center, *radius))
-                .filter(|[near, _]| near.is_finite())
-                .reduce(joined)
+            all.map(
+                |(center, radius)| {
+                    if is_curved { away(basis, *center, *radius) } else { reach(basis, *center, *radius) }
+                },
+            )
+            .filter(|[near, _]| near.is_finite())
+            .reduce(joined)
         };
         let both = parallel::blocks(0..spheres.len(), CHEAP, &|ids, _| depths(ids));
         both.into_iter().flatten().reduce(joined).map(|[near, far]| Self { near: near.max(0.0), far })

@@ -7,26 +7,62 @@ use crate::error::Result;
 use crate::exact::Judge;
 use crate::parallel;
 use crate::progress::{Step, Watch};
-use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
-use crate::shade::Shade;
+use crate::scene::{Scene, Spheres};
 use crate::view::View;
-use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
-use glam::DVec3;
 use std::cell::OnceCell;
 use std::ops::Range;
 
 /// Pixels that one job peels.
 const PIXELS_PER_JOB: usize = 256;
 
-/// The search for the hits behind the first.
+/// The layers that are looked for behind the first.
+#[derive(Clone, Copy)]
+pub(crate) struct Layers<'a> {
+    /// The opaque sphere that each pixel shows; [`NONE`] where there is none.
+    pub(crate) opaque: &'a [u32],
+    /// The nearest translucent sphere before it; [`NONE`] where there is none.
+    pub(crate) first: &'a [u32],
+    /// The number of layers behind.
+    pub(crate) more: u32,
+}
+
+/// Writes the layers of a range of pixels.
+pub(crate) type Peel<'a> = &'a (dyn Fn(Range<usize>, &mut [Vec<u32>]) + Sync);
+
+impl Layers<'_> {
+    /// Whether a pixel may show this sphere behind the first, or as its opaque one.
+    pub(crate) fn counts(&self, spheres: &Spheres, pixel: usize, id: u32) -> bool {
+        id != self.first[pixel] && (id == self.opaque[pixel] || spheres.opacity(id) < 1.0)
+    }
+
+    /// The layers: `job` writes those of a range of pixels, each of which is [`NONE`] before.
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`].
+    pub(crate) fn peel(&self, watch: &Watch, job: Peel<'_>) -> Result<Vec<Vec<u32>>> {
+        let doing = watch.begin(Step::Settle, self.first.len() as u64);
+        let part = |range: Range<usize>| {
+            let mut layers = vec![vec![NONE; range.len()]; self.more as usize];
+            if doing.next(range.len() as u64) {
+                job(range, &mut layers);
+            }
+            layers
+        };
+        let parts = parallel::blocks(0..self.first.len(), PIXELS_PER_JOB, &|range, _| part(range));
+        doing.end()?;
+        let layer = |k: usize| parts.iter().flat_map(|part| part[k].iter().copied()).collect();
+        Ok((0..self.more as usize).map(layer).collect())
+    }
+}
+
+/// The search for the hits behind the first among spheres in lists.
 pub(crate) struct Peeling<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) view: &'a View,
-    /// The spheres in lists from which none is left out; `None` where every pixel is decided exactly.
+    /// The spheres in lists from which none that a ray may show is left out; `None` where every pixel is decided exactly.
     pub(crate) lists: Option<&'a BinnedScene>,
-    /// The opaque sphere that each pixel shows; [`NONE`] where there is none.
-    pub(crate) opaque: &'a [u32],
+    pub(crate) layers: Layers<'a>,
 }
 
 /// A sphere that a ray may hit.
@@ -39,63 +75,51 @@ struct Candidate {
 }
 
 impl Peeling<'_> {
-    /// The ids of the next `more` layers: of each pixel, whose nearest translucent hit is `first`, the translucent hits in order up to
-    /// the opaque one; [`NONE`] where there is none.
+    /// The ids of the next layers: of each pixel the translucent hits behind the first, in order up to the opaque one; [`NONE`] where
+    /// there is none.
     ///
     /// # Errors
     /// Errors of [`View::judge`], and [`crate::Error::Interrupted`].
-    pub(crate) fn behind(&self, first: &[u32], more: u32, watch: &Watch) -> Result<Vec<Vec<u32>>> {
+    pub(crate) fn behind(&self, watch: &Watch) -> Result<Vec<Vec<u32>>> {
         let twin = self.lists.map(|lists| Certify::<f32>::new(&self.view.record, lists));
         // Without lists one judge knows all spheres.
         let all = if twin.is_none() { Some(self.view.judge(self.scene)?) } else { None };
-        let doing = watch.begin(Step::Settle, first.len() as u64);
-        let job = |range: Range<usize>| -> Vec<Vec<u32>> {
-            let mut layers = vec![vec![NONE; range.len()]; more as usize];
-            if !doing.next(range.len() as u64) {
-                return layers;
-            }
-            let pixels = range.clone().zip(&first[range]).enumerate().filter(|(_, (_, id))| **id != NONE);
+        self.layers.peel(watch, &|range, layers| {
+            let first = self.layers.first;
+            let pixels = range.enumerate().filter(|(_, pixel)| first[*pixel] != NONE);
             match (&twin, &all) {
                 (Some(twin), _) => {
-                    let candidates = |pixel, id| self.candidates(twin, pixel, id);
-                    let lists: Vec<_> =
-                        pixels.map(|(at, (pixel, id))| Listed { at, pixel, list: candidates(pixel, *id) }).collect();
+                    let listed = |(at, pixel)| Listed { at, pixel, list: self.candidates(twin, pixel) };
+                    let lists: Vec<_> = pixels.map(listed).collect();
                     let nearest = Nearest { peeling: self, twin, few: OnceCell::new(), lists: &lists };
-                    lists.iter().for_each(|listed| nearest.peel(listed, &mut layers));
+                    lists.iter().for_each(|listed| nearest.peel(listed, layers));
                 }
-                (None, Some(judge)) => {
-                    pixels.for_each(|(at, (pixel, id))| self.peel_all(judge, pixel, *id, at, &mut layers))
-                }
+                (None, Some(judge)) => pixels.for_each(|(at, pixel)| self.peel_all(judge, pixel, at, layers)),
                 (None, None) => {}
             }
-            layers
-        };
-        let parts = parallel::blocks(0..first.len(), PIXELS_PER_JOB, &|range, _| job(range));
-        doing.end()?;
-        let layer = |k: usize| parts.iter().flat_map(|part| part[k].iter().copied()).collect();
-        Ok((0..more as usize).map(layer).collect())
+        })
     }
 
-    /// Whether a ray that shows this opaque sphere may show another before it.
-    fn counts(&self, id: u32, first: u32, opaque: u32) -> bool {
-        id != first && (id == opaque || self.scene.spheres.opacity(id) < 1.0)
+    /// Whether the pixel may show this sphere behind its first.
+    fn counts(&self, pixel: usize, id: u32) -> bool {
+        self.layers.counts(&self.scene.spheres, pixel, id)
     }
 
-    /// The spheres beside `first` that may be in the layers of a pixel, and its opaque one, by their lower bounds.
-    fn candidates(&self, twin: &Certify<'_, f32>, pixel: usize, first: u32) -> Vec<Candidate> {
+    /// The spheres that may be in the layers of a pixel behind the first, and its opaque one, by their lower bounds.
+    fn candidates(&self, twin: &Certify<'_, f32>, pixel: usize) -> Vec<Candidate> {
         let [row, column] = twin.view.position(pixel as u32);
         let slopes = twin.slopes(row, column);
         let all = twin.candidates(&slopes).map(|(low, slot)| Candidate { low, slot, id: twin.id(slot) });
-        let mut list: Vec<_> = all.filter(|one| self.counts(one.id, first, self.opaque[pixel])).collect();
+        let mut list: Vec<_> = all.filter(|one| self.counts(pixel, one.id)).collect();
         list.sort_unstable_by(|a, b| a.low.total_cmp(&b.low).then(a.id.cmp(&b.id)));
         list
     }
 
     /// Peels one pixel in exact arithmetic only.
-    fn peel_all(&self, judge: &Judge, pixel: usize, first: u32, at: usize, layers: &mut [Vec<u32>]) {
-        let (opaque, [row, column]) = (self.opaque[pixel], self.view.record.position(pixel as u32));
+    fn peel_all(&self, judge: &Judge, pixel: usize, at: usize, layers: &mut [Vec<u32>]) {
+        let (opaque, [row, column]) = (self.layers.opaque[pixel], self.view.record.position(pixel as u32));
         let count = self.scene.spheres.len() as u32;
-        let mut open: Vec<u32> = (0..count).filter(|id| self.counts(*id, first, opaque)).collect();
+        let mut open: Vec<u32> = (0..count).filter(|id| self.counts(pixel, *id)).collect();
         for layer in layers {
             let Some(next) = judge.among(row, column, &open).map(|truth| truth.id).filter(|id| *id != opaque) else {
                 return;
@@ -133,7 +157,7 @@ impl Nearest<'_> {
     fn peel(&self, listed: &Listed, layers: &mut [Vec<u32>]) {
         let mut open = listed.list.clone();
         for layer in layers {
-            let next = self.of(listed.pixel, &mut open).filter(|id| *id != self.peeling.opaque[listed.pixel]);
+            let next = self.of(listed.pixel, &mut open).filter(|id| *id != self.peeling.layers.opaque[listed.pixel]);
             let Some(next) = next else { return };
             layer[listed.at] = next;
             open.retain(|one| one.id != next);
@@ -185,33 +209,4 @@ impl Nearest<'_> {
         let judge = view.judge(&Scene { spheres, ..scene.bare() }).ok()?;
         Some(Few { judge, ids })
     }
-}
-
-/// Colours of the hits of a view, without lights: linear RGB. A pixel without a hit is black.
-///
-/// # Errors
-/// Errors of [`View::judge`].
-pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, ids: &[u32]) -> Result<Vec<f32>> {
-    let (rays, spheres, judge) = (PictureRays::new(view), &scene.spheres, view.judge(&scene.bare())?);
-    let mut color = vec![0.0; 3 * ids.len()];
-    parallel::each(color.as_chunks_mut().0, |pixel, rgb: &mut [f32; 3]| {
-        let id = ids[pixel];
-        if id == NONE {
-            return;
-        }
-        let own = || spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
-        let ball = spheres.ball(id);
-        let hit = rays.hit(pixel as u32, ball.center, ball.radius);
-        let normal = || {
-            let [row, column] = view.record.position(pixel as u32);
-            let exact = || judge.hit_of(row, column, ball).map(|truth| DVec3::from_array(truth.normal));
-            if hit.near { hit.normal } else { exact().unwrap_or(-hit.along) }
-        };
-        *rgb = match shade {
-            Shade::Flat => own(),
-            Shade::Normal => normal().to_array().map(|x| (0.5 * x + 0.5) as f32),
-            Shade::Headlight => own().map(|x| (-normal().dot(hit.along)).max(0.0) as f32 * x),
-        };
-    });
-    Ok(color)
 }

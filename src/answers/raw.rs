@@ -23,7 +23,7 @@ pub(crate) struct Raw {
     /// Bound of the depth's error, in the frame's unit.
     pub(crate) depth_interval: Vec<f32>,
     /// The depth of the sphere's centre in the frame's unit, to which a certified kernel's t is relative; 0 for a general
-    /// sphere.
+    /// sphere; of given rays t.
     pub(crate) depth: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ impl Raw {
     pub(crate) fn new(kernel: &Kernel, pixels: usize, pool: &Pool) -> Result<Self> {
         Ok(Self {
             id: pool.values(pixels)?,
-            t: pool.values(if kernel.t { pixels } else { 0 })?,
+            t: pool.values(if kernel.t && !kernel.is_given() { pixels } else { 0 })?,
             t_low: pool.values(if kernel.t && kernel.is_wide() { pixels } else { 0 })?,
             normal: pool.values(if kernel.normal { 3 * pixels } else { 0 })?,
             color: pool.values(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,

@@ -10,7 +10,8 @@ use crate::number::vector::{LANES, vectorized};
 use crate::parallel::{self, CHEAP, Rows};
 use crate::scene::{Scene, Spheres};
 use crate::shade::{Shade, color_of};
-use crate::view::ray::UNSURE;
+use crate::view::picture_rays::PictureRays;
+use crate::view::ray::{NONE, UNSURE};
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
 
@@ -272,9 +273,37 @@ pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled
                 let [row, column] = view.record.position(s.pixel);
                 let along = view.to_world(view.direction(row, column));
                 let own = color_of(scene.spheres.colors.as_deref(), truth.id);
-                shade.in_world(along, DVec3::from_array(truth.normal), own)
+                let normal = DVec3::from_array(truth.normal);
+                shade.in_world(normal, -normal.dot(along) / along.length(), own)
             }
         };
         color[3 * s.pixel as usize..][..3].copy_from_slice(&rgb);
     }
+}
+
+/// Colours of the hits of a view, without lights: linear RGB. A pixel without a hit is black.
+///
+/// # Errors
+/// Errors of [`View::judge`].
+pub(crate) fn shade_all(shade: Shade, scene: &Scene, view: &View, ids: &[u32]) -> Result<Vec<f32>> {
+    let (rays, spheres, judge) = (PictureRays::new(view), &scene.spheres, view.judge(&scene.bare())?);
+    let mut color = vec![0.0; 3 * ids.len()];
+    parallel::each(color.as_chunks_mut().0, |pixel, rgb: &mut [f32; 3]| {
+        let id = ids[pixel];
+        if id == NONE {
+            return;
+        }
+        let own = color_of(spheres.colors.as_deref(), id);
+        let ball = spheres.ball(id);
+        let hit = rays.hit(pixel as u32, ball.center, ball.radius);
+        let exact = || {
+            let [row, column] = view.record.position(pixel as u32);
+            judge.hit_of(row, column, ball).map(|truth| DVec3::from_array(truth.normal))
+        };
+        // A flat colour needs no normal.
+        let is_known = hit.near || shade == Shade::Flat;
+        let normal = if is_known { hit.normal } else { exact().unwrap_or(-hit.along) };
+        *rgb = shade.in_world(normal, -normal.dot(hit.along), own);
+    });
+    Ok(color)
 }

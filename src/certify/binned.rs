@@ -55,15 +55,16 @@ pub(crate) struct Binning<'a> {
     pub(crate) terms: &'a Terms,
     /// Tiles share candidate lists from this level on ([`Lists::new`]).
     pub(crate) level: u32,
-    /// Whether spheres that others certainly hide from all rays of a tile are left out.
-    pub(crate) culls: bool,
+    /// The opacities by which only opaque spheres hide what is left out of a tile's list; `None` where each sphere hides what lies
+    /// behind it.
+    pub(crate) opacities: Option<&'a [f32]>,
     pub(crate) pool: &'a Pool,
 }
 
 impl<'a> Binning<'a> {
     /// All spheres of a scene, in lists of single tiles.
     pub(crate) fn of(scene: &'a Scene, view: &'a View, tolerance: f64, pool: &'a Pool) -> Self {
-        Self { scene, groups: None, view, tolerance, terms: &TERMS, level: 0, culls: true, pool }
+        Self { scene, groups: None, view, tolerance, terms: &TERMS, level: 0, opacities: None, pool }
     }
 }
 
@@ -144,20 +145,22 @@ impl Binning<'_> {
         order: SphereOrder<'_>,
         reference: f32,
     ) -> BinnedScene {
-        let Self { scene, view, tolerance, level, culls, pool, .. } = *self;
+        let Self { scene, view, tolerance, level, opacities, pool, .. } = *self;
         let SphereBins { bins, generals, projected_count, entries, .. } = bins;
         let size = [scene.image.width, scene.image.height];
         let record = projection.record(reference, tolerance, generals.len());
         let reference = reference.into();
-        let margin = if culls { host_cull_margin(tolerance) } else { f64::INFINITY };
+        let margin = host_cull_margin(tolerance);
         let coverage = Coverage::new(projection, size, reference, margin, projection.per_pixel);
-        let mut maker = RecordMaker { projection, order, coverage, reference, ready: Vec::new() };
+        let mut maker = RecordMaker { projection, order, coverage, opacities, reference, ready: Vec::new() };
         if entries >= PROJECTION_MIN_LISTS * bins.len() as u64 {
             maker.project_all(pool);
         }
         let lists = Lists::new(&bins, entries, view.record.tiles(), level, &maker, pool);
         pool.put_back(maker.ready);
         pool.put_back(bins);
+        // Among general spheres all count: they are few.
+        let margin = if opacities.is_none() { margin } else { f64::INFINITY };
         let near = GeneralTree::new(projection, &generals, size, margin);
         let general_lists = near.lists(view.record.tiles(), level);
         BinnedScene { projection: record, lists, generals, general_lists, projected_count }

@@ -56,6 +56,8 @@ pub(super) struct RecordMaker<'a> {
     pub(super) projection: &'a ProjectionBounds,
     pub(super) order: SphereOrder<'a>,
     pub(super) coverage: Coverage,
+    /// The opacities by which only opaque spheres cover pixels; `None` where all do.
+    pub(super) opacities: Option<&'a [f32]>,
     pub(super) reference: f64,
     /// The records of all spheres by their numbers, where most spheres are in several lists; else empty.
     pub(super) ready: Vec<Placed>,
@@ -157,7 +159,9 @@ impl ListRecords<'_> {
             to.iter_mut().zip(&self.numbers[chunk * CHUNK..]).for_each(|(placed, n)| *placed = ready[*n as usize]);
         }
         if let Some(cover) = &mut self.cover {
-            to.iter().for_each(|placed| cover.add(placed));
+            let opacities = self.maker.opacities;
+            let covers = |placed: &&Placed| opacities.is_none_or(|all| all[placed.detail.id as usize] == 1.0);
+            to.iter().filter(covers).for_each(|placed| cover.add(placed));
         }
     }
 

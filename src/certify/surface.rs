@@ -95,8 +95,10 @@ impl SurfacePoint {
         let direction = view.to_world(view.direction(i, j)).to_array();
         let start = view.to_world(view.origin(i, j)).to_array().map(|x| placement.radius(x));
         let blur = START * dot3(start, start).sqrt();
+        // The direction of a curved lens in f64 is its ray.
+        let tilt = if view.curved.is_some() { 0.0 } else { DIRECTION };
         let ray = CertifiedRay::new(placement, view.basis.e.to_array(), direction, f64::INFINITY)
-            .offset_by(start, blur, DIRECTION);
+            .offset_by(start, blur, tilt);
         match ray.intersect(sphere.ball) {
             Some(bounds) => Self::met(&ray, &bounds, sphere),
             None => {

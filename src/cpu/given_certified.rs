@@ -52,13 +52,18 @@ impl Given<'_> {
         Some((ray, boxes))
     }
 
+    /// The nearest hit of a ray among the spheres whose ids count.
+    pub(crate) fn nearest_among(&self, ray: &GivenRay, counts: &dyn Fn(u32) -> bool) -> NearestHit {
+        dispatch(NearestAmong { given: self, ray, counts })
+    }
+
     #[inline(always)]
-    fn nearest_of<L: Lanes>(&self, lanes: L, ray: &GivenRay) -> NearestHit {
+    fn nearest_of<L: Lanes>(&self, lanes: L, ray: &GivenRay, counts: impl Fn(usize) -> bool) -> NearestHit {
         let Some((ray, boxes)) = self.ray(ray) else {
             return NearestHit::Miss;
         };
         let limit = boxes.limit(ray.limit[1]);
-        let (tree, counts, foremost) = (self.tree, |_| true, Foremost::of(None));
+        let (tree, foremost) = (self.tree, Foremost::of(None));
         let mut search = NearestSearch { lanes, tree, ray: &ray, boxes: &boxes, counts, limit, foremost };
         if self.all {
             self.test_all(&mut search);
@@ -97,13 +102,13 @@ impl Given<'_> {
         search.found
     }
 
-    /// The spheres that may be the nearest hit of a ray, in the scene's order.
-    pub(crate) fn candidates(&self, ray: &GivenRay) -> Vec<u32> {
+    /// The spheres that may be the nearest hit of a ray among those whose ids count, in the scene's order.
+    pub(crate) fn candidates(&self, ray: &GivenRay, counts: &dyn Fn(u32) -> bool) -> Vec<u32> {
         let Some((ray, boxes)) = self.ray(ray) else {
             return Vec::new();
         };
         let nearest = ray.limit[1];
-        let mut search = NearestCandidates { given: self, ray: &ray, boxes: &boxes, nearest, all: Vec::new() };
+        let mut search = NearestCandidates { given: self, ray: &ray, boxes: &boxes, counts, nearest, all: Vec::new() };
         walk::<false, _>(Portable, self.tree, &boxes, boxes.limit(nearest), &mut search);
         let near = search.all.into_iter().filter(|(low, _)| *low <= search.nearest);
         let mut ids: Vec<u32> = near.map(|(_, id)| id).collect();
@@ -194,6 +199,7 @@ struct NearestCandidates<'a, 'b> {
     given: &'a Given<'b>,
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
+    counts: &'a dyn Fn(u32) -> bool,
     /// Upper bound of t of the nearest hit: that of the nearest sure hit so far, or of the ray's limit.
     nearest: f64,
     all: Vec<(f64, u32)>,
@@ -202,8 +208,9 @@ struct NearestCandidates<'a, 'b> {
 impl Test for NearestCandidates<'_, '_> {
     fn test(&mut self, block: u32) -> f32 {
         for place in self.given.tree.places(block) {
-            if let Some(bounds) = self.ray.intersect(self.given.tree.ball(place)) {
-                self.all.push((bounds.low, self.given.tree.ids[place]));
+            let id = self.given.tree.ids[place];
+            if let Some(bounds) = self.ray.intersect(self.given.tree.ball(place)).filter(|_| (self.counts)(id)) {
+                self.all.push((bounds.low, id));
                 if bounds.sure {
                     self.nearest = self.nearest.min(bounds.high);
                 }
@@ -232,7 +239,7 @@ impl Query for NearestHit {
     const UNSURE: Self = Self::Unsure;
     #[inline(always)]
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self {
-        given.nearest_of(lanes, ray)
+        given.nearest_of(lanes, ray, |_| true)
     }
     fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self {
         let known = given.ray(ray).and_then(|(ray, _)| Some((ray.intersect(given.tree.ball(place))?, ray)));
@@ -250,6 +257,23 @@ impl Query for AnyHit {
     }
     fn hit(_: &Given<'_>, _: &GivenRay, _: usize) -> Self {
         Self::Blocked
+    }
+}
+
+/// One ray and the spheres that count.
+struct NearestAmong<'a, 'b> {
+    given: &'a Given<'b>,
+    ray: &'a GivenRay,
+    counts: &'a dyn Fn(u32) -> bool,
+}
+
+impl Work for NearestAmong<'_, '_> {
+    type Output = NearestHit;
+
+    #[inline(always)]
+    fn work<L: Lanes>(self, lanes: L) -> NearestHit {
+        let Self { given, ray, counts } = self;
+        given.nearest_of(lanes, ray, |place| counts(given.tree.ids[place]))
     }
 }
 

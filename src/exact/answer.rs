@@ -25,7 +25,8 @@ pub struct Truth {
     pub t: f64,
     /// Euclidean length from the ray's origin to the hit, t |direction|.
     pub distance: f64,
-    /// Distance along the view axis, t d; NaN for a ray without a camera.
+    /// Distance along the view axis, t d; that of a curved lens, whose t it takes in f64, is below 0 behind the eye. NaN for a ray without a
+    /// camera.
     pub depth: f64,
     /// Unit, in world space, against the ray.
     pub normal: [f64; 3],

@@ -187,7 +187,7 @@ fn the_filter_says_what_exact_signs_say() {
             }
             let judge = Judge::new(&scene).expect("a scene");
             for (i, j) in pixels(&scene) {
-                let (quick, slow) = (judge.pixel(i, j), exactly(&judge.bench, &judge.ray(i, j)));
+                let (quick, slow) = (judge.pixel(i, j), exactly(&judge.bench, &judge.ray(i, j).expect("a plane")));
                 let (Some(quick), Some(slow)) = (quick, slow) else {
                     assert_eq!(quick, slow);
                     continue;
@@ -249,7 +249,7 @@ fn the_filter_leaves_close_calls_to_exact_signs() {
             let [near, far] = [([3.0 * m + 1.0, m + 2.0, 2.0], 3.0), ([3.0 * m + 2.0, m + 3.0, 6.0], 7.0)];
             for eye in [[0.0, 0.0, shift], [0.0, 0.0, -shift], [-shift, 3.0 * shift, 0.0]] {
                 let judge = slanted(eye, &[near, far]);
-                let truth = exactly(&judge.bench, &judge.ray(0, 2)).map(|truth| truth.id);
+                let truth = exactly(&judge.bench, &judge.ray(0, 2).expect("a plane")).map(|truth| truth.id);
                 assert_eq!(judge.pixel(0, 2).map(|truth| truth.id), truth, "{eye:?}, {m}");
                 let back = slanted(eye, &[far, near]).pixel(0, 2).map(|truth| 1 - truth.id);
                 assert_eq!(back, truth, "no tie: {eye:?}, {m}");

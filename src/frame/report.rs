@@ -137,8 +137,13 @@ impl Timings {
     pub(crate) fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();
-        *self.0.entry(stage).or_default() += milliseconds(start);
+        self.add(stage, start);
         result
+    }
+
+    /// Adds the time since `start` to `stage`.
+    pub(crate) fn add(&mut self, stage: &'static str, start: Instant) {
+        *self.0.entry(stage).or_default() += milliseconds(start);
     }
 
     pub(crate) fn into_map(self) -> BTreeMap<&'static str, f64> {

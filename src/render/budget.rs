@@ -68,15 +68,17 @@ impl Need {
         let (record, wide) = (size_of::<SphereRecord>() as u64, plan.kernel.is_wide());
         let records = record + if wide { size_of::<SphereResiduals>() as u64 } else { 0 };
         let sphere = match plan.accuracy {
-            Accuracy::Exact => exact::BYTES_PER_SPHERE,
+            Accuracy::Exact if plan.given.is_none() => exact::BYTES_PER_SPHERE,
             _ if plan.kernel.is_certified() => STAGED,
+            _ if plan.given.is_some() => Tree::bytes(1),
             // Two copies while it is uploaded, and what the device holds.
             _ if shares => 3 * records,
             _ if gpu => 2 * records,
             // The twin has copies in its own number type.
             _ => records + if wide { 48 } else { 24 },
         };
-        let sphere = sphere + if plan.light_outputs.is_any() { Tree::bytes(1) } else { 0 };
+        let has_tree = plan.light_outputs.is_any() && plan.given.is_none();
+        let sphere = sphere + if has_tree { Tree::bytes(1) } else { 0 };
         // The opaque spheres, with their ids and their tree, and the second frame while it is made.
         let through = SPHERE + 4 + STAGED + if plan.light_outputs.is_any() { Tree::bytes(1) } else { 0 };
         let sphere = sphere + if plan.see_through { through } else { 0 };
@@ -104,7 +106,9 @@ impl Need {
             + sampled
             + covers
             + exact
-            + device;
+            + device
+            // The directions of a curved lens, in its camera and in the world.
+            + if plan.given.is_some() { 2 * size_of::<[f64; 3]>() as u64 } else { 0 };
         let count = u64::from(window.width()) * u64::from(window.height());
         let (pixels, spheres) = (count.saturating_mul(each), scene.spheres.len() as u64);
         Self { pixels, sphere, spheres, count, reserve: settings.reserve, generals: 0 }
@@ -205,9 +209,9 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], lights: u64, gpu: bool) -> u64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::report::Timings;
     use crate::intersect::Method;
     use crate::memory::Pool;
+    use crate::render::log::FrameLog;
     use crate::render::setup::FrameSetup;
     use crate::scene::camera::{Camera, Lens};
     use crate::scene::{ImagePlane, Spheres};
@@ -235,9 +239,9 @@ mod tests {
             let raster = Raster::centres(window);
             let bare = Need::of(&plan, &settings, &scene, window, None);
             let setup =
-                FrameSetup::new(plan, (&scene, None), &settings, raster, &Pool::default(), &mut Timings::default());
+                FrameSetup::new(plan, (&scene, None), &settings, raster, &Pool::default(), &mut FrameLog::default());
             let setup = setup.expect("a setup");
-            let binned = setup.binned().expect("bins");
+            let binned = setup.engine.binned().expect("bins");
             assert!(!binned.generals.is_empty(), "{count} of radius {radius}");
             let need = bare.with_generals(Some(binned), &setup.view);
             // What is still allocated once the lists are made.

@@ -1,22 +1,24 @@
 //! The report of `halfline plan`: what would be compiled, uploaded and computed, why, and what is left out. No ray is
 //! traced.
 
-mod curved;
 mod explanation;
 mod work;
 
 use super::budget::Need;
-use super::frame::FrameRays;
-use super::plan::engine::Engine;
+use super::engine::BLOCK;
+use super::log::FrameLog;
+use super::passes::{self, FrameRays};
+use super::plan::kind::EngineKind;
 use super::plan::{Plan, lights};
 use super::renderer::Renderer;
-use super::setup::{FrameSetup, Stage};
+use super::report;
+use super::setup::{self, FrameSetup};
 use crate::error::{Error, Result};
 use crate::frame::Aov;
-use crate::frame::report::{Report, Timings};
+use crate::frame::report::Report;
 use crate::gpu::compose::shaders;
 use crate::intersect::Method;
-use crate::kernel::Kernel;
+use crate::kernel::{Kernel, RaySource, Task};
 use crate::memory::{self, Pool};
 use crate::quote::setting::{ACCURACY, BOUNCES, OCCLUSION, SHADOWS};
 use crate::scene::camera::CameraRecord;
@@ -28,7 +30,7 @@ use crate::window::Window;
 use work::WorkOfPasses;
 
 pub use explanation::{
-    BinnedCounts, DeviceBuffer, Explanation, LeftOut, MaterialCounts, PixelRays, Room, ShaderFile, Shown,
+    BinnedCounts, DeviceBuffer, Explanation, LeftOut, MaterialCounts, PassOfFrame, PixelRays, Room, ShaderFile, Shown,
 };
 
 /// Reports what `scene` requires on the adapter that `settings` select, or on the CPU path if there is none.
@@ -54,9 +56,6 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::render`] that occur before a ray is traced.
     pub fn explain(&mut self, scene: &Scene, settings: &Settings) -> Result<Explanation> {
-        if scene.camera.lens.is_curved() {
-            return self.explain_curved(scene, settings);
-        }
         let explained = |this: &mut Self, plan: Plan, rays: FrameRays| this.explanation(plan, rays, scene, settings);
         let (mut explanation, blocker) = self.planned(scene, settings, explained)?;
         explanation.warnings.extend(blocker);
@@ -69,13 +68,10 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
-        if scene.camera.lens.is_curved() {
-            return self.wgsl_of_rays(scene, settings);
-        }
         let composed = |_: &mut Self, plan: Plan, rays: FrameRays| {
             let raster = Raster::centres(rays.window);
             let setup = bare_setup(plan, scene, settings, raster)?;
-            if let Stage::Judge = setup.stage {
+            if !has_kernel(&setup.plan) {
                 let problem = "exact answers are computed on the CPU without a kernel";
                 return Err(Error::settings(problem, format!("use another {ACCURACY} or camera")));
             }
@@ -88,27 +84,36 @@ impl Renderer {
     /// The report of a plan on this device.
     fn explanation(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let FrameRays { window, samples } = rays;
-        let plan = self.as_set_up(plan, scene, settings, Raster::centres(window))?;
+        let mut log = FrameLog::default();
+        let plan = setup::decided(self, plan, scene, settings, Raster::centres(window), &mut log)?;
         let setup = bare_setup(plan, scene, settings, Raster::centres(window))?;
-        let (plan, view, binned) = (&setup.plan, &setup.view, setup.binned());
-        let mut report = self.report(plan, scene, settings, samples);
+        let (plan, view, binned) = (&setup.plan, &setup.view, setup.engine.binned());
+        let mut report = report::known(self, plan, (scene, settings, rays), &log);
         let gpu = self.device.gpu.as_deref().filter(|_| report.backend == "gpu");
         let need = Need::of(plan, settings, scene, window, gpu.map(|gpu| &gpu.summary)).with_generals(binned, view);
         let free = memory::free(&self.pool);
         let kernel = kernel_of(&setup);
         let predicted = setup.predicted(scene);
         report.warnings.extend(setup.warnings(scene, predicted));
-        let on_device = gpu.filter(|_| !matches!(setup.stage, Stage::Judge));
+        let on_device = gpu.filter(|_| has_kernel(plan));
         let mut work = WorkOfPasses::default();
-        if let Some(gpu) = on_device {
+        if let Some(gpu) = on_device.filter(|_| plan.given.is_none()) {
             work.add(gpu.work(&kernel, view, scene, binned), 1);
         }
-        if let (Some(raster), Some(sampled), Some(gpu)) = (samples, plan.sampled, on_device) {
-            let passes = bare_setup(Plan { kernel: sampled, ..plan.clone() }, scene, settings, raster)?;
-            work.add(gpu.work(&kernel_of(&passes), &passes.view, scene, passes.binned()), raster.count());
+        match (samples, plan.sampled, on_device) {
+            (_, _, Some(_)) if plan.given.is_some() => {
+                let passes = samples.map_or(1, |raster| 1 + raster.count());
+                work.add_given(&shaders(&kernel), (view.record.pixels() as u64).div_ceil(BLOCK as u64), passes);
+            }
+            (Some(raster), Some(sampled), Some(gpu)) => {
+                let passes = bare_setup(Plan { kernel: sampled, ..plan.clone() }, scene, settings, raster)?;
+                let work_of_pass = gpu.work(&kernel_of(&passes), &passes.view, scene, passes.engine.binned());
+                work.add(work_of_pass, raster.count());
+            }
+            _ => {}
         }
         let left_out = left_out(plan, &kernel, scene, settings, on_device.is_some());
-        report.warnings.extend(self.refused.take());
+        report.warnings.extend(log.warnings());
         Ok(Explanation {
             shadows: has_shadows(plan, scene, settings),
             bounces: bounces(plan, scene),
@@ -119,6 +124,7 @@ impl Renderer {
             predicted,
             search_reason: plan.engine.reason().to_owned(),
             staged: binned.map(|binned| BinnedCounts::of(binned, scene)),
+            passes: passes::of(plan, scene, settings).map(PassOfFrame::from).collect(),
             left_out,
             kernel: work.kernel,
             uploaded: work.uploaded,
@@ -171,6 +177,7 @@ impl Explanation {
             search_reason: String::new(),
             staged: None,
             frame: frame(settings, scene.lighting.lights.len(), sides),
+            passes: Vec::new(),
             left_out: Vec::new(),
             warnings: report.warnings,
             kernel: Vec::new(),
@@ -184,23 +191,45 @@ impl Explanation {
 
 /// The setup as the host makes it, also of a frame that a device would place.
 fn bare_setup(plan: Plan, scene: &Scene, settings: &Settings, raster: Raster) -> Result<FrameSetup> {
-    FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut Timings::default())
+    FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut FrameLog::default())
+}
+
+/// Whether a kernel or its twin runs.
+fn has_kernel(plan: &Plan) -> bool {
+    plan.engine != EngineKind::Judge && !(plan.given.is_some() && plan.accuracy == Accuracy::Exact)
 }
 
 /// The kernel of a setup by the host, for its general spheres.
 fn kernel_of(setup: &FrameSetup) -> Kernel {
-    setup.plan.kernel.with_generals(setup.binned().map_or(0, |binned| binned.generals.len()))
+    let Plan { kernel, given, .. } = &setup.plan;
+    match given.as_ref().map(|given| (given.certifies(), given.kernel.method())) {
+        Some((false, Some(method))) => {
+            Kernel { task: Task::Method { method, rays: RaySource::SharedOrigin }, samples: false, ..*kernel }
+        }
+        Some(_) => Kernel::bare(kernel.task),
+        None => kernel.with_generals(setup.engine.binned().map_or(0, |binned| binned.generals.len())),
+    }
 }
+
+/// The rays of a curved lens.
+const LENS_RAYS: &str = "rays are those of the lens in f64, and exact from there on";
 
 fn precision(setup: &FrameSetup) -> String {
     let plan = &setup.plan;
     let host = match plan.engine {
-        Engine::Resident => "spheres are placed with the bits of f64 by integers on the device",
+        EngineKind::Resident => "spheres are placed with the bits of f64 by integers on the device",
         _ => "spheres are moved relative to the eye in f64 on the host",
     };
     match (plan.engine, plan.accuracy, plan.kernel.method()) {
-        (Engine::Judge, Accuracy::Exact, _) => "double-double and exact integers on the CPU, every pixel".into(),
-        (Engine::Judge, ..) => {
+        (EngineKind::Judge, Accuracy::Exact, _) => "double-double and exact integers on the CPU, every pixel".into(),
+        (EngineKind::Given { .. }, Accuracy::Exact, _) => {
+            format!("double-double and exact integers on the CPU, every ray; {LENS_RAYS}")
+        }
+        (EngineKind::Given { .. }, Accuracy::Certified, _) => format!(
+            "f32 with an error bound decides what is hit, f64 where; unsure rays are settled in exact arithmetic; {LENS_RAYS}"
+        ),
+        (EngineKind::Given { .. }, ..) => format!("the method's own, without a bound; {LENS_RAYS}"),
+        (EngineKind::Judge, ..) => {
             "double-double and exact integers on the CPU, every pixel: f32 cannot bound this field of view".into()
         }
         (_, Accuracy::Certified, _) => {

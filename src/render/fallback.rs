@@ -1,8 +1,8 @@
 //! The CPU path in place of an adapter that may not answer, or that fails meanwhile.
 
 use super::budget::{self, Need};
-use super::frame::FrameRays;
 use super::lens;
+use super::passes::FrameRays;
 use super::place::INSTEAD;
 use super::plan::Plan;
 use super::renderer::Renderer;
@@ -41,7 +41,6 @@ impl Renderer {
     ) -> Result<(T, Option<String>)> {
         let by_host = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
         let plan = if self.is_gpu() { by_host.clone().on_device() } else { by_host.clone() };
-        self.refused = None;
         let window = settings.window_of(scene)?;
         settings.check_lighting(scene)?;
         let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
@@ -50,7 +49,8 @@ impl Renderer {
         let rays = FrameRays { window, samples };
         let adapter = self.device.gpu.as_ref().map(|gpu| &gpu.summary);
         Need::of(&plan, settings, scene, window, adapter).check(memory::free(&self.pool))?;
-        if let Some(method) = plan.kernel.method() {
+        let of_given = plan.given.as_ref().and_then(|given| given.kernel.method().filter(|_| !given.certifies()));
+        if let Some(method) = plan.kernel.method().or(of_given) {
             self.check_method(method)?;
         }
         let pixels = u64::from(window.width()) * u64::from(window.height());

@@ -1,7 +1,7 @@
 //! Decides what a scene requires: accuracy, method, search, kernel and buffers.
 
 pub(super) mod choose;
-pub(crate) mod engine;
+pub(crate) mod kind;
 pub(super) mod lights;
 
 use crate::answers::finish::Finish;
@@ -12,12 +12,13 @@ use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
 use crate::kernel::{Certificate, Kernel, Task, Unproved};
-use crate::quote::setting::{ACCURACY, METHOD};
+use crate::quote::setting::{ACCURACY, APERTURE, METHOD};
 use crate::scene::Scene;
-use crate::scene::camera::Lens;
+use crate::scene::camera::{CURVED, Lens};
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
-use engine::Engine;
+use choose::Choice;
+use kind::EngineKind;
 
 /// The decisions for one scene and its settings, with their reasons.
 #[derive(Debug, Clone)]
@@ -31,11 +32,15 @@ pub struct Plan {
     /// The predicted worst-case rounding error, where it was computed for the choice.
     pub predicted: Option<Prediction>,
     /// The engine that finds the first hits.
-    pub engine: Engine,
+    pub engine: EngineKind,
+    /// The decisions for the rays of a curved lens, which are given rays.
+    pub(crate) given: Option<GivenPlan>,
     /// The outputs of lights and sky that are computed.
     pub(crate) light_outputs: LightOutputs,
     /// The picture shows something through translucent spheres.
     pub(crate) see_through: bool,
+    /// The hits behind the first are asked for too, up to the opaque ones, so that translucent spheres hide none.
+    pub(crate) is_deep: bool,
     /// The effects that are drawn over the colours; `None` without any.
     pub(crate) finish: Option<Finish>,
     pub(crate) kernel: Kernel,
@@ -58,10 +63,13 @@ impl Plan {
     /// Decides what `scene` requires for the requested buffers, among the methods that `admits` accepts.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a method together with a certificate or parallel rays, [`Error::Scene`] for spheres that
-    /// exceed the range of one frame.
+    /// [`Error::Settings`] for a method together with a certificate or parallel rays, and for a curved lens with a size; [`Error::Scene`]
+    /// for spheres that exceed the range of one frame.
     pub fn new(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Self> {
-        let mut plan = Self::for_method(settings)?;
+        let mut plan = match scene.camera.lens.is_curved() {
+            true => Self::of_given_rays(scene, settings)?,
+            false => Self::of_view(scene, settings, admits)?,
+        };
         let (silhouette, depth_cue) = (settings.silhouette, settings.depth_cue);
         // Touching spheres of flat colours would run into each other.
         let between = settings.shade == Shade::Flat;
@@ -73,46 +81,84 @@ impl Plan {
         plan.kernel.shade = shade;
         plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);
         plan.kernel.t = settings.asks(&[Aov::Distance, Aov::Depth, Aov::Position]);
+        plan.kernel.t |= plan.given.is_some() && settings.asks(&[Aov::Bound]);
         plan.kernel.normal = settings.asks(&[Aov::Normal]);
-        let choice = choose::choose(scene, settings, admits)?;
-        (plan.accuracy, plan.reason, plan.predicted) = (choice.accuracy, choice.reason, choice.predicted);
-        (plan.engine, plan.method) = match choice.method {
-            Some(method) => (Engine::Method, method.name()),
-            None if plan.accuracy == Accuracy::Exact => (Engine::Judge, plan.accuracy.name()),
-            None => (Engine::Strips, plan.accuracy.name()),
-        };
-        plan.kernel.task = match choice.method {
-            Some(method) => {
-                engine::check_method(scene.spheres.len())?;
-                Kernel::of_method(method).task
-            }
-            None => {
-                let promised = plan.accuracy != Accuracy::Fast;
-                Task::Certified(Certificate {
-                    unproved: if promised { Unproved::Unsure } else { Unproved::Nearest },
-                    depth_interval: promised && settings.asks(&[Aov::Bound]),
-                    starts: promised && lights::leave_hits(plan.light_outputs, scene),
-                    ..Certificate::PLAIN
-                })
-            }
-        };
         // Its pixels are those of a finer or larger frame.
         plan.kernel.samples = matches!(scene.camera.lens, Lens::Intrinsics { .. });
-        let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
-        // The open share of the sky is known before the colours.
-        let sky = scene.lighting.sky.filter(|_| plan.light_outputs.color);
-        let counted = settings.asks(&[Aov::Color, Aov::Alpha]) || settings.coverage;
-        let several = settings.samples > 1 && counted;
-        if finished || sky.is_some() || several || plan.see_through {
-            let at_centers = sky.is_some_and(|sky| sky.at_centers) && settings.aperture.is_none();
-            // Through translucent spheres the host traces the rays from hits.
-            let alone = at_centers && !scene.lighting.shadows || plan.see_through;
-            let kernel = Kernel { samples: true, t: false, normal: false, ..plan.kernel };
-            let of_sample = |of: Certificate| Certificate { depth_interval: false, starts: of.starts && !alone, ..of };
-            plan.sampled = Some(kernel.certified_by(of_sample));
+        plan.sampled = plan.kernel_of_samples(scene, settings);
+        if plan.sampled.is_some() {
             (plan.kernel.shade, plan.kernel.colors) = (None, false);
         }
         Ok(plan)
+    }
+
+    /// The plan for viewing rays through a plane, as far as hits go.
+    fn of_view(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Self> {
+        let plan = Self::for_method(settings)?;
+        let Choice { accuracy, method, reason, predicted } = choose::choose(scene, settings, admits)?;
+        let (engine, name, task) = match method {
+            Some(method) => {
+                kind::check_method(scene.spheres.len())?;
+                (EngineKind::Method, method.name(), Kernel::of_method(method).task)
+            }
+            None => {
+                let promised = accuracy != Accuracy::Fast;
+                let certificate = Certificate {
+                    unproved: if promised { Unproved::Unsure } else { Unproved::Nearest },
+                    depth_interval: promised && settings.asks(&[Aov::Bound]),
+                    starts: promised && lights::leave_hits(lights::outputs(scene, settings), scene),
+                    ..Certificate::PLAIN
+                };
+                let engine = if accuracy == Accuracy::Exact { EngineKind::Judge } else { EngineKind::Strips };
+                (engine, accuracy.name(), Task::Certified(certificate))
+            }
+        };
+        let kernel = Kernel { task, ..plan.kernel };
+        Ok(Self { accuracy, reason, predicted, engine, method: name, kernel, ..plan })
+    }
+
+    /// The plan for the viewing rays of a curved lens, as far as hits go.
+    fn of_given_rays(scene: &Scene, settings: &Settings) -> Result<Self> {
+        if settings.aperture.is_some() {
+            let problem =
+                format!("a lens with a size has the rays of a perspective camera, and this lens has {CURVED}");
+            return Err(Error::settings(problem, format!("remove {APERTURE}, or the aperture of the file")));
+        }
+        let given = GivenPlan::new(settings, scene.spheres.len())?;
+        let reason = match given.accuracy {
+            Accuracy::Exact => "every ray of a curved lens is decided in exact arithmetic",
+            Accuracy::Fast => "the rays of a curved lens are given rays, which a method does not prove",
+            _ => "the rays of a curved lens are given rays, which a tree certifies",
+        };
+        let tree = given.search == Search::Tree;
+        let base = Self::for_method(settings)?;
+        Ok(Self {
+            method: given.method,
+            accuracy: given.accuracy,
+            reason: reason.to_owned(),
+            engine: EngineKind::Given { tree },
+            kernel: Kernel { task: Task::Given { any: false, tree }, ..base.kernel },
+            given: Some(given),
+            ..base
+        })
+    }
+
+    /// The kernel of the samples, where the colours need passes of their own: several samples, effects over the colours, the sky, whose
+    /// open share is known before them, and translucent spheres.
+    fn kernel_of_samples(&self, scene: &Scene, settings: &Settings) -> Option<Kernel> {
+        let finished = self.finish.is_some() && settings.asks(&[Aov::Color]);
+        let sky = scene.lighting.sky.filter(|_| self.light_outputs.color);
+        let counted = settings.asks(&[Aov::Color, Aov::Alpha]) || settings.coverage;
+        let several = settings.samples > 1 && counted;
+        if !(finished || sky.is_some() || several || self.see_through) {
+            return None;
+        }
+        let at_centers = sky.is_some_and(|sky| sky.at_centers) && settings.aperture.is_none();
+        // Through translucent spheres the host traces the rays from hits.
+        let alone = at_centers && !scene.lighting.shadows || self.see_through;
+        let kernel = Kernel { samples: true, t: false, normal: false, ..self.kernel };
+        let of_sample = |of: Certificate| Certificate { depth_interval: false, starts: of.starts && !alone, ..of };
+        Some(kernel.certified_by(of_sample))
     }
 
     /// The plan that follows from the settings alone: their method, or `stable`, with a kernel that writes only ids.
@@ -132,9 +178,11 @@ impl Plan {
             accuracy: Accuracy::Fast,
             reason: String::new(),
             predicted: None,
-            engine: Engine::Method,
+            engine: EngineKind::Method,
+            given: None,
             light_outputs: LightOutputs::default(),
             see_through: false,
+            is_deep: false,
             finish: None,
             kernel: Kernel::of_method(method),
             sampled: None,
@@ -143,7 +191,7 @@ impl Plan {
 
     /// The same plan on a device, which has its own engine for certified kernels.
     pub(crate) fn on_device(self) -> Self {
-        let engine = if self.engine == Engine::Strips { Engine::Resident } else { self.engine };
+        let engine = if self.engine == EngineKind::Strips { EngineKind::Resident } else { self.engine };
         Self { engine, ..self }
     }
 }
@@ -175,7 +223,7 @@ impl GivenPlan {
             requested => requested,
         };
         let method = if accuracy == Accuracy::Fast { base.method } else { accuracy.name() };
-        let search = engine::for_given_rays(settings.search, accuracy == Accuracy::Fast, spheres)?;
+        let search = kind::for_given_rays(settings.search, accuracy == Accuracy::Fast, spheres)?;
         Ok(Self { accuracy, method, search, kernel })
     }
 

@@ -1,6 +1,5 @@
 //! A renderer: a device or the CPU path, with its caches between frames.
 
-use super::light_state::LightOnDevice;
 use super::opaque::LastOpaque;
 use super::order::LastOrder;
 use super::place::ChosenDevice;
@@ -16,9 +15,13 @@ use crate::gpu::traffic::Traffic;
 use crate::intersect::Method;
 use crate::memory::Pool;
 use crate::progress::Watch;
+use crate::scene::Spheres;
 use crate::settings::Settings;
 use std::sync::Arc;
 use web_time::Instant;
+
+/// The reason for the CPU path where there is nothing that a device could hold.
+pub(super) const NOTHING: &str = "it has no spheres";
 
 /// A device with its pipelines and buffers, or the CPU reference path, kept for many frames.
 pub struct Renderer {
@@ -28,16 +31,10 @@ pub struct Renderer {
     pub(super) pool: Arc<Pool>,
     /// The number of frames so far. Within one frame spheres do not change.
     pub(super) frames: u64,
-    /// The reason why the CPU path renders the current frame in place of the device.
-    pub(super) refused: Option<String>,
-    /// The reason why the host traces rays from the hits of the current frame in place of the device.
-    pub(super) left_to_host: Option<String>,
     /// The spheres in tree order, cached between frames, for rays from hits and for groups of hidden spheres.
     pub(super) order: LastOrder,
     /// The opaque spheres, cached between frames, of a picture that shows something through others.
     pub(super) opaque: LastOpaque,
-    /// The device's share of the light of the current frame.
-    pub(super) light_on_device: LightOnDevice,
 }
 
 impl Renderer {
@@ -72,11 +69,8 @@ impl Renderer {
             watch: Watch::default(),
             pool: Arc::default(),
             frames: 0,
-            refused: None,
-            left_to_host: None,
             order: LastOrder::default(),
             opaque: LastOpaque::default(),
-            light_on_device: LightOnDevice::default(),
         }
     }
 
@@ -145,6 +139,11 @@ impl Renderer {
     #[must_use]
     pub fn has_clock(&self) -> bool {
         self.device.gpu.as_ref().is_some_and(|gpu| gpu.has_clock())
+    }
+
+    /// The order of these spheres, which may be the opaque ones alone.
+    pub(super) fn order_of(&mut self, spheres: &Spheres) -> &mut LastOrder {
+        if self.opaque.is_of(spheres) { &mut self.opaque.order } else { &mut self.order }
     }
 
     /// Takes the device's times and bytes since the last call; `None` for the reference path.

@@ -8,6 +8,7 @@ mod on_device;
 use super::budget;
 use super::plan::GivenPlan;
 use super::renderer::Renderer;
+use crate::answers::settle::Settled;
 use crate::cpu;
 use crate::error::Result;
 use crate::frame::report::milliseconds;
@@ -15,7 +16,8 @@ use crate::scene::Spheres;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Backend, Search, Settings};
 pub use crate::view::given::Rays;
-use on_device::OnDevice;
+pub(super) use on_device::OnDevice;
+use std::sync::Arc;
 use web_time::Instant;
 
 /// The nearest hits of given rays, in their order.
@@ -29,6 +31,8 @@ pub struct Hits {
     pub distance: Vec<f64>,
     /// 0 proved by the kernel, 1 settled by the judge, 255 not certified; for misses too.
     pub certainty: Vec<u8>,
+    /// Proven absolute error of the distance; 0 on a miss; `None` unless [`crate::Aov::Bound`] is requested.
+    pub bound: Option<Vec<f64>>,
     /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`crate::Aov::Normal`] is requested.
     pub normal: Option<Vec<[f32; 3]>>,
     /// The search that found candidates, never `auto`. The answers do not depend on it.
@@ -36,17 +40,6 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// Puts the hits of other rays in these places.
-    pub(super) fn put(&mut self, places: &[usize], hits: Self) {
-        for (n, place) in places.iter().enumerate() {
-            (self.id[*place], self.certainty[*place]) = (hits.id[n], hits.certainty[n]);
-            (self.t[*place], self.distance[*place]) = (hits.t[n], hits.distance[n]);
-        }
-        if let (Some(own), Some(normals)) = (&mut self.normal, hits.normal) {
-            places.iter().zip(normals).for_each(|(place, normal)| own[*place] = normal);
-        }
-    }
-
     /// Misses of `count` rays, with certainty 0.
     fn none(count: usize, plan: &GivenPlan) -> Self {
         Self {
@@ -54,6 +47,7 @@ impl Hits {
             t: vec![f64::INFINITY; count],
             distance: vec![f64::INFINITY; count],
             certainty: vec![0; count],
+            bound: None,
             normal: plan.kernel.normal.then(|| vec![[0.0; 3]; count]),
             search: plan.search,
         }
@@ -84,7 +78,7 @@ pub struct Tracer<'a> {
     spheres: &'a Spheres,
     plan: GivenPlan,
     /// Present if answers are certified and there are spheres.
-    tree: Option<Tree>,
+    tree: Option<Arc<Tree>>,
     /// Present if an adapter certifies.
     device: Option<OnDevice>,
     warning: Option<String>,
@@ -95,7 +89,24 @@ pub struct Tracer<'a> {
     build_ms: f64,
 }
 
-impl Tracer<'_> {
+impl<'a> Tracer<'a> {
+    /// A tracer of a frame's rays by a plan, with the tree and the device's state that its engine keeps.
+    pub(super) fn of_frame(
+        renderer: &'a mut Renderer,
+        spheres: &'a Spheres,
+        plan: GivenPlan,
+        (tree, device): (Option<Arc<Tree>>, Option<OnDevice>),
+        tolerance: f64,
+    ) -> Self {
+        let (warning, backend, on_host, build_ms) = (None, Backend::default(), false, 0.0);
+        Self { renderer, spheres, plan, tree, device, warning, backend, on_host, tolerance, build_ms }
+    }
+
+    /// The state of its device.
+    pub(super) fn into_device(self) -> Option<OnDevice> {
+        self.device
+    }
+
     /// The nearest hit of each ray. Certified and exact answers are those of exact arithmetic: t and distance within
     /// the promised relative error, the normal within 1e-3 rad.
     ///
@@ -103,7 +114,12 @@ impl Tracer<'_> {
     /// [`Error::Settings`](crate::Error::Settings) for invalid rays, [`Error::Interrupted`](crate::Error::Interrupted), and errors of the device.
     pub fn hits(&mut self, rays: &Rays) -> Result<Hits> {
         rays.check()?;
-        self.answered(|this| if this.plan.certifies() { this.certified_hits(rays) } else { this.hits_by_method(rays) })
+        self.answered(|this| this.answers(rays)).map(|(hits, _)| hits)
+    }
+
+    /// The nearest hits, and the rays that the judge decided, in their order. A failing device is an error.
+    pub(super) fn answers(&mut self, rays: &Rays) -> Result<(Hits, Vec<Settled>)> {
+        if self.plan.certifies() { self.certified_hits(rays) } else { Ok((self.hits_by_method(rays)?, Vec::new())) }
     }
 
     /// Whether each ray hits any sphere within its limit.
@@ -117,11 +133,6 @@ impl Tracer<'_> {
         }
         let hits = self.hits(rays)?;
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
-    }
-
-    /// Misses of so many rays, in whose places [`Hits::put`] puts hits.
-    pub(super) fn misses(&self, count: usize) -> Hits {
-        Hits::none(count, &self.plan)
     }
 
     /// Runs `work`, and where the adapter fails once more on the CPU path, which answers all calls from then on.
@@ -216,7 +227,7 @@ impl Renderer {
         let tolerance = settings.promise().relative();
         let device = (on_device && plan.certifies()).then(OnDevice::default);
         let start = Instant::now();
-        let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten();
+        let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten().map(Arc::new);
         let build_ms = if tree.is_some() { milliseconds(start) } else { 0.0 };
         let (backend, on_host) = (settings.backend, warning.is_some());
         Ok(Tracer { renderer: self, spheres, plan, tree, device, warning, backend, on_host, tolerance, build_ms })

@@ -19,6 +19,7 @@
 mod aperture;
 mod centred;
 mod curved;
+mod curved_frame;
 mod project;
 mod record;
 
@@ -26,6 +27,7 @@ pub use aperture::Aperture;
 pub(crate) use centred::{CentredFrame, ExactViewport};
 pub use curved::Curve;
 pub(crate) use curved::CurvedRays;
+pub(crate) use curved_frame::CurvedFrame;
 pub use project::{Projected, Projector};
 pub use record::{CameraRecord, Intrinsics};
 
@@ -100,8 +102,8 @@ pub enum Lens {
         /// Row of the principal point.
         cy: f64,
     },
-    /// A lens with distortion, a fisheye or a panorama; its rays are those of [`Curve`], and it has no viewport. Frames are those of given
-    /// rays ([`trace`](mod@crate::trace)).
+    /// A lens with distortion, a fisheye or a panorama; its rays are those of [`Curve`], and it has no viewport. Its viewing rays are found
+    /// as given rays are ([`trace`](mod@crate::trace)).
     Curved {
         /// The model.
         curve: Curve,

@@ -27,6 +27,7 @@ impl<'a> Backdrop<'a> {
     pub(crate) fn at(&self, pixel: u32) -> [f32; 3] {
         let Some(sky) = self.sky else { return self.flat.as_vec3().to_array() };
         let [i, j] = self.view.record.position(pixel);
-        sky.toward(self.view.to_world(self.view.direction(i, j)).normalize()).as_vec3().to_array()
+        let direction = self.view.to_world(self.view.direction(i, j)).try_normalize();
+        direction.map_or(self.flat, |direction| sky.toward(direction)).as_vec3().to_array()
     }
 }

@@ -1,7 +1,7 @@
 //! Hits of viewing rays on spheres, in f64 without bounds: accurate enough for the colours and lines of a picture.
 
-use super::View;
 use super::ray::NONE;
+use super::{RayKind, View};
 use crate::double_double as dd;
 use crate::number::vector::{LANES, vectorized};
 use crate::scene::Spheres;
@@ -45,14 +45,14 @@ impl<'a> PictureRays<'a> {
     /// sphere that is nearest to the ray is the hit.
     #[inline(always)]
     pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
-        self.hit_at(self.view.parallel, self.view.record.position(pixel), center, radius)
+        self.hit_at(self.view.kind(), self.view.record.position(pixel), center, radius)
     }
 
-    /// The hit for a row and a column of the view's frame. It has no branches where `parallel` is a constant, so that
+    /// The hit for a row and a column of the view's frame. It has no branches where `kind`, that of the view, is a constant, so that
     /// compilers make vectors of loops over it.
     #[inline(always)]
-    pub(crate) fn hit_at(&self, parallel: bool, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
-        let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting(parallel, position, center, radius);
+    pub(crate) fn hit_at(&self, kind: RayKind, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
+        let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting(kind, position, center, radius);
         let outward = (d * t - p).normalize_or(-d);
         PictureHit {
             along: d / a.sqrt(),
@@ -63,18 +63,19 @@ impl<'a> PictureRays<'a> {
         }
     }
 
-    /// Writes the depth along the view axis of each hit, in the scene's unit: that of the pixels from `first` on, which show the
-    /// spheres `ids`; +inf on a miss.
+    /// Writes the depth of each hit along the view axis, for a curved lens along the ray, in the scene's unit: that of the pixels from
+    /// `first` on, which show the spheres `ids`; +inf on a miss.
     pub(crate) fn depths(&self, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
-        match self.view.parallel {
-            true => vectorized!(self.depths_of(true, first, ids, spheres, depths)),
-            false => vectorized!(self.depths_of(false, first, ids, spheres, depths)),
+        match self.view.kind() {
+            RayKind::Parallel => vectorized!(self.depths_of(RayKind::Parallel, first, ids, spheres, depths)),
+            RayKind::Perspective => vectorized!(self.depths_of(RayKind::Perspective, first, ids, spheres, depths)),
+            RayKind::Curved => self.depths_of(RayKind::Curved, first, ids, spheres, depths),
         }
     }
 
-    /// [`PictureRays::depths`], eight pixels at once where `parallel` is a constant.
+    /// [`PictureRays::depths`], eight pixels at once where `kind` is a constant.
     #[inline(always)]
-    fn depths_of(&self, parallel: bool, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
+    fn depths_of(&self, kind: RayKind, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
         let record = &self.view.record;
         for (n, (ids, depths)) in ids.chunks(LANES).zip(depths.chunks_mut(LANES)).enumerate() {
             let (mut position, mut ball) = ([[0; LANES]; 2], [[0.0; LANES]; 4]);
@@ -86,7 +87,7 @@ impl<'a> PictureRays<'a> {
             let mut found = [0.0; LANES];
             for l in 0..LANES {
                 let (position, center) = ([position[0][l], position[1][l]], [ball[0][l], ball[1][l], ball[2][l]]);
-                let Meeting { forward, t, .. } = self.meeting(parallel, position, center, ball[3][l]);
+                let Meeting { forward, t, .. } = self.meeting(kind, position, center, ball[3][l]);
                 found[l] = forward * t;
             }
             for ((depth, found), id) in depths.iter_mut().zip(found).zip(ids) {
@@ -96,13 +97,17 @@ impl<'a> PictureRays<'a> {
     }
 
     #[inline(always)]
-    fn meeting(&self, parallel: bool, [i, j]: [u32; 2], center: [f64; 3], radius: f64) -> Meeting {
+    fn meeting(&self, kind: RayKind, [i, j]: [u32; 2], center: [f64; 3], radius: f64) -> Meeting {
         let view = self.view;
-        let direction = if parallel { [0.0, 0.0, -1.0] } else { view.slope_direction(i, j) };
+        let direction = match kind {
+            RayKind::Parallel => [0.0, 0.0, -1.0],
+            RayKind::Perspective => view.slope_direction(i, j),
+            RayKind::Curved => view.direction(i, j),
+        };
         let d = view.to_world(direction);
         let mut p = (DVec3::from_array(center) - view.basis.e) * self.scale;
         let mut lengths2 = 0.0;
-        if parallel {
+        if kind == RayKind::Parallel {
             let origin = view.to_world(view.origin(i, j)) * self.scale;
             (p, lengths2) = (p - origin, p.length_squared() + origin.length_squared());
         }
@@ -112,13 +117,14 @@ impl<'a> PictureRays<'a> {
         let root = disc.max(0.0).sqrt();
         let outside = p2 > r * r;
         let t = if outside { b - root } else { b + root } / a;
-        Meeting { forward: -direction[2], d, p, r, a, p2, disc, far2: p2 + r * r + 4.0 * lengths2, outside, t }
+        let forward = if kind == RayKind::Curved { a.sqrt() } else { -direction[2] };
+        Meeting { forward, d, p, r, a, p2, disc, far2: p2 + r * r + 4.0 * lengths2, outside, t }
     }
 }
 
 /// A ray and a sphere in the frame's unit.
 struct Meeting {
-    /// The direction along the view axis, and in world space.
+    /// The direction along the view axis, of a curved lens its length, and in world space.
     forward: f64,
     d: DVec3,
     /// The centre from the origin, and the radius.

@@ -4,10 +4,12 @@
 //! H K in place of W and H. A pixel is divided into n x n strata of J x J finer pixels, K = n J. Each stratum is
 //! sampled at one of them, chosen by a hash of row, column, sample and seed.
 
+use super::ViewRecord;
 use crate::error::{Error, Result};
 use crate::quote::setting::{APERTURE, SAMPLES, SIZE};
 use crate::scene::{ImagePlane, MAX_SIDE};
 use crate::window::Window;
+use bytemuck::Zeroable;
 
 /// The most finer pixels along a side of a stratum.
 const FINEST: u32 = 16;
@@ -84,6 +86,21 @@ impl Raster {
         let problem =
             format!("the lens moves the frame by {pixels:.0} pixels, which is too far for {samples} samples per pixel");
         Err(Error::Limits { problem, mend: format!("use a smaller {APERTURE}, fewer {SAMPLES} or a smaller {SIZE}") })
+    }
+
+    /// The record of these rays, with the background of a miss and without the numbers of a camera.
+    pub(crate) fn record(&self, [red, green, blue]: [f32; 3]) -> ViewRecord {
+        ViewRecord {
+            background: [red, green, blue, 0.0],
+            first_row: self.window.y0,
+            rows: self.window.height(),
+            first_column: self.window.x0,
+            columns: self.window.width(),
+            strata: self.strata,
+            jitter: self.jitter,
+            seed: self.seed,
+            ..ViewRecord::zeroed()
+        }
     }
 
     /// Samples of a pixel.

@@ -26,6 +26,7 @@ mod skip;
 mod by_method;
 mod cloud;
 mod crop;
+mod curved;
 mod depth_of_field;
 mod eclipse;
 mod extremes;

@@ -8,6 +8,7 @@ use crate::answers::open_sky::SkySums;
 use crate::number::larger;
 use crate::number::vector::LANES;
 use crate::scene::Material;
+use crate::view::RayKind;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use bytemuck::Zeroable;
@@ -40,11 +41,12 @@ fn lane(components: &[[f64; LANES]; 3], l: usize) -> DVec3 {
 }
 
 impl Colors<'_, '_, '_> {
-    /// Whether all spheres of a scene reflect only diffusely or are of ink, and the rays are not parallel.
+    /// Whether all spheres of a scene reflect only diffusely or are of ink, and the rays are those of a perspective camera.
     pub(super) fn fit(lighting: &LightingContext<'_>) -> bool {
         let is_plain = |kind: &Material| *kind == Material::default() || *kind == Material::Ink;
         let materials = lighting.scene.spheres.materials.as_ref();
-        materials.is_none_or(|materials| materials.kinds.iter().all(is_plain)) && !lighting.view.parallel
+        let is_perspective = lighting.view.kind() == RayKind::Perspective;
+        materials.is_none_or(|materials| materials.kinds.iter().all(is_plain)) && is_perspective
     }
 
     #[inline(always)]
@@ -99,7 +101,8 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
             let mut normal = [[0.0; LANES]; 3];
             for l in 0..LANES {
                 let position = [lanes.position[0][l], lanes.position[1][l]];
-                let hit = rays.hit_at(false, position, lane(&lanes.center, l).to_array(), lanes.radius[l]);
+                let hit =
+                    rays.hit_at(RayKind::Perspective, position, lane(&lanes.center, l).to_array(), lanes.radius[l]);
                 near[l] = u64::from(hit.near);
                 facing[l] = larger(-hit.along.dot(hit.normal), 0.0);
                 (normal[0][l], normal[1][l], normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);

@@ -3,6 +3,7 @@
 use crate::certify::binned::BinnedScene;
 use crate::frame::tone::Tone;
 use crate::intersect::predict::Prediction;
+use crate::render::passes::Pass;
 use crate::scene::camera::CameraRecord;
 use crate::scene::{Material, Scene, Sky};
 use serde::Serialize;
@@ -94,6 +95,8 @@ pub struct Explanation {
     pub room: Room,
     /// The buffers of the finished frame.
     pub frame: Vec<Shown>,
+    /// The passes of the frame, in their order.
+    pub passes: Vec<PassOfFrame>,
     /// The parts of the renderer that this scene does not need, with the reasons.
     pub left_out: Vec<LeftOut>,
     /// The warnings of the frame's report, as far as they are known before a ray is traced.
@@ -181,6 +184,21 @@ pub struct Shown {
     pub bytes: u64,
     /// Whether it is requested; ids are always present.
     pub asked: bool,
+}
+
+/// A pass of the frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct PassOfFrame {
+    /// Its name.
+    pub name: &'static str,
+    /// Its output, in words.
+    pub output: &'static str,
+}
+
+impl From<&'static Pass> for PassOfFrame {
+    fn from(Pass { name, output, .. }: &'static Pass) -> Self {
+        Self { name, output }
+    }
 }
 
 /// A part of the renderer that this scene does not need.

@@ -1,6 +1,7 @@
 //! The work of a device, over all passes of a frame.
 
 use super::explanation::{DeviceBuffer, ShaderFile};
+use crate::gpu::compose::Source;
 use crate::gpu::work::Work;
 
 /// The work of all passes.
@@ -14,6 +15,13 @@ pub(super) struct WorkOfPasses {
 }
 
 impl WorkOfPasses {
+    /// Adds `passes` passes of given rays in so many dispatches each, whose buffers hold some rays at a time.
+    pub(super) fn add_given(&mut self, shaders: &[(&'static str, Source)], dispatches: u64, passes: u32) {
+        let files = shaders.iter().flat_map(|(_, source)| source.files());
+        self.kernel = files.map(|(file, lines)| ShaderFile { file, lines }).collect();
+        self.dispatches = dispatches * u64::from(passes);
+    }
+
     /// Adds `passes` passes of a kernel.
     pub(super) fn add(&mut self, pass: Work, passes: u32) {
         let passes = u64::from(passes);

@@ -1,6 +1,7 @@
 //! Certified and exact answers of given rays.
 
 use super::{Hits, Occlusion, Rays, Tracer};
+use crate::answers::settle::Settled;
 use crate::certify::given::AnyHit;
 use crate::cpu::given_certified::{Given, NearestHit, Query};
 use crate::error::{Error, Result};
@@ -14,19 +15,22 @@ use crate::settings::{Accuracy, Search};
 const RAYS_PER_CHECK: usize = 1 << 18;
 
 impl Tracer<'_> {
-    pub(super) fn certified_hits(&mut self, rays: &Rays) -> Result<Hits> {
+    pub(super) fn certified_hits(&mut self, rays: &Rays) -> Result<(Hits, Vec<Settled>)> {
         let mut hits = Hits::none(rays.len(), &self.plan);
+        let mut settled = Vec::new();
         self.each_answer(rays, |n, answer, truth| match (answer, truth) {
             (NearestHit::Miss, _) => {}
             (NearestHit::Hit { id, numbers: h }, _) => hits.set(n, id, h.t, h.distance, h.normal),
             (NearestHit::Unsure, truth) => {
                 hits.certainty[n as usize] = 1;
+                settled.push(Settled { pixel: n, truth });
                 if let Some(truth) = truth {
                     hits.set(n, truth.id, truth.t, truth.distance, truth.normal);
                 }
             }
         })?;
-        Ok(hits)
+        settled.sort_unstable_by_key(|one| one.pixel);
+        Ok((hits, settled))
     }
 
     pub(super) fn certified_occlusion(&mut self, rays: &Rays) -> Result<Occlusion> {
@@ -83,7 +87,11 @@ fn settle(spheres: &Spheres, given: &Given<'_>, numbers: &[u32], watch: &Watch) 
         let ray = given.rays.ray(n as usize);
         let judge =
             |ids: &mut dyn Iterator<Item = u32>| judge_ray_among(ray.origin, ray.direction, ray.limit, spheres, ids);
-        if given.all { judge(&mut (0..spheres.len() as u32)) } else { judge(&mut given.candidates(&ray).into_iter()) }
+        if given.all {
+            judge(&mut (0..spheres.len() as u32))
+        } else {
+            judge(&mut given.candidates(&ray, &|_| true).into_iter())
+        }
     };
     parallel::collect(numbers.len(), RAYS_PER_JOB, &|range, truths| truths.extend(numbers[range].iter().map(decide)))
 }

@@ -18,7 +18,7 @@ use glam::DVec3;
 
 /// The state of a tracer's work on a device.
 #[derive(Debug, Default)]
-pub(super) struct OnDevice {
+pub(in crate::render) struct OnDevice {
     /// Whether the device holds the tree.
     is_uploaded: bool,
     /// The number of rays so far that f32 left unsure.

@@ -1,11 +1,10 @@
 //! Pictures of several samples whose colours a device computes (gpu/resident/picture.rs): under a sky whose rays leave from the
 //! centres of pixels, and lights without shadows. The host decides the pixels and the rays that f32 does not prove.
 
-use super::light::{FrameContext, HitRays};
-use super::plan::Plan;
-use super::renderer::Renderer;
-use super::sample::{CenterHits, PictureSky, Sampling};
-use super::setup::{FrameSetup, Stage};
+use super::Rendering;
+use super::light::{FrameContext, HitRays, on_hits};
+use super::samples::Sampling;
+use super::sky::{CenterHits, PictureSky, centres};
 use crate::answers::depth_cue::MAX_SHARE;
 use crate::answers::open_sky::{SkyAtHit, SkySums};
 use crate::answers::samples::Means;
@@ -13,13 +12,14 @@ use crate::answers::settle::{self, Settled};
 use crate::answers::silhouette::PixelSize;
 use crate::double_double as dd;
 use crate::error::Result;
-use crate::frame::report::Timings;
 use crate::gpu::resident::picture::{MAX_SOURCES, Patches, PictureRecord};
 use crate::gpu::resident::sky::SkyRays;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::kernel::Certificate;
 use crate::parallel::{self, CHEAP};
 use crate::progress::Step;
+use crate::render::plan::Plan;
+use crate::render::setup::{self, FrameSetup};
 use crate::scene::{Gradient, Scene, SkyLight};
 use crate::search::tree::Tree;
 use crate::settings::Accuracy;
@@ -29,7 +29,6 @@ use crate::view::ray::NONE;
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
-use std::sync::Arc;
 
 mod trial;
 
@@ -115,110 +114,104 @@ impl Sampling<'_> {
     }
 }
 
-impl Renderer {
-    /// The means of all samples of a picture whose colours the device computes; `None` where the host has to. `centers` are the
-    /// spheres that the centres of the pixels of `window` show, and the samples are those of a window around it.
-    pub(super) fn draw_on_device(
-        &mut self,
-        sampling: Sampling<'_>,
-        sky: PictureSky<'_>,
-        (window, raster): (Window, Raster),
-        centers: &[u32],
-        timings: &mut Timings,
-    ) -> Result<Option<Means>> {
-        let Sampling { kernel, scene, settings, plan, .. } = sampling;
-        let Some(gpu) = self.device.gpu.as_ref().filter(|_| sampling.fits_device()) else { return Ok(None) };
-        if gpu.draws == Some(false) && !gpu.summary.is_software() {
-            let reason = format!("those of {} differ from the host's", gpu.summary.name);
-            self.left_to_host.get_or_insert_with(|| format!("{LEFT}: {reason}"));
-        }
-        let (Some(tree), Some(true)) = (&sky.lights.tree, gpu.draws) else { return Ok(None) };
-        let kernel = kernel.certified_by(|of| Certificate { starts: true, ..of });
-        let sums = sky.window(window, scene);
-        let mut setup = self.setup(Plan { kernel, ..plan.clone() }, scene, settings, raster, timings)?;
-        let pool = Arc::clone(&self.pool);
-        let Some(record) = sampling.record(&setup, tree, sums)?.filter(|_| matches!(setup.stage, Stage::Placed(_)))
-        else {
-            setup.put_back(&pool);
+/// The means of all samples of a picture whose colours the device computes; `None` where the host has to. `centers` are the
+/// spheres that the centres of the pixels of `window` show, and the samples are those of a window around it.
+pub(super) fn run(
+    at: &mut Rendering<'_>,
+    sampling: Sampling<'_>,
+    sky: PictureSky<'_>,
+    (window, raster): (Window, Raster),
+    centers: &[u32],
+) -> Result<Option<Means>> {
+    let Sampling { kernel, scene, settings, plan, .. } = sampling;
+    let Some(gpu) = at.renderer.device.gpu.as_ref().filter(|_| sampling.fits_device()) else { return Ok(None) };
+    if gpu.draws == Some(false) && !gpu.summary.is_software() {
+        let reason = format!("those of {} differ from the host's", gpu.summary.name);
+        at.log.leave_to_host(LEFT, &reason);
+    }
+    let (Some(tree), Some(true)) = (&sky.trees.tree, gpu.draws) else { return Ok(None) };
+    let kernel = kernel.certified_by(|of| Certificate { starts: true, ..of });
+    let sums = sky.window(window, scene);
+    let plan = Plan { kernel, ..plan.clone() };
+    let mut setup = setup::make(at.renderer, plan, scene, settings, raster, &mut at.log)?;
+    let Some(record) = sampling.record(&setup, tree, sums)?.filter(|_| setup.engine.placer().is_some()) else {
+        setup.put_back(&at.pool);
+        return Ok(None);
+    };
+    if !sum_sky(at, sampling, sky, tree, (window, sums), (centers, &record))? {
+        return Ok(None);
+    }
+    for sample in 0..raster.count() {
+        setup.view.set_sample(sample);
+        if let Some(reason) = add_sample(at, &setup, scene)? {
+            at.log.leave_to_host(LEFT, &reason);
             return Ok(None);
-        };
-        if !self.sum_sky_on_device(sampling, sky, tree, (window, sums), (centers, &record), timings)? {
-            return Ok(None);
         }
-        for sample in 0..raster.count() {
-            setup.view.record.sample = sample;
-            if let Some(reason) = self.sample_on_device(&setup, scene, timings)? {
-                self.left_to_host.get_or_insert_with(|| format!("{LEFT}: {reason}"));
-                return Ok(None);
-            }
-        }
-        let pixels = setup.view.record.pixels();
-        let Some(gpu) = &mut self.device.gpu else { return Ok(None) };
-        let (inside, width, count) = (window.inside(raster.window), raster.window.width(), raster.count());
-        let means = || gpu.read_picture(pixels, |sums| Means::of_part(sums, inside, width, count));
-        timings.time("samples", means).map(Some)
     }
+    let Rendering { renderer, log, .. } = at;
+    let Some(gpu) = &mut renderer.device.gpu else { return Ok(None) };
+    let (inside, width, count) = (window.inside(raster.window), raster.window.width(), raster.count());
+    let pixels = setup.view.record.pixels();
+    let means = || gpu.read_picture(pixels, |sums| Means::of_part(sums, inside, width, count));
+    log.time("samples", means).map(Some)
+}
 
-    /// Leaves the sums over the rays toward the sky on the device, from the centres of the pixels of a window and of those around it;
-    /// whether it could.
-    fn sum_sky_on_device(
-        &mut self,
-        sampling: Sampling<'_>,
-        sky: PictureSky<'_>,
-        tree: &Tree,
-        (window, sums): (Window, Window),
-        (centers, picture): (&[u32], &PictureRecord),
-        timings: &mut Timings,
-    ) -> Result<bool> {
-        let Sampling { scene, settings, .. } = sampling;
-        let center_hits = self.center_hits(sampling, (window, sums), centers, timings)?;
-        let CenterHits { view, ids, .. } = &center_hits;
-        let frame = FrameContext { scene, settings, view };
-        let request = sky.request(ids);
-        let directions = request.directions(frame);
-        let hits = HitRays { directions: &directions, lights: &[], reach: sky.sky.reach, seed: settings.seed };
-        let (records, record) = hits.records(tree);
-        let rays = SkyRays { tree, view, directions: &records, record };
-        let left =
-            timings.time("light", || self.on_hits(&rays, |gpu, rays, go_on| gpu.sum_sky(rays, picture, go_on)))?;
-        let Some(left) = left else { return Ok(false) };
-        self.light_on_device.add_left(ids, left.len());
-        // Pixels that the host decided may be misses.
-        let left = left.into_iter().map(|pixel| (pixel, ids[pixel as usize]));
-        let (hits, misses): (Vec<_>, Vec<_>) = left.partition(|(_, id)| *id != NONE);
-        let decided = timings.time("light", || {
-            sky.lights.with_context(tree, frame, &request, &directions, |context| context.sky_at(&hits))
-        })?;
-        let mut patches = sky_patches(&hits, &decided, ids.len(), picture.planes as usize);
-        misses.into_iter().for_each(|(pixel, id)| patches[0].set(pixel as usize, id));
-        let Some(gpu) = &mut self.device.gpu else { return Ok(false) };
-        gpu.smooth_sky(&view.record, picture, [&patches[0], &patches[1]], sky.smoothing.0)?;
-        center_hits.put_back(&self.pool);
-        Ok(true)
-    }
+/// Leaves the sums over the rays toward the sky on the device, from the centres of the pixels of a window and of those around it;
+/// whether it could.
+fn sum_sky(
+    at: &mut Rendering<'_>,
+    sampling: Sampling<'_>,
+    sky: PictureSky<'_>,
+    tree: &Tree,
+    (window, sums): (Window, Window),
+    (centers, picture): (&[u32], &PictureRecord),
+) -> Result<bool> {
+    let Sampling { scene, settings, .. } = sampling;
+    let center_hits = centres(at, sampling, (window, sums), centers)?;
+    let CenterHits { view, ids, .. } = &center_hits;
+    let frame = FrameContext { scene, settings, view };
+    let request = sky.request(ids);
+    let directions = request.directions(frame);
+    let hits = HitRays { directions: &directions, lights: &[], reach: sky.sky.reach, seed: settings.seed };
+    let (records, record) = hits.records(tree);
+    let rays = SkyRays { tree, view, directions: &records, record };
+    let left = at.time("light", |at| on_hits(at, &rays, |gpu, rays, go_on| gpu.sum_sky(rays, picture, go_on)))?;
+    let Some(left) = left else { return Ok(false) };
+    at.log.add_light(ids, left.len());
+    // Pixels that the host decided may be misses.
+    let left = left.into_iter().map(|pixel| (pixel, ids[pixel as usize]));
+    let (hits, misses): (Vec<_>, Vec<_>) = left.partition(|(_, id)| *id != NONE);
+    let decided = at.log.time("light", || {
+        sky.trees.with_context(tree, frame, &request, &directions, |context| context.sky_at(&hits))
+    })?;
+    let mut patches = sky_patches(&hits, &decided, ids.len(), picture.planes as usize);
+    misses.into_iter().for_each(|(pixel, id)| patches[0].set(pixel as usize, id));
+    let Some(gpu) = &mut at.renderer.device.gpu else { return Ok(false) };
+    gpu.smooth_sky(&view.record, picture, [&patches[0], &patches[1]], sky.smoothing.0)?;
+    center_hits.put_back(&at.pool);
+    Ok(true)
+}
 
-    /// Adds a sample to the picture on the device; the reason where it cannot.
-    fn sample_on_device(&mut self, setup: &FrameSetup, scene: &Scene, timings: &mut Timings) -> Result<Option<String>> {
-        let (Stage::Placed(placer), Some(gpu)) = (&setup.stage, &mut self.device.gpu) else {
-            return Ok(Some("the device cannot place the spheres".into()));
-        };
-        let (view, pool) = (&setup.view, Arc::clone(&self.pool));
-        let doing = self.watch.begin(Step::Trace, view.record.pixels() as u64);
-        let frame = ResidentFrame { scene, view, placer, pool: &pool };
-        let mut unsure = Vec::new();
-        let hit = gpu.hit_sample(&setup.plan.kernel, frame, &mut unsure, timings)?;
-        let binned = match hit {
-            Rendered::Frame(binned) => binned,
-            Rendered::Left(reason) => return Ok(Some(reason)),
-        };
-        let go_on = || doing.next(0);
-        let settled = timings.time("settle", || settle::settle(scene, view, &binned, &unsure, &go_on))?;
-        let [ids, starts] = hit_patches(view, &settled);
-        timings.time("samples", || gpu.add_sample(scene, &view.record, [&ids, &starts]))?;
-        doing.next(view.record.pixels() as u64);
-        doing.end()?;
-        Ok(None)
-    }
+/// Adds a sample to the picture on the device; the reason where it cannot.
+fn add_sample(at: &mut Rendering<'_>, setup: &FrameSetup, scene: &Scene) -> Result<Option<String>> {
+    let Rendering { renderer, log, pool, .. } = at;
+    let (Some(placer), Some(gpu)) = (setup.engine.placer(), &mut renderer.device.gpu) else {
+        return Ok(Some("the device cannot place the spheres".into()));
+    };
+    let view = &setup.view;
+    let doing = renderer.watch.begin(Step::Trace, view.record.pixels() as u64);
+    let frame = ResidentFrame { scene, view, placer, pool };
+    let mut unsure = Vec::new();
+    let binned = match gpu.hit_sample(&setup.plan.kernel, frame, &mut unsure, &mut log.timings)? {
+        Rendered::Frame(binned) => binned,
+        Rendered::Left(reason) => return Ok(Some(reason)),
+    };
+    let settled = log.time("settle", || settle::settle(scene, view, &binned, &unsure, &|| doing.next(0)))?;
+    let [ids, starts] = hit_patches(view, &settled);
+    log.time("samples", || gpu.add_sample(scene, &view.record, [&ids, &starts]))?;
+    doing.next(view.record.pixels() as u64);
+    doing.end()?;
+    Ok(None)
 }
 
 /// The words of the hits and of the sums, as shaders/picture/record.wgsl reads them, of hits of a window with so many pixels.

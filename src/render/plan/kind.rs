@@ -1,4 +1,4 @@
-//! Chooses how the first hits of rays are found.
+//! The kinds of engines, and which of them finds the first hits of rays.
 
 use crate::error::{Error, Result};
 use crate::quote::setting::{ACCURACY, METHOD, SEARCH};
@@ -6,7 +6,7 @@ use crate::settings::Search;
 
 /// The engine that finds the first hits of viewing rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Engine {
+pub enum EngineKind {
     /// Every ray tests every sphere, by one form of the quadratic.
     Method,
     /// The CPU path bins the spheres into tiles of pixels, and a ray tests the spheres of its tile.
@@ -15,17 +15,23 @@ pub enum Engine {
     Resident,
     /// The judge decides every pixel in exact arithmetic.
     Judge,
+    /// The rays of a curved lens are given rays.
+    Given {
+        /// A tree finds the spheres that a ray may hit; otherwise every ray tests every sphere.
+        tree: bool,
+    },
 }
 
-impl Engine {
+impl EngineKind {
     /// The name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Method => "all",
+            Self::Method | Self::Given { tree: false } => "all",
             Self::Strips => "tiles",
             Self::Resident => "splat",
             Self::Judge => "exact",
+            Self::Given { tree: true } => "tree",
         }
     }
 
@@ -38,6 +44,8 @@ impl Engine {
             }
             Self::Resident => "the device holds the spheres, and the host sends only the camera",
             Self::Judge => "exact arithmetic decides every pixel",
+            Self::Given { tree: true } => "a tree of boxes finds the spheres that a ray of a curved lens may hit",
+            Self::Given { tree: false } => "every ray of a curved lens tests every sphere",
         }
     }
 }

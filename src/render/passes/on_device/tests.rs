@@ -5,6 +5,7 @@ use super::*;
 use crate::frame::Data;
 use crate::frame::outline::Outline;
 use crate::gpu::room::Fault;
+use crate::render::Renderer;
 use crate::scene::camera::Camera;
 use crate::scene::{ImagePlane, Lighting, Sky, SkyColors, Spheres};
 use crate::settings::{Backend, Settings};

@@ -1,7 +1,7 @@
-//! The stage of lights and sky: after the nearest hits, before the buffers are assembled.
+//! Lights and sky at hits: rays from there, on the device that still holds the hits or on the host, and what they bring.
 
-use super::plan::lights::{bounces, light_points};
-use super::renderer::Renderer;
+use super::{Pass, Rendering};
+use crate::answers::hits::FirstHits;
 use crate::answers::light::{LightBuffers, Traced};
 use crate::answers::open_sky::{OpenSky, SkySums};
 use crate::cpu::light::{LightOutputs, LightingContext};
@@ -11,6 +11,9 @@ use crate::gpu::Gpu;
 use crate::gpu::resident::sky::{SkyRays, SkyRecord, SkyTraced};
 use crate::memory::Pool;
 use crate::progress::Step;
+use crate::render::plan::Plan;
+use crate::render::plan::lights::{bounces, light_points};
+use crate::render::setup::FrameSetup;
 use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
@@ -19,6 +22,15 @@ use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::{View, ViewRecord};
 use std::sync::Arc;
+
+pub(in crate::render) const PASS: Pass = Pass {
+    name: "light",
+    output: "lights and sky at the hits of the pixels' centres: shadows, the open share, and colours without samples",
+    runs: |plan, _, _| {
+        let outputs = plan.light_outputs;
+        outputs.shadow || outputs.occlusion || outputs.color && plan.sampled.is_none()
+    },
+};
 
 /// The frame whose pixels are lit.
 #[derive(Clone, Copy)]
@@ -108,7 +120,7 @@ fn lights_of(tree: &Tree, scene: &Scene) -> Vec<DirectionRecord> {
 }
 
 /// Data for the lights of one scene, shared by the pixels' centres and all samples.
-pub(super) struct LightSetup {
+pub(in crate::render) struct LightSetup {
     /// The tree over the spheres that rays from mirrors and through glass meet; `None` without spheres.
     pub(super) tree: Option<Arc<Tree>>,
     /// The tree over the spheres that block rays to lights and sky, where they are not all.
@@ -175,101 +187,140 @@ fn limits(tree: &Tree, reach: f64) -> [f32; 2] {
     }
 }
 
-impl Renderer {
-    pub(super) fn light_setup(&mut self, scene: &Scene, accuracy: Accuracy) -> LightSetup {
-        LightSetup { tree: self.order.tree(&scene.spheres, self.frames), blockers: None, accuracy, by_host: None }
-    }
+/// The spheres that rays from hits meet; `None` where nothing asks for light.
+pub(in crate::render) fn trees(at: &mut Rendering<'_>, plan: &Plan) -> Option<LightSetup> {
+    plan.light_outputs.is_any().then(|| all_spheres(at, plan))
+}
 
-    /// Traces rays from the hits that are still on the device: toward the sky in these directions, and one to each
-    /// light, where lights cast shadows and none has a size. Returns the numbers of rays, and the words of all pixels;
-    /// `None` where the host has to trace.
-    fn trace_from_hits(
-        &mut self,
-        tree: &Tree,
-        frame: FrameContext<'_>,
-        request: &LightRequest<'_>,
-        directions: &SkyDirections,
-    ) -> Result<Option<(Traced<'static>, Vec<u32>)>> {
-        let (none, sky) = (SkyDirections::none(), request.unknown_sky());
-        let directions = if sky.is_some() { directions } else { &none };
-        let casts_shadows = request.outputs.shadow || request.outputs.color && frame.scene.lighting.shadows;
-        let lights = if casts_shadows { lights_of(tree, frame.scene) } else { Vec::new() };
-        let count = Traced { words: &[], rays: directions.len(), lights: lights.len() };
-        if count.rays + count.lights == 0 {
-            return Ok(None);
-        }
-        let reach = sky.map_or(f64::INFINITY, |sky| sky.reach);
-        let (records, record) = HitRays { directions, lights: &lights, reach, seed: frame.settings.seed }.records(tree);
-        let rays = SkyRays { tree, view: frame.view, directions: &records, record };
-        let words = self.on_hits(&rays, Gpu::trace_sky)?;
-        Ok(words.map(|words| (count, words)))
-    }
+/// All spheres, which rays from hits meet.
+pub(super) fn all_spheres(at: &mut Rendering<'_>, plan: &Plan) -> LightSetup {
+    let Rendering { renderer, scene, log, .. } = at;
+    let tree = log.time("tree", || renderer.order.tree(&scene.spheres, renderer.frames));
+    // A device holds the hits of the viewing rays of a plane.
+    let by_host = plan.given.as_ref().map(|_| "its viewing rays are those of a curved lens");
+    LightSetup { tree, blockers: None, accuracy: plan.accuracy, by_host }
+}
 
-    /// Has the device do `work` with rays from the hits that it still holds; `None` where the host has to.
-    pub(super) fn on_hits<T>(
-        &mut self,
-        rays: &SkyRays<'_>,
-        work: impl FnOnce(&mut Gpu, &SkyRays<'_>, &dyn Fn(u64) -> bool) -> Result<SkyTraced<T>>,
-    ) -> Result<Option<T>> {
-        let Some(gpu) = &mut self.device.gpu else { return Ok(None) };
-        let doing = self.watch.begin(Step::Light, rays.view.record.pixels() as u64);
-        match work(gpu, rays, &|done| doing.reached(done))? {
-            SkyTraced::NoHits => Ok(None),
-            SkyTraced::Traced(found) => {
-                doing.end()?;
-                Ok(Some(found))
-            }
-            SkyTraced::Refused(reason) => {
-                self.left_to_host.get_or_insert_with(|| format!("{LEFT}: {reason}"));
-                Ok(None)
-            }
-        }
-    }
+/// The buffers of lights and sky, and the colours where there are no samples.
+///
+/// # Errors
+/// As [`light`].
+pub(in crate::render) fn run(
+    at: &mut Rendering<'_>,
+    setup: &FrameSetup,
+    trees: Option<&LightSetup>,
+    hits: &FirstHits,
+) -> Result<LightBuffers> {
+    let (asked, scene, settings) = (setup.plan.light_outputs, at.scene, at.settings);
+    let outputs = LightOutputs { color: asked.color && at.rays.samples.is_none(), ..asked };
+    let Some(trees) = trees.filter(|_| outputs.is_any()) else { return Ok(LightBuffers::default()) };
+    let sky = if outputs.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
+    let of = FrameContext { scene, settings, view: &setup.view };
+    light(at, trees, of, &LightRequest::of(outputs, sky, &hits.raw.id))
+}
 
-    /// Light of the pixels of a frame.
-    ///
-    /// # Errors
-    /// [`crate::Error::Interrupted`], and [`crate::Error::Limits`] where memory is short.
-    pub(super) fn light(
-        &mut self,
-        setup: &LightSetup,
-        frame: FrameContext<'_>,
-        request: &LightRequest<'_>,
-        pool: &Pool,
-    ) -> Result<LightBuffers> {
-        let FrameContext { scene, view, .. } = frame;
-        let LightRequest { outputs, ids, .. } = *request;
-        let mut buffers = LightBuffers::default();
-        let lights = &scene.lighting.lights;
-        let some = |is_requested: bool, each: usize| if is_requested { each * ids.len() } else { 0 };
-        buffers.color = pool.values(some(outputs.color, 3))?;
-        buffers.shadow = pool.values(some(outputs.shadow, lights.len()))?;
-        buffers.occlusion = pool.values(some(outputs.occlusion, 1))?;
-        let sums = SkySums::count(Gradient::of(scene).is_some());
-        buffers.sky = [pool.values(some(outputs.sky, 3))?, pool.values(some(outputs.sky, sums))?];
-        let directions = request.directions(frame);
-        let Some(tree) = &setup.tree else {
-            let backdrop = Backdrop::new(scene, view, true);
-            return Ok(buffers.of_nothing(|pixel| backdrop.at(pixel)));
-        };
-        let found = match (setup.accuracy, setup.by_host) {
-            (Accuracy::Certified, None) => self.trace_from_hits(tree, frame, request, &directions)?,
-            (Accuracy::Certified, Some(reason)) if self.is_gpu() => {
-                self.left_to_host.get_or_insert_with(|| format!("{LEFT}: {reason}"));
-                None
-            }
-            _ => None,
-        };
-        let traced = found.as_ref().map(|(count, words)| Traced { words, ..*count });
-        if let Some(traced) = &traced {
-            self.light_on_device.add(ids, traced);
-        }
-        let doing = self.watch.begin(Step::Light, ids.len() as u64);
-        setup.with_context(tree, frame, request, &directions, |context| {
-            let context = LightingContext { traced, ..context };
-            context.fill(ids, &mut buffers, &|pixels| doing.next(pixels));
-        })?;
-        doing.end()?;
-        Ok(buffers)
+/// Traces rays from the hits that are still on the device: toward the sky in these directions, and one to each
+/// light, where lights cast shadows and none has a size. Returns the numbers of rays, and the words of all pixels;
+/// `None` where the host has to trace.
+fn trace_from_hits(
+    at: &mut Rendering<'_>,
+    tree: &Tree,
+    frame: FrameContext<'_>,
+    request: &LightRequest<'_>,
+    directions: &SkyDirections,
+) -> Result<Option<(Traced<'static>, Vec<u32>)>> {
+    let (none, sky) = (SkyDirections::none(), request.unknown_sky());
+    let directions = if sky.is_some() { directions } else { &none };
+    let casts_shadows = request.outputs.shadow || request.outputs.color && frame.scene.lighting.shadows;
+    let lights = if casts_shadows { lights_of(tree, frame.scene) } else { Vec::new() };
+    let count = Traced { words: &[], rays: directions.len(), lights: lights.len() };
+    if count.rays + count.lights == 0 {
+        return Ok(None);
     }
+    let reach = sky.map_or(f64::INFINITY, |sky| sky.reach);
+    let (records, record) = HitRays { directions, lights: &lights, reach, seed: frame.settings.seed }.records(tree);
+    let rays = SkyRays { tree, view: frame.view, directions: &records, record };
+    let words = on_hits(at, &rays, Gpu::trace_sky)?;
+    Ok(words.map(|words| (count, words)))
+}
+
+/// Has the device do `work` with rays from the hits that it still holds; `None` where the host has to.
+pub(super) fn on_hits<T>(
+    at: &mut Rendering<'_>,
+    rays: &SkyRays<'_>,
+    work: impl FnOnce(&mut Gpu, &SkyRays<'_>, &dyn Fn(u64) -> bool) -> Result<SkyTraced<T>>,
+) -> Result<Option<T>> {
+    let Some(gpu) = &mut at.renderer.device.gpu else { return Ok(None) };
+    let doing = at.renderer.watch.begin(Step::Light, rays.view.record.pixels() as u64);
+    match work(gpu, rays, &|done| doing.reached(done))? {
+        SkyTraced::NoHits => Ok(None),
+        SkyTraced::Traced(found) => {
+            doing.end()?;
+            Ok(Some(found))
+        }
+        SkyTraced::Refused(reason) => {
+            at.log.leave_to_host(LEFT, &reason);
+            Ok(None)
+        }
+    }
+}
+
+/// Light of the pixels of a view.
+///
+/// # Errors
+/// [`crate::Error::Interrupted`], and [`crate::Error::Limits`] where memory is short.
+pub(super) fn light(
+    at: &mut Rendering<'_>,
+    setup: &LightSetup,
+    frame: FrameContext<'_>,
+    request: &LightRequest<'_>,
+) -> Result<LightBuffers> {
+    at.time("light", |at| lit(at, setup, frame, request))
+}
+
+fn lit(
+    at: &mut Rendering<'_>,
+    setup: &LightSetup,
+    frame: FrameContext<'_>,
+    request: &LightRequest<'_>,
+) -> Result<LightBuffers> {
+    let LightRequest { outputs, ids, .. } = *request;
+    let mut buffers = room(frame.scene, outputs, ids.len(), &at.pool)?;
+    let directions = request.directions(frame);
+    let Some(tree) = &setup.tree else {
+        let backdrop = Backdrop::new(frame.scene, frame.view, true);
+        return Ok(buffers.of_nothing(|pixel| backdrop.at(pixel)));
+    };
+    let found = match (setup.accuracy, setup.by_host) {
+        (Accuracy::Certified, None) => trace_from_hits(at, tree, frame, request, &directions)?,
+        (Accuracy::Certified, Some(reason)) if at.renderer.is_gpu() => {
+            at.log.leave_to_host(LEFT, reason);
+            None
+        }
+        _ => None,
+    };
+    let traced = found.as_ref().map(|(count, words)| Traced { words, ..*count });
+    if let Some(traced) = &traced {
+        at.log.add_traced(ids, traced);
+    }
+    let doing = at.renderer.watch.begin(Step::Light, ids.len() as u64);
+    setup.with_context(tree, frame, request, &directions, |context| {
+        let context = LightingContext { traced, ..context };
+        context.fill(ids, &mut buffers, &|pixels| doing.next(pixels));
+    })?;
+    doing.end()?;
+    Ok(buffers)
+}
+
+/// Room for the light of so many pixels.
+fn room(scene: &Scene, outputs: LightOutputs, pixels: usize, pool: &Pool) -> Result<LightBuffers> {
+    let some = |is_requested: bool, each: usize| if is_requested { each * pixels } else { 0 };
+    let sums = SkySums::count(Gradient::of(scene).is_some());
+    Ok(LightBuffers {
+        color: pool.values(some(outputs.color, 3))?,
+        shadow: pool.values(some(outputs.shadow, scene.lighting.lights.len()))?,
+        occlusion: pool.values(some(outputs.occlusion, 1))?,
+        sky: [pool.values(some(outputs.sky, 3))?, pool.values(some(outputs.sky, sums))?],
+        unsure: Vec::new(),
+    })
 }

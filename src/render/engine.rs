@@ -1,0 +1,102 @@
+//! The engines: each finds what the viewing rays of a view hit first. What follows does not ask which one it was.
+
+mod given;
+mod judge;
+mod method;
+mod resident;
+mod strips;
+
+use super::log::FrameLog;
+use super::renderer::Renderer;
+use crate::answers::layers::{Layers, Peeling};
+use crate::answers::raw::Raw;
+use crate::answers::settle::{self, Settled};
+use crate::certify::binned::BinnedScene;
+use crate::certify::placing::Placer;
+use crate::error::Result;
+use crate::kernel::Kernel;
+use crate::memory::Pool;
+use crate::progress::{Step, Watch};
+use crate::scene::Scene;
+use crate::view::View;
+
+pub(super) use given::{BLOCK, GivenRays};
+pub(super) use judge::Exact;
+pub(super) use method::EverySphere;
+pub(super) use resident::Resident;
+pub(super) use strips::Strips;
+
+/// The viewing rays of one sample of each pixel of a view, and what a kernel computes of their hits.
+#[derive(Clone, Copy)]
+pub(super) struct ViewRays<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) view: &'a View,
+    pub(super) kernel: &'a Kernel,
+}
+
+/// The answer of an engine.
+pub(super) enum Found {
+    /// The hits are written; those of these pixels were decided in exact arithmetic, and their answers come from here.
+    Hits(Vec<Settled>),
+    /// The device leaves the frame to the host, for this reason.
+    Left(String),
+}
+
+/// A way to find first hits, with its data for one view.
+pub(super) trait Engine {
+    /// Writes the first hits of the rays to `raw`, with the outputs of their kernel.
+    ///
+    /// # Errors
+    /// Errors of a device and of the judge; [`crate::Error::Interrupted`].
+    fn first_hits(
+        &mut self,
+        renderer: &mut Renderer,
+        rays: ViewRays<'_>,
+        raw: &mut Raw,
+        log: &mut FrameLog,
+    ) -> Result<Found>;
+
+    /// The translucent hits behind the first ones, up to the opaque ones: layer by layer, of each pixel the sphere, [`NONE`](crate::view::ray::NONE) where there
+    /// is none.
+    ///
+    /// # Errors
+    /// Errors of the judge; [`crate::Error::Interrupted`].
+    fn behind(&mut self, renderer: &mut Renderer, rays: ViewRays<'_>, layers: Layers<'_>) -> Result<Vec<Vec<u32>>> {
+        let ViewRays { scene, view, .. } = rays;
+        Peeling { scene, view, lists: self.binned(), layers }.behind(&renderer.watch)
+    }
+
+    /// The spheres as the host binned them, if it did.
+    fn binned(&self) -> Option<&BinnedScene> {
+        None
+    }
+
+    /// The host's part in placing the spheres that a device holds, if one does.
+    fn placer(&self) -> Option<&Placer> {
+        None
+    }
+
+    /// Whether the judge decides only the pixels that the engine does not prove.
+    fn proves(&self) -> bool;
+
+    /// Returns its memory to the pool for the next frame.
+    fn put_back(self: Box<Self>, _: &Pool) {}
+}
+
+/// Decides the unsure pixels among spheres that are binned.
+fn settle(
+    ViewRays { scene, view, .. }: ViewRays<'_>,
+    binned: &BinnedScene,
+    raw: &Raw,
+    watch: &Watch,
+    log: &mut FrameLog,
+) -> Result<Vec<Settled>> {
+    let unsure = log.time("settle", || settle::unsure(&raw.id));
+    if unsure.is_empty() {
+        return Ok(Vec::new());
+    }
+    let doing = watch.begin(Step::Settle, unsure.len() as u64);
+    let settled = log.time("settle", || settle::settle(scene, view, binned, &unsure, &|| doing.next(1)));
+    doing.end()?;
+    settled
+}

@@ -1,0 +1,43 @@
+//! A method: every ray tests every sphere by one form of the quadratic, without a proof, on a device or by its twin.
+
+use super::{Engine, Found, ViewRays};
+use crate::answers::raw::Raw;
+use crate::cpu;
+use crate::error::Result;
+use crate::gpu::input::{Input, KernelRays, Output};
+use crate::progress::Step;
+use crate::render::log::FrameLog;
+use crate::render::renderer::Renderer;
+
+/// The spheres of the view, all for each ray.
+pub(in crate::render) struct EverySphere;
+
+impl Engine for EverySphere {
+    fn first_hits(
+        &mut self,
+        renderer: &mut Renderer,
+        ViewRays { scene, view, kernel }: ViewRays<'_>,
+        raw: &mut Raw,
+        log: &mut FrameLog,
+    ) -> Result<Found> {
+        let colors = scene.spheres.colors.as_deref();
+        let doing = renderer.watch.begin(Step::Trace, raw.id.len() as u64);
+        match &mut renderer.device.gpu {
+            Some(gpu) => {
+                let input = Input { view, colors, rays: KernelRays::Viewing };
+                let mut output = Output { raw, timings: &mut log.timings };
+                gpu.run(kernel, &input, &mut output, &|done| doing.reached(done))?;
+            }
+            None => {
+                let row = || doing.next(u64::from(view.record.columns));
+                log.time("trace", || cpu::render(kernel, view, None, colors, raw, &row));
+            }
+        }
+        doing.end()?;
+        Ok(Found::Hits(Vec::new()))
+    }
+
+    fn proves(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,53 @@
+//! Spheres that a device holds: it finds and certifies the hits, and the host settles what f32 does not prove.
+
+use super::{Engine, Found, ViewRays, settle};
+use crate::answers::raw::Raw;
+use crate::certify::placing::Placer;
+use crate::error::Result;
+use crate::gpu::input::Output;
+use crate::gpu::resident::{Rendered, ResidentFrame};
+use crate::progress::Step;
+use crate::render::log::FrameLog;
+use crate::render::renderer::{NOTHING, Renderer};
+use std::sync::Arc;
+
+/// The host's part in placing the spheres.
+pub(in crate::render) struct Resident {
+    pub(in crate::render) placer: Placer,
+    /// Whether pixels without a proof are decided by the judge.
+    pub(in crate::render) proves: bool,
+}
+
+impl Engine for Resident {
+    fn first_hits(
+        &mut self,
+        renderer: &mut Renderer,
+        rays: ViewRays<'_>,
+        raw: &mut Raw,
+        log: &mut FrameLog,
+    ) -> Result<Found> {
+        let ViewRays { scene, view, kernel } = rays;
+        let Some(gpu) = &mut renderer.device.gpu else { return Ok(Found::Left("there is no device".into())) };
+        if gpu.hold(scene, renderer.frames)?.is_none() {
+            return Ok(Found::Left(NOTHING.into()));
+        }
+        let pool = Arc::clone(&renderer.pool);
+        let doing = renderer.watch.begin(Step::Trace, raw.id.len() as u64);
+        let frame = ResidentFrame { scene, view, placer: &self.placer, pool: &pool };
+        let mut output = Output { raw, timings: &mut log.timings };
+        let rendered = gpu.render_resident(kernel, frame, &mut output, &|done| doing.reached(done))?;
+        doing.end()?;
+        match rendered {
+            Rendered::Frame(binned) => settle(rays, &binned, raw, &renderer.watch, log).map(Found::Hits),
+            Rendered::Left(reason) => Ok(Found::Left(reason)),
+        }
+    }
+
+    fn placer(&self) -> Option<&Placer> {
+        Some(&self.placer)
+    }
+
+    fn proves(&self) -> bool {
+        self.proves
+    }
+}

@@ -1,0 +1,89 @@
+//! The passes of a frame, in the order in which they run.
+
+pub(super) mod buffers;
+pub(super) mod finish;
+pub(super) mod hits;
+pub(super) mod layers;
+pub(super) mod light;
+pub(super) mod on_device;
+pub(super) mod samples;
+pub(super) mod shade;
+pub(super) mod sky;
+
+use super::log::FrameLog;
+use super::plan::Plan;
+use super::renderer::Renderer;
+use crate::error::Result;
+use crate::memory::Pool;
+use crate::scene::Scene;
+use crate::settings::Settings;
+use crate::view::raster::Raster;
+use crate::window::Window;
+use std::sync::Arc;
+use web_time::Instant;
+
+/// A pass, for the report of `halfline plan`.
+pub(super) struct Pass {
+    pub(super) name: &'static str,
+    /// Its output, in words.
+    pub(super) output: &'static str,
+    /// Whether a frame has it.
+    runs: fn(&Plan, &Scene, &Settings) -> bool,
+}
+
+/// All passes. Those from `samples` to `lines` run once for each sample of the pixels.
+pub(super) const PASSES: [Pass; 8] =
+    [hits::PASS, light::PASS, sky::PASS, samples::PASS, layers::PASS, finish::PASS, shade::PASS, buffers::PASS];
+
+/// The passes of a planned frame.
+pub(super) fn of(plan: &Plan, scene: &Scene, settings: &Settings) -> impl Iterator<Item = &'static Pass> {
+    PASSES.iter().filter(move |pass| (pass.runs)(plan, scene, settings))
+}
+
+/// The rays of a frame.
+#[derive(Clone, Copy)]
+pub(super) struct FrameRays {
+    pub(super) window: Window,
+    /// The samples, where pictures have passes of their own.
+    pub(super) samples: Option<Raster>,
+}
+
+/// A frame in progress: the renderer, the inputs of all passes, and their log.
+pub(super) struct Rendering<'a> {
+    pub(super) renderer: &'a mut Renderer,
+    pub(super) scene: &'a Scene,
+    pub(super) settings: &'a Settings,
+    pub(super) rays: FrameRays,
+    pub(super) pool: Arc<Pool>,
+    pub(super) log: FrameLog,
+    pub(super) start: Instant,
+}
+
+impl<'a> Rendering<'a> {
+    /// Begins the next frame of a renderer.
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`].
+    pub(super) fn begin(
+        renderer: &'a mut Renderer,
+        scene: &'a Scene,
+        settings: &'a Settings,
+        rays: FrameRays,
+    ) -> Result<Self> {
+        let (start, pool) = (Instant::now(), Arc::clone(&renderer.pool));
+        pool.next_frame();
+        renderer.watch.check()?;
+        // Discards what was done before, for example by a self-test.
+        renderer.traffic();
+        renderer.frames += 1;
+        Ok(Self { renderer, scene, settings, rays, pool, log: FrameLog::default(), start })
+    }
+
+    /// Does `work` as a part of a step.
+    pub(super) fn time<T>(&mut self, step: &'static str, work: impl FnOnce(&mut Self) -> T) -> T {
+        let start = Instant::now();
+        let done = work(self);
+        self.log.timings.add(step, start);
+        done
+    }
+}

@@ -1,0 +1,29 @@
+//! The hits: what the ray through the centre of each pixel hits first.
+
+use super::{Pass, Rendering};
+use crate::answers::hits::FirstHits;
+use crate::error::Result;
+use crate::progress::Step;
+use crate::render::plan::Plan;
+use crate::render::setup::{self, FrameSetup};
+use crate::view::raster::Raster;
+
+pub(in crate::render) const PASS: Pass =
+    Pass { name: "hits", output: "what the ray of each pixel's centre hits first", runs: |_, _, _| true };
+
+/// The setup of a frame for the centres of its pixels, and their hits.
+///
+/// # Errors
+/// Errors of the setup and of the engine.
+pub(in crate::render) fn run(at: &mut Rendering<'_>, plan: Plan) -> Result<(FrameSetup, FirstHits)> {
+    let Rendering { scene, settings, rays, .. } = *at;
+    let staging = at.renderer.watch.clone();
+    let staging = staging.begin(Step::Stage, scene.spheres.len() as u64);
+    let raster = Raster::centres(rays.window);
+    let mut setup = setup::make(at.renderer, plan, scene, settings, raster, &mut at.log)?;
+    staging.end()?;
+    let mut hits = FirstHits::new(&setup.plan.kernel, setup.view.record.pixels(), &at.pool)?;
+    setup.find(at.renderer, scene, settings, &mut hits, &mut at.log)?;
+    at.renderer.watch.check()?;
+    Ok((setup, hits))
+}

@@ -1,0 +1,162 @@
+//! Pictures that show something through translucent spheres: the picture of the opaque spheres alone, and over it the
+//! translucent hits before them, layer by layer.
+
+use super::light::{LightSetup, all_spheres};
+use super::samples::Sampling;
+use super::{Pass, Rendering};
+use crate::answers::hits::FirstHits;
+use crate::answers::layers::Layers;
+use crate::error::Result;
+use crate::memory::Pool;
+use crate::parallel::{self, CHEAP, Rows};
+use crate::render::engine::{Engine, ViewRays};
+use crate::render::opaque::Opaque;
+use crate::render::plan::Plan;
+use crate::render::plan::lights::bounces;
+use crate::render::setup::{self, FrameSetup};
+use crate::scene::{Scene, Spheres};
+use crate::view::View;
+use crate::view::raster::Raster;
+use crate::view::ray::NONE;
+
+pub(in crate::render) const PASS: Pass = Pass {
+    name: "layers",
+    output: "the translucent spheres before the opaque one of each sample, and their colours over its own",
+    runs: |plan, _, _| plan.see_through,
+};
+
+/// The setups for the rays of a raster, of all passes of one eye.
+pub(super) struct Setups {
+    /// The frame of the opaque spheres, which may be all.
+    pub(super) first: FrameSetup,
+    /// The scene of the opaque spheres, where some are translucent.
+    pub(super) alone: Option<Scene>,
+    /// The frame of all spheres, where some are translucent.
+    pub(super) shown: Option<Shown>,
+}
+
+/// The frame of all spheres for the rays of a view, from which translucent hits are found.
+pub(super) struct Shown {
+    setup: FrameSetup,
+    /// The engine that finds the layers behind the first, where it is another.
+    deep: Option<Box<dyn Engine>>,
+}
+
+impl Shown {
+    pub(super) fn view(&self) -> &View {
+        &self.setup.view
+    }
+
+    /// Returns the memory to the pool for the next frame.
+    pub(super) fn put_back(self, pool: &Pool) {
+        self.setup.put_back(pool);
+        if let Some(deep) = self.deep {
+            deep.put_back(pool);
+        }
+    }
+}
+
+/// The setups for the rays of a raster.
+///
+/// # Errors
+/// Errors of the setups.
+pub(super) fn setups(at: &mut Rendering<'_>, sampling: &Sampling<'_>, plan: Plan, raster: Raster) -> Result<Setups> {
+    let (scene, settings) = (sampling.scene, at.settings);
+    let Some(opaque) = sampling.opaque else {
+        let first = setup::make(at.renderer, plan, scene, settings, raster, &mut at.log)?;
+        return Ok(Setups { first, alone: None, shown: None });
+    };
+    let alone = opaque.scene(scene);
+    let of_ids = Plan { kernel: plan.kernel.ids_only(), is_deep: settings.layers > 1, ..plan.clone() };
+    let all = setup::make(at.renderer, of_ids, scene, settings, raster, &mut at.log)?;
+    let deep = all.deep(scene, settings, &at.pool, &mut at.log)?;
+    let refused = at.log.refused.clone();
+    let first = setup::make(at.renderer, plan, &alone, settings, raster, &mut at.log)?;
+    if alone.spheres.is_empty() {
+        // No sphere is opaque, and the device renders those that there are.
+        at.log.refused = refused;
+    }
+    Ok(Setups { first, alone: Some(alone), shown: Some(Shown { setup: all, deep }) })
+}
+
+impl Setups {
+    pub(super) fn set_sample(&mut self, sample: u32) {
+        self.first.view.set_sample(sample);
+        if let Some(shown) = &mut self.shown {
+            shown.setup.view.set_sample(sample);
+        }
+    }
+
+    /// Finds the first hits of the opaque spheres, which may be all; their ids are those of the scene alone.
+    ///
+    /// # Errors
+    /// Errors of the engine.
+    pub(super) fn find(&mut self, at: &mut Rendering<'_>, scene: &Scene, hits: &mut FirstHits) -> Result<()> {
+        let of = self.alone.as_ref().unwrap_or(scene);
+        self.first.find(at.renderer, of, at.settings, hits, &mut at.log)
+    }
+
+    /// Returns the memory to the pool for the next frame.
+    pub(super) fn put_back(self, pool: &Pool) {
+        self.first.put_back(pool);
+        if let Some(shown) = self.shown {
+            shown.put_back(pool);
+        }
+    }
+}
+
+/// The light of a picture that shows something through translucent spheres.
+pub(super) fn light_through(at: &mut Rendering<'_>, plan: &Plan, opaque: &Opaque) -> LightSetup {
+    let scene = at.scene;
+    let blockers = if at.settings.opacity_shadows { None } else { at.time("tree", |_| Some(opaque.tree(scene))) };
+    // Rays leave from the hits of the opaque spheres alone, and from those of each layer, where a device has those of one frame.
+    let by_host =
+        Some(if blockers.is_some() { "not all spheres block them" } else { "they leave from several layers" });
+    match blockers {
+        // Rays that go on from mirrors meet all spheres.
+        Some(blockers) if bounces(scene) > 0 => LightSetup { blockers, by_host, ..all_spheres(at, plan) },
+        Some(blockers) => LightSetup { tree: blockers.clone(), blockers, accuracy: plan.accuracy, by_host },
+        None => LightSetup { by_host, ..all_spheres(at, plan) },
+    }
+}
+
+/// The translucent spheres that the rays of a view hit before the opaque ones, which are given: of each pixel the nearest
+/// in the first layer, the next in the second; [`NONE`] where there is no more.
+///
+/// # Errors
+/// Errors of the engines.
+pub(super) fn find(at: &mut Rendering<'_>, shown: &mut Shown, scene: &Scene, opaque: &[u32]) -> Result<Vec<Vec<u32>>> {
+    let Shown { setup, deep } = shown;
+    let mut hits = FirstHits::new(&setup.plan.kernel, opaque.len(), &at.pool)?;
+    setup.find(at.renderer, scene, at.settings, &mut hits, &mut at.log)?;
+    let mut first = hits.into_ids(&at.pool);
+    let spheres = &scene.spheres;
+    parallel::each(&mut first, |_, id| {
+        if *id != NONE && spheres.opacity(*id) == 1.0 {
+            *id = NONE;
+        }
+    });
+    let mut layers = vec![first];
+    if at.settings.layers > 1 {
+        let rays = ViewRays { scene, view: &setup.view, kernel: &setup.plan.kernel };
+        let behind = Layers { opaque, first: &layers[0], more: at.settings.layers - 1 };
+        let engine = deep.as_mut().unwrap_or(&mut setup.engine);
+        let more = at.time("layers", |at| engine.behind(at.renderer, rays, behind))?;
+        layers.extend(more);
+    }
+    Ok(layers)
+}
+
+/// Lays a layer over the picture of what lies behind it: colours in linear light, by the opacity of each hit. `passing` is the share
+/// of the light behind that reaches the eye.
+pub(super) fn lay_over(spheres: &Spheres, layer: &[u32], over: &[f32], color: &mut [f32], passing: &mut [f32]) {
+    let opacity = |id: u32| if id == NONE { 0.0 } else { spheres.opacity(id) };
+    parallel::each(passing, |pixel, passing| *passing *= 1.0 - opacity(layer[pixel]));
+    parallel::fill(Rows { values: color, each: 3 }, CHEAP, &|pixels, color| {
+        let over = over[3 * pixels.start..].chunks_exact(3);
+        for ((color, over), id) in color.values.chunks_exact_mut(3).zip(over).zip(&layer[pixels]) {
+            let opacity = opacity(*id);
+            color.iter_mut().zip(over).for_each(|(color, over)| *color += opacity * (*over - *color));
+        }
+    });
+}

@@ -1,0 +1,235 @@
+//! The samples of the pixels: one pass each, whose hits are certified and settled like those of the centres, and their means of colour
+//! and coverage.
+
+use super::layers::{self, Setups, lay_over};
+use super::light::{FrameContext, LightRequest, LightSetup, light};
+use super::sky::PictureSky;
+use super::{Pass, Rendering, finish, on_device, sky};
+use crate::answers::depth_cue::DepthCue;
+use crate::answers::finish::Finish;
+use crate::answers::hits::FirstHits;
+use crate::answers::open_sky::OpenSky;
+use crate::answers::samples::{Means, Sums};
+use crate::answers::settle;
+use crate::cpu::light::LightOutputs;
+use crate::error::Result;
+use crate::frame::Aov;
+use crate::frame::coverage::Coverage;
+use crate::kernel::Kernel;
+use crate::render::lens::LensPasses;
+use crate::render::opaque::Opaque;
+use crate::render::plan::Plan;
+use crate::render::setup::FrameSetup;
+use crate::scene::Scene;
+use crate::settings::Settings;
+use crate::view::View;
+use crate::view::raster::Raster;
+use crate::view::ray::NONE;
+
+pub(in crate::render) const PASS: Pass = Pass {
+    name: "samples",
+    output: "the means of colour and coverage over the samples of each pixel, and the spheres that they show",
+    runs: |plan, _, settings| plan.sampled.is_some() || settings.coverage,
+};
+
+/// The inputs that all samples of a frame share.
+#[derive(Clone, Copy)]
+pub(super) struct Sampling<'a> {
+    pub(super) plan: &'a Plan,
+    /// Writes ids and colours.
+    pub(super) kernel: Kernel,
+    /// As the eye of a pass sees it.
+    pub(super) scene: &'a Scene,
+    pub(super) settings: &'a Settings,
+    /// The spheres that rays from hits meet; `None` where the kernel shades.
+    pub(super) trees: Option<&'a LightSetup>,
+    /// The opaque spheres, where some are translucent. The samples are then those of the opaque ones, with layers over them.
+    pub(super) opaque: Option<&'a Opaque>,
+}
+
+impl<'a> Sampling<'a> {
+    /// The effects that are drawn over the colours; `None` where colour is not requested.
+    pub(super) fn finish(&self) -> Option<Finish> {
+        self.plan.finish.filter(|_| self.settings.asks(&[Aov::Color]))
+    }
+
+    /// The sky that lights pixels of so many samples.
+    pub(super) fn sky(&self, samples: u32) -> Option<PictureSky<'a>> {
+        PictureSky::of(self, samples, self.settings.aperture.is_some())
+    }
+}
+
+/// The means over the samples, where pictures have passes of their own, and the spheres that they show, where these are counted.
+///
+/// # Errors
+/// Errors of the setups, of the engines and of light.
+pub(in crate::render) fn run(
+    at: &mut Rendering<'_>,
+    FrameSetup { plan, .. }: &FrameSetup,
+    trees: Option<&LightSetup>,
+    centers: &FirstHits,
+) -> Result<(Option<Means>, Option<Coverage>)> {
+    let (window, scene, settings) = (at.rays.window, at.scene, at.settings);
+    let mut coverage = settings.coverage.then(|| Coverage::new(window));
+    let (Some(raster), Some(kernel)) = (at.rays.samples, plan.sampled) else {
+        if let Some(coverage) = &mut coverage {
+            coverage.add(&centers.raw.id, window.inside(window), window.width());
+        }
+        return Ok((None, coverage));
+    };
+    let opaque = match plan.see_through {
+        true => Some(at.renderer.opaque.of(&scene.spheres, at.renderer.frames)?),
+        false => None,
+    };
+    // Of a picture, not of the buffers, translucent spheres block neither lights nor sky.
+    let through = opaque.as_deref().filter(|_| plan.light_outputs.color);
+    let through = through.map(|opaque| layers::light_through(at, plan, opaque));
+    let trees = through.as_ref().or(trees).filter(|_| plan.light_outputs.color);
+    let sampling = Sampling { plan, kernel, scene, settings, trees, opaque: opaque.as_deref() };
+    let means = means(at, sampling, raster, &centers.raw.id, coverage.as_mut())?;
+    Ok((Some(means), coverage))
+}
+
+/// The means of all samples of `raster`, in their order, on the device where it draws pictures; they are counted in `coverage`. `centers`
+/// are the spheres that the pixels' centres show.
+fn means(
+    at: &mut Rendering<'_>,
+    sampling: Sampling<'_>,
+    mut raster: Raster,
+    centers: &[u32],
+    mut coverage: Option<&mut Coverage>,
+) -> Result<Means> {
+    let (scene, window) = (sampling.scene, raster.window);
+    let mut lens = LensPasses::new(scene, at.settings, raster)?;
+    let (finish, sky) = (sampling.finish(), sampling.sky(raster.count()));
+    // Each pass draws its own lines, and has its own rays toward the sky, with samples around the window, so that their mean is
+    // smooth and a lens blurs them.
+    let margin = finish.map_or(0, Finish::margin).max(sky.map_or(0, |sky| sky.margin()));
+    raster.window = window.grown(margin, scene.image.width, scene.image.height);
+    let of_centers = sky.filter(|sky| sky.at_centers);
+    // The spheres of samples that a device draws stay there.
+    if let Some(sky) = of_centers.filter(|_| coverage.is_none())
+        && let Some(means) = on_device::run(at, sampling, sky, (window, raster), centers)?
+    {
+        return Ok(means);
+    }
+    let open = match of_centers {
+        Some(sky) => sky::run(at, sampling, window, sky, centers)?,
+        None => Vec::new(),
+    };
+    let basis = scene.camera.basis()?;
+    let over = Over { open: &open, cue: finish.and_then(|finish| finish.cue(scene, &basis)) };
+    let pixels = raster.window.width() as usize * raster.window.height() as usize;
+    let mut hits = FirstHits::new(&sampling.kernel, pixels, &at.pool)?;
+    let mut passing = at.pool.values(if sampling.opaque.is_some() { pixels } else { 0 })?;
+    let mut sums = Sums::new(pixels, sampling.kernel.shade.is_some() || sampling.trees.is_some(), &at.pool)?;
+    let mut last: Option<Setups> = None;
+    for sample in 0..raster.count() {
+        let (scene, raster) = match &mut lens {
+            Some(lens) => {
+                // Each pass has another eye.
+                last.take().into_iter().for_each(|setups| setups.put_back(&at.pool));
+                lens.pass(sample, raster.window)?
+            }
+            None => (scene, raster),
+        };
+        let sampling = Sampling { scene, ..sampling };
+        // The spheres are binned once for all passes of one eye, as only the positions within the pixels differ.
+        let setups = match &mut last {
+            Some(setups) => setups,
+            none => {
+                let plan = Plan { kernel: sampling.kernel, ..sampling.plan.clone() };
+                none.insert(layers::setups(at, &sampling, plan, raster)?)
+            }
+        };
+        setups.set_sample(sample);
+        pass(at, sampling, setups, over, (&mut hits, &mut passing))?;
+        at.log.time("samples", || sums.add(&hits.raw, &passing));
+        if let Some(coverage) = &mut coverage {
+            let inside = window.inside(raster.window);
+            at.log.time("coverage", || coverage.add(&hits.raw.id, inside, raster.window.width()));
+        }
+    }
+    let means = sums.means(raster.count(), &at.pool);
+    let is_whole = raster.window == window;
+    let means = if is_whole { means } else { means.part(window.inside(raster.window), raster.window.width()) };
+    hits.raw.put_back(&at.pool);
+    at.pool.put_back(passing);
+    open.into_iter().for_each(|open| open.put_back(&at.pool));
+    last.into_iter().for_each(|setups| setups.put_back(&at.pool));
+    Ok(means)
+}
+
+/// What is known of all samples before the first: the rays toward the sky from the pixels' centres, of the opaque hits and of each layer,
+/// and the depth cue.
+#[derive(Clone, Copy)]
+struct Over<'a> {
+    open: &'a [OpenSky],
+    cue: Option<DepthCue>,
+}
+
+/// One sample of every pixel, with its colour, and the share of it that layers let pass. The scene is that of the pass's eye.
+fn pass(
+    at: &mut Rendering<'_>,
+    sampling: Sampling<'_>,
+    setups: &mut Setups,
+    Over { open, cue }: Over<'_>,
+    (hits, passing): (&mut FirstHits, &mut [f32]),
+) -> Result<()> {
+    let Sampling { kernel, scene, trees, opaque, .. } = sampling;
+    setups.find(at, scene, hits)?;
+    let (of, view) = (setups.alone.as_ref().unwrap_or(scene), &setups.first.view);
+    let FirstHits { raw, settled } = hits;
+    if let Some(shade) = kernel.shade {
+        at.log.time("shade", || settle::shade(shade, of, view, settled, &mut raw.color));
+    }
+    if let Some(opaque) = opaque {
+        opaque.rename(&mut raw.id);
+    }
+    if let Some(trees) = trees {
+        let color = color(at, sampling, trees, view, &raw.id, open.first())?;
+        at.pool.put_back(std::mem::replace(&mut raw.color, color));
+    }
+    finish::run(at, sampling, view, &raw.id, cue, &mut raw.color);
+    let Some(shown) = &mut setups.shown else { return Ok(()) };
+    passing.fill(1.0);
+    let layers = layers::find(at, shown, scene, &raw.id)?;
+    let view = shown.view();
+    // Back to front.
+    for (n, layer) in layers.iter().enumerate().rev() {
+        let mut over = match (trees, kernel.shade) {
+            (Some(trees), _) => color(at, sampling, trees, view, layer, open.get(1 + n))?,
+            (None, Some(shade)) => at.log.time("shade", || settle::shade_all(shade, scene, view, layer))?,
+            (None, None) => Vec::new(),
+        };
+        // Where the layer shows nothing, what is behind it is no farther surface to draw a line before.
+        let ids: Vec<u32> =
+            layer.iter().zip(&raw.id).map(|(id, behind)| if *id == NONE { *behind } else { *id }).collect();
+        finish::run(at, sampling, view, &ids, cue, &mut over);
+        lay_over(&scene.spheres, layer, &over, &mut raw.color, passing);
+    }
+    Ok(())
+}
+
+/// The colours of what a view shows under lights and a sky, whose rays from the pixels' centres may be known.
+fn color(
+    at: &mut Rendering<'_>,
+    sampling: Sampling<'_>,
+    trees: &LightSetup,
+    view: &View,
+    ids: &[u32],
+    known: Option<&OpenSky>,
+) -> Result<Vec<f32>> {
+    let Sampling { scene, settings, .. } = sampling;
+    let sky = sampling.sky(view.record.strata * view.record.strata);
+    let own = match sky.filter(|sky| !sky.at_centers && !sky.smoothing.is_none()) {
+        Some(sky) => Some(sky::of_view(at, scene, view, ids, sky)?),
+        None => None,
+    };
+    let outputs = LightOutputs { color: true, ..LightOutputs::default() };
+    let of = LightRequest::of(outputs, scene.lighting.sky, ids);
+    let request = LightRequest { open_sky: known.or(own.as_ref()), ..of };
+    let found = light(at, trees, FrameContext { scene, settings, view }, &request)?;
+    own.into_iter().for_each(|own| own.put_back(&at.pool));
+    Ok(found.color)
+}
