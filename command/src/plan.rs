@@ -148,7 +148,12 @@ impl PlanText<'_> {
             )?;
         }
         writeln!(f, "precision  {}", e.precision)?;
-        writeln!(f, "search     {}: {}", e.search, e.search_reason)
+        writeln!(f, "search     {}: {}", e.search, e.search_reason)?;
+        let titles = std::iter::once("passes").chain(std::iter::repeat(""));
+        e.passes
+            .iter()
+            .zip(titles)
+            .try_for_each(|(pass, title)| writeln!(f, "{title:10} {}: {}", pass.name, pass.output))
     }
 
     /// The kernel and the buffers of the device.
