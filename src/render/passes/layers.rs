@@ -87,13 +87,20 @@ impl Setups {
         }
     }
 
-    /// Finds the first hits of the opaque spheres, which may be all; their ids are those of the scene alone.
+    /// Finds the first hits of the opaque spheres, which may be all. Settled pixels keep the ids of the scene alone.
     ///
     /// # Errors
     /// Errors of the engine.
-    pub(super) fn find(&mut self, at: &mut Rendering<'_>, scene: &Scene, hits: &mut FirstHits) -> Result<()> {
-        let of = self.alone.as_ref().unwrap_or(scene);
-        self.first.find(at.renderer, of, at.settings, hits, &mut at.log)
+    pub(super) fn find(
+        &mut self,
+        at: &mut Rendering<'_>,
+        sampling: &Sampling<'_>,
+        hits: &mut FirstHits,
+    ) -> Result<()> {
+        let of = self.alone.as_ref().unwrap_or(sampling.scene);
+        self.first.find(at.renderer, of, at.settings, hits, &mut at.log)?;
+        sampling.opaque.into_iter().for_each(|opaque| opaque.rename(&mut hits.raw.id));
+        Ok(())
     }
 
     /// Returns the memory to the pool for the next frame.

@@ -176,15 +176,12 @@ fn pass(
     Over { open, cue }: Over<'_>,
     (hits, passing): (&mut FirstHits, &mut [f32]),
 ) -> Result<()> {
-    let Sampling { kernel, scene, trees, opaque, .. } = sampling;
-    setups.find(at, scene, hits)?;
+    let Sampling { kernel, scene, trees, .. } = sampling;
+    setups.find(at, &sampling, hits)?;
     let (of, view) = (setups.alone.as_ref().unwrap_or(scene), &setups.first.view);
     let FirstHits { raw, settled } = hits;
     if let Some(shade) = kernel.shade {
         at.log.time("shade", || settle::shade(shade, of, view, settled, &mut raw.color));
-    }
-    if let Some(opaque) = opaque {
-        opaque.rename(&mut raw.id);
     }
     if let Some(trees) = trees {
         let color = color(at, sampling, trees, view, &raw.id, open.first())?;

@@ -117,7 +117,7 @@ pub(super) fn centres<'a>(
     let plan = Plan { kernel: plan.kernel.ids_only(), ..plan.clone() };
     let mut setups = layers::setups(at, &sampling, plan, raster)?;
     let mut hits = FirstHits::new(&setups.first.plan.kernel, setups.first.view.record.pixels(), &at.pool)?;
-    setups.find(at, scene, &mut hits)?;
+    setups.find(at, &sampling, &mut hits)?;
     let ids = hits.into_ids(&at.pool).into();
     Ok(CenterHits { view: setups.first.into_view(&at.pool), ids, shown: setups.shown })
 }
