@@ -4,13 +4,18 @@ mod by_method;
 mod certified;
 pub mod echoes;
 mod on_device;
+#[cfg(test)]
+mod tests;
 
 use super::budget;
 use super::plan::GivenPlan;
 use super::renderer::Renderer;
 use crate::cpu;
 use crate::error::Result;
+use crate::frame::Aov;
 use crate::frame::report::milliseconds;
+use crate::memory::zeroed;
+use crate::parallel;
 use crate::scene::Spheres;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Backend, Search, Settings};
@@ -31,6 +36,9 @@ pub struct Hits {
     pub certainty: Vec<u8>,
     /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`crate::Aov::Normal`] is requested.
     pub normal: Option<Vec<[f32; 3]>>,
+    /// Proven bounds of the absolute errors of `distance`; 0 on a miss, +inf where nothing is proven, `None` unless
+    /// [`crate::Aov::Bound`] is requested.
+    pub bound: Option<Vec<f64>>,
     /// The search that found candidates, never `auto`. The answers do not depend on it.
     pub search: Search,
 }
@@ -45,17 +53,8 @@ impl Hits {
         if let (Some(own), Some(normals)) = (&mut self.normal, hits.normal) {
             places.iter().zip(normals).for_each(|(place, normal)| own[*place] = normal);
         }
-    }
-
-    /// Misses of `count` rays, with certainty 0.
-    fn none(count: usize, plan: &GivenPlan) -> Self {
-        Self {
-            id: vec![-1; count],
-            t: vec![f64::INFINITY; count],
-            distance: vec![f64::INFINITY; count],
-            certainty: vec![0; count],
-            normal: plan.kernel.normal.then(|| vec![[0.0; 3]; count]),
-            search: plan.search,
+        if let (Some(own), Some(bounds)) = (&mut self.bound, hits.bound) {
+            places.iter().zip(bounds).for_each(|(place, bound)| own[*place] = bound);
         }
     }
 }
@@ -92,6 +91,8 @@ pub struct Tracer<'a> {
     /// Whether an adapter that is open is not used.
     on_host: bool,
     tolerance: f64,
+    /// Whether bounds of the errors are requested.
+    bounds: bool,
     build_ms: f64,
 }
 
@@ -103,7 +104,10 @@ impl Tracer<'_> {
     /// [`Error::Settings`](crate::Error::Settings) for invalid rays, [`Error::Interrupted`](crate::Error::Interrupted), and errors of the device.
     pub fn hits(&mut self, rays: &Rays) -> Result<Hits> {
         rays.check()?;
-        self.answered(|this| if this.plan.certifies() { this.certified_hits(rays) } else { this.hits_by_method(rays) })
+        self.answered(|this| match this.plan.certifies() {
+            true => this.certified_hits(rays).map(|(hits, _)| hits),
+            false => this.hits_by_method(rays),
+        })
     }
 
     /// Whether each ray hits any sphere within its limit.
@@ -119,9 +123,17 @@ impl Tracer<'_> {
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
     }
 
-    /// Misses of so many rays, in whose places [`Hits::put`] puts hits.
+    /// Misses of so many rays, with certainty 0, in whose places hits are put.
     pub(super) fn misses(&self, count: usize) -> Hits {
-        Hits::none(count, &self.plan)
+        Hits {
+            id: parallel::from_fn(count, |_| -1),
+            t: parallel::from_fn(count, |_| f64::INFINITY),
+            distance: parallel::from_fn(count, |_| f64::INFINITY),
+            certainty: zeroed(count),
+            normal: self.plan.kernel.normal.then(|| zeroed(count)),
+            bound: self.bounds.then(|| zeroed(count)),
+            search: self.plan.search,
+        }
     }
 
     /// Runs `work`, and where the adapter fails once more on the CPU path, which answers all calls from then on.
@@ -204,7 +216,7 @@ pub fn trace(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]], s
 
 impl Renderer {
     /// Sets up `spheres` for any number of calls with given rays. Of `settings`, only `accuracy`, `method`, `search`,
-    /// `tolerance` and, for normals, `aovs` are used. Without a method, answers are certified unless the accuracy is
+    /// `tolerance` and, for normals and bounds, `aovs` are used. Without a method, answers are certified unless the accuracy is
     /// fast.
     ///
     /// # Errors
@@ -219,7 +231,20 @@ impl Renderer {
         let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten();
         let build_ms = if tree.is_some() { milliseconds(start) } else { 0.0 };
         let (backend, on_host) = (settings.backend, warning.is_some());
-        Ok(Tracer { renderer: self, spheres, plan, tree, device, warning, backend, on_host, tolerance, build_ms })
+        let bounds = settings.asks(&[Aov::Bound]);
+        Ok(Tracer {
+            renderer: self,
+            spheres,
+            plan,
+            tree,
+            device,
+            warning,
+            backend,
+            on_host,
+            tolerance,
+            bounds,
+            build_ms,
+        })
     }
 
     /// The plan for given rays, and where they are traced unless a device fails meanwhile.

@@ -199,8 +199,15 @@ mod tests {
     #[test]
     fn answers_of_the_other_query_are_refused() {
         let folder = tempfile::tempdir().expect("a folder");
-        let hits =
-            |normal| Hits { id: vec![], t: vec![], distance: vec![], certainty: vec![], normal, search: Search::All };
+        let hits = |normal| Hits {
+            id: vec![],
+            t: vec![],
+            distance: vec![],
+            certainty: vec![],
+            normal,
+            bound: None,
+            search: Search::All,
+        };
         let (occlusion, rays) = (Occlusion { hit: vec![], certainty: vec![] }, Rays::default());
         let (watch, spheres) = (Watch::default(), Spheres::default());
         let echoes = Echoes { beams: 0, all: vec![] };
