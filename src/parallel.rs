@@ -62,6 +62,16 @@ impl<T: Send> Target for Rows<'_, T> {
     }
 }
 
+/// A target that may be left out; without one there is no limit of the indices.
+impl<T: Target> Target for Option<T> {
+    fn count(&self) -> usize {
+        self.as_ref().map_or(usize::MAX, T::count)
+    }
+    fn split(self, count: usize) -> [Self; 2] {
+        self.map_or([None, None], |target| target.split(count).map(Some))
+    }
+}
+
 /// Two targets of the same indices.
 impl<A: Target, B: Target> Target for (A, B) {
     fn count(&self) -> usize {
@@ -253,6 +263,15 @@ pub fn count(count: usize, is: impl Fn(usize) -> bool + Sync) -> usize {
     blocks(0..count, CHEAP, &|range, _| range.filter(|n| is(*n)).count()).into_iter().sum()
 }
 
+/// The place of the first item for which `is` holds; the work for each is a few instructions.
+pub fn position<A: Sync>(items: &[A], is: impl Fn(&A) -> bool + Sync) -> Option<usize> {
+    let none = |range: Range<usize>| match items[range.clone()].iter().position(&is) {
+        Some(n) => Err(range.start + n),
+        None => Ok(Vec::<()>::new()),
+    };
+    try_collect(items.len(), CHEAP, &none).err()
+}
+
 /// Whether `is` holds for a block of `0..count`. Blocks behind one may not be asked.
 pub fn any(count: usize, block: usize, is: &(dyn Fn(Range<usize>) -> bool + Sync)) -> bool {
     let none = |range| if is(range) { Err(()) } else { Ok(Vec::<()>::new()) };
@@ -285,8 +304,9 @@ mod tests {
                 let expected: Vec<_> = all.chunks(block.max(1)).map(|chunk| chunk[0]..chunk[0] + chunk.len()).collect();
                 assert_eq!(collect(count, block, &|range, out| out.push(range)), expected, "{count}, {block}");
                 let (mut ones, mut threes) = (vec![0; count], vec![0; (3 * count).saturating_sub(1)]);
-                fill((&mut ones[..], Rows { values: &mut threes, each: 3 }), block, &|range, (one, three)| {
-                    assert!(expected.contains(&range) && one.len() == range.len());
+                let target = ((&mut ones[..], None::<&mut [u8]>), Rows { values: &mut threes, each: 3 });
+                fill(target, block, &|range, ((one, none), three)| {
+                    assert!(expected.contains(&range) && one.len() == range.len() && none.is_none());
                     one.iter_mut().zip(range.clone()).for_each(|(one, n)| *one = n);
                     three.values.iter_mut().zip(3 * range.start..).for_each(|(three, n)| *three = n);
                 });
@@ -319,6 +339,8 @@ mod tests {
                 assert_eq!((values(count, 5, |n| mixed[n]), map(&mixed, |n| *n)), (mixed.clone(), mixed.clone()));
                 assert_eq!(reduce(&mixed, 0, usize::max), mixed.iter().copied().max().unwrap_or(0));
                 let most = count.saturating_sub(1);
+                assert_eq!(position(&mixed, |n| *n == 10_007), None);
+                assert_eq!(position(&mixed, |n| *n == 7919), (count > 1).then_some(1));
                 assert!(all(&mixed, |n| *n < 10_007) && (count == 0 || !all(&mixed, |n| *n != mixed[most])));
                 let (mut sorted, mut sums, mut more) = (mixed.clone(), mixed.clone(), vec![1]);
                 sort(&mut sorted, usize::cmp);

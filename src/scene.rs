@@ -12,6 +12,7 @@ pub mod instances;
 pub mod lidar;
 mod light;
 pub(crate) mod list;
+mod lists;
 mod material;
 mod opacity;
 mod orient;
@@ -93,31 +94,9 @@ impl Spheres {
         self.radii.len()
     }
 
-    /// Removes all spheres, and keeps the memory.
-    pub fn clear(&mut self) {
-        self.centers.to_mut().clear();
-        self.radii.to_mut().clear();
-        (self.colors, self.materials, self.opacities) = (None, None, None);
-    }
-
     /// Whether there are no spheres.
     pub fn is_empty(&self) -> bool {
         self.radii.is_empty()
-    }
-
-    /// Keeps the spheres whose flag is set.
-    pub fn keep(&mut self, flags: &[bool]) {
-        keep(self.centers.to_mut(), flags);
-        keep(self.radii.to_mut(), flags);
-        if let Some(colors) = &mut self.colors {
-            keep(colors.to_mut(), flags);
-        }
-        if let Some(materials) = &mut self.materials {
-            keep(materials.of.to_mut(), flags);
-        }
-        if let Some(opacities) = &mut self.opacities {
-            keep(opacities.to_mut(), flags);
-        }
     }
 
     /// Remembers that the numbers of every sphere were checked, until they are changed.
@@ -131,13 +110,12 @@ impl Spheres {
     /// # Errors
     /// As [`check_sphere`] for the first that cannot be rendered.
     pub(crate) fn check(&self) -> Result<()> {
-        if self.centers.is_sound(is_center) && self.radii.is_sound(is_radius) {
-            return Ok(());
+        if !(self.centers.is_sound(is_center) && self.radii.is_sound(is_radius)) {
+            for (n, (center, radius)) in self.centers.iter().zip(&self.radii).enumerate() {
+                check_sphere(*center, *radius, || Place::field(format!("sphere {n}")))?;
+            }
         }
-        let mut spheres = self.centers.iter().zip(&self.radii).enumerate();
-        spheres.try_for_each(|(n, (center, radius))| {
-            check_sphere(*center, *radius, || Place::field(format!("sphere {n}")))
-        })
+        self.check_opacities()
     }
 
     /// The corners of the box around all spheres; not finite for no spheres.
@@ -196,21 +174,6 @@ impl Spheres {
         self.grow(1, color.is_some())?;
         self.push(center, radius, color);
         Ok(())
-    }
-
-    /// Makes clones cheap: they share the numbers from here on. A change of shared numbers copies them first.
-    pub fn share(&mut self) {
-        self.centers.share();
-        self.radii.share();
-        if let Some(colors) = &mut self.colors {
-            colors.share();
-        }
-        if let Some(materials) = &mut self.materials {
-            materials.of.share();
-        }
-        if let Some(opacities) = &mut self.opacities {
-            opacities.share();
-        }
     }
 
     /// Adds one sphere. The first colour creates the colour list; spheres without one get [`DEFAULT_COLOR`] in it.
@@ -295,7 +258,6 @@ impl Scene {
                 material.check(|field| Place::field(format!("material {index} {field}")))?;
             }
         }
-        s.check_opacities()?;
         self.image.check()?;
         self.lighting.check(s.radii.len())?;
         self.camera.basis().map(drop)?;

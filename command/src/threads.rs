@@ -29,8 +29,34 @@ type Counted<T> = (u64, Result<T>);
 /// # Errors
 /// The first error in the order of the items.
 pub(super) fn pipeline<T: Send, L: Send, R: Send>(
+    next: impl FnMut() -> Result<Option<T>> + Send,
+    lanes: Vec<L>,
+    cancel: &Cancel,
+    each: impl Fn(&mut L, T) -> Result<R> + Sync,
+    done: impl FnMut(R) -> Result<()>,
+) -> Result<()> {
+    let has_threads = lanes.len() > 1;
+    stages(next, lanes, has_threads, cancel, each, done)
+}
+
+/// [`pipeline`] with one lane, which has a thread of its own: it works on an item while `done` works on the one before.
+///
+/// # Errors
+/// As [`pipeline`].
+pub(super) fn three_stages<T: Send, L: Send, R: Send>(
+    next: impl FnMut() -> Result<Option<T>> + Send,
+    lane: L,
+    cancel: &Cancel,
+    each: impl Fn(&mut L, T) -> Result<R> + Sync,
+    done: impl FnMut(R) -> Result<()>,
+) -> Result<()> {
+    stages(next, vec![lane], true, cancel, each, done)
+}
+
+fn stages<T: Send, L: Send, R: Send>(
     mut next: impl FnMut() -> Result<Option<T>> + Send,
     lanes: Vec<L>,
+    has_threads: bool,
     cancel: &Cancel,
     each: impl Fn(&mut L, T) -> Result<R> + Sync,
     mut done: impl FnMut(R) -> Result<()>,
@@ -68,7 +94,7 @@ pub(super) fn pipeline<T: Send, L: Send, R: Send>(
             let (waiting, results) = (Arc::clone(&waiting), results.clone());
             Builder::new().name(format!("lane {number}")).spawn_scoped(scope, move || work(&waiting, &results))
         };
-        let started = if most > 1 { (0..most).map_while(|number| start(number).ok()).count() } else { 0 };
+        let started = if has_threads { (0..most).map_while(|number| start(number).ok()).count() } else { 0 };
         drop(results);
         let finished = if started > 0 {
             in_order(arriving.iter()).try_for_each(|result| done(result?))
@@ -89,18 +115,6 @@ pub(super) fn pipeline<T: Send, L: Send, R: Send>(
         }
         Ok(())
     })
-}
-
-/// Calls `each` with what `next` gives, in order; `next` runs one item ahead on another thread.
-///
-/// # Errors
-/// As [`pipeline`].
-pub(super) fn ahead<T: Send>(
-    next: impl FnMut() -> Result<Option<T>> + Send,
-    cancel: &Cancel,
-    each: impl FnMut(T) -> Result<()>,
-) -> Result<()> {
-    pipeline(next, vec![()], cancel, |(), item| Ok(item), each)
 }
 
 /// Numbered values in the order of their numbers, from 0.
@@ -153,6 +167,29 @@ mod tests {
         };
         pipeline(up_to(12), vec![0; 3], &Cancel::default(), each, done).expect("no errors");
         assert_eq!(results, (1..=12).map(|n| n * n).collect::<Vec<u64>>());
+    }
+
+    #[test]
+    fn the_lane_works_while_the_last_item_is_finished() {
+        // The lane and the end pass it only together: the end of an item with the next item.
+        let both = Barrier::new(2);
+        let each = |count: &mut u64, number: u64| {
+            *count += 1;
+            if number > 1 {
+                both.wait();
+            }
+            Ok((number, *count))
+        };
+        let mut results = Vec::new();
+        let done = |result: (u64, u64)| {
+            if result.0 < 5 {
+                both.wait();
+            }
+            results.push(result);
+            Ok(())
+        };
+        three_stages(up_to(5), 0, &Cancel::default(), each, done).expect("no errors");
+        assert_eq!(results, (1..=5).map(|n| (n, n)).collect::<Vec<_>>());
     }
 
     #[test]

@@ -21,8 +21,8 @@ use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::{Cancel, Progress, Step};
 use halfline::render::Renderer;
-use halfline::render::trace::Tracer;
 use halfline::render::trace::echoes::Echoes;
+use halfline::render::trace::{Hits, Occlusion, Tracer};
 use halfline::scene::Spheres;
 use halfline::scene::lidar::Lidar;
 use halfline::settings::{Search, Settings};
@@ -221,6 +221,13 @@ impl Trace {
     }
 }
 
+/// The answers to a block of rays.
+enum Answers {
+    Any(Occlusion),
+    /// The hits, and the echoes where they are measured.
+    Nearest(Hits, Option<Echoes>),
+}
+
 /// The work on all blocks.
 struct Work<'a> {
     bar: &'a Bar,
@@ -234,7 +241,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Traces all rays block by block, while the next block is read.
+    /// Traces all rays block by block, while the next block is read and the one before is written.
     fn run(
         &mut self,
         source: &mut RaySource,
@@ -243,14 +250,29 @@ impl Work<'_> {
         mut out: Option<&mut HitWriter<'_>>,
     ) -> Result<()> {
         self.progress(self.total);
-        threads::ahead(
+        let Self { any, echoes, spheres, .. } = *self;
+        threads::three_stages(
             || source.next_block(rays_of_a_block()),
+            (tracer, 0),
             cancel,
-            |block| {
+            |(tracer, before), block| {
                 if !go_on() {
                     return Err(Error::Interrupted);
                 }
-                self.block(&block, tracer, out.as_deref_mut())?;
+                let (start, rays) = (Instant::now(), block.rays());
+                let mut answers = match any {
+                    true => Answers::Any(tracer.occluded(&rays)?),
+                    false => Answers::Nearest(tracer.hits(&rays)?, None),
+                };
+                let trace_ms = start.elapsed().as_secs_f64() * 1e3;
+                if let (Answers::Nearest(hits, found), Some(lidar)) = (&mut answers, echoes) {
+                    *found = Echoes::new(&lidar, *before / u64::from(lidar.rays_per_beam()), &rays, hits, spheres);
+                }
+                *before += block.rows() as u64;
+                Ok((block, answers, trace_ms))
+            },
+            |(block, answers, trace_ms)| {
+                self.add(&block, &answers, trace_ms, out.as_deref_mut())?;
                 self.tally.fault = self.tally.fault.take().or(block.fault);
                 self.progress(self.total);
                 Ok(())
@@ -260,25 +282,29 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Traces the rays of a block, and writes the answers into the file, if there is one.
-    fn block(&mut self, block: &RayBlock, tracer: &mut Tracer<'_>, out: Option<&mut HitWriter<'_>>) -> Result<()> {
-        let (start, rays, before) = (Instant::now(), block.rays(), self.tally.rays);
-        if self.any {
-            let occlusion = tracer.occluded(&rays)?;
-            self.tally.occlusion(block, &occlusion, start);
-            return out.map_or(Ok(()), |out| out.occlusion(&occlusion, &block.invalid));
-        }
-        let hits = tracer.hits(&rays)?;
-        self.tally.hits(block, &hits, start);
-        let echoes = self.echoes.and_then(|lidar| {
-            Echoes::new(&lidar, before / u64::from(lidar.rays_per_beam()), &rays, &hits, self.spheres)
-        });
-        match &echoes {
-            Some(echoes) => {
-                self.tally.echoes(echoes);
-                out.map_or(Ok(()), |out| out.echoes(echoes))
+    /// Counts the answers to a block, and writes them into the file, if there is one.
+    fn add(
+        &mut self,
+        block: &RayBlock,
+        answers: &Answers,
+        trace_ms: f64,
+        out: Option<&mut HitWriter<'_>>,
+    ) -> Result<()> {
+        match answers {
+            Answers::Any(occlusion) => {
+                self.tally.occlusion(block, occlusion, trace_ms);
+                out.map_or(Ok(()), |out| out.occlusion(occlusion, &block.invalid))
             }
-            None => out.map_or(Ok(()), |out| out.hits(&rays, &hits, &block.invalid)),
+            Answers::Nearest(hits, echoes) => {
+                self.tally.hits(block, hits, trace_ms);
+                match echoes {
+                    Some(echoes) => {
+                        self.tally.echoes(echoes);
+                        out.map_or(Ok(()), |out| out.echoes(echoes))
+                    }
+                    None => out.map_or(Ok(()), |out| out.hits(&block.rays(), hits, &block.invalid)),
+                }
+            }
         }
     }
 

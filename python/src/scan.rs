@@ -71,6 +71,7 @@ impl Pattern {
             distance: list::<f64, f64, 1>(&distance)?.to_vec(),
             certainty: list::<u8, u8, 1>(&certainty)?.to_vec(),
             normal: Some(list::<f32, [f32; 3], 3>(&normal)?.to_vec()),
+            bound: None,
             search: Search::Auto,
         };
         let found = Job::default().run(py, None, || {

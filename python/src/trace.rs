@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use crate::words::settings;
 use crate::work::Job;
 use halfline::error::{Error, Result};
+use halfline::parallel;
 use halfline::settings::Settings;
 use halfline::{Aov, Progress, Rays, Step, Tracer};
 use numpy::PyReadonlyArrayDyn;
@@ -70,17 +71,17 @@ impl Answers {
 /// Checks all rays; an error names the argument and the row.
 fn check(rays: &Rays<'_>) -> Result<()> {
     let three = |[x, y, z]: [f64; 3]| format!("[{x}, {y}, {z}]");
-    if let Some(row) = rays.origins.iter().position(|origin| origin.iter().any(|x| !x.is_finite())) {
+    if let Some(row) = parallel::position(rays.origins, |origin| origin.iter().any(|x| !x.is_finite())) {
         let problem = format!("origins[{row}] is {}: coordinates are finite", three(rays.origins[row]));
         return Err(Error::settings(problem, "remove the ray or give it three finite numbers"));
     }
     let bad = |d: &[f64; 3]| d.iter().any(|x| !x.is_finite()) || d.iter().all(|x| *x == 0.0);
-    if let Some(row) = rays.directions.iter().position(bad) {
+    if let Some(row) = parallel::position(rays.directions, bad) {
         let found = three(rays.directions[row]);
         let problem = format!("directions[{row}] is {found}: directions are finite and not zero");
         return Err(Error::settings(problem, "remove the ray or give it a direction"));
     }
-    if let Some(row) = rays.limits.iter().position(|limit| limit.is_nan()) {
+    if let Some(row) = parallel::position(rays.limits, |limit| limit.is_nan()) {
         let problem = format!("tmax[{row}] is NaN");
         return Err(Error::settings(problem, "use a number, or inf for no limit"));
     }

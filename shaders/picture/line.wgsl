@@ -1,15 +1,7 @@
-// The darkness of the line at a pixel: the host's silhouette.rs, which has the reasons.
+// The darkness of the line at a pixel: the host's silhouette.rs, which has the reasons and the limits.
 
-const GAP: vec2<f32> = vec2<f32>(8.0, 24.0);
-const CLOSE: f32 = 4.0;
-const DESCENT: f32 = 2.0;
-const SUM_LENGTH: vec2<f32> = vec2<f32>(3.0, 6.0);
-const STRAIGHT: f32 = 7.5;
-const NEIGHBOURS: f32 = 24.0;
-const DIAMETER: vec2<f32> = vec2<f32>(8.0, 16.0);
-const COMPANY: vec2<f32> = vec2<f32>(6.0, 12.0);
 // Pairs of opposite neighbours, and the depth of a miss.
-const NEIGHBOUR_PAIRS: i32 = 12;
+const NEIGHBOUR_PAIRS: i32 = i32(NEIGHBOURS) / 2;
 const FARTHEST: f32 = 1e20;
 
 // 0 up to the first limit, 1 from the second on, and linear between.

@@ -1,8 +1,4 @@
-// One pass in which the rays of neighbours are put together: the host's open_sky.rs, which has the reasons.
-
-// The difference of open shares from which on a pixel is left out of a wide step, and the steps that are wide.
-const ALIKE: f32 = 0.15;
-const WIDE: u32 = 4u;
+// One pass in which the rays of neighbours are put together: the host's open_sky.rs, which has the reasons and the limits.
 
 fn share_at(place: u32, sums: Sums) -> f32 {
     let normal = normal_at(place);

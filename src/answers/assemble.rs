@@ -32,7 +32,12 @@ pub(crate) struct Answers<'a> {
 /// Relative rounding error of a distance computed from a depth in f64, and of a settled one: 2^-50, several roundings.
 const ROUNDED: f64 = 1.0 / (1u64 << 50) as f64;
 /// Absolute error of a few roundings below the normal numbers: four steps of the smallest subnormal.
-const STEPS: f64 = f64::from_bits(4);
+pub(crate) const STEPS: f64 = f64::from_bits(4);
+
+/// The bound of the error of a settled distance.
+pub(crate) fn settled_bound(distance: f64) -> f64 {
+    ROUNDED * distance + STEPS
+}
 
 impl Answers<'_> {
     /// The requested buffers, in f64 where the frame promises f64.
@@ -68,7 +73,7 @@ impl Answers<'_> {
                         Some(width) => [(f64::from(*width) * unit + ROUNDED * depth + STEPS) * length(d)],
                         None => [inf],
                     };
-                    Data::F64(self.fill(0.0, bound, |t| [ROUNDED * t.distance + STEPS])?)
+                    Data::F64(self.fill(0.0, bound, |t| [settled_bound(t.distance)])?)
                 }
                 Aov::Alpha => Data::F32(match &mut self.sampled {
                     Some(sampled) => std::mem::take(&mut sampled.alpha),

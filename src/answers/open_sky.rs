@@ -228,10 +228,10 @@ impl OpenSky {
 }
 
 /// Steps from which on pixels with other shares are left out.
-const WIDE: u32 = 4;
+pub(crate) const WIDE: u32 = 4;
 /// The difference of open shares from which on a pixel is left out of a wide step: several times their noise after the steps
 /// before it.
-const ALIKE: f32 = 0.15;
+pub(crate) const ALIKE: f32 = 0.15;
 
 /// Orders the numbers of each row by component: of pixels with `count` numbers each, first the first of all of them.
 fn by_component(values: &mut [i16], width: usize, count: usize) {

@@ -15,10 +15,10 @@ use crate::view::ray::{NONE, UNSURE};
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
 
-/// A pixel that was settled.
+/// A pixel, or a given ray, that was settled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Settled {
-    /// Its index in the buffers: row times columns plus column, in the window.
+    /// Its index in the buffers: row times columns plus column, in the window; of a given ray its number.
     pub(crate) pixel: u32,
     /// The exact hit of its ray; `None` on a miss.
     pub(crate) truth: Option<Truth>,

@@ -28,35 +28,35 @@ const REACH: isize = 2;
 /// A gap in depth below which a neighbour does not count as behind, and from which it counts fully, in pixels. Touching
 /// spheres differ by up to a diameter in depth, so those that are smaller than 8 pixels get no lines between them. At a
 /// straight edge the line appears from 14.4 to 20.8 pixels.
-const GAP: [f64; 2] = [8.0, 24.0];
+pub(crate) const GAP: [f64; 2] = [8.0, 24.0];
 
 /// Gap in depth, in pixels, above which the nearer of two touching spheres has the line between them. At a smaller gap
 /// the sphere with the lower id has it, since the sign of a small gap may change from one pixel to the next.
-const CLOSE: f64 = 4.0;
+pub(crate) const CLOSE: f64 = 4.0;
 
 /// A surface that descends evenly has equal steps before and behind a pixel. A step counts by what it exceeds this many
 /// times the step on the opposite side, so that a plain of spheres seen at a grazing angle does not become dark: of a
 /// plane in perspective, two steps in line differ by a factor below 2 but for the last six rows before the horizon.
-const DESCENT: f64 = 2.0;
+pub(crate) const DESCENT: f64 = 2.0;
 
 /// Length of the sum of the unit vectors toward the neighbours behind: a line begins at the first number and is full at
 /// the second. Behind a straight edge the length is 7.5 for the first row of pixels, 4.2 for the second and 0 for the
 /// third, and nearly the same in every other direction; if half of the pixels around are behind at random, it is 2.2 in
 /// the mean.
-const SUM_LENGTH: [f64; 2] = [3.0, 6.0];
+pub(crate) const SUM_LENGTH: [f64; 2] = [3.0, 6.0];
 
 /// The length of that sum behind a straight edge.
-const STRAIGHT: f64 = 7.5;
+pub(crate) const STRAIGHT: f64 = 7.5;
 
 /// The neighbours of a pixel.
-const NEIGHBOURS: f64 = 24.0;
+pub(crate) const NEIGHBOURS: f64 = 24.0;
 
 /// Diameters in pixels between which the line around a single sphere appears. Below, it would cover half of the sphere.
-const DIAMETER: [f64; 2] = [8.0, 16.0];
+pub(crate) const DIAMETER: [f64; 2] = [8.0, 16.0];
 
 /// If the nearer side of an edge shows this many pixels of other spheres, of 14 at a straight edge, the spheres make up a
 /// surface, and its edge has a line however small they are.
-const COMPANY: [f64; 2] = [6.0, 12.0];
+pub(crate) const COMPANY: [f64; 2] = [6.0, 12.0];
 
 /// The width and the colour of lines.
 #[derive(Debug, Clone, Copy, PartialEq)]

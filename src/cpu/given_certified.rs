@@ -8,6 +8,7 @@ use crate::search::tree::lanes::{Lanes, Portable, RAYS_PER_TASK, Work, dispatch}
 use crate::search::tree::walk::{Test, may_intersect, may_pass, walk};
 use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
+use std::ops::Range;
 
 /// The answer to the nearest hit of one ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,13 +122,12 @@ impl Given<'_> {
         (0..self.tree.blocks.len() as u32).take_while(|block| test.test(*block) >= 0.0).for_each(drop);
     }
 
-    /// The numbers of the rays in an order in which neighbours visit the same boxes.
-    pub(crate) fn order(&self) -> Vec<u32> {
-        let count = self.rays.len() as u32;
+    /// The numbers of some rays in an order in which neighbours visit the same boxes.
+    pub(crate) fn order(&self, numbers: Range<usize>) -> Vec<u32> {
         if self.all {
-            return (0..count).collect();
+            return numbers.map(|n| n as u32).collect();
         }
-        order(count, |n| self.ray(&self.rays.ray(n as usize)).map(|(_, boxes)| boxes))
+        order(numbers, |n| self.ray(&self.rays.ray(n)).map(|(_, boxes)| boxes))
     }
 }
 

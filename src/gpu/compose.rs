@@ -2,7 +2,7 @@
 //! translates the line of an error to a file and line. naga reports a missing or doubled part as an error.
 
 use crate::gpu::layout::buffers;
-use crate::gpu::sizes::declarations;
+use crate::gpu::sizes::{declarations, of_lines, of_smoothing};
 use crate::intersect::Method;
 use crate::kernel::{Certificate, Generals, Kernel, KernelOutput, RaySource, Task, Unproved};
 use crate::scene::DEFAULT_COLOR;
@@ -305,16 +305,16 @@ fn picture(step: Step) -> Vec<Part> {
             parts.extend(files(["hash.wgsl", "main/sky_rays.wgsl", "place/placing.wgsl", "splat/list.wgsl"]));
             parts.extend(files(["picture/record.wgsl", "picture/means.wgsl", "picture/sky_sums.wgsl"]));
         }
-        Step::Smooth => parts.extend(files(["picture/record.wgsl", "picture/means.wgsl", "picture/smooth.wgsl"])),
+        Step::Smooth => {
+            parts.push(emitted("emitted: limits of smoothing", of_smoothing()));
+            parts.extend(files(["picture/record.wgsl", "picture/means.wgsl", "picture/smooth.wgsl"]));
+        }
         Step::Unsure => parts.extend(files(["place/placing.wgsl", "splat/list.wgsl", "picture/unsure.wgsl"])),
         Step::Picture { colors } => {
             parts.extend(files(["hash.wgsl", "main/sample.wgsl", "number/f32.wgsl", "ray.wgsl", "search/placed.wgsl"]));
-            parts.extend(files([
-                "shade/world.wgsl",
-                "picture/record.wgsl",
-                "picture/line.wgsl",
-                "picture/picture.wgsl",
-            ]));
+            parts.push(emitted("emitted: limits of lines", of_lines()));
+            parts.extend(files(["shade/world.wgsl", "picture/record.wgsl", "picture/line.wgsl"]));
+            parts.extend(files(["picture/picture.wgsl"]));
             parts.extend(colors_of_spheres(colors));
         }
         _ => parts.extend(files(["picture/scatter.wgsl"])),

@@ -1,6 +1,73 @@
-//! Sizes that the host and the shaders share; compose.rs writes them into the shaders.
+//! Constants that the host and the shaders share; compose.rs writes them into the shaders.
 
+use crate::answers::{open_sky, silhouette};
 use crate::kernel::Generals;
+
+/// A value that WGSL has as a constant.
+trait Constant {
+    /// Its type and its value in WGSL.
+    fn words(&self) -> [String; 2];
+}
+
+impl Constant for u32 {
+    fn words(&self) -> [String; 2] {
+        ["u32".into(), format!("{self}u")]
+    }
+}
+
+impl Constant for f32 {
+    /// The fewest digits of which the same f32 is read again.
+    fn words(&self) -> [String; 2] {
+        ["f32".into(), format!("{self:?}f")]
+    }
+}
+
+/// A number of the host that f32 holds.
+impl Constant for f64 {
+    fn words(&self) -> [String; 2] {
+        (*self as f32).words()
+    }
+}
+
+impl Constant for [f64; 2] {
+    fn words(&self) -> [String; 2] {
+        let [x, y] = self.map(|x| x.words()[1].clone());
+        ["vec2<f32>".into(), format!("vec2<f32>({x}, {y})")]
+    }
+}
+
+fn declared(constants: &[(&str, &dyn Constant)]) -> String {
+    let line = |(name, constant): &(&str, &dyn Constant)| {
+        let [of, value] = constant.words();
+        format!("const {name}: {of} = {value};\n")
+    };
+    constants.iter().map(line).collect()
+}
+
+/// The declarations of the limits and widths of lines.
+pub(crate) fn of_lines() -> String {
+    declared(&LINES)
+}
+
+/// The declarations of the limits between pixels whose rays toward the sky are put together.
+pub(crate) fn of_smoothing() -> String {
+    declared(&SMOOTHING)
+}
+
+/// The constants of shaders/picture/line.wgsl.
+const LINES: [(&str, &dyn Constant); 8] = [
+    ("GAP", &silhouette::GAP),
+    ("CLOSE", &silhouette::CLOSE),
+    ("DESCENT", &silhouette::DESCENT),
+    ("SUM_LENGTH", &silhouette::SUM_LENGTH),
+    ("STRAIGHT", &silhouette::STRAIGHT),
+    ("NEIGHBOURS", &silhouette::NEIGHBOURS),
+    ("DIAMETER", &silhouette::DIAMETER),
+    ("COMPANY", &silhouette::COMPANY),
+];
+
+/// The constants of shaders/picture/smooth.wgsl.
+const SMOOTHING: [(&str, &dyn Constant); 2] = [("ALIKE", &open_sky::ALIKE), ("WIDE", &open_sky::WIDE)];
 
 macro_rules! sizes {
     ($($(#[$doc:meta])* $name:ident $value:expr;)*) => {
@@ -8,7 +75,7 @@ macro_rules! sizes {
 
         /// Their declarations in WGSL.
         pub(crate) fn declarations() -> String {
-            [$((stringify!($name), $name)),*].map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).concat()
+            declared(&[$((stringify!($name), &$name)),*])
         }
     };
 }
@@ -55,4 +122,57 @@ sizes! {
     SLOTS 1;
     /// Pass of shaders/splat: the pairs of unsure pixels.
     PAIRS_OF_UNSURE 2;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::{Expression, Literal};
+
+    /// The bits of a constant that naga read.
+    fn bits(module: &naga::Module, name: &str) -> Vec<u32> {
+        let constant = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+        let all = |init| match &module.global_expressions[init] {
+            Expression::Literal(literal) => vec![literal],
+            Expression::Compose { components, .. } => components
+                .iter()
+                .map(|part| match &module.global_expressions[*part] {
+                    Expression::Literal(literal) => literal,
+                    other => panic!("{name}: {other:?}"),
+                })
+                .collect(),
+            other => panic!("{name}: {other:?}"),
+        };
+        let number = |literal: &Literal| match literal {
+            Literal::F32(x) => x.to_bits(),
+            Literal::U32(n) => *n,
+            other => panic!("{name}: {other:?}"),
+        };
+        all(constant.expect(name).1.init).into_iter().map(number).collect()
+    }
+
+    #[test]
+    fn shaders_have_the_bits_of_the_host() {
+        let module = naga::front::wgsl::parse_str(&[declarations(), of_lines(), of_smoothing()].concat());
+        let module = module.expect("declarations");
+        assert_eq!(bits(&module, "STEPS"), [STEPS]);
+        assert_eq!(bits(&module, "WIDE"), [open_sky::WIDE]);
+        assert_eq!(bits(&module, "ALIKE"), [open_sky::ALIKE.to_bits()]);
+        let single = |x: f64| {
+            assert_eq!(f64::from(x as f32), x, "f32 holds it");
+            (x as f32).to_bits()
+        };
+        use silhouette::{CLOSE, COMPANY, DESCENT, DIAMETER, GAP, NEIGHBOURS, STRAIGHT, SUM_LENGTH};
+        for (name, x) in [("CLOSE", CLOSE), ("DESCENT", DESCENT), ("STRAIGHT", STRAIGHT), ("NEIGHBOURS", NEIGHBOURS)] {
+            assert_eq!(bits(&module, name), [single(x)], "{name}");
+        }
+        for (name, limits) in [("GAP", GAP), ("SUM_LENGTH", SUM_LENGTH), ("DIAMETER", DIAMETER), ("COMPANY", COMPANY)] {
+            assert_eq!(bits(&module, name), limits.map(single), "{name}");
+        }
+        // Of numbers with many digits, least and largest ones.
+        for x in [0.1, 1.0 / 3.0, f32::MIN_POSITIVE, f32::MAX, 1e-7, 16_777_217.0] {
+            let module = naga::front::wgsl::parse_str(&declared(&[("X", &x)])).expect("a declaration");
+            assert_eq!(bits(&module, "X"), [x.to_bits()], "{x:?}");
+        }
+    }
 }

@@ -163,7 +163,7 @@ impl FrameSetup {
     ) -> Result<Self> {
         let view = log.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
         let engine: Box<dyn Engine> = match (&plan.given, plan.engine) {
-            (Some(given), _) => Box::new(GivenRays::new(given.clone(), settings.promise().relative())),
+            (Some(given), _) => Box::new(GivenRays::new(given.clone(), settings)),
             (None, EngineKind::Method) => Box::new(EverySphere),
             (None, _) => Box::new(Exact),
         };

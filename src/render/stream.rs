@@ -124,7 +124,6 @@ impl Stream {
             return Ok(());
         }
         block.check()?;
-        block.check_opacities()?;
         let (first, size) = (self.first + self.count, block.len());
         check_wide_ids(first.saturating_add(size as u64))?;
         let mut digests = std::mem::take(&mut self.digests);
@@ -138,9 +137,7 @@ impl Stream {
     /// Adds the spheres of a block, whose numbers `number` gives, without a fingerprint.
     fn add_block(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let is_first = self.kept.numbers.is_empty() && self.sieves.is_empty();
-        let kept = &self.kept.spheres;
-        let unlike =
-            [kept.colors.is_some(), kept.opacities.is_some()] != [block.colors.is_some(), block.opacities.is_some()];
+        let unlike = self.kept.spheres.carried() != block.carried();
         if block.materials.is_some() || !is_first && unlike {
             let problem = "some spheres have colours, opacities or materials and others do not";
             return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));

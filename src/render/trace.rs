@@ -4,6 +4,8 @@ mod by_method;
 mod certified;
 pub mod echoes;
 mod on_device;
+#[cfg(test)]
+mod tests;
 
 use super::budget;
 use super::plan::GivenPlan;
@@ -11,7 +13,10 @@ use super::renderer::Renderer;
 use crate::answers::settle::Settled;
 use crate::cpu;
 use crate::error::Result;
+use crate::frame::Aov;
 use crate::frame::report::milliseconds;
+use crate::memory::zeroed;
+use crate::parallel;
 use crate::scene::Spheres;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Backend, Search, Settings};
@@ -31,28 +36,15 @@ pub struct Hits {
     pub distance: Vec<f64>,
     /// 0 proved by the kernel, 1 settled by the judge, 255 not certified; for misses too.
     pub certainty: Vec<u8>,
-    /// Proven absolute error of the distance; 0 on a miss; `None` unless [`crate::Aov::Bound`] is requested.
-    pub bound: Option<Vec<f64>>,
     /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`crate::Aov::Normal`] is requested.
     pub normal: Option<Vec<[f32; 3]>>,
+    /// Proven bounds of the absolute errors of `distance`; 0 on a miss, +inf where nothing is proven, `None` unless
+    /// [`crate::Aov::Bound`] is requested.
+    pub bound: Option<Vec<f64>>,
     /// The search that found candidates, never `auto`. The answers do not depend on it.
     pub search: Search,
 }
 
-impl Hits {
-    /// Misses of `count` rays, with certainty 0.
-    fn none(count: usize, plan: &GivenPlan) -> Self {
-        Self {
-            id: vec![-1; count],
-            t: vec![f64::INFINITY; count],
-            distance: vec![f64::INFINITY; count],
-            certainty: vec![0; count],
-            bound: None,
-            normal: plan.kernel.normal.then(|| vec![[0.0; 3]; count]),
-            search: plan.search,
-        }
-    }
-}
 
 /// Whether given rays hit anything within their limits, in their order.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +78,8 @@ pub struct Tracer<'a> {
     /// Whether an adapter that is open is not used.
     on_host: bool,
     tolerance: f64,
+    /// Whether bounds of the errors are requested.
+    bounds: bool,
     build_ms: f64,
 }
 
@@ -96,10 +90,10 @@ impl<'a> Tracer<'a> {
         spheres: &'a Spheres,
         plan: GivenPlan,
         (tree, device): (Option<Arc<Tree>>, Option<OnDevice>),
-        tolerance: f64,
+        (tolerance, bounds): (f64, bool),
     ) -> Self {
         let (warning, backend, on_host, build_ms) = (None, Backend::default(), false, 0.0);
-        Self { renderer, spheres, plan, tree, device, warning, backend, on_host, tolerance, build_ms }
+        Self { renderer, spheres, plan, tree, device, warning, backend, on_host, tolerance, bounds, build_ms }
     }
 
     /// The state of its device.
@@ -133,6 +127,19 @@ impl<'a> Tracer<'a> {
         }
         let hits = self.hits(rays)?;
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
+    }
+
+    /// Misses of so many rays, with certainty 0, in whose places hits are put.
+    pub(super) fn misses(&self, count: usize) -> Hits {
+        Hits {
+            id: parallel::from_fn(count, |_| -1),
+            t: parallel::from_fn(count, |_| f64::INFINITY),
+            distance: parallel::from_fn(count, |_| f64::INFINITY),
+            certainty: zeroed(count),
+            normal: self.plan.kernel.normal.then(|| zeroed(count)),
+            bound: self.bounds.then(|| zeroed(count)),
+            search: self.plan.search,
+        }
     }
 
     /// Runs `work`, and where the adapter fails once more on the CPU path, which answers all calls from then on.
@@ -215,7 +222,7 @@ pub fn trace(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]], s
 
 impl Renderer {
     /// Sets up `spheres` for any number of calls with given rays. Of `settings`, only `accuracy`, `method`, `search`,
-    /// `tolerance` and, for normals, `aovs` are used. Without a method, answers are certified unless the accuracy is
+    /// `tolerance` and, for normals and bounds, `aovs` are used. Without a method, answers are certified unless the accuracy is
     /// fast.
     ///
     /// # Errors
@@ -230,7 +237,20 @@ impl Renderer {
         let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten().map(Arc::new);
         let build_ms = if tree.is_some() { milliseconds(start) } else { 0.0 };
         let (backend, on_host) = (settings.backend, warning.is_some());
-        Ok(Tracer { renderer: self, spheres, plan, tree, device, warning, backend, on_host, tolerance, build_ms })
+        let bounds = settings.asks(&[Aov::Bound]);
+        Ok(Tracer {
+            renderer: self,
+            spheres,
+            plan,
+            tree,
+            device,
+            warning,
+            backend,
+            on_host,
+            tolerance,
+            bounds,
+            build_ms,
+        })
     }
 
     /// The plan for given rays, and where they are traced unless a device fails meanwhile.

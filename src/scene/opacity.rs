@@ -48,7 +48,7 @@ impl Spheres {
     ///
     /// # Errors
     /// [`Error::Scene`] for the first number that is none.
-    pub(crate) fn check_opacities(&self) -> Result<()> {
+    pub(super) fn check_opacities(&self) -> Result<()> {
         let Some(all) = &self.opacities else { return Ok(()) };
         if all.len() != self.len() {
             let problem = format!("found {} opacities of {} spheres", all.len(), self.len());

@@ -57,7 +57,7 @@ impl Spheres {
         let chosen: Vec<usize> = (0..self.len()).filter(|n| flags.get(*n).is_some_and(|flag| *flag)).collect();
         let centers: Vec<[f64; 3]> = chosen.iter().map(|n| self.centers[*n]).collect();
         let radii: Vec<f64> = chosen.iter().map(|n| self.radii[*n]).collect();
-        Self { centers: centers.into(), radii: radii.into(), colors: None, materials: None, opacities: None }
+        Self { centers: centers.into(), radii: radii.into(), ..Self::default() }
     }
 }
 

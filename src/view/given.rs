@@ -1,6 +1,7 @@
 //! Rays given by the caller instead of viewing rays.
 
 use crate::error::{Error, Result};
+use crate::parallel;
 
 /// Rays given by the caller: origin + t direction, 0 < t < limit. All numbers are taken as exact.
 #[derive(Debug, Clone, Copy, Default)]
@@ -69,15 +70,15 @@ impl Rays<'_> {
             let problem = format!("{count} rays are more than 32-bit indices can number");
             return Err(Error::Limits { problem, mend: format!("trace at most {} rays per call", u32::MAX) });
         }
-        if let Some(n) = self.origins.iter().position(|o| o.iter().any(|x| !x.is_finite())) {
+        if let Some(n) = parallel::position(self.origins, |o| o.iter().any(|x| !x.is_finite())) {
             return Err(Error::settings(format!("origin {n} is not finite"), "use three finite numbers"));
         }
         let no_direction = |d: &[f64; 3]| d.iter().any(|x| !x.is_finite()) || d.iter().all(|x| *x == 0.0);
-        if let Some(n) = self.directions.iter().position(no_direction) {
+        if let Some(n) = parallel::position(self.directions, no_direction) {
             let problem = format!("direction {n} is zero or not finite");
             return Err(Error::settings(problem, "use a finite direction that is not zero"));
         }
-        if let Some(n) = self.limits.iter().position(|limit| limit.is_nan()) {
+        if let Some(n) = parallel::position(self.limits, |limit| limit.is_nan()) {
             return Err(Error::settings(format!("limit {n} is not a number"), "use a number, or inf for no limit"));
         }
         Ok(())

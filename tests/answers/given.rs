@@ -11,7 +11,7 @@ use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::{Hits, Occlusion, Rays, Renderer};
 
 fn settings(accuracy: Accuracy, search: Search) -> Settings {
-    Settings { accuracy, search, aovs: vec![Aov::Normal], ..Settings::default() }
+    Settings { accuracy, search, aovs: vec![Aov::Normal, Aov::Bound], ..Settings::default() }
 }
 
 fn rays(family: &Family) -> Rays<'_> {
@@ -37,6 +37,7 @@ fn trace(renderer: &mut Renderer, family: &Family, accuracy: Accuracy, search: S
 fn compare(place: &str, family: &Family, certified: &(Hits, Occlusion), exact: &(Hits, Occlusion)) -> f64 {
     let ((hits, any), (truth, blocked)) = (certified, exact);
     let (normals, true_normals) = (hits.normal.as_ref().expect("requested"), truth.normal.as_ref().expect("requested"));
+    let bounds = [hits, truth].map(|hits| hits.bound.as_ref().expect("requested"));
     let mut worst = (0.0f64, 0.0f64);
     for n in 0..truth.id.len() {
         let what = format!(
@@ -48,8 +49,12 @@ fn compare(place: &str, family: &Family, certified: &(Hits, Occlusion), exact: &
         assert!(hits.certainty[n] <= 1 && any.certainty[n] <= 1, "{what}: {}", hits.certainty[n]);
         if truth.id[n] < 0 {
             assert_eq!((hits.t[n], hits.distance[n], normals[n]), (f64::INFINITY, f64::INFINITY, [0.0; 3]), "{what}");
+            assert_eq!(bounds[0][n], 0.0, "{what}");
             continue;
         }
+        // The distance of the judge is rounded too. Beyond f64 it is +inf.
+        let off = if truth.distance[n].is_finite() { (hits.distance[n] - truth.distance[n]).abs() } else { 0.0 };
+        assert!(off <= bounds[0][n] + bounds[1][n], "{what}: off {off:e}, {:e} proved", bounds[0][n]);
         // Below the normal numbers f64 itself has less precision.
         let off = |a: f64, b: f64| if b.abs() < 1e-300 || b.is_infinite() { 0.0 } else { (a - b).abs() / b };
         let error = off(hits.t[n], truth.t[n]).max(off(hits.distance[n], truth.distance[n]));

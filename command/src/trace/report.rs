@@ -11,7 +11,6 @@ use halfline_files::read::rays::RayBlock;
 use halfline_files::write::hits::CloudSummary;
 use serde::Serialize;
 use std::path::Path;
-use web_time::Instant;
 
 /// The counts of rays, hits and certainties while rays are traced, the time of each block, and the first fault.
 #[derive(Debug, Default)]
@@ -30,16 +29,16 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Counts the answers to a block whose tracing began at `start`.
-    pub(super) fn hits(&mut self, block: &RayBlock, hits: &Hits, start: Instant) {
+    /// Counts the answers to a block whose tracing took so many milliseconds.
+    pub(super) fn hits(&mut self, block: &RayBlock, hits: &Hits, trace_ms: f64) {
         let count = hits.id.iter().filter(|id| **id >= 0).count();
-        self.add(block, count, &hits.certainty, start);
+        self.add(block, count, &hits.certainty, trace_ms);
     }
 
     /// As [`Tally::hits`].
-    pub(super) fn occlusion(&mut self, block: &RayBlock, occlusion: &Occlusion, start: Instant) {
+    pub(super) fn occlusion(&mut self, block: &RayBlock, occlusion: &Occlusion, trace_ms: f64) {
         let count = occlusion.hit.iter().filter(|hit| **hit != 0).count();
-        self.add(block, count, &occlusion.certainty, start);
+        self.add(block, count, &occlusion.certainty, trace_ms);
     }
 
     /// Counts the echoes of a block.
@@ -47,8 +46,8 @@ impl Tally {
         *self.echoes.get_or_insert(0) += echoes.all.len() as u64;
     }
 
-    fn add(&mut self, block: &RayBlock, hits: usize, certainty: &[u8], start: Instant) {
-        self.trace_ms.push(start.elapsed().as_secs_f64() * 1e3);
+    fn add(&mut self, block: &RayBlock, hits: usize, certainty: &[u8], trace_ms: f64) {
+        self.trace_ms.push(trace_ms);
         let with = |value: u8| certainty.iter().filter(|certainty| **certainty == value).count() as u64;
         self.rays += block.rows() as u64;
         self.hits += hits as u64;

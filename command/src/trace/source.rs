@@ -14,8 +14,8 @@ use halfline_files::write::hits::Query;
 use halfline_files::write::rays;
 use std::path::PathBuf;
 
-/// The rays that are traced together. Their answers do not depend on it.
-const BLOCK: usize = 1 << 19;
+/// The rays that are traced together, while others are read and written. Their answers do not depend on it.
+const BLOCK: usize = 1 << 18;
 
 /// Rays of a block.
 pub(super) fn rays_of_a_block() -> usize {

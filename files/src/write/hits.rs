@@ -204,8 +204,8 @@ mod tests {
             t: vec![],
             distance: vec![],
             certainty: vec![],
-            bound: None,
             normal,
+            bound: None,
             search: Search::All,
         };
         let (occlusion, rays) = (Occlusion { hit: vec![], certainty: vec![] }, Rays::default());

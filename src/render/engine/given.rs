@@ -8,6 +8,7 @@ use crate::cpu::given_certified::{Given, NearestHit};
 use crate::double_double as dd;
 use crate::error::{Error, Result};
 use crate::exact::{Truth, judge_ray_among};
+use crate::frame::Aov;
 use crate::parallel::{self, CHEAP};
 use crate::progress::Step;
 use crate::render::log::FrameLog;
@@ -16,7 +17,7 @@ use crate::render::renderer::Renderer;
 use crate::render::trace::{Hits, OnDevice, Rays, Tracer};
 use crate::scene::Scene;
 use crate::search::tree::Tree;
-use crate::settings::{Accuracy, Search};
+use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::color_of;
 use crate::view::View;
 use crate::view::ray::NONE;
@@ -31,6 +32,8 @@ pub(in crate::render) const BLOCK: usize = 1 << 18;
 pub(in crate::render) struct GivenRays {
     plan: GivenPlan,
     tolerance: f64,
+    /// Whether the errors of distances are bounded.
+    bounds: bool,
     /// The tree over the spheres; `None` by a method, and without spheres.
     tree: Option<Arc<Tree>>,
     /// The state of a device that holds the tree.
@@ -38,8 +41,9 @@ pub(in crate::render) struct GivenRays {
 }
 
 impl GivenRays {
-    pub(in crate::render) fn new(plan: GivenPlan, tolerance: f64) -> Self {
-        Self { plan, tolerance, tree: None, device: None }
+    pub(in crate::render) fn new(plan: GivenPlan, settings: &Settings) -> Self {
+        let (tolerance, bounds) = (settings.promise().relative(), settings.asks(&[Aov::Bound]));
+        Self { plan, tolerance, bounds, tree: None, device: None }
     }
 
     /// Builds the tree, unless it is known.
@@ -98,7 +102,8 @@ impl Engine for GivenRays {
         plan.kernel.normal = kernel.has_normals();
         let on_device = renderer.is_gpu() && plan.accuracy == Accuracy::Certified;
         let device = on_device.then(|| self.device.take().unwrap_or_default());
-        let mut tracer = Tracer::of_frame(renderer, &scene.spheres, plan, (self.tree.clone(), device), self.tolerance);
+        let promise = (self.tolerance, self.bounds && kernel.t);
+        let mut tracer = Tracer::of_frame(renderer, &scene.spheres, plan, (self.tree.clone(), device), promise);
         let mut settled = Vec::new();
         let doing = watch.begin(Step::Trace, count as u64);
         for first in (0..count).step_by(BLOCK) {
@@ -171,7 +176,7 @@ fn write(of: ViewRays<'_>, (first, rays): (usize, &Rays<'_>), hits: &Hits, raw: 
     if let Some(depths) = raw.depth.get_mut(pixels.clone()) {
         parallel::zip(depths, &hits.t, |depth, t| *depth = dd::ldexp(*t, -view.unit));
     }
-    if let Some(bounds) = hits.bound.as_ref().filter(|_| kernel.t) {
+    if let Some(bounds) = &hits.bound {
         raw.depth_interval.resize(raw.id.len(), 0.0);
         // Of t, as the other engines bound their depths.
         parallel::each(&mut raw.depth_interval[pixels.clone()], |n, width| {

@@ -11,16 +11,8 @@ impl NumberedSpheres {
     pub(super) fn add(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, indices: &[u32]) -> Result<()> {
         reserve(&mut self.numbers, indices.len())?;
         self.spheres.grow(indices.len(), block.colors.is_some())?;
-        let indices = || indices.iter().map(|n| *n as usize);
-        self.numbers.extend(indices().map(number));
-        self.spheres.centers.to_mut().extend(indices().map(|n| block.centers[n]));
-        self.spheres.radii.to_mut().extend(indices().map(|n| block.radii[n]));
-        if let Some(colors) = &block.colors {
-            self.spheres.colors.get_or_insert_default().to_mut().extend(indices().map(|n| colors[n]));
-        }
-        if let Some(opacities) = &block.opacities {
-            self.spheres.opacities.get_or_insert_default().to_mut().extend(indices().map(|n| opacities[n]));
-        }
+        self.numbers.extend(indices.iter().map(|n| number(*n as usize)));
+        self.spheres.add_chosen(block, indices);
         Ok(())
     }
 
@@ -64,18 +56,8 @@ impl NumberedSpheres {
         check(count * 40, || format!("the order of {count} spheres"))?;
         let mut order: Vec<u32> = (0..count as u32).collect();
         order.sort_by_key(|n| self.numbers[*n as usize]);
-        fn sorted<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
-            *values = order.iter().map(|n| values[*n as usize]).collect();
-        }
-        sorted(&mut self.numbers, &order);
-        sorted(self.spheres.centers.to_mut(), &order);
-        sorted(self.spheres.radii.to_mut(), &order);
-        if let Some(colors) = &mut self.spheres.colors {
-            sorted(colors.to_mut(), &order);
-        }
-        if let Some(opacities) = &mut self.spheres.opacities {
-            sorted(opacities.to_mut(), &order);
-        }
+        self.numbers = order.iter().map(|n| self.numbers[*n as usize]).collect();
+        self.spheres.choose(&order);
         Ok(())
     }
 }

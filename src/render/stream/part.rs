@@ -171,10 +171,7 @@ impl Part {
         if header.halfline != KIND {
             return Err(fail(format!("this is {} and not {}", quote(&header.halfline), quote(KIND))));
         }
-        let are_alike = spheres.radii.len() == ids.len()
-            && spheres.centers.len() == ids.len()
-            && spheres.colors.as_ref().is_none_or(|colors| colors.len() == ids.len())
-            && spheres.opacities.as_ref().is_none_or(|opacities| opacities.len() == ids.len());
+        let are_alike = spheres.have_lengths(ids.len());
         let kept = NumberedSpheres { numbers: ids, spheres };
         if !are_alike || header.arrays != kept.digest() {
             return Err(damaged(&"its arrays are not those that were written"));
@@ -185,7 +182,6 @@ impl Part {
             return Err(damaged(&"its ids are not those of its digests"));
         }
         kept.spheres.check()?;
-        kept.spheres.check_opacities()?;
         let scene = header.view.scene();
         let settings = scene.check().and_then(|()| header.view.settings());
         settings.and_then(|settings| settings.window_of(&scene)).map_err(|error| damaged(&error))?;
@@ -269,7 +265,7 @@ impl Part {
     }
 
     /// Adds the spheres of another part, of which others may hide some. Checks that both parts are of one frame, that no id has two
-    /// spheres, and that both have colours or none, and opacities or none. Returns whether there are new spheres.
+    /// spheres, and that both have the same lists of values. Returns whether there are new spheres.
     fn append(&mut self, other: &Self) -> Result<bool> {
         if let Some((what, [own, others])) = self.view.difference(&other.view) {
             let problem = format!(
@@ -281,9 +277,9 @@ impl Part {
         let mut digests = self.digests.clone();
         digests.join(&other.digests).map_err(|_| self.differ(other, "an id that both have".into()))?;
         let new = self.new_ones(other)?;
-        let has = |part: &Self| [part.kept.spheres.colors.is_some(), part.kept.spheres.opacities.is_some()];
-        let unlike = has(self).into_iter().zip(has(other)).zip(["colours", "opacities"]).find(|((a, b), _)| a != b);
-        if let (Some((_, what)), false) = (unlike, self.kept.numbers.is_empty() || new.is_empty()) {
+        let both = self.kept.spheres.carried().into_iter().zip(other.kept.spheres.carried());
+        let unlike = both.map(|(own, others)| (own.0, own == others)).find(|(_, is_alike)| !is_alike);
+        if let (Some((what, _)), false) = (unlike, self.kept.numbers.is_empty() || new.is_empty()) {
             let problem = format!("only one of {} and {} has {what}", self.name, other.name);
             return Err(Error::settings(problem, format!("give all parts {what}, or none")));
         }
@@ -360,18 +356,12 @@ impl Part {
     /// # Errors
     /// [`Error::Scene`] for spheres with the same id and different numbers.
     fn new_ones(&self, other: &Self) -> Result<Vec<u32>> {
-        let color = |part: &Self, n: usize| part.kept.spheres.colors.as_ref().map(|colors| colors[n]);
-        let (a, b) = (&self.kept.spheres, &other.kept.spheres);
         let (mut new, mut own) = (Vec::new(), 0);
         for (n, id) in other.kept.numbers.iter().enumerate() {
             own += self.kept.numbers[own..].iter().take_while(|known| *known < id).count();
             if self.kept.numbers.get(own) != Some(id) {
                 new.push(n as u32);
-            } else if a.centers[own] != b.centers[n]
-                || a.radii[own] != b.radii[n]
-                || color(self, own) != color(other, n)
-                || a.opacity(own as u32) != b.opacity(n as u32)
-            {
+            } else if !self.kept.spheres.is_alike(own, &other.kept.spheres, n) {
                 return Err(self.differ(other, format!("id {id}")));
             }
         }
@@ -384,16 +374,7 @@ impl NumberedSpheres {
     fn digest(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         parallel::hash(&mut hasher, bytemuck::cast_slice(&self.numbers));
-        for digest in [self.spheres.centers.digest(), self.spheres.radii.digest()] {
-            hasher.update(digest.as_bytes());
-        }
-        if let Some(colors) = &self.spheres.colors {
-            hasher.update(colors.digest().as_bytes());
-        }
-        if let Some(opacities) = &self.spheres.opacities {
-            hasher.update(b"opacities");
-            hasher.update(opacities.digest().as_bytes());
-        }
+        self.spheres.hash_to(&mut hasher);
         hasher.finalize().to_hex().to_string()
     }
 }

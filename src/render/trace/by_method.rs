@@ -27,8 +27,7 @@ impl Tracer<'_> {
         let method = kernel.arithmetic();
         let directions = rays.directions;
         let origin = |n: usize| rays.ray(n).origin;
-        let none = Hits::none(rays.len(), &self.plan);
-        let mut hits = Hits { certainty: vec![255; rays.len()], ..none };
+        let mut hits = Hits { certainty: vec![255; rays.len()], ..self.misses(rays.len()) };
         for group in groups(directions.len(), origin) {
             let kernel = Kernel { task: Task::Method { method, rays: group.kind }, ..kernel };
             let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
@@ -60,6 +59,9 @@ impl Tracer<'_> {
                     continue;
                 }
                 (hits.id[n], hits.t[n], hits.distance[n]) = (raw.id[k] as i32, t, distance);
+                if let Some(bound) = &mut hits.bound {
+                    bound[n] = f64::INFINITY;
+                }
                 if let Some(normal) = &mut hits.normal {
                     normal[n] = [raw.normal[3 * k], raw.normal[3 * k + 1], raw.normal[3 * k + 2]];
                 }

@@ -1,107 +1,167 @@
-//! Certified and exact answers of given rays.
+//! Certified and exact answers of given rays, in blocks of rays that one thread orders, answers and writes; idle threads help.
 
 use super::{Hits, Occlusion, Rays, Tracer};
+use crate::answers::assemble::{STEPS, settled_bound};
 use crate::answers::settle::Settled;
 use crate::certify::given::AnyHit;
 use crate::cpu::given_certified::{Given, NearestHit, Query};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::exact::{Truth, judge_ray_among};
-use crate::parallel::{self, CHEAP};
+use crate::parallel::{self, CHEAP, Target};
 use crate::progress::Watch;
 use crate::scene::Spheres;
 use crate::settings::{Accuracy, Search};
 
-/// Rays between two looks at whether to go on.
-const RAYS_PER_CHECK: usize = 1 << 18;
+/// Spheres for each ray of a block: with fewer rays among more spheres, neighbours in the order of a block have fewer boxes in common.
+const SPHERES_PER_RAY: usize = 4;
+
+/// Least rays of a block: their answers, 2 MB, are written while they are in a cache.
+pub(super) const LEAST: usize = 1 << 15;
+
+/// Most rays whose answers are in memory, 64 bytes each.
+const AT_ONCE: usize = 1 << 20;
+
+/// Most rays of a call of a device.
+const RAYS_ON_DEVICE: usize = 1 << 18;
 
 impl Tracer<'_> {
+    /// The nearest hits, and the truths of the rays that the judge settled, in the order of the rays.
     pub(super) fn certified_hits(&mut self, rays: &Rays) -> Result<(Hits, Vec<Settled>)> {
-        let mut hits = Hits::none(rays.len(), &self.plan);
-        let mut settled = Vec::new();
-        self.each_answer(rays, |n, answer, truth| match (answer, truth) {
-            (NearestHit::Miss, _) => {}
-            (NearestHit::Hit { id, numbers: h }, _) => hits.set(n, id, h.t, h.distance, h.normal),
-            (NearestHit::Unsure, truth) => {
-                hits.certainty[n as usize] = 1;
-                settled.push(Settled { pixel: n, truth });
-                if let Some(truth) = truth {
-                    hits.set(n, truth.id, truth.t, truth.distance, truth.normal);
+        let mut hits = self.misses(rays.len());
+        let Hits { id, t, distance, certainty, normal, bound, .. } = &mut hits;
+        let numbers = ((&mut t[..], &mut distance[..]), (normal.as_deref_mut(), bound.as_deref_mut()));
+        let places = ((&mut id[..], &mut certainty[..]), numbers);
+        let settled = self.each_answer(rays, places, &|places, n, answer, truth| {
+            let ((id, certainty), ((t, distance), (normals, bounds))) = places;
+            certainty[n] = u8::from(answer == NearestHit::Unsure);
+            let (sphere, at, length, normal, bound) = match (answer, truth) {
+                (NearestHit::Hit { id, numbers: h }, _) => {
+                    (id, h.t, h.distance, h.normal, h.error * h.distance + STEPS)
                 }
-            }
+                (_, Some(truth)) => (truth.id, truth.t, truth.distance, truth.normal, settled_bound(truth.distance)),
+                (_, None) => return,
+            };
+            (id[n], t[n], distance[n]) = (sphere as i32, at, length);
+            normals.iter_mut().for_each(|normals| normals[n] = normal.map(|x| x as f32));
+            bounds.iter_mut().for_each(|bounds| bounds[n] = bound);
         })?;
-        settled.sort_unstable_by_key(|one| one.pixel);
         Ok((hits, settled))
     }
 
     pub(super) fn certified_occlusion(&mut self, rays: &Rays) -> Result<Occlusion> {
         let mut occlusion = Occlusion { hit: vec![0; rays.len()], certainty: vec![0; rays.len()] };
-        self.each_answer(rays, |n, answer: AnyHit, truth| {
-            let n = n as usize;
-            occlusion.certainty[n] = u8::from(answer == AnyHit::Unsure);
-            occlusion.hit[n] = u8::from(answer == AnyHit::Blocked || truth.is_some());
+        let places = (&mut occlusion.hit[..], &mut occlusion.certainty[..]);
+        self.each_answer(rays, places, &|(hit, certainty), n, answer: AnyHit, truth| {
+            certainty[n] = u8::from(answer == AnyHit::Unsure);
+            hit[n] = u8::from(answer == AnyHit::Blocked || truth.is_some());
         })?;
         Ok(occlusion)
     }
 
-    /// Calls `write` with the number of each ray and its certified answer; where that is unsure, and for exact answers, with
-    /// the truth beside it. Rays are answered in an order in which neighbours visit the same boxes.
-    fn each_answer<Q: Query>(&mut self, rays: &Rays, mut write: impl FnMut(u32, Q, Option<Truth>)) -> Result<()> {
+    /// Has `write` put the certified answer of each ray into its place of `places`; where that is unsure, and for exact answers,
+    /// with the truth beside it. The truths are returned, in the order of the rays.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted), and errors of the device.
+    fn each_answer<Q: Query, T: Target>(
+        &mut self,
+        rays: &Rays,
+        mut places: T,
+        write: &Write<'_, Q, T>,
+    ) -> Result<Vec<Settled>> {
         let Self { renderer, spheres, plan, tree, device, tolerance, .. } = self;
         let Some(tree) = tree else {
-            return Ok(());
+            return Ok(Vec::new());
         };
         let given = Given { tree, rays, all: plan.search == Search::All, tolerance: *tolerance };
-        for numbers in given.order().chunks(RAYS_PER_CHECK) {
-            if !renderer.watch.goes_on() {
-                return Err(Error::Interrupted);
-            }
-            let answers: Vec<Q> = match (&mut renderer.device.gpu, &mut *device) {
-                _ if plan.accuracy == Accuracy::Exact => vec![Q::UNSURE; numbers.len()],
-                (Some(gpu), Some(device)) => device.answers(gpu, &given, numbers, &renderer.watch)?,
-                _ => given.each(numbers),
-            };
-            let unsure = parallel::collect(numbers.len(), CHEAP, &|range, unsure| {
-                unsure.extend(range.filter(|k| answers[*k] == Q::UNSURE).map(|k| numbers[k]));
-            });
-            let mut settled = settle(spheres, &given, &unsure, &renderer.watch).into_iter();
-            // Rays that were left out have no truth.
-            renderer.watch.check()?;
-            for (answer, &n) in answers.into_iter().zip(numbers) {
-                let truth = if answer == Q::UNSURE { settled.next().flatten() } else { None };
-                write(n, answer, truth);
+        let answering = Answering { given, spheres, watch: &renderer.watch, write };
+        let is_exact = plan.accuracy == Accuracy::Exact;
+        let block = (spheres.len() / SPHERES_PER_RAY).max(LEAST);
+        let mut settled = Vec::new();
+        for first in (0..rays.len()).step_by(AT_ONCE) {
+            let rays = first..rays.len().min(first + AT_ONCE);
+            let [now, later] = places.split(rays.len());
+            places = later;
+            match (&mut renderer.device.gpu, &mut *device) {
+                (Some(gpu), Some(device)) if !is_exact => {
+                    let numbers = given.order(rays);
+                    let mut answers = Vec::with_capacity(numbers.len());
+                    for numbers in numbers.chunks(RAYS_ON_DEVICE) {
+                        answering.watch.check()?;
+                        answers.extend(device.answers::<Q>(gpu, &given, numbers, answering.watch)?);
+                    }
+                    settled.extend(answering.finish(first, now, &numbers, &answers)?);
+                }
+                _ => {
+                    let blocks = parallel::blocks(now, block, &|range, places| {
+                        answering.watch.check()?;
+                        let numbers = given.order(first + range.start..first + range.end);
+                        let answers = if is_exact { vec![Q::UNSURE; numbers.len()] } else { given.each(&numbers) };
+                        answering.finish(first + range.start, places, &numbers, &answers)
+                    });
+                    settled.extend(blocks.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten());
+                }
             }
         }
-        Ok(())
+        Ok(settled)
     }
+}
+
+/// Puts an answer, with the truth of an unsure one, into the places of a block, by its number there.
+type Write<'a, Q, T> = dyn Fn(&mut T, usize, Q, Option<&Truth>) + Sync + 'a;
+
+/// The work that remains with the answers of a block.
+struct Answering<'a, Q, T> {
+    given: Given<'a>,
+    spheres: &'a Spheres,
+    watch: &'a Watch,
+    write: &'a Write<'a, Q, T>,
 }
 
 /// Rays that one job decides in exact arithmetic.
 const RAYS_PER_JOB: usize = 16;
 
-/// Decides rays in exact arithmetic, among the spheres that may be hit first, until the work is cancelled.
-fn settle(spheres: &Spheres, given: &Given<'_>, numbers: &[u32], watch: &Watch) -> Vec<Option<Truth>> {
-    let decide = |&n: &u32| {
-        if !watch.goes_on() {
+impl<Q: Query, T: Target> Answering<'_, Q, T> {
+    /// Settles and writes the answers to the rays with these numbers, those of a block from `first` on. Returns the truths in the
+    /// order of the rays.
+    fn finish(&self, first: usize, places: T, numbers: &[u32], answers: &[Q]) -> Result<Vec<Settled>> {
+        let unsure: Vec<u32> = parallel::collect(numbers.len(), CHEAP, &|range, unsure| {
+            unsure.extend(range.filter(|k| answers[*k] == Q::UNSURE).map(|k| numbers[k]));
+        });
+        let mut settled: Vec<Settled> = parallel::collect(unsure.len(), RAYS_PER_JOB, &|range, settled| {
+            settled.extend(unsure[range].iter().map(|&n| Settled { pixel: n, truth: self.decide(n) }));
+        });
+        // Rays that were left out have no truth.
+        self.watch.check()?;
+        settled.sort_unstable_by_key(|settled| settled.pixel);
+        let truth = |n: usize| {
+            let found = settled.binary_search_by_key(&((first + n) as u32), |settled| settled.pixel);
+            found.ok().and_then(|at| settled[at].truth.as_ref())
+        };
+        let mut order = vec![0; numbers.len()];
+        (0..).zip(numbers).for_each(|(k, &n)| order[n as usize - first] = k);
+        parallel::fill(places, CHEAP, &|range, mut places| {
+            for (place, n) in range.enumerate() {
+                let answer = answers[order[n] as usize];
+                let truth = if answer == Q::UNSURE { truth(n) } else { None };
+                (self.write)(&mut places, place, answer, truth);
+            }
+        });
+        Ok(settled)
+    }
+
+    /// Decides a ray in exact arithmetic, among the spheres that may be hit first, unless the work is cancelled.
+    fn decide(&self, n: u32) -> Option<Truth> {
+        if !self.watch.goes_on() {
             return None;
         }
-        let ray = given.rays.ray(n as usize);
-        let judge =
-            |ids: &mut dyn Iterator<Item = u32>| judge_ray_among(ray.origin, ray.direction, ray.limit, spheres, ids);
-        if given.all {
-            judge(&mut (0..spheres.len() as u32))
-        } else {
-            judge(&mut given.candidates(&ray, &|_| true).into_iter())
-        }
-    };
-    parallel::collect(numbers.len(), RAYS_PER_JOB, &|range, truths| truths.extend(numbers[range].iter().map(decide)))
-}
-
-impl Hits {
-    fn set(&mut self, n: u32, id: u32, t: f64, distance: f64, normal: [f64; 3]) {
-        let n = n as usize;
-        (self.id[n], self.t[n], self.distance[n]) = (id as i32, t, distance);
-        if let Some(normals) = &mut self.normal {
-            normals[n] = normal.map(|x| x as f32);
+        let ray = self.given.rays.ray(n as usize);
+        let judge = |ids: &mut dyn Iterator<Item = u32>| {
+            judge_ray_among(ray.origin, ray.direction, ray.limit, self.spheres, ids)
+        };
+        match self.given.all {
+            true => judge(&mut (0..self.spheres.len() as u32)),
+            false => judge(&mut self.given.candidates(&ray, &|_| true).into_iter()),
         }
     }
 }

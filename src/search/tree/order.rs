@@ -3,18 +3,19 @@
 
 use super::BoxRay;
 use crate::parallel;
+use std::ops::Range;
 
 /// Fewer rays than this are not sorted.
-const SORTING_MIN_RAYS: u32 = 1 << 10;
+const SORTING_MIN_RAYS: usize = 1 << 10;
 
-/// The numbers of `count` rays along the Morton curve through their starts, then through their directions. `ray` is a ray by
+/// The numbers of some rays along the Morton curve through their starts, then through their directions. `ray` is a ray by
 /// its number; `None` if it certainly meets nothing.
-pub(crate) fn order(count: u32, ray: impl Fn(u32) -> Option<BoxRay> + Sync) -> Vec<u32> {
-    if count < SORTING_MIN_RAYS {
-        return (0..count).collect();
+pub(crate) fn order(numbers: Range<usize>, ray: impl Fn(usize) -> Option<BoxRay> + Sync) -> Vec<u32> {
+    if numbers.len() < SORTING_MIN_RAYS {
+        return numbers.map(|n| n as u32).collect();
     }
-    let key = |n: u32| u64::from(ray(n).map_or(0, |ray| key(&ray))) << 32 | u64::from(n);
-    let mut keys = parallel::from_fn(count as usize, |n| key(n as u32));
+    let key = |n: usize| u64::from(ray(n).map_or(0, |ray| key(&ray))) << 32 | n as u64;
+    let mut keys = parallel::from_fn(numbers.len(), |n| key(numbers.start + n));
     parallel::sort(&mut keys, u64::cmp);
     parallel::map(&keys, |key| *key as u32)
 }

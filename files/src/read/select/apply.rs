@@ -145,7 +145,7 @@ impl SelectedSpheres {
             keep(colors.to_mut(), &mask);
         }
         let (centers, radii) = (particles.positions.into(), particles.radii.into());
-        Ok(Spheres { centers, radii, colors, materials: None, opacities: None })
+        Ok(Spheres { centers, radii, colors, ..Spheres::default() })
     }
 
     /// The messages about the selection, for use after the last block.

@@ -17,7 +17,7 @@ pub(super) struct Spool {
 }
 
 /// Bytes that are copied between two checks for cancellation.
-const COPIED: u64 = 8 << 20;
+const COPIED: u64 = 1 << 20;
 
 impl Spool {
     /// No rows yet, of an archive at `path`.
@@ -43,6 +43,7 @@ impl Spool {
             Some(sides) => sides.map(u64::from).to_vec(),
             None => vec![self.rows],
         };
+        let mut bytes = vec![0; COPIED as usize];
         for (file, &(name, dtype, numbers)) in self.columns.iter_mut().zip(query.columns()) {
             let mut shape = sides.clone();
             shape.extend((numbers > 1).then_some(numbers));
@@ -53,11 +54,10 @@ impl Spool {
             file.rewind()?;
             while left > 0 {
                 watch.check().map_err(io::Error::other)?;
-                let copied = io::copy(&mut file.take(left.min(COPIED)), out)?;
-                if copied == 0 {
-                    return Err(io::ErrorKind::UnexpectedEof.into());
-                }
-                left -= copied;
+                let bytes = &mut bytes[..left.min(COPIED) as usize];
+                file.read_exact(bytes)?;
+                out.write_all(bytes)?;
+                left -= bytes.len() as u64;
             }
         }
         Ok(())

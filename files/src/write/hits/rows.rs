@@ -94,7 +94,8 @@ impl<'a> Rows<'a> {
     /// The nearest hits of rays, and misses at the places `invalid`; `None` for hits without normals.
     pub(super) fn nearest(rays: &Rays<'_>, hits: &'a Hits, invalid: &[u32]) -> Option<Self> {
         let position = |n: usize| if hits.id[n] < 0 { [f64::NAN; 3] } else { rays.at(n, hits.t[n]) };
-        let mut position = parallel::from_fn(hits.t.len(), position);
+        // By this thread, since the others may be tracing the next block.
+        let mut position: Vec<[f64; 3]> = (0..hits.t.len()).map(position).collect();
         if !invalid.is_empty() {
             position = spread(&position, invalid, [f64::NAN; 3]).into_owned();
         }
