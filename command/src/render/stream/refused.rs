@@ -18,7 +18,7 @@ const LENS: &str = "a lens with a size sees spheres that a stream has forgotten"
 /// [`Error::Settings`] that names the option.
 pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>) -> Result<()> {
     let SceneArgs { camera, files, insets, .. } = args;
-    let has_size = camera.lens.is_given() || taken.is_some_and(|record| record.lens_size().is_some());
+    let has_size = camera.lens.has_size() || taken.is_some_and(|record| record.lens_size().is_some());
     let refusals: [Refusal; 9] = [
         (
             args.is_many(),
