@@ -269,7 +269,7 @@ impl<'a> Source<'a> {
             }
             None => camera.apply_lens(&mut frame.scene.camera, frame.scene.image)?,
         }
-        refused::check_frame(&frame)?;
+        refused::check_frame(&frame, camera.lens.is_named())?;
         Ok(frame)
     }
 

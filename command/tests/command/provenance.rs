@@ -16,6 +16,7 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--ortho", &["2", "3"]),
     ("--zoom", &["1.5"]),
     ("--lens", &["fisheye", "equirectangular"]),
+    ("--lens-coefficients", &["0.1,0.01,0,0"]),
     ("--aperture", &["0.3", "0.6"]),
     ("--focus-distance", &["2", "3"]),
     ("--intrinsics", &["20,21,12,9"]),
