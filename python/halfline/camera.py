@@ -87,9 +87,8 @@ class Camera:
         if at is not None and view is not None:
             raise ValueError("at and view exclude each other; give one of them")
         named = _named_lens(lens, vfov, intrinsics, lens_coefficients)
-        given = {"vfov": vfov, "viewport": viewport, "height": height}
-        if named is not None:
-            given = {"lens": lens, "viewport": viewport, "height": height}
+        first: dict[str, object] = {"vfov": vfov} if named is None else {"lens": lens}
+        given = {**first, "viewport": viewport, "height": height}
         kinds = [name for name, value in given.items() if value is not None]
         if len(kinds) > 1:
             raise ValueError(f"{' and '.join(kinds)} exclude each other; give one of them")

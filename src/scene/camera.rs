@@ -140,25 +140,6 @@ impl Lens {
         Self::Curved { curve: Curve::Fisheye { k }, fx: focal, fy: focal, cx: w / 2.0, cy: h / 2.0 }
     }
 
-    /// The lens for an image of `to` columns and rows in place of `from`: a panorama is that of the other image, and what is given in pixels is
-    /// scaled as by [`Intrinsics::resized`].
-    #[must_use]
-    pub fn resized(self, from: [u32; 2], to: [u32; 2]) -> Self {
-        let scaled = |[fx, fy, cx, cy]: [f64; 4]| Intrinsics { fx, fy, cx, cy }.resized(from, to);
-        match self {
-            Self::Curved { curve: Curve::Panorama, .. } => Self::panorama(to[0], to[1]),
-            Self::Curved { curve, fx, fy, cx, cy } => {
-                let Intrinsics { fx, fy, cx, cy } = scaled([fx, fy, cx, cy]);
-                Self::Curved { curve, fx, fy, cx, cy }
-            }
-            Self::Intrinsics { fx, fy, cx, cy } => {
-                let Intrinsics { fx, fy, cx, cy } = scaled([fx, fy, cx, cy]);
-                Self::Intrinsics { fx, fy, cx, cy }
-            }
-            other => other,
-        }
-    }
-
     /// Whether its rays are not those through a plane.
     #[must_use]
     pub fn is_curved(&self) -> bool {

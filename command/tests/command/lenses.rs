@@ -1,5 +1,6 @@
 //! The promise of `--lens` and of `[camera] lens`: rays are those of the models that docs/lens.md names, whoever gives the lens.
 
+use crate::page::{Page, moved};
 use crate::test_dir::TestDir;
 use serde_json::json;
 use std::f64::consts::PI;
@@ -183,9 +184,9 @@ fn particles_are_framed_through_a_lens() {
         let ids = dir.array("i.npy").0;
         let border = (0..120 * 90).filter(|n| [0, 119].contains(&(n % 120)) || [0, 89].contains(&(n / 120)));
         assert!(border.clone().all(|n| ids[n] < 0.0), "{lens}: a ball is cut");
-        let seen = (0..27).filter(|id| ids.contains(&f64::from(*id))).count();
+        let shown = (0..27).filter(|id| ids.contains(&f64::from(*id))).count();
         // Some hide others.
-        assert!(seen >= 12, "{lens}: {seen} of the 27 balls");
+        assert!(shown >= 12, "{lens}: {shown} of the 27 balls");
     }
     let focus = ["--lens", "fisheye", "--focus", "index 13", "--aov", "id=i.npy"];
     dir.render(&[&["a.csv", "--look", "plain", "--size", "120x90"][..], &focus].concat());
@@ -194,7 +195,7 @@ fn particles_are_framed_through_a_lens() {
 
 /// The eye of a panorama without a camera is the middle of the balls, and a warning says where that is inside of one.
 #[test]
-fn a_panorama_is_seen_from_the_middle() {
+fn the_eye_of_a_panorama_is_the_middle() {
     let around = "x,y,z,radius\n7,2,3,1\n-3,2,3,1\n2,7,3,1\n2,-3,3,1\n2,2,8,1\n2,2,-2,1\n";
     let dir = TestDir::new(&[("a.csv", around), ("b.csv", &format!("{around}2,2,3,1\n"))]);
     let output = dir.render("a.csv --look plain --size 80x40 --lens equirectangular --aov id=i.npy --json");
@@ -282,5 +283,47 @@ fn what_a_lens_cannot_do_is_refused_by_name() {
             &format!("p.toml -o a.png {option}"),
             &[option.split(' ').next().expect("a name"), "whole sphere"],
         );
+    }
+}
+
+/// The page begins with the picture of the command, keeps the lens when the camera moves and the window has another size, and its command
+/// renders what it shows.
+#[test]
+fn the_page_keeps_the_lens() {
+    let dir = TestDir::new(&[("a.csv", ROWS)]);
+    for lens in [
+        "--lens fisheye --vfov 200",
+        "--lens fisheye --zoom 2",
+        "--lens equirectangular",
+        "--lens opencv --intrinsics 30,31,21,14.5 --lens-coefficients -0.2,0.04,0.003,-0.002",
+        "--lens opencv --intrinsics 30,31,21,14.5",
+        "--lens fisheye --intrinsics 15,16,21,14.5 --lens-coefficients 0.05,0,0,0",
+    ] {
+        let options = format!("a.csv --look plain --size 40x30 --eye 0,0,0 --at 0,0,-40 {lens}");
+        let page = Page::open(&dir, &format!("{options} --backend cpu"));
+        let camera = page.good("/scene", &json!({}))["camera"].clone();
+        let body = json!({ "camera": camera, "size": [40, 30], "mode": "still" });
+        dir.render(&format!("{options} -o own.png --aov id=i.npy --aov distance=d.npy"));
+        let (ids, distances) = (dir.array("i.npy").0, dir.array("d.npy").0);
+        for mut body in [body.clone(), json!({ "camera": moved(&camera, 0.4, 0.9), "size": [80, 60], "mode": "still" })]
+        {
+            let (still, words) = page.still(&body);
+            assert!(words.iter().any(|word| word.starts_with("--lens=")), "{lens}: {words:?}");
+            let output = dir.run(&[&words[..], &["--aov=distance=s.npy".into()]].concat());
+            assert!(output.code == 0 && dir.get("a-view.png") == still, "{lens}: {words:?}: {}", output.err);
+            body["mode"] = json!("move");
+            assert_eq!(page.ask("/frame", &body).status, 200, "{lens}");
+            if body["size"] == json!([40, 30]) {
+                assert!(dir.array("s.npy").0 == distances, "{lens}: {words:?}");
+            }
+        }
+        for pixel in [0, 620, 633, 655, 1199] {
+            let mut body = body.clone();
+            (body["x"], body["y"]) = (json!(pixel % 40), json!(pixel / 40));
+            let picked = page.good("/pick", &body)["id"].as_f64().unwrap_or(-1.0);
+            assert_eq!(picked, ids[pixel], "{lens} {pixel}");
+        }
+        let fitted = page.ask("/fit", &body);
+        assert_eq!(fitted.status, 200, "{lens}: {}", String::from_utf8_lossy(&fitted.body));
     }
 }

@@ -66,6 +66,27 @@ impl Intrinsics {
     }
 }
 
+impl Lens {
+    /// The lens for an image of `to` columns and rows in place of `from`: a panorama is that of the other image, and what is given in pixels is
+    /// scaled as by [`Intrinsics::resized`].
+    #[must_use]
+    pub fn resized(self, from: [u32; 2], to: [u32; 2]) -> Self {
+        let scaled = |[fx, fy, cx, cy]: [f64; 4]| Intrinsics { fx, fy, cx, cy }.resized(from, to);
+        match self {
+            Self::Curved { curve: Curve::Panorama, .. } => Self::panorama(to[0], to[1]),
+            Self::Curved { curve, fx, fy, cx, cy } => {
+                let Intrinsics { fx, fy, cx, cy } = scaled([fx, fy, cx, cy]);
+                Self::Curved { curve, fx, fy, cx, cy }
+            }
+            Self::Intrinsics { fx, fy, cx, cy } => {
+                let Intrinsics { fx, fy, cx, cy } = scaled([fx, fy, cx, cy]);
+                Self::Intrinsics { fx, fy, cx, cy }
+            }
+            other => other,
+        }
+    }
+}
+
 impl CameraRecord {
     /// The record of a camera, and of its lens if it has a size, for an image of `width` x `height` pixels. A principal
     /// point beside the middle is recorded as the rays have it, rounded: to half a pixel where it is given so, else to
