@@ -5,10 +5,10 @@ use super::lens_args::LensArgs;
 use super::values::{at_least_one, numbers, positive, vector};
 use clap::Args;
 use glam::DVec3;
-use halfline::camera::{Camera, Lens, Look};
+use halfline::camera::{Camera, Intrinsics, Lens, Look};
 use halfline::error::{Error, Result};
 use halfline::quote::list;
-use halfline::scene::{NamedView, Scene};
+use halfline::scene::{ImagePlane, NamedView, Scene};
 use halfline_files::read::Selection;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
@@ -32,9 +32,9 @@ pub(super) struct CameraArgs {
     pub(super) frame_share: Option<f64>,
     /// Takes the camera and the size of a picture or buffer that halfline wrote, of a report of --json, or of a scene (.toml).
     #[arg(long = "camera-from", value_name = "FILE",
-        conflicts_with_all = ["eye", "at", "view", "up", "focus", "frame_share", "fit", "vfov", "ortho"])]
+        conflicts_with_all = ["eye", "at", "view", "up", "focus", "frame_share", "fit", "vfov", "ortho", "lens"])]
     pub(super) from: Option<PathBuf>,
-    /// Vertical field of view, degrees; makes the camera a perspective one.
+    /// Vertical field of view, degrees; makes the camera a perspective one, unless --lens is fisheye [default of a fisheye: 180].
     #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
     vfov: Option<f64>,
     /// Orthographic camera with a view of this height in scene units; without HEIGHT it shows all spheres. Answers are
@@ -42,8 +42,8 @@ pub(super) struct CameraArgs {
     #[arg(long, value_name = "HEIGHT", value_parser = positive("number, in the scene's unit"), num_args = 0..=1,
         allow_negative_numbers = true, conflicts_with = "vfov")]
     pub(super) ortho: Option<Option<f64>>,
-    /// Magnifies the picture X times about its middle; below 1 it shows more. It makes the viewport
-    /// narrower by that factor, after the scene is framed, and does not move the eye.
+    /// Magnifies the picture X times about its middle, or about the principal point; below 1 it shows more. It makes the viewport
+    /// narrower by that factor, or the focal lengths of a lens longer, after the scene is framed, and does not move the eye.
     #[arg(long, value_name = "X", value_parser = positive("number, such as 2"), allow_negative_numbers = true)]
     zoom: Option<f64>,
     #[command(flatten)]
@@ -101,17 +101,51 @@ pub(super) enum Direction {
 }
 
 impl CameraArgs {
-    /// Checks the combination of the eye, the point and the direction.
+    /// Checks the combination of the eye, the point and the direction, and the numbers of the lens.
     ///
     /// # Errors
-    /// [`Error::Settings`] for all three.
+    /// [`Error::Settings`] for all three, and as [`Self::apply_lens`].
     pub(super) fn check(&self) -> Result<()> {
         let PoseArgs { eye, at, view, .. } = &self.pose;
         if eye.is_some() && at.is_some() && view.is_some() {
             let problem = "--eye and --at give the direction, and --view another one";
             return Err(Error::settings(problem, "remove one of the three"));
         }
-        Ok(())
+        if self.lens.intrinsics.is_some() && !self.lens.is_named() && self.list.file.is_none() {
+            let problem = "--intrinsics belongs to a lens in pixels or to a list of cameras";
+            return Err(Error::settings(
+                problem,
+                "add --lens opencv, --lens fisheye or --cameras, or remove --intrinsics",
+            ));
+        }
+        if let Some(degrees) = self.vfov.filter(|degrees| *degrees >= 180.0 && !self.lens.is_named()) {
+            let mend = "use an angle between 0 and 180 degrees, ends excluded, or add --lens fisheye";
+            return Err(Error::settings(format!("--vfov is {degrees}"), mend));
+        }
+        // Before a file is read; sizes matter to no check.
+        let ImagePlane { width, height, .. } = ImagePlane::default();
+        match self.lens.named(self.vfov, (width, height))? {
+            Some(lens) => self.check_panorama(lens),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that no option moves the sides of a picture that shows the whole sphere.
+    fn check_panorama(&self, lens: Lens) -> Result<()> {
+        let given = [
+            ("--zoom", self.zoom.is_some()),
+            ("--fit", self.fit),
+            ("--focus", self.focus.is_some()),
+            ("--frame-share", self.frame_share.is_some()),
+        ];
+        match given.iter().find(|(_, is_given)| *is_given && lens.is_panorama()) {
+            Some((option, _)) => {
+                let problem =
+                    format!("{option}: an equirectangular picture shows the whole sphere, whatever it frames");
+                Err(Error::settings(problem, format!("remove {option}, or use --lens fisheye")))
+            }
+            None => Ok(()),
+        }
     }
 
     /// The selections that are looked at, in the order of a frame's marks.
@@ -133,9 +167,9 @@ impl CameraArgs {
         self.spin.map(NonZeroU32::get).or_else(listed)
     }
 
-    /// The lens of `--vfov`.
-    pub(super) fn vfov(&self) -> Option<Lens> {
-        self.vfov.map(|degrees| Lens::Vfov { degrees, distance: 1.0 })
+    /// The lens for cameras of a list without one: `--intrinsics`, or `--vfov`.
+    pub(super) fn lens_of_list(&self) -> (Option<Intrinsics>, Option<Lens>) {
+        (self.lens.intrinsics, self.vfov.map(|degrees| Lens::Vfov { degrees, distance: 1.0 }))
     }
 
     /// Narrows the viewport of the scene's final camera and image by --zoom.
@@ -144,10 +178,15 @@ impl CameraArgs {
         self.zoom.map_or(Ok(()), |factor| scene.camera.zoom(factor, width, height))
     }
 
-    /// Replaces the eye and the lens that the options give.
-    pub(super) fn apply_lens(&self, camera: &mut Camera) {
+    /// Replaces the eye and the lens that the options give, for this image.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for numbers that a lens does not have, or lacks.
+    pub(super) fn apply_lens(&self, camera: &mut Camera, image: ImagePlane) -> Result<()> {
         camera.eye = self.pose.eye.unwrap_or(camera.eye);
-        if let Some(degrees) = self.vfov {
+        if let Some(lens) = self.lens.named(self.vfov, (image.width, image.height))? {
+            camera.lens = lens;
+        } else if let Some(degrees) = self.vfov {
             let distance = match camera.lens {
                 Lens::Viewport { distance, .. } | Lens::Vfov { distance, .. } => distance,
                 _ => 1.0,
@@ -157,6 +196,7 @@ impl CameraArgs {
         if let Some(height) = self.ortho {
             camera.lens = Lens::Orthographic { height: height.unwrap_or(1.0) };
         }
+        self.check_panorama(camera.lens)
     }
 }
 
@@ -231,7 +271,7 @@ fn direction(text: &str) -> Result<Direction, String> {
 
 fn angle(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
-        _ => Err("expected an angle between 0 and 180 degrees, ends excluded".into()),
+        Ok(x) if x > 0.0 && x <= 360.0 => Ok(x),
+        _ => Err("expected an angle between 0 and 180 degrees, ends excluded; of a fisheye at most 360".into()),
     }
 }

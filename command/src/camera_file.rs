@@ -57,26 +57,14 @@ fn report(path: &Path) -> Result<Option<serde_json::Value>> {
 /// The camera for pictures of this size; pixels that were square stay square, with the height of the view.
 pub(super) fn resized(record: &CameraRecord, size: Option<(u32, u32)>) -> Camera {
     let camera = record.camera();
-    let [vw, vh] = record.viewport;
     let [w, h] = record.size.map(f64::from);
-    match (size, record.distance) {
-        (Some((width, height)), Some(distance)) if [width, height] != record.size => {
-            if let Lens::Intrinsics { fx, fy, cx, cy } | Lens::Curved { fx, fy, cx, cy, .. } = camera.lens {
-                // The principal point keeps its distance from the middle, in heights of the view.
-                let scale = f64::from(height) / h;
-                let [cx, cy] = [(cx, w, width), (cy, h, height)]
-                    .map(|(center, from, to)| (center - from / 2.0) * scale + f64::from(to) / 2.0);
-                let [fx, fy] = [fx * scale, fy * scale];
-                let lens = match record.curve {
-                    Some(curve) => Lens::Curved { curve, fx, fy, cx, cy },
-                    None => Lens::Intrinsics { fx, fy, cx, cy },
-                };
-                return Camera { lens, ..camera };
-            }
+    let Some((width, height)) = size.filter(|size| <[u32; 2]>::from(*size) != record.size) else { return camera };
+    let lens = match camera.lens {
+        Lens::Viewport { vw, vh, distance } => {
             let shape = vw * h / (vh * w);
-            let vw = vh * shape * f64::from(width) / f64::from(height);
-            Camera { lens: Lens::Viewport { vw, vh, distance }, ..camera }
+            Lens::Viewport { vw: vh * shape * f64::from(width) / f64::from(height), vh, distance }
         }
-        _ => camera,
-    }
+        lens => lens.resized(record.size, [width, height]),
+    };
+    Camera { lens, ..camera }
 }

@@ -1,6 +1,5 @@
 //! `--cameras`: a picture for each camera of a list, and the list `cameras.json` beside the pictures.
 
-use super::values::numbers;
 use clap::Args;
 use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens};
 use halfline::error::{Error, Result};
@@ -19,12 +18,8 @@ pub(super) struct CameraListArgs {
     /// pose matrices in the axes of OpenCV) or CSV. Writes cameras.json beside the pictures. With --frames, frame N has
     /// camera N.
     #[arg(long = "cameras", value_name = "FILE", conflicts_with_all =
-        ["eye", "at", "view", "up", "focus", "frame_share", "fit", "ortho", "spin", "from"])]
+        ["eye", "at", "view", "up", "focus", "frame_share", "fit", "ortho", "spin", "from", "lens"])]
     pub(super) file: Option<PathBuf>,
-    /// Focal lengths and principal point in pixels for cameras without a lens of their own; the centre of the top left
-    /// pixel is 0.5,0.5. The principal point may lie anywhere, also outside of the image.
-    #[arg(long, value_name = "FX,FY,CX,CY", value_parser = intrinsics, requires = "file", conflicts_with = "vfov")]
-    intrinsics: Option<Intrinsics>,
     /// The cameras, once they were read.
     #[arg(skip)]
     listed: OnceLock<Vec<ListedCamera>>,
@@ -68,7 +63,8 @@ impl CameraListArgs {
         Ok(self.listed()?.and_then(|listed| listed.get(index)?.aperture))
     }
 
-    /// Gives a scene camera `number` of the list, from 1. Its size is that of the option, of the list, or of the scene.
+    /// Gives a scene camera `number` of the list, from 1; `intrinsics` or `vfov` where it has no lens. Its size is that of the option, of the list,
+    /// or of the scene.
     ///
     /// # Errors
     /// [`Error::Settings`] for a camera without a lens, and those of [`ListedLens::for_image`](cameras::ListedLens::for_image).
@@ -76,7 +72,7 @@ impl CameraListArgs {
         &self,
         number: u64,
         size: Option<(u32, u32)>,
-        vfov: Option<Lens>,
+        (intrinsics, vfov): (Option<Intrinsics>, Option<Lens>),
         scene: &mut Scene,
     ) -> Result<()> {
         let listed = self.listed()?.unwrap_or_default();
@@ -88,7 +84,7 @@ impl CameraListArgs {
         if let (None, Some([width, height])) = (size, found.size) {
             (scene.image.width, scene.image.height) = (width, height);
         }
-        let lens = found.lens(self.intrinsics, vfov).ok_or_else(|| {
+        let lens = found.lens(intrinsics, vfov).ok_or_else(|| {
             let problem = format!("camera {index} has no lens");
             Error::settings(problem, "add --intrinsics FX,FY,CX,CY or --vfov DEG, or intrinsics to the list")
         })?;
@@ -104,11 +100,6 @@ pub(super) fn sizes_differ(film: &Path, [(a, first), (b, other)]: [(u64, [u32; 2
     let words = |number, [width, height]: [u32; 2]| format!("picture {number} has {width} x {height} pixels");
     let problem = format!("{}: {}, and {}", film.display(), words(a, first), words(b, other));
     Error::settings(problem, "add --size WxH, which all pictures of a film have, or write pictures, such as o.%04d.png")
-}
-
-fn intrinsics(text: &str) -> Result<Intrinsics, String> {
-    let [fx, fy, cx, cy] = numbers(text).ok_or("expected four finite numbers FX,FY,CX,CY, such as 525,525,320,240")?;
-    Ok(Intrinsics { fx, fy, cx, cy })
 }
 
 /// The cameras of the pictures that were written.

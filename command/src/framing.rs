@@ -4,6 +4,7 @@ use super::camera_args::{CameraArgs, CameraTarget, Direction, PoseArgs, upright}
 use glam::DVec3;
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
+use halfline::parallel::{self, CHEAP};
 use halfline::quote::quote;
 use halfline::scene::{
     Facing, Framing, ImagePlane, NamedView, Outlook, SphereSource, Spheres, Spread, Surroundings, middle,
@@ -101,7 +102,10 @@ impl CameraArgs {
         match (self.pose.view, at) {
             (Some(Direction::Vector(view)), _) => given(Look::View(view), None),
             (Some(Direction::Named(view)), _) => named(view),
-            (None, Some(at)) if has_camera || self.pose.eye.is_some() => given(Look::At(at), None),
+            // The eye of a panorama is among the spheres and not where they frame the point.
+            (None, Some(at)) if has_camera || self.pose.eye.is_some() || camera.lens.is_panorama() => {
+                given(Look::At(at), None)
+            }
             (None, None) if has_camera => given(camera.look, None),
             (None, None) if self.pose.eye.is_some() => DirectionSource::Middle(self.pose.up.unwrap_or(own)),
             // A lone point is looked at in the default direction.
@@ -139,7 +143,7 @@ pub(super) fn none_selected(option: &str, text: &str, notes: &[String], count: u
 /// # Errors
 /// [`Error::Settings`] for a selection without spheres, and those of [`Camera::fit`].
 pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares: [f64; 2]) -> Result<Option<Framing>> {
-    options.apply_lens(&mut frame.scene.camera);
+    options.apply_lens(&mut frame.scene.camera, frame.scene.image)?;
     let at = options.at(frame)?;
     let framing = options.framing(frame.has_camera, at, legend_shares)?;
     let (image, spheres) = (frame.scene.image, &frame.scene.spheres);
@@ -157,10 +161,21 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
             aimed(options, frame, at, framing.as_ref(), central.as_ref().unwrap_or(spheres))?
         }
     };
+    if framing.is_some() && camera.lens.is_panorama() && is_inside(camera.eye, spheres) {
+        let text =
+            "the eye of the panorama, the middle of the spheres, is inside of one of them; --eye gives another place";
+        warning = Some(text.to_owned());
+    }
     frame.scene.camera = camera;
     let notes = frame.marks.iter().flat_map(|focus| focus.notes.iter().cloned());
     frame.skipped.assumed.extend(notes.chain(warning));
     Ok(framing)
+}
+
+/// Whether a point is inside of a sphere.
+fn is_inside(eye: DVec3, spheres: &Spheres) -> bool {
+    let holds = |id: usize| (DVec3::from_array(spheres.centers[id]) - eye).length() <= spheres.radii[id];
+    parallel::any(spheres.len(), CHEAP, &|mut ids| ids.any(holds))
 }
 
 /// The camera of a frame, whose lens is final, in the direction of the options; with a framing, it shows all spheres.
@@ -213,6 +228,9 @@ fn look_at_focus(
 /// framing.
 pub(super) fn words(options: &CameraArgs, frame: &SceneFrame, framing: Option<&Framing>) -> Option<String> {
     let framing = framing?;
+    if frame.scene.camera.lens.is_panorama() {
+        return Some("all around, from the middle of the spheres".to_owned());
+    }
     let what = match (&options.focus, frame.marks.last()) {
         (Some(_), Some(focus)) => format!("{} ({} of the spheres)", quote(&focus.text), focus.spheres.len()),
         _ => match options.frame_share {

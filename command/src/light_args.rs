@@ -124,12 +124,12 @@ impl LightArgs {
     ) -> Result<PictureLook> {
         let LookRequest { file, has_picture, samples, shade } = request;
         let samples = samples.or(lens.samples);
-        let (chosen, warning) = file.choose_through(&scene.camera.lens, has_picture, self.look, samples, shade);
+        let chosen = file.choose(has_picture, self.look, samples, shade);
         let look = chosen.look;
         let silhouette = self.silhouette || look.has_silhouette();
         // A preference from elsewhere may apply to no picture.
         let typed = ["outline_width", "outline_color"].map(|id| self.typed.has(id));
-        skipped.assumed.extend(warning.into_iter().chain(Outline::idle(typed, has_picture, silhouette)));
+        skipped.assumed.extend(Outline::idle(typed, has_picture, silhouette));
         let light = AddedLight {
             look,
             suns: self.sun.clone(),

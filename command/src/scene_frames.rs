@@ -134,7 +134,7 @@ impl<'a> SceneFrames<'a> {
         }
         arrange(&args.read, frame)?;
         if is_listed {
-            args.camera.list.apply(frame.number, args.image.size, args.camera.vfov(), &mut frame.scene)?;
+            args.camera.list.apply(frame.number, args.image.size, args.camera.lens_of_list(), &mut frame.scene)?;
         } else {
             // A later frame of a film may have nothing of what the first one is turned about.
             if self.common.middle.is_none() {
@@ -347,10 +347,11 @@ fn point(args: &SceneArgs, frame: &mut SceneFrame) -> Result<Option<Framing>> {
     framing::point(&args.camera, frame, legend_shares)
 }
 
-/// Applies the size of the image and its background.
+/// Applies the size of the image, for which the file's lens is made again, and its background.
 pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut SceneFrame) {
     let scene = &mut frame.scene;
     if let Some((width, height)) = size {
+        scene.camera.lens = scene.camera.lens.resized([scene.image.width, scene.image.height], [width, height]);
         (scene.image.width, scene.image.height) = (width, height);
     }
     args.files.apply(scene);

@@ -7,8 +7,12 @@ use std::ops::RangeInclusive;
 
 /// Finite numbers separated by commas, exactly `N` of them.
 pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>()?;
-    <[f64; N]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|x| x.is_finite()))
+    list(text)?.try_into().ok()
+}
+
+/// Finite numbers separated by commas.
+pub(super) fn list(text: &str) -> Option<Vec<f64>> {
+    text.split(',').map(|x| x.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect()
 }
 
 /// Whole numbers separated by commas, exactly `N` of them.

@@ -124,6 +124,7 @@ pub fn buffers(content: Vec<u8>, request: String, backend: String) -> Result<Ans
     let lens = match lens {
         Lens::Vfov(degrees) => camera::Lens::Vfov { degrees, distance: 1.0 },
         Lens::Height(height) => camera::Lens::Orthographic { height },
+        Lens::Named(_) => return Err(JsError::new("buffers are those of a camera with vfov or height")),
     };
     let mut scene = content.frames.into_iter().next().ok_or_else(|| JsError::new("there is no frame"))?.scene;
     scene.camera = Camera { eye: eye.into(), look: camera::Look::At(at.into()), up: up.into(), lens };

@@ -16,6 +16,12 @@ from ._arrays import Spheres, native_scene, number, vector
 from ._arrays import size as checked_size
 
 
+LensName = Literal["fisheye", "equirectangular", "opencv"]
+
+# Before the name of a lens in the native module.
+_NAMED = "lens "
+
+
 class Camera:
     """A camera: where the eye is, where it looks, and its lens.
 
@@ -24,7 +30,16 @@ class Camera:
         at: Point to look at.
         view: Direction to look in, of any length; instead of ``at``. The default is -z.
         up: Up direction of the scene, not necessarily of the image.
-        vfov: Full vertical field of view in degrees, between 0 and 180; 30 without another lens.
+        vfov: Full vertical field of view in degrees, between 0 and 180; 30 without another lens. Of
+            a fisheye at most 360; 180 by default.
+        lens: A lens that is not one of a plane: ``"fisheye"`` (image heights grow with the angle;
+            ``vfov`` is that of the full height), ``"equirectangular"`` (the whole sphere), or
+            ``"opencv"`` (``intrinsics`` and ``lens_coefficients``).
+        intrinsics: Focal lengths and principal point ``(fx, fy, cx, cy)`` of such a lens, in pixels
+            of the picture; the centre of the top left pixel is (0.5, 0.5). `from_intrinsics` takes
+            those of an image of a certain size.
+        lens_coefficients: Distortion by the model of OpenCV, k1, k2, p1, p2, or with k3 or
+            k3, k4, k5, k6 behind them; of a fisheye k1 to k4.
         viewport: Width and height of the viewport at ``distance``, in any unit; instead of
             ``vfov``.
         distance: Distance of the viewport from the eye, in the unit of ``viewport``.
@@ -43,6 +58,8 @@ class Camera:
     Camera(eye=(0.0, 0.0, 5.0), at=(0.0, 0.0, 0.0), up=(0.0, 1.0, 0.0), vfov=45.0)
     >>> hl.Camera((0, 0, 5), view=(0, 0, -1), height=3)
     Camera(eye=(0.0, 0.0, 5.0), view=(0.0, 0.0, -1.0), up=(0.0, 1.0, 0.0), height=3.0)
+    >>> hl.Camera((0, 0, 5), at=(0, 0, 0), lens="fisheye", vfov=200)
+    Camera(eye=(0.0, 0.0, 5.0), at=(0.0, 0.0, 0.0), up=(0.0, 1.0, 0.0), lens='fisheye', vfov=200.0)
     """
 
     __slots__ = ("_native", "_words")
@@ -58,6 +75,9 @@ class Camera:
         view: ArrayLike | None = None,
         up: ArrayLike = (0.0, 1.0, 0.0),
         vfov: float | None = None,
+        lens: LensName | None = None,
+        intrinsics: tuple[float, float, float, float] | None = None,
+        lens_coefficients: ArrayLike | None = None,
         viewport: tuple[float, float] | None = None,
         distance: float = 1.0,
         height: float | None = None,
@@ -66,17 +86,22 @@ class Camera:
     ) -> None:
         if at is not None and view is not None:
             raise ValueError("at and view exclude each other; give one of them")
-        given = {"vfov": vfov, "viewport": viewport, "height": height}
+        named = _named_lens(lens, vfov, intrinsics, lens_coefficients)
+        first: dict[str, object] = {"vfov": vfov} if named is None else {"lens": lens}
+        given = {**first, "viewport": viewport, "height": height}
         kinds = [name for name, value in given.items() if value is not None]
         if len(kinds) > 1:
             raise ValueError(f"{' and '.join(kinds)} exclude each other; give one of them")
         kind = kinds[0] if kinds else "vfov"
-        if kind == "vfov":
-            lens = [number("vfov", 30.0 if vfov is None else vfov), number("distance", distance)]
+        lens_values: dict[str, Any] = {}
+        if named is not None:
+            kind, numbers, lens_values = named
+        elif kind == "vfov":
+            numbers = [number("vfov", 30.0 if vfov is None else vfov), number("distance", distance)]
         elif kind == "height":
-            lens = [number("height", height)]
+            numbers = [number("height", height)]
         else:
-            lens = [*_two("viewport", viewport), number("distance", distance)]
+            numbers = [*_two("viewport", viewport), number("distance", distance)]
         look = (
             {"at": vector("at", at)}
             if at is not None
@@ -92,17 +117,18 @@ class Camera:
             look.get("at"),
             look.get("view"),
             up,
-            (kind, lens),
+            (kind, numbers),
             None,
             opening.get("aperture"),
             opening.get("focus"),
         )
-        values: dict[str, Any] = {"eye": eye, **look, "up": up}
-        values[kind] = tuple(lens[:2]) if kind == "viewport" else lens[0]
-        if kind != "height" and distance != 1.0:
-            values["distance"] = lens[-1]
+        values: dict[str, Any] = {"eye": eye, **look, "up": up, **lens_values}
+        if named is None:
+            values[kind] = tuple(numbers[:2]) if kind == "viewport" else numbers[0]
+        if kind in ("vfov", "viewport") and distance != 1.0:
+            values["distance"] = numbers[-1]
         values.update(opening)
-        self._words = ", ".join(f"{name}={value}" for name, value in values.items())
+        self._words = ", ".join(f"{name}={value!r}" for name, value in values.items())
 
     @overload
     @classmethod
@@ -174,9 +200,7 @@ class Camera:
             convention: The axes of ``pose``: ``"opencv"`` is right, down, forward, ``"opengl"`` is
                 right, up, backward, as in pyrender, Blender and NeRF.
             distortion: Coefficients in the order of OpenCV: k1, k2, p1, p2, k3, k4, k5, k6, of which
-                the last may be left out; of a fisheye k1 to k4. Frames are then lit from the eye,
-                without lights, lines and translucent spheres; a warning says so of particles, whose look
-                is soft.
+                the last may be left out; of a fisheye k1 to k4.
             fisheye: Whether the lens is a fisheye of OpenCV's model.
 
         Raises:
@@ -256,7 +280,8 @@ class Camera:
         """
         image = checked_size("size", size)
         pose = vector("eye", eye), None, vector("view", view), vector("up", up)
-        native = _halfline.Camera(*pose, ("panorama", []), image, None, None)
+        lens = f"{_NAMED}equirectangular", [math.nan] * 5
+        native = _halfline.Camera(*pose, lens, image, None, None)
         return cls._of(native, f"panorama=True, size={image}, eye={pose[0]}")
 
     @classmethod
@@ -268,6 +293,9 @@ class Camera:
         view: ArrayLike | str | None = None,
         up: ArrayLike | None = None,
         vfov: float | None = None,
+        lens: Literal["fisheye", "opencv"] | None = None,
+        intrinsics: tuple[float, float, float, float] | None = None,
+        lens_coefficients: ArrayLike | None = None,
         orthographic: bool = False,
         size: tuple[int, int] | None = None,
         margin: float | None = None,
@@ -286,7 +314,10 @@ class Camera:
                 spheres toward the eye and the longest axis across, or for ``focus`` from where least
                 of it is hidden. By default ``"auto"`` with ``focus``, else ``"front"``.
             up: Up direction of the scene; y, or that of a named view.
-            vfov: Full vertical field of view, degrees; 30 by default.
+            vfov: Full vertical field of view, degrees; 30 by default, of a fisheye 180.
+            lens: A lens as of `Camera`; all spheres are within 60 degrees from its axis.
+            intrinsics: Focal lengths and principal point of such a lens, in pixels of ``size``.
+            lens_coefficients: Its distortion.
             orthographic: Whether the rays are parallel; the height of the view is fitted.
             size: Columns and rows of the image; by default those of the scene.
             margin: Share of the image that stays free around the spheres, 0.04 by default, 0.25 with
@@ -296,13 +327,19 @@ class Camera:
         """
         if orthographic and vfov is not None:
             raise ValueError("vfov and orthographic exclude each other; give one of them")
+        named = _named_lens(lens, vfov, intrinsics, lens_coefficients)
+        if named is not None and orthographic:
+            raise ValueError("lens and orthographic exclude each other; give one of them")
+        if named is not None and str(lens) == "equirectangular":
+            raise ValueError("an equirectangular picture shows the whole sphere; give Camera an eye")
         native = native_scene(scene)
         image = native.size if size is None else checked_size("size", size)
-        lens = (
-            ("height", [1.0])
-            if orthographic
-            else ("vfov", [number("vfov", 30.0 if vfov is None else vfov), 1.0])
-        )
+        if named is not None:
+            kind, numbers, _ = named
+        elif orthographic:
+            kind, numbers = "height", [1.0]
+        else:
+            kind, numbers = "vfov", [number("vfov", 30.0 if vfov is None else vfov), 1.0]
         if view is None:
             view = "front" if focus is None else "auto"
         if margin is None:
@@ -312,7 +349,7 @@ class Camera:
             None if isinstance(view, str) else vector("view", view),
             view if isinstance(view, str) else None,
             None if up is None else vector("up", up),
-            lens,
+            (kind, numbers),
             image,
             number("margin", margin),
             None if focus is None else _mask(scene, focus),
@@ -394,12 +431,7 @@ def read_cameras(
         vfov: Vertical field of view in degrees for cameras without a lens and without intrinsics.
         size: Columns and rows of the images, if the list does not say them.
     """
-    given = None
-    if intrinsics is not None:
-        if len(intrinsics) != 4:
-            raise ValueError(f"intrinsics has {len(intrinsics)} numbers; give fx, fy, cx, cy")
-        fx, fy, cx, cy = (number("intrinsics", value) for value in intrinsics)
-        given = (fx, fy, cx, cy)
+    given = None if intrinsics is None else _four(intrinsics)
     image = None if size is None else checked_size("size", size)
     angle = None if vfov is None else number("vfov", vfov)
     return [
@@ -428,6 +460,39 @@ def _intrinsics_of(matrix: ArrayLike) -> dict[str, Any]:
         raise ValueError(f"row 1, column 0 of K is {found[1, 0]}; give 0, or transpose K")
     (fx, _, cx), (_, fy, cy) = found[:2]
     return {"fx": float(fx), "fy": float(fy), "cx": float(cx), "cy": float(cy)}
+
+
+def _four(intrinsics: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    if len(intrinsics) != 4:
+        raise ValueError(f"intrinsics has {len(intrinsics)} numbers; give fx, fy, cx, cy")
+    fx, fy, cx, cy = (number("intrinsics", value) for value in intrinsics)
+    return fx, fy, cx, cy
+
+
+def _named_lens(
+    lens: str | None,
+    vfov: float | None,
+    intrinsics: tuple[float, float, float, float] | None,
+    coefficients: ArrayLike | None,
+) -> tuple[str, list[float], dict[str, Any]] | None:
+    """The kind and the numbers of a lens with a name, and its keywords; ``None`` without one."""
+    if lens is None:
+        for name, value in (("intrinsics", intrinsics), ("lens_coefficients", coefficients)):
+            if value is not None:
+                raise ValueError(f"{name} belongs to a lens; give lens='opencv', or remove {name}")
+        return None
+    values: dict[str, Any] = {"lens": lens}
+    numbers = [math.nan] * 5
+    if vfov is not None:
+        values["vfov"] = numbers[0] = number("vfov", vfov)
+    if intrinsics is not None:
+        values["intrinsics"] = _four(intrinsics)
+        numbers[1:] = values["intrinsics"]
+    if coefficients is not None:
+        given = np.asarray(coefficients, np.float64).ravel()
+        values["lens_coefficients"] = tuple(number("lens_coefficients", x) for x in given)
+        numbers += values["lens_coefficients"]
+    return f"{_NAMED}{lens}", numbers, values
 
 
 def _mask(scene: Spheres, focus: ArrayLike | str) -> list[bool]:

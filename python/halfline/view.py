@@ -38,9 +38,9 @@ Pose = dict[str, Any]
 
 
 class _Camera(traitlets.TraitType[Pose, "Pose | Camera"]):
-    """A pose: eye, at, up, and vfov or height. A `Camera` becomes one."""
+    """A pose: eye, at, up, and vfov, height or lens. A `Camera` becomes one."""
 
-    info_text = "a Camera, or a dict of eye, at, up, and vfov or height"
+    info_text = "a Camera, or a dict of eye, at, up, and vfov, height or lens"
 
     def validate(self, obj: Any, value: Any) -> Pose:
         try:

@@ -3,7 +3,7 @@
 use crate::errors::OrRaise;
 use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens, Look};
 use halfline::{Camera as CoreCamera, Error};
-use halfline_files::read::cameras::{self, ListedCamera, ListedLens};
+use halfline_files::read::cameras::{self, ListedCamera, ListedLens, NamedLens};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -16,11 +16,22 @@ pub(crate) struct Camera {
     pub(crate) aperture: Option<Aperture>,
     #[pyo3(get)]
     pub(crate) size: Option<(u32, u32)>,
-    /// Whether its lens is given in pixels of an image of this size.
+    /// Whether its lens is given in pixels of an image of this size, or without a size in those of any picture.
     pub(crate) in_pixels: bool,
 }
 
 impl Camera {
+    /// The camera that `scene` has for an image of this size.
+    pub(crate) fn of(camera: CoreCamera, aperture: Option<Aperture>, size: (u32, u32)) -> Self {
+        Self { camera, aperture, size: camera.lens.is_curved().then_some(size), in_pixels: false }
+    }
+
+    /// The camera for an image of this size.
+    pub(crate) fn for_image(&self, size: (u32, u32)) -> CoreCamera {
+        let own = if self.in_pixels { size } else { self.size.unwrap_or(UNIT) };
+        CoreCamera { lens: self.camera.lens.resized(own.into(), size.into()), ..self.camera }
+    }
+
     /// Checks a size, where the lens is given in pixels of an image of another one.
     ///
     /// # Errors
@@ -32,18 +43,33 @@ impl Camera {
     }
 }
 
+/// The size of the image for which a lens without one is made.
+const UNIT: (u32, u32) = (1, 1);
+
+/// The kind of a lens that options name, before its name.
+const NAMED: &str = "lens ";
+
 /// The lens of a camera: its kind and its numbers.
 pub(crate) type LensArgument = (String, Vec<f64>);
 
 /// `vfov`: degrees and the distance of the viewport; `viewport`: width, height, distance; `height` of a view with parallel
-/// rays; `intrinsics`: fx, fy, cx, cy.
+/// rays; `intrinsics`: fx, fy, cx, cy; `lens NAME`: vfov, fx, fy, cx, cy, of which NaN stands for none, and coefficients.
 pub(crate) fn lens_of((kind, numbers): &LensArgument, size: Option<(u32, u32)>) -> halfline::Result<Lens> {
+    if let (Some(name), [vfov, fx, fy, cx, cy, coefficients @ ..]) = (kind.strip_prefix(NAMED), &numbers[..]) {
+        let [vfov, fx, fy, cx, cy] = [*vfov, *fx, *fy, *cx, *cy];
+        let intrinsics = Some(Intrinsics { fx, fy, cx, cy }).filter(|_| !fx.is_nan());
+        let words = ["vfov", "intrinsics", "lens_coefficients"];
+        let vfov = Some(vfov).filter(|degrees| !degrees.is_nan());
+        let (width, height) = size.unwrap_or(UNIT);
+        let lens = NamedLens { name: name.parse()?, vfov, intrinsics, coefficients, words }.lens(width, height);
+        return lens.map_err(|(_, problem, mend)| Error::settings(format!("lens {name}: {problem}"), mend));
+    }
     match (kind.as_str(), &numbers[..]) {
         ("vfov", &[degrees, distance]) => Ok(Lens::Vfov { degrees, distance }),
         ("viewport", &[vw, vh, distance]) => Ok(Lens::Viewport { vw, vh, distance }),
         ("height", &[height]) => Ok(Lens::Orthographic { height }),
         ("intrinsics", &[fx, fy, cx, cy]) => {
-            let (width, height) = size.unwrap_or((1, 1));
+            let (width, height) = size.unwrap_or(UNIT);
             cameras::lens_of(&Intrinsics { fx, fy, cx, cy }, width, height)
         }
         (curved @ ("distorted" | "fisheye"), &[fx, fy, cx, cy, ref coefficients @ ..]) => {
@@ -52,10 +78,6 @@ pub(crate) fn lens_of((kind, numbers): &LensArgument, size: Option<(u32, u32)>) 
                 Some(curve) => Ok(Lens::Curved { curve, fx, fy, cx, cy }),
                 None => lens_of(&("intrinsics".to_owned(), vec![fx, fy, cx, cy]), size),
             }
-        }
-        ("panorama", []) => {
-            let (width, height) = size.unwrap_or((1, 1));
-            Ok(Lens::panorama(width, height))
         }
         _ => Err(Error::settings(format!("{kind} with {} numbers is no lens", numbers.len()), "use Camera")),
     }
@@ -80,11 +102,15 @@ impl Camera {
             (None, view) => Look::View(view.unwrap_or([0.0, 0.0, -1.0]).into()),
         };
         let camera = CoreCamera { eye: eye.into(), look, up: up.into(), lens: lens_of(&lens, size).or_raise()? };
-        let (width, height) = size.unwrap_or((1, 1));
+        let (width, height) = size.unwrap_or(UNIT);
         camera.basis().and_then(|_| camera.check(width, height)).or_raise()?;
         let aperture = aperture.map(|diameter| Aperture { diameter, focus });
         aperture.map(|aperture| aperture.distance(&camera)).transpose().or_raise()?;
-        Ok(Self { camera, aperture, size, in_pixels: lens.0 == "intrinsics" })
+        let in_pixels = match lens.0.strip_prefix(NAMED) {
+            Some(_) => lens.1.get(1).is_some_and(|fx| !fx.is_nan()),
+            None => !["vfov", "viewport", "height"].contains(&&lens.0[..]),
+        };
+        Ok(Self { camera, aperture, size, in_pixels })
     }
 
     /// All that it is, as JSON, for pickling.
@@ -109,7 +135,7 @@ impl Camera {
 
     /// The camera in numbers for an image of this size, as JSON.
     fn record(&self, size: (u32, u32)) -> PyResult<String> {
-        let record = CameraRecord::new(&self.camera, size.into(), self.aperture).or_raise()?;
+        let record = CameraRecord::new(&self.for_image(size), size.into(), self.aperture).or_raise()?;
         Ok(serde_json::to_string(&record).unwrap_or_default())
     }
 }

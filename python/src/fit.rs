@@ -32,7 +32,7 @@ pub(crate) fn fit_camera(
     let framed = scene.sized(None, Some(size)).or_raise()?;
     let framing = Framing { margin, ..Framing::default() };
     let image = framed.image;
-    let mut camera = CoreCamera { lens: lens_of(&lens, None).or_raise()?, ..framed.camera };
+    let mut camera = CoreCamera { lens: lens_of(&lens, Some(size)).or_raise()?, ..framed.camera };
     let named = named.map(str::parse::<NamedView>).transpose().or_raise()?;
     let fixed = match (view, named) {
         (Some(view), _) => Some(Facing { view: view.into(), ..Facing::FRONT }),
@@ -50,7 +50,7 @@ pub(crate) fn fit_camera(
         };
         with_up(facing).turn(&mut camera);
         camera.fit(image, shown, &framing).or_raise()?;
-        return Ok((Camera { camera, aperture: None, size: None, in_pixels: false }, None));
+        return Ok((Camera::of(camera, None, size), None));
     };
     let part = framed.spheres.part(&focus);
     if part.is_empty() {
@@ -70,5 +70,5 @@ pub(crate) fn fit_camera(
     };
     let found = around.look(with_up(facing), &camera).or_raise()?;
     let warning = found.warning().map(|warning| in_keywords(&warning));
-    Ok((Camera { camera: found.camera, aperture: None, size: None, in_pixels: false }, warning))
+    Ok((Camera::of(found.camera, None, size), warning))
 }

@@ -47,7 +47,7 @@ impl Sieve {
             camera.check_size((width, height))?;
             let image = ImagePlane { width, height, ..ImagePlane::default() };
             let (spheres, lighting) = (Spheres::default(), Lighting::default());
-            let scene = CoreScene { camera: camera.camera, image, spheres, lighting };
+            let scene = CoreScene { camera: camera.for_image((width, height)), image, spheres, lighting };
             scene.check()?;
             Stream::of_part(&scene, &choices.settings_of_part(&scene)?, first_id)
         };

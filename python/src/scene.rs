@@ -113,6 +113,7 @@ impl Scene {
     /// The scene with another camera or size; its own camera is still to be framed. The spheres are shared.
     pub(crate) fn sized(&self, camera: Option<&Camera>, size: Option<(u32, u32)>) -> halfline::Result<CoreScene> {
         let mut scene = self.frame.scene.clone();
+        let own = [scene.image.width, scene.image.height];
         if let (Some(camera), Some(size)) = (camera, size) {
             camera.check_size(size)?;
         }
@@ -120,8 +121,10 @@ impl Scene {
             (scene.image.width, scene.image.height) = size;
         }
         match camera {
-            Some(camera) => scene.camera = camera.camera,
-            None if self.frame.has_camera => {}
+            Some(camera) => scene.camera = camera.for_image((scene.image.width, scene.image.height)),
+            None if self.frame.has_camera => {
+                scene.camera.lens = scene.camera.lens.resized(own, [scene.image.width, scene.image.height]);
+            }
             // A size without pixels has no shape; it is refused before the camera is.
             None => {
                 let size = [scene.image.width.into(), scene.image.height.into()];
@@ -323,7 +326,7 @@ impl Scene {
     fn camera(&self, size: Option<(u32, u32)>) -> PyResult<Camera> {
         begin()?;
         let scene = self.exact(None, size).or_raise()?;
-        Ok(Camera { camera: scene.camera, aperture: self.frame.aperture, size: None, in_pixels: false })
+        Ok(Camera::of(scene.camera, self.frame.aperture, (scene.image.width, scene.image.height)))
     }
 
     /// Writes the spheres, and this camera or their own, as a model; warnings.

@@ -226,6 +226,8 @@ pub(crate) fn pose(camera: &str) -> PyResult<String> {
     let lens = match pose.lens {
         Lens::Vfov(degrees) => ("vfov".to_owned(), vec![degrees, 1.0]),
         Lens::Height(height) => ("height".to_owned(), vec![height]),
+        // The options that it becomes are checked with each picture.
+        Lens::Named(_) => ("vfov".to_owned(), vec![90.0, 1.0]),
     };
     Camera::new(pose.eye, Some(pose.at), None, pose.up, lens, None, None, None)?;
     Ok(json(&pose))

@@ -41,7 +41,10 @@ RENAMED = {
     "focus": "Camera.fit(focus)",
     "focus_distance": "focus",
     "frames": "frame",
+    "intrinsics": "Camera(intrinsics=)",
     "legend_in": "legend",
+    "lens": "Camera(lens=)",
+    "lens_coefficients": "Camera(lens_coefficients=)",
     "ortho": "Camera(height=)",
     "tile": "crop",
     "vfov": "Camera(vfov=)",
@@ -239,6 +242,21 @@ color = [0.4, 0.2, 0.1]
 center = [1.5, 0.5, 1.0]
 radius = 0.7
 """
+NAMED: dict[str, tuple[list[str], dict[str, Any]]] = {
+    "lens fisheye": (["--lens", "fisheye", "--vfov", "70"], {"lens": "fisheye", "vfov": 70}),
+    "lens equirectangular": (["--lens", "equirectangular"], {"lens": "equirectangular"}),
+    "lens opencv": (
+        [
+            *("--lens", "opencv", "--intrinsics", "30,31,14,10"),
+            "--lens-coefficients=-0.1,0.01,0.001,-0.002,0.003",
+        ],
+        {
+            "lens": "opencv",
+            "intrinsics": (30, 31, 14, 10),
+            "lens_coefficients": [-0.1, 0.01, 0.001, -0.002, 0.003],
+        },
+    ),
+}
 POSE = [[1, 0, 0, 0.5], [0, 1, 0, 0.25], [0, 0, 1, 14.0], [0, 0, 0, 1]]
 LENSES = {
     "distorted": {
@@ -260,6 +278,7 @@ LENSES = {
     "panorama": {"camera_model": "EQUIRECTANGULAR"},
     "pinhole": {"fl_x": 30, "fl_y": 31, "cx": 14, "cy": 10},
 }
+CURVED = ("distorted", "fisheye", "panorama", *NAMED)
 
 
 @pytest.fixture(scope="module")
@@ -307,7 +326,7 @@ class Draw:
         if self.camera in ("fit", "focus"):
             # A camera that Python fits knows no legend.
             drawn = [name for name in drawn if name != "legend_in"]
-        if self.camera in ("distorted", "fisheye", "panorama") and self.random.random() < 0.8:
+        if self.camera in CURVED and self.random.random() < 0.8:
             drawn = [name for name in drawn if name not in LIT]
         for name, needed in NEEDED.items():
             # Most draws have what an option needs, and scenes have none of it.
@@ -335,7 +354,7 @@ class Draw:
             self.read["keep"] = True
         self.aovs = self.random.sample(AOVS, self.random.choice([0, 0, 1, 2]))
         if self.random.random() < 0.8:
-            lit = self.camera not in ("distorted", "fisheye", "panorama")
+            lit = self.camera not in CURVED
             refused = {"shadow"} if lit else {"shadow", "occlusion", "bound"}
             self.aovs = [name for name in self.aovs if name not in refused]
         # Python's masks are in files of any buffers.
@@ -366,7 +385,7 @@ class Draw:
     def of_camera(self) -> tuple[str, dict[str, Any]]:
         """A camera: its kind, and the keywords of a `Camera`."""
         kind = self.random.choice(
-            ["own", "own", "eye", "height", "aperture", "fit", "focus", *LENSES]
+            ["own", "own", "eye", "height", "aperture", *NAMED, "fit", "focus", *LENSES]
         )
         x, y = self.random.uniform(-3, 3), self.random.uniform(-3, 3)
         eye, at = (x, y, 20.0), (0.0, 0.5, 0.25)
@@ -390,6 +409,10 @@ class Draw:
                     "19",
                 ]
                 pose |= {"vfov": 35, "aperture": 0.5, "focus": 19}
+            case "lens fisheye" | "lens equirectangular" | "lens opencv":
+                words, lens = NAMED[kind]
+                self.words += [*written, *words]
+                pose |= lens
             case "fit" if self.file != "s.toml":
                 view = self.random.choice(["right", "top", "iso", "auto"])
                 self.words += ["--view", view]

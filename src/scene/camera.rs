@@ -21,6 +21,7 @@ mod centred;
 mod curved;
 mod curved_frame;
 mod project;
+mod pyramid;
 mod record;
 
 pub use aperture::Aperture;
@@ -130,6 +131,15 @@ impl Lens {
     pub fn panorama(width: u32, height: u32) -> Self {
         let [w, h] = [width, height].map(f64::from);
         Self::Curved { curve: Curve::Panorama, fx: w / TAU, fy: h / PI, cx: w / 2.0, cy: h / 2.0 }
+    }
+
+    /// A fisheye in an image of `width` x `height` pixels with the view in its middle, by the angle of its full height in degrees and OpenCV's
+    /// k1 to k4; without coefficients image heights are proportional to the angle (equidistant).
+    #[must_use]
+    pub fn fisheye(degrees: f64, k: [f64; 4], width: u32, height: u32) -> Self {
+        let [w, h] = [width, height].map(f64::from);
+        let focal = h / 2.0 / curved::image_height(k, degrees.to_radians() / 2.0);
+        Self::Curved { curve: Curve::Fisheye { k }, fx: focal, fy: focal, cx: w / 2.0, cy: h / 2.0 }
     }
 
     /// Whether its rays are not those through a plane.
@@ -259,12 +269,19 @@ impl Camera {
     /// Magnifies the image of `width` x `height` pixels by `factor` about its principal point, the middle for most
     /// lenses: its viewport is narrower by that factor, and the eye stays, so that the perspective does too. The
     /// viewport's numbers are rounded here, once, and are exact from here on. The width of an orthographic view still
-    /// follows from its height.
+    /// follows from its height. A curved lens keeps its coefficients.
     ///
     /// # Errors
-    /// Errors of [`Camera::viewport`], for the viewport before and after, and of [`Lens::check_flat`].
+    /// Errors of [`Camera::viewport`] and [`Camera::check`], for the lens before and after; [`Error::Scene`] for a panorama.
     pub fn zoom(&mut self, factor: f64, width: u32, height: u32) -> Result<()> {
-        self.lens.check_flat(ZOOM, &format!("remove {ZOOM}, or give the lens longer focal lengths"))?;
+        if let Lens::Curved { curve, fx, fy, cx, cy } = self.lens {
+            if curve == Curve::Panorama {
+                let problem = format!("{ZOOM} needs a lens with a focal length, and this one shows the whole sphere");
+                return Err(wrong("lens", problem, &format!("remove {ZOOM}, or use a fisheye")));
+            }
+            self.lens = Lens::Curved { curve, fx: fx * factor, fy: fy * factor, cx, cy };
+            return self.check(width, height);
+        }
         let Viewport { vw, vh, d } = self.viewport(width, height)?;
         self.lens = match self.lens {
             Lens::Orthographic { height } => Lens::Orthographic { height: height / factor },
@@ -286,6 +303,19 @@ impl Camera {
                 CurvedRays::new(curve, [fx, fy, cx, cy], [width, height]).map(drop)
             }
             _ => self.viewport(width, height).map(drop),
+        }
+    }
+
+    /// The viewport of the rays about the axis: that of the focal lengths where the lens is curved, else [`Camera::viewport`].
+    ///
+    /// # Errors
+    /// Errors of [`Camera::viewport`].
+    pub fn central_viewport(&self, width: u32, height: u32) -> Result<Viewport> {
+        match self.lens {
+            Lens::Curved { fx, fy, .. } => {
+                Ok(Viewport { vw: f64::from(width) / fx, vh: f64::from(height) / fy, d: 1.0 })
+            }
+            _ => self.viewport(width, height),
         }
     }
 

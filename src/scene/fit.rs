@@ -1,12 +1,11 @@
 //! Framing: the nearest camera from which all spheres are completely visible.
 
-use super::camera::{Camera, Lens, Look, Viewport};
+use super::camera::{Camera, CurvedRays, Lens, Look, Viewport};
 use super::orient::{Facing, Spread};
 use super::source::{SphereSource, middle};
 use super::{ImagePlane, Scene, Spheres, extent};
 use crate::error::{Error, Place, Result};
 use crate::parallel::{self, CHEAP};
-use crate::quote::setting;
 use glam::DVec3;
 
 /// The rules of framing: the free margins, the framed shape and the aim.
@@ -31,6 +30,10 @@ impl Default for Framing {
         Self { margin: 0.04, ball: false, keep_height: false, legend_shares: [0.0; 2], aim: None }
     }
 }
+
+/// Sine and cosine of the angles between the view axis and the sides of the free part of the image: left and right, bottom and top. A sine is
+/// negative where the free part begins beyond the axis.
+type Slopes = [[[f64; 2]; 2]; 2];
 
 /// Vertical field of view of a framed scene without a lens, degrees: a portrait lens with little perspective.
 const VFOV: f64 = 30.0;
@@ -74,9 +77,12 @@ impl Camera {
     /// An orthographic camera sees a box instead of a pyramid: the horizontal and vertical extents of the spheres give
     /// its height, and the eye lies in front of the nearest sphere by the scene's own size.
     ///
+    /// A distorted lens and a fisheye have the widest pyramid that is within their image, at most 60 degrees from the axis to each side. The
+    /// eye of a panorama, which sees all around, is the middle of the box around the spheres, and its `at` stays.
+    ///
     /// # Errors
-    /// Errors of [`Camera::basis`] and [`Camera::viewport`]; [`Error::Scene`] for spheres so near the limits of f64
-    /// that no eye is far enough.
+    /// Errors of [`Camera::basis`], [`Camera::viewport`] and [`Camera::check`]; [`Error::Scene`] for spheres so near the limits of f64
+    /// that no eye is far enough, and for a curved lens without a ray in the middle of the free part of its image.
     pub fn fit(&mut self, image: ImagePlane, spheres: &dyn SphereSource, framing: &Framing) -> Result<()> {
         match self.reach(image, spheres, framing, None)? {
             Some(reach) => self.fit_to(image, framing, &reach),
@@ -116,24 +122,21 @@ impl Camera {
     /// The normals of the view's sides, which point inwards: left, right, bottom, top, and for parallel rays back and front. An
     /// `at` becomes the view.
     fn normals(&mut self, image: ImagePlane, framing: &Framing) -> Result<[DVec3; 6]> {
+        if self.lens.is_panorama() {
+            return Ok([DVec3::ZERO; 6]);
+        }
         if let Look::At(at) = self.look {
             // An `at` that gives no direction is reported before it is changed.
             self.basis()?;
             self.look = Look::View(at - self.eye);
         }
         let basis = self.basis()?;
-        let viewport = self.viewport(image.width, image.height)?;
-        if matches!(self.lens, Lens::Intrinsics { .. }) {
-            let problem = "a lens of intrinsics belongs to its pose, and is not moved to show all spheres";
-            return Err(Error::settings(problem, format!("use a viewport or {}", setting::VFOV)));
-        }
-        if viewport.is_parallel() {
+        let Some([across, down]) = self.slopes(image, framing)? else {
             return Ok([basis.u, -basis.u, basis.v, -basis.v, basis.w, -basis.w]);
-        }
+        };
         let pair = |axis: DVec3, [[sine, cosine], [other_sine, other_cosine]]: [[f64; 2]; 2]| {
             [cosine * axis - sine * basis.w, -other_cosine * axis - other_sine * basis.w]
         };
-        let (across, down) = slopes(framing, viewport);
         let ([left, right], [bottom, top]) = (pair(basis.u, across), pair(basis.v, down));
         Ok([left, right, bottom, top, DVec3::ZERO, DVec3::ZERO])
     }
@@ -154,11 +157,15 @@ impl Camera {
 
     /// The same; the eye may not be finite.
     fn place(&mut self, image: ImagePlane, framing: &Framing, reach: &Reach) -> Result<()> {
+        if self.lens.is_panorama() {
+            self.eye = middle(reach.ends);
+            return Ok(());
+        }
         let basis = self.basis()?;
-        let viewport = self.viewport(image.width, image.height)?;
         let Reach { middle, sides: [left, right, bottom, top, _, front], .. } = *reach;
         let aim = framing.aim.map(|aim| aim - middle).map(|aim| [basis.u, basis.v, basis.w].map(|axis| axis.dot(aim)));
-        if viewport.is_parallel() {
+        let Some([across, down]) = self.slopes(image, framing)? else {
+            let viewport = self.viewport(image.width, image.height)?;
             let (right, top, front) = (-right, -top, -front);
             let shape = f64::from(image.height) / f64::from(image.width);
             // The middle of the picture on an axis, and the least length of its free part.
@@ -178,8 +185,7 @@ impl Camera {
             let x = x - (inset_left - inset_right) / 2.0 * shown / shape;
             self.eye = middle + x * basis.u + y * basis.v + back * basis.w;
             return Ok(());
-        }
-        let (across, down) = slopes(framing, viewport);
+        };
         // The eye's least distance back, and its coordinate along the axis: a constant, and a part of the distance.
         let pair = |low: f64, high: f64, [[sine, cosine], [other_sine, other_cosine]]: [[f64; 2]; 2], axis: usize| {
             // Both planes in the scale of the first one; 1 where they are alike.
@@ -199,6 +205,41 @@ impl Camera {
         let z = z_across.max(z_down);
         self.eye = middle + (x + along_x * z) * basis.u + (y + along_y * z) * basis.v + z * basis.w;
         Ok(())
+    }
+
+    /// The slopes of the sides; `None` for parallel rays.
+    fn slopes(&self, image: ImagePlane, framing: &Framing) -> Result<Option<Slopes>> {
+        let (size, free) = ([image.width, image.height], free(framing));
+        if let Lens::Curved { curve, fx, fy, cx, cy } = self.lens {
+            let insets = [framing.legend_shares[0], framing.legend_shares[1], 0.0, 0.0];
+            let rays = CurvedRays::new(curve, [fx, fy, cx, cy], size)?;
+            let Some(angles) = rays.pyramid(insets.map(|inset| inset + (1.0 - free) / 2.0)) else {
+                let problem = "the lens has no ray in the middle of the image, so that nothing can be framed there";
+                let mend = "give the eye and the point to look at, or correct the coefficients and the principal point";
+                return Err(Error::scene(Place::field("camera.lens"), problem, mend));
+            };
+            let [left, right, bottom, top] = angles.map(f64::sin_cos).map(<[f64; 2]>::from);
+            return Ok(Some([[left, right], [bottom, top]]));
+        }
+        let Viewport { vw, vh, d } = self.viewport(image.width, image.height)?;
+        if d.is_infinite() {
+            return Ok(None);
+        }
+        // How far the middle of the image is from the axis: to the right, and up.
+        let shift = match self.lens {
+            Lens::Intrinsics { fx, fy, cx, cy } => {
+                [(f64::from(image.width) / 2.0 - cx) / fx, (cy - f64::from(image.height) / 2.0) / fy]
+            }
+            _ => [0.0; 2],
+        };
+        let to = |side: f64, inset: f64, shift: f64| {
+            let slope = (free - 2.0 * inset) * side / (2.0 * d) + shift;
+            let length = slope.hypot(1.0);
+            [slope / length, 1.0 / length]
+        };
+        let [inset_left, inset_right] = framing.legend_shares;
+        let across = [to(vw, inset_left, -shift[0]), to(vw, inset_right, shift[0])];
+        Ok(Some([across, [to(vh, 0.0, -shift[1]), to(vh, 0.0, shift[1])]]))
     }
 }
 
@@ -230,17 +271,6 @@ fn free(framing: &Framing) -> f64 {
     1.0 - framing.margin.clamp(1e-9, 0.9)
 }
 
-/// Sine and cosine of the angles between the view axis and the sides of the viewport less its margin: left and right,
-/// bottom and top. The sine is negative where the free part begins beyond the axis.
-fn slopes(framing: &Framing, viewport: Viewport) -> ([[f64; 2]; 2], [[f64; 2]; 2]) {
-    let to = |side: f64, inset: f64| {
-        let slope = (free(framing) - 2.0 * inset) * side / (2.0 * viewport.d);
-        let length = slope.hypot(1.0);
-        [slope / length, 1.0 / length]
-    };
-    (framing.legend_shares.map(|inset| to(viewport.vw, inset)), [to(viewport.vh, 0.0); 2])
-}
-
 impl Spheres {
     /// The least n.(c - p) - r of all spheres; infinite without any.
     pub(super) fn least_along(&self, normal: DVec3, from: DVec3) -> f64 {
@@ -268,6 +298,7 @@ fn ball(spheres: &dyn SphereSource, middle: DVec3) -> Result<Spheres> {
 mod tests {
     use super::*;
     use crate::scene::ImagePlane;
+    use crate::scene::camera::Curve;
     use crate::{Camera, Scene};
 
     /// Every sphere is inside of all four planes, and the tighter pair of planes is touched, for every position and
@@ -311,6 +342,99 @@ mod tests {
             let tight = |a: f64, b: f64| a.max(b) < 1e-6;
             assert!(tight(least[0], least[1]) || tight(least[2], least[3]), "case {case}: loose by {least:?}");
         }
+    }
+
+    /// Every point of every sphere that rays of an eye touch lies in the image, by the formulas of OpenCV's documentation, for a lens that bends
+    /// edges inwards, one that bends them outwards, one that folds, an off-centre one, and fisheyes.
+    #[test]
+    fn framing_through_a_curved_lens_cuts_no_sphere() {
+        let distorted = |k: [f64; 3], p| Curve::Distorted { k: [k[0], k[1], k[2], 0.0, 0.0, 0.0], p };
+        let curved = |curve, [fx, fy, cx, cy]: [f64; 4]| Lens::Curved { curve, fx, fy, cx, cy };
+        let middle = [80.0, 82.0, 60.0, 45.0];
+        let lenses = [
+            (curved(distorted([-0.2, 0.04, 0.0], [0.003, -0.002]), middle), 0.9),
+            (curved(distorted([0.3, 0.1, 0.0], [0.0; 2]), [80.0, 80.0, 50.0, 52.0]), 0.9),
+            // Its picture is a disc: the image has no ray beyond.
+            (curved(distorted([-0.9, 0.0, 0.0], [0.0; 2]), [60.0, 60.0, 60.0, 45.0]), 0.35),
+            (curved(Curve::Fisheye { k: [0.05, -0.01, 0.0, 0.0] }, [120.0, 120.0, 61.5, 44.0]), 0.8),
+            (Lens::fisheye(100.0, [0.0; 4], 120, 90), 0.8),
+            (Lens::fisheye(180.0, [0.0; 4], 120, 90), 0.5),
+            (Lens::fisheye(360.0, [0.0; 4], 120, 90), 0.2),
+            (Lens::Intrinsics { fx: 90.0, fy: 80.0, cx: 20.0, cy: 70.0 }, 0.9),
+        ];
+        let image = ImagePlane { width: 120, height: 90, background: [0.0; 3] };
+        let mut rng = crate::testing::Rng(0xf17);
+        // The share of the image that the spheres take at least.
+        for (lens, least) in lenses {
+            for legend in [[0.0; 2], [0.2, 0.0], [0.0, 0.3]] {
+                let mut spheres = Spheres::default();
+                for _ in 0..30 {
+                    let center = [0; 3].map(|_| rng.between(-4.0, 4.0));
+                    spheres.push(center, rng.between(0.1, 1.2), None);
+                }
+                let view = DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), 1.0);
+                let mut camera = Camera { eye: DVec3::ZERO, look: Look::View(view), up: DVec3::Y, lens };
+                let framing = Framing { legend_shares: legend, ..Framing::default() };
+                camera.fit(image, &spheres, &framing).expect("framed");
+                let basis = camera.basis().expect("a basis");
+                let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+                for (center, radius) in spheres.centers.iter().zip(&spheres.radii) {
+                    let toward = DVec3::from_array(*center) - camera.eye;
+                    let distance = toward.length();
+                    assert!(distance > *radius, "{lens:?}: the eye is inside");
+                    let (axis, sine) = (toward / distance, radius / distance);
+                    let side = axis.any_orthonormal_vector();
+                    let other = axis.cross(side);
+                    for n in 0..24 {
+                        let (s, c) = (f64::from(n) / 24.0 * std::f64::consts::TAU).sin_cos();
+                        let ray = (1.0 - sine * sine).sqrt() * axis + sine * (c * side + s * other);
+                        let at = shown(lens, [ray.dot(basis.u), -ray.dot(basis.v), -ray.dot(basis.w)]);
+                        for k in 0..2 {
+                            (low[k], high[k]) = (low[k].min(at[k]), high[k].max(at[k]));
+                        }
+                    }
+                }
+                let ends = [120.0 * legend[0], 120.0 * (1.0 - legend[1])];
+                let is_shown = low[0] >= ends[0] && high[0] <= ends[1] && low[1] >= 0.0 && high[1] <= 90.0;
+                assert!(is_shown, "{lens:?} {legend:?}: {low:?} {high:?}");
+                let used = ((high[0] - low[0]) / (ends[1] - ends[0])).max((high[1] - low[1]) / 90.0);
+                assert!(used > 0.7 * least || legend != [0.0; 2], "{lens:?}: {used} of the image is used");
+            }
+        }
+    }
+
+    /// The place of a direction (right, down, ahead) by docs.opencv.org, calib3d and fisheye.
+    fn shown(lens: Lens, [x, y, z]: [f64; 3]) -> [f64; 2] {
+        match lens {
+            Lens::Intrinsics { fx, fy, cx, cy } => [fx * x / z + cx, fy * y / z + cy],
+            Lens::Curved { curve: Curve::Distorted { k, p: [p1, p2] }, fx, fy, cx, cy } => {
+                let (x, y) = (x / z, y / z);
+                let r2 = x * x + y * y;
+                let s = 1.0 + k[0] * r2 + k[1] * r2 * r2 + k[2] * r2 * r2 * r2;
+                let across = x * s + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
+                [fx * across + cx, fy * (y * s + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y) + cy]
+            }
+            Lens::Curved { curve: Curve::Fisheye { k }, fx, fy, cx, cy } => {
+                let r = x.hypot(y);
+                let theta = r.atan2(z);
+                let bent = theta * (1.0 + k[0] * theta.powi(2) + k[1] * theta.powi(4));
+                [fx * bent * x / r + cx, fy * bent * y / r + cy]
+            }
+            _ => unreachable!("no lens of this test"),
+        }
+    }
+
+    /// A panorama is seen from the middle of the box around the spheres.
+    #[test]
+    fn the_eye_of_a_panorama_is_in_the_middle() {
+        let mut spheres = Spheres::default();
+        spheres.push([1.0, 2.0, -5.0], 1.0, None);
+        spheres.push([5.0, 2.0, 3.0], 1.0, None);
+        let mut camera = Camera { lens: Lens::panorama(64, 32), ..Camera::CANONICAL };
+        camera
+            .fit(ImagePlane { width: 64, height: 32, ..ImagePlane::default() }, &spheres, &Framing::default())
+            .expect("framed");
+        assert_eq!((camera.eye, camera.look), (DVec3::new(3.0, 2.0, -1.0), Camera::CANONICAL.look));
     }
 
     #[test]

@@ -232,7 +232,7 @@ struct Grid {
 impl Grid {
     fn new(camera: &Camera, image: ImagePlane) -> Result<Self> {
         let basis = camera.basis()?;
-        let viewport = camera.viewport(image.width, image.height)?;
+        let viewport = camera.central_viewport(image.width, image.height)?;
         let Viewport { vw, vh, d } = viewport;
         let side = vw.max(vh) / GRID;
         let [columns, rows] = [vw, vh].map(|length| ((length / side).ceil() as usize).max(1));

@@ -3,8 +3,7 @@
 use super::Settings;
 use crate::error::{Error, Result, named};
 use crate::frame::Aov;
-use crate::quote::setting::{AOV, BOUNCES, LOOK, OCCLUSION, REACH};
-use crate::scene::camera::Lens;
+use crate::quote::setting::{AOV, BOUNCES, OCCLUSION, REACH};
 use crate::scene::{Light, LightSource, Lighting, Materials, Scene, Sky};
 use crate::shade::Shade;
 use glam::DVec3;
@@ -93,27 +92,6 @@ impl FileLook {
         let look = requested.filter(|_| has_picture).unwrap_or(if is_default { Look::Soft } else { Look::Plain });
         let samples = samples.or(self.samples).unwrap_or(look.samples());
         ChosenLook { look, samples, is_default }
-    }
-
-    /// The look of a picture through a lens, by [`Self::choose`], and a warning where it is not that of particles: frames of a curved
-    /// lens have neither lights nor lines.
-    #[must_use]
-    pub fn choose_through(
-        self,
-        lens: &Lens,
-        has_picture: bool,
-        look: Option<Look>,
-        samples: Option<u32>,
-        shade: Option<Shade>,
-    ) -> (ChosenLook, Option<String>) {
-        let own = self.choose(has_picture, look, samples, shade);
-        if !(own.is_default && lens.is_curved()) {
-            return (own, None);
-        }
-        let why = "this lens has distortion or is a fisheye or a panorama";
-        let warning =
-            format!("the picture is lit from the eye, not in the look soft of particles: {why}; {LOOK} plain says so");
-        (Self { is_particles: false, ..self }.choose(has_picture, look, samples, shade), Some(warning))
     }
 }
 
@@ -312,25 +290,6 @@ mod tests {
         ] {
             let ChosenLook { look: found, samples: count, is_default } = from.choose(has_picture, look, samples, shade);
             assert_eq!((found, count, is_default), expected, "{from:?} {has_picture} {look:?} {samples:?} {shade:?}");
-        }
-    }
-
-    /// A look that options or a file ask for is refused by the frame, which names it.
-    #[test]
-    fn particles_through_a_curved_lens_have_the_look_plain_and_a_warning() {
-        let [straight, curved] = [Lens::Vfov { degrees: 50.0, distance: 1.0 }, Lens::panorama(64, 32)];
-        let particles = FileLook::PARTICLES;
-        for (lens, from, has_picture, look, shade, expected) in [
-            (straight, particles, true, None, None, (Look::Soft, 4, false)),
-            (curved, particles, true, None, None, (Look::Plain, 1, true)),
-            (curved, particles, true, Some(Look::Plain), None, (Look::Plain, 1, false)),
-            (curved, particles, true, Some(Look::Soft), None, (Look::Soft, 4, false)),
-            (curved, particles, true, None, Some(Shade::Flat), (Look::Plain, 1, false)),
-            (curved, particles, false, None, None, (Look::Plain, 1, false)),
-            (curved, FileLook::default(), true, None, None, (Look::Plain, 1, false)),
-        ] {
-            let (chosen, warning) = from.choose_through(&lens, has_picture, look, None, shade);
-            assert_eq!((chosen.look, chosen.samples, warning.is_some()), expected, "{lens:?} {from:?} {look:?}");
         }
     }
 

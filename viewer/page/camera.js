@@ -1,5 +1,5 @@
-// The mathematics of the camera, without document or state. A camera is {eye, at, up, vfov} with degrees of the full height,
-// or {eye, at, up, height} in scene units (orthographic). `at` is the pivot. Pixels count from the top left.
+// The mathematics of the camera, without state. A camera is {eye, at, up, vfov} with degrees of the full height,
+// {eye, at, up, height} in scene units (orthographic), or with a lens. `at` is the pivot; pixels are from the top left.
 
 export const plus = (a, b, k = 1) => a.map((x, i) => x + k * b[i]);
 export const minus = (a, b) => plus(a, b, -1);
@@ -11,7 +11,7 @@ const turn = (v, axis, angle) => {
   const c = Math.cos(angle), s = Math.sin(angle), k = dot(axis, v) * (1 - c), w = cross(axis, v);
   return v.map((x, i) => x * c + w[i] * s + axis[i] * k);
 };
-const halfTan = (c) => Math.tan((c.vfov * Math.PI) / 360);
+const halfTan = (c) => c.lens?.half ?? Math.tan((c.vfov * Math.PI) / 360);
 
 // An up direction that is square to `forward`: x, else y, is on the right.
 function otherUp(forward) {
@@ -91,10 +91,10 @@ export function before(c, center, radius) {
   return distance >= needed ? c : { ...c, eye: plus(c.at, forward, -needed) };
 }
 
-// Where a point is in the picture, in pixels; null behind the eye.
+// The pixel of a point; null behind the eye and for a lens.
 export function project(c, size, point) {
   const { forward, right, up } = basis(c), v = minus(point, c.eye), depth = dot(v, forward);
-  if (!(depth > 0)) return null;
+  if (!(depth > 0) || c.lens) return null;
   const k = size[1] / (c.height ?? 2 * depth * halfTan(c));
   return [size[0] / 2 + dot(v, right) * k, size[1] / 2 - dot(v, up) * k];
 }
@@ -107,9 +107,8 @@ function trim(x, scale) {
   return (digits < 0 ? Math.round(x / step) * step : Number(x.toFixed(digits))) + 0;
 }
 export function tidy(c) {
-  const scale = seen(c), lens = c.height ? { height: trim(c.height, scale) } : { vfov: c.vfov };
-  const all = (v, s) => v.map((x) => trim(x, s));
-  return { eye: all(c.eye, scale), at: all(c.at, scale), up: all(c.up, 1.5 * norm(c.up)), ...lens };
+  const scale = seen(c), h = c.height, all = (v, s) => v.map((x) => trim(x, s));
+  return { ...c, eye: all(c.eye, scale), at: all(c.at, scale), up: all(c.up, 1.5 * norm(c.up)), ...(h && { height: trim(h, scale) }) };
 }
 
 // The greatest of 1, 2, 5 x 10^k that is not above `most`.
@@ -118,5 +117,5 @@ export function roundLength(most) {
   return Number(`${[5, 2, 1].find((m) => m <= (most / 10 ** k) * (1 + 1e-9)) ?? 1}e${k}`);
 }
 
-const numbers = (c) => String([c.eye, c.at, c.up, c.vfov, c.height]);
+const numbers = (c) => JSON.stringify([c.eye, c.at, c.up, c.vfov, c.height, c.lens]);
 export const sameCamera = (a, b) => numbers(a) === numbers(b);

@@ -42,7 +42,7 @@ function widen({ camera, size, sized }, window) {
   const k = (size[0] / size[1]) / (window[0] / window[1]), half = Math.PI / 360;
   if (sized || !(k > 1)) return;
   if (camera.height) camera.height *= k;
-  else camera.vfov = Math.atan(Math.tan(camera.vfov * half) * k) / half;
+  else if (camera.vfov) camera.vfov = Math.atan(Math.tan(camera.vfov * half) * k) / half;
 }
 
 // The picture that the page has anyway stays until the program shows one, and says why where it does not.

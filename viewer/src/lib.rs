@@ -20,8 +20,8 @@ pub use reply::Reply;
 pub use routes::Routes;
 pub use server::{PORT, Server, Times};
 pub use stage::{
-    Answer, Commands, FrameRequest, GoOn, Lens, Mode, Options, PickRequest, Picture, Pixels, Pose, Refusal,
-    SceneRequest, SelectRequest, Stage,
+    Answer, Commands, FrameRequest, GoOn, Lens, LensName, Mode, NamedLens, Options, PickRequest, Picture, Pixels, Pose,
+    Refusal, SceneRequest, SelectRequest, Stage,
 };
 
 /// The bytes that the server sends back to a connection that sends these bytes; for tests and the fuzzer.

@@ -37,16 +37,48 @@ impl Refusal {
 /// An answer, or why there is none.
 pub type Answer<T> = Result<T, Refusal>;
 
-/// The extent of the camera's view: an angle, or a height for an orthographic camera.
+/// The extent of the camera's view: an angle, a height for an orthographic camera, or a lens with a name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lens {
     /// The angle of the full height in degrees.
     Vfov(f64),
     /// The full height in units of the scene, for an orthographic camera.
     Height(f64),
+    /// A lens that options name.
+    Named(NamedLens),
 }
 
-/// A camera. In JSON it has exactly one of `vfov` and `height`, and its numbers are finite.
+/// A lens by the values of the command's options for it. The page keeps it as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct NamedLens {
+    /// The option `lens`.
+    pub name: LensName,
+    /// Degrees of the full height of a fisheye.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vfov: Option<f64>,
+    /// Focal lengths and principal point, and the columns and rows of the image that they belong to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intrinsics: Option<([f64; 4], [u32; 2])>,
+    /// Coefficients in the order of the option.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coefficients: Option<[f64; 8]>,
+    /// Half of the height of what is seen at the distance 1, for moves of the camera: that of a plane with the pixels of the middle.
+    pub half: f64,
+}
+
+/// The name of a lens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LensName {
+    /// Image heights that grow with the angle.
+    Fisheye,
+    /// The whole sphere.
+    Equirectangular,
+    /// Focal lengths and distortion.
+    Opencv,
+}
+
+/// A camera. In JSON it has exactly one of `vfov`, `height` and `lens`, and its numbers are finite.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Pose {
@@ -56,7 +88,7 @@ pub struct Pose {
     pub at: [f64; 3],
     /// The direction that is upwards in the picture.
     pub up: [f64; 3],
-    /// The angle or the height of the view.
+    /// The angle or the height of the view, or its lens.
     pub lens: Lens,
 }
 
@@ -71,17 +103,21 @@ struct Written {
     vfov: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     height: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lens: Option<NamedLens>,
 }
 
 impl TryFrom<Written> for Pose {
     type Error = &'static str;
 
-    fn try_from(Written { eye, at, up, vfov, height }: Written) -> Result<Self, Self::Error> {
-        let lens = match (vfov, height) {
-            (Some(vfov), None) => Lens::Vfov(vfov),
-            (None, Some(height)) => Lens::Height(height),
-            _ => return Err("a camera has either vfov or height"),
+    fn try_from(Written { eye, at, up, vfov, height, lens: named }: Written) -> Result<Self, Self::Error> {
+        let lens = match (vfov, height, named) {
+            (Some(vfov), None, None) => Lens::Vfov(vfov),
+            (None, Some(height), None) => Lens::Height(height),
+            (None, None, Some(named)) => Lens::Named(named),
+            _ => return Err("a camera has either vfov, height or lens"),
         };
+        // Those of a named lens are checked with the options that it becomes.
         let numbers = [eye, at, up].into_iter().flatten().chain(vfov).chain(height);
         if !numbers.into_iter().all(f64::is_finite) {
             return Err("the numbers of a camera are finite");
@@ -92,11 +128,12 @@ impl TryFrom<Written> for Pose {
 
 impl From<Pose> for Written {
     fn from(Pose { eye, at, up, lens }: Pose) -> Self {
-        let (vfov, height) = match lens {
-            Lens::Vfov(vfov) => (Some(vfov), None),
-            Lens::Height(height) => (None, Some(height)),
+        let (vfov, height, lens) = match lens {
+            Lens::Vfov(vfov) => (Some(vfov), None, None),
+            Lens::Height(height) => (None, Some(height), None),
+            Lens::Named(lens) => (None, None, Some(lens)),
         };
-        Self { eye, at, up, vfov, height }
+        Self { eye, at, up, vfov, height, lens }
     }
 }
 

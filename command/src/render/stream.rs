@@ -265,11 +265,11 @@ impl<'a> Source<'a> {
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
             None if camera.list.file.is_some() => {
-                camera.list.apply(self.number, self.args.image.size, camera.vfov(), &mut frame.scene)?;
+                camera.list.apply(self.number, self.args.image.size, camera.lens_of_list(), &mut frame.scene)?;
             }
-            None => camera.apply_lens(&mut frame.scene.camera),
+            None => camera.apply_lens(&mut frame.scene.camera, frame.scene.image)?,
         }
-        refused::check_frame(&frame)?;
+        refused::check_frame(&frame, camera.lens.is_named())?;
         Ok(frame)
     }
 

@@ -1,5 +1,6 @@
 //! The options that the command line of `halfline view` gives, and the command that renders a picture of the page with them.
 
+use super::lens;
 use crate::config::Config;
 use crate::inset_args::joined;
 use crate::option_table::{NO_VIEW, PAGE, has, ids_with};
@@ -7,7 +8,7 @@ use crate::process::all_arguments;
 use clap::parser::{RawValues, ValueSource};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use halfline::error::{Error, Result};
-use halfline_viewer::{FrameRequest, Lens, Options, Pose};
+use halfline_viewer::{FrameRequest, Lens, LensName, Options, Pose};
 use std::ffi::{OsStr, OsString};
 
 /// The colour of spheres that are selected on the page, and that of the others.
@@ -121,9 +122,8 @@ impl Given {
         for (id, vector) in [("eye", eye), ("at", at), ("up", up)] {
             set(id, vector.map(|x| x.to_string()).join(","));
         }
-        match lens {
-            Lens::Vfov(degrees) => set("vfov", degrees.to_string()),
-            Lens::Height(height) => set("ortho", height.to_string()),
+        for (id, value) in lens::options(lens, *size, false) {
+            set(id, value.unwrap_or_default());
         }
         set("size", format!("{}x{}", size[0], size[1]));
         options
@@ -150,13 +150,12 @@ impl Given {
         let vector = |vector: [f64; 3]| Some(vector.map(|x| x.to_string()).join(","));
         set("view", vector([0, 1, 2].map(|k| at[k] - eye[k])));
         set("up", vector(*up));
-        match lens {
-            Lens::Vfov(degrees) => set("vfov", Some(degrees.to_string())),
-            Lens::Height(_) => set("ortho", None),
-        }
-        match select {
-            Some(selection) => set("focus", Some(selection.clone())),
-            None => set("fit", None),
+        lens::options(lens, *size, true).into_iter().for_each(|(id, value)| set(id, value));
+        match (lens, select) {
+            // Shows all whatever it frames.
+            (Lens::Named(lens), _) if lens.name == LensName::Equirectangular => {}
+            (_, Some(selection)) => set("focus", Some(selection.clone())),
+            (_, None) => set("fit", None),
         }
         set("size", Some(format!("{}x{}", size[0], size[1])));
         options

@@ -1,7 +1,6 @@
 //! The sphere that a pixel shows, decided with certified accuracy, and the data that the file has of it.
 
 use glam::DVec3;
-use halfline::camera::{Basis, Camera, Viewport};
 use halfline::error::Result;
 use halfline::frame::{Aov, Data};
 use halfline::parallel::{self, CHEAP};
@@ -24,7 +23,9 @@ pub(super) fn pick(
     [x, y]: [u32; 2],
 ) -> Result<Option<(usize, Value)>> {
     // The frame is that of the spheres that the ray comes close to.
-    let near = near_ray(&scene.spheres, ray(&scene.camera, [scene.image.width, scene.image.height], [x, y])?);
+    let projector = scene.camera.projector([scene.image.width, scene.image.height])?;
+    let Some(ray) = projector.ray([x, y].map(|place| f64::from(place) + 0.5)) else { return Ok(None) };
+    let near = near_ray(&scene.spheres, ray);
     let of = |values: &[[f64; 3]]| near.iter().map(|id| values[*id]).collect::<Vec<_>>().into();
     let radii = near.iter().map(|id| scene.spheres.radii[*id]).collect::<Vec<_>>().into();
     let spheres = Spheres { centers: of(&scene.spheres.centers), radii, ..Spheres::default() };
@@ -53,17 +54,6 @@ pub(super) fn pick(
         "certainty": if is_settled { "settled" } else { "certified" },
     });
     Ok(Some((*id, picked)))
-}
-
-/// Origin and direction of the ray through the centre of pixel (column, row) in world space, in f64 arithmetic. The direction is
-/// not normalised.
-fn ray(camera: &Camera, size: [u32; 2], [column, row]: [u32; 2]) -> Result<[DVec3; 2]> {
-    let Viewport { vw, vh, d, .. } = camera.viewport(size[0], size[1])?;
-    let (Basis { e, u, v, w }, [width, height]) = (camera.basis()?, size.map(f64::from));
-    let right = ((f64::from(column) + 0.5) / width - 0.5) * vw;
-    let up = (0.5 - (f64::from(row) + 0.5) / height) * vh;
-    let across = u * right + v * up;
-    Ok(if camera.lens.is_orthographic() { [e + across, -w] } else { [e, across - w * d] })
 }
 
 /// The ids of the spheres that the line of a ray hits, or passes within 1e-9 of their radius plus 1e-9 of the distance from the

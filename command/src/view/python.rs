@@ -1,6 +1,7 @@
 //! The lines of Python that render a picture of the page.
 
 use super::given::GivenOption;
+use super::lens;
 use crate::option_table::{Call, Form, OptionRow, Python, options as all_options};
 use halfline_viewer::{FrameRequest, Lens};
 use std::ffi::OsStr;
@@ -25,8 +26,14 @@ pub(super) fn lines(file: Option<&OsStr>, output: &OsStr, options: &[GivenOption
     let camera = &request.camera;
     let [eye, at, up] = [camera.eye, camera.at, camera.up].map(|vector| format!("{vector:?}").replace(['[', ']'], ""));
     let lens = match camera.lens {
-        Lens::Vfov(degrees) => format!("vfov={degrees:?}"),
         Lens::Height(height) => format!("height={height:?}"),
+        lens => {
+            let keyword = |(id, value): (&str, Option<String>)| {
+                let value = value.unwrap_or_default();
+                format!("{id}={}", if id == "lens" { text(&value) } else { literal(&value) })
+            };
+            lens::options(&lens, request.size, false).into_iter().map(keyword).collect::<Vec<_>>().join(", ")
+        }
     };
     let [width, height] = request.size;
     let scene = match (file, values(options, "color")) {

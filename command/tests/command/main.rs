@@ -40,6 +40,7 @@ mod info;
 mod insets;
 #[cfg(target_os = "linux")]
 mod lens;
+mod lenses;
 mod light;
 mod limits;
 mod looks;

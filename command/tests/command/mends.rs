@@ -32,7 +32,7 @@ const REFUSED: [&str; 23] = [
     "s.toml --cameras lens.json --silhouette -o a.png",
     "s.toml --cameras lens.json --depth-cue -o a.png",
     "s.toml --cameras lens.json --look soft -o a.png",
-    "t.csv --cameras lens.json --opacity 0.5 -o a.png",
+    "t.csv --look plain --cameras lens.json --opacity 0.5 -o a.png",
 ];
 
 /// The value of a place in a message.

@@ -15,6 +15,8 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--vfov", &["30", "50"]),
     ("--ortho", &["2", "3"]),
     ("--zoom", &["1.5"]),
+    ("--lens", &["fisheye", "equirectangular"]),
+    ("--lens-coefficients", &["0.1,0.01,0,0"]),
     ("--aperture", &["0.3", "0.6"]),
     ("--focus-distance", &["2", "3"]),
     ("--intrinsics", &["20,21,12,9"]),

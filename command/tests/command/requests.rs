@@ -273,8 +273,8 @@ fn a_page_bounds_every_number_of_a_request() {
         json!(2_147_483_648_u64),
     ];
     let fields = [
-        "size", "samples", "frame", "x", "y", "from", "seq", "eye", "at", "up", "vfov", "height", "clip", "opacity",
-        "layers",
+        "size", "samples", "frame", "x", "y", "from", "seq", "eye", "at", "up", "vfov", "height", "lens", "clip",
+        "opacity", "layers",
     ];
     for n in 0..300 {
         let mut number = || numbers[(rng.unit() * numbers.len() as f64) as usize].clone();
@@ -288,6 +288,21 @@ fn a_page_bounds_every_number_of_a_request() {
             "height" => {
                 body["camera"].as_object_mut().expect("a camera").remove("vfov");
                 body["camera"]["height"] = values[0].clone();
+            }
+            "lens" => {
+                let camera = body["camera"].as_object_mut().expect("a camera");
+                camera.remove("vfov");
+                let name = ["fisheye", "equirectangular", "opencv"][n % 2 + usize::from(n % 5 == 0)];
+                let [a, b, c] = &values;
+                let pixels = json!([[a, b, c, 3], [32, 24]]);
+                let lens = match n % 3 {
+                    0 => json!({ "name": name, "half": a, "vfov": b }),
+                    1 => json!({ "name": name, "half": 1, "intrinsics": pixels }),
+                    _ => {
+                        json!({ "name": name, "half": 1, "intrinsics": pixels, "coefficients": [a, b, 0, 0, c, 0, 0, 0] })
+                    }
+                };
+                camera.insert("lens".into(), lens);
             }
             "samples" | "clip" | "opacity" | "layers" => {
                 let texts = values.each_ref().map(Value::to_string);

@@ -98,7 +98,8 @@ impl Walk<'_> {
     /// Walks as a stream that the program chooses: with one byte less than the frame needs, it reads the file as a stream, or ends with the code of memory.
     fn chosen_stream(&self) -> Found {
         let first = run(self.dir, &self.with(""), &[("HALFLINE_FREE", "0")]);
-        let needed = first.0.err.split_once("needs about ").and_then(|(_, rest)| rest.split(' ').next());
+        let needed = ["needs about ", "may need "].iter().find_map(|before| first.0.err.split_once(before));
+        let needed = needed.and_then(|(_, rest)| rest.split(' ').next());
         match needed.and_then(|bytes| bytes.parse::<u64>().ok()).filter(|_| first.0.code == 5) {
             Some(needed) => {
                 let found = run(self.dir, &self.with(""), &[("HALFLINE_FREE", &(needed - 1).to_string())]);

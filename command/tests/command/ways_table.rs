@@ -96,6 +96,7 @@ pub(crate) fn rows() -> Vec<Row> {
     use Effect::{Allows, Bytes, Fails, Nothing};
     const LIGHT: &[&str] = &["lights and a sky need all spheres in memory"];
     const FORMAT: &[&str] = &["files are not read as a stream"];
+    const PIXELS: &str = "--eye 9,7,12 --at 2,2,2 --lens opencv --intrinsics";
     vec![
         at("format", "--format csv --columns x=1,y=2,z=3,radius=4").of("bare.dat").does(Allows),
         at("columns", "--columns x=a,y=b,z=c,radius=d").of("named.csv").does(Allows),
@@ -154,6 +155,10 @@ pub(crate) fn rows() -> Vec<Row> {
         row("cameras", "", "--cameras one.json"),
         instead("cameras", "--frames 2", "--frames 2 --cameras two.json").or(&["--hold"]),
         instead("intrinsics", "--cameras bare.json --vfov 40", "--cameras bare.json --intrinsics 12,12,6,5"),
+        at("lens", "--lens fisheye"),
+        instead("lens", CAMERA, "--eye 9,7,12 --at 2,2,2 --lens equirectangular"),
+        instead("intrinsics", &format!("{PIXELS} 12,12,6,5"), &format!("{PIXELS} 20,20,6,5")),
+        row("lens-coefficients", &format!("{PIXELS} 12,12,6,5"), "--lens-coefficients -0.2,0.05,0,0").or(&["--lens"]),
         row("spin", "", "--spin 1"),
         instead("spin", &format!("{CAMERA} --frames 2"), &format!("{CAMERA} --frames 2 --spin 3")),
         instead("size", CAMERA, CAMERA).sized("11x9"),

@@ -11,6 +11,7 @@ mod keyed;
 mod keys;
 mod lens;
 mod listed;
+mod named;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ pub use axes::{AxesProblem, check_axes};
 pub use curve::curve_of;
 pub use lens::{ListedLens, PixelLens, lens_of};
 pub use listed::ListedCamera;
+pub use named::{LensName, LensProblem, NamedLens};
 
 use super::input::without_mark;
 use halfline::error::{Error, Place, Result};

@@ -180,14 +180,50 @@ impl Document<'_> {
     }
 
     fn camera(&self, table: &TomlTable<'_>, image: &ImagePlane) -> Result<Camera> {
-        table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance", "height", "aperture", "focus"])?;
+        table.allow(&[
+            "eye",
+            "at",
+            "view",
+            "up",
+            "lens",
+            "vfov",
+            "viewport",
+            "distance",
+            "height",
+            "fx",
+            "fy",
+            "cx",
+            "cy",
+            "coefficients",
+            "aperture",
+            "focus",
+        ])?;
         let vector = |key| table.need(key)?.numbers().map(DVec3::from_array);
         let look = match table.one_of(["at", "view"])? {
             "at" => Look::At(vector("at")?),
             _ => Look::View(vector("view")?),
         };
+        let lens = match lens::named(table, image)? {
+            Some(lens) => lens,
+            None => Self::flat_lens(table)?,
+        };
+        let camera = Camera { eye: vector("eye")?, look, up: vector("up")?, lens };
+        let locate = |error| {
+            relocate(error, |field| {
+                let key = field.trim_start_matches("camera.");
+                // A viewport that overflows was computed from the angle.
+                table.place_of(key, "vfov").named(field)
+            })
+        };
+        camera.basis().map_err(locate)?;
+        camera.check(image.width, image.height).map_err(locate)?;
+        Ok(camera)
+    }
+
+    /// The lens of a camera without `lens`.
+    fn flat_lens(table: &TomlTable<'_>) -> Result<Lens> {
         let distance = table.get("distance").map_or(Ok(1.0), |d| d.number())?;
-        let lens = match table.one_of(["vfov", "viewport", "height"])? {
+        Ok(match table.one_of(["vfov", "viewport", "height"])? {
             "height" => {
                 if let Some(distance) = table.get("distance") {
                     let problem = "an orthographic camera has no viewport distance";
@@ -200,18 +236,7 @@ impl Document<'_> {
                 let [vw, vh] = table.need("viewport")?.numbers()?;
                 Lens::Viewport { vw, vh, distance }
             }
-        };
-        let camera = Camera { eye: vector("eye")?, look, up: vector("up")?, lens };
-        let locate = |error| {
-            relocate(error, |field| {
-                let key = field.trim_start_matches("camera.");
-                // A viewport that overflows was computed from the angle.
-                table.place_of(key, "vfov").named(field)
-            })
-        };
-        camera.basis().map_err(locate)?;
-        camera.viewport(image.width, image.height).map_err(locate)?;
-        Ok(camera)
+        })
     }
 
     fn sphere(&self, table: &TomlTable<'_>, spheres: &mut Spheres) -> Result<()> {

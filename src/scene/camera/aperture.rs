@@ -6,7 +6,7 @@
 //! number of the places that rays go through, rounded to the nearest, so that every ray is that of a pixel of a frame whose
 //! numbers are exact.
 
-use super::{Basis, Camera, CentredFrame, Look, Viewport, wrong};
+use super::{Basis, CURVED, Camera, CentredFrame, Look, Viewport, wrong};
 use crate::error::Result;
 
 /// A round lens around the eye, perpendicular to the view.
@@ -26,11 +26,15 @@ impl Aperture {
     /// The distance of the plane in focus.
     ///
     /// # Errors
-    /// [`Error::Scene`](crate::Error::Scene) for a diameter or a distance that is not positive and finite, for parallel rays, and where neither a
+    /// [`Error::Scene`](crate::Error::Scene) for a diameter or a distance that is not positive and finite, for parallel rays and curved lenses, and where neither a
     /// distance nor a point to look at is given.
     pub fn distance(&self, camera: &Camera) -> Result<f64> {
         if camera.lens.is_orthographic() {
             let problem = "an orthographic camera has no lens, as its rays do not meet";
+            return Err(wrong("aperture", problem, "remove the aperture, or use vfov"));
+        }
+        if camera.lens.is_curved() {
+            let problem = format!("a lens with a size is one of a plane, and this lens has {CURVED}");
             return Err(wrong("aperture", problem, "remove the aperture, or use vfov"));
         }
         if !(self.diameter > 0.0 && self.diameter.is_finite()) {

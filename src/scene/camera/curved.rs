@@ -45,7 +45,7 @@ pub(crate) struct CurvedRays {
     curve: Curve,
     focal: DVec2,
     center: DVec2,
-    size: DVec2,
+    pub(super) size: DVec2,
     /// The farthest point of the image from the axis, in focal lengths.
     reach: f64,
     /// The largest radius on the plane, or the largest angle, up to which heights grow; beyond it the model folds.
@@ -259,7 +259,7 @@ fn distorted(k: [f64; 6], [p1, p2]: [f64; 2], place: DVec2) -> (DVec2, DMat2) {
 }
 
 /// The image height t of a fisheye at an angle.
-fn image_height([k1, k2, k3, k4]: [f64; 4], angle: f64) -> f64 {
+pub(super) fn image_height([k1, k2, k3, k4]: [f64; 4], angle: f64) -> f64 {
     let square = angle * angle;
     angle * (1.0 + square * (k1 + square * (k2 + square * (k3 + square * k4))))
 }

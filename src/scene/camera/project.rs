@@ -95,6 +95,27 @@ impl Projector {
     }
 }
 
+impl Projector {
+    /// Origin and direction of the viewing ray through a point of the image, columns and rows from its upper left corner, in f64 arithmetic. The
+    /// direction has any length. `None` where a curved lens has no ray.
+    #[must_use]
+    pub fn ray(&self, [column, row]: [f64; 2]) -> Option<[DVec3; 2]> {
+        let Basis { e, u, v, w } = self.basis;
+        match self.lens {
+            ProjectedLens::Pixels(Intrinsics { fx, fy, cx, cy }) => {
+                Some([e, (column - cx) / fx * u - (row - cy) / fy * v - w])
+            }
+            ProjectedLens::Parallel { view: [vw, vh], image: [width, height] } => {
+                Some([e + (column / width - 0.5) * vw * u + (0.5 - row / height) * vh * v, -w])
+            }
+            ProjectedLens::Curved(rays) => {
+                let DVec3 { x, y, z } = rays.direction([column, row])?;
+                Some([e, x * u - y * v - z * w])
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! A camera as numbers in reports, pictures and lists of cameras.
 
-use super::{Aperture, Camera, Curve, Lens, Look, Viewport};
+use super::{Aperture, Camera, Curve, Lens, Look};
 use crate::error::Result;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -51,6 +51,42 @@ pub struct Intrinsics {
     pub cy: f64,
 }
 
+impl Intrinsics {
+    /// The intrinsics for an image of `to` columns and rows in place of `from`: the height of the view stays, pixels keep their shape, and the
+    /// principal point its distance from the middle in heights of the view.
+    #[must_use]
+    pub fn resized(self, from: [u32; 2], to: [u32; 2]) -> Self {
+        if from == to {
+            return self;
+        }
+        let Self { fx, fy, cx, cy } = self;
+        let scale = f64::from(to[1]) / f64::from(from[1]);
+        let moved = |center: f64, k: usize| (center - f64::from(from[k]) / 2.0) * scale + f64::from(to[k]) / 2.0;
+        Self { fx: fx * scale, fy: fy * scale, cx: moved(cx, 0), cy: moved(cy, 1) }
+    }
+}
+
+impl Lens {
+    /// The lens for an image of `to` columns and rows in place of `from`: a panorama is that of the other image, and what is given in pixels is
+    /// scaled as by [`Intrinsics::resized`].
+    #[must_use]
+    pub fn resized(self, from: [u32; 2], to: [u32; 2]) -> Self {
+        let scaled = |[fx, fy, cx, cy]: [f64; 4]| Intrinsics { fx, fy, cx, cy }.resized(from, to);
+        match self {
+            Self::Curved { curve: Curve::Panorama, .. } => Self::panorama(to[0], to[1]),
+            Self::Curved { curve, fx, fy, cx, cy } => {
+                let Intrinsics { fx, fy, cx, cy } = scaled([fx, fy, cx, cy]);
+                Self::Curved { curve, fx, fy, cx, cy }
+            }
+            Self::Intrinsics { fx, fy, cx, cy } => {
+                let Intrinsics { fx, fy, cx, cy } = scaled([fx, fy, cx, cy]);
+                Self::Intrinsics { fx, fy, cx, cy }
+            }
+            other => other,
+        }
+    }
+}
+
 impl CameraRecord {
     /// The record of a camera, and of its lens if it has a size, for an image of `width` x `height` pixels. A principal
     /// point beside the middle is recorded as the rays have it, rounded: to half a pixel where it is given so, else to
@@ -61,10 +97,7 @@ impl CameraRecord {
     /// Errors of [`Camera::viewport`] and of [`Aperture::distance`].
     pub fn new(camera: &Camera, [width, height]: [u32; 2], aperture: Option<Aperture>) -> Result<Self> {
         let [w, h] = [width, height].map(f64::from);
-        let (curve, viewport) = match camera.lens {
-            Lens::Curved { curve, fx, fy, .. } => (Some(curve), Viewport { vw: w / fx, vh: h / fy, d: 1.0 }),
-            _ => (None, camera.viewport(width, height)?),
-        };
+        let viewport = camera.central_viewport(width, height)?;
         let (at, view) = match camera.look {
             Look::At(at) => (Some(at.to_array()), at - camera.eye),
             Look::View(view) => (None, view),
@@ -83,7 +116,10 @@ impl CameraRecord {
                 Lens::Intrinsics { fx, fy, .. } | Lens::Curved { fx, fy, .. } => Intrinsics { fx, fy, cx, cy },
                 _ => Intrinsics { fx: d * w / viewport.vw, fy: d * h / viewport.vh, cx, cy },
             }),
-            curve,
+            curve: match camera.lens {
+                Lens::Curved { curve, .. } => Some(curve),
+                _ => None,
+            },
             aperture: aperture.map(|aperture| aperture.diameter),
             focus: aperture.map(|aperture| aperture.distance(camera)).transpose()?,
         })

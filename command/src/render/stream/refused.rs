@@ -18,7 +18,7 @@ const LENS: &str = "a lens with a size sees spheres that a stream has forgotten"
 /// [`Error::Settings`] that names the option.
 pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>) -> Result<()> {
     let SceneArgs { camera, files, insets, .. } = args;
-    let has_size = camera.lens.is_given() || taken.is_some_and(|record| record.lens_size().is_some());
+    let has_size = camera.lens.has_size() || taken.is_some_and(|record| record.lens_size().is_some());
     let refusals: [Refusal; 9] = [
         (
             args.is_many(),
@@ -57,18 +57,18 @@ pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>)
     first(&refusals)
 }
 
-/// Refuses a frame, still without spheres, whose light or lens needs all of them in memory.
+/// Refuses a frame, still without spheres, whose light or lens needs all of them in memory; `is_named` says whether an option gives the lens.
 ///
 /// # Errors
 /// [`Error::Settings`].
-pub(super) fn check_frame(frame: &SceneFrame) -> Result<()> {
+pub(super) fn check_frame(frame: &SceneFrame, is_named: bool) -> Result<()> {
     let shines = frame.scene.lighting.lights.iter().any(|light| matches!(light.source, LightSource::Sphere(_)));
     first(&[
         (frame.aperture.is_some(), LENS, "remove the scene's aperture"),
         (
             frame.scene.camera.lens.is_curved(),
             "the rays of a curved lens need all spheres in memory",
-            "use another camera, or remove --stream",
+            if is_named { "remove --lens, or --stream" } else { "use another camera, or remove --stream" },
         ),
         (shines, "lights that are spheres need all spheres in memory", "remove them, or --stream"),
     ])

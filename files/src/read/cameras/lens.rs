@@ -74,20 +74,12 @@ impl PixelLens {
         [x.or(y), y.or(x)].map(|focal| focal.unwrap_or(f64::NAN))
     }
 
-    /// The intrinsics for a picture of `width` x `height` pixels. A picture of another size than the image has the height of its
-    /// view, and square pixels where these are square.
+    /// The intrinsics for a picture of `width` x `height` pixels, by [`Intrinsics::resized`].
     fn intrinsics(&self, width: u32, height: u32) -> Intrinsics {
         let sides = self.image.unwrap_or([width, height]).map(f64::from);
         let [fx, fy] = self.focal_lengths(sides);
-        let [w, h] = sides;
-        let [cx, cy] = self.center.unwrap_or([w / 2.0, h / 2.0]);
-        let [width, height] = [width, height].map(f64::from);
-        if [w, h] == [width, height] {
-            return Intrinsics { fx, fy, cx, cy };
-        }
-        let scale = height / h;
-        let moved = |center: f64, from: f64, to: f64| (center - from / 2.0) * scale + to / 2.0;
-        Intrinsics { fx: fx * scale, fy: fy * scale, cx: moved(cx, w, width), cy: moved(cy, h, height) }
+        let [cx, cy] = self.center.unwrap_or(sides.map(|side| side / 2.0));
+        Intrinsics { fx, fy, cx, cy }.resized(self.image.unwrap_or([width, height]), [width, height])
     }
 
     /// Returns an error for numbers that contradict each other in a picture of `width` x `height` pixels.

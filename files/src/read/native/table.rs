@@ -62,6 +62,12 @@ impl TomlName {
             (_, "viewport") => "viewport = [1.0, 1.0]",
             (_, "distance") => "distance = 1.0",
             (_, "height") => "height = 12.0",
+            (_, "lens") => "lens = \"fisheye\"",
+            (_, "fx") => "fx = 525.0",
+            (_, "fy") => "fy = 525.0",
+            (_, "cx") => "cx = 320.0",
+            (_, "cy") => "cy = 240.0",
+            (_, "coefficients") => "coefficients = [-0.28, 0.07, 0.0, 0.0]",
             (_, "aperture") => "aperture = 0.1",
             (_, "focus") => "focus = 10.0",
             (_, "size") => "size = [512, 512]",
@@ -219,6 +225,11 @@ impl<'a> TomlValue<'a> {
 
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N]> {
         self.items(Self::finite)
+    }
+
+    /// Finite numbers, of any count.
+    pub(super) fn list(&self) -> Result<Vec<f64>> {
+        self.array()?.iter().map(|item| self.finite(item)).collect()
     }
 
     pub(super) fn whole_numbers<const N: usize>(&self) -> Result<[i64; N]> {
