@@ -45,7 +45,6 @@ pub struct Hits {
     pub search: Search,
 }
 
-
 /// Whether given rays hit anything within their limits, in their order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Occlusion {

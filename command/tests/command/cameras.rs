@@ -307,25 +307,40 @@ fn curved_lenses_have_the_rays_of_their_models() {
     }
     let output = dir.render("a.csv --size 40x30 --cameras list.json -o a%d.glb");
     assert!(output.err.contains("a1.glb has no camera"), "{}", output.err);
-    let mend = "a.csv --size 40x30 --look plain --cameras list.json -o a%d.png";
+    let mend = "a.csv --size 40x30 --cameras list.json -o a%d.png";
     for (code, options, words) in [
-        (2, "--silhouette", &["silhouettes", "remove --silhouette"][..]),
-        (2, "--depth-cue", &["depth cue", "remove --depth-cue"]),
-        (2, "--opacity 0.5", &["translucent", "remove --opacity"]),
-        (2, "--shadows", &["lights", "--look plain"]),
-        (2, "--sun 1,2,3", &["lights", "without --sun"]),
-        (2, "--occlusion", &["sky", "--occlusion"]),
-        (2, "--material metal", &["metal", "remove --material"]),
-        (2, "--material glass", &["glass", "--bounces 0"]),
-        (2, "--aperture 0.1 --focus-distance 9", &["lens with a size", "remove --aperture"]),
-        (2, "--aov occlusion=o%d.npy", &["occlusion", "--aov"]),
-        (2, "--aov bound=b%d.npy", &["bound", "--aov"]),
+        (2, "--aperture 0.1 --focus-distance 9 --samples 4", &["lens with a size", "remove --aperture"]),
         (3, "--scale-bar", &["--scale-bar needs the viewport", "remove --scale-bar"]),
     ] {
         dir.refused_render(code, &format!("{mend} {options}"), words);
     }
+    let pixels = |options: &str| {
+        dir.render(&format!("a.csv --size 40x30 --cameras list.json --aov color=k%d.npy {options}"));
+        dir.array("k1.npy").0
+    };
+    let plain = pixels("--look plain");
+    for options in [
+        "--look soft",
+        "--look figure",
+        "--look plain --silhouette",
+        "--look plain --depth-cue",
+        "--look plain --opacity 0.5",
+        "--look plain --shadows",
+        "--look plain --sun 1,2,3",
+        "--look plain --occlusion",
+        "--look plain --material metal",
+        "--look plain --material glass",
+    ] {
+        assert!(pixels(options) != plain, "{options} has an effect");
+    }
+    dir.render(
+        "a.csv --size 40x30 --cameras list.json --aov occlusion=o%d.npy --aov bound=b%d.npy --aov distance=q%d.npy",
+    );
+    let [bounds, distances] = ["b1.npy", "q1.npy"].map(|name| dir.array(name).0);
+    let pairs = || bounds.iter().zip(&distances).filter(|(_, distance)| distance.is_finite());
+    assert!(pairs().count() > 300 && pairs().all(|(bound, distance)| *bound > 0.0 && *bound <= 1.01e-5 * distance));
     // Metal whose rays do not go on is matte for every camera, and buffers have no materials.
-    dir.render(&format!("{mend} --material metal --bounces 0"));
+    dir.render(&format!("{mend} --look plain --material metal --bounces 0"));
     dir.render("a.csv --size 40x30 --cameras list.json --aov id=m%d.npy --material metal --opacity 0.5");
     assert!(dir.array("m1.npy").0 == dir.array("i1.npy").0);
     dir.put("from.png", dir.get("c1.png"));

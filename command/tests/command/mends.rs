@@ -9,7 +9,7 @@ const LENS: &str = r#"{"fl_x": 30, "fl_y": 30, "k1": 0.1, "w": 32, "h": 24,
     "frames": [{"transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,9],[0,0,0,1]]}]}"#;
 
 /// Commands that are refused with a mend.
-const REFUSED: [&str; 23] = [
+const REFUSED: [&str; 20] = [
     "t.csv --map batlow -o a.png",
     "t.csv --nan-color red -o a.png",
     "t.csv --color-by kind --log -o a.png",
@@ -29,10 +29,7 @@ const REFUSED: [&str; 23] = [
     "s.toml --reach 2 --look plain -o a.png",
     "s.toml --aov shadow=s.npy",
     "s.toml --method stable --accuracy certified -o a.png",
-    "s.toml --cameras lens.json --silhouette -o a.png",
-    "s.toml --cameras lens.json --depth-cue -o a.png",
-    "s.toml --cameras lens.json --look soft -o a.png",
-    "t.csv --look plain --cameras lens.json --opacity 0.5 -o a.png",
+    "t.csv --cameras lens.json --aperture 0.1 --samples 4 -o a.png",
 ];
 
 /// The value of a place in a message.

@@ -253,8 +253,8 @@ impl Walk<'_> {
     }
 }
 
-/// Words by which a curved lens refuses options: those of another camera, and of light.
-const CURVED: &[&str] = &["--cameras", "lights and a sky", "a depth cue"];
+/// Words by which a curved lens refuses options: those of another camera, and a size of the lens.
+const CURVED: &[&str] = &["--cameras", "a lens with a size"];
 
 /// Words with other names of files, which begin with `p.`.
 fn in_files(words: &[String], begin: &str) -> Vec<String> {

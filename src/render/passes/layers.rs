@@ -91,12 +91,7 @@ impl Setups {
     ///
     /// # Errors
     /// Errors of the engine.
-    pub(super) fn find(
-        &mut self,
-        at: &mut Rendering<'_>,
-        sampling: &Sampling<'_>,
-        hits: &mut FirstHits,
-    ) -> Result<()> {
+    pub(super) fn find(&mut self, at: &mut Rendering<'_>, sampling: &Sampling<'_>, hits: &mut FirstHits) -> Result<()> {
         let of = self.alone.as_ref().unwrap_or(sampling.scene);
         self.first.find(at.renderer, of, at.settings, hits, &mut at.log)?;
         sampling.opaque.into_iter().for_each(|opaque| opaque.rename(&mut hits.raw.id));
