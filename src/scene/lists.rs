@@ -1,4 +1,4 @@
-//! What is done with all lists of the spheres alike, whatever values they have.
+//! Lists of the spheres: operations on all of them alike, whatever values they have.
 
 use super::{List, Materials, Spheres, keep};
 use blake3::Hasher;
