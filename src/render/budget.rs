@@ -210,11 +210,12 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], lights: u64, gpu: bool) -> u64
 mod tests {
     use super::*;
     use crate::intersect::Method;
-    use crate::memory::Pool;
-    use crate::render::log::FrameLog;
+    use crate::render::Renderer;
+    use crate::render::passes::{FrameRays, Rendering};
     use crate::render::setup::FrameSetup;
     use crate::scene::camera::{Camera, Lens};
     use crate::scene::{ImagePlane, Spheres};
+    use crate::settings::Backend;
     use crate::testing::Rng;
     use crate::view::raster::Raster;
 
@@ -238,9 +239,11 @@ mod tests {
             let window = settings.window_of(&scene).expect("a window");
             let raster = Raster::centres(window);
             let bare = Need::of(&plan, &settings, &scene, window, None);
-            let setup =
-                FrameSetup::new(plan, (&scene, None), &settings, raster, &Pool::default(), &mut FrameLog::default());
-            let setup = setup.expect("a setup");
+            let mut renderer =
+                Renderer::new(&Settings { backend: Backend::Cpu, ..Settings::default() }).expect("the CPU path");
+            let rays = FrameRays { window, samples: None };
+            let mut at = Rendering::new(&mut renderer, &scene, &settings, rays);
+            let setup = FrameSetup::new(&mut at, plan, (&scene, None), raster).expect("a setup");
             let binned = setup.engine.binned().expect("bins");
             assert!(!binned.generals.is_empty(), "{count} of radius {radius}");
             let need = bare.with_generals(Some(binned), &setup.view);

@@ -6,8 +6,7 @@ mod method;
 mod resident;
 mod strips;
 
-use super::log::FrameLog;
-use super::renderer::Renderer;
+use super::passes::Rendering;
 use crate::answers::layers::{Layers, Peeling};
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
@@ -16,7 +15,7 @@ use crate::certify::placing::Placer;
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
-use crate::progress::{Step, Watch};
+use crate::progress::Step;
 use crate::scene::Scene;
 use crate::view::View;
 
@@ -48,22 +47,16 @@ pub(super) trait Engine {
     ///
     /// # Errors
     /// Errors of a device and of the judge; [`crate::Error::Interrupted`].
-    fn first_hits(
-        &mut self,
-        renderer: &mut Renderer,
-        rays: ViewRays<'_>,
-        raw: &mut Raw,
-        log: &mut FrameLog,
-    ) -> Result<Found>;
+    fn first_hits(&mut self, at: &mut Rendering<'_>, rays: ViewRays<'_>, raw: &mut Raw) -> Result<Found>;
 
     /// The translucent hits behind the first ones, up to the opaque ones: layer by layer, of each pixel the sphere, [`NONE`](crate::view::ray::NONE) where there
     /// is none.
     ///
     /// # Errors
     /// Errors of the judge; [`crate::Error::Interrupted`].
-    fn behind(&mut self, renderer: &mut Renderer, rays: ViewRays<'_>, layers: Layers<'_>) -> Result<Vec<Vec<u32>>> {
+    fn behind(&mut self, at: &mut Rendering<'_>, rays: ViewRays<'_>, layers: Layers<'_>) -> Result<Vec<Vec<u32>>> {
         let ViewRays { scene, view, .. } = rays;
-        Peeling { scene, view, lists: self.binned(), layers }.behind(&renderer.watch)
+        Peeling { scene, view, lists: self.binned(), layers }.behind(&at.renderer.watch)
     }
 
     /// The spheres as the host binned them, if it did.
@@ -85,17 +78,16 @@ pub(super) trait Engine {
 
 /// Decides the unsure pixels among spheres that are binned.
 fn settle(
+    Rendering { renderer, log, .. }: &mut Rendering<'_>,
     ViewRays { scene, view, .. }: ViewRays<'_>,
     binned: &BinnedScene,
     raw: &Raw,
-    watch: &Watch,
-    log: &mut FrameLog,
 ) -> Result<Vec<Settled>> {
     let unsure = log.time("settle", || settle::unsure(&raw.id));
     if unsure.is_empty() {
         return Ok(Vec::new());
     }
-    let doing = watch.begin(Step::Settle, unsure.len() as u64);
+    let doing = renderer.watch.begin(Step::Settle, unsure.len() as u64);
     let settled = log.time("settle", || settle::settle(scene, view, binned, &unsure, &|| doing.next(1)));
     doing.end()?;
     settled

@@ -6,8 +6,7 @@ mod work;
 
 use super::budget::Need;
 use super::engine::BLOCK;
-use super::log::FrameLog;
-use super::passes::{self, FrameRays};
+use super::passes::{self, FrameRays, Rendering};
 use super::plan::kind::EngineKind;
 use super::plan::{Plan, lights};
 use super::renderer::Renderer;
@@ -15,18 +14,16 @@ use super::report;
 use super::setup::{self, FrameSetup};
 use crate::error::{Error, Result};
 use crate::frame::Aov;
-use crate::frame::report::Report;
 use crate::gpu::compose::shaders;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, RaySource, Task};
-use crate::memory::{self, Pool};
+use crate::memory;
 use crate::quote::setting::{ACCURACY, BOUNCES, OCCLUSION, SHADOWS};
 use crate::scene::camera::CameraRecord;
 use crate::scene::{Light, Scene, Sky};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
 use crate::view::raster::Raster;
-use crate::window::Window;
 use work::WorkOfPasses;
 
 pub use explanation::{
@@ -56,7 +53,9 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::render`] that occur before a ray is traced.
     pub fn explain(&mut self, scene: &Scene, settings: &Settings) -> Result<Explanation> {
-        let explained = |this: &mut Self, plan: Plan, rays: FrameRays| this.explanation(plan, rays, scene, settings);
+        let explained = |this: &mut Self, plan: Plan, rays: FrameRays| {
+            explanation(&mut Rendering::new(this, scene, settings, rays), plan)
+        };
         let (mut explanation, blocker) = self.planned(scene, settings, explained)?;
         explanation.warnings.extend(blocker);
         Ok(explanation)
@@ -68,9 +67,9 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
-        let composed = |_: &mut Self, plan: Plan, rays: FrameRays| {
-            let raster = Raster::centres(rays.window);
-            let setup = bare_setup(plan, scene, settings, raster)?;
+        let composed = |this: &mut Self, plan: Plan, rays: FrameRays| {
+            let mut at = Rendering::new(this, scene, settings, rays);
+            let setup = FrameSetup::new(&mut at, plan, (scene, None), Raster::centres(rays.window))?;
             if !has_kernel(&setup.plan) {
                 let problem = "exact answers are computed on the CPU without a kernel";
                 return Err(Error::settings(problem, format!("use another {ACCURACY} or camera")));
@@ -80,118 +79,91 @@ impl Renderer {
         };
         self.planned(scene, settings, composed).map(|(text, _)| text)
     }
-
-    /// The report of a plan on this device.
-    fn explanation(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
-        let FrameRays { window, samples } = rays;
-        let mut log = FrameLog::default();
-        let plan = setup::decided(self, plan, scene, settings, Raster::centres(window), &mut log)?;
-        let setup = bare_setup(plan, scene, settings, Raster::centres(window))?;
-        let (plan, view, binned) = (&setup.plan, &setup.view, setup.engine.binned());
-        let mut report = report::known(self, plan, (scene, settings, rays), &log);
-        let gpu = self.device.gpu.as_deref().filter(|_| report.backend == "gpu");
-        let need = Need::of(plan, settings, scene, window, gpu.map(|gpu| &gpu.summary)).with_generals(binned, view);
-        let free = memory::free(&self.pool);
-        let kernel = kernel_of(&setup);
-        let predicted = setup.predicted(scene);
-        report.warnings.extend(setup.warnings(scene, predicted));
-        let on_device = gpu.filter(|_| has_kernel(plan));
-        let mut work = WorkOfPasses::default();
-        if let Some(gpu) = on_device.filter(|_| plan.given.is_none()) {
-            work.add(gpu.work(&kernel, view, scene, binned), 1);
-        }
-        match (samples, plan.sampled, on_device) {
-            (_, _, Some(_)) if plan.given.is_some() => {
-                let passes = samples.map_or(1, |raster| 1 + raster.count());
-                work.add_given(&shaders(&kernel), (view.record.pixels() as u64).div_ceil(BLOCK as u64), passes);
-            }
-            (Some(raster), Some(sampled), Some(gpu)) => {
-                let passes = bare_setup(Plan { kernel: sampled, ..plan.clone() }, scene, settings, raster)?;
-                let work_of_pass = gpu.work(&kernel_of(&passes), &passes.view, scene, passes.engine.binned());
-                work.add(work_of_pass, raster.count());
-            }
-            _ => {}
-        }
-        let left_out = left_out(plan, &kernel, scene, settings, on_device.is_some());
-        report.warnings.extend(log.warnings());
-        Ok(Explanation {
-            shadows: has_shadows(plan, scene, settings),
-            bounces: bounces(plan, scene),
-            rays_per_pixel: rays_per_pixel(plan, scene, settings, report.samples),
-            silhouette: settings.silhouette && shading(plan).is_some(),
-            depth_cue: settings.depth_cue && shading(plan).is_some(),
-            precision: precision(&setup),
-            predicted,
-            search_reason: plan.engine.reason().to_owned(),
-            staged: binned.map(|binned| BinnedCounts::of(binned, scene)),
-            passes: passes::of(plan, scene, settings).map(PassOfFrame::from).collect(),
-            left_out,
-            kernel: work.kernel,
-            uploaded: work.uploaded,
-            written: work.written,
-            dispatches: work.dispatches,
-            room: Room { adapter: work.spheres, host: free.map(|free| need.fitting(free)), needed: need.bytes(), free },
-            ..Explanation::of_report(report, scene, settings, window)?
-        })
-    }
 }
 
-impl Explanation {
-    /// The part of the report of a plan that is that of the frame.
-    fn of_report(report: Report, scene: &Scene, settings: &Settings, window: Window) -> Result<Self> {
-        let size = [scene.image.width, scene.image.height];
-        let sides = [window.width(), window.height()];
-        Ok(Self {
-            schema: "halfline-plan",
-            version: 1,
-            halfline: report.halfline,
-            spheres: report.spheres,
-            skipped: 0,
-            size,
-            camera: CameraRecord::new(&scene.camera, size, settings.aperture)?,
-            window: [window.x0, window.y0, window.x1, window.y1],
-            rays: u64::from(sides[0]) * u64::from(sides[1]),
-            samples: report.samples,
-            lights: report.lights,
-            lit_by: scene.lighting.lights.iter().map(ToString::to_string).collect(),
-            shadows: false,
-            occlusion: report.occlusion,
-            materials: MaterialCounts::of(scene),
-            bounces: 0,
-            rays_per_pixel: PixelRays { viewing: report.samples.into(), lights: 0, sky: 0, onward: 0 },
-            silhouette: report.silhouette,
-            depth_cue: report.depth_cue,
-            layers: report.layers,
-            tone: report.tone,
-            exposure: report.exposure,
-            backend: report.backend,
-            backend_reason: report.backend_reason,
-            adapter: report.adapter,
-            accuracy: report.accuracy,
-            method: report.method,
-            reason: report.reason,
-            tolerance: settings.promise().relative(),
-            predicted: None,
-            precision: String::new(),
-            search: report.search,
-            search_reason: String::new(),
-            staged: None,
-            frame: frame(settings, scene.lighting.lights.len(), sides),
-            passes: Vec::new(),
-            left_out: Vec::new(),
-            warnings: report.warnings,
-            kernel: Vec::new(),
-            uploaded: Vec::new(),
-            written: Vec::new(),
-            dispatches: 0,
-            room: Room { adapter: None, host: None, needed: 0, free: None },
-        })
-    }
+/// The report of a plan on this device. The setup is that which the host makes, also of a frame that a device would place.
+fn explanation(at: &mut Rendering<'_>, plan: Plan) -> Result<Explanation> {
+    let (scene, settings, window) = (at.scene, at.settings, at.rays.window);
+    let plan = setup::decided(at, plan, Raster::centres(window))?;
+    let report = report::known(at, &plan);
+    let setup = FrameSetup::new(at, plan, (scene, None), Raster::centres(window))?;
+    let (plan, view, binned) = (&setup.plan, &setup.view, setup.engine.binned());
+    let has_kernel = report.backend == "gpu" && has_kernel(plan);
+    let work = if has_kernel { work(at, &setup)? } else { WorkOfPasses::default() };
+    let gpu = at.renderer.device.gpu.as_deref().filter(|_| report.backend == "gpu");
+    let need = Need::of(plan, settings, scene, window, gpu.map(|gpu| &gpu.summary)).with_generals(binned, view);
+    let free = memory::free(&at.pool);
+    let predicted = setup.predicted(scene);
+    let warnings = report.warnings.into_iter().chain(setup.warnings(scene, predicted)).chain(at.log.warnings());
+    let (size, sides) = ([scene.image.width, scene.image.height], [window.width(), window.height()]);
+    Ok(Explanation {
+        schema: "halfline-plan",
+        version: 1,
+        halfline: report.halfline,
+        spheres: report.spheres,
+        skipped: 0,
+        size,
+        camera: CameraRecord::new(&scene.camera, size, settings.aperture)?,
+        window: [window.x0, window.y0, window.x1, window.y1],
+        rays: u64::from(sides[0]) * u64::from(sides[1]),
+        samples: report.samples,
+        lights: report.lights,
+        lit_by: scene.lighting.lights.iter().map(ToString::to_string).collect(),
+        shadows: has_shadows(plan, scene, settings),
+        occlusion: report.occlusion,
+        materials: MaterialCounts::of(scene),
+        bounces: bounces(plan, scene),
+        rays_per_pixel: rays_per_pixel(plan, scene, settings, report.samples),
+        silhouette: settings.silhouette && shading(plan).is_some(),
+        depth_cue: settings.depth_cue && shading(plan).is_some(),
+        layers: report.layers,
+        tone: report.tone,
+        exposure: report.exposure,
+        backend: report.backend,
+        backend_reason: report.backend_reason,
+        adapter: report.adapter,
+        accuracy: report.accuracy,
+        method: report.method,
+        reason: report.reason,
+        tolerance: settings.promise().relative(),
+        predicted,
+        precision: precision(&setup),
+        search: report.search,
+        search_reason: plan.engine.reason().to_owned(),
+        staged: binned.map(|binned| BinnedCounts::of(binned, scene)),
+        passes: passes::of(plan, scene, settings).map(PassOfFrame::from).collect(),
+        frame: frame(settings, scene.lighting.lights.len(), sides),
+        left_out: left_out(plan, &kernel_of(&setup), scene, settings, has_kernel),
+        warnings: warnings.collect(),
+        kernel: work.kernel,
+        uploaded: work.uploaded,
+        written: work.written,
+        dispatches: work.dispatches,
+        room: Room { adapter: work.spheres, host: free.map(|free| need.fitting(free)), needed: need.bytes(), free },
+    })
 }
 
-/// The setup as the host makes it, also of a frame that a device would place.
-fn bare_setup(plan: Plan, scene: &Scene, settings: &Settings, raster: Raster) -> Result<FrameSetup> {
-    FrameSetup::new(plan, (scene, None), settings, raster, &Pool::default(), &mut FrameLog::default())
+/// The work of a device for all passes of a frame.
+fn work(at: &mut Rendering<'_>, setup: &FrameSetup) -> Result<WorkOfPasses> {
+    let (scene, FrameSetup { plan, view, engine }) = (at.scene, setup);
+    let (samples, mut work) = (at.rays.samples, WorkOfPasses::default());
+    if plan.given.is_some() {
+        let passes = samples.map_or(1, |raster| 1 + raster.count());
+        work.add_given(&shaders(&kernel_of(setup)), (view.record.pixels() as u64).div_ceil(BLOCK as u64), passes);
+        return Ok(work);
+    }
+    let sampled = samples.zip(plan.sampled);
+    let of_sample = |at: &mut Rendering<'_>, (raster, kernel): (Raster, Kernel)| -> Result<_> {
+        let plan = Plan { kernel, ..plan.clone() };
+        Ok((FrameSetup::new(at, plan, (scene, None), raster)?, raster.count()))
+    };
+    let sampled = sampled.map(|sampled| of_sample(at, sampled)).transpose()?;
+    let Some(gpu) = at.renderer.device.gpu.as_deref() else { return Ok(work) };
+    work.add(gpu.work(&kernel_of(setup), view, scene, engine.binned()), 1);
+    if let Some((passes, count)) = sampled {
+        work.add(gpu.work(&kernel_of(&passes), &passes.view, scene, passes.engine.binned()), count);
+    }
+    Ok(work)
 }
 
 /// Whether a kernel or its twin runs.

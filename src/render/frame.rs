@@ -1,6 +1,5 @@
 //! One frame the whole way: its passes in order.
 
-use super::log::FrameLog;
 use super::passes::{FrameRays, Rendering, buffers, hits, light, samples, shade};
 use super::plan::Plan;
 use super::renderer::Renderer;
@@ -35,10 +34,10 @@ impl Renderer {
     /// Errors of [`Renderer::render`] that do not depend on rays.
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
         let known = |this: &mut Self, plan: Plan, rays: FrameRays| {
-            let mut log = FrameLog::default();
-            let plan = setup::decided(this, plan, scene, settings, Raster::centres(rays.window), &mut log)?;
-            let mut report = report::known(this, &plan, (scene, settings, rays), &log);
-            report.warnings.extend(log.warnings());
+            let mut at = Rendering::new(this, scene, settings, rays);
+            let plan = setup::decided(&mut at, plan, Raster::centres(rays.window))?;
+            let mut report = report::known(&at, &plan);
+            report.warnings.extend(at.log.warnings());
             Ok(report)
         };
         self.planned(scene, settings, known).map(|(report, _)| report)
@@ -46,7 +45,8 @@ impl Renderer {
 
     /// Renders the window of a frame: the passes of [`PASSES`](super::passes::PASSES), each with the outputs of those before it.
     fn frame(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Frame> {
-        let mut at = Rendering::begin(self, scene, settings, rays)?;
+        let mut at = Rendering::new(self, scene, settings, rays);
+        at.begin()?;
         let (setup, mut hits) = hits::run(&mut at, plan)?;
         let trees = light::trees(&mut at, &setup.plan);
         let light = light::run(&mut at, &setup, trees.as_ref(), &hits)?;

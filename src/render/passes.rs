@@ -60,23 +60,23 @@ pub(super) struct Rendering<'a> {
 }
 
 impl<'a> Rendering<'a> {
-    /// Begins the next frame of a renderer.
+    /// A frame of a renderer before its first pass.
+    pub(super) fn new(renderer: &'a mut Renderer, scene: &'a Scene, settings: &'a Settings, rays: FrameRays) -> Self {
+        let (start, pool) = (Instant::now(), Arc::clone(&renderer.pool));
+        Self { renderer, scene, settings, rays, pool, log: FrameLog::default(), start }
+    }
+
+    /// Begins the renderer's next frame.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`].
-    pub(super) fn begin(
-        renderer: &'a mut Renderer,
-        scene: &'a Scene,
-        settings: &'a Settings,
-        rays: FrameRays,
-    ) -> Result<Self> {
-        let (start, pool) = (Instant::now(), Arc::clone(&renderer.pool));
-        pool.next_frame();
-        renderer.watch.check()?;
+    pub(super) fn begin(&mut self) -> Result<()> {
+        self.pool.next_frame();
+        self.renderer.watch.check()?;
         // Discards what was done before, for example by a self-test.
-        renderer.traffic();
-        renderer.frames += 1;
-        Ok(Self { renderer, scene, settings, rays, pool, log: FrameLog::default(), start })
+        self.renderer.traffic();
+        self.renderer.frames += 1;
+        Ok(())
     }
 
     /// Does `work` as a part of a step.

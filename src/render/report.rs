@@ -1,10 +1,8 @@
 //! The report of a frame: what the plan decided, and what its passes logged.
 
-use super::log::FrameLog;
 use super::missed::missed;
-use super::passes::{FrameRays, Rendering};
+use super::passes::Rendering;
 use super::plan::Plan;
-use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::cpu;
 use crate::error::Result;
@@ -13,17 +11,12 @@ use crate::frame::report::{Report, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::traffic::Traffic;
 use crate::parallel;
-use crate::scene::Scene;
 use crate::scene::camera::CameraRecord;
-use crate::settings::{Accuracy, Settings};
+use crate::settings::Accuracy;
 
 /// The report of a frame before it is computed: the decisions of the plan; counts and times are 0 or empty.
-pub(super) fn known(
-    renderer: &Renderer,
-    plan: &Plan,
-    (scene, settings, rays): (&Scene, &Settings, FrameRays),
-    log: &FrameLog,
-) -> Report {
+pub(super) fn known(at: &Rendering<'_>, plan: &Plan) -> Report {
+    let Rendering { renderer, scene, settings, rays, log, .. } = at;
     // Given rays are decided in exact arithmetic on the CPU.
     let is_exact = plan.given.is_some() && plan.accuracy == Accuracy::Exact;
     let on_device = renderer.is_gpu() && log.refused.is_none() && !is_exact;
@@ -67,10 +60,10 @@ pub(super) fn complete(
     buffers: Vec<Buffer>,
     coverage: Option<Coverage>,
 ) -> Result<Frame> {
-    let Rendering { renderer, scene, settings, rays, pool, mut log, start } = at;
-    let (plan, promised) = (&setup.plan, setup.plan.accuracy != Accuracy::Fast);
+    let (known, scene) = (known(&at, &setup.plan), at.scene);
+    let Rendering { renderer, settings, rays, pool, mut log, start, .. } = at;
+    let promised = setup.plan.accuracy != Accuracy::Fast;
     let predicted = if promised { None } else { log.time("predict", || setup.predicted(scene)) };
-    let known = known(renderer, plan, (scene, settings, rays), &log);
     let pixels = setup.view.record.pixels();
     let hits = buffers.iter().map(hits).sum();
     let proved = (pixels - settled) as f64 / pixels as f64;

@@ -3,9 +3,10 @@
 use super::engine::{Engine, EverySphere, Exact, Found, GivenRays, Resident, Strips, ViewRays};
 use super::log::FrameLog;
 use super::order::Ordered;
+use super::passes::Rendering;
 use super::plan::Plan;
 use super::plan::kind::EngineKind;
-use super::renderer::{NOTHING, Renderer};
+use super::renderer::NOTHING;
 use crate::answers::hits::FirstHits;
 use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::grouped::Grouped;
@@ -19,7 +20,6 @@ use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use crate::view::{Records, View, middle};
-use std::sync::Arc;
 
 /// A plan with the data that it needs.
 pub(super) struct FrameSetup {
@@ -43,49 +43,34 @@ const NOT_PLACED: &str = "the device cannot place these spheres for this camera"
 ///
 /// # Errors
 /// Errors of [`FrameSetup::resident`] and [`FrameSetup::new`].
-pub(super) fn make(
-    renderer: &mut Renderer,
-    plan: Plan,
-    scene: &Scene,
-    settings: &Settings,
-    raster: Raster,
-    log: &mut FrameLog,
-) -> Result<FrameSetup> {
-    let frame = renderer.frames;
+pub(super) fn make(at: &mut Rendering<'_>, plan: Plan, scene: &Scene, raster: Raster) -> Result<FrameSetup> {
+    let frame = at.renderer.frames;
     let hold = |gpu: &mut Gpu, log: &mut FrameLog| log.time("hold", || gpu.hold(scene, frame));
-    let plan = match on_device(renderer, plan, (scene, settings, raster), log, hold)? {
+    let plan = match on_device(at, plan, scene, raster, hold)? {
         ResidentSetup::Ready(setup) => return Ok(*setup),
         ResidentSetup::Refused(plan) => plan,
     };
-    let pool = Arc::clone(&renderer.pool);
     let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
     // Groups are hidden by all spheres.
     let is_grouped = plan.accuracy == Accuracy::Certified && plan.given.is_none() && !plan.is_deep;
-    let ordered = || renderer.order_of(&scene.spheres).groups(&scene.spheres, frame, pixels);
+    let ordered = || at.renderer.order_of(&scene.spheres).groups(&scene.spheres, frame, pixels);
     let order = is_grouped.then(ordered).flatten();
-    FrameSetup::new(plan, (scene, order.as_ref().map(Ordered::groups)), settings, raster, &pool, log)
+    FrameSetup::new(at, plan, (scene, order.as_ref().map(Ordered::groups)), raster)
 }
 
 /// The plan by which [`make`] sets a frame up, without holding the spheres.
 ///
 /// # Errors
 /// As [`make`].
-pub(super) fn decided(
-    renderer: &mut Renderer,
-    plan: Plan,
-    scene: &Scene,
-    settings: &Settings,
-    raster: Raster,
-    log: &mut FrameLog,
-) -> Result<Plan> {
+pub(super) fn decided(at: &mut Rendering<'_>, plan: Plan, raster: Raster) -> Result<Plan> {
+    let scene = at.scene;
     let reach = |gpu: &mut Gpu, _: &mut FrameLog| gpu.reach(&scene.spheres);
-    match on_device(renderer, plan, (scene, settings, raster), log, reach)? {
+    match on_device(at, plan, scene, raster, reach)? {
         ResidentSetup::Ready(setup) => Ok(setup.plan),
         ResidentSetup::Refused(plan) if plan.engine == EngineKind::Strips => {
             let view = View::for_rays(scene, raster, Records::None)?;
-            let binning = Binning::of(scene, &view, settings.promise().relative(), &renderer.pool);
-            let engine = if binning.is_bounded()? { plan.engine } else { EngineKind::Judge };
-            Ok(Plan { engine, ..plan })
+            let is_bounded = binning(at, &plan, (scene, None), &view).is_bounded()?;
+            Ok(Plan { engine: if is_bounded { plan.engine } else { EngineKind::Judge }, ..plan })
         }
         ResidentSetup::Refused(plan) => Ok(plan),
     }
@@ -94,10 +79,10 @@ pub(super) fn decided(
 /// The setup where the device holds the spheres, whose reach `reach` returns. Where the device cannot place them, the plan for
 /// the CPU path.
 fn on_device(
-    renderer: &mut Renderer,
+    Rendering { renderer, settings, log, .. }: &mut Rendering<'_>,
     plan: Plan,
-    (scene, settings, raster): (&Scene, &Settings, Raster),
-    log: &mut FrameLog,
+    scene: &Scene,
+    raster: Raster,
     reach: impl FnOnce(&mut Gpu, &mut FrameLog) -> Result<Option<Reach>>,
 ) -> Result<ResidentSetup> {
     let Some(gpu) = renderer.device.gpu.as_mut().filter(|_| plan.engine == EngineKind::Resident) else {
@@ -117,6 +102,17 @@ fn on_device(
         }
         ready => ready,
     })
+}
+
+/// The binning of the spheres by which the host finds the hits that a plan asks for.
+fn binning<'a>(
+    at: &'a Rendering<'_>,
+    plan: &Plan,
+    (scene, groups): (&'a Scene, Option<Grouped<'a>>),
+    view: &'a View,
+) -> Binning<'a> {
+    let opacities = scene.spheres.opacities.as_deref().filter(|_| plan.is_deep);
+    Binning { groups, opacities, ..Binning::of(scene, view, at.settings.promise().relative(), &at.pool) }
 }
 
 impl FrameSetup {
@@ -154,22 +150,20 @@ impl FrameSetup {
     /// # Errors
     /// Errors of [`View::new`] and of [`BinnedScene::new`].
     pub(super) fn new(
+        at: &mut Rendering<'_>,
         plan: Plan,
         (scene, groups): (&Scene, Option<Grouped<'_>>),
-        settings: &Settings,
         raster: Raster,
-        pool: &Pool,
-        log: &mut FrameLog,
     ) -> Result<Self> {
-        let view = log.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
+        let view = at.log.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
         let engine: Box<dyn Engine> = match (&plan.given, plan.engine) {
-            (Some(given), _) => Box::new(GivenRays::new(given.clone(), settings)),
+            (Some(given), _) => Box::new(GivenRays::new(given.clone(), at.settings)),
             (None, EngineKind::Method) => Box::new(EverySphere),
             (None, _) => Box::new(Exact),
         };
         let mut setup = Self { plan, view, engine };
         if let EngineKind::Strips | EngineKind::Resident = setup.plan.engine {
-            setup.bin(scene, groups, settings, pool, log)?;
+            setup.bin(at, scene, groups)?;
         }
         Ok(setup)
     }
@@ -178,25 +172,18 @@ impl FrameSetup {
     ///
     /// # Errors
     /// Errors of the engines.
-    pub(super) fn find(
-        &mut self,
-        renderer: &mut Renderer,
-        scene: &Scene,
-        settings: &Settings,
-        hits: &mut FirstHits,
-        log: &mut FrameLog,
-    ) -> Result<()> {
-        if let Some(gpu) = &mut renderer.device.gpu {
+    pub(super) fn find(&mut self, at: &mut Rendering<'_>, scene: &Scene, hits: &mut FirstHits) -> Result<()> {
+        if let Some(gpu) = &mut at.renderer.device.gpu {
             gpu.forget_hits();
         }
         let settled = loop {
             let rays = ViewRays { scene, view: &self.view, kernel: &self.plan.kernel };
-            match self.engine.first_hits(renderer, rays, &mut hits.raw, log)? {
+            match self.engine.first_hits(at, rays, &mut hits.raw)? {
                 Found::Hits(settled) => break settled,
                 Found::Left(reason) => {
-                    log.refuse(&reason);
+                    at.log.refuse(&reason);
                     self.plan.engine = EngineKind::Strips;
-                    self.bin(scene, None, settings, &renderer.pool, log)?;
+                    self.bin(at, scene, None)?;
                 }
             }
         };
@@ -208,48 +195,23 @@ impl FrameSetup {
     ///
     /// # Errors
     /// Errors of [`BinnedScene::new`].
-    pub(super) fn deep(
-        &self,
-        scene: &Scene,
-        settings: &Settings,
-        pool: &Pool,
-        log: &mut FrameLog,
-    ) -> Result<Option<Box<dyn Engine>>> {
+    pub(super) fn deep(&self, at: &mut Rendering<'_>, scene: &Scene) -> Result<Option<Box<dyn Engine>>> {
         let finds_all = self.plan.given.is_some() || self.engine.binned().is_some();
         if finds_all || !self.plan.is_deep {
             return Ok(None);
         }
-        let binning = self.binning(scene, None, settings, pool);
-        Ok(Some(match log.time("layers", || BinnedScene::new(&binning))? {
+        let binned = at.time("layers", |at| BinnedScene::new(&binning(at, &self.plan, (scene, None), &self.view)))?;
+        Ok(Some(match binned {
             Some(binned) => Box::new(Strips { binned, proves: false }),
             None => Box::new(Exact),
         }))
     }
 
-    /// The binning of the spheres by which the host finds the hits that the plan asks for.
-    fn binning<'a>(
-        &'a self,
-        scene: &'a Scene,
-        groups: Option<Grouped<'a>>,
-        settings: &Settings,
-        pool: &'a Pool,
-    ) -> Binning<'a> {
-        let opacities = scene.spheres.opacities.as_deref().filter(|_| self.plan.is_deep);
-        Binning { groups, opacities, ..Binning::of(scene, &self.view, settings.promise().relative(), pool) }
-    }
-
     /// Bins the spheres. Where that is impossible, the judge is the engine.
-    fn bin(
-        &mut self,
-        scene: &Scene,
-        groups: Option<Grouped<'_>>,
-        settings: &Settings,
-        pool: &Pool,
-        log: &mut FrameLog,
-    ) -> Result<()> {
-        let binning = self.binning(scene, groups, settings, pool);
+    fn bin(&mut self, at: &mut Rendering<'_>, scene: &Scene, groups: Option<Grouped<'_>>) -> Result<()> {
         let proves = self.plan.accuracy == Accuracy::Certified;
-        match log.time("stage", || BinnedScene::new(&binning))? {
+        let of = |at: &mut Rendering<'_>| BinnedScene::new(&binning(at, &self.plan, (scene, groups), &self.view));
+        match at.time("stage", of)? {
             Some(binned) => self.engine = Box::new(Strips { binned, proves }),
             None => (self.engine, self.plan.engine) = (Box::new(Exact), EngineKind::Judge),
         }

@@ -56,8 +56,11 @@ fn lights() -> Vec<Light> {
     ]
 }
 
-/// Pictures and buffers that need more than first hits: a name, the light of the scene and the settings.
-fn kinds() -> Vec<(&'static str, fn(&mut Scene), Settings)> {
+/// A name, what is done to a scene, and the settings.
+type Kind = (&'static str, fn(&mut Scene), Settings);
+
+/// Pictures and buffers that need more than first hits.
+fn kinds() -> Vec<Kind> {
     fn lit(scene: &mut Scene) {
         scene.lighting.lights = lights();
         scene.lighting.shadows = true;

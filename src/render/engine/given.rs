@@ -11,9 +11,8 @@ use crate::exact::{Truth, judge_ray_among};
 use crate::frame::Aov;
 use crate::parallel::{self, CHEAP};
 use crate::progress::Step;
-use crate::render::log::FrameLog;
+use crate::render::passes::Rendering;
 use crate::render::plan::GivenPlan;
-use crate::render::renderer::Renderer;
 use crate::render::trace::{Hits, OnDevice, Rays, Tracer};
 use crate::scene::Scene;
 use crate::search::tree::Tree;
@@ -47,7 +46,7 @@ impl GivenRays {
     }
 
     /// Builds the tree, unless it is known.
-    fn prepare(&mut self, renderer: &mut Renderer, scene: &Scene, log: &mut FrameLog) {
+    fn prepare(&mut self, Rendering { renderer, log, .. }: &mut Rendering<'_>, scene: &Scene) {
         if self.tree.is_none() && self.plan.certifies() {
             let frame = renderer.frames;
             self.tree = log.time("tree", || renderer.order_of(&scene.spheres).tree(&scene.spheres, frame));
@@ -87,15 +86,10 @@ impl PixelRays {
 }
 
 impl Engine for GivenRays {
-    fn first_hits(
-        &mut self,
-        renderer: &mut Renderer,
-        rays: ViewRays<'_>,
-        raw: &mut Raw,
-        log: &mut FrameLog,
-    ) -> Result<Found> {
+    fn first_hits(&mut self, at: &mut Rendering<'_>, rays: ViewRays<'_>, raw: &mut Raw) -> Result<Found> {
         let ViewRays { scene, view, kernel } = rays;
-        self.prepare(renderer, scene, log);
+        self.prepare(at, scene);
+        let Rendering { renderer, log, .. } = at;
         let all = PixelRays::of(view);
         let (count, watch) = (all.directions.len(), renderer.watch.clone());
         let mut plan = self.plan.clone();
@@ -129,7 +123,7 @@ impl Engine for GivenRays {
 
     fn behind(
         &mut self,
-        renderer: &mut Renderer,
+        at: &mut Rendering<'_>,
         ViewRays { scene, view, .. }: ViewRays<'_>,
         layers: Layers<'_>,
     ) -> Result<Vec<Vec<u32>>> {
@@ -151,7 +145,7 @@ impl Engine for GivenRays {
             };
             nearest.filter(|id| *id != layers.opaque[pixel])
         };
-        layers.peel(&renderer.watch, &|pixels, own: &mut [Vec<u32>]| {
+        layers.peel(&at.renderer.watch, &|pixels, own: &mut [Vec<u32>]| {
             for (at, pixel) in pixels.enumerate().filter(|(_, pixel)| layers.first[*pixel] != NONE) {
                 let mut found = vec![layers.first[pixel]];
                 for layer in own.iter_mut() {

@@ -6,20 +6,15 @@ use crate::cpu;
 use crate::error::Result;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::progress::Step;
-use crate::render::log::FrameLog;
-use crate::render::renderer::Renderer;
+use crate::render::passes::Rendering;
 
 /// The spheres of the view, all for each ray.
 pub(in crate::render) struct EverySphere;
 
 impl Engine for EverySphere {
-    fn first_hits(
-        &mut self,
-        renderer: &mut Renderer,
-        ViewRays { scene, view, kernel }: ViewRays<'_>,
-        raw: &mut Raw,
-        log: &mut FrameLog,
-    ) -> Result<Found> {
+    fn first_hits(&mut self, at: &mut Rendering<'_>, rays: ViewRays<'_>, raw: &mut Raw) -> Result<Found> {
+        let ViewRays { scene, view, kernel } = rays;
+        let Rendering { renderer, log, .. } = at;
         let colors = scene.spheres.colors.as_deref();
         let doing = renderer.watch.begin(Step::Trace, raw.id.len() as u64);
         match &mut renderer.device.gpu {

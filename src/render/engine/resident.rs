@@ -7,9 +7,8 @@ use crate::error::Result;
 use crate::gpu::input::Output;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::progress::Step;
-use crate::render::log::FrameLog;
-use crate::render::renderer::{NOTHING, Renderer};
-use std::sync::Arc;
+use crate::render::passes::Rendering;
+use crate::render::renderer::NOTHING;
 
 /// The host's part in placing the spheres.
 pub(in crate::render) struct Resident {
@@ -19,26 +18,20 @@ pub(in crate::render) struct Resident {
 }
 
 impl Engine for Resident {
-    fn first_hits(
-        &mut self,
-        renderer: &mut Renderer,
-        rays: ViewRays<'_>,
-        raw: &mut Raw,
-        log: &mut FrameLog,
-    ) -> Result<Found> {
+    fn first_hits(&mut self, at: &mut Rendering<'_>, rays: ViewRays<'_>, raw: &mut Raw) -> Result<Found> {
         let ViewRays { scene, view, kernel } = rays;
+        let Rendering { renderer, log, pool, .. } = &mut *at;
         let Some(gpu) = &mut renderer.device.gpu else { return Ok(Found::Left("there is no device".into())) };
         if gpu.hold(scene, renderer.frames)?.is_none() {
             return Ok(Found::Left(NOTHING.into()));
         }
-        let pool = Arc::clone(&renderer.pool);
         let doing = renderer.watch.begin(Step::Trace, raw.id.len() as u64);
-        let frame = ResidentFrame { scene, view, placer: &self.placer, pool: &pool };
+        let frame = ResidentFrame { scene, view, placer: &self.placer, pool };
         let mut output = Output { raw, timings: &mut log.timings };
         let rendered = gpu.render_resident(kernel, frame, &mut output, &|done| doing.reached(done))?;
         doing.end()?;
         match rendered {
-            Rendered::Frame(binned) => settle(rays, &binned, raw, &renderer.watch, log).map(Found::Hits),
+            Rendered::Frame(binned) => settle(at, rays, &binned, raw).map(Found::Hits),
             Rendered::Left(reason) => Ok(Found::Left(reason)),
         }
     }

@@ -7,8 +7,7 @@ use crate::cpu;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::render::log::FrameLog;
-use crate::render::renderer::Renderer;
+use crate::render::passes::Rendering;
 
 /// The spheres, binned into tiles by the host.
 pub(in crate::render) struct Strips {
@@ -18,20 +17,15 @@ pub(in crate::render) struct Strips {
 }
 
 impl Engine for Strips {
-    fn first_hits(
-        &mut self,
-        renderer: &mut Renderer,
-        rays: ViewRays<'_>,
-        raw: &mut Raw,
-        log: &mut FrameLog,
-    ) -> Result<Found> {
-        let (ViewRays { scene, view, kernel }, watch) = (rays, &renderer.watch);
-        let doing = watch.begin(Step::Trace, raw.id.len() as u64);
+    fn first_hits(&mut self, at: &mut Rendering<'_>, rays: ViewRays<'_>, raw: &mut Raw) -> Result<Found> {
+        let ViewRays { scene, view, kernel } = rays;
+        let Rendering { renderer, log, .. } = &mut *at;
+        let doing = renderer.watch.begin(Step::Trace, raw.id.len() as u64);
         let row = || doing.next(u64::from(view.record.columns));
         let colors = scene.spheres.colors.as_deref();
         log.time("trace", || cpu::certified(kernel, view, &self.binned, colors, raw, &row));
         doing.end()?;
-        settle(rays, &self.binned, raw, watch, log).map(Found::Hits)
+        settle(at, rays, &self.binned, raw).map(Found::Hits)
     }
 
     fn binned(&self) -> Option<&BinnedScene> {

@@ -16,14 +16,13 @@ pub(in crate::render) const PASS: Pass =
 /// # Errors
 /// Errors of the setup and of the engine.
 pub(in crate::render) fn run(at: &mut Rendering<'_>, plan: Plan) -> Result<(FrameSetup, FirstHits)> {
-    let Rendering { scene, settings, rays, .. } = *at;
+    let (scene, raster) = (at.scene, Raster::centres(at.rays.window));
     let staging = at.renderer.watch.clone();
     let staging = staging.begin(Step::Stage, scene.spheres.len() as u64);
-    let raster = Raster::centres(rays.window);
-    let mut setup = setup::make(at.renderer, plan, scene, settings, raster, &mut at.log)?;
+    let mut setup = setup::make(at, plan, scene, raster)?;
     staging.end()?;
     let mut hits = FirstHits::new(&setup.plan.kernel, setup.view.record.pixels(), &at.pool)?;
-    setup.find(at.renderer, scene, settings, &mut hits, &mut at.log)?;
+    setup.find(at, scene, &mut hits)?;
     at.renderer.watch.check()?;
     Ok((setup, hits))
 }

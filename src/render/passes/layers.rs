@@ -61,17 +61,17 @@ impl Shown {
 /// # Errors
 /// Errors of the setups.
 pub(super) fn setups(at: &mut Rendering<'_>, sampling: &Sampling<'_>, plan: Plan, raster: Raster) -> Result<Setups> {
-    let (scene, settings) = (sampling.scene, at.settings);
+    let scene = sampling.scene;
     let Some(opaque) = sampling.opaque else {
-        let first = setup::make(at.renderer, plan, scene, settings, raster, &mut at.log)?;
+        let first = setup::make(at, plan, scene, raster)?;
         return Ok(Setups { first, alone: None, shown: None });
     };
     let alone = opaque.scene(scene);
-    let of_ids = Plan { kernel: plan.kernel.ids_only(), is_deep: settings.layers > 1, ..plan.clone() };
-    let all = setup::make(at.renderer, of_ids, scene, settings, raster, &mut at.log)?;
-    let deep = all.deep(scene, settings, &at.pool, &mut at.log)?;
+    let of_ids = Plan { kernel: plan.kernel.ids_only(), is_deep: at.settings.layers > 1, ..plan.clone() };
+    let all = setup::make(at, of_ids, scene, raster)?;
+    let deep = all.deep(at, scene)?;
     let refused = at.log.refused.clone();
-    let first = setup::make(at.renderer, plan, &alone, settings, raster, &mut at.log)?;
+    let first = setup::make(at, plan, &alone, raster)?;
     if alone.spheres.is_empty() {
         // No sphere is opaque, and the device renders those that there are.
         at.log.refused = refused;
@@ -93,7 +93,7 @@ impl Setups {
     /// Errors of the engine.
     pub(super) fn find(&mut self, at: &mut Rendering<'_>, sampling: &Sampling<'_>, hits: &mut FirstHits) -> Result<()> {
         let of = self.alone.as_ref().unwrap_or(sampling.scene);
-        self.first.find(at.renderer, of, at.settings, hits, &mut at.log)?;
+        self.first.find(at, of, hits)?;
         sampling.opaque.into_iter().for_each(|opaque| opaque.rename(&mut hits.raw.id));
         Ok(())
     }
@@ -130,7 +130,7 @@ pub(super) fn light_through(at: &mut Rendering<'_>, plan: &Plan, opaque: &Opaque
 pub(super) fn find(at: &mut Rendering<'_>, shown: &mut Shown, scene: &Scene, opaque: &[u32]) -> Result<Vec<Vec<u32>>> {
     let Shown { setup, deep } = shown;
     let mut hits = FirstHits::new(&setup.plan.kernel, opaque.len(), &at.pool)?;
-    setup.find(at.renderer, scene, at.settings, &mut hits, &mut at.log)?;
+    setup.find(at, scene, &mut hits)?;
     let mut first = hits.into_ids(&at.pool);
     let spheres = &scene.spheres;
     parallel::each(&mut first, |_, id| {
@@ -143,7 +143,7 @@ pub(super) fn find(at: &mut Rendering<'_>, shown: &mut Shown, scene: &Scene, opa
         let rays = ViewRays { scene, view: &setup.view, kernel: &setup.plan.kernel };
         let behind = Layers { opaque, first: &layers[0], more: at.settings.layers - 1 };
         let engine = deep.as_mut().unwrap_or(&mut setup.engine);
-        let more = at.time("layers", |at| engine.behind(at.renderer, rays, behind))?;
+        let more = at.time("layers", |at| engine.behind(at, rays, behind))?;
         layers.extend(more);
     }
     Ok(layers)

@@ -123,7 +123,7 @@ pub(super) fn run(
     (window, raster): (Window, Raster),
     centers: &[u32],
 ) -> Result<Option<Means>> {
-    let Sampling { kernel, scene, settings, plan, .. } = sampling;
+    let Sampling { kernel, scene, plan, .. } = sampling;
     let Some(gpu) = at.renderer.device.gpu.as_ref().filter(|_| sampling.fits_device()) else { return Ok(None) };
     if gpu.draws == Some(false) && !gpu.summary.is_software() {
         let reason = format!("those of {} differ from the host's", gpu.summary.name);
@@ -133,7 +133,7 @@ pub(super) fn run(
     let kernel = kernel.certified_by(|of| Certificate { starts: true, ..of });
     let sums = sky.window(window, scene);
     let plan = Plan { kernel, ..plan.clone() };
-    let mut setup = setup::make(at.renderer, plan, scene, settings, raster, &mut at.log)?;
+    let mut setup = setup::make(at, plan, scene, raster)?;
     let Some(record) = sampling.record(&setup, tree, sums)?.filter(|_| setup.engine.placer().is_some()) else {
         setup.put_back(&at.pool);
         return Ok(None);
