@@ -62,6 +62,8 @@ pub(crate) struct Gpu {
     pub(super) reversed: bool,
     /// Whether the device draws pictures as the host does; `None` before the trial. Software leaves them to the host, with its bits.
     pub(crate) draws: Option<bool>,
+    /// The number of trees of given rays that were uploaded: it holds the last.
+    pub(crate) trees_uploaded: u64,
 }
 
 /// A shader of frames.
@@ -108,6 +110,7 @@ impl Gpu {
             #[cfg(test)]
             reversed: false,
             draws,
+            trees_uploaded: 0,
         }
     }
 

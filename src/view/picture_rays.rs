@@ -78,7 +78,9 @@ impl<'a> PictureRays<'a> {
     fn depths_of(&self, kind: RayKind, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
         let record = &self.view.record;
         for (n, (ids, depths)) in ids.chunks(LANES).zip(depths.chunks_mut(LANES)).enumerate() {
-            let (mut position, mut ball) = ([[0; LANES]; 2], [[0.0; LANES]; 4]);
+            // Lanes without a sphere have a place of the window too.
+            let place = record.position(first + (n * LANES) as u32);
+            let (mut position, mut ball) = (place.map(|at| [at; LANES]), [[0.0; LANES]; 4]);
             for (l, id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
                 [position[0][l], position[1][l]] = record.position(first + (n * LANES + l) as u32);
                 let [x, y, z] = spheres.centers[*id as usize];

@@ -118,8 +118,8 @@ fn numbers(frame: &Frame, aov: Aov) -> Vec<f64> {
     }
 }
 
-/// A lens without distortion has the rays of a pinhole, but for roundings of f64. Where one decides what is hit, or whether a ray is
-/// blocked, a pixel differs.
+/// A lens without distortion has the rays of a pinhole, but for roundings of f64, which decide nothing here. Numbers in f32 differ by their
+/// roundings.
 #[test]
 fn a_lens_without_distortion_makes_the_frames_of_a_pinhole() {
     for (name, prepare, settings) in kinds() {
@@ -138,7 +138,12 @@ fn a_lens_without_distortion_makes_the_frames_of_a_pinhole() {
                 !((*a - *b).abs() <= 3e-3 * a.abs().max(1.0) || a == b || a.is_nan() && b.is_nan())
             };
             let count = a.iter().zip(&b).filter(differ).count();
-            assert!(count * 500 <= a.len(), "{name} {:?}: {count} of {}", buffer.aov, a.len());
+            let apart = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b).abs() };
+            let mean = a.iter().zip(&b).map(apart).filter(|x| !x.is_nan()).sum::<f64>() / a.len() as f64;
+            // Lines go by gaps in the distance in place of the depth, and are a little darker or paler.
+            let [share, most] = if settings.silhouette { [0.15, 5e-3] } else { [0.0, 1e-6] };
+            let (all, aov) = (a.len(), buffer.aov);
+            assert!(count as f64 <= share * all as f64 && mean <= most, "{name} {aov:?}: {count} of {all}, {mean}");
         }
         match (&plane.coverage, &curved.coverage) {
             (Some(a), Some(b)) => {
@@ -181,21 +186,21 @@ fn crops_and_adapters_agree_on_curved_lenses() {
     }
 }
 
-/// The direction of a pixel's ray: right, up and back.
-fn direction(lens: Lens, [i, j]: [u32; 2]) -> DVec3 {
+/// The direction of a pixel's ray: right, up and back; `None` beyond straight back.
+fn direction(lens: Lens, [i, j]: [u32; 2]) -> Option<DVec3> {
     let [x, y] = [f64::from(j) + 0.5, f64::from(i) + 0.5];
-    match lens {
+    Some(match lens {
         Lens::Curved { curve: Curve::Fisheye { .. }, fx, cx, cy, .. } => {
             let (x, y) = ((x - cx) / fx, (y - cy) / fx);
-            let (height, angle) = (x.hypot(y), x.hypot(y));
-            DVec3::new(x / height * angle.sin(), -y / height * angle.sin(), -angle.cos())
+            let angle = Some(x.hypot(y)).filter(|angle| *angle <= PI)?;
+            DVec3::new(x / angle * angle.sin(), -y / angle * angle.sin(), -angle.cos())
         }
         _ => {
             let longitude = 2.0 * PI * (x / f64::from(SIZE[0]) - 0.5);
             let latitude = PI * (0.5 - y / f64::from(SIZE[1]));
             DVec3::new(latitude.cos() * longitude.sin(), latitude.sin(), -latitude.cos() * longitude.cos())
         }
-    }
+    })
 }
 
 /// The first hit of a ray among all spheres, by the quadratic in f64, and the least of |1 - l/r|, where l is the distance of a centre from
@@ -230,7 +235,10 @@ fn fisheyes_and_panoramas_show_what_their_formulas_say() {
         let mut compared = 0;
         for (pixel, id) in frame.ids().iter().enumerate() {
             let at = [pixel as u32 / SIZE[0], pixel as u32 % SIZE[0]];
-            let local = direction(lens, at);
+            let Some(local) = direction(lens, at) else {
+                assert_eq!(*id, -1, "{lens:?} {at:?}");
+                continue;
+            };
             let along = local.x * basis.u + local.y * basis.v + local.z * basis.w;
             let (hit, edge) = brute_force(&scene, along);
             // Directions differ by roundings, 1e-14 at most, which a length of 20 and a radius of 0.1 make 1e-12.

@@ -19,8 +19,8 @@ use glam::DVec3;
 /// The state of a tracer's work on a device.
 #[derive(Debug, Default)]
 pub(in crate::render) struct OnDevice {
-    /// Whether the device holds the tree.
-    is_uploaded: bool,
+    /// The number of the upload of its tree; `None` before.
+    uploaded: Option<u64>,
     /// The number of rays so far that f32 left unsure.
     pub(super) refined: u64,
 }
@@ -37,7 +37,8 @@ impl OnDevice {
         let both = parallel::values(numbers.len(), CHEAP, |n| device_ray(given, numbers[n]));
         let boxes = parallel::map(&both, |(_, ray)| *ray);
         let rays = parallel::map(&both, |(record, _)| record.unwrap_or(CertifiedRayRecord::NOTHING));
-        let (nodes, spheres) = match self.is_uploaded {
+        // Frames of translucent spheres have two trees, which take turns.
+        let (nodes, spheres) = match self.uploaded == Some(gpu.trees_uploaded) {
             true => (Vec::new(), Vec::new()),
             false => (given.tree.device_nodes(), given.tree.device_spheres()),
         };
@@ -52,7 +53,10 @@ impl OnDevice {
         let mut raw = Raw::new(&kernel, rays.len(), &Pool::default())?;
         let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
         gpu.run(&kernel, &input, &mut output, &|_| watch.goes_on())?;
-        self.is_uploaded = true;
+        if !spheres.is_empty() {
+            gpu.trees_uploaded += 1;
+            self.uploaded = Some(gpu.trees_uploaded);
+        }
         let decide = |k: usize| match (raw.id[k], both[k].0) {
             (UNSURE, _) | (_, None) => Q::UNSURE,
             (NONE, _) => Q::NONE,
