@@ -89,10 +89,19 @@ impl Peeling<'_> {
             let pixels = range.enumerate().filter(|(_, pixel)| first[*pixel] != NONE);
             match (&twin, &all) {
                 (Some(twin), _) => {
-                    let listed = |(at, pixel)| Listed { at, pixel, list: self.candidates(twin, pixel) };
-                    let lists: Vec<_> = pixels.map(listed).collect();
-                    let nearest = Nearest { peeling: self, twin, few: OnceCell::new(), lists: &lists };
-                    lists.iter().for_each(|listed| nearest.peel(listed, layers));
+                    let (mut all, mut lists) = (Vec::new(), Vec::new());
+                    for (at, pixel) in pixels {
+                        let first = all.len();
+                        self.add_candidates(twin, pixel, &mut all);
+                        lists.push(Listed { at, pixel, list: first..all.len() });
+                    }
+                    let nearest = Nearest { peeling: self, twin, few: OnceCell::new(), all: &all };
+                    let mut open = Vec::new();
+                    for Listed { at, pixel, list } in lists {
+                        open.clear();
+                        open.extend_from_slice(&all[list]);
+                        nearest.peel(at, pixel, &mut open, layers);
+                    }
                 }
                 (None, Some(judge)) => pixels.for_each(|(at, pixel)| self.peel_all(judge, pixel, at, layers)),
                 (None, None) => {}
@@ -105,14 +114,13 @@ impl Peeling<'_> {
         self.layers.counts(&self.scene.spheres, pixel, id)
     }
 
-    /// The spheres that may be in the layers of a pixel behind the first, and its opaque one, by their lower bounds.
-    fn candidates(&self, twin: &Certify<'_, f32>, pixel: usize) -> Vec<Candidate> {
+    /// Adds the spheres that may be in the layers of a pixel behind the first, and its opaque one, by their lower bounds.
+    fn add_candidates(&self, twin: &Certify<'_, f32>, pixel: usize, all: &mut Vec<Candidate>) {
         let [row, column] = twin.view.position(pixel as u32);
-        let slopes = twin.slopes(row, column);
-        let all = twin.candidates(&slopes).map(|(low, slot)| Candidate { low, slot, id: twin.id(slot) });
-        let mut list: Vec<_> = all.filter(|one| self.counts(pixel, one.id)).collect();
-        list.sort_unstable_by(|a, b| a.low.total_cmp(&b.low).then(a.id.cmp(&b.id)));
-        list
+        let (slopes, first) = (twin.slopes(row, column), all.len());
+        let found = twin.candidates(&slopes).map(|(low, slot)| Candidate { low, slot, id: twin.id(slot) });
+        all.extend(found.filter(|one| self.counts(pixel, one.id)));
+        all[first..].sort_unstable_by(|a, b| a.low.total_cmp(&b.low).then(a.id.cmp(&b.id)));
     }
 
     /// Peels one pixel in exact arithmetic only.
@@ -134,14 +142,14 @@ impl Peeling<'_> {
 struct Listed {
     at: usize,
     pixel: usize,
-    list: Vec<Candidate>,
+    list: Range<usize>,
 }
 
 /// The search for the nearest hits among the candidates of some pixels.
 struct Nearest<'a> {
     peeling: &'a Peeling<'a>,
     twin: &'a Certify<'a, f32>,
-    lists: &'a [Listed],
+    all: &'a [Candidate],
     /// The judge of all these candidates, made for the first pixel that needs exact arithmetic.
     few: OnceCell<Option<Few>>,
 }
@@ -153,13 +161,12 @@ struct Few {
 }
 
 impl Nearest<'_> {
-    /// Writes the layers of one pixel: of its candidates each time the nearest.
-    fn peel(&self, listed: &Listed, layers: &mut [Vec<u32>]) {
-        let mut open = listed.list.clone();
+    /// Writes the layers of one pixel, the pixel `at` of its job: of its candidates each time the nearest.
+    fn peel(&self, at: usize, pixel: usize, open: &mut Vec<Candidate>, layers: &mut [Vec<u32>]) {
         for layer in layers {
-            let next = self.of(listed.pixel, &mut open).filter(|id| *id != self.peeling.layers.opaque[listed.pixel]);
+            let next = self.of(pixel, open).filter(|id| *id != self.peeling.layers.opaque[pixel]);
             let Some(next) = next else { return };
-            layer[listed.at] = next;
+            layer[at] = next;
             open.retain(|one| one.id != next);
         }
     }
@@ -198,7 +205,7 @@ impl Nearest<'_> {
 
     fn few(&self) -> Option<Few> {
         let Peeling { scene, view, .. } = self.peeling;
-        let mut ids: Vec<u32> = self.lists.iter().flat_map(|listed| &listed.list).map(|one| one.id).collect();
+        let mut ids: Vec<u32> = self.all.iter().map(|one| one.id).collect();
         ids.sort_unstable();
         ids.dedup();
         let mut spheres = Spheres::default();

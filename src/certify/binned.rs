@@ -55,16 +55,23 @@ pub(crate) struct Binning<'a> {
     pub(crate) terms: &'a Terms,
     /// Tiles share candidate lists from this level on ([`Lists::new`]).
     pub(crate) level: u32,
-    /// The opacities by which only opaque spheres hide what is left out of a tile's list; `None` where each sphere hides what lies
-    /// behind it.
-    pub(crate) opacities: Option<&'a [f32]>,
+    /// For hits behind the first: what hides spheres, which are left out of a tile's list. `None` where each sphere hides what lies behind it.
+    pub(crate) through: Option<Through<'a>>,
     pub(crate) pool: &'a Pool,
+}
+
+/// The layers that a ray shows: translucent spheres up to an opaque one.
+#[derive(Clone, Copy)]
+pub(crate) struct Through<'a> {
+    pub(crate) opacities: &'a [f32],
+    /// The most translucent spheres, at least 1.
+    pub(crate) layers: u32,
 }
 
 impl<'a> Binning<'a> {
     /// All spheres of a scene, in lists of single tiles.
     pub(crate) fn of(scene: &'a Scene, view: &'a View, tolerance: f64, pool: &'a Pool) -> Self {
-        Self { scene, groups: None, view, tolerance, terms: &TERMS, level: 0, opacities: None, pool }
+        Self { scene, groups: None, view, tolerance, terms: &TERMS, level: 0, through: None, pool }
     }
 }
 
@@ -145,14 +152,14 @@ impl Binning<'_> {
         order: SphereOrder<'_>,
         reference: f32,
     ) -> BinnedScene {
-        let Self { scene, view, tolerance, level, opacities, pool, .. } = *self;
+        let Self { scene, view, tolerance, level, through, pool, .. } = *self;
         let SphereBins { bins, generals, projected_count, entries, .. } = bins;
         let size = [scene.image.width, scene.image.height];
         let record = projection.record(reference, tolerance, generals.len());
         let reference = reference.into();
         let margin = host_cull_margin(tolerance);
         let coverage = Coverage::new(projection, size, reference, margin, projection.per_pixel);
-        let mut maker = RecordMaker { projection, order, coverage, opacities, reference, ready: Vec::new() };
+        let mut maker = RecordMaker { projection, order, coverage, through, reference, ready: Vec::new() };
         if entries >= PROJECTION_MIN_LISTS * bins.len() as u64 {
             maker.project_all(pool);
         }
@@ -160,7 +167,7 @@ impl Binning<'_> {
         pool.put_back(maker.ready);
         pool.put_back(bins);
         // Among general spheres all count: they are few.
-        let margin = if opacities.is_none() { margin } else { f64::INFINITY };
+        let margin = if through.is_none() { margin } else { f64::INFINITY };
         let near = GeneralTree::new(projection, &generals, size, margin);
         let general_lists = near.lists(view.record.tiles(), level);
         BinnedScene { projection: record, lists, generals, general_lists, projected_count }

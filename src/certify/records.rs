@@ -1,5 +1,6 @@
 //! Makes the records of lists from front to back, and tracks the pixels that they cover.
 
+use super::binned::Through;
 use super::entry::Placed;
 use super::grouped::Grouped;
 use super::projection::ProjectionBounds;
@@ -56,8 +57,8 @@ pub(super) struct RecordMaker<'a> {
     pub(super) projection: &'a ProjectionBounds,
     pub(super) order: SphereOrder<'a>,
     pub(super) coverage: Coverage,
-    /// The opacities by which only opaque spheres cover pixels; `None` where all do.
-    pub(super) opacities: Option<&'a [f32]>,
+    /// The layers that a ray shows; `None` for the first hit alone.
+    pub(super) through: Option<Through<'a>>,
     pub(super) reference: f64,
     /// The records of all spheres by their numbers, where most spheres are in several lists; else empty.
     pub(super) ready: Vec<Placed>,
@@ -159,9 +160,13 @@ impl ListRecords<'_> {
             to.iter_mut().zip(&self.numbers[chunk * CHUNK..]).for_each(|(placed, n)| *placed = ready[*n as usize]);
         }
         if let Some(cover) = &mut self.cover {
-            let opacities = self.maker.opacities;
-            let covers = |placed: &&Placed| opacities.is_none_or(|all| all[placed.detail.id as usize] == 1.0);
-            to.iter().filter(covers).for_each(|placed| cover.add(placed));
+            match self.maker.through {
+                None => to.iter().for_each(|placed| cover.add(placed)),
+                Some(Through { opacities, layers }) => to.iter().for_each(|placed| {
+                    let is_opaque = opacities[placed.detail.id as usize] == 1.0;
+                    if is_opaque { cover.add(placed) } else { cover.add_layer(placed, layers) }
+                }),
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use super::plan::Plan;
 use super::plan::kind::EngineKind;
 use super::renderer::NOTHING;
 use crate::answers::hits::FirstHits;
-use crate::certify::binned::{BinnedScene, Binning};
+use crate::certify::binned::{BinnedScene, Binning, Through};
 use crate::certify::grouped::Grouped;
 use crate::certify::placing::Placer;
 use crate::error::Result;
@@ -112,7 +112,8 @@ fn binning<'a>(
     view: &'a View,
 ) -> Binning<'a> {
     let opacities = scene.spheres.opacities.as_deref().filter(|_| plan.is_deep);
-    Binning { groups, opacities, ..Binning::of(scene, view, at.settings.promise().relative(), &at.pool) }
+    let through = opacities.map(|opacities| Through { opacities, layers: at.settings.layers });
+    Binning { groups, through, ..Binning::of(scene, view, at.settings.promise().relative(), &at.pool) }
 }
 
 impl FrameSetup {

@@ -13,6 +13,9 @@ const SHRINK: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 / (1u64 << 20) as f64];
 /// Error of a record's depth: the rounding of its relative part to f32, and the host's 2^-43 of the total.
 const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
 
+/// Layers of translucent spheres up to which these are counted; in a picture of more, opaque spheres alone hide others.
+const MOST_COUNTED: usize = 4;
+
 /// The inputs of coverage that all tiles of a frame share.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::certify) struct Coverage {
@@ -138,8 +141,11 @@ pub(in crate::certify) struct Cover {
     coverage: Coverage,
     /// The first column and row.
     corner: [f64; 2],
-    /// A bit per pixel that no sphere certainly covers yet, row by row.
+    /// A bit per pixel that no sphere certainly covers yet, row by row; for a picture through translucent spheres, neither an opaque one nor
+    /// as many translucent ones as it shows.
     pub(in crate::certify) open: u64,
+    /// Of such a picture the pixels that more than so many translucent spheres certainly cover.
+    through: [u64; MOST_COUNTED],
     /// The least depth from which on a sphere cannot change the covered pixels, relative to the reference like the minima
     /// of chunks.
     pub(in crate::certify) deepest: f64,
@@ -152,7 +158,8 @@ impl Cover {
         let [columns, rows] = [0, 1].map(|k| (coverage.size[k] - corner[k]).min(TILE));
         let row = (1u64 << columns) - 1;
         let open = (0..rows).fold(0, |open, i| open | row << (TILE * i));
-        Self { coverage, corner: corner.map(f64::from), open, deepest: f64::NEG_INFINITY }
+        let (corner, through) = (corner.map(f64::from), [0; MOST_COUNTED]);
+        Self { coverage, corner, open, through, deepest: f64::NEG_INFINITY }
     }
 
     /// The least depth from which on a sphere cannot change any pixel, once every pixel is covered.
@@ -163,7 +170,36 @@ impl Cover {
     /// Marks the pixels that a projected sphere certainly covers.
     #[inline(always)]
     pub(in crate::certify) fn add(&mut self, sphere: &Placed) {
-        let Some(outline) = self.coverage.outline(sphere).filter(|_| self.open != 0) else { return };
+        if let Some((bits, limit)) = self.covered(sphere)
+            && bits & self.open != 0
+        {
+            self.open &= !bits;
+            self.deepest = self.deepest.max(limit);
+        }
+    }
+
+    /// Marks the pixels that a translucent sphere certainly covers, of a picture with so many layers, at least 1. Where as many cover a pixel,
+    /// what lies behind all of them is not shown.
+    #[inline(always)]
+    pub(in crate::certify) fn add_layer(&mut self, sphere: &Placed, layers: u32) {
+        let last = layers as usize - 1;
+        let covered = if last < MOST_COUNTED { self.covered(sphere) } else { None };
+        if let Some((bits, limit)) = covered
+            && bits & self.open != 0
+        {
+            for k in (1..=last).rev() {
+                self.through[k] |= self.through[k - 1] & bits;
+            }
+            self.through[0] |= bits;
+            self.open &= !self.through[last];
+            self.deepest = self.deepest.max(limit);
+        }
+    }
+
+    /// The pixels that a projected sphere certainly covers, and the depth from which on what lies behind it does not change them.
+    #[inline(always)]
+    fn covered(&self, sphere: &Placed) -> Option<(u64, f64)> {
+        let outline = self.coverage.outline(sphere).filter(|_| self.open != 0)?;
         let most = f64::from(TILE - 1);
         let [x, y] = self.corner;
         let (top, bottom) = outline.rows();
@@ -177,9 +213,6 @@ impl Cover {
             let (left, right) = if is_covered { (left, right) } else { (1.0, 0.0) };
             bits |= ((2u64 << whole(right)) - (1u64 << whole(left))) << (TILE * k);
         }
-        if bits & self.open != 0 {
-            self.open &= !bits;
-            self.deepest = self.deepest.max(outline.limit);
-        }
+        Some((bits, outline.limit))
     }
 }
