@@ -9,6 +9,7 @@ use super::standard::{print, print_json};
 use super::visible;
 use clap::builder::ArgPredicate;
 use clap::{Arg, Command};
+use halfline::camera::Curve;
 use halfline::error::{Error, Result};
 use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, wgsl};
 use halfline::frame::tone::Tone;
@@ -196,7 +197,13 @@ impl PlanText<'_> {
         let [eye, view, up] = [camera.eye, camera.view, camera.up].map(point);
         writeln!(f, "camera     eye {eye}; view {view}; up {up}")?;
         let [vw, vh] = camera.viewport.map(|side| number(side, 6));
+        let lens = camera.curve.map(|curve| match curve {
+            Curve::Distorted { .. } => "with distortion",
+            Curve::Fisheye { .. } => "of a fisheye",
+            Curve::Panorama => "of a panorama",
+        });
         match camera.distance {
+            _ if lens.is_some() => writeln!(f, "           lens {}", lens.unwrap_or_default())?,
             Some(distance) => writeln!(f, "           viewport {vw} x {vh} at distance {}", number(distance, 6))?,
             None => writeln!(f, "           orthographic, a view of {vw} x {vh}")?,
         }

@@ -16,6 +16,7 @@ use crate::error::Result;
 use crate::frame::Aov;
 use crate::frame::coverage::Coverage;
 use crate::kernel::Kernel;
+use crate::parallel;
 use crate::render::lens::LensPasses;
 use crate::render::opaque::Opaque;
 use crate::render::plan::Plan;
@@ -200,9 +201,10 @@ fn pass(
             (None, None) => Vec::new(),
         };
         // Where the layer shows nothing, what is behind it is no farther surface to draw a line before.
-        let ids: Vec<u32> =
-            layer.iter().zip(&raw.id).map(|(id, behind)| if *id == NONE { *behind } else { *id }).collect();
-        finish::run(at, sampling, view, &ids, cue, &mut over);
+        if sampling.finish().is_some() {
+            let front = |n: usize| if layer[n] == NONE { raw.id[n] } else { layer[n] };
+            finish::run(at, sampling, view, &parallel::from_fn(layer.len(), front), cue, &mut over);
+        }
         lay_over(&scene.spheres, layer, &over, &mut raw.color, passing);
     }
     Ok(())
