@@ -11,6 +11,7 @@ use glam::DVec3;
 use halfline::camera::{Aperture, Curve, Lens};
 use halfline::exact::{Judge, Toward};
 use halfline::frame::{Aov, Data, Frame};
+use halfline::intersect::Method;
 use halfline::scene::{Light, LightSource, Material, Materials, Scene, Sky, SkyColors};
 use halfline::settings::{AddedLight, Look, Settings};
 use halfline::shade::Shade;
@@ -307,6 +308,24 @@ fn shadows_behind_a_curved_lens_are_exact() {
         }
         assert!(lit > 30 && dark > 30, "{lens:?}: {lit} {dark}");
     }
+}
+
+/// A method finds first hits without a proof, and the layers behind them are there too.
+#[test]
+fn layers_are_shown_by_a_method_too() {
+    let (_, prepare, settings) = kinds().into_iter().find(|(name, ..)| *name == "three layers").expect("layers");
+    let mut scene = around(fisheye());
+    prepare(&mut scene);
+    let by_method = Settings { method: Some(Method::Stable), ..settings.clone() };
+    let [certified, by_method] = [settings, by_method].map(|settings| {
+        let frame = cpu().render(&scene, &settings).expect("a frame");
+        numbers(&frame, Aov::Alpha)
+    });
+    // At outlines f32 may see another sphere.
+    let other = certified.iter().zip(&by_method).filter(|(a, b)| (*a - *b).abs() > 1e-6).count();
+    assert!(other * 200 < certified.len(), "{other} of {}", certified.len());
+    let several = certified.iter().filter(|alpha| **alpha > 0.7).count();
+    assert!(several > 500, "{several} pixels show several layers");
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub(in crate::render) struct GivenRays {
     tolerance: f64,
     /// Whether the errors of distances are bounded.
     bounds: bool,
-    /// The tree over the spheres; `None` by a method, and without spheres.
+    /// The tree over the spheres, once it is needed; `None` without spheres.
     tree: Option<Arc<Tree>>,
     /// The state of a device that holds the tree.
     device: Option<OnDevice>,
@@ -46,8 +46,8 @@ impl GivenRays {
     }
 
     /// Builds the tree, unless it is known.
-    fn prepare(&mut self, Rendering { renderer, log, .. }: &mut Rendering<'_>, scene: &Scene) {
-        if self.tree.is_none() && self.plan.certifies() {
+    fn build_tree(&mut self, Rendering { renderer, log, .. }: &mut Rendering<'_>, scene: &Scene) {
+        if self.tree.is_none() {
             let frame = renderer.frames;
             self.tree = log.time("tree", || renderer.order_of(&scene.spheres).tree(&scene.spheres, frame));
         }
@@ -88,7 +88,9 @@ impl PixelRays {
 impl Engine for GivenRays {
     fn first_hits(&mut self, at: &mut Rendering<'_>, rays: ViewRays<'_>, raw: &mut Raw) -> Result<Found> {
         let ViewRays { scene, view, kernel } = rays;
-        self.prepare(at, scene);
+        if self.plan.certifies() {
+            self.build_tree(at, scene);
+        }
         let Rendering { renderer, log, .. } = at;
         let all = PixelRays::of(view);
         let (count, watch) = (all.directions.len(), renderer.watch.clone());
@@ -128,6 +130,8 @@ impl Engine for GivenRays {
         layers: Layers<'_>,
     ) -> Result<Vec<Vec<u32>>> {
         let count = layers.first.len();
+        // A method finds the first hits alone.
+        self.build_tree(at, scene);
         let Some(tree) = &self.tree else { return Ok(vec![vec![NONE; count]; layers.more as usize]) };
         let all = PixelRays::of(view);
         let rays = &all.part(0..count);
