@@ -14,6 +14,7 @@ mod passes;
 mod place;
 pub mod plan;
 mod renderer;
+mod rendering;
 mod report;
 mod setup;
 pub mod stream;

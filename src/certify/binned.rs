@@ -7,6 +7,7 @@ use super::general::GeneralRecord;
 use super::general_lists::{GeneralLists, GeneralTree};
 use super::grouped::{Grouped, GroupedBins};
 use super::projection::cover::Coverage;
+pub(crate) use super::projection::cover::Through;
 use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
 use super::projection::{ProjectionBounds, host_cull_margin};
@@ -58,14 +59,6 @@ pub(crate) struct Binning<'a> {
     /// For hits behind the first: what hides spheres, which are left out of a tile's list. `None` where each sphere hides what lies behind it.
     pub(crate) through: Option<Through<'a>>,
     pub(crate) pool: &'a Pool,
-}
-
-/// The layers that a ray shows: translucent spheres up to an opaque one.
-#[derive(Clone, Copy)]
-pub(crate) struct Through<'a> {
-    pub(crate) opacities: &'a [f32],
-    /// The most translucent spheres, at least 1.
-    pub(crate) layers: u32,
 }
 
 impl<'a> Binning<'a> {

@@ -1,10 +1,9 @@
 //! Makes the records of lists from front to back, and tracks the pixels that they cover.
 
-use super::binned::Through;
 use super::entry::Placed;
 use super::grouped::Grouped;
 use super::projection::ProjectionBounds;
-use super::projection::cover::{Cover, Coverage};
+use super::projection::cover::{Cover, Coverage, Through};
 use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
 use crate::memory::Pool;

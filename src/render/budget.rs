@@ -211,7 +211,7 @@ mod tests {
     use super::*;
     use crate::intersect::Method;
     use crate::render::Renderer;
-    use crate::render::passes::{FrameRays, Rendering};
+    use crate::render::rendering::{FrameRays, Rendering};
     use crate::render::setup::FrameSetup;
     use crate::scene::camera::{Camera, Lens};
     use crate::scene::{ImagePlane, Spheres};

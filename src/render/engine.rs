@@ -6,7 +6,7 @@ mod method;
 mod resident;
 mod strips;
 
-use super::passes::Rendering;
+use super::rendering::Rendering;
 use crate::answers::layers::{Layers, Peeling};
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};

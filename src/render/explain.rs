@@ -6,10 +6,11 @@ mod work;
 
 use super::budget::Need;
 use super::engine::BLOCK;
-use super::passes::{self, FrameRays, Rendering};
+use super::passes;
 use super::plan::kind::EngineKind;
 use super::plan::{Plan, lights};
 use super::renderer::Renderer;
+use super::rendering::{FrameRays, Rendering};
 use super::report;
 use super::setup::{self, FrameSetup};
 use crate::error::{Error, Result};

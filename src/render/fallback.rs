@@ -2,10 +2,10 @@
 
 use super::budget::{self, Need};
 use super::lens;
-use super::passes::FrameRays;
 use super::place::INSTEAD;
 use super::plan::Plan;
 use super::renderer::Renderer;
+use super::rendering::FrameRays;
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::quote::setting::{ACCURACY, BACKEND};

@@ -1,8 +1,9 @@
 //! One frame the whole way: its passes in order.
 
-use super::passes::{FrameRays, Rendering, buffers, hits, light, samples, shade};
+use super::passes::{buffers, hits, light, samples, shade};
 use super::plan::Plan;
 use super::renderer::Renderer;
+use super::rendering::{FrameRays, Rendering};
 use super::{report, setup};
 use crate::error::Result;
 use crate::frame::report::Report;

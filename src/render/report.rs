@@ -1,8 +1,8 @@
 //! The report of a frame: what the plan decided, and what its passes logged.
 
 use super::missed::missed;
-use super::passes::Rendering;
 use super::plan::Plan;
+use super::rendering::Rendering;
 use super::setup::FrameSetup;
 use crate::cpu;
 use crate::error::Result;

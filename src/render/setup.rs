@@ -3,10 +3,10 @@
 use super::engine::{Engine, EverySphere, Exact, Found, GivenRays, Resident, Strips, ViewRays};
 use super::log::FrameLog;
 use super::order::Ordered;
-use super::passes::Rendering;
 use super::plan::Plan;
 use super::plan::kind::EngineKind;
 use super::renderer::NOTHING;
+use super::rendering::Rendering;
 use crate::answers::hits::FirstHits;
 use crate::certify::binned::{BinnedScene, Binning, Through};
 use crate::certify::grouped::Grouped;

@@ -1,6 +1,6 @@
 //! The viewing rays of a curved lens: those of a window, computed once for each sample.
 
-use super::ViewRecord;
+use super::records::ViewRecord;
 use crate::parallel;
 use crate::scene::camera::CurvedFrame;
 

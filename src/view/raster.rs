@@ -4,7 +4,7 @@
 //! H K in place of W and H. A pixel is divided into n x n strata of J x J finer pixels, K = n J. Each stratum is
 //! sampled at one of them, chosen by a hash of row, column, sample and seed.
 
-use super::ViewRecord;
+use super::records::ViewRecord;
 use crate::error::{Error, Result};
 use crate::quote::setting::{APERTURE, SAMPLES, SIZE};
 use crate::scene::{ImagePlane, MAX_SIDE};

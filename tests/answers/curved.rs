@@ -62,14 +62,14 @@ type Kind = (&'static str, fn(&mut Scene), Settings);
 
 /// Pictures and buffers that need more than first hits.
 fn kinds() -> Vec<Kind> {
-    fn lit(scene: &mut Scene) {
+    fn lamps(scene: &mut Scene) {
         scene.lighting.lights = lights();
         scene.lighting.shadows = true;
     }
     fn sky(scene: &mut Scene) {
         let colors = SkyColors { zenith: [0.3, 0.5, 1.0], horizon: [1.0, 0.9, 0.8], is_shown: true };
         scene.lighting.sky = Some(Sky { share: 0.5, colors: Some(colors), ..Sky::default() });
-        lit(scene);
+        lamps(scene);
     }
     fn soft(scene: &mut Scene) {
         let added = AddedLight { look: Look::Soft, ..AddedLight::default() };
@@ -84,7 +84,7 @@ fn kinds() -> Vec<Kind> {
     fn through(scene: &mut Scene) {
         (0..scene.spheres.len()).filter(|id| id % 3 != 0).for_each(|id| scene.spheres.set_opacity_from(id, 0.4));
     }
-    fn through_lit(scene: &mut Scene) {
+    fn layers_and_sky(scene: &mut Scene) {
         through(scene);
         sky(scene);
     }
@@ -93,8 +93,8 @@ fn kinds() -> Vec<Kind> {
     let color = || of(&[Aov::Color, Aov::Alpha]);
     vec![
         ("answers", |_| {}, of(&answers)),
-        ("shadow and occlusion", lit, of(&[Aov::Shadow, Aov::Occlusion])),
-        ("lights", lit, color()),
+        ("shadow and occlusion", lamps, of(&[Aov::Shadow, Aov::Occlusion])),
+        ("lights", lamps, color()),
         ("a sky", sky, color()),
         ("a sky and samples", sky, Settings { samples: 4, ..color() }),
         ("soft", soft, Settings { samples: 4, silhouette: true, ..color() }),
@@ -103,7 +103,7 @@ fn kinds() -> Vec<Kind> {
         ("mirrors and glass", mirrors, color()),
         ("one layer", through, color()),
         ("three layers", through, Settings { layers: 3, ..color() }),
-        ("lit layers", through_lit, Settings { layers: 2, samples: 4, ..color() }),
+        ("lit layers", layers_and_sky, Settings { layers: 2, samples: 4, ..color() }),
         ("coverage", |_| {}, Settings { coverage: true, samples: 4, ..color() }),
     ]
 }
@@ -278,7 +278,7 @@ fn shadows_behind_a_curved_lens_are_exact() {
                 _ => panic!("two lights without a size"),
             })
             .collect();
-        let (mut lit, mut dark) = (0, 0);
+        let (mut open, mut dark) = (0, 0);
         // Exact arithmetic over all spheres takes its time.
         for (pixel, id) in frame.ids().iter().enumerate().step_by(11) {
             let (i, j) = (pixel as u32 / SIZE[0], pixel as u32 % SIZE[0]);
@@ -298,7 +298,7 @@ fn shadows_behind_a_curved_lens_are_exact() {
                 if !hidden {
                     let color = DVec3::from_array(light.color.map(f64::from)) * f64::from(light.intensity);
                     expected += own * color * of(&normal).dot(way).max(0.0);
-                    lit += 1;
+                    open += 1;
                 } else {
                     dark += 1;
                 }
@@ -306,7 +306,7 @@ fn shadows_behind_a_curved_lens_are_exact() {
             // Normals of the buffer are within 1e-3, and so is each cosine.
             assert!((of(&color) - expected).abs().max_element() < 3e-3, "{lens:?} {i} {j}: {} {expected}", of(&color));
         }
-        assert!(lit > 30 && dark > 30, "{lens:?}: {lit} {dark}");
+        assert!(open > 30 && dark > 30, "{lens:?}: {open} {dark}");
     }
 }
 

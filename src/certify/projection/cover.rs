@@ -16,6 +16,14 @@ const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
 /// Layers of translucent spheres up to which these are counted; in a picture of more, opaque spheres alone hide others.
 const MOST_COUNTED: usize = 4;
 
+/// The layers that a ray shows: translucent spheres up to an opaque one.
+#[derive(Clone, Copy)]
+pub(crate) struct Through<'a> {
+    pub(crate) opacities: &'a [f32],
+    /// The most translucent spheres, at least 1.
+    pub(crate) layers: u32,
+}
+
 /// The inputs of coverage that all tiles of a frame share.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::certify) struct Coverage {

@@ -5,7 +5,7 @@ use crate::answers::raw::Raw;
 use crate::answers::settle;
 use crate::error::Result;
 use crate::progress::Step;
-use crate::render::passes::Rendering;
+use crate::render::rendering::Rendering;
 
 /// All spheres, in exact arithmetic.
 pub(in crate::render) struct Exact;

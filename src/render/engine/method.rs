@@ -6,7 +6,7 @@ use crate::cpu;
 use crate::error::Result;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::progress::Step;
-use crate::render::passes::Rendering;
+use crate::render::rendering::Rendering;
 
 /// The spheres of the view, all for each ray.
 pub(in crate::render) struct EverySphere;

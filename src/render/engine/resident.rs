@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::gpu::input::Output;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::progress::Step;
-use crate::render::passes::Rendering;
 use crate::render::renderer::NOTHING;
+use crate::render::rendering::Rendering;
 
 /// The host's part in placing the spheres.
 pub(in crate::render) struct Resident {

@@ -7,7 +7,7 @@ use crate::cpu;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::render::passes::Rendering;
+use crate::render::rendering::Rendering;
 
 /// The spheres, binned into tiles by the host.
 pub(in crate::render) struct Strips {

@@ -3,7 +3,7 @@
 use crate::certify::binned::BinnedScene;
 use crate::frame::tone::Tone;
 use crate::intersect::predict::Prediction;
-use crate::render::passes::Pass;
+use crate::render::rendering::Pass;
 use crate::scene::camera::CameraRecord;
 use crate::scene::{Material, Scene, Sky};
 use serde::Serialize;

@@ -1,12 +1,12 @@
 //! The buffers of the frame: what was requested, in its units.
 
-use super::{Pass, Rendering};
 use crate::answers::assemble::Answers;
 use crate::answers::hits::FirstHits;
 use crate::answers::light::LightBuffers;
 use crate::answers::samples::Means;
 use crate::error::Result;
 use crate::frame::Buffer;
+use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::FrameSetup;
 use crate::settings::Accuracy;
 

@@ -1,9 +1,9 @@
 //! The lines of silhouettes and the depth cue, drawn over the colours of a sample.
 
-use super::samples::Sampling;
-use super::{Pass, Rendering};
+use super::sampling::Sampling;
 use crate::answers::depth_cue::DepthCue;
 use crate::frame::Aov;
+use crate::render::rendering::{Pass, Rendering};
 use crate::view::View;
 
 pub(in crate::render) const PASS: Pass = Pass {

@@ -1,10 +1,10 @@
 //! The hits: what the ray through the centre of each pixel hits first.
 
-use super::{Pass, Rendering};
 use crate::answers::hits::FirstHits;
 use crate::error::Result;
 use crate::progress::Step;
 use crate::render::plan::Plan;
+use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::{self, FrameSetup};
 use crate::view::raster::Raster;
 

@@ -2,8 +2,7 @@
 //! translucent hits before them, layer by layer.
 
 use super::light::{LightSetup, all_spheres};
-use super::samples::Sampling;
-use super::{Pass, Rendering};
+use super::sampling::Sampling;
 use crate::answers::hits::FirstHits;
 use crate::answers::layers::Layers;
 use crate::error::Result;
@@ -13,6 +12,7 @@ use crate::render::engine::{Engine, ViewRays};
 use crate::render::opaque::Opaque;
 use crate::render::plan::Plan;
 use crate::render::plan::lights::bounces;
+use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::{self, FrameSetup};
 use crate::scene::{Scene, Spheres};
 use crate::view::View;

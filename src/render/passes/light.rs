@@ -1,6 +1,5 @@
 //! Lights and sky at hits: rays from there, on the device that still holds the hits or on the host, and what they bring.
 
-use super::{Pass, Rendering};
 use crate::answers::hits::FirstHits;
 use crate::answers::light::{LightBuffers, Traced};
 use crate::answers::open_sky::{OpenSky, SkySums};
@@ -13,6 +12,7 @@ use crate::memory::Pool;
 use crate::progress::Step;
 use crate::render::plan::Plan;
 use crate::render::plan::lights::{bounces, light_points};
+use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::FrameSetup;
 use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
@@ -275,10 +275,10 @@ pub(super) fn light(
     frame: FrameContext<'_>,
     request: &LightRequest<'_>,
 ) -> Result<LightBuffers> {
-    at.time("light", |at| lit(at, setup, frame, request))
+    at.time("light", |at| traced(at, setup, frame, request))
 }
 
-fn lit(
+fn traced(
     at: &mut Rendering<'_>,
     setup: &LightSetup,
     frame: FrameContext<'_>,

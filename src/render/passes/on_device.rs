@@ -1,9 +1,8 @@
 //! Pictures of several samples whose colours a device computes (gpu/resident/picture.rs): under a sky whose rays leave from the
 //! centres of pixels, and lights without shadows. The host decides the pixels and the rays that f32 does not prove.
 
-use super::Rendering;
 use super::light::{FrameContext, HitRays, on_hits};
-use super::samples::Sampling;
+use super::sampling::Sampling;
 use super::sky::{CenterHits, PictureSky, centres};
 use crate::answers::depth_cue::MAX_SHARE;
 use crate::answers::open_sky::{SkyAtHit, SkySums};
@@ -19,6 +18,7 @@ use crate::kernel::Certificate;
 use crate::parallel::{self, CHEAP};
 use crate::progress::Step;
 use crate::render::plan::Plan;
+use crate::render::rendering::Rendering;
 use crate::render::setup::{self, FrameSetup};
 use crate::scene::{Gradient, Scene, SkyLight};
 use crate::search::tree::Tree;

@@ -3,8 +3,9 @@
 
 use super::layers::{self, Setups, lay_over};
 use super::light::{FrameContext, LightRequest, LightSetup, light};
+use super::sampling::Sampling;
 use super::sky::PictureSky;
-use super::{Pass, Rendering, finish, on_device, sky};
+use super::{finish, on_device, sky};
 use crate::answers::depth_cue::DepthCue;
 use crate::answers::finish::Finish;
 use crate::answers::hits::FirstHits;
@@ -13,16 +14,12 @@ use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
 use crate::cpu::light::LightOutputs;
 use crate::error::Result;
-use crate::frame::Aov;
 use crate::frame::coverage::Coverage;
-use crate::kernel::Kernel;
 use crate::parallel;
 use crate::render::lens::LensPasses;
-use crate::render::opaque::Opaque;
 use crate::render::plan::Plan;
+use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::FrameSetup;
-use crate::scene::Scene;
-use crate::settings::Settings;
 use crate::view::View;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
@@ -32,33 +29,6 @@ pub(in crate::render) const PASS: Pass = Pass {
     output: "the means of colour and coverage over the samples of each pixel, and the spheres that they show",
     runs: |plan, _, settings| plan.sampled.is_some() || settings.coverage,
 };
-
-/// The inputs that all samples of a frame share.
-#[derive(Clone, Copy)]
-pub(super) struct Sampling<'a> {
-    pub(super) plan: &'a Plan,
-    /// Writes ids and colours.
-    pub(super) kernel: Kernel,
-    /// As the eye of a pass sees it.
-    pub(super) scene: &'a Scene,
-    pub(super) settings: &'a Settings,
-    /// The spheres that rays from hits meet; `None` where the kernel shades.
-    pub(super) trees: Option<&'a LightSetup>,
-    /// The opaque spheres, where some are translucent. The samples are then those of the opaque ones, with layers over them.
-    pub(super) opaque: Option<&'a Opaque>,
-}
-
-impl<'a> Sampling<'a> {
-    /// The effects that are drawn over the colours; `None` where colour is not requested.
-    pub(super) fn finish(&self) -> Option<Finish> {
-        self.plan.finish.filter(|_| self.settings.asks(&[Aov::Color]))
-    }
-
-    /// The sky that lights pixels of so many samples.
-    pub(super) fn sky(&self, samples: u32) -> Option<PictureSky<'a>> {
-        PictureSky::of(self, samples, self.settings.aperture.is_some())
-    }
-}
 
 /// The means over the samples, where pictures have passes of their own, and the spheres that they show, where these are counted.
 ///
@@ -102,7 +72,7 @@ fn means(
 ) -> Result<Means> {
     let (scene, window) = (sampling.scene, raster.window);
     let mut lens = LensPasses::new(scene, at.settings, raster)?;
-    let (finish, sky) = (sampling.finish(), sampling.sky(raster.count()));
+    let (finish, sky) = (sampling.finish(), PictureSky::of(&sampling, raster.count()));
     // Each pass draws its own lines, and has its own rays toward the sky, with samples around the window, so that their mean is
     // smooth and a lens blurs them.
     let margin = finish.map_or(0, Finish::margin).max(sky.map_or(0, |sky| sky.margin()));
@@ -161,8 +131,7 @@ fn means(
     Ok(means)
 }
 
-/// What is known of all samples before the first: the rays toward the sky from the pixels' centres, of the opaque hits and of each layer,
-/// and the depth cue.
+/// Rays toward the sky from the pixels' centres, of the opaque hits and of each layer, and the depth cue: known before the first sample.
 #[derive(Clone, Copy)]
 struct Over<'a> {
     open: &'a [OpenSky],
@@ -220,7 +189,7 @@ fn color(
     known: Option<&OpenSky>,
 ) -> Result<Vec<f32>> {
     let Sampling { scene, settings, .. } = sampling;
-    let sky = sampling.sky(view.record.strata * view.record.strata);
+    let sky = PictureSky::of(&sampling, view.record.strata * view.record.strata);
     let own = match sky.filter(|sky| !sky.at_centers && !sky.smoothing.is_none()) {
         Some(sky) => Some(sky::of_view(at, scene, view, ids, sky)?),
         None => None,

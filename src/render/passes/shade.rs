@@ -1,8 +1,8 @@
 //! The shading of settled pixels. A kernel shades the hits that it proves, where the picture has no passes of its own.
 
-use super::{Pass, Rendering};
 use crate::answers::hits::FirstHits;
 use crate::answers::settle;
+use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::FrameSetup;
 
 pub(in crate::render) const PASS: Pass = Pass {

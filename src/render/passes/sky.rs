@@ -2,14 +2,14 @@
 
 use super::layers::{self, Shown};
 use super::light::{FrameContext, LightRequest, LightSetup, light};
-use super::samples::Sampling;
-use super::{Pass, Rendering};
+use super::sampling::Sampling;
 use crate::answers::hits::FirstHits;
 use crate::answers::open_sky::{OpenSky, Smoothing};
 use crate::cpu::light::LightOutputs;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::render::plan::Plan;
+use crate::render::rendering::{Pass, Rendering};
 use crate::scene::{Scene, Sky};
 use crate::view::raster::Raster;
 use crate::view::{Records, View};
@@ -35,10 +35,10 @@ pub(super) struct PictureSky<'a> {
 impl<'a> PictureSky<'a> {
     /// The sky that lights the picture, with the rays of a pixel's centre or of a sample, and the smoothing for pixels of so many
     /// samples.
-    pub(super) fn of(sampling: &Sampling<'a>, samples: u32, has_aperture: bool) -> Option<Self> {
+    pub(super) fn of(sampling: &Sampling<'a>, samples: u32) -> Option<Self> {
         let (trees, sky) = (sampling.trees?, sampling.scene.lighting.sky?);
         // With an open lens a sample may hit spheres that no centre sees.
-        let at_centers = sky.at_centers && !has_aperture;
+        let at_centers = sky.at_centers && sampling.settings.aperture.is_none();
         let rays = if at_centers { sky.rays_at_center(samples) } else { sky.rays };
         let of_pixel = if at_centers { rays } else { rays.saturating_mul(samples) };
         Some(Self { trees, sky: Sky { rays, ..sky }, at_centers, smoothing: Smoothing::of(of_pixel) })

@@ -55,6 +55,9 @@ pub(crate) struct CurvedRays {
 /// Newton steps, and halves of a step: convergence is quadratic, and far from the solution steps are too long.
 const STEPS: usize = 64;
 
+/// The distance from the place in the image, relative to its height, at which the search ends: eight roundings of f64.
+const ROUNDED: f64 = 1.0 / (1u64 << 49) as f64;
+
 /// The largest distance from the place in the image, in focal lengths, relative to its height, or to the reach of the image where that is
 /// larger and below 1: thousands of roundings of f64.
 const PRECISE: f64 = 1e-12;
@@ -151,6 +154,10 @@ impl CurvedRays {
         let (mut reached, mut slopes) = distorted(k, p, found);
         for _ in 0..STEPS {
             let error = reached - place;
+            // At the rounding of f64 no step comes nearer, and all halves would be tried.
+            if error.length() <= ROUNDED * place.length() {
+                break;
+            }
             let step = slopes.inverse() * error;
             // The longest of the step and its halves that comes nearer; none at the rounding of f64.
             let tried = (0..STEPS).map(|n| found - step * 0.5_f64.powi(n as i32));
