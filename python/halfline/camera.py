@@ -97,7 +97,10 @@ class Camera:
         if named is not None:
             kind, numbers, lens_values = named
         elif kind == "vfov":
-            numbers = [number("vfov", 30.0 if vfov is None else vfov), number("distance", distance)]
+            numbers = [
+                number("vfov", 30.0 if vfov is None else vfov),
+                number("distance", distance),
+            ]
         elif kind == "height":
             numbers = [number("height", height)]
         else:
@@ -331,7 +334,9 @@ class Camera:
         if named is not None and orthographic:
             raise ValueError("lens and orthographic exclude each other; give one of them")
         if named is not None and str(lens) == "equirectangular":
-            raise ValueError("an equirectangular picture shows the whole sphere; give Camera an eye")
+            raise ValueError(
+                "an equirectangular picture shows the whole sphere; give Camera an eye"
+            )
         native = native_scene(scene)
         image = native.size if size is None else checked_size("size", size)
         if named is not None:
