@@ -15,7 +15,6 @@ from . import _halfline
 from ._arrays import Spheres, native_scene, number, vector
 from ._arrays import size as checked_size
 
-
 LensName = Literal["fisheye", "equirectangular", "opencv"]
 
 # Before the name of a lens in the native module.
