@@ -179,8 +179,8 @@ impl View {
 
     /// Selects the sample of each pixel whose rays the view has.
     pub(crate) fn set_sample(&mut self, sample: u32) {
-        self.record.sample = sample;
-        if let Some(curved) = &mut self.curved {
+        let is_same = std::mem::replace(&mut self.record.sample, sample) == sample;
+        if let Some(curved) = self.curved.as_mut().filter(|_| !is_same) {
             *curved = CurvedView::new(curved.frame, &self.record);
         }
     }
@@ -275,7 +275,7 @@ impl View {
     /// A direction of the canonical camera in world space.
     #[inline(always)]
     pub(crate) fn to_world(&self, d: [f64; 3]) -> DVec3 {
-        self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
+        self.basis.to_world(d)
     }
 
     /// The records of these spheres, moved into the canonical camera, in their order.

@@ -3,7 +3,9 @@
 
 use super::foremost::Foremost;
 use crate::certify::given::{AnyHit, Bounds, CertifiedRay, HitNumbers};
+use crate::exact::{Truth, judge_ray_among};
 use crate::parallel;
+use crate::scene::Spheres;
 use crate::search::tree::lanes::{Lanes, Portable, RAYS_PER_TASK, Work, dispatch};
 use crate::search::tree::walk::{Test, may_intersect, may_pass, walk};
 use crate::search::tree::{BoxRay, Tree, order};
@@ -104,7 +106,7 @@ impl Given<'_> {
     }
 
     /// The spheres that may be the nearest hit of a ray among those whose ids count, in the scene's order.
-    pub(crate) fn candidates(&self, ray: &GivenRay, counts: &dyn Fn(u32) -> bool) -> Vec<u32> {
+    fn candidates(&self, ray: &GivenRay, counts: &dyn Fn(u32) -> bool) -> Vec<u32> {
         let Some((ray, boxes)) = self.ray(ray) else {
             return Vec::new();
         };
@@ -115,6 +117,16 @@ impl Given<'_> {
         let mut ids: Vec<u32> = near.map(|(_, id)| id).collect();
         ids.sort_unstable();
         ids
+    }
+
+    /// The nearest hit of a ray in exact arithmetic, among the spheres of the tree whose ids count.
+    pub(crate) fn judged(&self, ray: &GivenRay, spheres: &Spheres, counts: &dyn Fn(u32) -> bool) -> Option<Truth> {
+        let GivenRay { origin, direction, limit } = *ray;
+        let among = |ids: &mut dyn Iterator<Item = u32>| judge_ray_among(origin, direction, limit, spheres, ids);
+        match self.all {
+            true => among(&mut (0..spheres.len() as u32).filter(|id| counts(*id))),
+            false => among(&mut self.candidates(ray, counts).into_iter()),
+        }
     }
 
     #[inline(always)]

@@ -69,9 +69,6 @@ pub(super) trait Engine {
         None
     }
 
-    /// Whether the judge decides only the pixels that the engine does not prove.
-    fn proves(&self) -> bool;
-
     /// Returns its memory to the pool for the next frame.
     fn put_back(self: Box<Self>, _: &Pool) {}
 }

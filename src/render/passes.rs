@@ -16,7 +16,7 @@ use super::rendering::Pass;
 use crate::scene::Scene;
 use crate::settings::Settings;
 
-/// All passes. Those from `samples` to `lines` run once for each sample of the pixels.
+/// All passes. Layers, lines and depth cue are of each sample of the pixels, and so is a sky that is not of their centres.
 pub(super) const PASSES: [Pass; 8] =
     [hits::PASS, light::PASS, sky::PASS, samples::PASS, layers::PASS, finish::PASS, shade::PASS, buffers::PASS];
 

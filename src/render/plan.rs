@@ -39,7 +39,7 @@ pub struct Plan {
     pub(crate) light_outputs: LightOutputs,
     /// The picture shows something through translucent spheres.
     pub(crate) see_through: bool,
-    /// The hits behind the first are asked for too, up to the opaque ones, so that translucent spheres hide none.
+    /// The lists of spheres serve the hits behind the first too, and keep what translucent spheres hide.
     pub(crate) is_deep: bool,
     /// The effects that are drawn over the colours; `None` without any.
     pub(crate) finish: Option<Finish>,
@@ -187,6 +187,11 @@ impl Plan {
             kernel: Kernel::of_method(method),
             sampled: None,
         })
+    }
+
+    /// Whether the judge decides only the pixels that the engine does not prove.
+    pub(crate) fn proves(&self) -> bool {
+        self.accuracy == Accuracy::Certified && self.engine != EngineKind::Judge
     }
 
     /// The same plan on a device, which has its own engine for certified kernels.

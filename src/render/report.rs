@@ -74,7 +74,7 @@ pub(super) fn complete(
         rays: pixels as u64,
         hits,
         settled: settled as u64,
-        certified: if setup.engine.proves() { proved } else { 0.0 },
+        certified: if setup.plan.proves() { proved } else { 0.0 },
         bound: promised.then(|| bound(&buffers, settings.promise().relative())),
         predicted,
         warnings: warnings.collect(),

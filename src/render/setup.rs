@@ -136,11 +136,8 @@ impl FrameSetup {
             view = View::for_rays(scene, raster, Records::None)?;
             placer = Placer::new(scene, &view, tolerance)?;
         }
-        let proves = plan.accuracy == Accuracy::Certified;
         Ok(match placer {
-            Some(placer) => {
-                ResidentSetup::Ready(Box::new(Self { plan, view, engine: Box::new(Resident { placer, proves }) }))
-            }
+            Some(placer) => ResidentSetup::Ready(Box::new(Self { plan, view, engine: Box::new(Resident { placer }) })),
             None => ResidentSetup::Refused(plan),
         })
     }
@@ -203,17 +200,16 @@ impl FrameSetup {
         }
         let binned = at.time("layers", |at| BinnedScene::new(&binning(at, &self.plan, (scene, None), &self.view)))?;
         Ok(Some(match binned {
-            Some(binned) => Box::new(Strips { binned, proves: false }),
+            Some(binned) => Box::new(Strips { binned }),
             None => Box::new(Exact),
         }))
     }
 
     /// Bins the spheres. Where that is impossible, the judge is the engine.
     fn bin(&mut self, at: &mut Rendering<'_>, scene: &Scene, groups: Option<Grouped<'_>>) -> Result<()> {
-        let proves = self.plan.accuracy == Accuracy::Certified;
         let of = |at: &mut Rendering<'_>| BinnedScene::new(&binning(at, &self.plan, (scene, groups), &self.view));
         match at.time("stage", of)? {
-            Some(binned) => self.engine = Box::new(Strips { binned, proves }),
+            Some(binned) => self.engine = Box::new(Strips { binned }),
             None => (self.engine, self.plan.engine) = (Box::new(Exact), EngineKind::Judge),
         }
         Ok(())

@@ -7,7 +7,7 @@ use crate::answers::settle::Settled;
 use crate::cpu::given_certified::{Given, NearestHit};
 use crate::double_double as dd;
 use crate::error::{Error, Result};
-use crate::exact::{Truth, judge_ray_among};
+use crate::exact::Truth;
 use crate::frame::Aov;
 use crate::parallel::{self, CHEAP};
 use crate::progress::Step;
@@ -142,10 +142,7 @@ impl Engine for GivenRays {
             let nearest = match given.nearest_among(&ray, &counts) {
                 NearestHit::Miss => None,
                 NearestHit::Hit { id, .. } => Some(id),
-                NearestHit::Unsure => {
-                    let ids = given.candidates(&ray, &counts).into_iter();
-                    judge_ray_among(ray.origin, ray.direction, ray.limit, &scene.spheres, ids).map(|truth| truth.id)
-                }
+                NearestHit::Unsure => given.judged(&ray, &scene.spheres, &counts).map(|truth| truth.id),
             };
             nearest.filter(|id| *id != layers.opaque[pixel])
         };
@@ -159,10 +156,6 @@ impl Engine for GivenRays {
                 }
             }
         })
-    }
-
-    fn proves(&self) -> bool {
-        self.plan.accuracy == Accuracy::Certified
     }
 }
 

@@ -31,8 +31,4 @@ impl Engine for EverySphere {
         doing.end()?;
         Ok(Found::Hits(Vec::new()))
     }
-
-    fn proves(&self) -> bool {
-        false
-    }
 }

@@ -13,8 +13,6 @@ use crate::render::rendering::Rendering;
 /// The host's part in placing the spheres.
 pub(in crate::render) struct Resident {
     pub(in crate::render) placer: Placer,
-    /// Whether pixels without a proof are decided by the judge.
-    pub(in crate::render) proves: bool,
 }
 
 impl Engine for Resident {
@@ -38,9 +36,5 @@ impl Engine for Resident {
 
     fn placer(&self) -> Option<&Placer> {
         Some(&self.placer)
-    }
-
-    fn proves(&self) -> bool {
-        self.proves
     }
 }

@@ -12,8 +12,6 @@ use crate::render::rendering::Rendering;
 /// The spheres, binned into tiles by the host.
 pub(in crate::render) struct Strips {
     pub(in crate::render) binned: BinnedScene,
-    /// Whether pixels without a proof are decided by the judge.
-    pub(in crate::render) proves: bool,
 }
 
 impl Engine for Strips {
@@ -30,10 +28,6 @@ impl Engine for Strips {
 
     fn binned(&self) -> Option<&BinnedScene> {
         Some(&self.binned)
-    }
-
-    fn proves(&self) -> bool {
-        self.proves
     }
 
     fn put_back(self: Box<Self>, pool: &Pool) {

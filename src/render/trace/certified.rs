@@ -6,7 +6,7 @@ use crate::answers::settle::Settled;
 use crate::certify::given::AnyHit;
 use crate::cpu::given_certified::{Given, NearestHit, Query};
 use crate::error::Result;
-use crate::exact::{Truth, judge_ray_among};
+use crate::exact::Truth;
 use crate::parallel::{self, CHEAP, Target};
 use crate::progress::Watch;
 use crate::scene::Spheres;
@@ -155,13 +155,6 @@ impl<Q: Query, T: Target> Answering<'_, Q, T> {
         if !self.watch.goes_on() {
             return None;
         }
-        let ray = self.given.rays.ray(n as usize);
-        let judge = |ids: &mut dyn Iterator<Item = u32>| {
-            judge_ray_among(ray.origin, ray.direction, ray.limit, self.spheres, ids)
-        };
-        match self.given.all {
-            true => judge(&mut (0..self.spheres.len() as u32)),
-            false => judge(&mut self.given.candidates(&ray, &|_| true).into_iter()),
-        }
+        self.given.judged(&self.given.rays.ray(n as usize), self.spheres, &|_| true)
     }
 }

@@ -31,10 +31,9 @@ impl CurvedFrame {
         self.rays.direction(at).map_or([0.0; 3], |DVec3 { x, y, z }| [x, -y, -z])
     }
 
-    /// The same direction in the world, by the operations of [`View::to_world`](crate::view::View): this is the exact ray.
+    /// The same direction in the world: this is the exact ray.
     pub(crate) fn in_world(&self, place: [u32; 2]) -> DVec3 {
-        let [x, y, z] = self.direction(place);
-        self.basis.u * x + self.basis.v * y + self.basis.w * z
+        self.basis.to_world(self.direction(place))
     }
 
     /// The angle of a pixel at the lens's axis, radians.

@@ -93,9 +93,7 @@ impl Projector {
             }
         }
     }
-}
 
-impl Projector {
     /// Origin and direction of the viewing ray through a point of the image, columns and rows from its upper left corner, in f64 arithmetic. The
     /// direction has any length. `None` where a curved lens has no ray.
     #[must_use]
@@ -110,7 +108,7 @@ impl Projector {
             }
             ProjectedLens::Curved(rays) => {
                 let DVec3 { x, y, z } = rays.direction([column, row])?;
-                Some([e, x * u - y * v - z * w])
+                Some([e, self.basis.to_world([x, -y, -z])])
             }
         }
     }
