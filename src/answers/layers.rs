@@ -5,13 +5,12 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::Judge;
-use crate::parallel;
+use crate::parallel::{self, CHEAP, Rows};
 use crate::progress::{Step, Watch};
 use crate::scene::{Scene, Spheres};
 use crate::view::View;
-use crate::view::ray::NONE;
+use crate::view::ray::{NONE, UNSURE};
 use std::cell::OnceCell;
-use std::ops::Range;
 
 /// Pixels that one job peels.
 const PIXELS_PER_JOB: usize = 256;
@@ -27,8 +26,8 @@ pub(crate) struct Layers<'a> {
     pub(crate) more: u32,
 }
 
-/// Writes the layers of a range of pixels.
-pub(crate) type Peel<'a> = &'a (dyn Fn(Range<usize>, &mut [Vec<u32>]) + Sync);
+/// The nearest sphere that counts of a pixel, behind some that are found.
+pub(crate) type Next<'a> = &'a (dyn Fn(usize, &[u32]) -> Option<u32> + Sync);
 
 impl Layers<'_> {
     /// Whether a pixel may show this sphere behind the first, or as its opaque one.
@@ -36,32 +35,72 @@ impl Layers<'_> {
         id != self.first[pixel] && (id == self.opaque[pixel] || spheres.opacity(id) < 1.0)
     }
 
-    /// The layers: `job` writes those of a range of pixels, each of which is [`NONE`] before.
+    /// Ends the rays of the next layer that is found where the one before has none, and at the opaque spheres. The pixels that are undecided
+    /// end too, and are returned.
+    pub(crate) fn end(&self, before: &[u32], next: &mut [u32]) -> Vec<u32> {
+        let undecided = parallel::collect(next.len(), CHEAP, &|pixels, out| {
+            out.extend(
+                pixels.filter(|pixel| next[*pixel] == UNSURE && before[*pixel] != NONE).map(|pixel| pixel as u32),
+            );
+        });
+        parallel::each(next, |pixel, id| {
+            if *id == UNSURE || before[pixel] == NONE || *id == self.opaque[pixel] {
+                *id = NONE;
+            }
+        });
+        undecided
+    }
+
+    /// The layers, pixel by pixel: `next` returns the nearest hit that counts of a pixel, behind those that are found.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`].
-    pub(crate) fn peel(&self, watch: &Watch, job: Peel<'_>) -> Result<Vec<Vec<u32>>> {
+    pub(crate) fn peel(&self, watch: &Watch, next: Next<'_>) -> Result<Vec<Vec<u32>>> {
+        let each = self.more as usize;
+        let mut all = vec![NONE; each * self.first.len()];
         let doing = watch.begin(Step::Settle, self.first.len() as u64);
-        let part = |range: Range<usize>| {
-            let mut layers = vec![vec![NONE; range.len()]; self.more as usize];
-            if doing.next(range.len() as u64) {
-                job(range, &mut layers);
+        parallel::fill(Rows { values: &mut all, each }, PIXELS_PER_JOB, &|pixels, all| {
+            if !doing.next(pixels.len() as u64) {
+                return;
             }
-            layers
-        };
-        let parts = parallel::blocks(0..self.first.len(), PIXELS_PER_JOB, &|range, _| part(range));
+            let mut found = Vec::with_capacity(each + 1);
+            for (pixel, layers) in
+                pixels.zip(all.values.chunks_mut(each)).filter(|(pixel, _)| self.first[*pixel] != NONE)
+            {
+                found.clear();
+                found.push(self.first[pixel]);
+                for layer in layers {
+                    let Some(id) = next(pixel, &found).filter(|id| *id != self.opaque[pixel]) else { break };
+                    *layer = id;
+                    found.push(id);
+                }
+            }
+        });
         doing.end()?;
-        let layer = |k: usize| parts.iter().flat_map(|part| part[k].iter().copied()).collect();
-        Ok((0..self.more as usize).map(layer).collect())
+        Ok((0..each).map(|k| all.iter().skip(k).step_by(each).copied().collect()).collect())
+    }
+
+    /// The layers in exact arithmetic alone, among all spheres.
+    ///
+    /// # Errors
+    /// Errors of [`View::judge`], and [`crate::Error::Interrupted`].
+    pub(crate) fn judged(&self, scene: &Scene, view: &View, watch: &Watch) -> Result<Vec<Vec<u32>>> {
+        let judge = view.judge(scene)?;
+        self.peel(watch, &|pixel, found| {
+            let [row, column] = view.record.position(pixel as u32);
+            let counts = |id: &u32| !found.contains(id) && self.counts(&scene.spheres, pixel, *id);
+            let open: Vec<u32> = (0..scene.spheres.len() as u32).filter(counts).collect();
+            judge.among(row, column, &open).map(|truth| truth.id)
+        })
     }
 }
 
-/// The search for the hits behind the first among spheres in lists.
+/// The search for the hits behind the first of pixels that strips leave undecided.
 pub(crate) struct Peeling<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) view: &'a View,
-    /// The spheres in lists from which none that a ray may show is left out; `None` where every pixel is decided exactly.
-    pub(crate) lists: Option<&'a BinnedScene>,
+    /// The spheres in lists from which none that a ray may show is left out.
+    pub(crate) lists: &'a BinnedScene,
     pub(crate) layers: Layers<'a>,
 }
 
@@ -75,38 +114,42 @@ struct Candidate {
 }
 
 impl Peeling<'_> {
-    /// The ids of the next layers: of each pixel the translucent hits behind the first, in order up to the opaque one; [`NONE`] where
-    /// there is none.
+    /// The ids of the next layers of some pixels, pixel after pixel: the translucent hits behind the first, in order up to the opaque one;
+    /// [`NONE`] where there is none.
     ///
     /// # Errors
-    /// Errors of [`View::judge`], and [`crate::Error::Interrupted`].
-    pub(crate) fn behind(&self, watch: &Watch) -> Result<Vec<Vec<u32>>> {
-        let twin = self.lists.map(|lists| Certify::<f32>::new(&self.view.record, lists));
-        // Without lists one judge knows all spheres.
-        let all = if twin.is_none() { Some(self.view.judge(self.scene)?) } else { None };
-        self.layers.peel(watch, &|range, layers| {
-            let first = self.layers.first;
-            let pixels = range.enumerate().filter(|(_, pixel)| first[*pixel] != NONE);
-            match (&twin, &all) {
-                (Some(twin), _) => {
-                    let (mut all, mut lists) = (Vec::new(), Vec::new());
-                    for (at, pixel) in pixels {
-                        let first = all.len();
-                        self.add_candidates(twin, pixel, &mut all);
-                        lists.push(Listed { at, pixel, list: first..all.len() });
-                    }
-                    let nearest = Nearest { peeling: self, twin, few: OnceCell::new(), all: &all };
-                    let mut open = Vec::new();
-                    for Listed { at, pixel, list } in lists {
-                        open.clear();
-                        open.extend_from_slice(&all[list]);
-                        nearest.peel(at, pixel, &mut open, layers);
-                    }
-                }
-                (None, Some(judge)) => pixels.for_each(|(at, pixel)| self.peel_all(judge, pixel, at, layers)),
-                (None, None) => {}
+    /// [`crate::Error::Interrupted`].
+    pub(crate) fn behind(&self, pixels: &[u32], watch: &Watch) -> Result<Vec<u32>> {
+        let twin = Certify::<f32>::new(&self.view.record, self.lists);
+        let each = self.layers.more as usize;
+        let mut next = vec![NONE; each * pixels.len()];
+        let doing = watch.begin(Step::Settle, pixels.len() as u64);
+        parallel::fill(Rows { values: &mut next, each: each * PIXELS_PER_JOB }, 1, &|jobs, next| {
+            let first = jobs.start * PIXELS_PER_JOB;
+            let pixels = &pixels[first..pixels.len().min(first + PIXELS_PER_JOB * jobs.len())];
+            if doing.next(pixels.len() as u64) {
+                self.peel(&twin, pixels, next.values);
             }
-        })
+        });
+        doing.end()?;
+        Ok(next)
+    }
+
+    /// Writes the next layers of some pixels.
+    fn peel(&self, twin: &Certify<'_, f32>, pixels: &[u32], next: &mut [u32]) {
+        let (mut all, mut ends) = (Vec::new(), vec![0]);
+        for pixel in pixels {
+            self.add_candidates(twin, *pixel as usize, &mut all);
+            ends.push(all.len());
+        }
+        let nearest = Nearest { peeling: self, twin, few: OnceCell::new(), all: &all };
+        let mut open = Vec::new();
+        for ((pixel, next), ends) in pixels.iter().zip(next.chunks_mut(self.layers.more as usize)).zip(ends.windows(2))
+        {
+            open.clear();
+            open.extend_from_slice(&all[ends[0]..ends[1]]);
+            nearest.peel(*pixel as usize, &mut open, next);
+        }
     }
 
     /// Whether the pixel may show this sphere behind its first.
@@ -122,27 +165,6 @@ impl Peeling<'_> {
         all.extend(found.filter(|one| self.counts(pixel, one.id)));
         all[first..].sort_unstable_by(|a, b| a.low.total_cmp(&b.low).then(a.id.cmp(&b.id)));
     }
-
-    /// Peels one pixel in exact arithmetic only.
-    fn peel_all(&self, judge: &Judge, pixel: usize, at: usize, layers: &mut [Vec<u32>]) {
-        let (opaque, [row, column]) = (self.layers.opaque[pixel], self.view.record.position(pixel as u32));
-        let count = self.scene.spheres.len() as u32;
-        let mut open: Vec<u32> = (0..count).filter(|id| self.counts(pixel, *id)).collect();
-        for layer in layers {
-            let Some(next) = judge.among(row, column, &open).map(|truth| truth.id).filter(|id| *id != opaque) else {
-                return;
-            };
-            layer[at] = next;
-            open.retain(|id| *id != next);
-        }
-    }
-}
-
-/// The candidates of a pixel, the pixel `at` of its job.
-struct Listed {
-    at: usize,
-    pixel: usize,
-    list: Range<usize>,
 }
 
 /// The search for the nearest hits among the candidates of some pixels.
@@ -161,12 +183,12 @@ struct Few {
 }
 
 impl Nearest<'_> {
-    /// Writes the layers of one pixel, the pixel `at` of its job: of its candidates each time the nearest.
-    fn peel(&self, at: usize, pixel: usize, open: &mut Vec<Candidate>, layers: &mut [Vec<u32>]) {
+    /// Writes the next layers of one pixel: of its candidates each time the nearest.
+    fn peel(&self, pixel: usize, open: &mut Vec<Candidate>, layers: &mut [u32]) {
         for layer in layers {
             let next = self.of(pixel, open).filter(|id| *id != self.peeling.layers.opaque[pixel]);
             let Some(next) = next else { return };
-            layer[at] = next;
+            *layer = next;
             open.retain(|one| one.id != next);
         }
     }

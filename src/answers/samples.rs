@@ -62,8 +62,8 @@ impl Sums {
     /// [`crate::Error::Limits`] when the memory cannot be allocated.
     pub(crate) fn new(pixels: usize, color: bool, pool: &Pool) -> Result<Self> {
         let mut sums = Self { color: pool.values(if color { 3 * pixels } else { 0 })?, cover: pool.values(pixels)? };
-        sums.color.fill(0.0);
-        sums.cover.fill(0.0);
+        parallel::fill(&mut sums.color[..], CHEAP, &|_, color| color.fill(0.0));
+        parallel::fill(&mut sums.cover[..], CHEAP, &|_, cover| cover.fill(0.0));
         Ok(sums)
     }
 
@@ -86,10 +86,9 @@ impl Sums {
     /// The means of `count` samples.
     pub(crate) fn means(self, count: u32, pool: &Pool) -> Means {
         let count = f64::from(count);
-        let means = Means {
-            color: parallel::map(&self.color, |sum| (sum / count) as f32),
-            alpha: parallel::map(&self.cover, |cover| (f64::from(*cover) / count) as f32),
-        };
+        let mut means = Means::default();
+        parallel::extend(&mut means.color, &self.color, 1, |sum| (sum[0] / count) as f32);
+        parallel::extend(&mut means.alpha, &self.cover, 1, |cover| (f64::from(cover[0]) / count) as f32);
         pool.put_back(self.color);
         pool.put_back(self.cover);
         means

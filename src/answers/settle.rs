@@ -6,6 +6,7 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
+use crate::memory::Pool;
 use crate::number::vector::{LANES, vectorized};
 use crate::parallel::{self, CHEAP, Rows};
 use crate::scene::{Scene, Spheres};
@@ -284,13 +285,14 @@ pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled
 /// Colours of the hits of a view, without lights: linear RGB. A pixel without a hit is black.
 ///
 /// # Errors
-/// Errors of [`View::judge`].
-pub(crate) fn shade_all(shade: Shade, scene: &Scene, view: &View, ids: &[u32]) -> Result<Vec<f32>> {
+/// Errors of [`View::judge`], and [`crate::Error::Limits`] where memory is short.
+pub(crate) fn shade_all(shade: Shade, scene: &Scene, view: &View, ids: &[u32], pool: &Pool) -> Result<Vec<f32>> {
     let (rays, spheres, judge) = (PictureRays::new(view), &scene.spheres, view.judge(&scene.bare())?);
-    let mut color = vec![0.0; 3 * ids.len()];
+    let mut color = pool.values(3 * ids.len())?;
     parallel::each(color.as_chunks_mut().0, |pixel, rgb: &mut [f32; 3]| {
         let id = ids[pixel];
         if id == NONE {
+            *rgb = [0.0; 3];
             return;
         }
         let own = color_of(spheres.colors.as_deref(), id);

@@ -16,22 +16,25 @@ use crate::number::vector::WIDE;
 use crate::parallel;
 use crate::tile::TILE;
 use crate::view::View;
+use crate::view::ray::NONE;
 use pixels::{Band, Pixels, StripFrame};
 use pulp::NullaryFnOnce;
-use strip::Strip;
+use strip::{NearestTwos, NonePassed, Strip};
 use triples::{Portable, Triples};
 
-/// Fills `raw` with certified answers; a pixel without a proof gets [`UNSURE`] as id, or its nearest candidate, as the kernel says.
-/// `go_on` is called before every row.
+/// Fills `raw` with certified answers; a pixel without a proof gets [`UNSURE`](crate::view::ray::UNSURE) as id, or its nearest candidate, as
+/// the kernel says. `passed` has the hits before, if any: layers of one sphere a pixel, which its ray passes through; a pixel whose last is
+/// [`NONE`] may be left out, as a miss. `go_on` is called before every row.
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
     binned: &BinnedScene,
     colors: Option<&[[f32; 3]]>,
+    passed: &[&[u32]],
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    let frame = StripFrame { certify: Certify::new(&view.record, binned), kernel, colors };
+    let frame = StripFrame { certify: Certify::new(&view.record, binned), kernel, colors, passed };
     // Strips are as wide as the processor's vectors.
     match pulp::Arch::new() {
         #[cfg(target_arch = "x86_64")]
@@ -84,10 +87,42 @@ impl<const N: usize, T: Triples> NullaryFnOnce for Strips<'_, '_, N, T> {
         for tile in left..=right {
             let place = [i, tile * TILE];
             let strip = Strip::<N>::new(&frame.certify, place);
-            let two = strip.nearest_two(&frame.certify, place);
+            let two = match frame.passed {
+                [] => strip.nearest_two(&frame.certify, place, &NonePassed),
+                layers => nearest_behind(frame, &strip, place, layers),
+            };
             Pixels::new(frame, &strip, &two).write(&mut band, place, &triples);
         }
     }
+}
+
+/// The nearest hits behind those of some layers, at least one; of a strip without any in the last, misses.
+#[inline(always)]
+fn nearest_behind<const N: usize>(
+    frame: &StripFrame<'_>,
+    strip: &Strip<N>,
+    place: [u32; 2],
+    layers: &[&[u32]],
+) -> NearestTwos<N> {
+    let record = frame.certify.view;
+    let [rows, columns] = [(record.first_row, record.rows), (record.first_column, record.columns)];
+    let at = |l: u32| {
+        // Pixels beyond the window wrap around, to more than it has.
+        let [row, column] = [(place[0] + l / TILE).wrapping_sub(rows.0), (place[1] + l % TILE).wrapping_sub(columns.0)];
+        (row < rows.1 && column < columns.1).then(|| row as usize * columns.1 as usize + column as usize)
+    };
+    let of = |layer: &&[u32]| {
+        let mut ids = [NONE; N];
+        for (l, id) in ids.iter_mut().enumerate() {
+            *id = at(l as u32).map_or(NONE, |at| layer[at]);
+        }
+        ids
+    };
+    if layers.last().is_none_or(|last| of(last) == [NONE; N]) {
+        return NearestTwos::NONE;
+    }
+    let passed: Vec<[u32; N]> = layers.iter().map(of).collect();
+    strip.nearest_two(&frame.certify, place, &&passed[..])
 }
 
 #[cfg(test)]
@@ -100,7 +135,6 @@ mod tests {
     use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::raster::Raster;
-    use crate::view::ray::NONE;
     use crate::window::Window;
 
     /// The adversary checks single rays. This test extends its results to strips of every width: all give the same bits.
@@ -130,7 +164,7 @@ mod tests {
             let rows = (0..77).step_by(N / TILE as usize);
             for (i, first) in rows.flat_map(|i| (0..136).step_by(TILE as usize).map(move |first| (i, first))) {
                 let strip = Strip::<N>::new(&certify, [i, first]);
-                let two = strip.nearest_two(&certify, [i, first]);
+                let two = strip.nearest_two(&certify, [i, first], &NonePassed);
                 let answers = strip.certify_winners(&certify, &two);
                 for l in 0..N {
                     let [row, column] = view.record.sample_position(i + l as u32 / TILE, first + l as u32 % TILE);
@@ -173,7 +207,8 @@ mod tests {
             let pool = Pool::default();
             let binned =
                 BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &pool)).expect("a stage").expect("a projection");
-            let frame = StripFrame { certify: Certify::new(&view.record, &binned), kernel: &kernel, colors: None };
+            let frame =
+                StripFrame { certify: Certify::new(&view.record, &binned), kernel: &kernel, colors: None, passed: &[] };
             let raw = |render: &dyn Fn(&mut Raw)| {
                 let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
                 render(&mut raw);
@@ -183,7 +218,7 @@ mod tests {
             assert!(narrow.id.iter().any(|id| *id < 500), "the window shows something");
             assert!(narrow == raw(&|raw| each_strip::<WIDE>(&frame, Portable, raw, &|| true)));
             assert!(
-                narrow == raw(&|raw| certified(&kernel, &view, &binned, None, raw, &|| true)),
+                narrow == raw(&|raw| certified(&kernel, &view, &binned, None, &[], raw, &|| true)),
                 "with the processor's vectors"
             );
         }

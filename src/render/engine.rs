@@ -7,7 +7,7 @@ mod resident;
 mod strips;
 
 use super::rendering::Rendering;
-use crate::answers::layers::{Layers, Peeling};
+use crate::answers::layers::Layers;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::binned::BinnedScene;
@@ -55,8 +55,7 @@ pub(super) trait Engine {
     /// # Errors
     /// Errors of the judge; [`crate::Error::Interrupted`].
     fn behind(&mut self, at: &mut Rendering<'_>, rays: ViewRays<'_>, layers: Layers<'_>) -> Result<Vec<Vec<u32>>> {
-        let ViewRays { scene, view, .. } = rays;
-        Peeling { scene, view, lists: self.binned(), layers }.behind(&at.renderer.watch)
+        layers.judged(rays.scene, rays.view, &at.renderer.watch)
     }
 
     /// The spheres as the host binned them, if it did.

@@ -16,11 +16,12 @@ use crate::view::ViewRecord;
 use crate::view::ray::{NONE, UNSURE};
 use std::ops::Range;
 
-/// The inputs of all strips of a frame: the rays and lists, the requested outputs, and the spheres' colours.
+/// The inputs of all strips of a frame: the rays and lists, the requested outputs, the spheres' colours, and the hits before.
 pub(super) struct StripFrame<'a> {
     pub(super) certify: Certify<'a, f32>,
     pub(super) kernel: &'a Kernel,
     pub(super) colors: Option<&'a [[f32; 3]]>,
+    pub(super) passed: &'a [&'a [u32]],
 }
 
 /// The values of a strip's pixels, one array per component. Those of a buffer that is not requested are unspecified.

@@ -21,6 +21,36 @@ pub(super) struct Strip<const N: usize> {
     column: [i32; N],
 }
 
+/// The spheres that each lane passes through: it looks for the nearest of the others.
+pub(super) trait Passed<const N: usize> {
+    /// All bits in the lanes that pass through the sphere `id`.
+    fn lanes(&self, id: impl Fn() -> u32) -> [u32; N];
+}
+
+/// No sphere is passed: the rays look for first hits.
+pub(super) struct NonePassed;
+
+impl<const N: usize> Passed<N> for NonePassed {
+    #[inline(always)]
+    fn lanes(&self, _: impl Fn() -> u32) -> [u32; N] {
+        [0; N]
+    }
+}
+
+/// The hits before: of each the spheres of all lanes.
+impl<const N: usize> Passed<N> for &[[u32; N]] {
+    #[inline(always)]
+    fn lanes(&self, id: impl Fn() -> u32) -> [u32; N] {
+        let (id, mut lanes) = (id(), [0; N]);
+        for passed in *self {
+            for l in 0..N {
+                lanes[l] |= u32::all_if(passed[l] == id);
+            }
+        }
+        lanes
+    }
+}
+
 /// The two smallest lower bounds of depth per lane, and the entry with the smallest.
 #[derive(Clone, Copy)]
 pub(super) struct NearestTwos<const N: usize> {
@@ -57,10 +87,15 @@ impl<const N: usize> Strip<N> {
         Slopes { x, y, a, inverse, row: self.row[l], column: self.column[l] }
     }
 
-    /// The two smallest lower bounds of depth among the general spheres and the lists of a tile, nearest first. On a device spheres
-    /// leave the same in the pixels (shaders/splat/splat.wgsl).
+    /// The two smallest lower bounds of depth among the general spheres and the lists of a tile, nearest first, without the spheres that are
+    /// passed. On a device spheres leave the same in the pixels (shaders/splat/splat.wgsl).
     #[inline(always)]
-    pub(super) fn nearest_two(&self, certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> NearestTwos<N> {
+    pub(super) fn nearest_two(
+        &self,
+        certify: &Certify<'_, f32>,
+        [i, first]: [u32; 2],
+        passed: &impl Passed<N>,
+    ) -> NearestTwos<N> {
         let mut k = NearestTwos::NONE;
         let (projection, terms, lists) = (certify.projection, *certify.terms, certify.lists);
         for &slot in certify.general_lists.of(i, first) {
@@ -70,8 +105,9 @@ impl<const N: usize> Strip<N> {
             for (l, low) in lows.iter_mut().enumerate() {
                 *low = general_low(&self.slopes(l), &general, &terms);
             }
+            let passed = passed.lanes(|| general.id);
             for (l, low) in lows.into_iter().enumerate() {
-                k.keep(l, low, GENERAL | slot);
+                k.keep(l, pick(passed[l], BEYOND, low), GENERAL | slot);
             }
         }
         let [first, end] = lists.range(i, first).map(|n| n as usize);
@@ -94,8 +130,10 @@ impl<const N: usize> Strip<N> {
                     break;
                 }
                 let sphere = Projected::<f32>::new(projected, &NO_DETAIL);
+                let passed = passed.lanes(|| lists.details[slot].id);
                 for l in 0..N {
-                    now.keep(l, projected_low(&self.slopes(l), projection, &sphere), slot as u32);
+                    let low = projected_low(&self.slopes(l), projection, &sphere);
+                    now.keep(l, pick(passed[l], BEYOND, low), slot as u32);
                 }
             }
             k = now;

@@ -139,23 +139,13 @@ impl Engine for GivenRays {
         let next = |pixel: usize, found: &[u32]| -> Option<u32> {
             let ray = rays.ray(pixel);
             let counts = |id: u32| !found.contains(&id) && layers.counts(&scene.spheres, pixel, id);
-            let nearest = match given.nearest_among(&ray, &counts) {
+            match given.nearest_among(&ray, &counts) {
                 NearestHit::Miss => None,
                 NearestHit::Hit { id, .. } => Some(id),
                 NearestHit::Unsure => given.judged(&ray, &scene.spheres, &counts).map(|truth| truth.id),
-            };
-            nearest.filter(|id| *id != layers.opaque[pixel])
-        };
-        layers.peel(&at.renderer.watch, &|pixels, own: &mut [Vec<u32>]| {
-            for (at, pixel) in pixels.enumerate().filter(|(_, pixel)| layers.first[*pixel] != NONE) {
-                let mut found = vec![layers.first[pixel]];
-                for layer in own.iter_mut() {
-                    let Some(id) = next(pixel, &found) else { break };
-                    layer[at] = id;
-                    found.push(id);
-                }
             }
-        })
+        };
+        layers.peel(&at.renderer.watch, &next)
     }
 }
 

@@ -159,14 +159,14 @@ fn pass(
     }
     finish::run(at, sampling, view, &raw.id, cue, &mut raw.color);
     let Some(shown) = &mut setups.shown else { return Ok(()) };
-    passing.fill(1.0);
+    parallel::each(passing, |_, passing| *passing = 1.0);
     let layers = layers::find(at, shown, scene, &raw.id)?;
     let view = shown.view();
     // Back to front.
     for (n, layer) in layers.iter().enumerate().rev() {
         let mut over = match (trees, kernel.shade) {
             (Some(trees), _) => color(at, sampling, trees, view, layer, open.get(1 + n))?,
-            (None, Some(shade)) => at.log.time("shade", || settle::shade_all(shade, scene, view, layer))?,
+            (None, Some(shade)) => at.log.time("shade", || settle::shade_all(shade, scene, view, layer, &at.pool))?,
             (None, None) => Vec::new(),
         };
         // Where the layer shows nothing, what is behind it is no farther surface to draw a line before.
@@ -175,7 +175,9 @@ fn pass(
             finish::run(at, sampling, view, &parallel::from_fn(layer.len(), front), cue, &mut over);
         }
         lay_over(&scene.spheres, layer, &over, &mut raw.color, passing);
+        at.pool.put_back(over);
     }
+    layers.into_iter().for_each(|layer| at.pool.put_back(layer));
     Ok(())
 }
 
