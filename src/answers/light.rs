@@ -1,6 +1,6 @@
 //! Light of the pixels of a frame: its buffers and the answers of devices.
 
-use super::open_sky::SkyAtHit;
+use super::open_sky::{SkyAtHit, SkyCounts};
 use glam::DVec3;
 
 /// The certainty of a pixel of which the judge decided a ray.
@@ -40,9 +40,14 @@ impl<'a> Traced<'a> {
         rays / 32 + 1
     }
 
+    /// The number of words of each pixel.
+    pub(crate) fn words_of_pixel(&self) -> usize {
+        Self::words_of(self.rays + self.lights)
+    }
+
     /// The words of one pixel; `None` if the device did not decide all its rays.
     pub(crate) fn of(&self, pixel: u32) -> Option<Self> {
-        let count = Self::words_of(self.rays + self.lights);
+        let count = self.words_of_pixel();
         let words = &self.words[pixel as usize * count..][..count];
         Some(Self { words, ..*self }).filter(|own| !own.is_open(self.rays + self.lights))
     }
@@ -91,9 +96,27 @@ impl Chunk<'_> {
         if let Some(occlusion) = self.occlusion.get_mut(n) {
             *occlusion = light.occlusion;
         }
-        let [normals, sums] = &mut self.sky;
-        let (three, each) = (normals.len() / self.count, sums.len() / self.count);
-        light.sky.write(&mut normals[n * three..][..three], &mut sums[n * each..][..each]);
+        let [normals, sums] = self.sky_of(n);
+        light.sky.write(normals, sums);
+    }
+
+    /// Writes the rays toward the sky of pixel `n` of the run from a lane; zeros for `None`.
+    #[inline(always)]
+    pub(crate) fn write_counts(&mut self, n: usize, counts: &SkyCounts, lane: Option<usize>) {
+        let [normals, sums] = self.sky_of(n);
+        for (out, counts) in [(normals, &counts.normal[..]), (sums, &counts.sums[..])] {
+            out.iter_mut().zip(counts).for_each(|(out, counts)| *out = lane.map_or(0, |lane| counts[lane]));
+        }
+    }
+
+    /// The numbers of pixel `n` of the run; empty if they were not requested.
+    #[inline(always)]
+    fn sky_of(&mut self, n: usize) -> [&mut [i16]; 2] {
+        let count = self.count;
+        self.sky.each_mut().map(|numbers| {
+            let each = numbers.len() / count;
+            &mut numbers[n * each..][..each]
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::error::Result;
 use crate::memory::Pool;
-use crate::number::vector::vectorized;
+use crate::number::vector::{LANES, vectorized};
 use crate::parallel;
 use crate::scene::SkyLight;
 use crate::view::ray::NONE;
@@ -87,11 +87,43 @@ impl SkyAtHit {
     /// 1/[`UNIT`].
     pub(crate) fn write(&self, normal: &mut [i16], sums: &mut [i16]) {
         let put = |out: &mut [i16], numbers: &mut dyn Iterator<Item = f64>| {
-            out.iter_mut().zip(numbers).for_each(|(out, number)| *out = nearest((number * f64::from(UNIT)) as f32));
+            out.iter_mut().zip(numbers).for_each(|(out, number)| *out = counted(number));
         };
         put(normal, &mut self.normal.to_array().into_iter());
         put(sums, &mut self.sums.means().into_iter().flat_map(|vector| vector.to_array()));
     }
+}
+
+/// What [`SkyAtHit::write`] writes, of eight pixels.
+pub(crate) struct SkyCounts {
+    pub(crate) normal: [[i16; LANES]; 3],
+    pub(crate) sums: [[i16; LANES]; 12],
+}
+
+impl SkyCounts {
+    /// Of the components of normals, and of the vectors of [`SkySums`] over so many rays.
+    #[inline(always)]
+    pub(crate) fn of(normal: &[[f64; LANES]; 3], sums: &[[[f64; LANES]; 3]; 4], rays: u32) -> Self {
+        let each = 1.0 / f64::from(rays.max(1));
+        let mut counts = Self { normal: [[0; LANES]; 3], sums: [[0; LANES]; 12] };
+        for (counts, numbers) in counts.normal.iter_mut().zip(normal) {
+            for l in 0..LANES {
+                counts[l] = counted(numbers[l]);
+            }
+        }
+        for (counts, numbers) in counts.sums.iter_mut().zip(sums.as_flattened()) {
+            for l in 0..LANES {
+                counts[l] = counted(numbers[l] * each);
+            }
+        }
+        counts
+    }
+}
+
+/// A number from -1 to 1 in units of 1/[`UNIT`].
+#[inline(always)]
+fn counted(number: f64) -> i16 {
+    nearest((number * f64::from(UNIT)) as f32)
 }
 
 /// Components of a normal.
@@ -318,16 +350,17 @@ impl Pass<'_> {
         if self.step < WIDE as usize {
             return;
         }
-        let component =
-            |of: &[i16], planes: usize, k: usize, x: usize| f32::from(of[(y * planes + k) * self.width + x]);
-        for (x, share) in shares.iter_mut().enumerate() {
-            let along = |first: usize| {
-                let product =
-                    |k: usize| component(self.normals, NORMAL, k, x) * component(self.sums, self.count, first + k, x);
-                product(0) + product(1) + product(2)
-            };
-            let (all, open) = (along(0), along(NORMAL));
-            *share = if all > 0.0 { open / all } else { 1.0 };
+        let width = self.width;
+        let normal = [0, 1, 2].map(|k| &self.normals[(y * NORMAL + k) * width..][..width]);
+        let sums = |first: usize| [0, 1, 2].map(|k| &self.sums[(y * self.count + first + k) * width..][..width]);
+        let (all, open) = (sums(0), sums(3));
+        for x in 0..width {
+            let mut along = [0.0f32; 2];
+            for (along, sums) in along.iter_mut().zip([all, open]) {
+                let [a, b, c] = [0, 1, 2].map(|k| f32::from(normal[k][x]) * f32::from(sums[k][x]));
+                *along = a + b + c;
+            }
+            shares[x] = if along[0] > 0.0 { along[1] / along[0] } else { 1.0 };
         }
     }
 

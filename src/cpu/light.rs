@@ -7,6 +7,8 @@ mod bounce;
 mod colors;
 mod lighting;
 mod point;
+mod sky_sums;
+mod streams;
 mod surface;
 
 use crate::answers::light::{Chunk, LightBuffers, NOT_CERTIFIED, PixelLight, SETTLED};
@@ -21,6 +23,7 @@ use colors::Colors;
 use glam::{DVec3, Vec3};
 pub(crate) use lighting::{LightOutputs, LightingContext};
 use point::PointLight;
+use sky_sums::KnownSky;
 use std::cell::OnceCell;
 use surface::Surface;
 
@@ -54,8 +57,11 @@ impl LightingContext<'_> {
     fn fill_chunk(&self, ids: &[u32], chunk: &mut Chunk<'_>) -> Vec<(u32, u8)> {
         let mut unsure = Vec::new();
         let mut shader = PixelShader::new(self);
+        let rays = &shader.rays;
         let left: Vec<usize> = if shader.rayless && shader.color_alone && Colors::fit(self) {
-            pulp::Arch::new().dispatch(Colors { lighting: self, rays: &shader.rays, ids, chunk: &mut *chunk })
+            pulp::Arch::new().dispatch(Colors { lighting: self, rays, ids, chunk: &mut *chunk })
+        } else if let Some(traced) = self.traced.filter(|traced| self.outputs.is_sky_alone() && traced.rays > 0) {
+            pulp::Arch::new().dispatch(KnownSky { lighting: self, traced, rays, ids, chunk: &mut *chunk })
         } else {
             (0..ids.len()).collect()
         };

@@ -5,20 +5,25 @@
 //! same spheres give the same tree for any number of threads. The boxes are f32 in the tree's own unit, see [`Placement`];
 //! docs/tree.md derives their padding.
 
+pub(crate) mod bounding;
 mod box_ray;
 mod build;
 pub(crate) mod device;
 pub(crate) mod device_rays;
 pub(crate) mod lanes;
 mod order;
+pub(crate) mod sixteen;
+pub(crate) mod streams;
 #[cfg(test)]
 mod tests;
 pub(crate) mod walk;
 
 use crate::scene::Ball;
 use crate::view::placement::Placement;
+use bounding::Bounding;
 pub(crate) use box_ray::BoxRay;
 pub(crate) use order::order;
+use std::sync::OnceLock;
 
 /// Children of a node, and spheres of a block: the lanes of a vector.
 pub(crate) const WIDE: usize = crate::number::vector::LANES;
@@ -43,6 +48,11 @@ pub(crate) struct Node {
 pub(crate) struct Block {
     pub(crate) center: [[f32; WIDE]; 3],
     pub(crate) radius: [f32; WIDE],
+}
+
+impl Block {
+    /// Without spheres.
+    const NONE: Self = Self { center: [[0.0; WIDE]; 3], radius: [-ABSENT; WIDE] };
 }
 
 impl Node {
@@ -76,6 +86,8 @@ pub(crate) struct Tree {
     /// The same spheres as the scene states them: centre and radius. A copy, because a ray that needs one from the scene
     /// would wait for three places of memory.
     pub(crate) spheres: Vec<[f64; 4]>,
+    /// Spheres around groups, once streams of rays need them.
+    bounding: OnceLock<Bounding>,
 }
 
 impl Tree {
@@ -83,6 +95,11 @@ impl Tree {
     /// 3, boxes 3.
     pub(crate) fn bytes(spheres: usize) -> u64 {
         58 * spheres as u64
+    }
+
+    /// The spheres around its groups.
+    pub(crate) fn bounding(&self) -> &Bounding {
+        self.bounding.get_or_init(|| Bounding::of(self))
     }
 
     /// Levels of nodes.

@@ -248,13 +248,26 @@ impl SkyDirections {
     /// The directions in world space for the rays of this pixel that `depth` others came before: turned in the same way for
     /// all samples. Their length is 1 within 2^-22. shaders/main/sky.wgsl chooses the same turn.
     pub(crate) fn of(&self, at: PixelSample, depth: u32) -> &[[f32; 3]] {
-        let turns = (self.turned.len() / self.count.max(1)) as u32;
+        self.of_turn(self.turn(at, depth))
+    }
+
+    /// The number of turns.
+    pub(crate) fn turns(&self) -> usize {
+        self.turned.len() / self.count.max(1)
+    }
+
+    /// The turn of the directions of a pixel.
+    pub(crate) fn turn(&self, at: PixelSample, depth: u32) -> usize {
         let turn = match self.is_interleaved {
             true => at.row % PERIOD * PERIOD + at.column % PERIOD,
             false => pcg4d([at.column, at.row, depth << 24, at.seed])[3],
         };
-        let first = (turn & turns.wrapping_sub(1)) as usize * self.count;
-        &self.turned[first..first + self.count]
+        turn as usize & self.turns().wrapping_sub(1)
+    }
+
+    /// The directions of a turn.
+    pub(crate) fn of_turn(&self, turn: usize) -> &[[f32; 3]] {
+        &self.turned[turn * self.count..][..self.count]
     }
 }
 

@@ -61,6 +61,11 @@ impl LightOutputs {
     pub(crate) fn is_any(self) -> bool {
         self.color || self.shadow || self.occlusion || self.sky
     }
+
+    /// Whether rays toward the sky are all that is asked for.
+    pub(crate) fn is_sky_alone(self) -> bool {
+        self.sky && !self.color && !self.shadow && !self.occlusion
+    }
 }
 
 impl LightingContext<'_> {
@@ -121,6 +126,9 @@ impl LightingContext<'_> {
     /// Whether rays to lights are needed: for shadows, and for lights that are not infinitely far.
     pub(super) fn asks_lights(&self) -> bool {
         let Scene { lighting, .. } = self.scene;
+        if !self.outputs.color && !self.outputs.shadow {
+            return false;
+        }
         let shadows = self.outputs.shadow || lighting.shadows;
         lighting.lights.iter().any(|light| shadows || light.source.far().is_none())
     }

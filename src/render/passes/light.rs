@@ -305,7 +305,9 @@ fn traced(
     }
     let doing = at.renderer.watch.begin(Step::Light, ids.len() as u64);
     setup.with_context(tree, frame, request, &directions, |context| {
-        let context = LightingContext { traced, ..context };
+        let streamed = if traced.is_none() { context.stream(ids, &|| doing.next(0)) } else { None };
+        let streamed = streamed.as_ref().map(|(count, words)| Traced { words, ..*count });
+        let context = LightingContext { traced: traced.or(streamed), ..context };
         context.fill(ids, &mut buffers, &|pixels| doing.next(pixels));
     })?;
     doing.end()?;

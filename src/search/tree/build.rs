@@ -4,6 +4,7 @@
 use super::{ABSENT, Block, MAX_SPHERES, Node, Tree, WIDE};
 use crate::parallel::{self, CHEAP};
 use crate::view::placement::{PLACED, Placement};
+use std::sync::OnceLock;
 
 /// A sphere while it is ordered: its centre in f32 in the tree's unit, and its index.
 #[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
@@ -50,8 +51,7 @@ impl Tree {
             [x, y, z, radii[id as usize]]
         };
         let spheres = parallel::map(&ids, exact);
-        let mut blocks =
-            vec![Block { center: [[0.0; WIDE]; 3], radius: [-ABSENT; WIDE] }; spheres.len().div_ceil(WIDE)];
+        let mut blocks = vec![Block::NONE; spheres.len().div_ceil(WIDE)];
         let mut boxes = vec![NOTHING; blocks.len()];
         parallel::fill((&mut blocks[..], &mut boxes[..]), CHEAP / WIDE, &|range, (blocks, boxes)| {
             let spheres = spheres[range.start * WIDE..].chunks(WIDE);
@@ -72,7 +72,7 @@ impl Tree {
             });
             boxes = unions;
         }
-        Some(Self { placement, nodes, firsts, blocks, ids, spheres })
+        Some(Self { placement, nodes, firsts, blocks, ids, spheres, bounding: OnceLock::new() })
     }
 }
 

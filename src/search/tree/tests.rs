@@ -1,6 +1,7 @@
 //! The tree holds every sphere, is the same for any number of threads, and its padding is needed.
 
 mod device;
+mod streams;
 mod sure;
 
 use super::lanes::{LANE, Lanes, NEVER, Portable};

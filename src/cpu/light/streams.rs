@@ -1,0 +1,247 @@
+//! Rays toward the sky from the hits of a view, all of one direction at once.
+
+use super::lighting::LightingContext;
+use crate::answers::light::Traced;
+use crate::number::vector::LANES;
+use crate::parallel;
+use crate::scene::{Light, LightSource, Lighting};
+use crate::search::tree::Tree;
+use crate::search::tree::sixteen::{Sixteen, Work16, dispatch};
+use crate::search::tree::streams::{Blockers, ERROR, Hidden, MOST_RAYS, Starts, Stream};
+use crate::view::RayKind;
+use crate::view::directions::PixelSample;
+use crate::view::picture_rays::{PictureHit, PictureRays};
+use crate::view::ray::NONE;
+use glam::DVec3;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// Pixels whose directions are looked up by one job.
+const PIXELS_PER_JOB: usize = 1 << 16;
+
+/// Pixels with the same directions from which on their rays go down together: fewer take longer than one by one.
+const LEAST_PIXELS: usize = 1 << 9;
+
+/// The cosine below which the side of a ray is not known: normals are off by 2^-29, and their product with a direction is rounded.
+const GRAZING: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// The length of a margin around spheres in which a point may be inside of them, in the tree's unit.
+const NEAR: f64 = 1.0 / (1u64 << 18) as f64;
+
+impl LightingContext<'_> {
+    /// The numbers of rays toward the sky and toward lights from the hits of all pixels, which show these spheres, and their words as
+    /// [`Traced`] has them; `None` where rays have no common directions, or their starts may lie inside of spheres. A pixel has its last bit
+    /// set where a ray is undecided: [`ERROR`] leaves it to f64.
+    pub(crate) fn stream(&self, ids: &[u32], go_on: &(dyn Fn() -> bool + Sync)) -> Option<(Traced<'static>, Vec<u32>)> {
+        let reaches_all = self.sky.is_some_and(|sky| sky.reach == f64::INFINITY);
+        let rays = if reaches_all && self.open.is_none() { self.directions.len() } else { 0 };
+        let turns = if rays > 0 { self.directions.turns() } else { 1 };
+        let suns = self.suns();
+        let count = Traced { words: &[], rays, lights: suns.len() };
+        let is_worth = rays + suns.len() > 0 && ids.len() >= LEAST_PIXELS * turns;
+        if !is_worth || self.exact || !self.is_outside() {
+            return None;
+        }
+        let words = parallel::from_fn(count.words_of_pixel() * ids.len(), |_| 0);
+        let words: Vec<AtomicU32> = words.into_iter().map(AtomicU32::new).collect();
+        let by_turn = self.by_turn(ids, turns);
+        let trace = |turn: usize, pixels: &[u32]| {
+            if go_on() {
+                let sky = if rays > 0 { self.directions.of_turn(turn) } else { &[] };
+                let toward = sky.iter().map(|direction| direction.map(f64::from)).chain(suns.iter().copied()).collect();
+                dispatch(Batch { lighting: self, ids, count, toward, pixels, words: &words });
+            }
+        };
+        let batches: Vec<(usize, Vec<u32>)> = (0..turns)
+            .flat_map(|turn| {
+                let pixels: Vec<u32> = by_turn.iter().flat_map(|block| block[turn].iter().copied()).collect();
+                pixels.chunks(MOST_RAYS).map(|pixels| (turn, pixels.to_vec())).collect::<Vec<_>>()
+            })
+            .collect();
+        parallel::fill(0..batches.len(), 1, &|range, _| {
+            batches[range].iter().for_each(|(turn, pixels)| trace(*turn, pixels));
+        });
+        Some((count, words.into_iter().map(AtomicU32::into_inner).collect()))
+    }
+
+    /// The directions to the lights, where rays to them are asked for and all are infinitely far; else empty.
+    fn suns(&self) -> Vec<[f64; 3]> {
+        let Lighting { lights, shadows, .. } = &self.scene.lighting;
+        let direction = |light: &Light| match light.source {
+            LightSource::Direction(direction) => Some(direction.to_array()),
+            _ => None,
+        };
+        let casts_shadows = self.outputs.shadow || self.outputs.color && *shadows;
+        let all = casts_shadows.then(|| lights.iter().map(direction).collect::<Option<Vec<_>>>());
+        all.flatten().unwrap_or_default()
+    }
+
+    /// The pixels that show a sphere, by the turn of their directions, of some jobs.
+    fn by_turn(&self, ids: &[u32], turns: usize) -> Vec<Vec<Vec<u32>>> {
+        let record = &self.view.record;
+        parallel::blocks(0..ids.len(), PIXELS_PER_JOB, &|pixels, _: Range<usize>| {
+            let mut by_turn = vec![Vec::new(); turns];
+            for pixel in pixels.filter(|pixel| ids[*pixel] != NONE) {
+                let [row, column] = record.place(pixel as u32);
+                let at = PixelSample { row, column, sample: record.sample, seed: self.seed };
+                let turn = if turns > 1 { self.directions.turn(at, 0) } else { 0 };
+                by_turn[turn].push(pixel as u32);
+            }
+            by_turn
+        })
+    }
+
+    /// Whether all viewing rays start outside of the spheres that block rays. What they hit first from there is outside too.
+    fn is_outside(&self) -> bool {
+        let (tree, basis) = (self.blockers, &self.view.basis);
+        let eye = tree.placement.point(basis.e.to_array());
+        let far = eye.iter().fold(1.0, |far: f64, x| far.max(x.abs()));
+        // Beyond the scene nothing is inside; nearer, f64 knows the place to far less than the margin.
+        let is_beyond = far > 4.0;
+        let away = |center: [f32; 3]| DVec3::from_array(std::array::from_fn(|k| f64::from(center[k]) - eye[k]));
+        let (parallel, axis, margin) = (self.view.kind() == RayKind::Parallel, basis.w, NEAR * far);
+        let may_contain = |center: [f32; 3], radius: f32| {
+            let away = away(center);
+            let distance = if parallel { away.dot(axis).abs() } else { away.length() };
+            distance.is_nan() || distance <= f64::from(radius) + margin
+        };
+        (is_beyond && !parallel) || !tree.bounding().any(tree, &may_contain)
+    }
+}
+
+/// Pixels whose rays have the same directions.
+struct Batch<'a> {
+    lighting: &'a LightingContext<'a>,
+    ids: &'a [u32],
+    count: Traced<'static>,
+    /// The directions toward the sky, then to the lights.
+    toward: Vec<[f64; 3]>,
+    pixels: &'a [u32],
+    words: &'a [AtomicU32],
+}
+
+/// The hits of some pixels.
+#[derive(Default)]
+struct Hits {
+    pixels: Vec<u32>,
+    starts: Starts,
+    normals: [Vec<f64>; 3],
+}
+
+impl Work16 for Batch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn work<S: Sixteen>(self, lanes: S) {
+        let Self { lighting, ref toward, count, words, .. } = self;
+        let tree: &Tree = lighting.blockers;
+        let blockers = Blockers { tree, bounding: tree.bounding(), error: ERROR };
+        let (undecided, each) = (count.rays + count.lights, count.words_of_pixel());
+        let set = |pixel: u32, ray: usize| {
+            words[pixel as usize * each + ray / 32].fetch_or(1 << (ray % 32), Relaxed);
+        };
+        let hits = match lighting.view.kind() {
+            RayKind::Perspective => self.hits(RayKind::Perspective, &|pixel| set(pixel, undecided)),
+            kind => self.hits(kind, &|pixel| set(pixel, undecided)),
+        };
+        let mut stream = Stream::default();
+        let mut sides = [Side::default(), Side::default()];
+        let mut cosines = vec![0.0; hits.pixels.len()];
+        for (ray, direction) in toward.iter().enumerate() {
+            let length = DVec3::from_array(*direction).length();
+            let [x, y, z] = hits.normals.each_ref().map(|x| &x[..cosines.len()]);
+            for n in 0..cosines.len() {
+                cosines[n] = x[n] * direction[0] + y[n] * direction[1] + z[n] * direction[2];
+            }
+            sides.iter_mut().for_each(Side::clear);
+            for (n, cosine) in cosines.iter().enumerate() {
+                if cosine.abs() < GRAZING * length {
+                    set(hits.pixels[n], undecided);
+                }
+                sides[usize::from(*cosine < 0.0)].add(&hits, n);
+            }
+            // A direction toward the sky is meant up to its sign; the sphere of a point hides a light behind it.
+            let both = [*direction, direction.map(|x| -x)];
+            for (side, direction) in sides.iter().zip(both).take(if ray < count.rays { 2 } else { 1 }) {
+                stream.trace(lanes, blockers, direction, &side.starts);
+                for (n, pixel) in side.pixels.iter().enumerate() {
+                    match stream.answer(n) {
+                        Hidden::No => set(*pixel, ray),
+                        Hidden::Unsure => set(*pixel, undecided),
+                        Hidden::Yes => {}
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Rays on one side of a plane.
+#[derive(Default)]
+struct Side {
+    pixels: Vec<u32>,
+    starts: Starts,
+}
+
+impl Side {
+    fn clear(&mut self) {
+        self.pixels.clear();
+        self.starts.ids.clear();
+        self.starts.at.iter_mut().for_each(Vec::clear);
+    }
+
+    #[inline(always)]
+    fn add(&mut self, hits: &Hits, n: usize) {
+        self.pixels.push(hits.pixels[n]);
+        self.starts.ids.push(hits.starts.ids[n]);
+        for (own, at) in self.starts.at.iter_mut().zip(&hits.starts.at) {
+            own.push(at[n]);
+        }
+    }
+}
+
+impl Batch<'_> {
+    /// The hits of the pixels whose normals f64 knows to 2^-29, from outside. The others are undecided.
+    #[inline(always)]
+    fn hits(&self, kind: RayKind, undecided: &dyn Fn(u32)) -> Hits {
+        let Self { lighting, ids, pixels, .. } = *self;
+        let (record, spheres, placement) = (&lighting.view.record, &lighting.scene.spheres, &lighting.tree.placement);
+        let rays = PictureRays::new(lighting.view);
+        let mut hits = Hits::default();
+        for some in pixels.chunks(LANES) {
+            let (mut position, mut ball) = ([[0; LANES]; 2], [[0.0; LANES]; 4]);
+            for l in 0..LANES {
+                // Lanes beyond the last pixel repeat it.
+                let pixel = some[l.min(some.len() - 1)];
+                let id = ids[pixel as usize] as usize;
+                [position[0][l], position[1][l]] = record.position(pixel);
+                let ([x, y, z], radius) = (spheres.centers[id], spheres.radii[id]);
+                [ball[0][l], ball[1][l], ball[2][l], ball[3][l]] = [x, y, z, radius];
+            }
+            let (mut at, mut normal, mut known) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [0u64; LANES]);
+            for l in 0..LANES {
+                let center = [ball[0][l], ball[1][l], ball[2][l]];
+                let PictureHit { normal: n, outside, near, sharp, .. } =
+                    rays.hit_at(kind, [position[0][l], position[1][l]], center, ball[3][l]);
+                let (place, radius, n) = (placement.point(center), placement.radius(ball[3][l]), n.to_array());
+                known[l] = u64::from(outside & near & sharp);
+                for k in 0..3 {
+                    (at[k][l], normal[k][l]) = (place[k] + radius * n[k], n[k]);
+                }
+            }
+            for (l, pixel) in some.iter().enumerate() {
+                if known[l] == 0 {
+                    undecided(*pixel);
+                    continue;
+                }
+                hits.pixels.push(*pixel);
+                hits.starts.ids.push(ids[*pixel as usize]);
+                for k in 0..3 {
+                    hits.starts.at[k].push(at[k][l]);
+                    hits.normals[k].push(normal[k][l]);
+                }
+            }
+        }
+        hits
+    }
+}
