@@ -1,6 +1,7 @@
 //! The memory that a frame needs, compared with the memory that is free, and the number of spheres that would fit.
 
 use super::plan::Plan;
+use crate::answers::light::Traced;
 use crate::answers::open_sky::SkySums;
 use crate::answers::settle::Settled;
 use crate::certify::binned::BinnedScene;
@@ -95,6 +96,12 @@ impl Need {
             let through = if plan.see_through { 4 + 12 + 4 + 4 + layers * (4 + rays) } else { 0 };
             bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + rays + through
         });
+        // Of rays from hits that go down together: the words of their answers, twice while they are collected, and the lists of pixels.
+        let streamed = plan.light_outputs.is_any().then(|| {
+            let sky = if plan.light_outputs.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
+            let rays = sky.map_or(0, |sky| sky.rays as usize) + scene.lighting.lights.len();
+            2 * 4 * Traced::words_of(rays) as u64 + 2 * 4
+        });
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.
         let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
@@ -104,6 +111,7 @@ impl Need {
         let device = if shares { kernel } else { 0 };
         let each = bytes_per_pixel(&plan.kernel, &settings.aovs, scene.lighting.lights.len() as u64, gpu)
             + sampled
+            + streamed.unwrap_or(0)
             + covers
             + exact
             + device

@@ -92,9 +92,9 @@ pub(crate) struct Tree {
 
 impl Tree {
     /// Bytes of the tree of so many spheres while it is built: centre and radius 32 each, id 4, a block's lane 16, a node's part
-    /// 3, boxes 3.
+    /// 3, boxes 3; and 2 of the spheres around groups.
     pub(crate) fn bytes(spheres: usize) -> u64 {
-        58 * spheres as u64
+        60 * spheres as u64
     }
 
     /// The spheres around its groups.

@@ -6,6 +6,7 @@ use crate::number::vector::LANES;
 use crate::parallel;
 use crate::scene::{Light, LightSource, Lighting};
 use crate::search::tree::Tree;
+use crate::search::tree::bounding::SIXTEEN;
 use crate::search::tree::sixteen::{Sixteen, Work16, dispatch};
 use crate::search::tree::streams::{Blockers, ERROR, Hidden, MOST_RAYS, Starts, Stream};
 use crate::view::RayKind;
@@ -23,7 +24,7 @@ const PIXELS_PER_JOB: usize = 1 << 16;
 const LEAST_PIXELS: usize = 1 << 9;
 
 /// The cosine below which the side of a ray is not known: normals are off by 2^-29, and their product with a direction is rounded.
-const GRAZING: f64 = 1.0 / (1u64 << 20) as f64;
+const GRAZING: f32 = 1.0 / (1u32 << 20) as f32;
 
 /// The length of a margin around spheres in which a point may be inside of them, in the tree's unit.
 const NEAR: f64 = 1.0 / (1u64 << 18) as f64;
@@ -125,77 +126,75 @@ struct Batch<'a> {
 struct Hits {
     pixels: Vec<u32>,
     starts: Starts,
-    normals: [Vec<f64>; 3],
+    normals: [Vec<f32>; 3],
 }
 
 impl Work16 for Batch<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn work<S: Sixteen>(self, lanes: S) {
+    fn work<S: Sixteen>(self, s: S) {
         let Self { lighting, ref toward, count, words, .. } = self;
         let tree: &Tree = lighting.blockers;
         let blockers = Blockers { tree, bounding: tree.bounding(), error: ERROR };
         let (undecided, each) = (count.rays + count.lights, count.words_of_pixel());
-        let set = |pixel: u32, ray: usize| {
-            words[pixel as usize * each + ray / 32].fetch_or(1 << (ray % 32), Relaxed);
-        };
+        let of_left = |pixel: u32| words[pixel as usize * each + undecided / 32].store(1 << (undecided % 32), Relaxed);
         let hits = match lighting.view.kind() {
-            RayKind::Perspective => self.hits(RayKind::Perspective, &|pixel| set(pixel, undecided)),
-            kind => self.hits(kind, &|pixel| set(pixel, undecided)),
+            RayKind::Perspective => self.hits(RayKind::Perspective, &of_left),
+            kind => self.hits(kind, &of_left),
         };
+        let mut own = vec![0u32; each * hits.pixels.len()];
+        let mut set = |n: usize, ray: usize| own[n * each + ray / 32] |= 1 << (ray % 32);
         let mut stream = Stream::default();
-        let mut sides = [Side::default(), Side::default()];
-        let mut cosines = vec![0.0; hits.pixels.len()];
+        let mut sides = [Vec::new(), Vec::new()];
         for (ray, direction) in toward.iter().enumerate() {
-            let length = DVec3::from_array(*direction).length();
-            let [x, y, z] = hits.normals.each_ref().map(|x| &x[..cosines.len()]);
-            for n in 0..cosines.len() {
-                cosines[n] = x[n] * direction[0] + y[n] * direction[1] + z[n] * direction[2];
-            }
-            sides.iter_mut().for_each(Side::clear);
-            for (n, cosine) in cosines.iter().enumerate() {
-                if cosine.abs() < GRAZING * length {
-                    set(hits.pixels[n], undecided);
-                }
-                sides[usize::from(*cosine < 0.0)].add(&hits, n);
-            }
+            hits.sides(s, *direction, &mut sides, |n| set(n, undecided));
+            stream.begin(*direction, &hits.starts);
             // A direction toward the sky is meant up to its sign; the sphere of a point hides a light behind it.
-            let both = [*direction, direction.map(|x| -x)];
-            for (side, direction) in sides.iter().zip(both).take(if ray < count.rays { 2 } else { 1 }) {
-                stream.trace(lanes, blockers, direction, &side.starts);
-                for (n, pixel) in side.pixels.iter().enumerate() {
-                    match stream.answer(n) {
-                        Hidden::No => set(*pixel, ray),
-                        Hidden::Unsure => set(*pixel, undecided),
+            for (backward, chosen) in [false, true].into_iter().zip(&sides).take(if ray < count.rays { 2 } else { 1 }) {
+                stream.trace(s, blockers, backward, (chosen, &hits.starts.ids));
+                for (n, answer) in stream.answers() {
+                    match answer {
+                        Hidden::No => set(n, ray),
+                        Hidden::Unsure => set(n, undecided),
                         Hidden::Yes => {}
                     }
                 }
             }
         }
+        for (pixel, own) in hits.pixels.iter().zip(own.chunks(each)) {
+            let words = &words[*pixel as usize * each..][..each];
+            words.iter().zip(own).for_each(|(word, own)| word.store(*own, Relaxed));
+        }
     }
 }
 
-/// Rays on one side of a plane.
-#[derive(Default)]
-struct Side {
-    pixels: Vec<u32>,
-    starts: Starts,
-}
-
-impl Side {
-    fn clear(&mut self) {
-        self.pixels.clear();
-        self.starts.ids.clear();
-        self.starts.at.iter_mut().for_each(Vec::clear);
-    }
-
+impl Hits {
+    /// Writes the hits whose normals are on the side of a direction, and those on the other, a bit each, sixteen to a word. Those for which
+    /// that is not known are `undecided` besides.
     #[inline(always)]
-    fn add(&mut self, hits: &Hits, n: usize) {
-        self.pixels.push(hits.pixels[n]);
-        self.starts.ids.push(hits.starts.ids[n]);
-        for (own, at) in self.starts.at.iter_mut().zip(&hits.starts.at) {
-            own.push(at[n]);
+    fn sides<S: Sixteen>(
+        &self,
+        s: S,
+        direction: [f64; 3],
+        sides: &mut [Vec<u32>; 2],
+        mut undecided: impl FnMut(usize),
+    ) {
+        let unit = DVec3::from_array(direction).normalize().as_vec3();
+        let (x, y, z) = (s.splat(unit.x), s.splat(unit.y), s.splat(unit.z));
+        sides.iter_mut().for_each(Vec::clear);
+        let normals = self.normals.each_ref().map(|x| x.as_chunks::<SIXTEEN>().0);
+        for (n, ((a, b), c)) in normals[0].iter().zip(normals[1]).zip(normals[2]).enumerate() {
+            let cosine = s.add(s.add(s.mul(s.load(a), x), s.mul(s.load(b), y)), s.mul(s.load(c), z));
+            let there = (1u32 << (self.pixels.len() - n * SIXTEEN).min(SIXTEEN)) - 1;
+            let front = s.at_most(s.splat(0.0), cosine);
+            let mut grazing = there & s.at_most(cosine, s.splat(GRAZING)) & s.at_most(s.splat(-GRAZING), cosine);
+            while grazing != 0 {
+                undecided(n * SIXTEEN + grazing.trailing_zeros() as usize);
+                grazing &= grazing - 1;
+            }
+            sides[0].push(there & front);
+            sides[1].push(there & !front);
         }
     }
 }
@@ -238,10 +237,12 @@ impl Batch<'_> {
                 hits.starts.ids.push(ids[*pixel as usize]);
                 for k in 0..3 {
                     hits.starts.at[k].push(at[k][l]);
-                    hits.normals[k].push(normal[k][l]);
+                    hits.normals[k].push(normal[k][l] as f32);
                 }
             }
         }
+        let whole = hits.pixels.len().next_multiple_of(SIXTEEN);
+        hits.normals.iter_mut().for_each(|normals| normals.resize(whole, 0.0));
         hits
     }
 }

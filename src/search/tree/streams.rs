@@ -31,7 +31,7 @@ struct List {
     u: Vec<f32>,
     v: Vec<f32>,
     w: Vec<f32>,
-    /// Their places in the list above.
+    /// Their places in the list above, in the first list those of their starts.
     above: Vec<u32>,
     /// A bit for each ray of a vector that nothing hides yet.
     open: Vec<u32>,
@@ -199,6 +199,9 @@ struct Leaf {
 /// Memory of streams.
 #[derive(Default)]
 pub(crate) struct Stream {
+    axes: [[f32; 3]; 3],
+    /// All starts along the axes.
+    along: [Vec<f32>; 3],
     lists: Vec<List>,
     waiting: Vec<Children>,
     pairs: Vec<u32>,
@@ -231,38 +234,70 @@ fn axes(direction: [f64; 3]) -> [[f32; 3]; 3] {
 }
 
 impl Stream {
-    /// Whether spheres hide the ends of rays in a direction, infinitely far: of rays from points outside of all spheres, on the
-    /// surface of their own, which is behind them. At most [`MOST_RAYS`] of them. The answers do not depend on the order of rays and spheres.
+    /// Begins a direction, and its opposite, for rays from these starts, at most [`MOST_RAYS`] of them.
     #[inline(always)]
-    pub(crate) fn trace<S: Sixteen>(&mut self, s: S, blockers: Blockers<'_>, direction: [f64; 3], starts: &Starts) {
-        let (levels, count) = (blockers.bounding.levels.len(), starts.ids.len());
-        self.lists.resize_with(self.lists.len().max(levels), List::default);
-        self.unsure.clear();
-        self.unsure.resize(count, false);
-        let axes = axes(direction);
-        let root = &mut self.lists[0];
-        root.reserve(count);
+    pub(crate) fn begin(&mut self, direction: [f64; 3], starts: &Starts) {
+        self.axes = axes(direction);
+        let count = starts.ids.len();
         let [x, y, z] = starts.at.each_ref().map(|x| &x[..count]);
-        for (axis, out) in axes.iter().zip([&mut root.u, &mut root.v, &mut root.w]) {
+        for (axis, out) in self.axes.iter().zip(&mut self.along) {
+            out.resize(count.next_multiple_of(SIXTEEN), 0.0);
             let (axis, out) = (axis.map(f64::from), &mut out[..count]);
             for ray in 0..count {
                 out[ray] = (x[ray] * axis[0] + y[ray] * axis[1] + z[ray] * axis[2]) as f32;
             }
         }
+    }
+
+    /// Whether spheres hide the ends of the rays from some starts, those with a bit in `chosen`, sixteen to a word, infinitely far in the
+    /// direction, or with `backward` in its opposite. The starts lie outside of all spheres, on the surface of their own, which is behind
+    /// them. The answers do not depend on the order of rays and spheres.
+    #[inline(always)]
+    pub(crate) fn trace<S: Sixteen>(
+        &mut self,
+        s: S,
+        blockers: Blockers<'_>,
+        backward: bool,
+        (chosen, ids): (&[u32], &[u32]),
+    ) {
+        let levels = blockers.bounding.levels.len();
+        self.lists.resize_with(self.lists.len().max(levels), List::default);
+        self.unsure.clear();
+        self.unsure.resize(ids.len(), false);
+        let (root, mut axes, mut count) = (&mut self.lists[0], self.axes, 0);
+        root.reserve(ids.len());
+        let [u, v, w] = &self.along;
+        let side = s.splat(if backward { -1.0 } else { 1.0 });
+        if backward {
+            axes[2] = axes[2].map(|x| -x);
+        }
+        for (n, &mask) in chosen.iter().enumerate() {
+            let first = n * SIXTEEN;
+            s.pack(mask, s.load(sixteen(u, first)), sixteen_mut(&mut root.u, count));
+            s.pack(mask, s.load(sixteen(v, first)), sixteen_mut(&mut root.v, count));
+            s.pack(mask, s.mul(side, s.load(sixteen(w, first))), sixteen_mut(&mut root.w, count));
+            s.pack_lanes(mask, first as u32, sixteen_mut(&mut root.above, count));
+            count += mask.count_ones() as usize;
+        }
         root.open_all(count);
         if count > 0 {
-            self.descend(s, blockers, &axes, &starts.ids);
+            self.descend(s, blockers, &axes, ids);
         }
     }
 
-    /// The answer for a ray of the last stream.
+    /// The starts of the last rays, by their numbers, and their answers.
     #[inline(always)]
-    pub(crate) fn answer(&self, ray: usize) -> Hidden {
-        match (self.lists[0].is_open(ray), self.unsure[ray]) {
-            (false, _) => Hidden::Yes,
-            (true, true) => Hidden::Unsure,
-            (true, false) => Hidden::No,
-        }
+    pub(crate) fn answers(&self) -> impl Iterator<Item = (usize, Hidden)> {
+        let root = &self.lists[0];
+        root.above[..root.count].iter().enumerate().map(|(ray, start)| {
+            let start = *start as usize;
+            let answer = match (root.is_open(ray), self.unsure[start]) {
+                (false, _) => Hidden::Yes,
+                (true, true) => Hidden::Unsure,
+                (true, false) => Hidden::No,
+            };
+            (start, answer)
+        })
     }
 
     #[inline(always)]
@@ -363,24 +398,21 @@ impl Stream {
                 continue;
             }
             let mut mask = s.at_most(distance, s.load(&leaf.outer)) & low;
-            let root = root(above, list, ray);
+            let start = start(above, list, ray);
             while mask != 0 {
                 let place = (group * SIXTEEN + child) * SIXTEEN + mask.trailing_zeros() as usize;
                 // A ray leaves its own sphere behind.
-                unsure[root] |= tree.ids[place] != ids[root];
+                unsure[start] |= tree.ids[place] != ids[start];
                 mask &= mask - 1;
             }
         }
     }
 }
 
-/// The place in the first list of a ray of a list, which is below some.
+/// The number of the start of a ray of a list, which is below some.
 #[inline(always)]
-fn root(above: &[List], list: &List, ray: usize) -> usize {
-    match above {
-        [] => ray,
-        [_, between @ ..] => between.iter().rev().fold(list.above[ray] as usize, |ray, list| list.above[ray] as usize),
-    }
+fn start(above: &[List], list: &List, ray: usize) -> usize {
+    above.iter().rev().fold(list.above[ray] as usize, |ray, list| list.above[ray] as usize)
 }
 
 /// Closes the rays of a list that are closed in the one below.

@@ -44,9 +44,23 @@ impl Work16 for &Trace<'_> {
     #[inline(always)]
     fn work<S: Sixteen>(self, lanes: S) -> Vec<Hidden> {
         let mut stream = Stream::default();
-        stream.trace(lanes, self.blockers, self.direction, self.starts);
-        (0..self.starts.ids.len()).map(|ray| stream.answer(ray)).collect()
+        let ids = &self.starts.ids;
+        let chosen: Vec<u32> =
+            (0..ids.len().div_ceil(SIXTEEN)).map(|n| (1 << (ids.len() - n * SIXTEEN).min(SIXTEEN)) - 1).collect();
+        stream.begin(self.direction, self.starts);
+        stream.trace(lanes, self.blockers, false, (&chosen, ids));
+        let forward: Vec<Hidden> = stream.answers().map(|(_, answer)| answer).collect();
+        // The same way by its opposite.
+        stream.begin(self.direction.map(|x| -x), self.starts);
+        stream.trace(lanes, self.blockers, true, (&chosen, ids));
+        assert!(stream.answers().zip(&forward).all(|((_, backward), forward)| is_alike(backward, *forward)));
+        forward
     }
+}
+
+/// Whether answers do not contradict each other.
+fn is_alike(a: Hidden, b: Hidden) -> bool {
+    a == b || a == Hidden::Unsure || b == Hidden::Unsure
 }
 
 /// A scene, and rays of one direction from points outside of all its spheres, many of which touch one.
