@@ -91,10 +91,20 @@ impl Line {
         (x as f64 * self.stretch()).round() as isize
     }
 
-    /// The offsets to half of the neighbours, and the unit vectors toward them.
-    fn pairs(self) -> Vec<([isize; 2], [f64; 2])> {
-        pairs().map(|offset| (offset.map(|x| self.distance(x)), unit(offset))).collect()
+    fn neighbourhood(self) -> Neighbourhood {
+        let pairs: Vec<_> = pairs().map(|offset| (offset.map(|x| self.distance(x)), unit(offset))).collect();
+        let both = pairs.iter().flat_map(|(_, toward)| [toward, toward]);
+        let straight = both.fold([0.0; 2], |sum, toward| [0, 1].map(|k| sum[k] + 0.5 * toward[k].abs()));
+        Neighbourhood { pairs, straight }
     }
+}
+
+/// The neighbours of a pixel.
+struct Neighbourhood {
+    /// The offsets to half of the neighbours, and the unit vectors toward them; the others are opposite.
+    pairs: Vec<([isize; 2], [f64; 2])>,
+    /// For each axis the sum of the unit vectors toward those on one side of it.
+    straight: [f64; 2],
 }
 
 /// The size of a pixel in the scene's unit.
@@ -148,17 +158,17 @@ impl Shown<'_> {
     /// Draws the lines of all pixels, whose linear RGB is `color`; with `between`, also where two spheres meet without a
     /// gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.
     pub(crate) fn draw(&self, between: bool, color: &mut [f32]) {
-        let pairs = &self.line.pairs()[..];
+        let around = &self.line.neighbourhood();
         parallel::chunks(color, 3 * self.width, &|y, row| {
-            vectorized!(self.draw_row(pairs, between, y as isize, row));
+            vectorized!(self.draw_row(around, between, y as isize, row));
         });
     }
 
     /// Draws the lines of row `y`.
     #[inline(always)]
-    fn draw_row(&self, pairs: &[([isize; 2], [f64; 2])], between: bool, y: isize, row: &mut [f32]) {
+    fn draw_row(&self, around: &Neighbourhood, between: bool, y: isize, row: &mut [f32]) {
         for (n, pixels) in row.chunks_mut(3 * LANES).enumerate() {
-            let dark = self.darkness([(n * LANES) as isize, y], pairs, between);
+            let dark = self.darkness([(n * LANES) as isize, y], around, between);
             for (rgb, dark) in pixels.chunks_exact_mut(3).zip(dark) {
                 let dark = (self.line.strength() * dark) as f32;
                 if dark > 0.0 {
@@ -176,9 +186,9 @@ impl Shown<'_> {
     }
 
     /// The spots of [`LANES`] pixels of row `y`, which must exist, from column `x` on. A pixel beside the rectangle is
-    /// a miss.
+    /// a miss; with `INNER` all are within.
     #[inline(always)]
-    fn spots(&self, [x, y]: [isize; 2]) -> Spots {
+    fn spots<const INNER: bool>(&self, [x, y]: [isize; 2]) -> Spots {
         let mut spots = Spots { id: [NONE; LANES], depth: [f64::INFINITY; LANES], within: [0; LANES] };
         let row = y as usize * self.width..(y as usize + 1) * self.width;
         let (ids, depths) = (&self.ids[row.clone()], &self.depths[row]);
@@ -190,7 +200,7 @@ impl Shown<'_> {
             spots.id.copy_from_slice(ids);
             spots.depth.copy_from_slice(depths);
             spots.within = [u64::MAX; LANES];
-        } else {
+        } else if !INNER {
             for l in 0..LANES {
                 if let Ok(x) = usize::try_from(x + l as isize)
                     && x < self.width
@@ -199,17 +209,20 @@ impl Shown<'_> {
                 }
             }
         }
-        for l in 0..LANES {
-            let hit = (spots.id[l] != NONE) & (spots.depth[l].abs() < f64::INFINITY);
-            spots.id[l] = if hit { spots.id[l] } else { NONE };
-            spots.depth[l] = if hit { spots.depth[l] } else { f64::INFINITY };
-        }
         spots
+    }
+
+    /// Whether [`LANES`] pixels from column `x` of row `y` on and all their neighbours lie within the rectangle.
+    #[inline(always)]
+    fn is_inner(&self, [x, y]: [isize; 2]) -> bool {
+        let margin = self.line.margin() as isize;
+        let across = x >= margin && x + LANES as isize + margin <= self.width as isize;
+        across && y >= margin && y + margin < self.rows()
     }
 
     /// Whether [`LANES`] pixels from column `x` of row `y` on and all their neighbours show sphere `id`.
     #[inline(always)]
-    fn is_within(&self, id: u32, [x, y]: [isize; 2], pairs: &[([isize; 2], [f64; 2])]) -> bool {
+    fn is_within(&self, id: u32, [x, y]: [isize; 2], around: &Neighbourhood) -> bool {
         let shows = |x: isize, y: isize| {
             let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return false };
             let pixels = self.ids.get(y * self.width + x..y * self.width + x + LANES);
@@ -217,35 +230,55 @@ impl Shown<'_> {
                 && pixels.is_some_and(|ids| ids.iter().fold(true, |all, other| all & (*other == id)))
         };
         let both = |[right, down]: [isize; 2]| shows(x + right, y + down) && shows(x - right, y - down);
-        shows(x, y) && pairs.iter().all(|(offset, _)| both(*offset))
+        shows(x, y) && around.pairs.iter().all(|(offset, _)| both(*offset))
+    }
+
+    /// The sums over the neighbours of [`LANES`] pixels from column `x` of row `y` on; with `INNER` all of them lie within the rectangle.
+    #[inline(always)]
+    fn sums<const INNER: bool>(
+        &self,
+        [x, y]: [isize; 2],
+        (own, size): (&Spots, &[f64; LANES]),
+        around: &Neighbourhood,
+        between: bool,
+    ) -> Sums {
+        let mut sums = Sums::default();
+        if INNER {
+            sums.count = [NEIGHBOURS; LANES];
+            sums.straight = around.straight.map(|straight| [straight; LANES]);
+        }
+        for &([right, down], toward) in &around.pairs {
+            // Where one of two opposite neighbours lies beyond the frame's edge, it is not known how the surface descends.
+            if !INNER && (y < down || y + down >= self.rows()) {
+                continue;
+            }
+            let (one, other) = (self.spots::<INNER>([x + right, y + down]), self.spots::<INNER>([x - right, y - down]));
+            sums.add::<INNER>(own, size, toward, (&one, &other), between);
+            sums.add::<INNER>(own, size, toward.map(|x| -x), (&other, &one), between);
+        }
+        sums
     }
 
     /// The darkness of the lines at [`LANES`] pixels from column `x` of row `y` on: 0 for none, 1 for black; 0 on a
-    /// miss. `pairs` are [`pairs`] with their unit vectors.
+    /// miss.
     #[inline(always)]
-    fn darkness(&self, [x, y]: [isize; 2], pairs: &[([isize; 2], [f64; 2])], between: bool) -> [f64; LANES] {
-        let own = self.spots([x, y]);
+    fn darkness(&self, [x, y]: [isize; 2], around: &Neighbourhood, between: bool) -> [f64; LANES] {
+        let own = self.spots::<false>([x, y]);
         let mut dark = [0.0; LANES];
         if own.id == [NONE; LANES] {
             return dark;
         }
-        if self.is_within(own.id[0], [x, y], pairs) {
+        if self.is_within(own.id[0], [x, y], around) {
             return dark;
         }
         let mut size = [0.0; LANES];
         for l in 0..LANES {
             size[l] = self.pixel.at(own.depth[l]);
         }
-        let mut sums = Sums::default();
-        for &([right, down], toward) in pairs {
-            // Where one of two opposite neighbours lies beyond the frame's edge, it is not known how the surface descends.
-            if y < down || y + down >= self.rows() {
-                continue;
-            }
-            let (one, other) = (self.spots([x + right, y + down]), self.spots([x - right, y - down]));
-            sums.add(&own, &size, toward, (&one, &other), between);
-            sums.add(&own, &size, toward.map(|x| -x), (&other, &one), between);
-        }
+        let sums = match self.is_inner([x, y]) {
+            true => self.sums::<true>([x, y], (&own, &size), around, between),
+            false => self.sums::<false>([x, y], (&own, &size), around, between),
+        };
         let mut radii = [f64::INFINITY; LANES];
         for l in 0..LANES {
             radii[l] = self.radii.get(own.id[l] as usize).copied().unwrap_or(f64::INFINITY);
@@ -270,7 +303,7 @@ impl Shown<'_> {
 struct Spots {
     /// [`NONE`] on a miss.
     id: [u32; LANES],
-    /// Finite on a hit, +inf on a miss.
+    /// +inf on a miss.
     depth: [f64; LANES],
     /// All bits where the pixel lies within the rectangle, else none.
     within: [u64; LANES],
@@ -295,7 +328,7 @@ impl Sums {
     /// Adds the neighbours `other`, which lie in the direction `toward`, with the neighbours on the `opposite` side; a
     /// neighbour that does not count adds 0.
     #[inline(always)]
-    fn add(
+    fn add<const INNER: bool>(
         &mut self,
         own: &Spots,
         size: &[f64; LANES],
@@ -304,7 +337,7 @@ impl Sums {
         between: bool,
     ) {
         for l in 0..LANES {
-            let within = other.within[l] & opposite.within[l] != 0;
+            let within = INNER | (other.within[l] & opposite.within[l] != 0);
             let one = if within { 1.0 } else { 0.0 };
             let counts = within & (other.id[l] != own.id[l]);
             let gap = other.depth[l] - own.depth[l];
@@ -315,10 +348,14 @@ impl Sums {
             let apart = gap.abs() > CLOSE * size[l];
             let has_line = (apart & (gap > 0.0)) | (!apart & (own.id[l] < other.id[l]));
             let border = if between & counts & has_line { 1.0 } else { 0.0 };
-            self.count[l] += one;
+            if !INNER {
+                self.count[l] += one;
+            }
             self.company[l] += if counts { 1.0 - farther } else { 0.0 };
             for k in 0..2 {
-                self.straight[k][l] += 0.5 * one * toward[k].abs();
+                if !INNER {
+                    self.straight[k][l] += 0.5 * one * toward[k].abs();
+                }
                 self.behind[k][l] += farther * toward[k];
                 self.behind_or_border[k][l] += larger(farther, border) * toward[k];
             }

@@ -78,11 +78,8 @@ impl<'a> PictureRays<'a> {
     fn depths_of(&self, kind: RayKind, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
         let record = &self.view.record;
         for (n, (ids, depths)) in ids.chunks(LANES).zip(depths.chunks_mut(LANES)).enumerate() {
-            // Lanes without a sphere have a place of the window too.
-            let place = record.position(first + (n * LANES) as u32);
-            let (mut position, mut ball) = (place.map(|at| [at; LANES]), [[0.0; LANES]; 4]);
+            let (position, mut ball) = (record.positions(first + (n * LANES) as u32), [[0.0; LANES]; 4]);
             for (l, id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
-                [position[0][l], position[1][l]] = record.position(first + (n * LANES + l) as u32);
                 let [x, y, z] = spheres.centers[*id as usize];
                 [ball[0][l], ball[1][l], ball[2][l], ball[3][l]] = [x, y, z, spheres.radii[*id as usize]];
             }

@@ -1,6 +1,7 @@
 //! The records that the kernels read: the view, and the spheres moved into the canonical camera.
 
 use crate::number::Number;
+use crate::number::vector::LANES;
 use crate::tile::TILE;
 use crate::window::Window;
 use bytemuck::{Pod, Zeroable};
@@ -64,6 +65,30 @@ pub struct ViewRecord {
     pub unused: [u32; 3],
 }
 
+/// Places of pixels, row by row, then the last one again and again.
+pub(crate) struct Places {
+    place: [u32; 2],
+    /// The first column, and the one after the last.
+    columns: [u32; 2],
+    /// The row after the last.
+    rows: u32,
+}
+
+impl Iterator for Places {
+    type Item = [u32; 2];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<[u32; 2]> {
+        let now = self.place;
+        self.place = match (now[1] + 1 < self.columns[1], now[0] + 1 < self.rows) {
+            (true, _) => [now[0], now[1] + 1],
+            (false, true) => [now[0] + 1, self.columns[0]],
+            (false, false) => now,
+        };
+        Some(now)
+    }
+}
+
 impl ViewRecord {
     /// Pixels of the window.
     pub(crate) fn pixels(&self) -> usize {
@@ -73,6 +98,27 @@ impl ViewRecord {
     /// Row and column in the full frame of a pixel of the window, by its index in the buffers.
     pub(crate) fn place(&self, pixel: u32) -> [u32; 2] {
         [self.first_row + pixel / self.columns, self.first_column + pixel % self.columns]
+    }
+
+    /// Rows and columns in the full frame of the pixels of the window from this index on, in their order: without the divisions of [`Self::place`].
+    #[inline(always)]
+    pub(crate) fn places(&self, first: u32) -> Places {
+        let place = if self.columns == 0 { [0; 2] } else { self.place(first) };
+        let columns = [self.first_column, self.first_column + self.columns];
+        Places { place, columns, rows: self.first_row + self.rows }
+    }
+
+    /// Rows and columns in the finer frame of the rays of [`LANES`] pixels of the window from this index on; beyond its end those of its last.
+    #[inline(always)]
+    pub(crate) fn positions(&self, first: u32) -> [[u32; LANES]; 2] {
+        let [mut rows, mut columns] = [[0; LANES]; 2];
+        for (l, [row, column]) in self.places(first).take(LANES).enumerate() {
+            (rows[l], columns[l]) = (row, column);
+        }
+        for (row, column) in rows.iter_mut().zip(&mut columns) {
+            [*row, *column] = self.sample_position(*row, *column);
+        }
+        [rows, columns]
     }
 
     /// Row and column in the finer frame of the ray of a pixel of the window, by its index in the buffers.

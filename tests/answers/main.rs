@@ -51,6 +51,7 @@ mod score;
 mod selftest;
 mod splat;
 mod stream;
+mod streams;
 mod truth;
 mod twins;
 mod units;

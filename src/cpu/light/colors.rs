@@ -53,14 +53,12 @@ impl Colors<'_, '_, '_> {
     fn gathered(&self, first: usize) -> Lanes {
         let (lighting, record) = (self.lighting, &self.lighting.view.record);
         let spheres = &lighting.scene.spheres;
-        let mut lanes = Lanes::zeroed();
-        for (l, &id) in self.ids[first..].iter().take(LANES).enumerate() {
+        let (mut lanes, pixel) = (Lanes::zeroed(), (self.chunk.first + first) as u32);
+        lanes.position = record.positions(pixel);
+        for ((l, &id), [row, column]) in self.ids[first..].iter().take(LANES).enumerate().zip(record.places(pixel)) {
             if id == NONE {
                 continue;
             }
-            let [row, column] = record.place((self.chunk.first + first + l) as u32);
-            let position = record.sample_position(row, column);
-            (lanes.position[0][l], lanes.position[1][l]) = (position[0], position[1]);
             let sky = lighting.open.map(|open| open.around(row, column, id)).unwrap_or_default();
             for (lanes, sum) in lanes.sky.iter_mut().zip([sky.all, sky.open, sky.zenith[0], sky.zenith[1]]) {
                 (lanes[0][l], lanes[1][l], lanes[2][l]) = (sum.x, sum.y, sum.z);

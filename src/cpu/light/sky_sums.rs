@@ -44,16 +44,14 @@ impl KnownSky<'_, '_, '_> {
     #[inline(always)]
     fn gather(&self, first: usize, lanes: &mut Lanes, directions: &mut [Directions]) -> [bool; LANES] {
         let (record, spheres) = (&self.lighting.view.record, &self.lighting.scene.spheres);
-        let mut is_left = [false; LANES];
-        for (l, &id) in self.ids[first..].iter().take(LANES).enumerate() {
-            let pixel = (self.chunk.first + first + l) as u32;
+        let (mut is_left, start) = ([false; LANES], (self.chunk.first + first) as u32);
+        lanes.position = record.positions(start);
+        for ((l, &id), [row, column]) in self.ids[first..].iter().take(LANES).enumerate().zip(record.places(start)) {
+            let pixel = start + l as u32;
             let Some(own) = self.traced.of(pixel).filter(|_| id != NONE) else {
                 is_left[l] = id != NONE;
                 continue;
             };
-            let [row, column] = record.place(pixel);
-            let position = record.sample_position(row, column);
-            (lanes.position[0][l], lanes.position[1][l]) = (position[0], position[1]);
             let center = spheres.centers[id as usize];
             lanes.radius[l] = spheres.radii[id as usize];
             for k in 0..3 {

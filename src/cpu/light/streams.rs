@@ -82,8 +82,8 @@ impl LightingContext<'_> {
         let record = &self.view.record;
         parallel::blocks(0..ids.len(), PIXELS_PER_JOB, &|pixels, _: Range<usize>| {
             let mut by_turn = vec![Vec::new(); turns];
-            for pixel in pixels.filter(|pixel| ids[*pixel] != NONE) {
-                let [row, column] = record.place(pixel as u32);
+            let places = record.places(pixels.start as u32);
+            for (pixel, [row, column]) in pixels.zip(places).filter(|(pixel, _)| ids[*pixel] != NONE) {
                 let at = PixelSample { row, column, sample: record.sample, seed: self.seed };
                 let turn = if turns > 1 { self.directions.turn(at, 0) } else { 0 };
                 by_turn[turn].push(pixel as u32);
