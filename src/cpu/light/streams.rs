@@ -106,7 +106,7 @@ impl LightingContext<'_> {
             let distance = if parallel { away.dot(axis).abs() } else { away.length() };
             distance.is_nan() || distance <= f64::from(radius) + margin
         };
-        (is_beyond && !parallel) || !tree.bounding().any(tree, &may_contain)
+        (is_beyond && !parallel) || !tree.bounding().any(&tree.blocks, &may_contain)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Spheres around groups of sixteen, in the order of the tree: what streams of rays descend.
 
-use super::{ABSENT, Block, Tree, WIDE};
+use super::records::{ABSENT, Block, WIDE};
 use crate::parallel;
 use bytemuck::Zeroable;
 
@@ -23,24 +23,24 @@ pub(crate) struct Bounding {
     pub(crate) levels: Vec<Vec<Balls>>,
 }
 
-/// What the centre of a sphere of the tree is off by as f32, and more.
+/// Bound of the error of a sphere's centre as f32, with more to spare.
 const ROUNDED: f32 = 1.0 / (1u32 << 22) as f32;
 /// Above the rounding of a distance in f32, relative.
 const LONGER: f32 = 1.0 + 1.0 / (1u32 << 20) as f32;
 
 impl Bounding {
-    /// The spheres around the groups of a tree.
-    pub(crate) fn of(tree: &Tree) -> Self {
+    /// The spheres around the groups of these blocks.
+    pub(crate) fn of(all: &[Block]) -> Self {
         let (mut levels, mut each) = (Vec::new(), SIXTEEN);
         loop {
-            let count = tree.ids.len().div_ceil(each).div_ceil(SIXTEEN).max(1);
+            let count = (all.len() * WIDE).div_ceil(each).div_ceil(SIXTEEN).max(1);
             let mut level = vec![Balls::zeroed(); count];
             let blocks = each / WIDE;
             parallel::fill(&mut level[..], 1, &|range, level: &mut [Balls]| {
                 for (n, balls) in range.zip(level) {
                     for l in 0..SIXTEEN {
-                        let first = tree.blocks.len().min((n * SIXTEEN + l) * blocks);
-                        let group = &tree.blocks[first..tree.blocks.len().min(first + blocks)];
+                        let first = all.len().min((n * SIXTEEN + l) * blocks);
+                        let group = &all[first..all.len().min(first + blocks)];
                         let ([x, y, z], radius) = around(group);
                         [balls.center[0][l], balls.center[1][l], balls.center[2][l]] = [x, y, z];
                         balls.radius[l] = radius;
@@ -57,20 +57,20 @@ impl Bounding {
         Self { levels }
     }
 
-    /// Whether `may` holds for a sphere of the tree, by its place; it holds for a group if it may hold for a sphere in it.
-    pub(crate) fn any(&self, tree: &Tree, may: &dyn Fn([f32; 3], f32) -> bool) -> bool {
-        self.any_below(tree, 0, 0, may)
+    /// Whether `may` holds for a sphere of the blocks, by its place; it holds for a group if it may hold for a sphere in it.
+    pub(crate) fn any(&self, blocks: &[Block], may: &dyn Fn([f32; 3], f32) -> bool) -> bool {
+        self.any_below(blocks, 0, 0, may)
     }
 
-    fn any_below(&self, tree: &Tree, level: usize, n: usize, may: &dyn Fn([f32; 3], f32) -> bool) -> bool {
+    fn any_below(&self, blocks: &[Block], level: usize, n: usize, may: &dyn Fn([f32; 3], f32) -> bool) -> bool {
         let Some(balls) = self.levels.get(level).map(|level| &level[n]) else {
-            return [2 * n, 2 * n + 1].into_iter().filter_map(|n| tree.blocks.get(n)).any(|block| {
+            return [2 * n, 2 * n + 1].into_iter().filter_map(|n| blocks.get(n)).any(|block| {
                 (0..WIDE).any(|l| block.radius[l] >= 0.0 && may(block.center.map(|x| x[l]), block.radius[l]))
             });
         };
         (0..SIXTEEN).any(|l| {
             let (center, radius) = (balls.center.map(|x| x[l]), balls.radius[l]);
-            radius >= 0.0 && may(center, radius) && self.any_below(tree, level + 1, n * SIXTEEN + l, may)
+            radius >= 0.0 && may(center, radius) && self.any_below(blocks, level + 1, n * SIXTEEN + l, may)
         })
     }
 }

@@ -157,7 +157,7 @@ struct Children {
     reach: [f32; SIXTEEN],
     /// The height above which a ray leaves all of the child behind; below every ray for a missing one.
     top: [f32; SIXTEEN],
-    /// Those that are there, the farthest toward the sky first.
+    /// The children that exist, the farthest toward the sky first.
     order: [u8; SIXTEEN],
     count: usize,
     next: usize,
@@ -309,7 +309,7 @@ impl Stream {
         loop {
             let level = self.waiting.len();
             if level == lowest {
-                self.meet(s, blockers, group, axes, ids);
+                self.test_leaves(s, blockers, group, axes, ids);
             } else {
                 self.waiting.push(Children::of(s, &bounding.levels[level][group], group, axes, error));
             }
@@ -342,7 +342,7 @@ impl Stream {
     /// Compares the rays of the lowest list with the spheres of a lowest group: first with the spheres around its sixteens, then
     /// each pair of a ray and a sixteen, without branches, then the few pairs in which a sphere may hide the ray.
     #[inline(always)]
-    fn meet<S: Sixteen>(
+    fn test_leaves<S: Sixteen>(
         &mut self,
         s: S,
         Blockers { tree, bounding, error }: Blockers<'_>,
