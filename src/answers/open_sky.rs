@@ -94,7 +94,7 @@ impl SkyAtHit {
     }
 }
 
-/// What [`SkyAtHit::write`] writes, of eight pixels.
+/// The numbers that [`SkyAtHit::write`] writes, of eight pixels.
 pub(crate) struct SkyCounts {
     pub(crate) normal: [[i16; LANES]; 3],
     pub(crate) sums: [[i16; LANES]; 12],
