@@ -51,6 +51,13 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let mut through = crowd([1.0, 2.0, 4.5], vfov(32.0));
     let opacity = |n: usize| if n.is_multiple_of(3) { 0.4 } else { 1.0 };
     through.spheres.opacities = Some((0..through.spheres.len()).map(opacity).collect());
+    // Opaque spheres in translucent ones: what a picture shows behind these lies inside of them.
+    let mut shells = crowd([1.0, 2.0, 4.5], vfov(32.0));
+    for n in 0..400 {
+        shells.spheres.push(shells.spheres.centers[n], 1.5 * shells.spheres.radii[n], None);
+    }
+    let opacity = |n: usize| if n + 400 < shells.spheres.len() { 1.0 } else { 0.4 };
+    shells.spheres.opacities = Some((0..shells.spheres.len()).map(opacity).collect());
     let mut shell = crowd([0.1, 0.2, 0.3], vfov(80.0));
     shell.spheres.push([0.0; 3], 5.0, None);
     let mut two = Spheres::default();
@@ -67,6 +74,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("in a sphere", shell),
         ("a large ground", ground),
         ("through translucent spheres", through),
+        ("translucent spheres that cast shadows", shells),
     ]
 }
 
@@ -75,7 +83,8 @@ fn streams_have_the_answers_of_rays_one_by_one() {
     let mut renderer = cpu();
     let aovs = vec![Aov::Color, Aov::Shadow, Aov::Certainty];
     for (name, scene) in scenes() {
-        let settings = Settings { aovs: aovs.clone(), layers: 2, ..Settings::default() };
+        let opacity_shadows = name.contains("cast shadows");
+        let settings = Settings { aovs: aovs.clone(), layers: 2, opacity_shadows, ..Settings::default() };
         let full = renderer.render(&scene, &settings).expect("a frame");
         let hits = full.report.hits;
         assert!(hits > 5000, "{name}: {hits} hits");

@@ -50,6 +50,8 @@ pub(crate) struct LightingContext<'a> {
     pub(crate) seed: u32,
     /// The rays toward the sky from the hits of viewing rays, if they were traced before.
     pub(crate) open: Option<&'a OpenSky>,
+    /// The hits are the first among the spheres that block rays, up to translucent ones that do not.
+    pub(crate) from_first: bool,
     /// A device's answers to the rays from the hits of viewing rays; `None` if it traced none.
     pub(crate) traced: Option<Traced<'a>>,
     /// Most rays that follow each other from mirrors and through glass; 0 if no material asks for any.

@@ -40,7 +40,9 @@ impl LightingContext<'_> {
         let suns = self.suns();
         let count = Traced { words: &[], rays, lights: suns.len() };
         let is_worth = rays + suns.len() > 0 && ids.len() >= LEAST_PIXELS * turns;
-        if !is_worth || self.exact || !self.is_outside() {
+        // Of a method it is not proved that hits are the first ones.
+        let is_certified = self.judge.is_some() && !self.exact;
+        if !is_worth || !is_certified || !self.from_first || !self.is_outside() {
             return None;
         }
         let words = parallel::from_fn(count.words_of_pixel() * ids.len(), |_| 0);

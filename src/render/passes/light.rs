@@ -126,6 +126,8 @@ pub(in crate::render) struct LightSetup {
     /// The tree over the spheres that block rays to lights and sky, where they are not all.
     pub(super) blockers: Option<Arc<Tree>>,
     pub(super) accuracy: Accuracy,
+    /// Rays leave from what viewing rays hit first among all spheres that block them: so none begins inside of one, if the eye is outside.
+    pub(super) from_first: bool,
     /// The reason why the host traces all rays: a device knows the hits of its last frame, and which spheres block their rays.
     pub(super) by_host: Option<&'static str>,
 }
@@ -164,6 +166,7 @@ impl LightSetup {
             disc: &DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples),
             seed: settings.seed,
             open: open_sky,
+            from_first: self.from_first,
             traced: None,
             bounces,
         }))
@@ -198,7 +201,7 @@ pub(super) fn all_spheres(at: &mut Rendering<'_>, plan: &Plan) -> LightSetup {
     let tree = log.time("tree", || renderer.order.tree(&scene.spheres, renderer.frames));
     // A device holds the hits of the viewing rays of a plane.
     let by_host = plan.given.as_ref().map(|_| "its viewing rays are those of a curved lens");
-    LightSetup { tree, blockers: None, accuracy: plan.accuracy, by_host }
+    LightSetup { tree, blockers: None, accuracy: plan.accuracy, from_first: true, by_host }
 }
 
 /// The buffers of lights and sky, and the colours where there are no samples.
