@@ -7,6 +7,7 @@ mod bounce;
 mod colors;
 mod lighting;
 mod point;
+mod run;
 mod sky_sums;
 mod streams;
 mod surface;
@@ -23,6 +24,7 @@ use colors::Colors;
 use glam::{DVec3, Vec3};
 pub(crate) use lighting::{LightOutputs, LightingContext};
 use point::PointLight;
+use run::Run;
 use sky_sums::KnownSky;
 use std::cell::OnceCell;
 use surface::Surface;
@@ -59,9 +61,10 @@ impl LightingContext<'_> {
         let mut shader = PixelShader::new(self);
         let rays = &shader.rays;
         let left: Vec<usize> = if shader.rayless && shader.color_alone && Colors::fit(self) {
-            pulp::Arch::new().dispatch(Colors { lighting: self, rays, ids, chunk: &mut *chunk })
+            pulp::Arch::new().dispatch(Colors(Run { lighting: self, rays, ids, chunk: &mut *chunk }))
         } else if let Some(traced) = self.traced.filter(|traced| self.outputs.is_sky_alone() && traced.rays > 0) {
-            pulp::Arch::new().dispatch(KnownSky { lighting: self, traced, rays, ids, chunk: &mut *chunk })
+            let run = Run { lighting: self, rays, ids, chunk: &mut *chunk };
+            pulp::Arch::new().dispatch(KnownSky { run, traced })
         } else {
             (0..ids.len()).collect()
         };

@@ -1,6 +1,7 @@
 //! Hits of viewing rays on spheres, in f64 without bounds: accurate enough for the colours and lines of a picture.
 
 use super::ray::NONE;
+use super::records::ViewRecord;
 use super::{RayKind, View};
 use crate::double_double as dd;
 use crate::number::vector::{LANES, vectorized};
@@ -36,6 +37,71 @@ pub(crate) struct PictureHit {
     pub(crate) sharp: bool,
 }
 
+/// The spheres that some pixels show, one array per component. A lane without one has a place of the window, and a sphere of no size.
+#[derive(Clone, Copy)]
+pub(crate) struct ShownBalls {
+    position: [[u32; LANES]; 2],
+    ball: [[f64; LANES]; 4],
+}
+
+impl ShownBalls {
+    /// The spheres of the pixels from `first` on, at most [`LANES`] of these.
+    #[inline(always)]
+    pub(crate) fn of_run(record: &ViewRecord, first: u32, ids: &[u32], spheres: &Spheres) -> Self {
+        let mut shown = Self { position: record.positions(first), ball: [[0.0; LANES]; 4] };
+        for (l, id) in ids.iter().take(LANES).enumerate().filter(|(_, id)| **id != NONE) {
+            shown.show(l, spheres, *id);
+        }
+        shown
+    }
+
+    /// The spheres of some pixels of the window, whose `ids` are of all its pixels: at least one of them, at most [`LANES`].
+    #[inline(always)]
+    pub(crate) fn of_some(record: &ViewRecord, pixels: &[u32], ids: &[u32], spheres: &Spheres) -> Self {
+        let mut shown = Self { position: [[0; LANES]; 2], ball: [[0.0; LANES]; 4] };
+        for l in 0..LANES {
+            // Lanes beyond the last pixel repeat it.
+            let pixel = pixels[l.min(pixels.len() - 1)];
+            [shown.position[0][l], shown.position[1][l]] = record.position(pixel);
+            shown.show(l, spheres, ids[pixel as usize]);
+        }
+        shown
+    }
+
+    #[inline(always)]
+    fn show(&mut self, l: usize, spheres: &Spheres, id: u32) {
+        let [x, y, z] = spheres.centers[id as usize];
+        [self.ball[0][l], self.ball[1][l], self.ball[2][l], self.ball[3][l]] = [x, y, z, spheres.radii[id as usize]];
+    }
+
+    #[inline(always)]
+    fn position(&self, l: usize) -> [u32; 2] {
+        [self.position[0][l], self.position[1][l]]
+    }
+
+    /// The centre of the sphere of a lane.
+    #[inline(always)]
+    pub(crate) fn center(&self, l: usize) -> [f64; 3] {
+        [self.ball[0][l], self.ball[1][l], self.ball[2][l]]
+    }
+
+    /// The radius of the sphere of a lane.
+    #[inline(always)]
+    pub(crate) fn radius(&self, l: usize) -> f64 {
+        self.ball[3][l]
+    }
+}
+
+/// [`PictureHit`] of some pixels, one array per component; truth values as 1 and 0.
+pub(crate) struct PictureHits {
+    pub(crate) normal: [[f64; LANES]; 3],
+    /// The cosine between the normal and the way back along the ray.
+    pub(crate) facing: [f64; LANES],
+    pub(crate) outside: [u64; LANES],
+    pub(crate) near: [u64; LANES],
+    pub(crate) sharp: [u64; LANES],
+}
+
 impl<'a> PictureRays<'a> {
     pub(crate) fn new(view: &'a View) -> Self {
         Self { view, scale: dd::ldexp(1.0, -view.unit) }
@@ -63,6 +129,29 @@ impl<'a> PictureRays<'a> {
         }
     }
 
+    /// The hits of pixels on the spheres that they show, in one vector where the view is a perspective one.
+    #[inline(always)]
+    pub(crate) fn hits(&self, shown: &ShownBalls) -> PictureHits {
+        match self.view.kind() {
+            RayKind::Perspective => self.hits_by(RayKind::Perspective, shown),
+            kind => self.hits_by(kind, shown),
+        }
+    }
+
+    #[inline(always)]
+    fn hits_by(&self, kind: RayKind, shown: &ShownBalls) -> PictureHits {
+        let none = [0; LANES];
+        let (normal, facing) = ([[0.0; LANES]; 3], [0.0; LANES]);
+        let mut hits = PictureHits { normal, facing, outside: none, near: none, sharp: none };
+        for l in 0..LANES {
+            let hit = self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l));
+            (hits.normal[0][l], hits.normal[1][l], hits.normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
+            hits.facing[l] = -hit.along.dot(hit.normal);
+            (hits.outside[l], hits.near[l], hits.sharp[l]) = (hit.outside.into(), hit.near.into(), hit.sharp.into());
+        }
+        hits
+    }
+
     /// Writes the depth of each hit along the view axis, for a curved lens along the ray, in the scene's unit: that of the pixels from
     /// `first` on, which show the spheres `ids`; +inf on a miss.
     pub(crate) fn depths(&self, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
@@ -78,16 +167,12 @@ impl<'a> PictureRays<'a> {
     fn depths_of(&self, kind: RayKind, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
         let record = &self.view.record;
         for (n, (ids, depths)) in ids.chunks(LANES).zip(depths.chunks_mut(LANES)).enumerate() {
-            let (position, mut ball) = (record.positions(first + (n * LANES) as u32), [[0.0; LANES]; 4]);
-            for (l, id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
-                let [x, y, z] = spheres.centers[*id as usize];
-                [ball[0][l], ball[1][l], ball[2][l], ball[3][l]] = [x, y, z, spheres.radii[*id as usize]];
-            }
+            let shown = ShownBalls::of_run(record, first + (n * LANES) as u32, ids, spheres);
             let mut found = [0.0; LANES];
-            for l in 0..LANES {
-                let (position, center) = ([position[0][l], position[1][l]], [ball[0][l], ball[1][l], ball[2][l]]);
-                let Meeting { forward, t, .. } = self.meeting(kind, position, center, ball[3][l]);
-                found[l] = forward * t;
+            for (l, found) in found.iter_mut().enumerate() {
+                let Meeting { forward, t, .. } =
+                    self.meeting(kind, shown.position(l), shown.center(l), shown.radius(l));
+                *found = forward * t;
             }
             for ((depth, found), id) in depths.iter_mut().zip(found).zip(ids) {
                 *depth = if *id == NONE { f64::INFINITY } else { dd::ldexp(found, self.view.unit) };

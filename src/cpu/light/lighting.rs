@@ -5,7 +5,7 @@ use crate::answers::light::Traced;
 use crate::answers::open_sky::OpenSky;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
-use crate::scene::{Ball, DEFAULT_COLOR, Material, NumberedBall, Scene, Sky, SkyLight};
+use crate::scene::{Ball, DEFAULT_COLOR, Lighting, Material, NumberedBall, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
@@ -64,7 +64,12 @@ impl LightOutputs {
         self.color || self.shadow || self.occlusion || self.sky
     }
 
-    /// Whether rays toward the sky are all that is asked for.
+    /// Whether lights are traced for the shadows that they cast.
+    pub(crate) fn casts_shadows(self, lighting: &Lighting) -> bool {
+        self.shadow || self.color && lighting.shadows
+    }
+
+    /// Whether only rays toward the sky are requested.
     pub(crate) fn is_sky_alone(self) -> bool {
         self.sky && !self.color && !self.shadow && !self.occlusion
     }
@@ -127,11 +132,8 @@ impl LightingContext<'_> {
 
     /// Whether rays to lights are needed: for shadows, and for lights that are not infinitely far.
     pub(super) fn asks_lights(&self) -> bool {
-        let Scene { lighting, .. } = self.scene;
-        if !self.outputs.color && !self.outputs.shadow {
-            return false;
-        }
-        let shadows = self.outputs.shadow || lighting.shadows;
-        lighting.lights.iter().any(|light| shadows || light.source.far().is_none())
+        let (Scene { lighting, .. }, LightOutputs { color, .. }) = (self.scene, self.outputs);
+        let shadows = self.outputs.casts_shadows(lighting);
+        lighting.lights.iter().any(|light| shadows || color && light.source.far().is_none())
     }
 }

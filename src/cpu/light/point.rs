@@ -291,7 +291,7 @@ impl<'a> PointLight<'a> {
     }
 
     fn casts_shadows(&self) -> bool {
-        self.lighting.outputs.shadow || self.lighting.scene.lighting.shadows
+        self.lighting.outputs.casts_shadows(&self.lighting.scene.lighting)
     }
 
     fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: Option<Ball>) {

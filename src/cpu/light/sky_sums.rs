@@ -3,33 +3,20 @@
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
 use super::lighting::LightingContext;
-use crate::answers::light::{Chunk, Traced};
+use super::run::Run;
+use crate::answers::light::Traced;
 use crate::answers::open_sky::SkyCounts;
 use crate::number::vector::LANES;
-use crate::view::RayKind;
 use crate::view::directions::PixelSample;
-use crate::view::picture_rays::PictureRays;
+use crate::view::picture_rays::PictureHits;
 use crate::view::ray::NONE;
 use bytemuck::Zeroable;
 use pulp::NullaryFnOnce;
 
-/// Some pixels of a frame that asks for rays toward the sky alone.
+/// The rays toward the sky of pixels for which only these are requested.
 pub(super) struct KnownSky<'a, 'b, 'c> {
-    pub(super) lighting: &'a LightingContext<'a>,
+    pub(super) run: Run<'a, 'b, 'c>,
     pub(super) traced: Traced<'a>,
-    pub(super) rays: &'a PictureRays<'a>,
-    pub(super) ids: &'a [u32],
-    pub(super) chunk: &'b mut Chunk<'c>,
-}
-
-/// Numbers of some pixels, one array per component. Lanes that show no sphere are not read.
-#[derive(Zeroable)]
-struct Lanes {
-    position: [[u32; LANES]; 2],
-    center: [[f64; LANES]; 3],
-    radius: [f64; LANES],
-    normal: [[f64; LANES]; 3],
-    is_known: [u64; LANES],
 }
 
 /// The directions from some pixels, and their answers: one if nothing hides the sky there, else 0.
@@ -40,25 +27,18 @@ struct Directions {
 }
 
 impl KnownSky<'_, '_, '_> {
-    /// Writes where some pixels are and what they show. Returns the pixels that are left.
+    /// Writes the directions from some pixels, and the answers. Returns the pixels that are left.
     #[inline(always)]
-    fn gather(&self, first: usize, lanes: &mut Lanes, directions: &mut [Directions]) -> [bool; LANES] {
-        let (record, spheres) = (&self.lighting.view.record, &self.lighting.scene.spheres);
-        let (mut is_left, start) = ([false; LANES], (self.chunk.first + first) as u32);
-        lanes.position = record.positions(start);
-        for ((l, &id), [row, column]) in self.ids[first..].iter().take(LANES).enumerate().zip(record.places(start)) {
-            let pixel = start + l as u32;
-            let Some(own) = self.traced.of(pixel).filter(|_| id != NONE) else {
+    fn gather(&self, first: usize, directions: &mut [Directions]) -> [bool; LANES] {
+        let Run { lighting, ids, .. } = self.run;
+        let (mut is_left, start, record) = ([false; LANES], self.run.pixel(first), &lighting.view.record);
+        for ((l, &id), [row, column]) in ids[first..].iter().take(LANES).enumerate().zip(record.places(start)) {
+            let Some(own) = self.traced.of(start + l as u32).filter(|_| id != NONE) else {
                 is_left[l] = id != NONE;
                 continue;
             };
-            let center = spheres.centers[id as usize];
-            lanes.radius[l] = spheres.radii[id as usize];
-            for k in 0..3 {
-                lanes.center[k][l] = center[k];
-            }
-            let at = PixelSample { row, column, sample: record.sample, seed: self.lighting.seed };
-            for (ray, (direction, out)) in self.lighting.directions.of(at, 0).iter().zip(&mut *directions).enumerate() {
+            let at = PixelSample { row, column, sample: record.sample, seed: lighting.seed };
+            for (ray, (direction, out)) in lighting.directions.of(at, 0).iter().zip(&mut *directions).enumerate() {
                 for k in 0..3 {
                     out.toward[k][l] = direction[k].into();
                 }
@@ -75,22 +55,18 @@ impl NullaryFnOnce for KnownSky<'_, '_, '_> {
 
     #[inline(always)]
     fn call(self) -> Vec<usize> {
-        let (kind, mut left) = (self.lighting.view.kind(), Vec::new());
-        let mut directions = vec![Directions::zeroed(); self.traced.rays];
-        for first in (0..self.ids.len()).step_by(LANES) {
-            let mut lanes = Lanes::zeroed();
-            let is_left = self.gather(first, &mut lanes, &mut directions);
-            match kind {
-                RayKind::Perspective => hits(self.rays, RayKind::Perspective, &mut lanes),
-                kind => hits(self.rays, kind, &mut lanes),
-            }
-            let sums = sums(self.lighting, &lanes, &directions);
-            let counted = SkyCounts::of(&lanes.normal, &sums, directions.len() as u32);
-            for (l, id) in self.ids[first..].iter().take(LANES).enumerate() {
-                if is_left[l] || *id != NONE && lanes.is_known[l] == 0 {
+        let Run { lighting, rays, ids, .. } = self.run;
+        let (mut directions, mut left) = (vec![Directions::zeroed(); self.traced.rays], Vec::new());
+        for first in (0..ids.len()).step_by(LANES) {
+            let is_left = self.gather(first, &mut directions);
+            let PictureHits { normal, near, sharp, .. } = rays.hits(&self.run.shown(first));
+            let sums = sums(lighting, &normal, &directions);
+            let counted = SkyCounts::of(&normal, &sums, directions.len() as u32);
+            for (l, id) in ids[first..].iter().take(LANES).enumerate() {
+                if is_left[l] || *id != NONE && near[l] & sharp[l] == 0 {
                     left.push(first + l);
                 } else {
-                    self.chunk.write_counts(first + l, &counted, (*id != NONE).then_some(l));
+                    self.run.chunk.write_counts(first + l, &counted, (*id != NONE).then_some(l));
                 }
             }
         }
@@ -98,21 +74,14 @@ impl NullaryFnOnce for KnownSky<'_, '_, '_> {
     }
 }
 
-/// Writes the normals of some pixels.
-#[inline(always)]
-fn hits(rays: &PictureRays<'_>, kind: RayKind, lanes: &mut Lanes) {
-    for l in 0..LANES {
-        let center = [lanes.center[0][l], lanes.center[1][l], lanes.center[2][l]];
-        let hit = rays.hit_at(kind, [lanes.position[0][l], lanes.position[1][l]], center, lanes.radius[l]);
-        lanes.is_known[l] = u64::from(hit.near & hit.sharp);
-        (lanes.normal[0][l], lanes.normal[1][l], lanes.normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
-    }
-}
-
 /// The vectors of [`SkySums`] for some pixels.
 #[inline(always)]
-fn sums(lighting: &LightingContext<'_>, lanes: &Lanes, directions: &[Directions]) -> [[[f64; LANES]; 3]; 4] {
-    let (mut sums, normal) = ([[[0.0; LANES]; 3]; 4], lanes.normal);
+fn sums(
+    lighting: &LightingContext<'_>,
+    normal: &[[f64; LANES]; 3],
+    directions: &[Directions],
+) -> [[[f64; LANES]; 3]; 4] {
+    let mut sums = [[[0.0; LANES]; 3]; 4];
     for Directions { toward, open } in directions {
         for l in 0..LANES {
             let cosine = normal[0][l] * toward[0][l] + normal[1][l] * toward[1][l] + normal[2][l] * toward[2][l];

@@ -4,16 +4,17 @@ use super::lighting::LightingContext;
 use crate::answers::light::Traced;
 use crate::number::vector::LANES;
 use crate::parallel;
-use crate::scene::{Light, LightSource, Lighting};
+use crate::scene::{Light, LightSource};
 use crate::search::tree::Tree;
 use crate::search::tree::bounding::SIXTEEN;
 use crate::search::tree::sixteen::{Sixteen, Work16, dispatch};
 use crate::search::tree::streams::{Blockers, ERROR, Hidden, MOST_RAYS, Starts, Stream};
 use crate::view::RayKind;
 use crate::view::directions::PixelSample;
-use crate::view::picture_rays::{PictureHit, PictureRays};
+use crate::view::picture_rays::{PictureHits, PictureRays, ShownBalls};
 use crate::view::ray::NONE;
 use glam::DVec3;
+use std::iter::repeat_with;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -45,8 +46,7 @@ impl LightingContext<'_> {
         if !is_worth || !is_certified || !self.from_first || !self.is_outside() {
             return None;
         }
-        let words = parallel::from_fn(count.words_of_pixel() * ids.len(), |_| 0);
-        let words: Vec<AtomicU32> = words.into_iter().map(AtomicU32::new).collect();
+        let words: Vec<AtomicU32> = repeat_with(AtomicU32::default).take(count.words_of_pixel() * ids.len()).collect();
         let by_turn = self.by_turn(ids, turns);
         let trace = |turn: usize, pixels: &[u32]| {
             if go_on() {
@@ -55,27 +55,29 @@ impl LightingContext<'_> {
                 dispatch(Batch { lighting: self, ids, count, toward, pixels, words: &words });
             }
         };
-        let batches: Vec<(usize, Vec<u32>)> = (0..turns)
-            .flat_map(|turn| {
+        let batches: Vec<(usize, Vec<u32>)> = parallel::collect(turns, 1, &|turns, batches| {
+            for turn in turns {
                 let pixels: Vec<u32> = by_turn.iter().flat_map(|block| block[turn].iter().copied()).collect();
-                pixels.chunks(MOST_RAYS).map(|pixels| (turn, pixels.to_vec())).collect::<Vec<_>>()
-            })
-            .collect();
+                batches.extend(pixels.chunks(MOST_RAYS).map(|pixels| (turn, pixels.to_vec())));
+            }
+        });
         parallel::fill(0..batches.len(), 1, &|range, _| {
             batches[range].iter().for_each(|(turn, pixels)| trace(*turn, pixels));
         });
         Some((count, words.into_iter().map(AtomicU32::into_inner).collect()))
     }
 
-    /// The directions to the lights, where rays to them are asked for and all are infinitely far; else empty.
+    /// The directions to the lights if their shadows are requested and every light is infinitely far; otherwise empty.
     fn suns(&self) -> Vec<[f64; 3]> {
-        let Lighting { lights, shadows, .. } = &self.scene.lighting;
+        let lighting = &self.scene.lighting;
         let direction = |light: &Light| match light.source {
             LightSource::Direction(direction) => Some(direction.to_array()),
             _ => None,
         };
-        let casts_shadows = self.outputs.shadow || self.outputs.color && *shadows;
-        let all = casts_shadows.then(|| lights.iter().map(direction).collect::<Option<Vec<_>>>());
+        let all = self
+            .outputs
+            .casts_shadows(lighting)
+            .then(|| lighting.lights.iter().map(direction).collect::<Option<Vec<_>>>());
         all.flatten().unwrap_or_default()
     }
 
@@ -138,13 +140,10 @@ impl Work16 for Batch<'_> {
     fn work<S: Sixteen>(self, s: S) {
         let Self { lighting, ref toward, count, words, .. } = self;
         let tree: &Tree = lighting.blockers;
-        let blockers = Blockers { tree, bounding: tree.bounding(), error: ERROR };
+        let blockers = Blockers { tree, error: ERROR };
         let (undecided, each) = (count.rays + count.lights, count.words_of_pixel());
         let of_left = |pixel: u32| words[pixel as usize * each + undecided / 32].store(1 << (undecided % 32), Relaxed);
-        let hits = match lighting.view.kind() {
-            RayKind::Perspective => self.hits(RayKind::Perspective, &of_left),
-            kind => self.hits(kind, &of_left),
-        };
+        let hits = self.hits(&of_left);
         let mut own = vec![0u32; each * hits.pixels.len()];
         let mut set = |n: usize, ray: usize| own[n * each + ray / 32] |= 1 << (ray % 32);
         let mut stream = Stream::default();
@@ -204,34 +203,23 @@ impl Hits {
 impl Batch<'_> {
     /// The hits of the pixels whose normals f64 knows to 2^-29, from outside. The others are undecided.
     #[inline(always)]
-    fn hits(&self, kind: RayKind, undecided: &dyn Fn(u32)) -> Hits {
+    fn hits(&self, undecided: &dyn Fn(u32)) -> Hits {
         let Self { lighting, ids, pixels, .. } = *self;
         let (record, spheres, placement) = (&lighting.view.record, &lighting.scene.spheres, &lighting.tree.placement);
         let rays = PictureRays::new(lighting.view);
         let mut hits = Hits::default();
         for some in pixels.chunks(LANES) {
-            let (mut position, mut ball) = ([[0; LANES]; 2], [[0.0; LANES]; 4]);
+            let shown = ShownBalls::of_some(record, some, ids, spheres);
+            let PictureHits { normal, outside, near, sharp, .. } = rays.hits(&shown);
+            let mut at = [[0.0; LANES]; 3];
             for l in 0..LANES {
-                // Lanes beyond the last pixel repeat it.
-                let pixel = some[l.min(some.len() - 1)];
-                let id = ids[pixel as usize] as usize;
-                [position[0][l], position[1][l]] = record.position(pixel);
-                let ([x, y, z], radius) = (spheres.centers[id], spheres.radii[id]);
-                [ball[0][l], ball[1][l], ball[2][l], ball[3][l]] = [x, y, z, radius];
-            }
-            let (mut at, mut normal, mut known) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [0u64; LANES]);
-            for l in 0..LANES {
-                let center = [ball[0][l], ball[1][l], ball[2][l]];
-                let PictureHit { normal: n, outside, near, sharp, .. } =
-                    rays.hit_at(kind, [position[0][l], position[1][l]], center, ball[3][l]);
-                let (place, radius, n) = (placement.point(center), placement.radius(ball[3][l]), n.to_array());
-                known[l] = u64::from(outside & near & sharp);
+                let (place, radius) = (placement.point(shown.center(l)), placement.radius(shown.radius(l)));
                 for k in 0..3 {
-                    (at[k][l], normal[k][l]) = (place[k] + radius * n[k], n[k]);
+                    at[k][l] = place[k] + radius * normal[k][l];
                 }
             }
             for (l, pixel) in some.iter().enumerate() {
-                if known[l] == 0 {
+                if outside[l] & near[l] & sharp[l] == 0 {
                     undecided(*pixel);
                     continue;
                 }

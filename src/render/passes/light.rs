@@ -234,7 +234,7 @@ fn trace_from_hits(
 ) -> Result<Option<(Traced<'static>, Vec<u32>)>> {
     let (none, sky) = (SkyDirections::none(), request.unknown_sky());
     let directions = if sky.is_some() { directions } else { &none };
-    let casts_shadows = request.outputs.shadow || request.outputs.color && frame.scene.lighting.shadows;
+    let casts_shadows = request.outputs.casts_shadows(&frame.scene.lighting);
     let lights = if casts_shadows { lights_of(tree, frame.scene) } else { Vec::new() };
     let count = Traced { words: &[], rays: directions.len(), lights: lights.len() };
     if count.rays + count.lights == 0 {

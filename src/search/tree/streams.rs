@@ -1,11 +1,11 @@
-//! Rays of one direction, which go down the spheres around groups together: docs/tree.md, docs/certificate.md, section 9.
+//! Rays of one direction, which go down the spheres around groups together: docs/tree.md, docs/certificate.md, section 10a.
 //!
 //! Along their direction rays are points of a plane, spheres are discs with a height, and a ray is hidden where its point lies in a disc
 //! that is higher.
 
 #![expect(clippy::needless_range_loop, reason = "loops over lanes and rays of several arrays")]
 
-use super::bounding::{Balls, Bounding, SIXTEEN};
+use super::bounding::{Balls, SIXTEEN};
 use super::sixteen::Sixteen;
 use super::{Block, Tree, WIDE};
 use bytemuck::Zeroable;
@@ -14,7 +14,7 @@ use glam::DVec3;
 /// The most rays that go down together.
 pub(crate) const MOST_RAYS: usize = 1 << 16;
 
-/// Bound of the error of a comparison, as a length in the tree's unit: docs/certificate.md, section 9.
+/// Bound of the error of a comparison, as a length in the tree's unit: docs/certificate.md, section 10a.
 pub(crate) const ERROR: f32 = 1.0 / (1u32 << 19) as f32;
 
 /// The starts of rays, in the tree's coordinates, and the ids of the spheres that they are on.
@@ -121,6 +121,14 @@ impl<S: Sixteen> Discs<S> {
     fn widened(&self, s: S, margin: f32) -> S::Number {
         s.add(self.radius, s.splat(margin))
     }
+
+    /// Of spheres around groups: the square of the distance beyond which a ray meets nothing of the group, and the height above which it
+    /// leaves the group behind.
+    #[inline(always)]
+    fn limits(&self, s: S, error: f32) -> [S::Number; 2] {
+        let wide = self.widened(s, 2.0 * error);
+        [s.mul(wide, wide), s.add(self.w, wide)]
+    }
 }
 
 /// The products of sixteen vectors with an axis.
@@ -169,8 +177,8 @@ impl Children {
     #[inline(always)]
     fn of<S: Sixteen>(s: S, balls: &Balls, group: usize, axes: &[[f32; 3]; 3], error: f32) -> Self {
         let discs = Discs::of_balls(s, balls, axes);
-        let wide = discs.widened(s, 2.0 * error);
-        let (reach, top) = (s.mul(wide, wide), s.store(s.add(discs.w, wide)));
+        let [reach, top] = discs.limits(s, error);
+        let (reach, top) = (s.store(reach), s.store(top));
         let (mut order, mut count) = ([0u8; SIXTEEN], 0);
         for child in (0..SIXTEEN).filter(|l| balls.radius[*l] >= 0.0) {
             let mut place = count;
@@ -181,7 +189,7 @@ impl Children {
             order[place] = child as u8;
             count += 1;
         }
-        Self { u: s.store(discs.u), v: s.store(discs.v), reach: s.store(reach), top, order, count, next: 0, group }
+        Self { u: s.store(discs.u), v: s.store(discs.v), reach, top, order, count, next: 0, group }
     }
 }
 
@@ -221,7 +229,6 @@ pub(crate) enum Hidden {
 #[derive(Clone, Copy)]
 pub(crate) struct Blockers<'a> {
     pub(crate) tree: &'a Tree,
-    pub(crate) bounding: &'a Bounding,
     /// [`ERROR`]. Tests take others, to show that it is needed.
     pub(crate) error: f32,
 }
@@ -260,7 +267,7 @@ impl Stream {
         backward: bool,
         (chosen, ids): (&[u32], &[u32]),
     ) {
-        let levels = blockers.bounding.levels.len();
+        let levels = blockers.tree.bounding().levels.len();
         self.lists.resize_with(self.lists.len().max(levels), List::default);
         self.unsure.clear();
         self.unsure.resize(ids.len(), false);
@@ -302,7 +309,8 @@ impl Stream {
 
     #[inline(always)]
     fn descend<S: Sixteen>(&mut self, s: S, blockers: Blockers<'_>, axes: &[[f32; 3]; 3], ids: &[u32]) {
-        let Blockers { bounding, error, .. } = blockers;
+        let Blockers { tree, error } = blockers;
+        let bounding = tree.bounding();
         let lowest = bounding.levels.len() - 1;
         self.waiting.clear();
         let mut group = 0;
@@ -345,18 +353,18 @@ impl Stream {
     fn test_leaves<S: Sixteen>(
         &mut self,
         s: S,
-        Blockers { tree, bounding, error }: Blockers<'_>,
+        Blockers { tree, error }: Blockers<'_>,
         group: usize,
         axes: &[[f32; 3]; 3],
         ids: &[u32],
     ) {
-        let level = bounding.levels.len() - 1;
+        let levels = &tree.bounding().levels;
+        let level = levels.len() - 1;
         let Self { lists, pairs, near, unsure, .. } = self;
         let (above, list) = lists.split_at_mut(level);
         let list = &mut list[0];
-        let discs = Discs::of_balls(s, &bounding.levels[level][group], axes);
-        let wide = discs.widened(s, 2.0 * error);
-        let (reach, top) = (s.mul(wide, wide), s.add(discs.w, wide));
+        let discs = Discs::of_balls(s, &levels[level][group], axes);
+        let [reach, top] = discs.limits(s, error);
         let room = (list.count + 1) * SIXTEEN;
         if pairs.len() < room {
             pairs.resize(room, 0);

@@ -107,7 +107,7 @@ impl Case {
     /// Of each ray with a margin the answer, and whether exact arithmetic finds a hit.
     fn answers(&self, error: f32) -> Vec<(Hidden, bool)> {
         let tree = Tree::new(&self.spheres.centers, &self.spheres.radii).expect("a tree");
-        let blockers = Blockers { tree: &tree, bounding: tree.bounding(), error };
+        let blockers = Blockers { tree: &tree, error };
         let mut starts = Starts::default();
         for p in &self.points {
             let at = tree.placement.point(*p);
@@ -161,7 +161,7 @@ fn a_ray_leaves_its_own_sphere_behind_and_is_hidden_inside_none() {
     (0..WIDE + 1).for_each(|n| spheres.push([n as f64 * 1e-9, 0.0, 0.0], 1e-8, None));
     spheres.push([0.0, 0.0, 1.0], 0.1, None);
     let tree = Tree::new(&spheres.centers, &spheres.radii).expect("a tree");
-    let blockers = Blockers { tree: &tree, bounding: tree.bounding(), error: ERROR };
+    let blockers = Blockers { tree: &tree, error: ERROR };
     let at = tree.placement.point([0.0, 0.0, 1e-8]);
     let mut starts = Starts { at: at.map(|x| vec![x]), ids: vec![0] };
     // Spheres smaller than the margin decide nothing, but the one of the point.
@@ -172,7 +172,7 @@ fn a_ray_leaves_its_own_sphere_behind_and_is_hidden_inside_none() {
     alone.push([0.0; 3], 1e-8, None);
     alone.push([0.0, 0.0, 1.0], 0.1, None);
     let tree = Tree::new(&alone.centers, &alone.radii).expect("a tree");
-    let blockers = Blockers { tree: &tree, bounding: tree.bounding(), error: ERROR };
+    let blockers = Blockers { tree: &tree, error: ERROR };
     starts.at = tree.placement.point([0.0, 0.0, 1e-8]).map(|x| vec![x]);
     assert_eq!(dispatch(&Trace { blockers, direction: [0.0, 1.0, 1e-3], starts: &starts })[0], Hidden::No);
 }
