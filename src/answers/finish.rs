@@ -8,6 +8,7 @@ use crate::scene::camera::Basis;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::picture_rays::PictureRays;
+use std::borrow::Cow;
 
 /// The effects that are drawn over the colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,19 +32,19 @@ impl Finish {
     }
 
     /// Fades the colours of a view to the background by `cue`, if there is one, and draws silhouettes over them, from the
-    /// spheres `ids` that its rays hit; `uses_lights` as for [`Backdrop::new`].
+    /// spheres `ids` that its rays hit, and their depths where these are known; `uses_lights` as for [`Backdrop::new`].
     pub(crate) fn draw(
         self,
         cue: Option<DepthCue>,
         scene: &Scene,
         (view, uses_lights): (&View, bool),
-        ids: &[u32],
+        (ids, depths): (&[u32], Option<&[f64]>),
         color: &mut [f32],
     ) {
         if cue.is_none() && self.line.is_none() {
             return;
         }
-        let depths = &depths(scene, view, ids)[..];
+        let depths = &depths.map_or_else(|| self::depths(scene, view, ids).into(), Cow::Borrowed)[..];
         if let Some(cue) = cue {
             let backdrop = Backdrop::new(scene, view, uses_lights);
             cue.apply(ids, depths, &|pixel| backdrop.at(pixel), color);

@@ -19,6 +19,10 @@ pub(crate) struct LightBuffers {
     pub(crate) occlusion: Vec<f32>,
     /// Normals and rays toward the sky, as [`SkyAtHit`] writes them.
     pub(crate) sky: [Vec<i16>; 2],
+    /// Depths of the hits as [`PictureRays::depths`] writes them.
+    ///
+    /// [`PictureRays::depths`]: crate::view::picture_rays::PictureRays::depths
+    pub(crate) depth: Vec<f64>,
     /// Pixels that are less than certain in f64, in their order, and their certainty.
     pub(crate) unsure: Vec<(u32, u8)>,
 }
@@ -81,6 +85,7 @@ pub(crate) struct Chunk<'a> {
     pub(crate) shadow: &'a mut [f32],
     pub(crate) occlusion: &'a mut [f32],
     pub(crate) sky: [&'a mut [i16]; 2],
+    pub(crate) depth: &'a mut [f64],
 }
 
 impl Chunk<'_> {
@@ -127,6 +132,7 @@ impl LightBuffers {
         self.shadow.fill(0.0);
         self.occlusion.fill(1.0);
         self.sky.iter_mut().for_each(|numbers| numbers.fill(0));
+        self.depth.fill(f64::INFINITY);
         self
     }
 
@@ -135,6 +141,7 @@ impl LightBuffers {
         let mut colors = self.color.chunks_mut(3 * count);
         let mut shadows = self.shadow.chunks_mut((lights * count).max(1));
         let mut shares = self.occlusion.chunks_mut(count);
+        let mut depths = self.depth.chunks_mut(count);
         let mut skies = self.sky.each_mut().map(|numbers| {
             let each = numbers.len() / pixels.max(1);
             numbers.chunks_mut((each * count).max(1))
@@ -146,6 +153,7 @@ impl LightBuffers {
             shadow: shadows.next().unwrap_or_default(),
             occlusion: shares.next().unwrap_or_default(),
             sky: skies.each_mut().map(|chunks| chunks.next().unwrap_or_default()),
+            depth: depths.next().unwrap_or_default(),
         })
     }
 }

@@ -6,9 +6,10 @@ use crate::memory::Pool;
 use crate::number::vector::{LANES, vectorized};
 use crate::parallel;
 use crate::scene::SkyLight;
-use crate::view::ray::NONE;
+use crate::view::ray::{NONE, dot3};
 use crate::window::Window;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use std::ops::Range;
 
 #[cfg(test)]
 mod tests;
@@ -46,16 +47,19 @@ impl SkySums {
         }
     }
 
-    /// Light of the sky on a surface with this normal, linear RGB: that of the whole sky, in the share that the rays find open,
-    /// channel by channel; without colours the share alone.
+    /// The light of the sky on a surface with this normal: [`light`].
     #[inline(always)]
     pub(crate) fn light(&self, normal: DVec3, colors: Option<&SkyLight>) -> DVec3 {
-        let share = |all: f64, open: f64| if all > 0.0 { (open / all).clamp(0.0, 1.0) } else { 1.0 };
-        let [all, open] = [self.all, self.open].map(|sum| normal.dot(sum));
-        let Some(colors) = colors else { return DVec3::splat(share(all, open)) };
-        let zenith = self.zenith.map(|sum| normal.dot(sum));
-        let (all, open) = (colors.gradient.sum(all, zenith[0]), colors.gradient.sum(open, zenith[1]));
-        colors.open(normal) * DVec3::new(share(all.x, open.x), share(all.y, open.y), share(all.z, open.z))
+        let sums = [self.all, self.open, self.zenith[0], self.zenith[1]].map(|sum| sum.as_vec3().to_array());
+        Vec3::from_array(light(sums, normal.as_vec3().to_array(), colors)).as_dvec3()
+    }
+
+    /// Writes the vectors into a lane.
+    #[inline(always)]
+    pub(crate) fn write_lane(&self, lanes: &mut SkyLanes, l: usize) {
+        for (lanes, sum) in lanes.iter_mut().zip([self.all, self.open, self.zenith[0], self.zenith[1]]) {
+            (lanes[0][l], lanes[1][l], lanes[2][l]) = (sum.x as f32, sum.y as f32, sum.z as f32);
+        }
     }
 
     fn plus(&self, other: &Self) -> Self {
@@ -74,6 +78,66 @@ impl SkySums {
         [self.all, self.open, self.zenith[0], self.zenith[1]].map(|sum| sum * each)
     }
 }
+
+/// Light of the sky on a surface with this normal, linear RGB: that of the whole sky, in the share that the rays find open, channel by
+/// channel; without colours the share alone. Of the vectors of [`SkySums`] in their order, in f32: off by some 2^-22, where the noise of
+/// rays is some 2^-4.
+#[inline(always)]
+fn light(sums: [[f32; 3]; 4], normal: [f32; 3], colors: Option<&SkyLight>) -> [f32; 3] {
+    let [all, open, zenith, open_zenith] = sums.map(|sum| dot3(normal, sum));
+    match colors {
+        None => [open_share(all, open); 3],
+        Some(colors) => {
+            let (all, open, whole) = (colors.sum(all, zenith), colors.sum(open, open_zenith), colors.open(normal));
+            [0, 1, 2].map(|k| whole[k] * open_share(all[k], open[k]))
+        }
+    }
+}
+
+/// The open share from a sum over all rays and one over those that nothing hides.
+#[inline(always)]
+fn open_share(all: f32, open: f32) -> f32 {
+    let share = open / all;
+    let share = if share < 1.0 { share } else { 1.0 };
+    let share = if share > 0.0 { share } else { 0.0 };
+    if all > 0.0 { share } else { 1.0 }
+}
+
+/// [`light`] for eight pixels with these normals.
+#[expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
+#[inline(always)]
+pub(crate) fn light_of_lanes(
+    sums: &SkyLanes,
+    normal: &[[f64; LANES]; 3],
+    colors: Option<&SkyLight>,
+) -> [[f32; LANES]; 3] {
+    let mut lights = [[0.0; LANES]; 3];
+    let at = |l: usize| {
+        let vector = |k: usize| [sums[k][0][l], sums[k][1][l], sums[k][2][l]];
+        let normal = [normal[0][l] as f32, normal[1][l] as f32, normal[2][l] as f32];
+        ([vector(0), vector(1), vector(2), vector(3)], normal)
+    };
+    // Without a choice in the loop compilers make vectors of it.
+    match colors {
+        None => {
+            for l in 0..LANES {
+                let (sums, normal) = at(l);
+                lights[0][l] = light(sums, normal, None)[0];
+            }
+            lights = [lights[0]; 3];
+        }
+        Some(colors) => {
+            for l in 0..LANES {
+                let (sums, normal) = at(l);
+                [lights[0][l], lights[1][l], lights[2][l]] = light(sums, normal, Some(colors));
+            }
+        }
+    }
+    lights
+}
+
+/// The vectors of [`SkySums`] of eight pixels in f32, one array per component.
+pub(crate) type SkyLanes = [[[f32; LANES]; 3]; 4];
 
 /// The rays toward the sky from the hit of a pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -196,7 +260,7 @@ impl OpenSky {
             let mut next: Vec<i16> = pool.values(count * ids.len())?;
             let pass = &Pass { width, ids: &ids, normals: &normals, sums: &sums, count, step: step as usize };
             let write = |y: usize, out: &mut [i16]| {
-                let mut memory = RowMemory::new(width, count);
+                let mut memory = BlockMemory::new(width, count);
                 vectorized!(pass.write_row(y, &mut memory, out));
             };
             parallel::chunks(&mut next, count * width, &write);
@@ -238,6 +302,28 @@ impl OpenSky {
         self.of_neighbors(row, column, id)
     }
 
+    /// [`OpenSky::around`] for eight pixels of a row of the frame from this column on, which show spheres. Lanes that show none have any.
+    #[inline(always)]
+    pub(crate) fn around_row(&self, [row, column]: [u32; 2], ids: &[u32]) -> SkyLanes {
+        let mut lanes = [[[0.0; LANES]; 3]; 4];
+        let Window { x0, y0, x1, y1 } = self.window;
+        let mut known = [NONE; LANES];
+        if (y0..y1).contains(&row) && column >= x0 && column + LANES as u32 <= x1 {
+            let (y, x, width) = ((row - y0) as usize, (column - x0) as usize, self.window.width() as usize);
+            known.copy_from_slice(&self.ids[y * width + x..][..LANES]);
+            for (k, lanes) in lanes.as_flattened_mut().iter_mut().take(self.count).enumerate() {
+                let sums = &self.sums[(y * self.count + k) * width + x..][..LANES];
+                lanes.iter_mut().zip(sums).for_each(|(lane, sum)| *lane = f32::from(*sum));
+            }
+        }
+        for (l, (&id, known)) in ids.iter().zip(known).enumerate() {
+            if id != NONE && id != known {
+                self.around(row, column + l as u32, id).write_lane(&mut lanes, l);
+            }
+        }
+        lanes
+    }
+
     #[inline(never)]
     fn of_neighbors(&self, row: u32, column: u32, id: u32) -> SkySums {
         let Window { x0, y0, x1, y1 } = self.window;
@@ -276,19 +362,23 @@ fn by_component(values: &mut [i16], width: usize, count: usize) {
     parallel::chunks(values, count * width, &order);
 }
 
-/// Memory for a row of a pass.
-struct RowMemory {
+/// Columns that a pass computes together, so that what it reads and adds up stays in the nearest cache.
+const BLOCK: usize = 128;
+
+/// Memory for a block of a pass.
+struct BlockMemory {
     weights: Vec<f32>,
-    /// The shares of the sky that are open in the row, and in the row of its neighbours.
+    /// The shares of the sky that are open in the row, and in the row of its neighbours, by column.
     shares: [Vec<f32>; 2],
-    /// Sums of weighted components, and of the weights.
+    /// Sums of weighted components, and of the weights, [`BLOCK`] of each.
     added: Vec<f32>,
 }
 
-impl RowMemory {
+impl BlockMemory {
     fn new(width: usize, count: usize) -> Self {
         let row = || vec![0.0; width];
-        Self { weights: row(), shares: [row(), row()], added: vec![0.0; (count + 1) * width] }
+        let added = vec![0.0; (count + 1) * BLOCK];
+        Self { weights: vec![0.0; BLOCK], shares: [row(), row()], added }
     }
 }
 
@@ -303,58 +393,73 @@ struct Pass<'a> {
 }
 
 impl Pass<'_> {
-    /// Writes the mean sums of row `y` and its neighbours. Those of the same sphere count, less the more their normal n differs from the
-    /// pixel's: times 1 - 2 |n - n'|^2, and not at all from 41 degrees on. On a sphere that also bounds how far apart they are.
-    /// In a wide step they also count less the more their open share s differs, times 1 - (s - s')^2 / [`ALIKE`]^2: where a
-    /// neighbour throws a shadow, the light changes within few pixels.
+    /// Writes the mean sums of row `y` and its neighbours.
     #[inline(always)]
-    fn write_row(&self, y: usize, memory: &mut RowMemory, out: &mut [i16]) {
-        let Self { width, count, step, .. } = *self;
-        let RowMemory { weights, shares, added } = memory;
-        self.write_shares(y, &mut shares[0]);
-        let height = self.ids.len() / width;
-        let rows = [(y.checked_sub(step), 1.0), (Some(y), 2.0), (Some(y + step).filter(|y| *y < height), 1.0)];
-        for (row, factor) in rows.into_iter().filter_map(|(row, factor)| Some((row?, factor))) {
-            self.write_shares(row, &mut shares[1]);
-            // The first column here and there, and how many there are.
-            let shifts: [(usize, usize, f32); 3] = [(step, 0, 1.0), (0, 0, 2.0), (0, step, 1.0)];
-            for (here, there, along) in shifts {
-                let n = width.saturating_sub(here.max(there));
-                if n == 0 {
-                    continue;
+    fn write_row(&self, y: usize, memory: &mut BlockMemory, out: &mut [i16]) {
+        for first in (0..self.width).step_by(BLOCK) {
+            let columns = first..self.width.min(first + BLOCK);
+            self.add(y, &columns, memory);
+            let (sums, all) = memory.added.split_at(self.count * BLOCK);
+            for (out, sums) in out.chunks_exact_mut(self.width).zip(sums.chunks_exact(BLOCK)) {
+                for (x, out) in out[columns.clone()].iter_mut().enumerate() {
+                    *out = nearest(if all[x] > 0.0 { sums[x] / all[x] } else { 0.0 });
                 }
-                let weights = &mut weights[..n];
-                self.weigh([y, here], [row, there], factor * along, shares, weights);
-                for k in 0..count {
-                    let from = &self.sums[(row * count + k) * width + there..][..n];
-                    let added = &mut added[k * width + here..][..n];
-                    for x in 0..n {
-                        added[x] += weights[x] * f32::from(from[x]);
-                    }
-                }
-                let all = &mut added[count * width + here..][..n];
-                all.iter_mut().zip(weights).for_each(|(all, weight)| *all += *weight);
-            }
-        }
-        let (sums, all) = added.split_at(count * width);
-        for (out, sums) in out.chunks_exact_mut(width).zip(sums.chunks_exact(width)) {
-            for x in 0..width {
-                out[x] = nearest(if all[x] > 0.0 { sums[x] / all[x] } else { 0.0 });
             }
         }
     }
 
-    /// Writes the open share of the pixels of a row; 0 for a step that is not wide.
+    /// Adds the sums of row `y` and its neighbours up for some columns. Those of the same sphere count, less the more their normal n differs
+    /// from the pixel's: times 1 - 2 |n - n'|^2, and not at all from 41 degrees on. On a sphere that also bounds how far apart they are.
+    /// In a wide step they also count less the more their open share s differs, times 1 - (s - s')^2 / [`ALIKE`]^2: where a
+    /// neighbour throws a shadow, the light changes within few pixels.
     #[inline(always)]
-    fn write_shares(&self, y: usize, shares: &mut [f32]) {
+    fn add(&self, y: usize, columns: &Range<usize>, memory: &mut BlockMemory) {
+        let Self { width, count, step, .. } = *self;
+        let BlockMemory { weights, shares, added } = memory;
+        added.fill(0.0);
+        let wide = columns.start.saturating_sub(step)..width.min(columns.end + step);
+        self.write_shares(y, columns, &mut shares[0]);
+        let height = self.ids.len() / width;
+        let rows = [(y.checked_sub(step), 1.0), (Some(y), 2.0), (Some(y + step).filter(|y| *y < height), 1.0)];
+        for (row, factor) in rows.into_iter().filter_map(|(row, factor)| Some((row?, factor))) {
+            self.write_shares(row, &wide, &mut shares[1]);
+            // The neighbours' columns, from `back` columns before to as many after.
+            for (back, along) in [(2 * step, 1.0), (step, 2.0), (0, 1.0)] {
+                let here =
+                    columns.start.max(back.saturating_sub(step))..columns.end.min((width + back).saturating_sub(step));
+                let n = here.len();
+                if n == 0 {
+                    continue;
+                }
+                let (there, weights) = (here.start + step - back, &mut weights[..n]);
+                self.weigh([y, here.start], [row, there], factor * along, shares, weights);
+                let first = here.start - columns.start;
+                for (k, added) in added.chunks_exact_mut(BLOCK).enumerate() {
+                    let added = &mut added[first..][..n];
+                    if k == count {
+                        added.iter_mut().zip(&*weights).for_each(|(all, weight)| *all += *weight);
+                        continue;
+                    }
+                    let from = &self.sums[(row * count + k) * width + there..][..n];
+                    for x in 0..n {
+                        added[x] += weights[x] * f32::from(from[x]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Writes the open share of the pixels of some columns of a row; 0 for a step that is not wide.
+    #[inline(always)]
+    fn write_shares(&self, y: usize, columns: &Range<usize>, shares: &mut [f32]) {
         if self.step < WIDE as usize {
             return;
         }
-        let width = self.width;
-        let normal = [0, 1, 2].map(|k| &self.normals[(y * NORMAL + k) * width..][..width]);
-        let sums = |first: usize| [0, 1, 2].map(|k| &self.sums[(y * self.count + first + k) * width..][..width]);
-        let (all, open) = (sums(0), sums(3));
-        for x in 0..width {
+        let (width, n) = (self.width, columns.len());
+        let normal = [0, 1, 2].map(|k| &self.normals[(y * NORMAL + k) * width + columns.start..][..n]);
+        let sums = |k: usize| &self.sums[(y * self.count + k) * width + columns.start..][..n];
+        let (all, open, shares) = ([0, 1, 2].map(sums), [3, 4, 5].map(sums), &mut shares[columns.clone()]);
+        for x in 0..n {
             let mut along = [0.0f32; 2];
             for (along, sums) in along.iter_mut().zip([all, open]) {
                 let [a, b, c] = [0, 1, 2].map(|k| f32::from(normal[k][x]) * f32::from(sums[k][x]));

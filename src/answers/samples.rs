@@ -86,7 +86,12 @@ impl Sums {
     /// The means of `count` samples.
     pub(crate) fn means(self, count: u32, pool: &Pool) -> Means {
         let count = f64::from(count);
-        let mut means = Means::default();
+        let of = |n: usize| {
+            let mut values = pool.take(n);
+            values.clear();
+            values
+        };
+        let mut means = Means { color: of(self.color.len()), alpha: of(self.cover.len()) };
         parallel::extend(&mut means.color, &self.color, 1, |sum| (sum[0] / count) as f32);
         parallel::extend(&mut means.alpha, &self.cover, 1, |cover| (f64::from(cover[0]) / count) as f32);
         pool.put_back(self.color);

@@ -66,6 +66,7 @@ impl LightingContext<'_> {
             let run = Run { lighting: self, rays, ids, chunk: &mut *chunk };
             pulp::Arch::new().dispatch(KnownSky { run, traced })
         } else {
+            rays.depths(chunk.first as u32, &ids[..chunk.depth.len()], &self.scene.spheres, chunk.depth);
             (0..ids.len()).collect()
         };
         for n in left {
@@ -94,7 +95,7 @@ struct PixelShader<'a> {
 
 impl<'a> PixelShader<'a> {
     fn new(lighting: &'a LightingContext<'a>) -> Self {
-        let LightOutputs { color, shadow, occlusion, sky } = lighting.outputs;
+        let LightOutputs { color, shadow, occlusion, sky, .. } = lighting.outputs;
         Self {
             lighting,
             rays: PictureRays::new(lighting.view),

@@ -57,12 +57,6 @@ impl Gradient {
     pub(crate) fn zenith(&self, direction: DVec3) -> f64 {
         zenith_share(direction.dot(self.up))
     }
-
-    /// The sum of the colours in directions with weights: from the sum of the weights, and that of the weights times
-    /// [`Self::zenith`].
-    pub(crate) fn sum(&self, weights: f64, zenith: f64) -> DVec3 {
-        self.horizon * weights + self.change * zenith
-    }
 }
 
 /// The zenith's share at the sine of an elevation.
@@ -83,8 +77,12 @@ const ANGLES: usize = 16;
 #[derive(Debug, Clone)]
 pub(crate) struct SkyLight {
     pub(crate) gradient: Gradient,
+    /// Its directions and colours in f32.
+    up: [f32; 3],
+    horizon: [f32; 3],
+    change: [f32; 3],
     /// The zenith's share for normals whose product with `up` is -1, -1 + 2/CELLS, .. 1.
-    pub(crate) shares: [f64; CELLS + 1],
+    pub(crate) shares: [f32; CELLS + 1],
 }
 
 impl SkyLight {
@@ -106,19 +104,29 @@ impl SkyLight {
                 sum += weight * zenith_share(sine);
                 all += weight;
             }
-            sum / all
+            (sum / all) as f32
         };
-        Self { gradient, shares: std::array::from_fn(share) }
+        let [up, horizon, change] =
+            [gradient.up, gradient.horizon, gradient.change].map(|vector| vector.as_vec3().to_array());
+        Self { gradient, up, horizon, change, shares: std::array::from_fn(share) }
     }
 
     /// The light that an open sky gives to a surface with this normal of length 1.
     #[inline(always)]
-    pub(crate) fn open(&self, normal: DVec3) -> DVec3 {
-        let Gradient { up, horizon, change, .. } = self.gradient;
-        let place = (normal.dot(up).clamp(-1.0, 1.0) + 1.0) / 2.0 * CELLS as f64;
+    pub(crate) fn open(&self, normal: [f32; 3]) -> [f32; 3] {
+        let [[x, y, z], up] = [normal, self.up];
+        let sine = x * up[0] + y * up[1] + z * up[2];
+        let place = (sine.clamp(-1.0, 1.0) + 1.0) / 2.0 * CELLS as f32;
         let cell = (place as usize).min(CELLS - 1);
-        let part = place - cell as f64;
-        horizon + change * (self.shares[cell] + (self.shares[cell + 1] - self.shares[cell]) * part)
+        let part = place - cell as f32;
+        self.sum(1.0, self.shares[cell] + (self.shares[cell + 1] - self.shares[cell]) * part)
+    }
+
+    /// The sum of the colours in directions with weights: from the sum of the weights, and that of the weights times
+    /// [`Gradient::zenith`].
+    #[inline(always)]
+    pub(crate) fn sum(&self, weights: f32, zenith: f32) -> [f32; 3] {
+        [0, 1, 2].map(|k| self.horizon[k] * weights + self.change[k] * zenith)
     }
 }
 
@@ -127,6 +135,7 @@ mod tests {
     use super::*;
     use crate::scene::camera::Camera;
     use crate::scene::{ImagePlane, Lighting, Sky, Spheres};
+    use glam::Vec3;
 
     fn gradient(up: DVec3) -> Gradient {
         let colors = SkyColors { zenith: [0.0, 0.25, 1.0], horizon: [1.0, 0.5, 0.5], is_shown: true };
@@ -184,7 +193,8 @@ mod tests {
             }
             // The mean over n random directions has an error of at most about 1/sqrt n, and the table's sums and its
             // interpolation were seen to err by at most 0.002.
-            let error = (light.open(normal) - sum / all).abs().max_element();
+            let found = Vec3::from_array(light.open(normal.as_vec3().to_array())).as_dvec3();
+            let error = (found - sum / all).abs().max_element();
             assert!(error < 4e-3, "{normal}: {error}");
         }
     }

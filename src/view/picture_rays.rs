@@ -35,6 +35,8 @@ pub(crate) struct PictureHit {
     pub(crate) near: bool,
     /// Whether the normal is off by at most 2^-29.
     pub(crate) sharp: bool,
+    /// The depth along the view axis, for a curved lens along the ray, in the frame's unit.
+    depth: f64,
 }
 
 /// The spheres that some pixels show, one array per component. A lane without one has a place of the window, and a sphere of no size.
@@ -100,6 +102,7 @@ pub(crate) struct PictureHits {
     pub(crate) outside: [u64; LANES],
     pub(crate) near: [u64; LANES],
     pub(crate) sharp: [u64; LANES],
+    depth: [f64; LANES],
 }
 
 impl<'a> PictureRays<'a> {
@@ -118,7 +121,7 @@ impl<'a> PictureRays<'a> {
     /// compilers make vectors of loops over it.
     #[inline(always)]
     pub(crate) fn hit_at(&self, kind: RayKind, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
-        let Meeting { d, p, r, a, p2, disc, far2, outside, t, .. } = self.meeting(kind, position, center, radius);
+        let Meeting { forward, d, p, r, a, p2, disc, far2, outside, t } = self.meeting(kind, position, center, radius);
         let outward = (d * t - p).normalize_or(-d);
         PictureHit {
             along: d / a.sqrt(),
@@ -126,6 +129,7 @@ impl<'a> PictureRays<'a> {
             outside,
             near: p2 <= FARTHEST * FARTHEST * r * r,
             sharp: disc >= SHARP * a * far2,
+            depth: forward * t,
         }
     }
 
@@ -141,12 +145,13 @@ impl<'a> PictureRays<'a> {
     #[inline(always)]
     fn hits_by(&self, kind: RayKind, shown: &ShownBalls) -> PictureHits {
         let none = [0; LANES];
-        let (normal, facing) = ([[0.0; LANES]; 3], [0.0; LANES]);
-        let mut hits = PictureHits { normal, facing, outside: none, near: none, sharp: none };
+        let (normal, facing, depth) = ([[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
+        let mut hits = PictureHits { normal, facing, outside: none, near: none, sharp: none, depth };
         for l in 0..LANES {
             let hit = self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l));
             (hits.normal[0][l], hits.normal[1][l], hits.normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
             hits.facing[l] = -hit.along.dot(hit.normal);
+            hits.depth[l] = hit.depth;
             (hits.outside[l], hits.near[l], hits.sharp[l]) = (hit.outside.into(), hit.near.into(), hit.sharp.into());
         }
         hits
@@ -168,15 +173,23 @@ impl<'a> PictureRays<'a> {
         let record = &self.view.record;
         for (n, (ids, depths)) in ids.chunks(LANES).zip(depths.chunks_mut(LANES)).enumerate() {
             let shown = ShownBalls::of_run(record, first + (n * LANES) as u32, ids, spheres);
-            let mut found = [0.0; LANES];
-            for (l, found) in found.iter_mut().enumerate() {
-                let Meeting { forward, t, .. } =
-                    self.meeting(kind, shown.position(l), shown.center(l), shown.radius(l));
-                *found = forward * t;
-            }
-            for ((depth, found), id) in depths.iter_mut().zip(found).zip(ids) {
-                *depth = if *id == NONE { f64::INFINITY } else { dd::ldexp(found, self.view.unit) };
-            }
+            self.write_depths(&self.hits_by(kind, &shown), ids, depths);
+        }
+    }
+
+    /// Writes the depths of hits of pixels that show these spheres as [`PictureRays::depths`] does.
+    #[inline(always)]
+    pub(crate) fn write_depths(&self, hits: &PictureHits, ids: &[u32], depths: &mut [f64]) {
+        let (mut found, unit) = (hits.depth, self.view.unit);
+        if let -1022..=1023 = unit {
+            // One product, of which compilers make a vector.
+            let factor = dd::ldexp(1.0, unit);
+            found.iter_mut().for_each(|found| *found *= factor);
+        } else {
+            found.iter_mut().for_each(|found| *found = dd::ldexp(*found, unit));
+        }
+        for ((depth, found), id) in depths.iter_mut().zip(found).zip(ids) {
+            *depth = if *id == NONE { f64::INFINITY } else { found };
         }
     }
 

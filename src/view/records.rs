@@ -108,12 +108,25 @@ impl ViewRecord {
         Places { place, columns, rows: self.first_row + self.rows }
     }
 
+    /// Row and column in the full frame of a pixel of the window, by its index, if [`LANES`] pixels of its row begin there.
+    #[inline(always)]
+    pub(crate) fn row_of(&self, first: u32) -> Option<[u32; 2]> {
+        const COUNT: u32 = LANES as u32;
+        let is_within = |[_, column]: &[u32; 2]| column + COUNT <= self.first_column + self.columns;
+        (self.columns >= COUNT).then(|| self.place(first)).filter(is_within)
+    }
+
     /// Rows and columns in the finer frame of the rays of [`LANES`] pixels of the window from this index on; beyond its end those of its last.
     #[inline(always)]
     pub(crate) fn positions(&self, first: u32) -> [[u32; LANES]; 2] {
         let [mut rows, mut columns] = [[0; LANES]; 2];
-        for (l, [row, column]) in self.places(first).take(LANES).enumerate() {
-            (rows[l], columns[l]) = (row, column);
+        if let Some([row, column]) = self.row_of(first) {
+            rows = [row; LANES];
+            (0..).zip(&mut columns).for_each(|(l, at)| *at = column + l);
+        } else {
+            for (l, [row, column]) in self.places(first).take(LANES).enumerate() {
+                (rows[l], columns[l]) = (row, column);
+            }
         }
         for (row, column) in rows.iter_mut().zip(&mut columns) {
             [*row, *column] = self.sample_position(*row, *column);

@@ -1,4 +1,6 @@
 use super::*;
+use crate::scene::camera::Camera;
+use crate::scene::{Gradient, ImagePlane, Lighting, Scene, Sky, SkyColors, Spheres};
 use crate::testing::Rng;
 use std::f32::consts::TAU;
 
@@ -158,5 +160,49 @@ fn sums_follow_the_normal() {
         let expected = f64::midpoint(1.0, degrees.to_radians().tan());
         assert!((found - expected).abs() < 2e-3, "{degrees}: {found} {expected}");
         assert!((found - f64::midpoint(1.0, sine)).abs() < 0.013, "{degrees}: {found}");
+    }
+}
+
+/// Vectors of every kind give the light of single pixels, to the last bit: of skies with colours and without, normals in any direction, and
+/// sums of nothing.
+#[test]
+fn lanes_have_the_light_of_single_pixels() {
+    let mut scene = Scene {
+        camera: Camera::CANONICAL,
+        image: ImagePlane::default(),
+        spheres: Spheres::default(),
+        lighting: Lighting::default(),
+    };
+    let colors = SkyColors { zenith: [0.1, 0.3, 1.0], horizon: [1.0, 0.6, 0.5], is_shown: true };
+    scene.lighting.sky = Some(Sky { colors: Some(colors), ..Sky::default() });
+    let colored = Gradient::of(&scene).map(SkyLight::new);
+    let mut rng = Rng(11);
+    for round in 0..2000 {
+        let mut vector = || DVec3::from_array([(); 3].map(|()| rng.between(-1.0, 1.0)));
+        let none = round % 7 == 0;
+        let pixels: [(SkySums, DVec3); LANES] = std::array::from_fn(|_| {
+            let [all, open] = [vector(), vector()].map(|sum| if none { DVec3::ZERO } else { sum });
+            (SkySums { all, open, zenith: [vector(), vector()], rays: 1 }, vector().normalize())
+        });
+        let mut sums = [[[0.0; LANES]; 3]; 4];
+        pixels.iter().enumerate().for_each(|(l, (own, _))| own.write_lane(&mut sums, l));
+        let normal = [0, 1, 2].map(|k| pixels.map(|(_, normal)| normal[k]));
+        for colors in [None, colored.as_ref()] {
+            let loops = light_of_lanes(&sums, &normal, colors);
+            let widest = vectorized!(light_of_lanes(&sums, &normal, colors));
+            #[cfg(target_arch = "x86_64")]
+            if let Some(avx2) = pulp::x86::V3::try_new() {
+                let avx2 = avx2.vectorize(
+                    #[inline(always)]
+                    || light_of_lanes(&sums, &normal, colors),
+                );
+                assert_eq!(avx2, loops);
+            }
+            assert_eq!(widest, loops);
+            for (l, (own, normal)) in pixels.iter().enumerate() {
+                let single = own.light(*normal, colors);
+                assert_eq!(single.to_array(), [0, 1, 2].map(|k| f64::from(loops[k][l])), "{round} {l}");
+            }
+        }
     }
 }

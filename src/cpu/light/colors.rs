@@ -4,7 +4,7 @@
 
 use super::lighting::LightingContext;
 use super::run::{Run, lane};
-use crate::answers::open_sky::SkySums;
+use crate::answers::open_sky::{SkyLanes, light_of_lanes};
 use crate::number::larger;
 use crate::number::vector::LANES;
 use crate::scene::Material;
@@ -12,7 +12,7 @@ use crate::view::RayKind;
 use crate::view::picture_rays::PictureHits;
 use crate::view::ray::NONE;
 use bytemuck::Zeroable;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use pulp::NullaryFnOnce;
 
 /// The colours of pixels of a frame without shadows, mirrors and highlights, whose open sky is known.
@@ -21,9 +21,9 @@ pub(super) struct Colors<'a, 'b, 'c>(pub(super) Run<'a, 'b, 'c>);
 /// Numbers of some pixels before their colours, one array per component. Lanes that show no sphere are not read.
 #[derive(Zeroable)]
 struct Lanes {
-    own: [[f64; LANES]; 3],
-    /// The vectors of the rays toward the sky.
-    sky: [[[f64; LANES]; 3]; 4],
+    own: [[f32; LANES]; 3],
+    /// The rays toward the sky.
+    sky: SkyLanes,
 }
 
 impl Colors<'_, '_, '_> {
@@ -38,17 +38,21 @@ impl Colors<'_, '_, '_> {
     #[inline(always)]
     fn gathered(&self, first: usize) -> Lanes {
         let Run { lighting, ids, .. } = self.0;
-        let (mut lanes, places) = (Lanes::zeroed(), lighting.view.record.places(self.0.pixel(first)));
-        for ((l, &id), [row, column]) in ids[first..].iter().take(LANES).enumerate().zip(places) {
-            if id == NONE {
-                continue;
+        let (mut lanes, record, pixel) = (Lanes::zeroed(), &lighting.view.record, self.0.pixel(first));
+        let ids = &ids[first..ids.len().min(first + LANES)];
+        if let Some(open) = lighting.open {
+            if let (Some(at), LANES) = (record.row_of(pixel), ids.len()) {
+                lanes.sky = open.around_row(at, ids);
+            } else {
+                for ((l, &id), [row, column]) in ids.iter().enumerate().zip(record.places(pixel)) {
+                    if id != NONE {
+                        open.around(row, column, id).write_lane(&mut lanes.sky, l);
+                    }
+                }
             }
-            let sky = lighting.open.map(|open| open.around(row, column, id)).unwrap_or_default();
-            for (lanes, sum) in lanes.sky.iter_mut().zip([sky.all, sky.open, sky.zenith[0], sky.zenith[1]]) {
-                (lanes[0][l], lanes[1][l], lanes[2][l]) = (sum.x, sum.y, sum.z);
-            }
-            let own = lighting.own_color(id);
-            (lanes.own[0][l], lanes.own[1][l], lanes.own[2][l]) = (own.x, own.y, own.z);
+        }
+        for (l, &id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
+            [lanes.own[0][l], lanes.own[1][l], lanes.own[2][l]] = lighting.own_color(id);
         }
         lanes
     }
@@ -76,19 +80,28 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
         let mut left = Vec::new();
         for first in (0..ids.len()).step_by(LANES) {
             let lanes = self.gathered(first);
-            let PictureHits { normal, facing, near, .. } = rays.hits(&self.0.shown(first));
+            let hits = rays.hits(&self.0.shown(first));
+            if let Some(depths) = self.0.chunk.depth.get_mut(first..) {
+                rays.write_depths(&hits, &ids[first..], depths);
+            }
+            let PictureHits { normal, facing, near, .. } = hits;
             let mut white = [[0.0; LANES]; 3];
-            for l in 0..LANES {
-                let light = match share {
-                    Some(share) => {
-                        let [all, open, zenith, open_zenith] = [0, 1, 2, 3].map(|k| lane(&lanes.sky[k], l));
-                        let sums = SkySums { all, open, zenith: [zenith, open_zenith], rays: 1 };
-                        sums.light(lane(&normal, l), lighting.colors.as_ref()) * share
+            match share {
+                Some(share) => {
+                    let sky = light_of_lanes(&lanes.sky, &normal, lighting.colors.as_ref());
+                    for k in 0..3 {
+                        for l in 0..LANES {
+                            white[k][l] = f64::from(sky[k][l]) * share;
+                        }
                     }
-                    None if lights.is_empty() => DVec3::splat(larger(facing[l], 0.0)),
-                    None => DVec3::ZERO,
-                };
-                (white[0][l], white[1][l], white[2][l]) = (light.x, light.y, light.z);
+                }
+                None if lights.is_empty() => {
+                    for l in 0..LANES {
+                        white[0][l] = larger(facing[l], 0.0);
+                    }
+                    white = [white[0]; 3];
+                }
+                None => {}
             }
             for (direction, color) in &lights {
                 for l in 0..LANES {
@@ -101,10 +114,17 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
             let mut rgb = [[0.0f32; LANES]; 3];
             for k in 0..3 {
                 for l in 0..LANES {
-                    rgb[k][l] = (lanes.own[k][l] * white[k][l] * f64::from(diffuse)) as f32;
+                    rgb[k][l] = (f64::from(lanes.own[k][l]) * white[k][l] * f64::from(diffuse)) as f32;
                 }
             }
-            for (l, &id) in ids[first..].iter().take(LANES).enumerate() {
+            let ids = &ids[first..ids.len().min(first + LANES)];
+            let plain = (0..ids.len()).fold(materials.is_none(), |all, l| all & (ids[l] != NONE) & (near[l] != 0));
+            if let (true, Some(colors)) = (plain, self.0.chunk.color[3 * first..].first_chunk_mut()) {
+                let interleaved: [[f32; 3]; LANES] = std::array::from_fn(|l| [rgb[0][l], rgb[1][l], rgb[2][l]]);
+                *colors = bytemuck::cast::<_, [f32; 3 * LANES]>(interleaved);
+                continue;
+            }
+            for (l, &id) in ids.iter().enumerate() {
                 let n = first + l;
                 if id == NONE {
                     let background = lighting.backdrop.at(self.0.pixel(n));

@@ -11,7 +11,7 @@ use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::picture_rays::PictureRays;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// The outputs of lights and sky that are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,6 +24,8 @@ pub(crate) struct LightOutputs {
     pub(crate) occlusion: bool,
     /// The rays toward the sky.
     pub(crate) sky: bool,
+    /// The depths of the hits, for what is drawn over the colours.
+    pub(crate) depth: bool,
 }
 
 /// A scene set up for its lights.
@@ -120,9 +122,9 @@ impl LightingContext<'_> {
         self.scene.spheres.materials.as_ref().map_or(Material::default(), |materials| materials.of(id))
     }
 
-    pub(super) fn own_color(&self, id: u32) -> DVec3 {
-        let color = self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
-        Vec3::from_array(color).as_dvec3()
+    #[inline(always)]
+    pub(super) fn own_color(&self, id: u32) -> [f32; 3] {
+        self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize])
     }
 
     /// The unit direction of a viewing ray.

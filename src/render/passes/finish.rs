@@ -12,17 +12,17 @@ pub(in crate::render) const PASS: Pass = Pass {
     runs: |plan, _, settings| plan.finish.is_some() && settings.asks(&[Aov::Color]),
 };
 
-/// Draws them over the colours of what a view shows: the spheres `ids`.
+/// Draws them over the colours of what a view shows: the spheres `ids`, at these depths where they are known.
 pub(super) fn run(
     at: &mut Rendering<'_>,
     sampling: Sampling<'_>,
     view: &View,
-    ids: &[u32],
+    (ids, depths): (&[u32], Option<&[f64]>),
     cue: Option<DepthCue>,
     color: &mut [f32],
 ) {
     if let Some(finish) = sampling.finish() {
         let of = (view, sampling.trees.is_some());
-        at.log.time("finish", || finish.draw(cue, sampling.scene, of, ids, color));
+        at.log.time("finish", || finish.draw(cue, sampling.scene, of, (ids, depths), color));
     }
 }

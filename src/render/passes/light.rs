@@ -326,6 +326,7 @@ fn room(scene: &Scene, outputs: LightOutputs, pixels: usize, pool: &Pool) -> Res
         shadow: pool.values(some(outputs.shadow, scene.lighting.lights.len()))?,
         occlusion: pool.values(some(outputs.occlusion, 1))?,
         sky: [pool.values(some(outputs.sky, 3))?, pool.values(some(outputs.sky, sums))?],
+        depth: pool.values(some(outputs.depth, 1))?,
         unsure: Vec::new(),
     })
 }

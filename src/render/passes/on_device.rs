@@ -77,7 +77,7 @@ impl Sampling<'_> {
             (record.up, record.horizon, record.change) =
                 (vector(gradient.up), vector(gradient.horizon), vector(gradient.change));
             let shares = SkyLight::new(gradient).shares;
-            record.shares.as_flattened_mut().iter_mut().zip(shares).for_each(|(to, share)| *to = share as f32);
+            record.shares.as_flattened_mut().iter_mut().zip(shares).for_each(|(to, share)| *to = share);
         }
         for (to, light) in record.sources.chunks_exact_mut(2).zip(&scene.lighting.lights) {
             let color = Vec3::from_array(light.color) * light.intensity;

@@ -9,6 +9,7 @@ use super::{finish, on_device, sky};
 use crate::answers::depth_cue::DepthCue;
 use crate::answers::finish::Finish;
 use crate::answers::hits::FirstHits;
+use crate::answers::light::LightBuffers;
 use crate::answers::open_sky::OpenSky;
 use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
@@ -153,11 +154,15 @@ fn pass(
     if let Some(shade) = kernel.shade {
         at.log.time("shade", || settle::shade(shade, of, view, settled, &mut raw.color));
     }
+    let mut depths = None;
     if let Some(trees) = trees {
-        let color = color(at, sampling, trees, view, &raw.id, open.first())?;
-        at.pool.put_back(std::mem::replace(&mut raw.color, color));
+        let outputs = LightOutputs { depth: sampling.finish().is_some(), ..COLOR };
+        let found = light_of(at, sampling, (trees, outputs), view, &raw.id, open.first())?;
+        at.pool.put_back(std::mem::replace(&mut raw.color, found.color));
+        depths = Some(found.depth);
     }
-    finish::run(at, sampling, view, &raw.id, cue, &mut raw.color);
+    finish::run(at, sampling, view, (&raw.id, depths.as_deref()), cue, &mut raw.color);
+    at.pool.put_back(depths.unwrap_or_default());
     let Some(shown) = &mut setups.shown else { return Ok(()) };
     parallel::each(passing, |_, passing| *passing = 1.0);
     let layers = layers::find(at, shown, scene, &raw.id)?;
@@ -165,14 +170,14 @@ fn pass(
     // Back to front.
     for (n, layer) in layers.iter().enumerate().rev() {
         let mut over = match (trees, kernel.shade) {
-            (Some(trees), _) => color(at, sampling, trees, view, layer, open.get(1 + n))?,
+            (Some(trees), _) => light_of(at, sampling, (trees, COLOR), view, layer, open.get(1 + n))?.color,
             (None, Some(shade)) => at.log.time("shade", || settle::shade_all(shade, scene, view, layer, &at.pool))?,
             (None, None) => Vec::new(),
         };
         // Where the layer shows nothing, what is behind it is no farther surface to draw a line before.
         if sampling.finish().is_some() {
             let front = |n: usize| if layer[n] == NONE { raw.id[n] } else { layer[n] };
-            finish::run(at, sampling, view, &parallel::from_fn(layer.len(), front), cue, &mut over);
+            finish::run(at, sampling, view, (&parallel::from_fn(layer.len(), front), None), cue, &mut over);
         }
         lay_over(&scene.spheres, layer, &over, &mut raw.color, passing);
         at.pool.put_back(over);
@@ -181,25 +186,27 @@ fn pass(
     Ok(())
 }
 
-/// The colours of what a view shows under lights and a sky, whose rays from the pixels' centres may be known.
-fn color(
+/// The colours alone.
+const COLOR: LightOutputs = LightOutputs { color: true, shadow: false, occlusion: false, sky: false, depth: false };
+
+/// Colours, and what else is asked for, of what a view shows, whose rays toward the sky from the pixels' centres may be known.
+fn light_of(
     at: &mut Rendering<'_>,
     sampling: Sampling<'_>,
-    trees: &LightSetup,
+    (trees, outputs): (&LightSetup, LightOutputs),
     view: &View,
     ids: &[u32],
     known: Option<&OpenSky>,
-) -> Result<Vec<f32>> {
+) -> Result<LightBuffers> {
     let Sampling { scene, settings, .. } = sampling;
     let sky = PictureSky::of(&sampling, view.record.strata * view.record.strata);
     let own = match sky.filter(|sky| !sky.at_centers && !sky.smoothing.is_none()) {
         Some(sky) => Some(sky::of_view(at, scene, view, ids, sky)?),
         None => None,
     };
-    let outputs = LightOutputs { color: true, ..LightOutputs::default() };
     let of = LightRequest::of(outputs, scene.lighting.sky, ids);
     let request = LightRequest { open_sky: known.or(own.as_ref()), ..of };
     let found = light(at, trees, FrameContext { scene, settings, view }, &request)?;
     own.into_iter().for_each(|own| own.put_back(&at.pool));
-    Ok(found.color)
+    Ok(found)
 }

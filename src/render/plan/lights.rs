@@ -12,6 +12,7 @@ pub(super) fn outputs(scene: &Scene, settings: &Settings) -> LightOutputs {
     let lighting = &scene.lighting;
     let uses_lights = lighting.has_light() || bounces(scene) > 0;
     LightOutputs {
+        depth: false,
         color: uses_lights && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]),
         shadow: settings.asks(&[Aov::Shadow]),
         occlusion: settings.asks(&[Aov::Occlusion]),
