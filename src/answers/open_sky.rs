@@ -6,6 +6,7 @@ use crate::memory::Pool;
 use crate::number::vector::{LANES, vectorized};
 use crate::parallel;
 use crate::scene::SkyLight;
+use crate::view::ViewRecord;
 use crate::view::ray::{NONE, dot3};
 use crate::window::Window;
 use glam::{DVec3, Vec3};
@@ -50,14 +51,20 @@ impl SkySums {
     /// The light of the sky on a surface with this normal: [`light`].
     #[inline(always)]
     pub(crate) fn light(&self, normal: DVec3, colors: Option<&SkyLight>) -> DVec3 {
-        let sums = [self.all, self.open, self.zenith[0], self.zenith[1]].map(|sum| sum.as_vec3().to_array());
+        let sums = self.vectors().map(|sum| sum.as_vec3().to_array());
         Vec3::from_array(light(sums, normal.as_vec3().to_array(), colors)).as_dvec3()
+    }
+
+    /// The sums in the order of their components.
+    #[inline(always)]
+    fn vectors(&self) -> [DVec3; 4] {
+        [self.all, self.open, self.zenith[0], self.zenith[1]]
     }
 
     /// Writes the vectors into a lane.
     #[inline(always)]
-    pub(crate) fn write_lane(&self, lanes: &mut SkyLanes, l: usize) {
-        for (lanes, sum) in lanes.iter_mut().zip([self.all, self.open, self.zenith[0], self.zenith[1]]) {
+    fn write_lane(&self, lanes: &mut SkyLanes, l: usize) {
+        for (lanes, sum) in lanes.iter_mut().zip(self.vectors()) {
             (lanes[0][l], lanes[1][l], lanes[2][l]) = (sum.x as f32, sum.y as f32, sum.z as f32);
         }
     }
@@ -75,7 +82,7 @@ impl SkySums {
     /// The vectors over the number of rays, so that their length is at most 1.
     fn means(&self) -> [DVec3; 4] {
         let each = 1.0 / f64::from(self.rays.max(1));
-        [self.all, self.open, self.zenith[0], self.zenith[1]].map(|sum| sum * each)
+        self.vectors().map(|sum| sum * each)
     }
 }
 
@@ -302,13 +309,18 @@ impl OpenSky {
         self.of_neighbors(row, column, id)
     }
 
-    /// [`OpenSky::around`] for eight pixels of a row of the frame from this column on, which show spheres. Lanes that show none have any.
+    /// [`OpenSky::around`] for the pixels of a view from this one on, which show the spheres `ids`, at most [`LANES`]. Lanes of pixels that
+    /// show none have any numbers.
     #[inline(always)]
-    pub(crate) fn around_row(&self, [row, column]: [u32; 2], ids: &[u32]) -> SkyLanes {
+    pub(crate) fn of_run(&self, record: &ViewRecord, first: u32, ids: &[u32]) -> SkyLanes {
         let mut lanes = [[[0.0; LANES]; 3]; 4];
         let Window { x0, y0, x1, y1 } = self.window;
         let mut known = [NONE; LANES];
-        if (y0..y1).contains(&row) && column >= x0 && column + LANES as u32 <= x1 {
+        if let Some([row, column]) = record.row_of(first)
+            && (y0..y1).contains(&row)
+            && column >= x0
+            && column + LANES as u32 <= x1
+        {
             let (y, x, width) = ((row - y0) as usize, (column - x0) as usize, self.window.width() as usize);
             known.copy_from_slice(&self.ids[y * width + x..][..LANES]);
             for (k, lanes) in lanes.as_flattened_mut().iter_mut().take(self.count).enumerate() {
@@ -318,7 +330,8 @@ impl OpenSky {
         }
         for (l, (&id, known)) in ids.iter().zip(known).enumerate() {
             if id != NONE && id != known {
-                self.around(row, column + l as u32, id).write_lane(&mut lanes, l);
+                let [row, column] = record.place(first + l as u32);
+                self.around(row, column, id).write_lane(&mut lanes, l);
             }
         }
         lanes
@@ -370,15 +383,15 @@ struct BlockMemory {
     weights: Vec<f32>,
     /// The shares of the sky that are open in the row, and in the row of its neighbours, by column.
     shares: [Vec<f32>; 2],
-    /// Sums of weighted components, and of the weights, [`BLOCK`] of each.
-    added: Vec<f32>,
+    /// Sums of weighted components, [`BLOCK`] of each, and of the weights.
+    sums: Vec<f32>,
+    all: Vec<f32>,
 }
 
 impl BlockMemory {
     fn new(width: usize, count: usize) -> Self {
-        let row = || vec![0.0; width];
-        let added = vec![0.0; (count + 1) * BLOCK];
-        Self { weights: vec![0.0; BLOCK], shares: [row(), row()], added }
+        let row = |n: usize| vec![0.0; n];
+        Self { weights: row(BLOCK), shares: [row(width), row(width)], sums: row(count * BLOCK), all: row(BLOCK) }
     }
 }
 
@@ -399,7 +412,7 @@ impl Pass<'_> {
         for first in (0..self.width).step_by(BLOCK) {
             let columns = first..self.width.min(first + BLOCK);
             self.add(y, &columns, memory);
-            let (sums, all) = memory.added.split_at(self.count * BLOCK);
+            let BlockMemory { sums, all, .. } = &*memory;
             for (out, sums) in out.chunks_exact_mut(self.width).zip(sums.chunks_exact(BLOCK)) {
                 for (x, out) in out[columns.clone()].iter_mut().enumerate() {
                     *out = nearest(if all[x] > 0.0 { sums[x] / all[x] } else { 0.0 });
@@ -415,36 +428,32 @@ impl Pass<'_> {
     #[inline(always)]
     fn add(&self, y: usize, columns: &Range<usize>, memory: &mut BlockMemory) {
         let Self { width, count, step, .. } = *self;
-        let BlockMemory { weights, shares, added } = memory;
-        added.fill(0.0);
+        let BlockMemory { weights, shares, sums, all } = memory;
+        sums.fill(0.0);
+        all.fill(0.0);
         let wide = columns.start.saturating_sub(step)..width.min(columns.end + step);
         self.write_shares(y, columns, &mut shares[0]);
         let height = self.ids.len() / width;
         let rows = [(y.checked_sub(step), 1.0), (Some(y), 2.0), (Some(y + step).filter(|y| *y < height), 1.0)];
         for (row, factor) in rows.into_iter().filter_map(|(row, factor)| Some((row?, factor))) {
             self.write_shares(row, &wide, &mut shares[1]);
-            // The neighbours' columns, from `back` columns before to as many after.
-            for (back, along) in [(2 * step, 1.0), (step, 2.0), (0, 1.0)] {
-                let here =
-                    columns.start.max(back.saturating_sub(step))..columns.end.min((width + back).saturating_sub(step));
+            // Columns on the left, and on the right, that have no such neighbour.
+            for (left, right, along) in [(step, 0, 1.0), (0, 0, 2.0), (0, step, 1.0)] {
+                let here = columns.start.max(left)..columns.end.min(width.saturating_sub(right));
                 let n = here.len();
                 if n == 0 {
                     continue;
                 }
-                let (there, weights) = (here.start + step - back, &mut weights[..n]);
+                let (first, there, weights) =
+                    (here.start - columns.start, here.start + right - left, &mut weights[..n]);
                 self.weigh([y, here.start], [row, there], factor * along, shares, weights);
-                let first = here.start - columns.start;
-                for (k, added) in added.chunks_exact_mut(BLOCK).enumerate() {
-                    let added = &mut added[first..][..n];
-                    if k == count {
-                        added.iter_mut().zip(&*weights).for_each(|(all, weight)| *all += *weight);
-                        continue;
-                    }
-                    let from = &self.sums[(row * count + k) * width + there..][..n];
+                for (k, sums) in sums.chunks_exact_mut(BLOCK).enumerate() {
+                    let (sums, from) = (&mut sums[first..][..n], &self.sums[(row * count + k) * width + there..][..n]);
                     for x in 0..n {
-                        added[x] += weights[x] * f32::from(from[x]);
+                        sums[x] += weights[x] * f32::from(from[x]);
                     }
                 }
+                all[first..][..n].iter_mut().zip(&*weights).for_each(|(all, weight)| *all += *weight);
             }
         }
     }

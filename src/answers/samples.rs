@@ -84,18 +84,16 @@ impl Sums {
     }
 
     /// The means of `count` samples.
-    pub(crate) fn means(self, count: u32, pool: &Pool) -> Means {
+    ///
+    /// # Errors
+    /// [`crate::Error::Limits`] when the memory cannot be allocated.
+    pub(crate) fn means(self, count: u32, pool: &Pool) -> Result<Means> {
         let count = f64::from(count);
-        let of = |n: usize| {
-            let mut values = pool.take(n);
-            values.clear();
-            values
-        };
-        let mut means = Means { color: of(self.color.len()), alpha: of(self.cover.len()) };
-        parallel::extend(&mut means.color, &self.color, 1, |sum| (sum[0] / count) as f32);
-        parallel::extend(&mut means.alpha, &self.cover, 1, |cover| (f64::from(cover[0]) / count) as f32);
+        let mut means = Means { color: pool.values(self.color.len())?, alpha: pool.values(self.cover.len())? };
+        parallel::zip(&mut means.color, &self.color, |mean, sum| *mean = (sum / count) as f32);
+        parallel::zip(&mut means.alpha, &self.cover, |mean, cover| *mean = (f64::from(*cover) / count) as f32);
         pool.put_back(self.color);
         pool.put_back(self.cover);
-        means
+        Ok(means)
     }
 }

@@ -4,7 +4,7 @@
 
 mod pixels;
 mod strip;
-mod triples;
+pub(super) mod triples;
 
 use crate::answers::raw::Raw;
 use crate::certify::Certify;

@@ -1,14 +1,14 @@
 //! Interleaves arrays of components into triples, lane after lane, as buffers of normals and colours hold them.
 
 /// Interleaves components.
-pub(super) trait Triples: Copy + Send + Sync {
+pub(in crate::cpu) trait Triples: Copy + Send + Sync {
     /// The components of every lane.
     fn of<const N: usize>(self, components: &[[f32; N]; 3]) -> [[f32; 3]; N];
 }
 
 /// For every processor.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Portable;
+pub(in crate::cpu) struct Portable;
 
 impl Triples for Portable {
     #[inline(always)]

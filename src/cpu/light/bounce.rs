@@ -14,7 +14,7 @@ use crate::search::tree::walk::walk;
 use crate::search::tree::{BoxRay, Tree};
 use crate::shade::optics::{reflected, refracted, schlick};
 use crate::view::directions::PixelSample;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// A ray with less weight than this is not followed: it changes a picture of 8 bits by less than half a level.
 const NEGLIGIBLE: f64 = 1.0 / 512.0;
@@ -123,7 +123,7 @@ fn push(
         }
         Material::Plastic { .. } | Material::Ink => {}
         Material::Metal { fuzz } => {
-            let mut ray = mirror(Vec3::from_array(lighting.own_color(point.id)).as_dvec3());
+            let mut ray = mirror(lighting.own_color(point.id).as_dvec3());
             if fuzz > 0.0 {
                 let scattered = lighting.scattered.of(at, depth)[0].map(f64::from);
                 let scatter = DVec3::from_array(scattered) * f64::from(fuzz);

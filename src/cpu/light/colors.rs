@@ -5,6 +5,7 @@
 use super::lighting::LightingContext;
 use super::run::{Run, lane};
 use crate::answers::open_sky::{SkyLanes, light_of_lanes};
+use crate::cpu::certified::triples::{Portable, Triples};
 use crate::number::larger;
 use crate::number::vector::LANES;
 use crate::scene::Material;
@@ -36,23 +37,13 @@ impl Colors<'_, '_, '_> {
     }
 
     #[inline(always)]
-    fn gathered(&self, first: usize) -> Lanes {
-        let Run { lighting, ids, .. } = self.0;
-        let (mut lanes, record, pixel) = (Lanes::zeroed(), &lighting.view.record, self.0.pixel(first));
-        let ids = &ids[first..ids.len().min(first + LANES)];
+    fn gathered(&self, first: usize, ids: &[u32]) -> Lanes {
+        let (mut lanes, lighting) = (Lanes::zeroed(), self.0.lighting);
         if let Some(open) = lighting.open {
-            if let (Some(at), LANES) = (record.row_of(pixel), ids.len()) {
-                lanes.sky = open.around_row(at, ids);
-            } else {
-                for ((l, &id), [row, column]) in ids.iter().enumerate().zip(record.places(pixel)) {
-                    if id != NONE {
-                        open.around(row, column, id).write_lane(&mut lanes.sky, l);
-                    }
-                }
-            }
+            lanes.sky = open.of_run(&lighting.view.record, self.0.pixel(first), ids);
         }
         for (l, &id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
-            [lanes.own[0][l], lanes.own[1][l], lanes.own[2][l]] = lighting.own_color(id);
+            [lanes.own[0][l], lanes.own[1][l], lanes.own[2][l]] = lighting.own_color(id).to_array();
         }
         lanes
     }
@@ -78,11 +69,12 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
         let Material::Phong { diffuse, .. } = Material::default() else { return (0..ids.len()).collect() };
         let materials = lighting.scene.spheres.materials.as_ref();
         let mut left = Vec::new();
-        for first in (0..ids.len()).step_by(LANES) {
-            let lanes = self.gathered(first);
+        for (n, ids) in ids.chunks(LANES).enumerate() {
+            let first = n * LANES;
+            let lanes = self.gathered(first, ids);
             let hits = rays.hits(&self.0.shown(first));
             if let Some(depths) = self.0.chunk.depth.get_mut(first..) {
-                rays.write_depths(&hits, &ids[first..], depths);
+                rays.write_depths(&hits, ids, depths);
             }
             let PictureHits { normal, facing, near, .. } = hits;
             let mut white = [[0.0; LANES]; 3];
@@ -117,11 +109,9 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
                     rgb[k][l] = (f64::from(lanes.own[k][l]) * white[k][l] * f64::from(diffuse)) as f32;
                 }
             }
-            let ids = &ids[first..ids.len().min(first + LANES)];
             let plain = (0..ids.len()).fold(materials.is_none(), |all, l| all & (ids[l] != NONE) & (near[l] != 0));
             if let (true, Some(colors)) = (plain, self.0.chunk.color[3 * first..].first_chunk_mut()) {
-                let interleaved: [[f32; 3]; LANES] = std::array::from_fn(|l| [rgb[0][l], rgb[1][l], rgb[2][l]]);
-                *colors = bytemuck::cast::<_, [f32; 3 * LANES]>(interleaved);
+                *colors = bytemuck::cast::<_, [f32; 3 * LANES]>(Portable.of(&rgb));
                 continue;
             }
             for (l, &id) in ids.iter().enumerate() {

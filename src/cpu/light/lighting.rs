@@ -11,7 +11,7 @@ use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::picture_rays::PictureRays;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The outputs of lights and sky that are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -73,7 +73,7 @@ impl LightOutputs {
 
     /// Whether only rays toward the sky are requested.
     pub(crate) fn is_sky_alone(self) -> bool {
-        self.sky && !self.color && !self.shadow && !self.occlusion
+        self.sky && !self.color && !self.shadow && !self.occlusion && !self.depth
     }
 }
 
@@ -123,8 +123,9 @@ impl LightingContext<'_> {
     }
 
     #[inline(always)]
-    pub(super) fn own_color(&self, id: u32) -> [f32; 3] {
-        self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize])
+    pub(super) fn own_color(&self, id: u32) -> Vec3 {
+        let color = self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
+        Vec3::from_array(color)
     }
 
     /// The unit direction of a viewing ray.

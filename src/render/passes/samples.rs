@@ -122,7 +122,7 @@ fn means(
             at.log.time("coverage", || coverage.add(&hits.raw.id, inside, raster.window.width()));
         }
     }
-    let means = sums.means(raster.count(), &at.pool);
+    let means = sums.means(raster.count(), &at.pool)?;
     let is_whole = raster.window == window;
     let means = if is_whole { means } else { means.part(window.inside(raster.window), raster.window.width()) };
     hits.raw.put_back(&at.pool);
@@ -189,7 +189,8 @@ fn pass(
 /// The colours alone.
 const COLOR: LightOutputs = LightOutputs { color: true, shadow: false, occlusion: false, sky: false, depth: false };
 
-/// Colours, and what else is asked for, of what a view shows, whose rays toward the sky from the pixels' centres may be known.
+/// Light of the pixels of a view, which show the spheres `ids`: colours, and depths if `outputs` has them. `known` holds the rays toward the
+/// sky from the pixels' centres, if these were traced.
 fn light_of(
     at: &mut Rendering<'_>,
     sampling: Sampling<'_>,
