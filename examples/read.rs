@@ -8,7 +8,7 @@
 //! ```
 
 use flate2::{Compression, write::GzEncoder};
-use halfline_files::read::{ReadOptions, Sequence};
+use halfline_files::read::{ParticleOptions, ReadOptions, Sequence};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -95,7 +95,10 @@ fn generate(path: &Path, ending: &str, bytes: usize) -> Result<usize> {
 
 /// Reads all frames and prints a row of the table; `bytes` is the length of the text.
 fn read(path: &Path, ending: &str, bytes: f64) -> Result {
-    let options = ReadOptions { frames: "1-".parse()?, ..ReadOptions::default() };
+    let options = ReadOptions {
+        particles: ParticleOptions { frames: "1-".parse()?, ..Default::default() },
+        ..ReadOptions::default()
+    };
     let began = Instant::now();
     let mut sequence = Sequence::open(path, &options)?;
     let (mut frames, mut atoms) = (0, 0);

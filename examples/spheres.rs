@@ -8,23 +8,28 @@
 //! ```
 
 use halfline_files::ReadOptions;
+use halfline_files::read::ParticleOptions;
 use halfline_files::read::style::{Coloring, Scale};
 use halfline_files::read::{Hold, Periodic, Sequence};
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The range of a column is that of each frame.
-    let mut options = ReadOptions { frames: "1-".parse()?, hold: Hold::None, ..ReadOptions::default() };
+    let mut options = ReadOptions {
+        particles: ParticleOptions { frames: "1-".parse()?, ..Default::default() },
+        hold: Hold::None,
+        ..ReadOptions::default()
+    };
     let mut words = std::env::args().skip(1);
     let file = words.next().ok_or("a file is missing")?;
     while let Some(word) = words.next() {
         let value = words.next().ok_or_else(|| format!("{word} has no value"))?;
         match word.as_str() {
-            "--select" => options.select.push(value.parse()?),
-            "--topology" => options.topology = Some(value.into()),
-            "--frames" => options.frames = value.parse()?,
+            "--select" => options.particles.select.push(value.parse()?),
+            "--topology" => options.particles.topology = Some(value.into()),
+            "--frames" => options.particles.frames = value.parse()?,
             "--periodic" => {
-                options.periodic = if value == "wrap" { Periodic::Wrap } else { Periodic::Unwrap };
+                options.particles.periodic = if value == "wrap" { Periodic::Wrap } else { Periodic::Unwrap };
             }
             "--color-by" => {
                 let columns = value.split(',').map(str::to_owned).collect();

@@ -14,12 +14,12 @@ use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, RaySource, Task};
 use crate::number::Number;
 use crate::number::vector::{LANES, Laned};
-use crate::parallel::{self, Rows};
 use crate::search::eight::{EightHits, spheres_together, together};
 use crate::shade::{Shade, color_of, to_world};
 use crate::view::ray::{Hit, NONE, Ray, RayRecord, viewing_ray};
 use crate::view::{Sphere, View, ViewRecord};
 use given_rays::{direction, moved};
+use halfline_ground::parallel::{self, Rows};
 use pulp::NullaryFnOnce;
 use std::marker::PhantomData;
 
@@ -188,9 +188,9 @@ impl<V: Intersect, N: Laned> NullaryFnOnce for Row<'_, V, N> {
 mod tests {
     use super::*;
     use crate::intersect::Method;
-    use crate::memory::Pool;
     use crate::search::nearest::nearest_of;
     use crate::window::Window;
+    use halfline_ground::memory::Pool;
 
     /// A window of weekend whose width is no multiple of eight, against single rays.
     struct Compare<'a>(&'a View, Method);

@@ -20,9 +20,7 @@ mod tests;
 
 use crate::double_double::{self as dd, Dd};
 use crate::dyadic::{self, Dyadic};
-use crate::error::{Place, Result};
 use crate::number::vector::{LANES, Vector};
-use crate::parallel;
 use crate::scene::camera::{CentredFrame, CurvedFrame, ExactViewport};
 use crate::scene::{Ball, Scene, Spheres, check_sphere};
 pub use answer::Truth;
@@ -30,6 +28,8 @@ use answer::{DecidedHit, Path, Quick};
 pub use decide::Root;
 use decide::{ExactFrame, ExactLens, Meeting, odds};
 use filter::{AxesDd, Body, ExactCamera, FilterHit, FilterRay, FilterResult, Screen};
+use halfline_ground::error::{Place, Result};
+use halfline_ground::parallel;
 use ray::RayForms;
 use secondary::HitPoint;
 pub(crate) use secondary::LightQuestion;

@@ -10,7 +10,7 @@ pub mod legend;
 pub mod outline;
 pub mod provenance;
 pub mod report;
-pub mod srgb;
+pub use halfline_ground::srgb;
 pub mod tone;
 
 use crate::window::Window;

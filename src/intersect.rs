@@ -9,11 +9,11 @@ mod stable;
 mod textbook;
 mod unit;
 
-use crate::error::Error;
 use crate::number::vector::Laned;
 use crate::number::{Arithmetic, Number};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, minus, negated, times, unit3};
+use halfline_ground::error::Error;
 use std::str::FromStr;
 
 /// A form of the ray-sphere intersection: the CPU twin of a file of shaders/form/.
@@ -103,6 +103,6 @@ impl Method {
 impl FromStr for Method {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self, Error> {
-        crate::error::by_name("method", name, Self::ALL, |m| m.name())
+        halfline_ground::error::by_name("method", name, Self::ALL, |m| m.name())
     }
 }

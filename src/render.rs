@@ -20,13 +20,13 @@ mod setup;
 pub mod stream;
 pub mod trace;
 
-use crate::error::Result;
 use crate::frame::Frame;
 use crate::frame::provenance::Origin;
 use crate::frame::report::Report;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::window::Window;
+use halfline_ground::error::Result;
 
 pub use renderer::Renderer;
 

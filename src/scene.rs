@@ -4,7 +4,6 @@
 pub mod arrange;
 mod ball;
 pub mod camera;
-mod cell;
 mod check;
 mod fit;
 mod gradient;
@@ -20,17 +19,18 @@ mod outlook;
 pub(crate) mod same;
 mod source;
 
-use crate::error::{Error, Place, Result};
-use crate::memory::{entries, extend_to};
 use camera::Camera;
 use glam::DVec3;
+use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::memory::{entries, extend_to};
 
 pub(crate) use ball::{Ball, NumberedBall};
-pub use cell::Cell;
-pub use check::{MAX_SIDE, check_color, check_size, check_sphere, is_center, is_radius};
+pub use check::{MAX_SIDE, check_size};
 pub use fit::{Framing, Reach};
 pub use gradient::SkyColors;
 pub(crate) use gradient::{Gradient, SkyLight};
+pub use halfline_ground::Cell;
+pub use halfline_ground::check::{check_color, check_sphere, is_center, is_radius};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, MaterialName, Materials};
@@ -208,12 +208,6 @@ impl Spheres {
         materials.of.to_mut().pop();
         materials.push(material);
     }
-}
-
-/// Keeps the values whose flag is set; an empty list stays empty.
-pub fn keep<T>(values: &mut Vec<T>, flags: &[bool]) {
-    let mut flags = flags.iter();
-    values.retain(|_| flags.next().copied().unwrap_or(true));
 }
 
 /// The box around spheres, in words.

@@ -5,15 +5,15 @@ mod look;
 pub use crate::frame::outline::Outline;
 pub use look::{AddedLight, ChosenLook, FileLook, Look};
 
-use crate::error::{Error, Place, Result, named};
 use crate::frame::tone::{Tone, Toning};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
-use crate::quote::setting::{CRYPTOMATTE, LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN};
 use crate::scene::camera::Aperture;
 use crate::scene::{Material, Scene, Sky};
 use crate::shade::Shade;
 use crate::window::Window;
+use halfline_ground::error::{Error, Place, Result, named};
+use halfline_ground::quote::setting::{CRYPTOMATTE, LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN};
 use serde::Serialize;
 
 /// The device that renders: a GPU or the CPU.

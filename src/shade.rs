@@ -3,12 +3,12 @@
 pub(crate) mod cap;
 pub(crate) mod optics;
 
-use crate::error::named;
 use crate::number::Arithmetic;
 use crate::scene::DEFAULT_COLOR;
 use crate::view::ViewRecord;
 use crate::view::ray::{dot3, positive, times, unit3};
 use glam::DVec3;
+use halfline_ground::error::named;
 
 /// The shading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -23,16 +23,16 @@ pub(crate) use records::pcg4d;
 pub use records::{Sphere, SphereRecord, SphereResiduals, ViewRecord};
 
 use crate::double_double as dd;
-use crate::error::{Error, Place, Result};
 use crate::exact::Judge;
 use crate::number::Number;
 use crate::number::vector::vectorized;
-use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::camera::{Basis, CentredFrame, CurvedFrame, ExactViewport};
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::DVec3;
+use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::parallel;
 use moved::Moved;
 use raster::Raster;
 

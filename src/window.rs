@@ -1,6 +1,6 @@
 //! The part of a frame that is rendered: a rectangle in pixels of the full frame.
 
-use crate::error::{Error, Result};
+use halfline_ground::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

@@ -6,7 +6,7 @@ use super::standard::{print, print_json};
 use halfline::error::Result;
 use halfline::quote::{count, list, number, printable};
 use halfline_files::read::info::{ColumnInfo, FileInfo, info};
-use halfline_files::read::{AtomStyle, ColumnNames, Format, ReadOptions};
+use halfline_files::read::{AtomStyle, ColumnNames, Format, ParticleOptions, ReadOptions};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -51,8 +51,18 @@ impl Info {
         let columns_named = self.columns.clone().unwrap_or_default();
         let atom_style = self.atom_style.clone();
         let watch = watch();
-        let options =
-            ReadOptions { format, columns_named, atom_style, skip_invalid, model, watch, ..ReadOptions::default() };
+        let options = ReadOptions {
+            particles: ParticleOptions {
+                format,
+                columns_named,
+                atom_style,
+                skip_invalid,
+                model,
+                watch,
+                ..Default::default()
+            },
+            ..ReadOptions::default()
+        };
         let found = info(&self.file, &options)?;
         match self.json {
             true => print_json(&found)?,

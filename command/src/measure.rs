@@ -14,7 +14,7 @@ use super::values::at_least_one;
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::settings::{Backend, Tolerance};
-use halfline_files::read::{self, ReadOptions};
+use halfline_files::read::{self, ParticleOptions, ReadOptions};
 use halfline_files::write::file::check_writable;
 use halfline_measure::record::Record;
 use halfline_measure::run::{Options, Subject, measure};
@@ -138,7 +138,13 @@ impl Measure {
             }
             (Some(Suite::Ladder), _) => Subject::ladder()?,
             (None, Some(path)) => {
-                let read = read::scene(path, &ReadOptions { watch: watch(), ..ReadOptions::default() })?;
+                let read = read::scene(
+                    path,
+                    &ReadOptions {
+                        particles: ParticleOptions { watch: watch(), ..Default::default() },
+                        ..ReadOptions::default()
+                    },
+                )?;
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 Subject::scene(name.to_string_lossy(), read.scene, read.skipped.warnings())
             }

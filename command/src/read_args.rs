@@ -10,7 +10,8 @@ use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{MaterialName, is_opacity};
 use halfline_files::read::style::{Coloring, Paint, Radii, RangeEnd, Scale, color_map};
 use halfline_files::read::{
-    Altloc, AtomStyle, ColumnNames, Format, FrameRange, Hold, Identity, Keep, Periodic, ReadOptions, Selection, Style,
+    Altloc, AtomStyle, ColumnNames, Format, FrameRange, Hold, Identity, ParticleOptions, Periodic, ReadOptions,
+    Selection, Style,
 };
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -157,21 +158,17 @@ impl ReadArgs {
         if self.outline.is_some() {
             note(format_args!("--outline is now called --cell; the outlines of spheres are drawn by --silhouette"));
         }
-        ReadOptions {
+        let particles = ParticleOptions {
             strict: self.strict,
             format: self.format,
             columns_named: self.columns.clone().unwrap_or_default(),
             atom_style: self.atom_style.clone(),
-            // `halfline trace` has the option for its rays.
-            skip_invalid: false,
             frames: self.frames.clone().unwrap_or_default(),
-            hold: self.hold,
             topology: self.topology.clone(),
             identity: self.identity.clone().unwrap_or_default(),
             model: self.model,
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
-            as_operators: false,
             as_listed: self.as_listed,
             periodic: match (self.wrap, self.unwrap) {
                 (true, _) => Periodic::Wrap,
@@ -180,19 +177,17 @@ impl ReadArgs {
             },
             select: self.select.clone(),
             hide: self.hide.clone(),
-            keep: Keep::Nothing,
-            // Those of the camera, which `halfline trace` does not have.
-            marks: Vec::new(),
-            survey: None,
-            style: Style {
-                radii: self.radii,
-                radius: Rule::for_all(&self.radius),
-                radius_scale: self.radius_scale,
-                sizes: Rule::selected(&self.radius),
-                ..Style::default()
-            },
             watch: watch(),
-        }
+            ..ParticleOptions::default()
+        };
+        let style = Style {
+            radii: self.radii,
+            radius: Rule::for_all(&self.radius),
+            radius_scale: self.radius_scale,
+            sizes: Rule::selected(&self.radius),
+            ..Style::default()
+        };
+        ReadOptions { particles, hold: self.hold, style, ..ReadOptions::default() }
     }
 
     /// The choice of `--hold` by name, for reports; `None` without `--frames`.

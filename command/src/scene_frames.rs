@@ -19,7 +19,9 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
 use halfline_files::read::style::{Coloring, RangeEnd};
-use halfline_files::read::{FixedCamera, FrameRange, Hold, Keep, ReadOptions, SceneFrame, Sequence, read_once};
+use halfline_files::read::{
+    FixedCamera, FrameRange, Hold, Keep, ParticleOptions, ReadOptions, SceneFrame, Sequence, read_once,
+};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
@@ -49,8 +51,8 @@ pub(super) fn options(args: &SceneArgs, cancel: &Cancel) -> Result<ReadOptions> 
     args.camera.check()?;
     let mut options = args.color.of(args.read.options())?;
     options.marks = args.camera.marks();
-    options.watch = options.watch.cancelled_by(cancel);
-    options.skip_invalid = args.skip_invalid;
+    options.particles.watch = options.particles.watch.cancelled_by(cancel);
+    options.particles.skip_invalid = args.skip_invalid;
     Ok(options)
 }
 
@@ -166,9 +168,12 @@ pub(super) fn sequence(
         Keep::Nothing if !args.insets.mark.is_empty() || !args.files.cryptomatte.is_empty() => Keep::All,
         keep => keep,
     };
-    let mut options = ReadOptions { keep, ..options(args, cancel)? };
+    let mut options = ReadOptions {
+        particles: ParticleOptions { keep, ..options(args, cancel)?.particles.clone() },
+        ..options(args, cancel)?
+    };
     if let Some(from) = from {
-        options.frames = format!("{from}-").parse()?;
+        options.particles.frames = format!("{from}-").parse()?;
     }
     let holds_all = options.hold == Hold::All && args.read.frames.is_some();
     let fixed = if holds_all { hold_all(args, &mut options)? } else { None };
@@ -284,7 +289,10 @@ struct AllFrames {
 impl AllFrames {
     /// Reads all frames, to be framed with this part of the width free.
     fn read(args: &SceneArgs, options: &ReadOptions, legend_shares: [f64; 2]) -> Result<Self> {
-        let each = ReadOptions { frames: "1-".parse()?, ..options.clone() };
+        let each = ReadOptions {
+            particles: ParticleOptions { frames: "1-".parse()?, ..options.particles.clone() },
+            ..options.clone()
+        };
         let mut sequence = Sequence::open(args.path(), &each)?;
         let (mut all, mut known) = (Self::default(), HashSet::new());
         loop {
@@ -292,7 +300,7 @@ impl AllFrames {
                 Ok(Some(frame)) => frame,
                 Ok(None) => break,
                 // A frame that is not shown may lack the columns of those that are.
-                Err(Error::Settings { .. }) if !options.frames.contains(sequence.passed()) => continue,
+                Err(Error::Settings { .. }) if !options.particles.frames.contains(sequence.passed()) => continue,
                 Err(error) => return Err(error),
             };
             if frame.scene.spheres.is_empty() {

@@ -9,13 +9,12 @@
     expect(dead_code, reason = "the readers that are left out use some of what all share")
 )]
 
-#[doc(hidden)]
-pub mod blocks;
-mod npy;
 pub mod parts;
 pub mod read;
 pub mod write;
 
+#[doc(hidden)]
+pub use halfline_particles::blocks;
 pub use read::ReadOptions;
 
 /// The line that brings the formats that a build lacks.

@@ -2,7 +2,6 @@
 //! increasing order, `colors` (n, 3) and `opacities` (n) in float32 where the spheres have any, and `about`, the bytes of a JSON text: the rays that the
 //! part is made for, and of which spheres. Equal parts have equal bytes.
 
-use crate::npy::Header;
 use crate::write::atomic::write_atomically;
 use crate::write::npz::{self, write_archive};
 use halfline::error::{Error, Place, Result};
@@ -11,6 +10,7 @@ use halfline::memory::check;
 use halfline::render::stream::{Part, PartView};
 use halfline::scene::Spheres;
 use halfline::settings::Tolerance;
+use halfline_particles::npy::header::Header;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::Path;

@@ -3,37 +3,16 @@
 
 pub mod cameras;
 mod clip;
-mod color;
-mod columns;
-mod csv;
-mod derived;
-mod detect;
-pub mod elements;
 mod fixed_camera;
-mod foreign;
-mod format;
-mod frame_range;
-mod gauge;
 pub mod info;
-mod input;
-mod lines;
 pub mod mark;
 pub mod matte;
 mod native;
-mod near;
-mod nearest;
 mod nff;
-mod npy;
-mod open;
 mod options;
-mod packed;
 mod paint;
-mod particles;
 pub mod rays;
-mod select;
 mod sequence;
-mod skipped;
-mod source;
 mod sphere_lights;
 mod stream;
 pub mod style;
@@ -41,24 +20,16 @@ pub mod style;
 use halfline::error::Result;
 use std::path::Path;
 
-pub use columns::{Codes, ColumnValue, ColumnValues, Columns};
 pub use fixed_camera::FixedCamera;
-pub use format::Format;
-pub use frame_range::FrameRange;
+pub use halfline_particles::input::read_once;
+pub use halfline_particles::particles::survey::Survey;
+pub use halfline_particles::{
+    Altloc, AtomStyle, Codes, ColumnNames, ColumnValue, ColumnValues, Columns, Format, FrameRange, FrameTime, Identity,
+    Keep, NamedAtoms, NamedElements, ParticleOptions, Periodic, Selection, Skipped, elements, elements_of_names,
+};
 pub use info::{info, info_from_reader};
-pub use input::read_once;
-pub use options::{Hold, Keep, ReadOptions};
-pub use particles::column_names::ColumnNames;
-pub use particles::data::style::AtomStyle;
-pub use particles::frame_time::FrameTime;
-pub use particles::identity::Identity;
-pub use particles::infer::slices::{NamedAtoms, NamedElements, elements_of_names};
-pub use particles::periodic::Periodic;
-pub use particles::request::Altloc;
-pub use particles::survey::Survey;
-pub use select::selection::Selection;
+pub use options::{Hold, ReadOptions};
 pub use sequence::{Focus, SceneFrame, Sequence, all_clipped};
-pub use skipped::Skipped;
 pub use stream::SphereBlocks;
 pub use style::Style;
 

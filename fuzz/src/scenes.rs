@@ -5,7 +5,7 @@ use super::check::{
     allowed_points, check_error, check_words, unpacked,
 };
 use halfline_files::read::style::{Coloring, Scale, Style};
-use halfline_files::read::{Format, ReadOptions, SceneFrame, Sequence, info_from_reader};
+use halfline_files::read::{Format, ParticleOptions, ReadOptions, SceneFrame, Sequence, info_from_reader};
 use std::io::{Cursor, Read};
 use std::path::Path;
 
@@ -34,7 +34,7 @@ pub(super) fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
 
 /// Checks that the examination of a file says what a rendering without options does: the same error, or the same spheres.
 fn check_info(format: Option<Format>, content: &[u8]) {
-    let options = ReadOptions { format, ..ReadOptions::default() };
+    let options = ReadOptions { particles: ParticleOptions { format, ..Default::default() }, ..ReadOptions::default() };
     let (path, bytes) = (Path::new("fuzzed"), || Cursor::new(content.to_vec()));
     let rendered = Sequence::from_reader(bytes(), path, &options).and_then(|mut sequence| sequence.next_scene());
     match (info_from_reader(bytes(), path, &options), rendered) {
@@ -59,7 +59,10 @@ fn options(format: Option<Format>, choice: u8) -> ReadOptions {
         2 => &["vx", "vy"],
         _ => &["chain"],
     };
-    let mut options = ReadOptions { format, frames: "1-".parse().expect("frames"), ..ReadOptions::default() };
+    let mut options = ReadOptions {
+        particles: ParticleOptions { format, frames: "1-".parse().expect("frames"), ..Default::default() },
+        ..ReadOptions::default()
+    };
     if !columns.is_empty() {
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
         let scale = Scale { log: choice & 0x40 != 0 && choice & 3 == 1, ..Scale::of(columns) };
@@ -67,22 +70,22 @@ fn options(format: Option<Format>, choice: u8) -> ReadOptions {
     }
     if matches!(format, Some(Format::Pdb | Format::Mmcif)) {
         match choice >> 2 & 7 {
-            1 => options.assembly = Some("1".into()),
-            2 => options.altloc = "highest".parse().expect("an alternate location"),
-            3 => options.altloc = "A".parse().expect("an alternate location"),
-            4 => options.model = Some(2),
+            1 => options.particles.assembly = Some("1".into()),
+            2 => options.particles.altloc = "highest".parse().expect("an alternate location"),
+            3 => options.particles.altloc = "A".parse().expect("an alternate location"),
+            4 => options.particles.model = Some(2),
             5 => {
-                options.assembly = Some("1".into());
-                options.frames = "1".parse().expect("frames");
+                options.particles.assembly = Some("1".into());
+                options.particles.frames = "1".parse().expect("frames");
             }
             _ => {}
         }
     } else if choice & 4 != 0 {
-        options.frames = "2-3".parse().expect("frames");
+        options.particles.frames = "2-3".parse().expect("frames");
     } else if choice & 8 != 0 {
-        options.frames = "1".parse().expect("frames");
+        options.particles.frames = "1".parse().expect("frames");
     }
-    options.strict = choice & 0x20 != 0;
+    options.particles.strict = choice & 0x20 != 0;
     options
 }
 
@@ -118,7 +121,7 @@ fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String
     // A sphere has three coordinates of at least one byte each; an assembly repeats spheres. In compressed formats it has
     // at least two bits (XTC), and three bytes decompress to at most 264 (PCD), in which a point has at least three. A
     // point like the one before takes 0.0075 bits of LAZ.
-    let most = match options.format {
+    let most = match options.particles.format {
         Some(Format::Xtc) => 4 * length,
         Some(Format::Pcd) => 30 * length,
         // A space group repeats an atom.
@@ -126,7 +129,11 @@ fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String
         Some(Format::Las) | None => POINTS_OF_LAZ * length,
         _ => length / 3,
     };
-    assert!(options.assembly.is_some() || spheres.len() <= most, "{} spheres of {length} bytes", spheres.len());
+    assert!(
+        options.particles.assembly.is_some() || spheres.len() <= most,
+        "{} spheres of {length} bytes",
+        spheres.len()
+    );
     if let Some(cell) = &shot.cell {
         assert!(cell.origin.iter().chain(cell.edges.iter().flatten()).all(|x| x.is_finite()), "{cell:?}");
     }

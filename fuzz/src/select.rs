@@ -4,7 +4,7 @@ use super::check::{Allowed, PER_BYTE_OF_TOML, allowed, check_error};
 use halfline::scene::{ImagePlane, Lighting, Scene, Spheres};
 use halfline::{Aov, Backend, Camera, Settings};
 use halfline_files::read::cameras::ListedCamera;
-use halfline_files::read::{ReadOptions, Selection, Sequence, cameras};
+use halfline_files::read::{ParticleOptions, ReadOptions, Selection, Sequence, cameras};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -23,8 +23,14 @@ pub(super) fn select(data: &[u8]) -> Allowed {
         Ok(selection) => {
             // The text of a selection is an expression with the same meaning.
             assert!(selection.to_string().parse::<Selection>().is_ok_and(|again| again == selection));
-            let options = ReadOptions { select: vec![selection.clone()], ..ReadOptions::default() };
-            let others = ReadOptions { hide: vec![selection], ..ReadOptions::default() };
+            let options = ReadOptions {
+                particles: ParticleOptions { select: vec![selection.clone()], ..Default::default() },
+                ..ReadOptions::default()
+            };
+            let others = ReadOptions {
+                particles: ParticleOptions { hide: vec![selection], ..Default::default() },
+                ..ReadOptions::default()
+            };
             let count = |options: &ReadOptions| {
                 let mut sequence =
                     Sequence::from_reader(Cursor::new(ATOMS), Path::new("a.pdb"), options).expect("atoms");

@@ -3,7 +3,7 @@
 use crate::errors::{OrRaise, exception};
 use crate::work::Job;
 use halfline_command::choices::in_keywords;
-use halfline_files::read::ReadOptions;
+use halfline_files::read::{ParticleOptions, ReadOptions};
 use pyo3::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -43,7 +43,17 @@ pub(crate) fn info(
     let atom_style = atom_style.map(|text| text.parse()).transpose().or_raise()?;
     let job = Job::default();
     let watch = job.watch();
-    let options =
-        ReadOptions { format, columns_named, atom_style, skip_invalid, model, watch, ..ReadOptions::default() };
+    let options = ReadOptions {
+        particles: ParticleOptions {
+            format,
+            columns_named,
+            atom_style,
+            skip_invalid,
+            model,
+            watch,
+            ..Default::default()
+        },
+        ..ReadOptions::default()
+    };
     json(&job.run(py, None, || halfline_files::read::info(&path, &options))?)
 }

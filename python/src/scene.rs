@@ -297,8 +297,7 @@ impl Scene {
     /// Whether a selection selects each sphere, and what is to be said about it.
     fn select<'py>(&self, py: Python<'py>, expression: &str) -> PyResult<(Bound<'py, PyArrayDyn<u8>>, Vec<String>)> {
         let selection = expression.parse::<Selection>().or_raise()?;
-        let (mask, notes) =
-            Job::default().run(py, None, || self.frame.columns.select(&selection, &self.frame.scene.spheres))?;
+        let (mask, notes) = Job::default().run(py, None, || self.frame.selected(&selection))?;
         let count = mask.len();
         let notes = notes.iter().map(|note| in_keywords(note)).collect();
         Ok((owned(py, mask.into_iter().map(u8::from).collect(), &[count])?, notes))

@@ -5,14 +5,14 @@ use super::raw::Raw;
 use super::samples::Means;
 use super::settle::Settled;
 use crate::double_double as dd;
-use crate::error::Result;
 use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};
-use crate::memory::Pool;
 use crate::number::vector::vectorized;
-use crate::parallel;
 use crate::view::View;
 use crate::view::ray::NONE;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel;
 
 /// The answers of a finished frame: the kernel's, and the settled pixels over them.
 pub(crate) struct Answers<'a> {

@@ -1,10 +1,10 @@
 //! Depth cue: the colour of a hit fades toward the background with its depth.
 
-use crate::parallel::{self, CHEAP};
 use crate::scene::Scene;
 use crate::scene::camera::Basis;
 use crate::view::ray::NONE;
 use glam::DVec3;
+use halfline_ground::parallel::{self, CHEAP};
 use std::ops::Range;
 
 /// The share of the background in the colour of the farthest point. At 1 that point could not be seen at all. With 0.6,

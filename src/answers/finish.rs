@@ -2,12 +2,12 @@
 
 use super::depth_cue::DepthCue;
 use super::silhouette::{Line, PixelSize, Shown};
-use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::camera::Basis;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::picture_rays::PictureRays;
+use halfline_ground::parallel;
 use std::borrow::Cow;
 
 /// The effects that are drawn over the colours.

@@ -2,9 +2,9 @@
 
 use super::raw::Raw;
 use super::settle::Settled;
-use crate::error::Result;
 use crate::kernel::Kernel;
-use crate::memory::Pool;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
 
 /// The first hits of the rays of some pixels.
 pub(crate) struct FirstHits {

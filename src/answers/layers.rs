@@ -3,13 +3,13 @@
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
-use crate::error::Result;
 use crate::exact::Judge;
-use crate::parallel::{self, CHEAP, Rows};
-use crate::progress::{Step, Watch};
 use crate::scene::{Scene, Spheres};
 use crate::view::View;
 use crate::view::ray::{NONE, UNSURE};
+use halfline_ground::error::Result;
+use halfline_ground::parallel::{self, CHEAP, Rows};
+use halfline_ground::progress::{Step, Watch};
 use std::cell::OnceCell;
 
 /// Pixels that one job peels.

@@ -1,15 +1,15 @@
 //! The rays toward the sky from the hits of a view, as the samples of a picture take them: a sample also takes those of the pixels
 //! around it that show its sphere (a discontinuity buffer: Keller and Heidrich, *Interleaved Sampling*, 2001).
 
-use crate::error::Result;
-use crate::memory::Pool;
 use crate::number::vector::{LANES, vectorized};
-use crate::parallel;
 use crate::scene::SkyLight;
 use crate::view::ViewRecord;
 use crate::view::ray::{NONE, dot3};
 use crate::window::Window;
 use glam::{DVec3, Vec3};
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel;
 use std::ops::Range;
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! The buffers that a kernel writes.
 
 use super::settle::Settled;
-use crate::error::Result;
 use crate::kernel::Kernel;
-use crate::memory::Pool;
-use crate::parallel;
 use crate::view::ray::NONE;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel;
 
 /// The output buffers of a kernel in row order; buffers that were not requested are empty.
 #[derive(Debug, Default, PartialEq)]

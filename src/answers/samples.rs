@@ -1,11 +1,11 @@
 //! Means over the samples of each pixel.
 
 use super::raw::Raw;
-use crate::error::Result;
-use crate::memory::Pool;
-use crate::parallel::{self, CHEAP, Rows};
 use crate::view::ray::NONE;
 use crate::window::Window;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel::{self, CHEAP, Rows};
 
 /// The means over all samples of each pixel.
 #[derive(Debug, Default)]

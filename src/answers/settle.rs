@@ -4,17 +4,17 @@
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
-use crate::error::Result;
 use crate::exact::{Judge, Truth};
-use crate::memory::Pool;
 use crate::number::vector::{LANES, vectorized};
-use crate::parallel::{self, CHEAP, Rows};
 use crate::scene::{Scene, Spheres};
 use crate::shade::{Shade, color_of};
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::{NONE, UNSURE};
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel::{self, CHEAP, Rows};
 
 /// A pixel, or a given ray, that was settled.
 #[derive(Debug, Clone, Copy, PartialEq)]

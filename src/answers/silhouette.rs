@@ -17,10 +17,10 @@ use crate::double_double as dd;
 use crate::frame::outline::Outline;
 use crate::number::larger;
 use crate::number::vector::{LANES, vectorized};
-use crate::parallel;
 use crate::scene::Materials;
 use crate::view::View;
 use crate::view::ray::NONE;
+use halfline_ground::parallel;
 
 /// Columns and rows around a pixel that a line of the least full width depends on, in pixels.
 const REACH: isize = 2;

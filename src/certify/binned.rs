@@ -15,12 +15,12 @@ use super::records::{RecordMaker, SPHERES_PER_JOB, SphereOrder};
 use super::reference::{joined, reference};
 use super::terms::{TERMS, Terms};
 use super::tiles::Lists;
-use crate::error::Result;
-use crate::memory::Pool;
 use crate::number::vector::LANES;
-use crate::parallel;
 use crate::scene::{Scene, Spheres};
 use crate::view::View;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel;
 use pulp::NullaryFnOnce;
 
 /// The scene as the certified kernel reads it.

@@ -1,7 +1,7 @@
 //! The entry of a sphere in the lists of tiles: where it lies, and its records.
 
 use super::projected::{ProjectedDetailRecord, ProjectedRecord};
-use crate::parallel::{self, CHEAP};
+use halfline_ground::parallel::{self, CHEAP};
 use std::ops::Range;
 
 /// The bin of a sphere.

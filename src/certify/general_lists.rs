@@ -7,9 +7,9 @@ mod cell;
 use super::general::{General, GeneralRecord};
 use super::projection::ProjectionBounds;
 use super::tiles::Grid;
-use crate::parallel;
 use crate::tile::TILE;
 use cell::TileBlock;
+use halfline_ground::parallel;
 
 /// Slots of one level of cells beyond eight per sphere: 8 MiB. A cell whose list is longer than its share of them is not
 /// divided further.

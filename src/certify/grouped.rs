@@ -9,10 +9,10 @@ use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
 use super::reference::{joined, reference};
 use super::sieve::{Fate, Fates, GroupFate, Sieve};
-use crate::parallel;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::{Ball, NumberedBall};
 use crate::window::Window;
+use halfline_ground::parallel;
 use pulp::NullaryFnOnce;
 use std::ops::Range;
 

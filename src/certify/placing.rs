@@ -10,14 +10,14 @@ use super::projection::{ProjectionBounds, WIDEST, host_cull_margin};
 use super::reference::{joined, reference};
 use super::tiles::{Lists, Placed};
 use super::{TERMS, answer::ProjectionRecord};
-use crate::error::Result;
-use crate::memory::Pool;
-use crate::parallel::{self, CHEAP};
 use crate::scene::Scene;
 #[cfg(test)]
 use crate::scene::instances::enclosure::Enclosure;
 use crate::tile::TILE;
 use crate::view::View;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel::{self, CHEAP};
 
 /// The result of placing all spheres on a device.
 #[derive(Debug, Default)]

@@ -11,12 +11,12 @@ use super::answer::ProjectionRecord;
 use super::placing_record::{PlacingRecord, words};
 use super::terms::Terms;
 use crate::double_double::{self as dd, Dd3};
-use crate::error::Result;
 use crate::scene::camera::{Basis, Camera, ExactViewport};
 use crate::tile::TILE;
 use crate::view::View;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use halfline_ground::error::Result;
 
 /// The unit roundoff of WGSL: 2^-23, since rounding may go in either direction.
 const U: f64 = 1.0 / (1u64 << 23) as f64;

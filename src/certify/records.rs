@@ -6,11 +6,11 @@ use super::projection::ProjectionBounds;
 use super::projection::cover::{Cover, Coverage, Through};
 use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
-use crate::memory::Pool;
 use crate::number::vector::LANES;
-use crate::parallel;
 use crate::scene::{NumberedBall, Spheres};
 use crate::tile::CHUNK;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel;
 use pulp::NullaryFnOnce;
 
 /// The spheres of lists, by their numbers.

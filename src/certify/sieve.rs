@@ -9,15 +9,15 @@ use super::projection::project::{Eight, Landed, LaneBatch};
 use super::projection::pyramid::{DepthPyramid, Rectangles};
 use super::projection::stage::Staged;
 use super::terms::TERMS;
-use crate::error::Result;
-use crate::memory::check;
 use crate::number::ldexp;
 use crate::number::vector::LANES;
-use crate::parallel;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::{NumberedBall, Scene, Spheres};
 use crate::view::View;
 use crate::view::raster::Raster;
+use halfline_ground::error::Result;
+use halfline_ground::memory::check;
+use halfline_ground::parallel;
 use pulp::NullaryFnOnce;
 use std::ops::Range;
 

@@ -13,12 +13,12 @@ pub(super) use grid::Grid;
 use super::entry::{Bin, number};
 use super::projected::{ProjectedDetailRecord, ProjectedRecord};
 use super::records::{AHEAD, ListRecords, RecordMaker};
-use crate::memory::Pool;
-use crate::parallel;
 use crate::tile::{CHUNK, TILE, WHOLE};
 use crate::view::ray::NONE;
 use bytemuck::Zeroable;
 use grid::Keys;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel;
 use pulp::NullaryFnOnce;
 
 /// Entries beyond eight per sphere before tiles share their lists: 64 MiB.

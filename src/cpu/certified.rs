@@ -13,10 +13,10 @@ use crate::kernel::Kernel;
 use crate::number::vector::LANES;
 #[cfg(target_arch = "x86_64")]
 use crate::number::vector::WIDE;
-use crate::parallel;
 use crate::tile::TILE;
 use crate::view::View;
 use crate::view::ray::NONE;
+use halfline_ground::parallel;
 use pixels::{Band, Pixels, StripFrame};
 use pulp::NullaryFnOnce;
 use strip::{NearestTwos, NonePassed, Strip};
@@ -131,11 +131,11 @@ mod tests {
     use crate::certify::Answer;
     use crate::certify::binned::Binning;
     use crate::kernel::Certificate;
-    use crate::memory::Pool;
     use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::raster::Raster;
     use crate::window::Window;
+    use halfline_ground::memory::Pool;
 
     /// The adversary checks single rays. This test extends its results to strips of every width: all give the same bits.
     #[test]

@@ -4,12 +4,12 @@
 use super::foremost::Foremost;
 use crate::certify::given::{AnyHit, Bounds, CertifiedRay, HitNumbers};
 use crate::exact::{Truth, judge_ray_among};
-use crate::parallel;
 use crate::scene::Spheres;
 use crate::search::tree::lanes::{Lanes, Portable, RAYS_PER_TASK, Work, dispatch};
 use crate::search::tree::walk::{Test, may_intersect, may_pass, walk};
 use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
+use halfline_ground::parallel;
 use std::ops::Range;
 
 /// The answer to the nearest hit of one ray.

@@ -14,7 +14,6 @@ mod surface;
 
 use crate::answers::light::{Chunk, LightBuffers, NOT_CERTIFIED, PixelLight, SETTLED};
 use crate::answers::open_sky::SkyAtHit;
-use crate::parallel;
 use crate::search::tree::lanes::RAYS_PER_TASK;
 use crate::view::directions::PixelSample;
 use crate::view::picture_rays::PictureRays;
@@ -22,6 +21,7 @@ use crate::view::ray::NONE;
 use bounce::{Onward, follow};
 use colors::Colors;
 use glam::{DVec3, Vec3};
+use halfline_ground::parallel;
 pub(crate) use lighting::{LightOutputs, LightingContext};
 use point::PointLight;
 use run::Run;

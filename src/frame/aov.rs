@@ -1,6 +1,6 @@
 //! The buffers that a frame can hold, by name.
 
-use crate::error::named;
+use halfline_ground::error::named;
 use std::fmt;
 
 /// The most lights of a `shadow` buffer.

@@ -1,6 +1,6 @@
 //! Arrays of numbers read from files.
 
-use crate::error::{Error, Result};
+use halfline_ground::error::{Error, Result};
 use std::fmt;
 
 /// An array of numbers as a file holds it, from halfline or another program.

@@ -1,7 +1,7 @@
 //! One buffer of a frame.
 
 use super::aov::{Aov, MOST_LIGHTS};
-use crate::error::{Error, Result};
+use halfline_ground::error::{Error, Result};
 
 /// The values of one buffer, row by row from the top, components innermost.
 #[derive(Debug, Clone, PartialEq)]

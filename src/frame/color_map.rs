@@ -3,8 +3,8 @@
 
 mod tables;
 
-use super::srgb::linear;
-use crate::error::{Error, Result};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::srgb::linear;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
@@ -112,7 +112,8 @@ impl ColorMap {
     /// [`Error::Settings`] for fewer than two colours.
     pub fn of_colors(name: &str, colors: Vec<[u8; 3]>) -> Result<Self> {
         if colors.len() < 2 {
-            let problem = format!("the colour map {name} has {}", crate::quote::count(colors.len() as u64, "colour"));
+            let problem =
+                format!("the colour map {name} has {}", halfline_ground::quote::count(colors.len() as u64, "colour"));
             return Err(Error::settings(problem, "give two or more"));
         }
         Ok(Self::Own(OwnMap { name: name.to_owned(), colors }))

@@ -1,8 +1,8 @@
 //! The spheres that the samples of each pixel show, and how many samples show each: mattes of objects are made of them.
 
-use crate::parallel;
 use crate::view::ray::NONE;
 use crate::window::Window;
+use halfline_ground::parallel;
 
 /// A sphere in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

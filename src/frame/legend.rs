@@ -1,8 +1,8 @@
 //! The legend of a picture: quantity, colour map, range and categories.
 
 use super::color_map::ColorMap;
-use crate::error::{Error, Result};
-use crate::quote::setting::{COLOR, COLOR_BY, RANGE};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{COLOR, COLOR_BY, RANGE};
 use serde::{Deserialize, Serialize};
 
 /// The meaning of a picture's colours: the coloured quantity with its map and range, or categories.

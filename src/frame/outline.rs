@@ -1,7 +1,7 @@
 //! The lines that silhouettes draw.
 
-use crate::error::{Error, Result};
-use crate::quote::setting::{OUTLINE_COLOR, OUTLINE_WIDTH, SILHOUETTE};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{OUTLINE_COLOR, OUTLINE_WIDTH, SILHOUETTE};
 use serde::Serialize;
 
 /// Width and colour of the lines of silhouettes.

@@ -4,10 +4,10 @@
 use super::outline::Outline;
 use super::report::{CPU_DRIVER, Report};
 use super::{Aov, MOST_LIGHTS};
-use crate::memory::ids_fit;
 use crate::scene::camera::CameraRecord;
-use crate::trailer;
 use crate::window::Window;
+use halfline_ground::memory::ids_fit;
+use halfline_ground::trailer;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
 use std::fmt::{self, Write};

@@ -1,7 +1,7 @@
 //! The tone of a picture: how linear light becomes the light of a picture of 8 or 16 bits, which ends at 1.
 
-use crate::error::{Error, Result, named};
-use crate::parallel;
+use halfline_ground::error::{Error, Result, named};
+use halfline_ground::parallel;
 use serde::Serialize;
 use std::borrow::Cow;
 
@@ -49,7 +49,7 @@ impl Toning {
         self == Self::default()
     }
 
-    /// The light of a pixel in the picture; components beyond 1 are cut off by [`super::srgb::level`].
+    /// The light of a pixel in the picture; components beyond 1 are cut off by [`halfline_ground::srgb::level`].
     #[must_use]
     pub fn of(self, rgb: [f32; 3]) -> [f32; 3] {
         if self.is_plain() {
@@ -87,7 +87,7 @@ impl Toning {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::srgb::level;
+    use halfline_ground::srgb::level;
 
     const SOFT: Toning = Toning { tone: Tone::Soft, stops: 0.0 };
 

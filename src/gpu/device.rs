@@ -1,8 +1,8 @@
 //! Adapters: listing, selecting and opening them.
 
 use super::wait::{Pending, block_on};
-use crate::error::{Error, Result};
-use crate::quote::setting::{ADAPTER, BACKEND};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{ADAPTER, BACKEND};
 use serde::Serialize;
 use std::sync::{Arc, Mutex};
 

@@ -1,6 +1,5 @@
 //! Rendering one frame on the device: upload, dispatch by bands, readback.
 
-use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
 use crate::gpu::compose::{Source, Step, compose, compose_step};
 use crate::gpu::device::{self, AdapterSummary};
@@ -18,9 +17,10 @@ use crate::gpu::validate::{compile, validate};
 use crate::gpu::wait::block_on;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, KernelOutput};
-use crate::quote::setting::{ADAPTER, BACKEND, SIZE};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{ADAPTER, BACKEND, SIZE};
 use naga::valid::Capabilities;
 use std::collections::HashMap;
 use std::num::NonZeroU64;

@@ -18,13 +18,13 @@ use super::transfers::{Band, few_generals, general_lists, largest_binding, uploa
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{ByHost, Placer};
 use crate::certify::tiles::Placed;
-use crate::error::{Error, Result};
 use crate::frame::report::Timings;
 use crate::kernel::{Certificate, Generals, Kernel, KernelOutput};
-use crate::memory::Pool;
 use crate::scene::{Scene, Spheres};
 use crate::tile::TILE;
 use crate::view::{View, ViewRecord};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::memory::Pool;
 use scene::{PlacedFor, Reach, ResidentScene, Starts};
 
 /// The scene and the view of a frame.

@@ -12,14 +12,14 @@ pub(super) mod verdict;
 
 pub use verdict::{Check, Rounding, Usable, Verdict};
 
-use crate::error::{Error, Result};
 use crate::frame::report::milliseconds;
 use crate::gpu::Gpu;
 use crate::gpu::compose::{Part, Source, Step, binding_numbers, compose, compose_step, files};
 use crate::intersect::Method;
-use crate::quote::setting::{BACKEND, METHOD};
 use crate::view::ViewRecord;
 use bytemuck::Zeroable;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{BACKEND, METHOD};
 use naga::valid::Capabilities;
 use web_time::Instant;
 

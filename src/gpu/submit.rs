@@ -2,12 +2,12 @@
 
 use super::Gpu;
 use crate::answers::raw::Raw;
-use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
 use crate::gpu::dispatch::reserve;
 use crate::gpu::transfers::Band;
 use crate::kernel::{Kernel, KernelOutput};
 use crate::view::ViewRecord;
+use halfline_ground::error::{Error, Result};
 use web_time::Instant;
 
 impl Gpu {

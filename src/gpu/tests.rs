@@ -2,16 +2,16 @@
 
 use super::submission_budget::SubmissionBudget;
 use crate::answers::raw::Raw;
-use crate::error::Error;
 use crate::frame::report::Timings;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
 use crate::kernel::Kernel;
-use crate::memory::Pool;
 use crate::shade::Shade;
 use crate::testing::{adapter_or_skip, amount};
 use crate::view::View;
+use halfline_ground::error::Error;
+use halfline_ground::memory::Pool;
 use std::cell::Cell;
 
 /// Columns and rows, neither a multiple of a tile's side.

@@ -2,8 +2,8 @@
 //! numbers of a buffer one by one (docs/performance-log.md).
 
 use super::Gpu;
-use crate::error::{Error, Result};
-use crate::quote::setting::BACKEND;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::BACKEND;
 
 /// Texels in a row; search/tree.wgsl counts them.
 pub(crate) const ROW: u32 = 1 << 12;

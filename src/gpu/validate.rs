@@ -1,7 +1,7 @@
 //! Parses and validates composed shaders, and compiles them.
 
 use super::compose::Source;
-use crate::error::{Error, Result};
+use halfline_ground::error::{Error, Result};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::borrow::Cow;
 

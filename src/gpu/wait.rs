@@ -11,7 +11,7 @@ pub(super) use driver::{Pending, block_on};
 
 #[cfg(not(target_arch = "wasm32"))]
 mod driver {
-    use crate::error::{Error, Result};
+    use halfline_ground::error::{Error, Result};
 
     pub(in crate::gpu) use pollster::block_on;
 

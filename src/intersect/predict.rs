@@ -12,12 +12,12 @@
 //! the square root of its error, so distances are worst there.
 
 use super::{Form, Method};
-use crate::error::{Error, Result};
-use crate::parallel::{self, CHEAP};
-use crate::quote::number;
-use crate::quote::setting::ACCURACY;
 use crate::scene::{Scene, Spheres};
 use crate::view::{SphereRecord, View};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::parallel::{self, CHEAP};
+use halfline_ground::quote::number;
+use halfline_ground::quote::setting::ACCURACY;
 use serde::Serialize;
 
 /// The unit roundoff of WGSL's f32, which may round either way.

@@ -6,20 +6,20 @@ use crate::answers::open_sky::SkySums;
 use crate::answers::settle::Settled;
 use crate::certify::binned::BinnedScene;
 use crate::certify::general::{General, GeneralRecord};
-use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
 use crate::frame::coverage::Coverage;
 use crate::gpu::device::AdapterSummary;
 use crate::kernel::Kernel;
-use crate::memory::SPHERE;
-use crate::quote::setting::{CROP, SIZE, TILE};
 use crate::scene::Scene;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::strata_of;
 use crate::view::{SphereRecord, SphereResiduals, View};
 use crate::window::Window;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::memory::SPHERE;
+use halfline_ground::quote::setting::{CROP, SIZE, TILE};
 
 /// Peak bytes on the host per sphere that a ray may hit, for a certified frame: its bin (20), its key (12), and its list
 /// entry (40 and its share of a chunk's depth), once in the list of its row and once in the frame's. Spheres smaller

@@ -12,12 +12,12 @@ use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::Placer;
-use crate::error::Result;
 use crate::kernel::Kernel;
-use crate::memory::Pool;
-use crate::progress::Step;
 use crate::scene::Scene;
 use crate::view::View;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::progress::Step;
 
 pub(super) use given::{BLOCK, GivenRays};
 pub(super) use judge::Exact;

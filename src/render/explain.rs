@@ -13,18 +13,18 @@ use super::renderer::Renderer;
 use super::rendering::{FrameRays, Rendering};
 use super::report;
 use super::setup::{self, FrameSetup};
-use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::compose::shaders;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, RaySource, Task};
-use crate::memory;
-use crate::quote::setting::{ACCURACY, BOUNCES, OCCLUSION, SHADOWS};
 use crate::scene::camera::CameraRecord;
 use crate::scene::{Light, Scene, Sky};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
 use crate::view::raster::Raster;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::memory;
+use halfline_ground::quote::setting::{ACCURACY, BOUNCES, OCCLUSION, SHADOWS};
 use work::WorkOfPasses;
 
 pub use explanation::{

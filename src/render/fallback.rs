@@ -6,12 +6,12 @@ use super::place::INSTEAD;
 use super::plan::Plan;
 use super::renderer::Renderer;
 use super::rendering::FrameRays;
-use crate::error::{Error, Result};
-use crate::memory;
-use crate::quote::setting::{ACCURACY, BACKEND};
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::view::raster::Raster;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::memory;
+use halfline_ground::quote::setting::{ACCURACY, BACKEND};
 
 impl Renderer {
     /// Runs `work` with the plan: on the CPU path with a warning if the adapter may not certify, and once more there where it fails.

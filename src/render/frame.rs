@@ -5,12 +5,12 @@ use super::plan::Plan;
 use super::renderer::Renderer;
 use super::rendering::{FrameRays, Rendering};
 use super::{report, setup};
-use crate::error::Result;
 use crate::frame::report::Report;
 use crate::frame::{Aov, Frame};
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::view::raster::Raster;
+use halfline_ground::error::Result;
 
 impl Renderer {
     /// Renders `scene`. The backend and adapter of `settings` take effect in [`Renderer::new`] only.

@@ -1,14 +1,14 @@
 //! A lens with a size: each pass over the samples leaves from one of its points, as from an eye of its own.
 
-use crate::error::{Error, Result};
 use crate::frame::Aov;
-use crate::quote::setting::SAMPLES;
 use crate::scene::Scene;
 use crate::scene::camera::{Aperture, Camera, CentredFrame};
 use crate::settings::Settings;
 use crate::view::directions::lens_point;
 use crate::view::raster::Raster;
 use crate::window::Window;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::SAMPLES;
 
 /// A scene and its rays as seen from the points of a lens, one point for each sample.
 pub(super) struct LensPasses {

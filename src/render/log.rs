@@ -2,8 +2,8 @@
 
 use crate::answers::light::Traced;
 use crate::frame::report::Timings;
-use crate::parallel;
 use crate::view::ray::NONE;
+use halfline_ground::parallel;
 
 /// The notes of one frame.
 #[derive(Default)]

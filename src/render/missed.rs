@@ -1,12 +1,12 @@
 //! Explains a picture without a hit.
 
-use crate::parallel::{self, CHEAP};
-use crate::quote::number;
-use crate::quote::setting::{EYE, FIT, ORTHO, SIZE, VFOV};
 use crate::scene::camera::Look;
 use crate::scene::{Scene, point};
 use crate::window::Window;
 use glam::DVec3;
+use halfline_ground::parallel::{self, CHEAP};
+use halfline_ground::quote::number;
+use halfline_ground::quote::setting::{EYE, FIT, ORTHO, SIZE, VFOV};
 use std::ops::Range;
 
 /// Why no ray hits a sphere, and the remedy; `None` without spheres.

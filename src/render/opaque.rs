@@ -1,14 +1,14 @@
 //! The opaque spheres of a scene, kept from frame to frame: a picture shows them through translucent ones.
 
 use super::order::LastOrder;
-use crate::error::Result;
-use crate::memory::check;
-use crate::parallel;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
 use crate::scene::{Lighting, Scene, Spheres};
 use crate::search::tree::Tree;
 use crate::view::ray::NONE;
+use halfline_ground::error::Result;
+use halfline_ground::memory::check;
+use halfline_ground::parallel;
 use std::sync::{Arc, OnceLock};
 
 /// The opaque spheres of a scene.

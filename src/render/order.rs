@@ -2,11 +2,11 @@
 //! groups that are hidden together.
 
 use crate::certify::grouped::{Boxes, Grouped};
-use crate::memory::check;
 use crate::scene::Spheres;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
 use crate::search::tree::Tree;
+use halfline_ground::memory::check;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, OnceLock};
 use std::thread::Builder;
@@ -108,7 +108,6 @@ mod tests {
     use super::*;
     use crate::certify::binned::{BinnedScene, Binning};
     use crate::frame::Aov;
-    use crate::memory::Pool;
     use crate::render::Renderer;
     use crate::scene::camera::{Camera, Lens, Look};
     use crate::scene::{ImagePlane, Scene};
@@ -118,6 +117,7 @@ mod tests {
     use crate::view::{Records, View};
     use crate::window::Window;
     use glam::DVec3;
+    use halfline_ground::memory::Pool;
 
     const SIZE: [u32; 2] = [96, 72];
 

@@ -3,11 +3,11 @@
 #[cfg(test)]
 mod tests;
 
-use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, FoundAdapter};
-use crate::quote::setting::{ADAPTER, BACKEND};
 use crate::settings::{Backend, Settings};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{ADAPTER, BACKEND};
 
 /// The end of a warning that an adapter is not used although the settings allow it.
 pub(super) const INSTEAD: &str = "the CPU path is used instead";

@@ -7,17 +7,17 @@ pub(super) mod lights;
 use crate::answers::finish::Finish;
 use crate::answers::silhouette::Line;
 use crate::cpu::light::LightOutputs;
-use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
 use crate::kernel::{Certificate, Kernel, Task, Unproved};
-use crate::quote::setting::{ACCURACY, APERTURE, METHOD};
 use crate::scene::Scene;
 use crate::scene::camera::{CURVED, Lens};
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use choose::Choice;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{ACCURACY, APERTURE, METHOD};
 use kind::EngineKind;
 
 /// The decisions for one scene and its settings, with their reasons.

@@ -5,7 +5,6 @@ use super::order::LastOrder;
 use super::place::ChosenDevice;
 use super::plan::Plan;
 use crate::cpu;
-use crate::error::Result;
 use crate::frame::report::milliseconds;
 use crate::frame::{Data, Frame};
 use crate::gpu::Gpu;
@@ -13,10 +12,11 @@ use crate::gpu::device::{AdapterSummary, Open};
 use crate::gpu::selftest::Verdict;
 use crate::gpu::traffic::Traffic;
 use crate::intersect::Method;
-use crate::memory::Pool;
-use crate::progress::Watch;
 use crate::scene::Spheres;
 use crate::settings::Settings;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::progress::Watch;
 use std::sync::Arc;
 use web_time::Instant;
 
@@ -94,6 +94,24 @@ impl Renderer {
     }
 
     /// Reports every frame to `watch`, which can end it with [`Error::Interrupted`](crate::Error::Interrupted); the renderer stays usable.
+    ///
+    /// ```
+    /// use halfline::{Cancel, Error, Renderer, Settings, Watch};
+    /// # use halfline::{Camera, ImagePlane, Scene, Spheres};
+    /// # let image = ImagePlane { width: 8, height: 8, background: [0.0; 3] };
+    /// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]].into(), radii: vec![1.0].into(), ..Spheres::default() };
+    /// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+    /// let (cancel, settings) = (Cancel::default(), Settings::default());
+    /// let watch = Watch::default()
+    ///     .cancelled_by(&cancel)
+    ///     .on_progress(|p| println!("{}: {} of {} {}", p.step.name(), p.done, p.total, p.step.unit()));
+    /// let mut renderer = Renderer::new(&settings)?.watched_by(watch);
+    /// cancel.cancel(); // from any thread, at any time
+    /// assert!(matches!(renderer.render(&scene, &settings), Err(Error::Interrupted)));
+    /// cancel.reset();
+    /// assert!(renderer.render(&scene, &settings).is_ok());
+    /// # Ok::<(), Error>(())
+    /// ```
     #[must_use]
     pub fn watched_by(mut self, watch: Watch) -> Self {
         self.watch = watch;

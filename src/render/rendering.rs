@@ -3,12 +3,12 @@
 use super::log::FrameLog;
 use super::plan::Plan;
 use super::renderer::Renderer;
-use crate::error::Result;
-use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::view::raster::Raster;
 use crate::window::Window;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
 use std::sync::Arc;
 use web_time::Instant;
 

@@ -5,14 +5,14 @@ use super::plan::Plan;
 use super::rendering::Rendering;
 use super::setup::FrameSetup;
 use crate::cpu;
-use crate::error::Result;
 use crate::frame::coverage::Coverage;
 use crate::frame::report::{Report, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::traffic::Traffic;
-use crate::parallel;
 use crate::scene::camera::CameraRecord;
 use crate::settings::Accuracy;
+use halfline_ground::error::Result;
+use halfline_ground::parallel;
 
 /// The report of a frame before it is computed: the decisions of the plan; counts and times are 0 or empty.
 pub(super) fn known(at: &Rendering<'_>, plan: &Plan) -> Report {

@@ -11,15 +11,15 @@ use crate::answers::hits::FirstHits;
 use crate::certify::binned::{BinnedScene, Binning, Through};
 use crate::certify::grouped::Grouped;
 use crate::certify::placing::Placer;
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::resident::scene::Reach;
 use crate::intersect::predict::Prediction;
-use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use crate::view::{Records, View, middle};
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
 
 /// A plan with the data that it needs.
 pub(super) struct FrameSetup {

@@ -14,17 +14,17 @@ pub use part::{Part, PartView};
 use crate::answers::silhouette::Line;
 use crate::certify::sieve::{Sieve, Sifted, sift};
 use crate::double_double::exponent;
-use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
-use crate::memory::{check_wide_ids, ids_fit};
-use crate::parallel;
-use crate::quote::setting::{ACCURACY, AOV, APERTURE, LAYERS, LOOK, METHOD, OCCLUSION, SHADOWS, STREAM, SUN};
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use crate::view::{middle, unit};
 use digests::Digests;
+use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::memory::{check_wide_ids, ids_fit};
+use halfline_ground::parallel;
+use halfline_ground::quote::setting::{ACCURACY, AOV, APERTURE, LAYERS, LOOK, METHOD, OCCLUSION, SHADOWS, STREAM, SUN};
 use witness::Witnesses;
 
 /// The number of spheres after which the sieves take over the depths that these cover: often enough to hide spheres,

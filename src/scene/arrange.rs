@@ -2,11 +2,11 @@
 
 use super::instances::{Instances, Lattice, is_kept};
 use super::{Cell, List, Material, Materials, Spheres};
-use crate::error::{Error, Result};
-use crate::memory::{check, check_spheres, extend_to};
-use crate::parallel::{self, CHEAP};
-use crate::progress::Watch;
 use glam::DVec3;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::memory::{check, check_spheres, extend_to};
+use halfline_ground::parallel::{self, CHEAP};
+use halfline_ground::progress::Watch;
 
 /// Copies, clip planes and outline, applied in this order.
 #[derive(Debug, Clone, PartialEq)]

@@ -36,10 +36,10 @@ pub use record::{CameraRecord, Intrinsics};
 
 use crate::double_double::{Dd, Dd3};
 use crate::dyadic::{self, Dyadic3};
-use crate::error::{Error, Place, Result};
-use crate::quote::number;
-use crate::quote::setting::ZOOM;
 use glam::DVec3;
+use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::quote::number;
+use halfline_ground::quote::setting::ZOOM;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 

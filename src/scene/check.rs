@@ -1,6 +1,6 @@
 //! Checks of numbers, for every reader and the command line.
 
-use crate::error::{Error, Place, Result};
+use halfline_ground::error::{Error, Place, Result};
 
 /// Largest number of columns or rows. 2j + 1 - W is exact in f32 far beyond it, and id buffers remain addressable.
 pub const MAX_SIDE: i64 = 1 << 20;
@@ -15,51 +15,4 @@ pub fn check_size([width, height]: [i64; 2], place: impl FnOnce() -> Place) -> R
     }
     let problem = format!("an image cannot have {width} x {height} pixels");
     Err(Error::scene(place(), problem, format!("give two whole numbers between 1 and {MAX_SIDE}")))
-}
-
-/// Whether a sphere may have this centre; the rule of [`check_sphere`], without a branch.
-#[inline]
-pub fn is_center(center: &[f64; 3]) -> bool {
-    center[0].is_finite() & center[1].is_finite() & center[2].is_finite()
-}
-
-/// Whether a sphere may have this radius; the rule of [`check_sphere`], without a branch.
-#[inline]
-pub fn is_radius(radius: &f64) -> bool {
-    (*radius > 0.0) & radius.is_finite()
-}
-
-/// Checks a sphere, for every reader: finite centre, positive finite radius.
-///
-/// # Errors
-/// [`Error::Scene`] at `place`, with the name of the field appended.
-pub fn check_sphere(center: [f64; 3], radius: f64, place: impl Fn() -> Place) -> Result<()> {
-    let inside = |field: &str| {
-        let place = place();
-        let name = place.field.as_ref().map_or_else(|| field.to_owned(), |outer| format!("{outer} {field}"));
-        place.named(name)
-    };
-    if let Some(bad) = center.iter().find(|x| !x.is_finite()) {
-        return Err(Error::scene(
-            inside("center"),
-            format!("expected a finite number, found {bad}"),
-            "give three finite numbers",
-        ));
-    }
-    if !is_radius(&radius) {
-        let problem = format!("the radius is {radius}");
-        return Err(Error::scene(inside("radius"), problem, "give a positive finite number"));
-    }
-    Ok(())
-}
-
-/// Checks a colour, for every reader: three finite numbers, none negative.
-///
-/// # Errors
-/// [`Error::Scene`] at `place`.
-pub fn check_color(color: [f32; 3], place: impl FnOnce() -> Place) -> Result<()> {
-    match color.iter().find(|c| !(c.is_finite() && **c >= 0.0)) {
-        None => Ok(()),
-        Some(bad) => Err(Error::scene(place(), format!("the colour component is {bad}"), "give linear RGB, 0 or more")),
-    }
 }

@@ -4,9 +4,9 @@ use super::camera::{Camera, CurvedRays, Lens, Look, Viewport};
 use super::orient::{Facing, Spread};
 use super::source::{SphereSource, middle};
 use super::{ImagePlane, Scene, Spheres, extent};
-use crate::error::{Error, Place, Result};
-use crate::parallel::{self, CHEAP};
 use glam::DVec3;
+use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::parallel::{self, CHEAP};
 
 /// The rules of framing: the free margins, the framed shape and the aim.
 #[derive(Debug, Clone, Copy, PartialEq)]

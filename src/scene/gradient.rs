@@ -1,9 +1,9 @@
 //! The colours of a sky: a gradient from the horizon to the zenith.
 
 use super::Scene;
-use super::check::check_color;
-use crate::error::{Place, Result};
 use glam::DVec3;
+use halfline_ground::check::check_color;
+use halfline_ground::error::{Place, Result};
 use serde::Serialize;
 
 /// The colours of a sky, linear RGB.

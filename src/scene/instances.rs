@@ -9,15 +9,15 @@ mod order;
 mod search;
 
 use super::Spheres;
-use crate::error::{Error, Place, Result};
-use crate::memory::{check_wide_ids, ids_fit};
 use clusters::{Clusters, longest};
 use enclosure::Enclosure;
 use glam::DVec3;
+use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::memory::{check_wide_ids, ids_fit};
 use operator::{Copies, CopyRule};
 
+pub use halfline_ground::Operator;
 pub(crate) use operator::Lattice;
-pub use operator::Operator;
 pub use search::CopiedSpheres;
 
 /// Spheres that are copies of fewer, numbered as if all were listed: part by part, copy by copy, each in the order of its

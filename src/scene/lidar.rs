@@ -18,11 +18,11 @@ mod beam;
 pub use beam::Beam;
 
 use super::camera::Basis;
-use crate::error::{Error, Result};
-use crate::parallel;
-use crate::quote::quote;
 use beam::MAX_RETURNS;
 use glam::DVec3;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::parallel;
+use halfline_ground::quote::quote;
 use std::ops::Range;
 use std::str::FromStr;
 

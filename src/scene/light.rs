@@ -1,10 +1,10 @@
 //! Lights and sky of a scene.
 
 use super::camera::{Basis, Camera};
-use super::check::check_color;
 use super::gradient::SkyColors;
-use crate::error::{Error, Place, Result};
 use glam::DVec3;
+use halfline_ground::check::check_color;
+use halfline_ground::error::{Error, Place, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

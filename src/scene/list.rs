@@ -1,8 +1,8 @@
 //! The numbers of a scene's spheres, which a scene owns or shares.
 
-use crate::parallel;
 use blake3::{Hash, Hasher};
 use bytemuck::NoUninit;
+use halfline_ground::parallel;
 use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};

@@ -1,8 +1,9 @@
 //! Lists of the spheres: operations on all of them alike, whatever values they have.
 
-use super::{List, Materials, Spheres, keep};
+use super::{List, Materials, Spheres};
 use blake3::Hasher;
 use bytemuck::NoUninit;
+use halfline_ground::check::keep;
 
 /// A list of values of the spheres.
 trait Values {

@@ -1,7 +1,7 @@
 //! Materials of spheres.
 
 use super::List;
-use crate::error::{Error, Place, Result, named};
+use halfline_ground::error::{Error, Place, Result, named};
 use serde::{Deserialize, Serialize};
 
 /// The reflection and transmission of light by a sphere. The sphere's colour is that of its diffuse reflection, and of

@@ -1,7 +1,7 @@
 //! Opacities of spheres: the share of what lies behind that a sphere hides in a picture.
 
 use super::Spheres;
-use crate::error::{Error, Place, Result};
+use halfline_ground::error::{Error, Place, Result};
 
 /// Whether a number is an opacity: above 0, at most 1. A sphere of opacity 0 would be no sphere.
 #[must_use]

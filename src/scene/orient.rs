@@ -2,8 +2,8 @@
 
 use super::camera::{Camera, Look};
 use super::source::{SphereSource, middle};
-use crate::error::{Result, named};
 use glam::DVec3;
+use halfline_ground::error::{Result, named};
 
 /// A direction of view and the up vector that belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq)]

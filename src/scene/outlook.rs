@@ -3,10 +3,10 @@
 
 use super::camera::{Camera, Viewport};
 use super::{Facing, Framing, ImagePlane, Spheres, Spread};
-use crate::error::Result;
-use crate::parallel::{self, CHEAP};
-use crate::quote::setting::{CLIP, FOCUS, HIDE, VIEW};
 use glam::DVec3;
+use halfline_ground::error::Result;
+use halfline_ground::parallel::{self, CHEAP};
+use halfline_ground::quote::setting::{CLIP, FOCUS, HIDE, VIEW};
 use std::collections::HashSet;
 
 /// A camera that shows some spheres of a scene.

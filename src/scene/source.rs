@@ -1,8 +1,8 @@
 //! Spheres block by block: those in memory are one block, copies and files are many.
 
 use super::Spheres;
-use crate::error::Result;
 use glam::DVec3;
+use halfline_ground::error::Result;
 
 /// Spheres that are passed over as often as needed, each time in the same order.
 pub trait SphereSource {

@@ -1,12 +1,12 @@
 //! The looks of a picture, and the light that options add to a scene: one rule for the command and the Python package.
 
 use super::Settings;
-use crate::error::{Error, Result, named};
 use crate::frame::Aov;
-use crate::quote::setting::{AOV, BOUNCES, OCCLUSION, REACH};
 use crate::scene::{Light, LightSource, Lighting, Materials, Scene, Sky};
 use crate::shade::Shade;
 use glam::DVec3;
+use halfline_ground::error::{Error, Result, named};
+use halfline_ground::quote::setting::{AOV, BOUNCES, OCCLUSION, REACH};
 
 /// Samples per pixel of the looks `soft` and `figure`.
 const SOFT_SAMPLES: u32 = 4;

@@ -1,8 +1,8 @@
 //! The viewing rays of a curved lens: those of a window, computed once for each sample.
 
 use super::records::ViewRecord;
-use crate::parallel;
 use crate::scene::camera::CurvedFrame;
+use halfline_ground::parallel;
 
 /// The viewing rays of a curved lens.
 #[derive(Debug, Clone)]

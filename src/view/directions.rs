@@ -10,7 +10,7 @@
 mod tests;
 
 use super::records::pcg4d;
-use crate::parallel;
+use halfline_ground::parallel;
 
 /// Cosine and sine of the golden angle, pi (3 - sqrt 5), and its share of a turn.
 const GOLDEN: [f64; 2] = [-0.737_368_878_078_319_9, 0.675_490_294_261_523_6];

@@ -1,7 +1,7 @@
 //! Rays given by the caller instead of viewing rays.
 
-use crate::error::{Error, Result};
-use crate::parallel;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::parallel;
 
 /// Rays given by the caller: origin + t direction, 0 < t < limit. All numbers are taken as exact.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,8 +1,8 @@
 //! Placement of a set of spheres: its own origin and unit.
 
 use crate::double_double::{self as dd, Dd};
-use crate::parallel::{self, CHEAP};
 use glam::DVec3;
+use halfline_ground::parallel::{self, CHEAP};
 use std::ops::Range;
 
 /// The middle of the scene, and a power of two that brings every sphere into [-1, 1] in each coordinate.

@@ -5,11 +5,11 @@
 //! sampled at one of them, chosen by a hash of row, column, sample and seed.
 
 use super::records::ViewRecord;
-use crate::error::{Error, Result};
-use crate::quote::setting::{APERTURE, SAMPLES, SIZE};
 use crate::scene::{ImagePlane, MAX_SIDE};
 use crate::window::Window;
 use bytemuck::Zeroable;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{APERTURE, SAMPLES, SIZE};
 
 /// The most finer pixels along a side of a stratum.
 const FINEST: u32 = 16;

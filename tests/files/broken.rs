@@ -5,7 +5,7 @@ use crate::numpy::{little, npy, npy_of};
 use crate::rng::Rng;
 use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, read, read_spheres};
 use halfline::error::Error;
-use halfline_files::read::{Format, ReadOptions, Sequence};
+use halfline_files::read::{Format, ParticleOptions, ReadOptions, Sequence};
 use std::io::{Cursor, Read};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -338,7 +338,10 @@ fn lines_without_content_are_not_read_for_long() {
         let has_comments = head.is_empty() && matches!(format, Format::Csv | Format::Nff);
         for line in ["\n", "# \n"].into_iter().take(if has_comments { 2 } else { 1 }) {
             let idle = Idle { bytes: Cursor::new(head.into()), line, left: 3 * 16 };
-            let options = ReadOptions { format: Some(format), ..ReadOptions::default() };
+            let options = ReadOptions {
+                particles: ParticleOptions { format: Some(format), ..Default::default() },
+                ..ReadOptions::default()
+            };
             let read = Sequence::from_reader(idle, Path::new("a"), &options);
             let error = read.and_then(|mut read| read.next_scene()).map(drop).expect_err(head);
             assert!(matches!(error, Error::Limits { .. } | Error::Scene { .. }), "{format:?} {head}: {error}");

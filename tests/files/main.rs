@@ -18,6 +18,7 @@ mod skip;
 mod broken;
 mod formats;
 mod frames;
+mod identity;
 mod light_buffers;
 mod mattes;
 mod molecules;

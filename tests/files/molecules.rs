@@ -8,7 +8,7 @@ use halfline::quote::setting::ASSEMBLY;
 use halfline::scene::Scene;
 use halfline_files::read::SceneFrame;
 use halfline_files::read::style::{Coloring, Scale, Style};
-use halfline_files::read::{Altloc, ReadOptions, Sequence, elements};
+use halfline_files::read::{Altloc, ParticleOptions, ReadOptions, Sequence, elements};
 use std::path::Path;
 
 fn read(path: &Path, options: &ReadOptions) -> Scene {
@@ -60,7 +60,10 @@ fn entries_have_the_atoms_that_gemmi_reads() {
         scene.check().expect("a scene that can be rendered");
         // None of the entries has alternate locations, so each choice of them is all atoms.
         for altloc in [Altloc::Highest, Altloc::Named("A".into())] {
-            let chosen = read(&path, &ReadOptions { altloc, ..ReadOptions::default() });
+            let chosen = read(
+                &path,
+                &ReadOptions { particles: ParticleOptions { altloc, ..Default::default() }, ..ReadOptions::default() },
+            );
             assert_eq!(chosen.spheres, scene.spheres, "{name}");
         }
     }
@@ -146,7 +149,11 @@ fn assemblies_are_those_that_gemmi_makes() {
             let columns = vec!["copy".to_owned()];
             let scale = Scale::of(columns);
             let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-            let options = ReadOptions { assembly: Some(assembly.id.into()), style, ..ReadOptions::default() };
+            let options = ReadOptions {
+                particles: ParticleOptions { assembly: Some(assembly.id.into()), ..Default::default() },
+                style,
+                ..ReadOptions::default()
+            };
             let mut sequence = Sequence::open(&path, &options).expect("the file");
             let shot = sequence.next_scene().expect("a scene").expect("a frame");
             let whole = shot.scene;
@@ -170,8 +177,20 @@ fn assemblies_are_those_that_gemmi_makes() {
             let error = halfline_files::read::scene(&path, &options).expect_err("it is missing").to_string();
             assert!(words.iter().all(|word| error.contains(word)), "{name}: {error}");
         };
-        refused(ReadOptions { assembly: Some(missing), ..ReadOptions::default() }, &["the file has 1"]);
-        refused(ReadOptions { model: Some(2), ..ReadOptions::default() }, &["no model 2", "the file has 1"]);
+        refused(
+            ReadOptions {
+                particles: ParticleOptions { assembly: Some(missing), ..Default::default() },
+                ..ReadOptions::default()
+            },
+            &["the file has 1"],
+        );
+        refused(
+            ReadOptions {
+                particles: ParticleOptions { model: Some(2), ..Default::default() },
+                ..ReadOptions::default()
+            },
+            &["no model 2", "the file has 1"],
+        );
         let copies = ASSEMBLIES.iter().find(|assembly| assembly.file == name).map_or(1, |assembly| assembly.copies);
         let offer = format!("{copies} copies; use {ASSEMBLY} 1");
         let warnings = read_frame(&path, &ReadOptions::default()).skipped.warnings();

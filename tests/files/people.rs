@@ -4,7 +4,7 @@
 use crate::rng::Rng;
 use crate::scenes::{CAMERA, folder, read_frame, read_spheres};
 use halfline::error::Error;
-use halfline_files::read::{self, Format, Keep, ReadOptions, SceneFrame};
+use halfline_files::read::{self, Format, Keep, ParticleOptions, ReadOptions, SceneFrame};
 use std::fmt::Write as _;
 
 /// The frame of a file that `info`, a reading of all columns and a plain one read alike.
@@ -12,7 +12,8 @@ fn read_alike(name: &str, content: &[u8], options: &ReadOptions) -> Result<Scene
     let folder = folder(&[(name, content)]);
     let path = folder.path().join(name);
     let frame = read::scene(&path, options)?;
-    let keeping = ReadOptions { keep: Keep::All, ..options.clone() };
+    let keeping =
+        ReadOptions { particles: ParticleOptions { keep: Keep::All, ..options.particles.clone() }, ..options.clone() };
     let kept = read::scene(&path, &keeping).unwrap_or_else(|error| panic!("all columns: {error}"));
     let info = read::info(&path, options).unwrap_or_else(|error| panic!("info: {error}"));
     assert_eq!(kept.scene.spheres.centers, frame.scene.spheres.centers, "{name}");
@@ -26,7 +27,10 @@ fn alike(name: &str, content: &[u8]) -> SceneFrame {
 }
 
 fn selecting(text: &str) -> ReadOptions {
-    ReadOptions { select: vec![text.parse().expect("a selection")], ..ReadOptions::default() }
+    ReadOptions {
+        particles: ParticleOptions { select: vec![text.parse().expect("a selection")], ..Default::default() },
+        ..ReadOptions::default()
+    }
 }
 
 /// The problem and the mend of a file that is refused.
@@ -218,7 +222,10 @@ fn sites_without_coordinates_are_left_out_and_counted() {
             let frame = alike("a.cif", text.as_bytes());
             assert_eq!(frame.scene.spheres.centers, [[1.0, 2.0, 3.0]], "{text}");
             assert_eq!(frame.skipped.kinds, [("site without coordinates", count as u64)], "{text}");
-            let strict = ReadOptions { strict: true, ..ReadOptions::default() };
+            let strict = ReadOptions {
+                particles: ParticleOptions { strict: true, ..Default::default() },
+                ..ReadOptions::default()
+            };
             assert!(refusal("a.cif", text.as_bytes(), &strict).contains("site without coordinates"));
         }
         let none = format!("data_a\n{CELL}{}{missing}", ATOMS.replace("O1 0.25 0.5 0.75\n", ""));
@@ -434,8 +441,11 @@ fn quoted_fields_may_have_line_breaks() {
 #[test]
 fn tables_of_scanners_are_read() {
     let named = |columns: &str| ReadOptions {
-        columns_named: columns.parse().expect("columns"),
-        format: Some(Format::Csv),
+        particles: ParticleOptions {
+            columns_named: columns.parse().expect("columns"),
+            format: Some(Format::Csv),
+            ..Default::default()
+        },
         ..ReadOptions::default()
     };
     for text in
@@ -645,7 +655,14 @@ fn what_is_not_read_is_named_with_a_way_to_it() {
             let error = refusal(name, &content, &ReadOptions::default());
             assert!(error.contains(what) && error.contains(mend) && error.contains(name), "{name}: {error}");
             let columns_named = "x=1,y=2,z=3".parse().expect("columns");
-            let error = refusal(name, &content, &ReadOptions { columns_named, ..ReadOptions::default() });
+            let error = refusal(
+                name,
+                &content,
+                &ReadOptions {
+                    particles: ParticleOptions { columns_named, ..Default::default() },
+                    ..ReadOptions::default()
+                },
+            );
             assert!(error.contains(what), "{name}: {error}");
         }
     }
@@ -693,7 +710,10 @@ fn errors_of_numbers_that_are_none_say_how_to_write_them() {
         assert!(error.contains(place) && error.contains(mend), "{error}");
         // Where it is said, it works.
         if mend == skip {
-            let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
+            let options = ReadOptions {
+                particles: ParticleOptions { skip_invalid: true, ..Default::default() },
+                ..ReadOptions::default()
+            };
             assert_eq!(read_frame(name, text.as_bytes(), &options).expect("no row").scene.spheres.len(), 0);
         }
     }

@@ -13,7 +13,7 @@ use halfline::error::Error;
 use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Material, Scene, Sky, SkyColors};
 use halfline::settings::{FileLook, Look as PictureLook};
 use halfline_files::read::SceneFrame;
-use halfline_files::read::{Keep, ReadOptions, Sequence};
+use halfline_files::read::{Keep, ParticleOptions, ReadOptions, Sequence};
 use std::io::{Cursor, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -540,7 +540,8 @@ fn colored(descr: &str, scale: f64, names: [&str; 3]) -> Vec<ColoredFile> {
 #[test]
 fn colours_and_radii_have_one_rule_in_all_formats() {
     let sets = [["red", "green", "blue"], ["R", "G", "B"], ["diffuse_red", "Diffuse_Green", "diffuse_blue"]];
-    let options = ReadOptions { keep: Keep::All, ..ReadOptions::default() };
+    let options =
+        ReadOptions { particles: ParticleOptions { keep: Keep::All, ..Default::default() }, ..ReadOptions::default() };
     let expected = LEVELS.map(halfline::frame::srgb::linear);
     for names in sets {
         for (descr, scale) in [("|u1", 1.0), ("<u2", 1.0), ("<u2", 257.0), ("<i4", 257.0), ("<f4", 1.0), ("<f8", 257.0)]
@@ -562,7 +563,7 @@ fn colours_and_radii_have_one_rule_in_all_formats() {
                 }
                 if has_red {
                     let selection = format!("red {}", 200.0 * scale).parse().expect("a selection");
-                    let (mask, _) = frame.columns.select(&selection, spheres).expect(&what);
+                    let (mask, _) = frame.selected(&selection).expect(&what);
                     assert_eq!(mask, [true, false, false], "{what}: red is as in the file");
                 }
             }

@@ -3,10 +3,10 @@
 use halfline::error::{Error, Result};
 use halfline::scene::Scene;
 use halfline_files::read::SceneFrame;
-use halfline_files::read::{self, ReadOptions};
+use halfline_files::read::{self, ParticleOptions, ReadOptions};
 
 pub(crate) fn strict() -> ReadOptions {
-    ReadOptions { strict: true, ..ReadOptions::default() }
+    ReadOptions { particles: ParticleOptions { strict: true, ..Default::default() }, ..ReadOptions::default() }
 }
 
 pub(crate) const TOML: &str = r#"# a comment

@@ -27,7 +27,8 @@ use halfline::scene::{SphereSource, Spheres};
 use halfline::settings::{FileLook, Settings};
 use halfline_files::read::style::{Coloring, RangeEnd};
 use halfline_files::read::{
-    Focus, FrameTime, Hold, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped, read_once,
+    Focus, FrameTime, Hold, ParticleOptions, ReadOptions, SceneFrame, Sequence, Skipped, SphereBlocks, all_clipped,
+    read_once,
 };
 use halfline_files::write::file::Target;
 use std::cell::{Cell, RefCell};
@@ -181,7 +182,7 @@ impl<'a> Source<'a> {
                 if self.arrangement.clip.is_empty() {
                     targets.iter().try_for_each(|target| target.check_ids(instances.total()))?;
                 }
-                let visible = Stream::of_instances(&picture.scene, &own, &instances, &self.options.watch)?;
+                let visible = Stream::of_instances(&picture.scene, &own, &instances, &self.options.particles.watch)?;
                 if visible.ids.count == 0 && whole > 0 {
                     facts.skipped.assumed.push(all_clipped(whole));
                 }
@@ -292,7 +293,7 @@ impl<'a> Source<'a> {
         let spheres: Box<dyn SphereSource + '_> = match copied {
             Some(InstancedScene { instances, facts, .. }) => {
                 (frame.is_molecule, frame.legend) = (facts.is_molecule, facts.legend.clone());
-                Box::new(CopiedSpheres { instances, watch: &self.options.watch })
+                Box::new(CopiedSpheres { instances, watch: &self.options.particles.watch })
             }
             None if is_given => Box::new(Spheres::default()),
             None => {
@@ -389,7 +390,7 @@ impl<'a> Source<'a> {
     }
 
     fn is_assembly(&self) -> bool {
-        self.options.assembly.is_some() && self.options.topology.is_none()
+        self.options.particles.assembly.is_some() && self.options.particles.topology.is_none()
     }
 
     fn is_copied(&self) -> bool {
@@ -402,7 +403,10 @@ impl<'a> Source<'a> {
         if !self.is_copied() {
             return Ok(None);
         }
-        let options = ReadOptions { as_operators: self.is_assembly(), ..self.options.clone() };
+        let options = ReadOptions {
+            particles: ParticleOptions { as_operators: self.is_assembly(), ..self.options.particles.clone() },
+            ..self.options.clone()
+        };
         let mut sequence = Sequence::open(self.args.path(), &options)?;
         let SceneFrame {
             mut scene, skipped, has_camera, legend, cell, instances, when, is_molecule, mut marks, ..
@@ -456,7 +460,7 @@ impl<'a> Source<'a> {
     ) -> Result<SphereBlocks> {
         while let Some(mut block) = blocks.next_block()? {
             let mut marks = blocks.marked();
-            self.arrangement.apply(&mut block, None, &self.options.watch)?;
+            self.arrangement.apply(&mut block, None, &self.options.particles.watch)?;
             marks.iter_mut().try_for_each(|spheres| self.clip(spheres))?;
             self.say_why();
             each(block, marks)?;
@@ -467,6 +471,6 @@ impl<'a> Source<'a> {
     /// Leaves out what clip planes cut off.
     fn clip(&self, spheres: &mut Spheres) -> Result<()> {
         let clip = Arrangement { clip: self.arrangement.clip.clone(), ..Arrangement::default() };
-        clip.apply(spheres, None, &self.options.watch)
+        clip.apply(spheres, None, &self.options.particles.watch)
     }
 }

@@ -340,7 +340,7 @@ impl Stage for ViewHandler {
             let frame = self.shown(session, &request)?;
             let marks = match &args.camera.focus {
                 Some(selection) => {
-                    let (mask, notes) = frame.columns.select(selection, &frame.scene.spheres)?;
+                    let (mask, notes) = frame.selected(selection)?;
                     vec![Focus { text: selection.to_string(), spheres: frame.scene.spheres.part(&mask), notes }]
                 }
                 None => Vec::new(),
@@ -403,7 +403,7 @@ impl Stage for ViewHandler {
             let of = shown.scene.spheres.len() - shown.beads;
             let (count, notes) = match selection {
                 Some(selection) => {
-                    let (mask, notes) = shown.columns.select(&selection, &shown.scene.spheres)?;
+                    let (mask, notes) = shown.selected(&selection)?;
                     (mask[..of].iter().filter(|is| **is).count(), notes)
                 }
                 None => (of, Vec::new()),

@@ -4,7 +4,7 @@ use crate::amount::amount;
 use crate::page::{Page, check_stills};
 use crate::rng::Rng;
 use crate::test_dir::TestDir;
-use halfline_files::read::{ReadOptions, Sequence};
+use halfline_files::read::{ParticleOptions, ReadOptions, Sequence};
 use serde_json::{Value, json};
 
 /// Two frames of particles without radii and elements, of which the second has a column `q`; of the second frame half are as
@@ -156,7 +156,10 @@ fn a_frame_needs_nothing_of_frames_that_are_not_requested() {
 fn radii(dir: &TestDir, file: &str, frames: &str, select: &[&str], hide: &[&str]) -> Vec<Vec<f64>> {
     let parsed = |all: &[&str]| all.iter().map(|text| text.parse().expect("an expression")).collect();
     let frames = frames.parse().expect("frames");
-    let options = ReadOptions { frames, select: parsed(select), hide: parsed(hide), ..ReadOptions::default() };
+    let options = ReadOptions {
+        particles: ParticleOptions { frames, select: parsed(select), hide: parsed(hide), ..Default::default() },
+        ..ReadOptions::default()
+    };
     let mut sequence = Sequence::open(&dir.path(file), &options).expect("a file");
     let next = || sequence.next_scene().expect("a scene").map(|frame| frame.scene.spheres.radii.to_vec());
     std::iter::from_fn(next).collect()
@@ -198,8 +201,11 @@ fn colours_are_of_the_file_whatever_is_selected() {
     dir.put("c.csv", "x,y,z,radius,r,g,b\n0,0,0,1,255,128,0\n3,0,0,1,1,0,1\n");
     let colors = |select: &[&str]| {
         let select = select.iter().map(|text| text.parse().expect("an expression")).collect();
-        let mut sequence =
-            Sequence::open(&dir.path("c.csv"), &ReadOptions { select, ..ReadOptions::default() }).expect("a file");
+        let mut sequence = Sequence::open(
+            &dir.path("c.csv"),
+            &ReadOptions { particles: ParticleOptions { select, ..Default::default() }, ..ReadOptions::default() },
+        )
+        .expect("a file");
         let frame = sequence.next_scene().expect("a scene").expect("a frame");
         frame.scene.spheres.colors.expect("colours").to_vec()
     };

@@ -22,8 +22,8 @@ pub use lens::{ListedLens, PixelLens, lens_of};
 pub use listed::ListedCamera;
 pub use named::{LensName, LensProblem, NamedLens};
 
-use super::input::without_mark;
 use halfline::error::{Error, Place, Result};
+use halfline_particles::input::without_mark;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

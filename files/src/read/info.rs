@@ -1,19 +1,20 @@
 //! The content of a file, examined without keeping its particles: format, frames, columns with their ranges, elements,
 //! chains, cell and extent, and the assumptions of a rendering without options.
 
-use super::elements::element;
-use super::frame_range::FrameRange;
-use super::input::Input;
-use super::open::open;
+use super::native::rows_of;
 use super::options::ReadOptions;
-use super::particles::colors::ColorScale;
-use super::particles::frame::Particles;
-use super::particles::survey::{ColumnCounts, Counts, Survey};
 use super::sequence::{SceneFrame, Sequence};
-use super::source::SceneSource;
 use super::style::{Radii, Style, spacing_of};
 use halfline::error::{Error, Place, Result};
 use halfline::scene::{Cell, check_sphere};
+use halfline_particles::FrameRange;
+use halfline_particles::elements::element;
+use halfline_particles::input::Input;
+use halfline_particles::open::open;
+use halfline_particles::particles::colors::ColorScale;
+use halfline_particles::particles::frame::Particles;
+use halfline_particles::particles::survey::{ColumnCounts, Counts, Survey};
+use halfline_particles::source::SceneSource;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -119,7 +120,12 @@ const LISTED: usize = 64;
 /// # Errors
 /// As [`scene`](super::scene).
 pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
-    of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options, Survey::default())
+    of_source(
+        SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?,
+        path,
+        options,
+        Survey::default(),
+    )
 }
 
 /// Examines bytes from any reader, of which messages and the detection of the format speak as of the file `path`.
@@ -127,20 +133,20 @@ pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
 /// # Errors
 /// As [`info`].
 pub fn info_from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<FileInfo> {
-    let input = Input::of(Box::new(reader), &options.watch).map_err(|error| Error::read(path, error))?;
-    of_source(SceneSource::of(input, path, options.known_format())?, path, options, Survey::default())
+    let input = Input::of(Box::new(reader), &options.particles.watch).map_err(|error| Error::read(path, error))?;
+    of_source(SceneSource::of(input, path, options.particles.known_format())?, path, options, Survey::default())
 }
 
 /// The content of an opened source, counted by `survey`.
 fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Survey) -> Result<FileInfo> {
-    let options = ReadOptions {
+    let particles = halfline_particles::ParticleOptions {
         survey: Some(survey.clone()),
         frames: FrameRange::first(),
-        style: Style::default(),
-        ..options.clone()
+        ..options.particles.clone()
     };
+    let options = ReadOptions { particles, style: Style::default(), ..options.clone() };
     let format = source.format.name();
-    let mut frames = match open(source, &options)? {
+    let mut frames = match open(source, &options.reading())? {
         Ok(frames) => frames,
         Err(source) => {
             return Sequence::of_source(source, path, &options)?.next_scene()?.map_or_else(
@@ -166,7 +172,7 @@ fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Su
     }
     let mut count = 1;
     loop {
-        options.watch.check()?;
+        options.particles.watch.check()?;
         match frames.skip() {
             Ok(true) => count += 1,
             Ok(false) => break,
@@ -232,9 +238,8 @@ impl FileInfo {
 
     fn of_scene(SceneFrame { scene, skipped, .. }: SceneFrame, format: &'static str) -> Self {
         let spheres = scene.spheres;
-        let mut copy = spheres.clone();
         let survey = Survey::default();
-        survey.count_spheres(&mut copy, true);
+        survey.count_spheres(&mut rows_of(spheres.clone()), true);
         let counts = Particles::default().counted(&survey);
         let info = Self::of(counts);
         let nothing = spheres.is_empty().then(|| NOTHING.to_owned());

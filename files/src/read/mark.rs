@@ -1,11 +1,11 @@
 //! Marks: texts on things of a picture, which selections name.
 
-use super::columns::ColumnValue;
-use super::select::selection::Selection;
 use super::sequence::SceneFrame;
 use halfline::error::{Error, Result};
 use halfline::quote::setting::MARK;
 use halfline::quote::{count, list, number, quote};
+use halfline_particles::ColumnValue;
+use halfline_particles::select::selection::Selection;
 use std::str::FromStr;
 
 /// The most marks of a picture.
@@ -108,7 +108,7 @@ impl SceneFrame {
         let (mut marked, mut notes) = (Vec::new(), Vec::new());
         let things = if rules.is_empty() { Vec::new() } else { self.things() };
         for rule in rules {
-            let (mask, messages) = self.columns.select(&rule.selection, &self.scene.spheres)?;
+            let (mask, messages) = self.selected(&rule.selection)?;
             notes.extend(messages);
             let mut last = None;
             for (n, thing) in things.iter().enumerate().filter(|(n, _)| mask.get(*n).is_some_and(|flag| *flag)) {

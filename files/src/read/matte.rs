@@ -1,10 +1,10 @@
 //! The names of spheres in a Cryptomatte layer: their numbers, or the values of columns.
 
-use super::columns::{ColumnValue, Columns};
 use super::sequence::SceneFrame;
 use halfline::error::{Error, Result};
 use halfline::quote::setting::CRYPTOMATTE;
 use halfline::quote::{list, quote};
+use halfline_particles::{ColumnValue, Columns};
 use std::sync::Arc;
 
 /// The words of selections for the columns that tell residues apart, in the order of their names; those of one part of the name

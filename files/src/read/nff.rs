@@ -13,9 +13,6 @@
 //!
 //! Every statement begins on a new line; its numbers may continue on the following lines.
 
-use super::input::Input;
-use super::lines::{Lines, Spot, mend_number};
-use super::skipped::Skipped;
 use glam::DVec3;
 use halfline::error::{Error, Place, Result, relocate};
 use halfline::quote::{count, quote};
@@ -24,11 +21,12 @@ use halfline::scene::{
     ImagePlane, Light, LightSource, Lighting, Material, Materials, Scene, Spheres, check_color, check_size,
     check_sphere,
 };
+use halfline_particles::Skipped;
+use halfline_particles::detect::NFF_DIRECTIVES;
+use halfline_particles::input::Input;
+use halfline_particles::lines::{Lines, Spot, mend_number};
 use std::fmt;
 use std::path::Path;
-
-/// The words that begin a statement.
-pub(super) const DIRECTIVES: [&str; 8] = ["v", "b", "l", "f", "s", "c", "p", "pp"];
 
 /// The words that begin a line of the `v` block.
 const VIEW: [&str; 6] = ["from", "at", "up", "angle", "hither", "resolution"];
@@ -188,7 +186,7 @@ impl Reader {
     /// The directive of the statement that begins with a word.
     fn directive(&self, word: WordRange) -> Result<&'static str> {
         let text = self.text(word);
-        let problem = match DIRECTIVES.into_iter().find(|directive| *directive == text) {
+        let problem = match NFF_DIRECTIVES.into_iter().find(|directive| *directive == text) {
             Some(directive) if self.begins_line(word) => return Ok(directive),
             Some(_) => format!("expected the end of the line, found {}", quote(text)),
             None if VIEW.contains(&text) => format!("{} is outside of a v block", quote(text)),
@@ -203,7 +201,7 @@ impl Reader {
         Error::scene(
             spot.of(self.lines.file()),
             problem,
-            format!("begin the line with one of {}", DIRECTIVES.join(" ")),
+            format!("begin the line with one of {}", NFF_DIRECTIVES.join(" ")),
         )
     }
 
@@ -238,7 +236,7 @@ impl Reader {
                 if numbers.count >= least {
                     break;
                 }
-                let known = DIRECTIVES.contains(&text) || VIEW.contains(&text);
+                let known = NFF_DIRECTIVES.contains(&text) || VIEW.contains(&text);
                 if known && self.begins_line(word) {
                     return Err(self.short(at, "the statement ends", numbers.count, least));
                 }

@@ -1,193 +1,37 @@
 //! The options for reading a scene.
 
-use super::derived;
-use super::format::Format;
-use super::frame_range::FrameRange;
-use super::particles::column_names::ColumnNames;
-use super::particles::data::style::AtomStyle;
-use super::particles::identity::Identity;
-use super::particles::layout::EVERY;
-use super::particles::periodic::{self, Periodic};
-use super::particles::request::{Altloc, Request};
-use super::particles::survey::Survey;
-use super::particles::vectors;
-use super::select::candidates;
-use super::select::{Selections, selection::Selection};
-use super::source::KnownFormat;
 use super::style::Style;
-use halfline::error::{Error, Result, named};
-use halfline::progress::Watch;
-use std::path::PathBuf;
+use halfline_ground::error::named;
+use halfline_particles::select::{Selections, selection::Selection};
 
 /// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
 pub struct ReadOptions {
-    /// Whether an item that is not a sphere is an error; otherwise it is counted in [`Skipped`](super::Skipped).
-    pub strict: bool,
-    /// The file's format; `None` detects it from the content, then from the name.
-    pub format: Option<Format>,
-    /// The meaning of columns of a table whose names do not say it.
-    pub columns_named: ColumnNames,
-    /// The atom style of LAMMPS data; `None` takes that of the file, or one with its number of columns.
-    pub atom_style: Option<AtomStyle>,
-    /// Whether rows of tables, PTS, XYZ, LAMMPS dump, PLY, PCD, LAS, NPY and NPZ whose coordinates are not finite numbers or whose
-    /// radius is not positive are left out and counted; otherwise the first is an error.
-    pub skip_invalid: bool,
-    /// The frames of a sequence that are read.
-    pub frames: FrameRange,
+    /// The file's format, and the particles and columns to take.
+    pub particles: halfline_particles::ParticleOptions,
     /// The frames that set the default radius and the range of colours of a sequence.
     pub hold: Hold,
-    /// The particle file with the atoms of a trajectory, which gives the elements, radii, colours and columns that its frames
-    /// lack: by the column of `identity` where both have it, by rows otherwise.
-    pub topology: Option<PathBuf>,
-    /// The column that identifies particles, by which the frames of a sequence have the order of its first one.
-    pub identity: Identity,
-    /// The model number of a PDB or mmCIF file; `None` takes the first.
-    pub model: Option<i64>,
-    /// Selection of alternate locations.
-    pub altloc: Altloc,
-    /// The biological assembly to build with the file's operators; `None` takes the atoms as they are.
-    pub assembly: Option<String>,
-    /// Whether the assembly is kept as operators over its atoms ([`SceneFrame::instances`](crate::read::SceneFrame::instances)) and not
-    /// multiplied out. Selections, and colours by coordinates, then are errors.
-    pub as_operators: bool,
-    /// Whether the atoms of a small-molecule CIF are taken as listed; otherwise its symmetry fills the cell.
-    pub as_listed: bool,
-    /// The treatment of the particles of a periodic cell, applied before selections.
-    pub periodic: Periodic,
-    /// The particles to take: those that one of these selects; all where the list is empty.
-    pub select: Vec<Selection>,
-    /// The particles to leave out: those that one of these selects.
-    pub hide: Vec<Selection>,
     /// Selections of particles that are reported to the caller, such as those that a camera looks at; see
     /// [`SceneFrame::marks`](crate::read::SceneFrame::marks).
     pub marks: Vec<Selection>,
     /// The style of the particles.
     pub style: Style,
-    /// The columns that the scene keeps ([`SceneFrame::columns`](crate::read::SceneFrame::columns)).
-    pub keep: Keep,
-    /// Counts the particles with all columns, or passes them on in parts, instead of keeping them; see
-    /// [`info`](fn@crate::read::info) and [`SphereBlocks`](crate::read::SphereBlocks).
-    pub survey: Option<Survey>,
-    /// Cancellation of the reading.
-    pub watch: Watch,
 }
 
 impl ReadOptions {
-    /// All selections: to take, to hide, to mark, and in rules for colours and radii.
-    pub(super) fn all_selections(&self) -> impl Iterator<Item = &Selection> {
-        self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections())
-    }
-
-    /// The columns that the reader must keep, as far as the file has them: those that are named, and the components of
-    /// vectors whose length they may be.
-    #[must_use]
-    pub fn columns(&self) -> Vec<String> {
-        let mut columns = self.named_columns();
-        vectors::request(&mut columns);
-        derived::request(&mut columns);
-        if self.keep == Keep::All || self.survey.as_ref().is_some_and(Survey::is_counting) {
-            columns.push(EVERY.to_owned());
-        }
-        columns
-    }
-
-    /// The columns that colours, selections, [`Periodic::Unwrap`] and the words of [`Keep::Named`] read.
-    pub(super) fn named_columns(&self) -> Vec<String> {
-        let mut columns: Vec<String> = self.style.columns().to_vec();
-        let unwrapped = periodic::columns().filter(|_| self.periodic == Periodic::Unwrap).map(str::to_owned);
-        let selected = self.all_selections().flat_map(Selection::columns);
-        let words = if let Keep::Named(words) = &self.keep { &words[..] } else { &[] };
-        let kept = words.iter().flat_map(|word| candidates(word));
-        for name in unwrapped.chain(selected).chain(kept) {
-            // A column that two words need is kept once.
-            if !columns.iter().any(|known| known.eq_ignore_ascii_case(&name)) {
-                columns.push(name);
-            }
-        }
-        columns
-    }
-
-    /// Checks the number of columns that colours, selections and kept words read, for formats whose columns may have any
-    /// name.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for more than 64.
-    pub(super) fn check_columns(&self) -> Result<()> {
-        const MOST_COLUMNS: usize = 64;
-        let count = self.named_columns().len();
-        if count > MOST_COLUMNS {
-            let problem = format!("colours and selections read {count} columns, more than {MOST_COLUMNS}");
-            return Err(Error::settings(problem, "use fewer columns"));
-        }
-        Ok(())
-    }
-
-    /// The columns whose values selections compare as words, by which a column of texts differs from one of numbers.
-    pub(super) fn worded_columns(&self) -> Vec<String> {
-        self.all_selections().flat_map(Selection::worded_columns).collect()
-    }
-
-    /// The format of a file as far as the options say it.
-    pub(super) fn known_format(&self) -> KnownFormat {
-        match self.format {
-            Some(format) => KnownFormat::Given(format),
-            None if self.columns_named.is_empty() => KnownFormat::Nothing,
-            None => KnownFormat::IfNone(Format::Csv),
-        }
-    }
-
-    /// The request to the reader of a file of this format. With [`Keep::Molecules`] it has all columns of PDB, PQR, PDBQT, mmCIF
-    /// and GRO.
-    pub(super) fn request(&self, format: Format) -> Request {
-        use Format::{Gro, Mmcif, Pdb, Pdbqt, Pqr};
-        let all = self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro);
-        let mut columns = self.columns();
-        columns.extend(all.then(|| EVERY.to_owned()));
-        columns.extend(self.identifying(format).map(str::to_owned));
-        Request {
-            columns,
-            columns_named: self.columns_named.clone(),
-            atom_style: self.atom_style.clone(),
-            strict: self.strict,
-            skip_invalid: self.skip_invalid,
-            frames: self.frames.clone(),
-            model: self.model,
-            altloc: self.altloc.clone(),
-            assembly: self.assembly.clone(),
-            as_operators: self.as_operators,
-            as_listed: self.as_listed,
-            survey: self.survey.clone(),
-            watch: self.watch.clone(),
-        }
-    }
-
-    /// The column that identifies particles in files of this format; `None` where their order is that of the rows anyway.
-    pub(super) fn identifying(&self, format: Format) -> Option<&str> {
-        let is_alone = self.frames.last() == 1 && self.topology.is_none();
-        let may_have = self.identity != Identity::Id || matches!(format, Format::Dump | Format::Xyz);
-        self.identity.column().filter(|_| !is_alone && may_have && self.survey.is_none())
+    /// The options for the readers of particles, which keep the columns of the style and of all selections.
+    pub(super) fn reading(&self) -> halfline_particles::ParticleOptions {
+        let mut reading = self.particles.clone();
+        reading.columns.extend(self.style.columns().iter().cloned());
+        reading.others.extend(self.marks.iter().chain(self.style.selections()).cloned());
+        reading
     }
 
     /// The selections of the options and of the style, by their use.
     pub(super) fn selections(&self) -> Selections<'_> {
-        Selections { select: &self.select, hide: &self.hide, marks: &self.marks, rules: self.style.rules() }
+        let halfline_particles::ParticleOptions { select, hide, .. } = &self.particles;
+        Selections { select, hide, marks: &self.marks, rules: self.style.rules() }
     }
-}
-
-/// The columns of particles that a scene keeps.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum Keep {
-    /// None.
-    #[default]
-    Nothing,
-    /// All of a molecule (PDB, PQR, PDBQT, mmCIF, GRO, and a trajectory with such a topology); of other files those that
-    /// colours and selections read.
-    Molecules,
-    /// The columns that these words of selections read, and those that colours and selections read.
-    Named(Vec<String>),
-    /// All.
-    All,
 }
 
 /// The frames that set default radii and ranges of colours, so that a film does not flicker.

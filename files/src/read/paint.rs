@@ -1,6 +1,5 @@
 //! Colours and opacities of selected spheres of a frame, and their legend.
 
-use super::select::selection::Selection;
 use super::sequence::SceneFrame;
 use super::style::{self, Paint, Style, paint};
 use halfline::error::Result;
@@ -8,6 +7,7 @@ use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb;
 use halfline::parallel::{self, CHEAP};
 use halfline::scene::DEFAULT_COLOR;
+use halfline_particles::select::selection::Selection;
 
 impl SceneFrame {
     /// The same spheres with the colours and the opacities that the rules of a style give them.
@@ -75,7 +75,7 @@ impl SceneFrame {
         let (mut paint, mut notes) = (vec![0; spheres.len()], Vec::new());
         let count = spheres.len() - self.beads;
         for (number, (selection, _)) in (1..).zip(rules) {
-            let (mask, messages) = self.columns.select(selection, spheres)?;
+            let (mask, messages) = self.selected(selection)?;
             parallel::zip(&mut paint[..count], &mask, |paint, flag| *paint = if *flag { number } else { *paint });
             notes.extend(messages);
         }

@@ -10,10 +10,10 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use super::input::Input;
-use crate::npy::MAGIC;
 use array::RayArray;
 use halfline::error::{Error, Place, Result};
+use halfline_particles::input::Input;
+use halfline_particles::npy::header::MAGIC;
 use std::io::Read;
 use std::path::Path;
 use table::RayTable;

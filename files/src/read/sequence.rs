@@ -1,20 +1,6 @@
 //! Scenes in sequence: the frames of a trajectory, or the single scene of a file.
 
-use super::columns::Columns;
-use super::derived;
-use super::format::Format;
-use super::input::Input;
-use super::open::open;
-use super::options::{Hold, Keep, ReadOptions};
-use super::particles::frame::{ParticleFrames, Particles};
-use super::particles::frame_time::FrameTime;
-use super::particles::periodic;
-use super::particles::periodic::Periodic;
-use super::particles::periodic::no_cell;
-use super::select::selection::Selection;
-use super::select::{self, Note};
-use super::skipped::Skipped;
-use super::source::SceneSource;
+use super::options::{Hold, ReadOptions};
 use super::sphere_lights::SphereLights;
 use super::style::no_selections;
 use super::{native, nff};
@@ -30,6 +16,19 @@ use halfline::scene::camera::{Aperture, Camera};
 use halfline::scene::instances::Instances;
 use halfline::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
 use halfline::settings::FileLook;
+use halfline_particles::Columns;
+use halfline_particles::Format;
+use halfline_particles::Keep;
+use halfline_particles::Skipped;
+use halfline_particles::input::Input;
+use halfline_particles::open::open;
+use halfline_particles::particles::frame::{ParticleFrames, Particles};
+use halfline_particles::particles::frame_time::FrameTime;
+use halfline_particles::particles::periodic::Periodic;
+use halfline_particles::particles::periodic::no_cell;
+use halfline_particles::select::selection::Selection;
+use halfline_particles::select::{self, Note};
+use halfline_particles::source::SceneSource;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -165,6 +164,14 @@ impl SceneFrame {
         }
     }
 
+    /// The spheres that a selection selects, as flags, and the messages about it; as [`Columns::select`].
+    ///
+    /// # Errors
+    /// As [`Columns::select`].
+    pub fn selected(&self, selection: &Selection) -> Result<(Vec<bool>, Vec<String>)> {
+        self.columns.select(selection, &self.scene.spheres.centers, &self.scene.spheres.radii)
+    }
+
     /// Arranges the spheres, and with them their columns and the lights that are spheres. Says so where clip planes remove all.
     ///
     /// # Errors
@@ -219,8 +226,11 @@ impl Sequence {
     /// # Errors
     /// As [`scene`](super::scene).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        let sequence =
-            Self::of_source(SceneSource::open(path, options.known_format(), &options.watch)?, path, options)?;
+        let sequence = Self::of_source(
+            SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?,
+            path,
+            options,
+        )?;
         Ok(Self { is_file: path.is_file(), ..sequence })
     }
 
@@ -230,31 +240,31 @@ impl Sequence {
     /// # Errors
     /// As [`scene`](super::scene).
     pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
-        let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
-        Self::of_source(SceneSource::of(input, path, options.known_format())?, path, options)
+        let input = Input::of(Box::new(reader), &options.particles.watch).map_err(|e| Error::read(path, e))?;
+        Self::of_source(SceneSource::of(input, path, options.particles.known_format())?, path, options)
     }
 
     /// The scenes of an opened source.
     pub(super) fn of_source(source: SceneSource, path: &Path, options: &ReadOptions) -> Result<Self> {
-        if options.as_operators && options.assembly.is_some() {
+        if options.particles.as_operators && options.particles.assembly.is_some() {
             check_operators(options)?;
         }
-        let mut files: Vec<PathBuf> = options.topology.iter().cloned().collect();
+        let mut files: Vec<PathBuf> = options.particles.topology.iter().cloned().collect();
         let format = source.format;
-        let state = match open(source, options)? {
+        let state = match open(source, &options.reading())? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
                 let warning = source.warning.clone();
                 let native::Read { mut scene, mut skipped, look, aperture, files: named } = match source.format {
-                    Format::Nff => native::Read::of(nff::read(source.reader, path, options.strict)?),
-                    _ => native::read(source.reader, path, &options.watch)?,
+                    Format::Nff => native::Read::of(nff::read(source.reader, path, options.particles.strict)?),
+                    _ => native::read(source.reader, path, &options.particles.watch)?,
                 };
                 files.extend(named);
                 skipped.assumed.extend(warning);
-                if !(options.select.is_empty() && options.hide.is_empty()) {
+                if !(options.particles.select.is_empty() && options.particles.hide.is_empty()) {
                     return Err(no_selections());
                 }
-                match options.periodic {
+                match options.particles.periodic {
                     Periodic::AsListed => {}
                     Periodic::Wrap => return Err(no_cell(WRAP)),
                     Periodic::Unwrap => return Err(no_cell(UNWRAP)),
@@ -310,7 +320,9 @@ impl Sequence {
     /// # Errors
     /// As [`scene`](super::scene).
     pub fn unselected_first(&mut self) -> Result<Option<SceneFrame>> {
-        let ReadOptions { hold, frames: selected, model, watch, .. } = self.options.clone();
+        let ReadOptions { hold, particles, .. } = &self.options;
+        let (hold, selected, model, watch) =
+            (*hold, particles.frames.clone(), particles.model, particles.watch.clone());
         if self.holds || hold == Hold::None || model.is_some() {
             return Ok(None);
         }
@@ -358,8 +370,9 @@ impl Sequence {
     /// The same where the frame cannot be passed over, or the file is a stream.
     fn pass_invalid(&mut self, error: Error) -> Result<()> {
         let again = || -> Result<Option<Box<dyn ParticleFrames>>> {
-            let source = SceneSource::open(&self.path, self.options.known_format(), &self.options.watch)?;
-            let Ok(mut frames) = open(source, &self.options)? else { return Ok(None) };
+            let source =
+                SceneSource::open(&self.path, self.options.particles.known_format(), &self.options.particles.watch)?;
+            let Ok(mut frames) = open(source, &self.options.reading())? else { return Ok(None) };
             for _ in 0..=self.passed {
                 if !frames.skip()? {
                     return Ok(None);
@@ -379,10 +392,8 @@ impl Sequence {
     fn styled_frame(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
         let file = Place::file(self.path.display().to_string());
         let (cell, when, is_molecule) = (particles.cell, particles.when, particles.are_molecule(self.format));
-        self.options.watch.check()?;
-        periodic::apply(self.options.periodic, &mut particles)?;
-        particles.add_lengths(&self.options.named_columns())?;
-        derived::add(&mut particles, &self.options.named_columns())?;
+        self.options.particles.watch.check()?;
+        self.options.reading().prepare(&mut particles)?;
         self.options.style.settle(&mut particles);
         let spaced = self.options.style.spaced(&particles);
         let hold = self.options.hold;
@@ -403,7 +414,7 @@ impl Sequence {
         let (spheres, mut skipped, legend) = self.options.style.to_spheres(particles, spaced, &file)?;
         if hold != Hold::None && !self.holds && !spheres.is_empty() {
             self.holds = true;
-            let (frames, flat) = (&self.options.frames, legend.as_ref().filter(|legend| legend.is_flat()));
+            let (frames, flat) = (&self.options.particles.frames, legend.as_ref().filter(|legend| legend.is_flat()));
             if let Some(Legend { name, range: [value, _], .. }) = flat.filter(|_| hold == Hold::First)
                 && (frames.count() > 1 || !frames.contains(number))
             {
@@ -416,7 +427,7 @@ impl Sequence {
             }
             self.options.style.hold(legend.as_ref(), hold == Hold::First);
         }
-        self.options.watch.check()?;
+        self.options.particles.watch.check()?;
         let marks = marks(&self.options, masks, &spheres);
         let frame = SceneFrame::of_particles(number, spheres, is_molecule)?;
         Ok(SceneFrame { skipped, legend, columns, cell, when, marks, ..frame })
@@ -424,12 +435,12 @@ impl Sequence {
 
     /// The columns that the scene of these particles keeps.
     fn columns(&self, particles: &mut Particles) -> Result<Columns> {
-        if self.options.keep == Keep::Nothing {
+        if self.options.particles.keep == Keep::Nothing {
             return Ok(Columns::default());
         }
         let columns = Columns::of(particles)?;
         // A frame without particles may have no columns either.
-        if let (Keep::Named(words), false) = (&self.options.keep, particles.positions.is_empty()) {
+        if let (Keep::Named(words), false) = (&self.options.particles.keep, particles.positions.is_empty()) {
             words.iter().try_for_each(|word| columns.get(word).map(drop))?;
         }
         Ok(columns)
@@ -441,22 +452,25 @@ impl Sequence {
     /// As [`scene`](super::scene).
     pub fn next_scene(&mut self) -> Result<Option<SceneFrame>> {
         self.unselected_first()?;
-        while self.passed < self.options.frames.last() {
-            self.options.watch.check()?;
+        while self.passed < self.options.particles.frames.last() {
+            self.options.particles.watch.check()?;
             let number = self.passed + 1;
-            let is_requested = self.options.frames.contains(number);
+            let is_requested = self.options.particles.frames.contains(number);
             self.passed = number;
             let is_there = match &mut self.state {
                 SequenceState::One(frame) => match frame.take() {
                     Some(frame) if is_requested => {
-                        let masks = select::marks_of(&self.options.marks, 0, &frame.scene.spheres)?;
+                        let masks = {
+                            let spheres = &frame.scene.spheres;
+                            select::marks_of(&self.options.marks, 0, &spheres.centers, &spheres.radii)?
+                        };
                         let marks = marks(&self.options, masks, &frame.scene.spheres);
                         return Ok(Some(SceneFrame { number, marks, ..*frame }));
                     }
                     frame => frame.is_some(),
                 },
                 SequenceState::Many(frames) if is_requested => {
-                    match frames.next().map_err(|e| self.options.frames.until(number, e))? {
+                    match frames.next().map_err(|e| self.options.particles.frames.until(number, e))? {
                         Some(mut particles) => {
                             // A reader says what concerns the whole file in its first frame.
                             for warning in std::mem::take(&mut self.warnings) {
@@ -469,7 +483,9 @@ impl Sequence {
                         None => false,
                     }
                 }
-                SequenceState::Many(frames) => frames.skip().map_err(|e| self.options.frames.until(number, e))?,
+                SequenceState::Many(frames) => {
+                    frames.skip().map_err(|e| self.options.particles.frames.until(number, e))?
+                }
             };
             if !is_there {
                 self.total = Some(number - 1);
@@ -484,7 +500,7 @@ impl Sequence {
     /// # Errors
     /// [`Error::Interrupted`], and errors of reading.
     pub fn pass(&mut self) -> Result<bool> {
-        self.options.watch.check()?;
+        self.options.particles.watch.check()?;
         let passed = match &mut self.state {
             SequenceState::One(frame) => frame.take().is_some(),
             SequenceState::Many(frames) => frames.skip()?,
@@ -509,7 +525,7 @@ impl Sequence {
 
 /// Refuses what needs all atoms of an assembly.
 fn check_operators(options: &ReadOptions) -> Result<()> {
-    if options.all_selections().next().is_none() {
+    if options.reading().all_selections().next().is_none() {
         return Ok(());
     }
     let problem = format!("{STREAM}: selections need all atoms of an assembly in memory");

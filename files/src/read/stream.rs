@@ -2,26 +2,26 @@
 
 mod start;
 
-use super::derived;
-use super::format::Format;
-use super::input::read_once;
 use super::native;
 use super::options::ReadOptions;
-use super::particles::colors::ColorSurvey;
-use super::particles::frame::{Particles, RuleTarget};
-use super::particles::frame_time::FrameTime;
-use super::particles::periodic::Periodic;
-use super::particles::survey::Part;
-use super::select::{self, Note, Notes};
 use super::sequence::SceneFrame;
-use super::skipped::Skipped;
-use super::source::SceneSource;
 use super::style::{Coloring, joined_categories};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::quote::count;
 use halfline::quote::setting::{COLOR, COLOR_BY, FRAMES, MAP, MATERIAL, RADIUS, RANGE, STREAM, TOPOLOGY, UNWRAP, WRAP};
 use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
+use halfline_particles::Format;
+use halfline_particles::Skipped;
+use halfline_particles::derived;
+use halfline_particles::input::read_once;
+use halfline_particles::particles::colors::ColorSurvey;
+use halfline_particles::particles::frame::{Particles, RuleTarget};
+use halfline_particles::particles::frame_time::FrameTime;
+use halfline_particles::particles::periodic::Periodic;
+use halfline_particles::particles::survey::Part;
+use halfline_particles::select::{self, Note, Notes};
+use halfline_particles::source::SceneSource;
 use start::{colors_of, start, texts_of};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -99,7 +99,7 @@ impl SphereBlocks {
     }
 
     fn begin(path: &Path, options: &ReadOptions, surveys: bool, is_colored: bool) -> Result<Self> {
-        let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+        let source = SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?;
         if !ROWS.contains(&source.format) && source.format != Format::Native {
             let problem = format!("{} files are not read as a stream", source.format.name());
             let mend = format!(
@@ -111,7 +111,7 @@ impl SphereBlocks {
         let reads_twice = is_colored && format != Format::Native && read_once(path).is_none();
         let colors = if reads_twice { colors_of(path, options)? } else { None };
         let (mut first, mut started) = (None, start(source, options, Vec::new())?);
-        let worded = options.worded_columns();
+        let worded = options.reading().worded_columns();
         if !worded.is_empty() && format != Format::Native && read_once(path).is_none() {
             // Without a text in its first rows, a column has the type that all of them say.
             first = started.1.recv().ok();
@@ -120,7 +120,7 @@ impl SphereBlocks {
             if !first.as_ref().is_some_and(is_named) {
                 let texts = texts_of(path, options, &worded)?;
                 if !texts.is_empty() {
-                    let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+                    let source = SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?;
                     (first, started) = (None, start(source, options, texts)?);
                 }
             }
@@ -163,11 +163,11 @@ impl SphereBlocks {
         if read_once(path).is_some() {
             return Ok(None);
         }
-        let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+        let source = SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?;
         if source.format != Format::Native {
             return Ok(None);
         }
-        let (read, _) = native::without_files(source.reader, path, &options.watch)?;
+        let (read, _) = native::without_files(source.reader, path, &options.particles.watch)?;
         let native::Read { scene, skipped, look, aperture, files } = read;
         let scene = Scene { spheres: Spheres::default(), ..scene };
         let frame = SceneFrame { skipped, has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
@@ -181,7 +181,7 @@ impl SphereBlocks {
     /// # Errors
     /// As [`scene`](super::scene); [`Error::Settings`] where radii or colours depend on all particles.
     pub fn next_block(&mut self) -> Result<Option<Spheres>> {
-        self.options.watch.check()?;
+        self.options.particles.watch.check()?;
         if let Some(part) = self.first.take().or_else(|| self.parts.recv().ok()) {
             return self.styled_block(Particles::of_part(part)).map(Some);
         }
@@ -258,8 +258,9 @@ impl SphereBlocks {
         }
         // The reader speaks of the whole file, the style of a part.
         self.skipped.append(std::mem::take(&mut part.skipped));
-        part.add_lengths(&self.options.named_columns())?;
-        derived::refuse(&part, &self.options.named_columns())?;
+        let columns = self.options.reading().named_columns();
+        part.add_lengths(&columns)?;
+        derived::refuse(&part, &columns)?;
         self.lighten(&mut part)?;
         let size = part.positions.len();
         part.before = self.count;
@@ -306,7 +307,7 @@ impl SphereBlocks {
             _ => part.colors.into(),
         });
         self.options.style.restyle(&mut spheres)?;
-        let masks = select::marks_of(&self.options.marks, self.count, &spheres)?;
+        let masks = select::marks_of(&self.options.marks, self.count, &spheres.centers, &spheres.radii)?;
         self.count += count as u64;
         self.left += count as u64;
         self.mark(masks, &spheres);
@@ -376,7 +377,8 @@ impl SphereBlocks {
 
 /// Refuses what needs all particles at once.
 fn check(options: &ReadOptions) -> Result<()> {
-    let word = options.all_selections().find_map(|selection| Some((selection, selection.word_for_several()?)));
+    let reading = options.reading();
+    let word = reading.all_selections().find_map(|selection| Some((selection, selection.word_for_several()?)));
     let (problem, mend) = if let Some((selection, word)) = word {
         (
             format!("`{word}` in the selection `{}` needs all particles in memory", selection.brief()),
@@ -384,16 +386,16 @@ fn check(options: &ReadOptions) -> Result<()> {
         )
     } else if matches!(&options.style.coloring, Coloring::Column(scale) if scale.has_percentile()) {
         ("percentiles need all values in memory".to_owned(), format!("add {RANGE} LOW,HIGH as numbers"))
-    } else if options.periodic != Periodic::AsListed {
+    } else if options.particles.periodic != Periodic::AsListed {
         (format!("{WRAP} and {UNWRAP} need all particles in memory"), "remove them".to_owned())
-    } else if options.topology.is_some() {
+    } else if options.particles.topology.is_some() {
         (format!("{TOPOLOGY} needs all particles in memory"), format!("remove it, or {STREAM}"))
     } else if options.style.has_materials() {
         (
             "materials are seen under lights, which need all particles in memory".to_owned(),
             format!("remove {MATERIAL}, or {STREAM}"),
         )
-    } else if options.frames.count() > 1 {
+    } else if options.particles.frames.count() > 1 {
         ("a stream is one frame".to_owned(), format!("select one with {FRAMES} N"))
     } else {
         return Ok(());

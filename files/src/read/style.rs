@@ -9,15 +9,12 @@ pub(super) mod paint;
 mod placed;
 mod scale;
 
-pub use super::color::color;
 pub use coloring::Coloring;
+pub use halfline_particles::color::color;
 pub use map_file::color_map;
 pub use paint::Paint;
 pub use scale::{RangeEnd, Scale};
 
-use super::particles::frame::{Particles, RuleTarget};
-use super::select::selection::Selection;
-use super::skipped::Skipped;
 pub(super) use categories::joined_categories;
 use halfline::error::{Error, Place, Result, named};
 use halfline::frame::legend::Legend;
@@ -26,9 +23,12 @@ use halfline::parallel::{self, CHEAP};
 use halfline::quote::setting::{COLOR_BY, RADIUS};
 use halfline::quote::{number, quote};
 use halfline::scene::{DEFAULT_COLOR, Material, Materials, Spheres, check_sphere, is_center, is_radius};
+use halfline_particles::Skipped;
+use halfline_particles::particles::frame::{Particles, RuleTarget};
+use halfline_particles::select::selection::Selection;
 
-use super::color::of_hex;
-use super::elements::{Element, element};
+use halfline_particles::color::of_hex;
+use halfline_particles::elements::{Element, element};
 
 /// The style of particles.
 #[derive(Debug, Clone, PartialEq)]

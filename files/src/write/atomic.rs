@@ -3,6 +3,7 @@
 
 use super::rows::Sink;
 use halfline::error::{Error, Result};
+use halfline_particles::input::{is_special, is_standard};
 use stale::folder;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
@@ -12,20 +13,10 @@ use tempfile::NamedTempFile;
 
 mod stale;
 
-/// Whether `path` is standard input or output.
-pub fn is_standard(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
 /// Whether `path` is standard output, by any of its names.
 pub fn is_standard_output(path: &Path) -> bool {
     let named = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name));
     is_standard(path) || cfg!(unix) && named
-}
-
-/// Whether `path` is a pipe or a device, which is written directly and whose extension does not choose a format.
-pub fn is_special(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
 /// Whether the process has no standard output.

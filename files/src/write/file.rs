@@ -1,9 +1,9 @@
 //! Output files: the format is chosen by the file name extension; `-` is standard output.
 
 pub use super::atomic::{
-    check_writable, is_special, is_standard, is_standard_output, refuse_standard_output, write_atomically,
-    write_by_program,
+    check_writable, is_standard_output, refuse_standard_output, write_atomically, write_by_program,
 };
+pub use halfline_particles::input::{is_special, is_standard};
 
 use super::atomic::write_anywhere;
 use super::cryptomatte::MatteHead;

@@ -12,7 +12,7 @@ mod rows;
 pub use cloud::CloudSummary;
 pub use rows::Query;
 
-use super::atomic::{is_special, is_standard_output, write_atomically};
+use super::atomic::{is_standard_output, write_atomically};
 use super::npz::write_archive;
 use archive::Spool;
 use cloud::{Cloud, CloudFormat};
@@ -22,6 +22,7 @@ use halfline::quote::setting::ANY;
 use halfline::render::trace::echoes::Echoes;
 use halfline::render::trace::{Hits, Occlusion, Rays};
 use halfline::scene::Spheres;
+use halfline_particles::input::is_special;
 use rows::Rows;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,6 @@
 //! Merges parts of a frame into the frame. Samples are copied as stored, so the merged file equals byte for byte the
 //! one that rendering the whole frame would have written.
 
-use super::atomic::is_standard;
 use super::cryptomatte::MatteHead;
 use super::digest::Digest;
 use super::file::write_file;
@@ -12,6 +11,7 @@ use halfline::error::{Error, Place, Result};
 use halfline::memory::check;
 use halfline::quote::setting::CROP;
 use halfline::window::Window;
+use halfline_particles::input::is_standard;
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::fs::File;

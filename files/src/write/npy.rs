@@ -6,15 +6,15 @@ use super::format::{FileFormat, FormatOptions};
 use super::layer::{LayerFormat, SampleType};
 use super::plain;
 use super::rows::{Found, Head, Rows, SeekRead, Sink, invalid, pulled};
-use crate::npy::{Header, NumberKind, Scalar};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::Buffer;
 use halfline::frame::array::{Array, Values};
 use halfline::frame::provenance::Provenance;
 use halfline::memory::check;
+use halfline_particles::npy::header::{Header, NumberKind, Scalar};
 use std::io::{self, Write};
 
-pub use crate::npy::MAGIC;
+pub use halfline_particles::npy::header::MAGIC;
 
 /// Writes `buffer` as `[H, W]`, `[H, W, 3]` or `[H, W, L]` of `<f4`, `<f8`, `<i4`, `<i8` or `|u1`, without provenance.
 ///

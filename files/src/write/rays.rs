@@ -1,9 +1,9 @@
 //! Given rays as a NumPy array, in the form that [`crate::read::rays`] reads.
 
 use super::atomic::write_atomically;
-use crate::npy::Header;
 use halfline::error::{Error, Result};
 use halfline::render::trace::Rays;
+use halfline_particles::npy::header::Header;
 use std::io;
 use std::path::Path;
 

@@ -5,11 +5,11 @@
 use super::cryptomatte::{CHANNELS, MatteHead};
 use super::format::{Bits, FileFormat};
 use super::layer::{LayerFormat, SampleType};
-use crate::blocks;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::array::Array;
 use halfline::frame::provenance::Provenance;
 use halfline::window::Window;
+use halfline_particles::blocks;
 use std::borrow::Cow;
 use std::io::{self, BufRead, Seek, Write};
 use std::ops::Range;

@@ -7,10 +7,10 @@ use super::{ProjectionBounds, host_cull_margin, not_below};
 use crate::certify::entry::{Placed, number, ordered};
 use crate::number::vector::LANES;
 use crate::number::{larger, smaller};
-use crate::parallel;
 use crate::tile::TILE;
 use crate::view::ViewRecord;
 use crate::window::Window;
+use halfline_ground::parallel;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 

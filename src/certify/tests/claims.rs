@@ -6,11 +6,11 @@ use crate::certify::general::{General, general_low};
 use crate::certify::{Certify, Terms};
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact::{Judge, Truth};
-use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::tile::TILE;
 use crate::view::View;
 use crate::view::ray::NONE;
+use halfline_ground::memory::Pool;
 
 /// The conditions of `certain`, each of which can be switched off.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,6 @@ use crate::certify::projection::cover::{Cover, Coverage};
 use crate::certify::projection::stage::Staged;
 use crate::certify::projection::{ProjectionBounds, host_cull_margin};
 use crate::exact::Judge;
-use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::scene::camera::Lens::{Orthographic, Viewport};
 use crate::testing::Rng;
@@ -15,6 +14,7 @@ use crate::view::View;
 use crate::view::ray::NONE;
 use crate::{Camera, ImagePlane, Spheres};
 use glam::DVec3;
+use halfline_ground::memory::Pool;
 
 /// Eight times the least tolerance, 2^-21.
 const MARGIN: f64 = 1.0 / (1 << 18) as f64;

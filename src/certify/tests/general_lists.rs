@@ -9,7 +9,6 @@ use crate::certify::projection::{ProjectionBounds, host_cull_margin};
 use crate::certify::{Certify, TERMS};
 use crate::double_double as dd;
 use crate::kernel::Kernel;
-use crate::memory::Pool;
 use crate::scene::camera::Look;
 use crate::testing::Rng;
 use crate::tile::{TILE, WHOLE};
@@ -19,6 +18,7 @@ use crate::view::ray::NONE;
 use crate::window::Window;
 use crate::{Camera, ImagePlane, Lens, Scene, Spheres};
 use glam::DVec3;
+use halfline_ground::memory::Pool;
 
 const SIZE: [u32; 2] = [93, 61];
 

@@ -68,7 +68,7 @@ impl Shot {
         let binned = BinnedScene::new(&Binning {
             terms,
             level: super::claims::coarse(&site.scene),
-            ..Binning::of(&site.scene, &view, 1e-5, &crate::memory::Pool::default())
+            ..Binning::of(&site.scene, &view, 1e-5, &halfline_ground::memory::Pool::default())
         })
         .ok()??;
         let e = Exact::new(&site.scene, self.pixel, 0);

@@ -3,13 +3,13 @@
 use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::placing::Placer;
 use crate::kernel::Kernel;
-use crate::memory::Pool;
 use crate::tile::TILE;
 use crate::view::View;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
 use crate::window::Window;
 use crate::{Camera, ImagePlane, Lens, Scene, Spheres};
+use halfline_ground::memory::Pool;
 
 /// Spheres of this radius, one behind the other, in front of an image of 256 x 256 pixels.
 fn scene(count: usize, radius: f64) -> Scene {

@@ -1,9 +1,9 @@
 //! The bins of spheres, scattered to the squares of tiles that share a list.
 
 use crate::certify::entry::{Bin, ordered};
-use crate::memory::Pool;
-use crate::parallel;
 use crate::tile::TILE;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Squares of 2^level tiles that share a list, called cells, as far as they overlap the window.

@@ -3,7 +3,6 @@
 use super::lighting::LightingContext;
 use crate::answers::light::Traced;
 use crate::number::vector::LANES;
-use crate::parallel;
 use crate::scene::{Light, LightSource};
 use crate::search::tree::Tree;
 use crate::search::tree::bounding::SIXTEEN;
@@ -14,6 +13,7 @@ use crate::view::directions::PixelSample;
 use crate::view::picture_rays::{PictureHits, PictureRays, ShownBalls};
 use crate::view::ray::NONE;
 use glam::DVec3;
+use halfline_ground::parallel;
 use std::iter::repeat_with;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};

@@ -3,7 +3,6 @@
 
 use super::sky::{SPHERES, SkyRays, SkyTraced};
 use super::{Begun, Rendered, ResidentFrame, too_many_pairs};
-use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
@@ -16,6 +15,7 @@ use crate::scene::Scene;
 use crate::view::ViewRecord;
 use crate::view::ray::NONE;
 use bytemuck::{Pod, Zeroable};
+use halfline_ground::error::Result;
 #[cfg(test)]
 use {crate::gpu::compose::compose_step, naga::valid::Capabilities};
 

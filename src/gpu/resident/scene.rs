@@ -6,19 +6,19 @@ use crate::certify::placing::{PlacedSummary, PlacingRecord};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::Placed;
 use crate::double_double as dd;
-use crate::error::Result;
 use crate::gpu::device::Open;
 use crate::gpu::sizes::{
     HOST_SPHERES, SUMMARY_DEPTHS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MISSED, SUMMARY_MORE, SUMMARY_PERHAPS,
     SUMMARY_PIECES,
 };
-use crate::parallel;
 use crate::scene::Spheres;
 use crate::scene::camera::Camera;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
 use crate::view::ViewRecord;
 use glam::DVec3;
+use halfline_ground::error::Result;
+use halfline_ground::parallel;
 use std::ops::Range;
 
 /// The hits that a frame leaves on the device, from which rays start.

@@ -4,7 +4,6 @@
 use super::scene::Starts;
 use super::steps::spread;
 use crate::answers::light::Traced;
-use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
 use crate::gpu::dispatch::Program;
@@ -14,6 +13,7 @@ use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::view::{View, ViewRecord};
 use bytemuck::{Pod, Zeroable};
+use halfline_ground::error::{Error, Result};
 use web_time::Instant;
 
 /// The most rays of a pixel, which one invocation traces one after the other.

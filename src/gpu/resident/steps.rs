@@ -4,7 +4,6 @@ use super::MINIMA;
 use super::scene::{Block, Counts, ResidentScene, pieces};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{NOTHING, Placed};
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::compose::Step;
 use crate::gpu::dispatch::Program;
@@ -16,6 +15,7 @@ use crate::gpu::sizes::{
 use crate::kernel::Kernel;
 use crate::view::ViewRecord;
 use bytemuck::{Pod, Zeroable};
+use halfline_ground::error::Result;
 use std::num::NonZeroU64;
 
 /// A block of spheres in one dispatch, declared in shaders/place/placing.wgsl.

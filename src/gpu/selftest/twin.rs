@@ -8,20 +8,20 @@ use crate::certify::placing::Placer;
 use crate::certify::projected::ProjectedRecord;
 use crate::certify::tiles::Placed;
 use crate::cpu;
-use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::gpu::resident::ResidentFrame;
 use crate::intersect::Method;
 use crate::kernel::{Certificate, Kernel};
-use crate::memory::Pool;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::settings::Tolerance;
 use crate::view::raster::Raster;
 use crate::view::{View, middle};
 use crate::window::Window;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
 
 /// The check's name.
 pub(super) const NAME: &str = "kernels as their twins";

@@ -1,7 +1,7 @@
 //! Waits in a browser.
 #![expect(deprecated, reason = "suspension is experimental in wasm-bindgen")]
 
-use crate::error::Result;
+use halfline_ground::error::Result;
 use js_sys::futures::{future_to_promise, jspi_block_on_promise};
 use std::cell::Cell;
 use std::future::poll_fn;

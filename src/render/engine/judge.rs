@@ -3,9 +3,9 @@
 use super::{Engine, Found, ViewRays};
 use crate::answers::raw::Raw;
 use crate::answers::settle;
-use crate::error::Result;
-use crate::progress::Step;
 use crate::render::rendering::Rendering;
+use halfline_ground::error::Result;
+use halfline_ground::progress::Step;
 
 /// All spheres, in exact arithmetic.
 pub(in crate::render) struct Exact;

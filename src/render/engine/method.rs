@@ -3,10 +3,10 @@
 use super::{Engine, Found, ViewRays};
 use crate::answers::raw::Raw;
 use crate::cpu;
-use crate::error::Result;
 use crate::gpu::input::{Input, KernelRays, Output};
-use crate::progress::Step;
 use crate::render::rendering::Rendering;
+use halfline_ground::error::Result;
+use halfline_ground::progress::Step;
 
 /// The spheres of the view, all for each ray.
 pub(in crate::render) struct EverySphere;

@@ -3,12 +3,12 @@
 use super::{Engine, Found, ViewRays, settle};
 use crate::answers::raw::Raw;
 use crate::certify::placing::Placer;
-use crate::error::Result;
 use crate::gpu::input::Output;
 use crate::gpu::resident::{Rendered, ResidentFrame};
-use crate::progress::Step;
 use crate::render::renderer::NOTHING;
 use crate::render::rendering::Rendering;
+use halfline_ground::error::Result;
+use halfline_ground::progress::Step;
 
 /// The host's part in placing the spheres.
 pub(in crate::render) struct Resident {

@@ -5,11 +5,11 @@ use crate::answers::layers::{Layers, Peeling};
 use crate::answers::raw::Raw;
 use crate::certify::binned::BinnedScene;
 use crate::cpu;
-use crate::error::Result;
 use crate::kernel::Kernel;
-use crate::memory::Pool;
-use crate::progress::Step;
 use crate::render::rendering::Rendering;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::progress::Step;
 use std::iter::once;
 
 /// The spheres, binned into tiles by the host.

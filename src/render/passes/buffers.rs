@@ -4,11 +4,11 @@ use crate::answers::assemble::Answers;
 use crate::answers::hits::FirstHits;
 use crate::answers::light::LightBuffers;
 use crate::answers::samples::Means;
-use crate::error::Result;
 use crate::frame::Buffer;
 use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::FrameSetup;
 use crate::settings::Accuracy;
+use halfline_ground::error::Result;
 
 pub(in crate::render) const PASS: Pass =
     Pass { name: "buffers", output: "the requested buffers, in the scene's units", runs: |_, _, _| true };

@@ -1,12 +1,12 @@
 //! The hits: what the ray through the centre of each pixel hits first.
 
 use crate::answers::hits::FirstHits;
-use crate::error::Result;
-use crate::progress::Step;
 use crate::render::plan::Plan;
 use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::{self, FrameSetup};
 use crate::view::raster::Raster;
+use halfline_ground::error::Result;
+use halfline_ground::progress::Step;
 
 pub(in crate::render) const PASS: Pass =
     Pass { name: "hits", output: "what the ray of each pixel's centre hits first", runs: |_, _, _| true };

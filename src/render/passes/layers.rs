@@ -5,9 +5,6 @@ use super::light::{LightSetup, all_spheres};
 use super::sampling::Sampling;
 use crate::answers::hits::FirstHits;
 use crate::answers::layers::Layers;
-use crate::error::Result;
-use crate::memory::Pool;
-use crate::parallel::{self, CHEAP, Rows};
 use crate::render::engine::{Engine, ViewRays};
 use crate::render::opaque::Opaque;
 use crate::render::plan::Plan;
@@ -18,6 +15,9 @@ use crate::scene::{Scene, Spheres};
 use crate::view::View;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel::{self, CHEAP, Rows};
 
 pub(in crate::render) const PASS: Pass = Pass {
     name: "layers",

@@ -4,12 +4,9 @@ use crate::answers::hits::FirstHits;
 use crate::answers::light::{LightBuffers, Traced};
 use crate::answers::open_sky::{OpenSky, SkySums};
 use crate::cpu::light::{LightOutputs, LightingContext};
-use crate::error::Result;
 use crate::exact::Judge;
 use crate::gpu::Gpu;
 use crate::gpu::resident::sky::{SkyRays, SkyRecord, SkyTraced};
-use crate::memory::Pool;
-use crate::progress::Step;
 use crate::render::plan::Plan;
 use crate::render::plan::lights::{bounces, light_points};
 use crate::render::rendering::{Pass, Rendering};
@@ -21,6 +18,9 @@ use crate::settings::{Accuracy, Settings};
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::{View, ViewRecord};
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::progress::Step;
 use std::sync::Arc;
 
 pub(in crate::render) const PASS: Pass = Pass {

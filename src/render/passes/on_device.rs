@@ -10,13 +10,10 @@ use crate::answers::samples::Means;
 use crate::answers::settle::{self, Settled};
 use crate::answers::silhouette::PixelSize;
 use crate::double_double as dd;
-use crate::error::Result;
 use crate::gpu::resident::picture::{MAX_SOURCES, Patches, PictureRecord};
 use crate::gpu::resident::sky::SkyRays;
 use crate::gpu::resident::{Rendered, ResidentFrame};
 use crate::kernel::Certificate;
-use crate::parallel::{self, CHEAP};
-use crate::progress::Step;
 use crate::render::plan::Plan;
 use crate::render::rendering::Rendering;
 use crate::render::setup::{self, FrameSetup};
@@ -29,6 +26,9 @@ use crate::view::ray::NONE;
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use halfline_ground::error::Result;
+use halfline_ground::parallel::{self, CHEAP};
+use halfline_ground::progress::Step;
 
 mod trial;
 

@@ -14,9 +14,7 @@ use crate::answers::open_sky::OpenSky;
 use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
 use crate::cpu::light::LightOutputs;
-use crate::error::Result;
 use crate::frame::coverage::Coverage;
-use crate::parallel;
 use crate::render::lens::LensPasses;
 use crate::render::plan::Plan;
 use crate::render::rendering::{Pass, Rendering};
@@ -24,6 +22,8 @@ use crate::render::setup::FrameSetup;
 use crate::view::View;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
+use halfline_ground::error::Result;
+use halfline_ground::parallel;
 
 pub(in crate::render) const PASS: Pass = Pass {
     name: "samples",

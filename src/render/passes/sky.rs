@@ -6,14 +6,14 @@ use super::sampling::Sampling;
 use crate::answers::hits::FirstHits;
 use crate::answers::open_sky::{OpenSky, Smoothing};
 use crate::cpu::light::LightOutputs;
-use crate::error::Result;
-use crate::memory::Pool;
 use crate::render::plan::Plan;
 use crate::render::rendering::{Pass, Rendering};
 use crate::scene::{Scene, Sky};
 use crate::view::raster::Raster;
 use crate::view::{Records, View};
 use crate::window::Window;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
 use std::borrow::Cow;
 
 pub(in crate::render) const PASS: Pass = Pass {

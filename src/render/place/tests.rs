@@ -1,7 +1,6 @@
 //! An adapter that is lost or out of memory at any moment: the CPU path takes over, or it is an error.
 
 use crate::Method;
-use crate::error::Error;
 use crate::frame::{Aov, Frame};
 use crate::gpu::room::Fault;
 use crate::render::Renderer;
@@ -10,6 +9,7 @@ use crate::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Sky, Spheres
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::testing::{Rng, adapter_or_skip, calls_apart, keeps_bits, near_and_far};
 use crate::window::Window;
+use halfline_ground::error::Error;
 
 /// The failures, with a word of their warnings.
 const FAULTS: [(Fault, &str); 2] = [(Fault::Lost, " was lost"), (Fault::OutOfMemory, " is out of memory")];

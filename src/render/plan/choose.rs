@@ -1,13 +1,13 @@
 //! Chooses accuracy and method, with reasons.
 
-use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
-use crate::quote::number;
-use crate::quote::setting::METHOD;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::number;
+use halfline_ground::quote::setting::METHOD;
 
 /// A choice and its reason.
 pub(super) struct Choice {

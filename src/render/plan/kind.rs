@@ -1,8 +1,8 @@
 //! The kinds of engines, and which of them finds the first hits of rays.
 
-use crate::error::{Error, Result};
-use crate::quote::setting::{ACCURACY, METHOD, SEARCH};
 use crate::settings::Search;
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{ACCURACY, METHOD, SEARCH};
 
 /// The engine that finds the first hits of viewing rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

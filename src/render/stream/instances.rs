@@ -5,15 +5,15 @@ use super::witness::{FIRST, SCORES, Witnesses};
 use super::{Stream, StreamIds, Visible, visible};
 use crate::certify::sieve::{Sieve, sift};
 use crate::double_double::ldexp;
-use crate::error::Result;
-use crate::memory::{check_wide_ids, ids_fit};
-use crate::parallel;
-use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::instances::{Group, Instances, NumberedSpheres};
 use crate::settings::Settings;
 use crate::view::unit;
+use halfline_ground::error::Result;
+use halfline_ground::memory::{check_wide_ids, ids_fit};
+use halfline_ground::parallel;
+use halfline_ground::progress::Watch;
 
 /// Spheres that are sifted together.
 const SPHERES_PER_BATCH: usize = 1 << 17;

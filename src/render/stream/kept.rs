@@ -1,10 +1,11 @@
 //! The spheres that a stream keeps, with their numbers.
 
 use super::witness::Witness;
-use crate::error::Result;
-use crate::memory::{check, reserve};
+use crate::scene::Spheres;
 use crate::scene::instances::NumberedSpheres;
-use crate::scene::{Spheres, keep};
+use halfline_ground::check::keep;
+use halfline_ground::error::Result;
+use halfline_ground::memory::{check, reserve};
 
 impl NumberedSpheres {
     /// Adds the spheres of a block with these indices, whose numbers `number` gives.

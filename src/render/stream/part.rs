@@ -4,15 +4,15 @@
 
 use super::digests::{Digests, MAX_SPHERES};
 use super::{CULL_MIN_SPHERES, Stream, StreamIds, Visible, check, visible};
-use crate::error::{Error, Place, Result};
-use crate::parallel;
-use crate::quote::setting::{FIRST_ID, TOLERANCE};
-use crate::quote::{count, quote};
 use crate::scene::camera::Camera;
 use crate::scene::instances::NumberedSpheres;
 use crate::scene::{ImagePlane, Lighting, Scene, Spheres};
 use crate::settings::{Accuracy, Outline, Settings, Tolerance};
 use crate::window::Window;
+use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::parallel;
+use halfline_ground::quote::setting::{FIRST_ID, TOLERANCE};
+use halfline_ground::quote::{count, quote};
 use serde::{Deserialize, Serialize};
 use std::borrow::Borrow;
 use std::fmt;

@@ -2,10 +2,10 @@
 //! the bytes in one piece. BLAKE3 is a binary tree over chunks of 1024 bytes (specification, section 2.1), so whole subtrees
 //! are kept as their chaining values, and the bytes of chunks that are known in part as they are.
 
-use crate::parallel;
 use blake3::hazmat::{ChainingValue, HasherExt, Mode, left_subtree_len, max_subtree_len};
 use blake3::hazmat::{merge_subtrees_non_root, merge_subtrees_root};
 use blake3::{CHUNK_LEN, Hash, Hasher};
+use halfline_ground::parallel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -3,12 +3,12 @@
 use crate::answers::depth_cue::reach;
 use crate::certify::sieve::Marks;
 use crate::double_double::ldexp;
-use crate::parallel;
 use crate::render::plan::choose::MAX_FOR_METHOD;
 use crate::scene::Spheres;
 use crate::scene::camera::Basis;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::view::size_from;
+use halfline_ground::parallel;
 use std::ops::Range;
 
 /// A sphere with its number.

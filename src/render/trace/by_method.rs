@@ -6,15 +6,15 @@
 
 use super::{Hits, Rays, Tracer};
 use crate::answers::raw::Raw;
-use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::kernel::{Kernel, RaySource, Task};
-use crate::parallel;
 use crate::view::View;
 use crate::view::ray::{NONE, RayRecord};
 use crate::{cpu, double_double as dd};
 use glam::DVec3;
+use halfline_ground::error::Result;
+use halfline_ground::parallel;
 use std::collections::HashMap;
 
 /// A smaller group does not pay for moving the spheres: its rays fill one workgroup.

@@ -5,12 +5,12 @@ use crate::answers::assemble::{STEPS, settled_bound};
 use crate::answers::settle::Settled;
 use crate::certify::given::AnyHit;
 use crate::cpu::given_certified::{Given, NearestHit, Query};
-use crate::error::Result;
 use crate::exact::Truth;
-use crate::parallel::{self, CHEAP, Target};
-use crate::progress::Watch;
 use crate::scene::Spheres;
 use crate::settings::{Accuracy, Search};
+use halfline_ground::error::Result;
+use halfline_ground::parallel::{self, CHEAP, Target};
+use halfline_ground::progress::Watch;
 
 /// Spheres for each ray of a block: with fewer rays among more spheres, neighbours in the order of a block have fewer boxes in common.
 const SPHERES_PER_RAY: usize = 4;

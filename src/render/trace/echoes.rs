@@ -1,12 +1,12 @@
 //! The echoes of a scanner's beams: the hits of a beam's rays on one sphere are one echo.
 
 use super::{Hits, Rays};
-use crate::parallel;
 use crate::scene::Spheres;
 use crate::scene::lidar::{Beam, Lidar};
 use crate::shade::color_of;
 use crate::view::pcg4d;
 use glam::{DVec3, Vec3};
+use halfline_ground::parallel;
 use std::f64::consts::TAU;
 use std::ops::Range;
 

@@ -3,18 +3,18 @@
 
 use crate::answers::raw::Raw;
 use crate::cpu::given_certified::{Given, Query};
-use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
 use crate::gpu::input::{Input, KernelRays, Output};
 use crate::kernel::{Kernel, Task};
-use crate::memory::Pool;
-use crate::parallel::{self, CHEAP};
-use crate::progress::Watch;
 use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
 use crate::view::View;
 use crate::view::ray::{NONE, UNSURE};
 use glam::DVec3;
+use halfline_ground::error::Result;
+use halfline_ground::memory::Pool;
+use halfline_ground::parallel::{self, CHEAP};
+use halfline_ground::progress::Watch;
 
 /// The state of a tracer's work on a device.
 #[derive(Debug, Default)]

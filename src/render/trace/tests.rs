@@ -2,15 +2,15 @@
 
 use super::certified::LEAST;
 use crate::answers::assemble::settled_bound;
-use crate::error::Error;
 use crate::exact::{Truth, judge_ray};
 use crate::frame::Aov;
-use crate::progress::Watch;
 use crate::render::Renderer;
 use crate::render::trace::Rays;
 use crate::scene::Spheres;
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::testing::Rng;
+use halfline_ground::error::Error;
+use halfline_ground::progress::Watch;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Every ray with this remainder touches the first sphere exactly, so that bounds decide nothing.

@@ -7,7 +7,7 @@
 //! numbers are exact.
 
 use super::{Basis, CURVED, Camera, CentredFrame, Look, Viewport, wrong};
-use crate::error::Result;
+use halfline_ground::error::Result;
 
 /// A round lens around the eye, perpendicular to the view.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,8 +4,8 @@
 
 use super::{Camera, Lens, Viewport, too_unlike};
 use crate::double_double::{self as dd, Dd};
-use crate::error::{Error, Result};
-use crate::quote::setting::{APERTURE, SAMPLES};
+use halfline_ground::error::{Error, Result};
+use halfline_ground::quote::setting::{APERTURE, SAMPLES};
 
 /// The most columns and rows of a frame, 2^20: twice as many odd numbers are exact in f32.
 const MAX_PLACES: i64 = 1 << 20;

@@ -14,8 +14,8 @@
 //!
 //! A *panorama* (equirectangular) has the longitude 2 pi (px/W - 1/2) and the latitude pi (1/2 - py/H).
 
-use crate::error::{Error, Result};
 use glam::{DMat2, DVec2, DVec3};
+use halfline_ground::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 

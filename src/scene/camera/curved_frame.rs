@@ -1,8 +1,8 @@
 //! The viewing rays of a curved lens by the places of a frame of samples, as [`CentredFrame`](super::CentredFrame) has those of a plane.
 
 use super::{Basis, Camera, CurvedRays, Lens};
-use crate::error::Result;
 use glam::DVec3;
+use halfline_ground::error::Result;
 
 /// A camera whose lens is curved, and the places of its rays.
 #[derive(Debug, Clone, Copy)]

@@ -1,8 +1,8 @@
 //! The place of a point of the scene in an image, for what is drawn over a picture.
 
 use super::{Basis, Camera, CameraRecord, CurvedRays, Intrinsics, Lens, Viewport};
-use crate::error::Result;
 use glam::DVec3;
+use halfline_ground::error::Result;
 
 /// A point as an image shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! A camera as numbers in reports, pictures and lists of cameras.
 
 use super::{Aperture, Camera, Curve, Lens, Look};
-use crate::error::Result;
 use glam::DVec3;
+use halfline_ground::error::Result;
 use serde::{Deserialize, Serialize};
 
 /// A camera for an image of a certain size, in the lecture's numbers and as intrinsics. Its numbers give the same rays

@@ -1,9 +1,9 @@
 //! The spheres of a set in clusters: a binary tree that divides them at the median of the longest side of their box.
 
 use super::enclosure::Enclosure;
-use crate::error::Result;
-use crate::memory::check;
 use glam::DVec3;
+use halfline_ground::error::Result;
+use halfline_ground::memory::check;
 
 /// The most spheres of a cluster that is not divided.
 pub(super) const MAX_UNDIVIDED_SPHERES: usize = 128;

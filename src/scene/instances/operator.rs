@@ -2,38 +2,7 @@
 
 use super::enclosure::Enclosure;
 use glam::DVec3;
-
-/// A rotation and a translation: three rows of a matrix, each followed by its translation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Operator(pub [[f64; 4]; 3]);
-
-impl Operator {
-    /// The image of a point.
-    #[must_use]
-    pub fn apply(&self, p: [f64; 3]) -> [f64; 3] {
-        self.0.map(|[a, b, c, d]| a * p[0] + b * p[1] + c * p[2] + d)
-    }
-
-    /// The product: first `other`, then this.
-    #[must_use]
-    pub fn after(&self, other: &Self) -> Self {
-        Self(self.0.map(|row| {
-            let column = |k: usize| (0..3).map(|j| row[j] * other.0[j][k]).sum::<f64>();
-            [column(0), column(1), column(2), column(3) + row[3]]
-        }))
-    }
-
-    /// The enclosure of the images of everything in `enclosure`, as [`Operator::apply`] rounds them.
-    fn image(&self, enclosure: &Enclosure) -> Enclosure {
-        let (low, high) = (enclosure.low.to_array(), enclosure.high.to_array());
-        let corner = |row: [f64; 4], ends: [[f64; 3]; 2]| {
-            let at = |k: usize| row[k] * ends[usize::from(row[k] < 0.0)][k];
-            at(0) + at(1) + at(2) + row[3]
-        };
-        let [low, high] = [[low, high], [high, low]].map(|ends| self.0.map(|row| corner(row, ends)));
-        Enclosure { low: DVec3::from_array(low), high: DVec3::from_array(high), radii: enclosure.radii }
-    }
-}
+use halfline_ground::Operator;
 
 /// Copies along the edges of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,7 +125,7 @@ impl CopyRule {
             Self::Lattice(lattice) => lattice.image(&copies.0, enclosure),
             Self::Operators(operators) => {
                 let [first, end] = copies.0[0];
-                let images = operators[first as usize..end as usize].iter().map(|operator| operator.image(enclosure));
+                let images = operators[first as usize..end as usize].iter().map(|operator| image(operator, enclosure));
                 images.fold(Enclosure::NOTHING, |all, image| all.with(&image))
             }
         }
@@ -178,6 +147,17 @@ impl CopyRule {
             }
         }
     }
+}
+
+/// The enclosure of the images of everything in `enclosure`, as [`Operator::apply`] rounds them.
+fn image(operator: &Operator, enclosure: &Enclosure) -> Enclosure {
+    let (low, high) = (enclosure.low.to_array(), enclosure.high.to_array());
+    let corner = |row: [f64; 4], ends: [[f64; 3]; 2]| {
+        let at = |k: usize| row[k] * ends[usize::from(row[k] < 0.0)][k];
+        at(0) + at(1) + at(2) + row[3]
+    };
+    let [low, high] = [[low, high], [high, low]].map(|ends| operator.0.map(|row| corner(row, ends)));
+    Enclosure { low: DVec3::from_array(low), high: DVec3::from_array(high), radii: enclosure.radii }
 }
 
 #[cfg(test)]

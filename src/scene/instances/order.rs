@@ -2,9 +2,9 @@
 
 use super::operator::Copies;
 use super::{Instances, NumberedSpheres, Part};
-use crate::error::Result;
-use crate::progress::Watch;
 use crate::scene::Spheres;
+use halfline_ground::error::Result;
+use halfline_ground::progress::Watch;
 
 /// Spheres of a block.
 const BLOCK: usize = 1 << 17;

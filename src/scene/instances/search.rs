@@ -1,12 +1,12 @@
 //! Extremes over all spheres of copies, by branch and bound.
 
 use super::{Group, Instances, NumberedSpheres};
-use crate::error::Result;
-use crate::progress::Watch;
 use crate::scene::Spheres;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::source::SphereSource;
 use glam::DVec3;
+use halfline_ground::error::Result;
+use halfline_ground::progress::Watch;
 
 /// Copies whose passes can be cancelled.
 pub struct CopiedSpheres<'a> {

@@ -1,8 +1,8 @@
 //! Spheres around groups of sixteen, in the order of the tree: what streams of rays descend.
 
 use super::records::{ABSENT, Block, WIDE};
-use crate::parallel;
 use bytemuck::Zeroable;
+use halfline_ground::parallel;
 
 /// Children of a group, and spheres of a lowest one: the lanes of a vector of 512 bits.
 pub(crate) const SIXTEEN: usize = 2 * WIDE;

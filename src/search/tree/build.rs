@@ -2,8 +2,8 @@
 //! first.
 
 use super::{ABSENT, Block, MAX_SPHERES, Node, Tree, WIDE};
-use crate::parallel::{self, CHEAP};
 use crate::view::placement::{PLACED, Placement};
+use halfline_ground::parallel::{self, CHEAP};
 use std::sync::OnceLock;
 
 /// A sphere while it is ordered: its centre in f32 in the tree's unit, and its index.

@@ -7,10 +7,10 @@
 use super::build::bounds;
 use super::{Node, Tree, WIDE};
 use crate::double_double as dd;
-use crate::parallel;
 use crate::view::View;
 use crate::view::placement::PLACED;
 use bytemuck::{Pod, Zeroable};
+use halfline_ground::parallel;
 
 /// The most levels of nodes: bindings of 2^32 bytes hold at most 2^27 spheres, and ten levels 2^30.
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! by side. The answers do not depend on the order.
 
 use super::BoxRay;
-use crate::parallel;
+use halfline_ground::parallel;
 use std::ops::Range;
 
 /// Fewer rays than this are not sorted.

@@ -1,12 +1,13 @@
 //! The content of files that are written here.
 
 use super::*;
-use crate::read::input::Input;
+use halfline_particles::ParticleOptions;
+use halfline_particles::input::Input;
 
 /// The content of a text, counted in parts of `part` particles.
 fn counted(name: &str, text: &str, part: usize) -> Result<FileInfo> {
     let (path, options) = (Path::new(name), ReadOptions::default());
-    let source = SceneSource::of(Input::of_bytes(text.as_bytes()), path, options.known_format())?;
+    let source = SceneSource::of(Input::of_bytes(text.as_bytes()), path, options.particles.known_format())?;
     of_source(source, path, &options, Survey::with_part(part))
 }
 
@@ -213,9 +214,12 @@ fn the_error_of_a_frame_names_the_whole_ones_before_it() {
             ("4", Some("or use `\u{2060}frames` 1-3, since the frames before")),
             ("1-3", None),
         ] {
-            let options = ReadOptions { frames: frames.parse().expect("frames"), ..ReadOptions::default() };
-            let source =
-                SceneSource::of(Input::of_bytes(cut), Path::new(name), options.known_format()).expect("a format");
+            let options = ReadOptions {
+                particles: ParticleOptions { frames: frames.parse().expect("frames"), ..Default::default() },
+                ..ReadOptions::default()
+            };
+            let source = SceneSource::of(Input::of_bytes(cut), Path::new(name), options.particles.known_format())
+                .expect("a format");
             let mut film = Sequence::of_source(source, Path::new(name), &options).expect("a film");
             let error = loop {
                 match film.next_scene() {
@@ -231,7 +235,7 @@ fn the_error_of_a_frame_names_the_whole_ones_before_it() {
         let source = SceneSource::of(
             Input::of_bytes(&frame[..frame.len() * 3 / 4]),
             Path::new(name),
-            ReadOptions::default().known_format(),
+            ReadOptions::default().particles.known_format(),
         );
         let mut film =
             Sequence::of_source(source.expect("a format"), Path::new(name), &ReadOptions::default()).expect("a film");

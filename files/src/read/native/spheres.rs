@@ -1,19 +1,20 @@
 //! `[[spheres]]`: the spheres of a file, or the selected ones of them.
 
 use super::table::TomlTable;
-use crate::read::format::{Format, ending};
-use crate::read::open::open;
 use crate::read::options::ReadOptions;
-use crate::read::particles::survey::{Pick, Survey};
-use crate::read::select::selection::Selection;
-use crate::read::select::{SelectedSpheres, apply};
-use crate::read::source::{KnownFormat, SceneSource};
-use crate::read::{csv, npy};
 use halfline::error::{Error, Place, Result};
 use halfline::progress::Watch;
 use halfline::quote::quote;
 use halfline::quote::setting::STREAM;
-use halfline::scene::Spheres;
+use halfline::scene::{List, Spheres};
+use halfline_particles::{Format, ending};
+use halfline_particles::open::open;
+use halfline_particles::particles::survey::{Pick, Survey};
+use halfline_particles::select::selection::Selection;
+use halfline_particles::select::{SelectedSpheres, apply};
+use halfline_particles::source::{KnownFormat, SceneSource};
+use halfline_particles::spheres::SphereRows;
+use halfline_particles::{csv, npy};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -73,10 +74,11 @@ impl NamedSpheres {
             "npy" => npy::read,
             _ => return self.particles(spheres, watch),
         };
-        let Some(selection) = &self.selection else { return strict(&self.path, spheres, watch).map(|()| Vec::new()) };
-        let (mut part, mut selected) = (Spheres::default(), SelectedSpheres::new(selection));
+        let mut part = SphereRows::default();
         strict(&self.path, &mut part, watch)?;
-        append(spheres, &selected.of(part).map_err(|e| at(&self.selected_at, e))?)?;
+        let Some(selection) = &self.selection else { return append(spheres, of_rows(part)).map(|()| Vec::new()) };
+        let mut selected = SelectedSpheres::new(selection);
+        append(spheres, of_rows(selected.of(part).map_err(|e| at(&self.selected_at, e))?))?;
         Ok(selected.messages())
     }
 
@@ -108,7 +110,7 @@ impl NamedSpheres {
             _ => {
                 let mut spheres = Spheres::default();
                 let messages = self.particles(&mut spheres, watch)?;
-                return survey.take_spheres(&mut spheres, true).map(|()| messages);
+                return survey.take_spheres(&mut rows_of(spheres), true).map(|()| messages);
             }
         };
         let Some(selection) = &self.selection else {
@@ -127,10 +129,11 @@ impl NamedSpheres {
 
     fn particles(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
         let select = self.selection.iter().cloned().collect();
-        let options = ReadOptions { select, watch: watch.clone(), ..ReadOptions::default() };
+        let particles = halfline_particles::ParticleOptions { select, watch: watch.clone(), ..Default::default() };
+        let options = ReadOptions { particles, ..ReadOptions::default() };
         let source = SceneSource::open(&self.path, KnownFormat::Nothing, watch)?;
         let name = self.path.display().to_string();
-        let Ok(mut frames) = open(source, &options)? else {
+        let Ok(mut frames) = open(source, &options.reading())? else {
             let problem = format!("{} is a scene, not a file of particles", quote(&name));
             return Err(Error::scene(self.place.clone(), problem, "use its spheres in this scene file"));
         };
@@ -146,7 +149,7 @@ impl NamedSpheres {
         let notes = apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         let (part, skipped, _) = options.style.to_spheres(particles, spaced, &Place::file(name))?;
-        append(spheres, &part)?;
+        append(spheres, part)?;
         Ok(skipped.warnings())
     }
 }
@@ -159,12 +162,33 @@ struct Picked {
 }
 
 impl Pick for Picked {
-    fn pick(&mut self, block: Spheres) -> Result<Spheres> {
+    fn pick(&mut self, block: SphereRows) -> Result<SphereRows> {
         self.selected.of(block).map_err(|error| at(&self.at, error))
     }
 }
 
-fn append(spheres: &mut Spheres, more: &Spheres) -> Result<()> {
+/// The spheres of rows.
+fn of_rows(SphereRows { centers, radii, colors }: SphereRows) -> Spheres {
+    let colors = (!colors.is_empty()).then(|| colors.into());
+    Spheres { centers: centers.into(), radii: radii.into(), colors, ..Spheres::default() }
+}
+
+/// The rows of spheres, without their materials and opacities.
+pub(in crate::read) fn rows_of(spheres: Spheres) -> SphereRows {
+    let Spheres { centers, radii, colors, .. } = spheres;
+    SphereRows {
+        centers: centers.into_vec(),
+        radii: radii.into_vec(),
+        colors: colors.map(List::into_vec).unwrap_or_default(),
+    }
+}
+
+/// Appends spheres; a scene that has none yet takes them without copying.
+fn append(spheres: &mut Spheres, more: Spheres) -> Result<()> {
+    if spheres.is_empty() {
+        *spheres = more;
+        return Ok(());
+    }
     let color = |n: usize| more.colors.as_ref().map(|colors| colors[n]);
     let all = more.centers.iter().zip(&more.radii).enumerate();
     all.into_iter().try_for_each(|(n, (center, radius))| spheres.add(*center, *radius, color(n)))

@@ -1,9 +1,9 @@
 //! Tables and values of a TOML document, whose errors have the line, column and key.
 
-use crate::read::nearest::did_you_mean;
 use crate::read::style::color;
 use halfline::error::{Error, Place, Result};
 use halfline::scene::{check_color, check_opacity};
+use halfline_particles::nearest::did_you_mean;
 use std::fmt::Display;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};

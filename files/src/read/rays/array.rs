@@ -2,9 +2,9 @@
 //! byte order. Rows count from 0, as in NumPy.
 
 use super::block::{REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
-use crate::read::input::Input;
-use crate::read::npy::{Matrix, Npy};
 use halfline::error::{Error, Result};
+use halfline_particles::input::Input;
+use halfline_particles::npy::{Matrix, Npy};
 use std::io::ErrorKind;
 use std::path::Path;
 

@@ -3,11 +3,11 @@
 //! ignored.
 
 use super::block::{COLUMNS, REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
-use crate::read::input::Input;
-use crate::read::lines::{Block, Lines, has_content};
-use crate::read::particles::table::fields::{declared_delimiter, delimiter, each_number, fields, named_columns};
 use halfline::error::{Error, Result};
 use halfline::parallel;
+use halfline_particles::input::Input;
+use halfline_particles::lines::{Block, Lines, has_content};
+use halfline_particles::particles::table::fields::{declared_delimiter, delimiter, each_number, fields, named_columns};
 use std::io::BufRead;
 use std::path::Path;
 
@@ -78,7 +78,7 @@ impl RayTable {
         while block.rows() < most {
             options.watch.check()?;
             self.lines.block((most - block.rows()) as u64, &mut self.text)?;
-            if self.text.len() == 0 {
+            if self.text.is_empty() {
                 break;
             }
             let before = block.rows();

@@ -1,6 +1,6 @@
 use super::*;
-use crate::npy::Header;
 use halfline::progress::Watch;
+use halfline_particles::npy::header::Header;
 use std::io::Cursor;
 
 fn open(bytes: impl Into<Vec<u8>>, skip_invalid: bool) -> Result<RayReader> {

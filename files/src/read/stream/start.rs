@@ -1,21 +1,21 @@
 //! Starts of the reading of a file in parts, and readings before it of what depends on all rows.
 
-use crate::blocks;
-use crate::read::format::Format;
-use crate::read::input::read_once;
-use crate::read::native::{self, NamedSpheres};
-use crate::read::open::{listed, open as open_particles};
+use crate::read::native::{self, NamedSpheres, rows_of};
 use crate::read::options::ReadOptions;
-use crate::read::particles::colors::ColorSurvey;
-use crate::read::particles::frame::{ParticleFrames, Particles};
-use crate::read::particles::request::Request;
-use crate::read::particles::survey::{Part, Survey};
-use crate::read::source::SceneSource;
 use crate::read::style::{Style, no_selections};
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
 use halfline::quote::setting::STREAM;
-use halfline::scene::Spheres;
+use halfline_particles::Format;
+use halfline_particles::blocks;
+use halfline_particles::input::read_once;
+use halfline_particles::open::{listed, open as open_particles};
+use halfline_particles::particles::colors::ColorSurvey;
+use halfline_particles::particles::frame::{ParticleFrames, Particles};
+use halfline_particles::particles::request::Request;
+use halfline_particles::particles::survey::{Part, Survey};
+use halfline_particles::source::SceneSource;
+use halfline_particles::spheres::SphereRows;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::{self, JoinHandle};
@@ -28,7 +28,7 @@ const AHEAD: usize = 2;
 
 /// The spheres of a scene file: its own, and those of the files that it refers to.
 struct InBlocks {
-    own: Spheres,
+    own: SphereRows,
     files: Vec<NamedSpheres>,
     is_colored: bool,
     watch: Watch,
@@ -40,7 +40,7 @@ impl InBlocks {
             let problem = format!("{STREAM}: a scene is read for its camera first, and {once} can be read once");
             return Err(Error::settings(problem, "use a file"));
         }
-        let watch = options.watch.clone();
+        let watch = options.particles.watch.clone();
         let (read, files) = native::without_files(source.reader, &source.path, &watch)?;
         let own = read.scene.spheres;
         if own.materials.is_some() {
@@ -53,7 +53,7 @@ impl InBlocks {
         }
         let colored = files.iter().map(|file| file.is_colored(&watch));
         let is_colored = own.colors.is_some() || colored.collect::<Result<Vec<_>>>()?.contains(&true);
-        Ok(Self { own, files, is_colored, watch })
+        Ok(Self { own: rows_of(own), files, is_colored, watch })
     }
 
     /// Passes all spheres on; what remains are messages.
@@ -75,17 +75,17 @@ pub(super) fn start(source: SceneSource, options: &ReadOptions, texts: Vec<Strin
     let (sender, parts) = sync_channel(AHEAD);
     let survey = Survey::passing(sender, blocks::at_most(BLOCK)).with_texts(texts);
     let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if source.format == Format::Native {
-        if !(options.select.is_empty() && options.hide.is_empty()) {
+        if !(options.particles.select.is_empty() && options.particles.hide.is_empty()) {
             return Err(no_selections());
         }
         let scene = InBlocks::open(source, options)?;
         (Some(scene.is_colored), Box::new(move || scene.pass(&survey)))
     } else {
-        let passing = ReadOptions { survey: Some(survey), ..options.clone() };
+        let passing = halfline_particles::ParticleOptions { survey: Some(survey), ..options.reading() };
         let Ok(frames) = open_particles(source, &passing)? else {
             return Err(Error::settings("scenes are not read as a stream", format!("remove {STREAM}")));
         };
-        let number = options.frames.numbers().next().unwrap_or(1);
+        let number = options.particles.frames.numbers().next().unwrap_or(1);
         // The thread must hold the only sender, so that the receiver sees the end.
         (None, Box::new(move || frame(frames, number)))
     };
@@ -106,17 +106,17 @@ fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Part
     }
     let rest = frames.next()?;
     // The rest must not hold the sender: the receiver waits for the end of all parts before it takes it.
-    Ok(rest.map(|rest| Particles { survey: None, ..rest }))
+    Ok(rest.map(|rest| Particles { reading: Default::default(), ..rest }))
 }
 
 /// Surveys the colours of a file, reading until their scale is certain; `None` where a part has no colours. Errors of
 /// rows are reported when their block is used, not here.
 pub(super) fn colors_of(path: &Path, options: &ReadOptions) -> Result<Option<ColorSurvey>> {
-    let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+    let source = SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?;
     let (_, parts, reader) = start(source, &ReadOptions { style: Style::default(), ..options.clone() }, Vec::new())?;
     let mut colors = ColorSurvey::default();
     for part in &parts {
-        options.watch.check()?;
+        options.particles.watch.check()?;
         colors.see(part.color_type, &part.colors);
         if part.colors.is_empty() || colors.is_decided() {
             return Ok((!part.colors.is_empty()).then_some(colors));
@@ -131,11 +131,14 @@ pub(super) fn colors_of(path: &Path, options: &ReadOptions) -> Result<Option<Col
 /// The columns among these in which some row of the frame has a text; none where the file cannot be read to its end, so that the
 /// error is that of its row.
 pub(super) fn texts_of(path: &Path, options: &ReadOptions, columns: &[String]) -> Result<Vec<String>> {
-    let source = SceneSource::open(path, options.known_format(), &options.watch)?;
+    let source = SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?;
     let survey = Survey::default();
-    let request = Request { columns: columns.to_vec(), survey: Some(survey.clone()), ..options.request(source.format) };
-    let Ok(frames) = listed(source, request, options)? else { return Ok(Vec::new()) };
-    let Ok(Some(rest)) = frame(frames, options.frames.numbers().next().unwrap_or(1)) else { return Ok(Vec::new()) };
+    let reading = options.reading();
+    let request = Request { columns: columns.to_vec(), survey: Some(survey.clone()), ..reading.request(source.format) };
+    let Ok(frames) = listed(source, request, &reading)? else { return Ok(Vec::new()) };
+    let Ok(Some(rest)) = frame(frames, options.particles.frames.numbers().next().unwrap_or(1)) else {
+        return Ok(Vec::new());
+    };
     let counts = rest.counted(&survey);
     Ok(counts.columns.into_iter().filter(|(_, column)| column.is_text()).map(|(name, _)| name).collect())
 }

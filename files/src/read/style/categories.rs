@@ -2,14 +2,14 @@
 
 use super::confidence;
 use super::scale::{Colored, Scale};
-use crate::read::elements::element;
-use crate::read::particles::frame::{Column, Particles, RuleTarget};
-use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::legend::{Category, Legend};
 use halfline::parallel;
 use halfline::quote::setting::{LOG, RANGE};
+use halfline_particles::Skipped;
+use halfline_particles::elements::element;
+use halfline_particles::particles::frame::{Column, Particles, RuleTarget};
 use std::collections::{BTreeMap, HashMap};
 
 /// Columns whose whole numbers are identifiers: of types, molecules, copies.
@@ -261,9 +261,9 @@ fn joined(known: &[String], labels: &[String]) -> (Vec<String>, Vec<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::color::of_hex;
     use crate::read::style::scale::RangeEnd;
     use halfline::frame::srgb::linear;
+    use halfline_particles::color::of_hex;
 
     fn colored(name: &str, values: &[f64], labels: &[&str], scale: &Scale) -> Result<Option<(Colored, Vec<String>)>> {
         let column = Column { name: name.into(), values: values.to_vec() };

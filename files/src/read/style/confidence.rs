@@ -1,10 +1,10 @@
 //! The classes of the confidence of a predicted structure, pLDDT from 0 to 100, as the AlphaFold Protein Structure Database
 //! (alphafold.ebi.ac.uk) has them.
 
-use crate::read::particles::frame::Column;
-use crate::read::skipped::Skipped;
 use halfline::parallel;
 use halfline::quote::setting::RANGE;
+use halfline_particles::Skipped;
+use halfline_particles::particles::frame::Column;
 
 /// The name of the quantity.
 pub(super) const NAME: &str = "pLDDT";

@@ -1,11 +1,11 @@
 //! Colour maps of files: JSON of ParaView and of matplotlib's colours, or a table with a colour in each row.
 
-use crate::read::color::hex;
-use crate::read::input::without_mark;
-use crate::read::lines::not_utf8;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::quote::quote;
+use halfline_particles::color::hex;
+use halfline_particles::input::without_mark;
+use halfline_particles::lines::not_utf8;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -2,15 +2,15 @@
 
 use super::categories::{self, is_painted};
 use super::scale::{Colored, Scale};
-use crate::read::nearest::did_you_mean;
-use crate::read::particles::frame::{Column, Particles, RuleTarget};
-use crate::read::particles::vectors;
-use crate::read::skipped::Skipped;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::parallel;
 use halfline::quote::setting::{COLOR_BY, LOG, MAP};
 use halfline::quote::{list, quote};
+use halfline_particles::Skipped;
+use halfline_particles::nearest::did_you_mean;
+use halfline_particles::particles::frame::{Column, Particles, RuleTarget};
+use halfline_particles::particles::vectors;
 use std::borrow::Cow;
 
 impl Scale {

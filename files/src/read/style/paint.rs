@@ -1,13 +1,13 @@
 //! Colours of selected particles, and their rows in a legend.
 
 use super::categories;
-use crate::read::color::of_hex;
-use crate::read::elements::element;
-use crate::read::select::selection::Selection;
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Category;
 use halfline::frame::srgb;
 use halfline::quote::setting::COLOR;
+use halfline_particles::color::of_hex;
+use halfline_particles::elements::element;
+use halfline_particles::select::selection::Selection;
 
 /// The colour of selected particles.
 #[derive(Debug, Clone, Copy, PartialEq)]

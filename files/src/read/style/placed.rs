@@ -1,13 +1,13 @@
 //! The style of particles whose copies are operators: radii and colours per particle, and colours by copy per operator.
 
 use super::{Coloring, Style};
-use crate::read::particles::frame::{Column, Particles};
-use crate::read::skipped::Skipped;
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::quote::setting::{MATERIAL, OPACITY, RADIUS, STREAM};
 use halfline::scene::Spheres;
 use halfline::scene::instances::Instances;
+use halfline_particles::Skipped;
+use halfline_particles::particles::frame::{Column, Particles};
 use std::ops::Range;
 
 impl Style {

@@ -2,10 +2,10 @@
 //! file.
 
 use super::rows::{Query, Rows};
-use crate::npy::Header;
 use crate::write::atomic::scratch;
 use crate::write::npz::Archive;
 use halfline::progress::Watch;
+use halfline_particles::npy::header::Header;
 use std::fs::File;
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! The trial of a device that draws pictures: a small one, before the first picture of a renderer, beside the host's.
 
-use crate::error::Result;
 use crate::frame::report::milliseconds;
 use crate::frame::{Aov, Data, Frame};
 use crate::render::renderer::Renderer;
@@ -8,6 +7,7 @@ use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Sky, SkyColors, Spheres};
 use crate::settings::{Accuracy, Settings};
 use glam::DVec3;
+use halfline_ground::error::Result;
 use web_time::Instant;
 
 /// The most that a colour differs: normals of hits are within 1e-3 of the true ones on either side, the light of a surface changes
