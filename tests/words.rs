@@ -9,7 +9,9 @@ use std::fs;
 use std::path::PathBuf;
 
 /// The folders of all Rust code and of the shaders.
-const FOLDERS: [&str; 14] = [
+const FOLDERS: [&str; 16] = [
+    "ground",
+    "particles",
     "src",
     "shaders",
     "files",

@@ -6,7 +6,7 @@ use super::lines::Lines;
 use super::particles::frame::Particles;
 use super::particles::role::Role;
 use super::particles::survey::Survey;
-use super::particles::table::Table;
+use crate::formats::table::Table;
 use crate::spheres::SphereRows;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::progress::Watch;

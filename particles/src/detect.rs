@@ -3,8 +3,8 @@
 use super::foreign;
 use super::format::Format;
 use super::lines::comment;
-use super::particles::table::fields::declared_delimiter;
-use super::particles::table::names::axes;
+use crate::formats::table::fields::declared_delimiter;
+use crate::formats::table::names::axes;
 use halfline_ground::quote::setting::{COLUMNS, FORMAT};
 use std::path::Path;
 

@@ -18,6 +18,8 @@ pub mod detect;
 pub mod elements;
 mod foreign;
 mod format;
+#[doc(hidden)]
+pub mod formats;
 mod frame_range;
 mod frames;
 mod gauge;
@@ -46,15 +48,15 @@ pub mod source;
 pub mod spheres;
 
 pub use columns::{Codes, ColumnValue, ColumnValues, Columns};
+pub use format::Format;
 #[doc(hidden)]
 pub use format::ending;
-pub use format::Format;
+pub use formats::data::style::AtomStyle;
 pub use frame_range::FrameRange;
 pub use frames::Frames;
 pub use halfline_ground::{Cancel, Cell, Error, Operator, Result, Watch};
 pub use options::{Keep, ParticleOptions};
 pub use particles::column_names::ColumnNames;
-pub use particles::data::style::AtomStyle;
 pub use particles::frame::{Column, Particles};
 pub use particles::frame_time::FrameTime;
 pub use particles::identity::Identity;

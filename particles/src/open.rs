@@ -1,20 +1,21 @@
 //! Opens a file of particles with the reader of its format.
 
 use super::format::Format;
+#[cfg(feature = "formats")]
+use super::formats::{data, gsd, las, mmcif, npz, pcd, poscar, ptx};
+use super::formats::{dump, gro, pdb, ply, xyz};
 use super::frame_range::FrameRange;
 use super::npy::records;
 use super::options::ParticleOptions;
 use super::particles::frame::{OneFrame, ParticleFrames, Particles};
 use super::particles::identity::{self, Ordered};
 use super::particles::joined::{Joined, NUMBERS, Topology};
+use super::particles::molecule;
 use super::particles::request::Request;
-use super::particles::table::Table;
-#[cfg(feature = "formats")]
-use super::particles::trajectory::Trajectory;
-#[cfg(feature = "formats")]
-use super::particles::{data, gsd, las, mmcif, npz, pcd, poscar, ptx};
-use super::particles::{dump, gro, molecule, pdb, ply, xyz};
 use super::source::SceneSource;
+use crate::formats::table::Table;
+#[cfg(feature = "formats")]
+use crate::formats::trajectory::Trajectory;
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::quote::setting::{ATOM_STYLE, COLUMNS, FORMAT, TOPOLOGY};
 use std::path::Path;

@@ -2,9 +2,9 @@
 
 use crate::derived;
 use crate::format::Format;
+use crate::formats::data::style::AtomStyle;
 use crate::frame_range::FrameRange;
 use crate::particles::column_names::ColumnNames;
-use crate::particles::data::style::AtomStyle;
 use crate::particles::frame::Particles;
 use crate::particles::identity::Identity;
 use crate::particles::layout::EVERY;

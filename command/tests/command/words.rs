@@ -45,7 +45,7 @@ fn flags(text: &str) -> impl Iterator<Item = &str> {
 #[test]
 fn the_library_names_settings_and_each_has_an_option() {
     let mut all = Vec::new();
-    ["src", "files/src", "drawing/src", "measure/src"]
+    ["ground/src", "src", "particles/src", "files/src", "drawing/src", "measure/src"]
         .iter()
         .map(|folder| root().join(folder))
         .filter(|folder| folder.is_dir())

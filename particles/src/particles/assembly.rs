@@ -12,31 +12,31 @@ use halfline_ground::quote::{list, quote};
 use std::collections::HashMap;
 
 /// The most operators in an assembly; without a limit, a short expression could demand more than memory holds.
-pub(super) const MOST_OPERATORS: usize = 1 << 16;
+pub(crate) const MOST_OPERATORS: usize = 1 << 16;
 
 /// Chains that the same operators apply to.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct AssemblyPart {
+pub(crate) struct AssemblyPart {
     /// The chains, by the names that the operators refer to.
-    pub(super) chains: Vec<Vec<u8>>,
+    pub(crate) chains: Vec<Vec<u8>>,
     /// The operators in the file's order, each with its name.
-    pub(super) operators: Vec<(String, Operator)>,
+    pub(crate) operators: Vec<(String, Operator)>,
 }
 
 /// One assembly of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Assembly {
+pub(crate) struct Assembly {
     /// Its identifier in the file: `1`, `PAU`.
-    pub(super) id: String,
+    pub(crate) id: String,
     /// Its parts in the file's order.
-    pub(super) parts: Vec<AssemblyPart>,
+    pub(crate) parts: Vec<AssemblyPart>,
 }
 
 /// The selected assembly.
 ///
 /// # Errors
 /// [`Error::Settings`] with the identifiers of the file.
-pub(super) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Result<&'a Assembly> {
+pub(crate) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Result<&'a Assembly> {
     assemblies
         .iter()
         .find(|assembly| assembly.id == id)
@@ -44,7 +44,7 @@ pub(super) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Re
 }
 
 /// The error for an assembly that is not among those of the file.
-pub(super) fn unknown<'a>(id: &str, ids: impl Iterator<Item = &'a String>, file: &Place) -> Error {
+pub(crate) fn unknown<'a>(id: &str, ids: impl Iterator<Item = &'a String>, file: &Place) -> Error {
     let ids = list(ids);
     let mend = match &ids[..] {
         "" => format!("the file has none; remove {ASSEMBLY}"),

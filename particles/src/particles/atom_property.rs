@@ -6,7 +6,7 @@ use halfline_ground::error::Result;
 
 /// Columns of an atom that colours and selections can read; names are numbered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum AtomProperty {
+pub(crate) enum AtomProperty {
     /// B factor, Å².
     Bfactor,
     Occupancy,
@@ -40,7 +40,7 @@ pub(super) enum AtomProperty {
 
 impl AtomProperty {
     /// All of them, by their names in `--color-by` and selections.
-    pub(super) const ALL: [(&'static str, Self); 19] = [
+    pub(crate) const ALL: [(&'static str, Self); 19] = [
         ("name", Self::Name),
         ("resname", Self::Resname),
         ("residue", Self::Residue),
@@ -63,36 +63,36 @@ impl AtomProperty {
     ];
 
     /// Whether its values are names.
-    pub(super) fn is_text(self) -> bool {
+    pub(crate) fn is_text(self) -> bool {
         use AtomProperty::{Altloc, Asym, Chain, Entity, Icode, Name, Record, Resname, Segid};
         matches!(self, Chain | Asym | Entity | Name | Resname | Segid | Altloc | Icode | Record)
     }
 
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
     }
 }
 
 /// The names in the text columns of a file.
 #[derive(Debug, Default)]
-pub(super) struct NameTable([Names; AtomProperty::ALL.len()]);
+pub(crate) struct NameTable([Names; AtomProperty::ALL.len()]);
 
 impl NameTable {
     /// The number of a name in a column.
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
-    pub(super) fn number(&mut self, kind: AtomProperty, name: &[u8]) -> Result<f64> {
+    pub(crate) fn number(&mut self, kind: AtomProperty, name: &[u8]) -> Result<f64> {
         self.0[kind as usize].number(name).map(f64::from)
     }
 
     /// The names of a column.
-    pub(super) fn list(&self, kind: AtomProperty) -> &[Vec<u8>] {
+    pub(crate) fn list(&self, kind: AtomProperty) -> &[Vec<u8>] {
         &self.0[kind as usize].list
     }
 
     /// Adds the names of the stored columns to the particles.
-    pub(super) fn label(&self, particles: &mut Particles) {
+    pub(crate) fn label(&self, particles: &mut Particles) {
         for (name, kind) in AtomProperty::ALL {
             let names = &self.0[kind as usize];
             if kind.is_text() && particles.columns.iter().any(|column| column.name == name) {

@@ -9,44 +9,44 @@ use std::io::BufRead;
 use std::path::PathBuf;
 
 /// A binary file.
-pub(super) struct BinaryFile {
+pub(crate) struct BinaryFile {
     reader: Input,
     path: PathBuf,
 }
 
 /// The remedy for a damaged file.
-pub(super) const DAMAGED: &str = "the file is damaged; copy or write it again";
+pub(crate) const DAMAGED: &str = "the file is damaged; copy or write it again";
 
 /// The most bytes that a list grows by at a time.
 const STEP: usize = 1 << 20;
 
 impl BinaryFile {
-    pub(super) fn new(source: SceneSource) -> Self {
+    pub(crate) fn new(source: SceneSource) -> Self {
         Self { reader: source.reader, path: source.path }
     }
 
     /// The rest of a file that was read to its data.
-    pub(super) fn of(reader: Input, path: PathBuf) -> Self {
+    pub(crate) fn of(reader: Input, path: PathBuf) -> Self {
         Self { reader, path }
     }
 
     /// The position of the next byte, from 0.
-    pub(super) fn at(&self) -> u64 {
+    pub(crate) fn at(&self) -> u64 {
         self.reader.position()
     }
 
     /// The file.
-    pub(super) fn file(&self) -> Place {
+    pub(crate) fn file(&self) -> Place {
         Place::file(self.path.display().to_string())
     }
 
     /// An error of the field that begins at a byte.
-    pub(super) fn fail(&self, byte: u64, field: &str, problem: impl Into<String>, mend: &str) -> Error {
+    pub(crate) fn fail(&self, byte: u64, field: &str, problem: impl Into<String>, mend: &str) -> Error {
         Error::scene(self.file().named(format!("byte {byte}: {field}")), problem, mend)
     }
 
     /// Reports that a particle was found, which resets the limits of silent streams.
-    pub(super) fn found(&self) {
+    pub(crate) fn found(&self) {
         self.reader.found();
     }
 
@@ -54,7 +54,7 @@ impl BinaryFile {
     ///
     /// # Errors
     /// Errors of reading the file.
-    pub(super) fn is_end(&mut self) -> Result<bool> {
+    pub(crate) fn is_end(&mut self) -> Result<bool> {
         Ok(self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.is_empty())
     }
 
@@ -62,7 +62,7 @@ impl BinaryFile {
     ///
     /// # Errors
     /// [`Error::Scene`] where the file ends before the last of them, and errors of reading the file.
-    pub(super) fn fill(&mut self, bytes: &mut [u8], field: &str) -> Result<()> {
+    pub(crate) fn fill(&mut self, bytes: &mut [u8], field: &str) -> Result<()> {
         let began = self.at();
         match fill(&mut self.reader, bytes).map_err(|e| Error::read(&self.path, e))? {
             found if found < bytes.len() => Err(self.ends(began, found as u64, bytes.len() as u64, field)),
@@ -74,7 +74,7 @@ impl BinaryFile {
     ///
     /// # Errors
     /// As [`BinaryFile::fill`].
-    pub(super) fn bytes<const N: usize>(&mut self, field: &str) -> Result<[u8; N]> {
+    pub(crate) fn bytes<const N: usize>(&mut self, field: &str) -> Result<[u8; N]> {
         let mut bytes = [0; N];
         self.fill(&mut bytes, field)?;
         Ok(bytes)
@@ -84,7 +84,7 @@ impl BinaryFile {
     ///
     /// # Errors
     /// As [`BinaryFile::fill`], and [`Error::Limits`].
-    pub(super) fn block(&mut self, count: u64, into: &mut Vec<u8>, field: &str) -> Result<()> {
+    pub(crate) fn block(&mut self, count: u64, into: &mut Vec<u8>, field: &str) -> Result<()> {
         into.clear();
         let began = self.at();
         while (into.len() as u64) < count {
@@ -104,7 +104,7 @@ impl BinaryFile {
     ///
     /// # Errors
     /// [`Error::Limits`], and errors of reading the file.
-    pub(super) fn all(&mut self, into: &mut Vec<u8>) -> Result<()> {
+    pub(crate) fn all(&mut self, into: &mut Vec<u8>) -> Result<()> {
         into.clear();
         loop {
             let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?;
@@ -122,7 +122,7 @@ impl BinaryFile {
     ///
     /// # Errors
     /// As [`BinaryFile::fill`].
-    pub(super) fn pass(&mut self, count: u64, field: &str) -> Result<()> {
+    pub(crate) fn pass(&mut self, count: u64, field: &str) -> Result<()> {
         let began = self.at();
         match self.skip(count)? {
             passed if passed < count => Err(self.ends(began, passed, count, field)),
@@ -134,7 +134,7 @@ impl BinaryFile {
     ///
     /// # Errors
     /// Errors of reading the file.
-    pub(super) fn skip(&mut self, most: u64) -> Result<u64> {
+    pub(crate) fn skip(&mut self, most: u64) -> Result<u64> {
         let mut left = most;
         while left > 0 {
             let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();

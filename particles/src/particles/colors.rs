@@ -2,7 +2,7 @@
 //! follows from their type and from all of the file, not from a part of it.
 
 use crate::color::{srgb_to_linear, top_level};
-use crate::npy::{NumberKind, Scalar};
+use crate::npy::header::{NumberKind, Scalar};
 use halfline_ground::parallel;
 use halfline_ground::quote::setting::COLOR;
 

@@ -205,7 +205,7 @@ impl Particles {
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
-    pub(super) fn settle_texts(&mut self) -> Result<()> {
+    pub(crate) fn settle_texts(&mut self) -> Result<()> {
         self.tell_left_out();
         if let Some(survey) = self.reading.survey.clone().filter(Survey::is_counting) {
             let mut counts = survey.counts();
@@ -520,6 +520,6 @@ impl Particles {
 
 /// All frames, for the readers' tests.
 #[cfg(test)]
-pub(super) fn all(mut frames: impl ParticleFrames) -> Result<Vec<Particles>> {
+pub(crate) fn all(mut frames: impl ParticleFrames) -> Result<Vec<Particles>> {
     std::iter::from_fn(|| frames.next().transpose()).collect()
 }

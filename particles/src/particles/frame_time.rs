@@ -11,7 +11,7 @@ pub struct FrameTime {
 
 impl FrameTime {
     /// A time and a step; a time that is not finite is none.
-    pub(super) fn of(time: Option<f64>, step: Option<i64>) -> Self {
+    pub(crate) fn of(time: Option<f64>, step: Option<i64>) -> Self {
         Self { time: time.filter(|time| time.is_finite()), step }
     }
 }

@@ -29,15 +29,15 @@ pub(super) const BYTES: usize = 2 * size_of::<(usize, u8)>();
 const RESIDUE: usize = 1 << 12;
 
 /// The names of an atom.
-pub(super) struct AtomNames<'a> {
+pub(crate) struct AtomNames<'a> {
     /// The content of the element column; may be empty.
-    pub(super) symbol: &'a [u8],
+    pub(crate) symbol: &'a [u8],
     /// The name; in PDB files with its blanks.
-    pub(super) name: &'a [u8],
+    pub(crate) name: &'a [u8],
     /// The residue's name.
-    pub(super) residue: &'a [u8],
+    pub(crate) residue: &'a [u8],
     /// Everything that distinguishes the residue from the one before it.
-    pub(super) site: &'a [u8],
+    pub(crate) site: &'a [u8],
 }
 
 /// An atom of the current residue.
@@ -161,7 +161,7 @@ impl Inferred {
 
 /// Infers elements. The caller stores them; codes above all atomic numbers mark undecided atoms.
 #[derive(Default)]
-pub(super) struct Inference {
+pub(crate) struct Inference {
     /// Whether names have the columns of the PDB format.
     pub(super) columns: bool,
     site: Vec<u8>,
@@ -180,7 +180,7 @@ pub(super) struct Inference {
 
 impl Inference {
     /// `columns` says whether names include the four columns of the PDB format.
-    pub(super) fn new(columns: bool) -> Self {
+    pub(crate) fn new(columns: bool) -> Self {
         Self { columns, ..Self::default() }
     }
 

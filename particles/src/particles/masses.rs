@@ -22,7 +22,7 @@ const TOLERANCE: f64 = 0.1;
 
 /// The atomic numbers of these masses, if all of them look like atomic masses in u. Whole numbers up to 4 do not: they
 /// are usual in reduced units.
-pub(super) fn elements(masses: &[f64]) -> Option<Vec<u8>> {
+pub(crate) fn elements(masses: &[f64]) -> Option<Vec<u8>> {
     if masses.iter().all(|mass| mass.fract() == 0.0 && *mass <= 4.0) {
         return None;
     }

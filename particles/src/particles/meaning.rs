@@ -3,7 +3,7 @@
 use super::colors::ColorType;
 use super::role::Role;
 use super::vectors::component;
-use crate::npy::Scalar;
+use crate::npy::header::Scalar;
 use halfline_ground::quote::quote;
 
 /// A field of a row.

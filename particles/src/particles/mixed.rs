@@ -15,7 +15,7 @@ pub(super) fn is_missing(text: &str) -> bool {
 }
 
 /// Whether a text is no number and no word for one that is missing.
-pub(super) fn is_text(text: &str) -> bool {
+pub(crate) fn is_text(text: &str) -> bool {
     !text.is_empty() && !is_missing(text) && text.parse::<f64>().is_err()
 }
 

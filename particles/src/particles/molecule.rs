@@ -18,7 +18,7 @@ use halfline_ground::quote::{count, quote, unquoted};
 use std::collections::HashMap;
 
 /// The copies to make of the atoms of a model.
-pub(super) enum Copies<'a> {
+pub(crate) enum Copies<'a> {
     None,
     Assembly(&'a Assembly),
     /// Copies that the reader of the format makes: a crystal's symmetry.
@@ -51,7 +51,7 @@ pub(crate) fn check(format: Format, request: &Request) -> Result<()> {
 
 /// The numbers of skipped models: the first of them, and their count.
 #[derive(Debug, Default)]
-pub(super) struct Passed {
+pub(crate) struct Passed {
     first: Vec<i64>,
     count: usize,
 }
@@ -60,7 +60,7 @@ pub(super) struct Passed {
 const LISTED: usize = 16;
 
 impl Passed {
-    pub(super) fn push(&mut self, number: i64) {
+    pub(crate) fn push(&mut self, number: i64) {
         if self.count < LISTED {
             self.first.push(number);
         }
@@ -68,7 +68,7 @@ impl Passed {
     }
 
     /// The error for a model that `file` does not have.
-    pub(super) fn no_model(&self, number: i64, file: &Place) -> Error {
+    pub(crate) fn no_model(&self, number: i64, file: &Place) -> Error {
         let mut listed: Vec<String> = self.first.iter().map(i64::to_string).collect();
         if self.count > LISTED {
             listed.push(format!("{} more", self.count - LISTED));
@@ -89,7 +89,7 @@ const SITE: usize = 160;
 const UNPLACED: &str = "site without coordinates";
 
 /// A model while it is read.
-pub(super) struct Model {
+pub(crate) struct Model {
     particles: Particles,
     altloc: Altloc,
     /// The property in each column of the particles, in their order.
@@ -117,7 +117,7 @@ pub(super) struct Model {
 
 impl Model {
     /// An empty model; `has` are the columns of the file, and `inference` finds elements that it does not give.
-    pub(super) fn new(request: &Request, has: &[AtomProperty], inference: Inference) -> Self {
+    pub(crate) fn new(request: &Request, has: &[AtomProperty], inference: Inference) -> Self {
         let requested = named(&request.columns, &AtomProperty::ALL);
         let copy = request.assembly.is_some();
         let there = |kind: AtomProperty| has.contains(&kind) || copy && kind == AtomProperty::Copy;
@@ -148,7 +148,7 @@ impl Model {
     }
 
     /// Keeps all atoms until the end, of which copies are made.
-    pub(super) fn whole(self) -> Self {
+    pub(crate) fn whole(self) -> Self {
         Self { survey: None, ..self }
     }
 
@@ -156,7 +156,7 @@ impl Model {
     ///
     /// # Errors
     /// [`Error::Scene`] where it is `strict`.
-    pub(super) fn unplaced(&mut self, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
+    pub(crate) fn unplaced(&mut self, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
         self.particles.skipped.skip(UNPLACED, strict, place)
     }
 
@@ -164,7 +164,7 @@ impl Model {
     ///
     /// # Errors
     /// [`Error::Scene`] for such a model.
-    pub(super) fn check_placed(&self, file: &Place) -> Result<()> {
+    pub(crate) fn check_placed(&self, file: &Place) -> Result<()> {
         match self.particles.skipped.kinds.iter().find(|(kind, _)| *kind == UNPLACED) {
             Some((_, unplaced)) if self.met == 0 => {
                 let problem = format!("{} without coordinates, and none with them", count(*unplaced, "atom"));
@@ -179,7 +179,7 @@ impl Model {
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
-    pub(super) fn admits(&mut self, location: &[u8], occupancy: f64, site: impl FnOnce(&mut Vec<u8>)) -> Result<bool> {
+    pub(crate) fn admits(&mut self, location: &[u8], occupancy: f64, site: impl FnOnce(&mut Vec<u8>)) -> Result<bool> {
         self.met += 1;
         if location.is_empty() {
             return Ok(true);
@@ -219,7 +219,7 @@ impl Model {
     ///
     /// # Errors
     /// As [`Particles::grow`], and errors of `value`.
-    pub(super) fn push(
+    pub(crate) fn push(
         &mut self,
         atom: &AtomNames<'_>,
         position: [f64; 3],
@@ -246,7 +246,7 @@ impl Model {
     }
 
     /// Sets the radius of the last atom; NaN where the file gives none. Either all atoms of a model have one or none.
-    pub(super) fn radius(&mut self, radius: f64) {
+    pub(crate) fn radius(&mut self, radius: f64) {
         self.particles.radii.push(radius);
     }
 
@@ -254,7 +254,7 @@ impl Model {
     ///
     /// # Errors
     /// As [`assembly::build`], and errors of `copies`.
-    pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
+    pub(crate) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
         if self.survey.is_some() {
             let messages = self.particles.infer(std::mem::take(&mut self.inference), self.survey.as_ref());
             self.particles.skipped.assumed.extend(messages);
@@ -306,7 +306,7 @@ impl Model {
 }
 
 /// The warning about more models than the one that is shown, with their number if it is known.
-pub(super) fn more_models(count: Option<u64>) -> String {
+pub(crate) fn more_models(count: Option<u64>) -> String {
     match count {
         Some(n) => {
             format!("the file has {n} models and the first is shown; use {MODEL} N or {FRAMES} 1-{n} to show others")
@@ -320,7 +320,7 @@ pub(super) fn more_models(count: Option<u64>) -> String {
 }
 
 /// The warning about assemblies that are not built; `None` where they equal the atoms of the file.
-pub(super) fn not_assembled(assemblies: impl Iterator<Item = (String, u64)>) -> Option<String> {
+pub(crate) fn not_assembled(assemblies: impl Iterator<Item = (String, u64)>) -> Option<String> {
     let several = assemblies.into_iter().find(|(_, operators)| *operators > 1);
     several.map(|(id, operators)| {
         format!(
@@ -333,7 +333,7 @@ pub(super) fn not_assembled(assemblies: impl Iterator<Item = (String, u64)>) -> 
 /// The cell with these edges, ångström, and angles between them (b and c, a and c, a and b), degrees: a along x, b in
 /// the xy plane (wwPDB format 3.3, SCALEn). `None` for a cell without volume, and for the unit cube, which means "no
 /// crystal".
-pub(super) fn cell([a, b, c]: [f64; 3], angles: [f64; 3]) -> Option<Cell> {
+pub(crate) fn cell([a, b, c]: [f64; 3], angles: [f64; 3]) -> Option<Cell> {
     let cosine = |degrees: f64| if degrees == 90.0 { 0.0 } else { degrees.to_radians().cos() };
     let [alpha, beta, gamma] = angles.map(cosine);
     let sine = (1.0 - gamma * gamma).sqrt();

@@ -18,7 +18,7 @@ const NAME: usize = 160;
 
 impl Names {
     /// The names as text, as labels of a column.
-    pub(super) fn labels(&self) -> Vec<String> {
+    pub(crate) fn labels(&self) -> Vec<String> {
         self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
     }
 

@@ -14,17 +14,17 @@ const NAMES: [(&str, Role); 7] = [
 ];
 
 /// The columns of points.
-pub(super) struct PointColumns {
+pub(crate) struct PointColumns {
     /// Names and meanings.
-    pub(super) names: Vec<(String, Role)>,
+    pub(crate) names: Vec<(String, Role)>,
     /// The warning about numbers that are no colours.
-    pub(super) warning: Option<String>,
+    pub(crate) warning: Option<String>,
 }
 
 /// The names and the meanings of the columns of points whose first has these words: coordinates, perhaps an intensity, and perhaps a
 /// colour. `None` for another number of words, and where one is no number. Three further numbers that are no levels of a colour,
 /// such as normals, have no name, which a warning says.
-pub(super) fn columns<'a>(words: impl Iterator<Item = &'a str>) -> Option<PointColumns> {
+pub(crate) fn columns<'a>(words: impl Iterator<Item = &'a str>) -> Option<PointColumns> {
     let numbers: Vec<f64> = words.take(NAMES.len() + 1).map(|word| word.parse().ok()).collect::<Option<_>>()?;
     let known = match numbers.len() {
         3 | 4 | 7 => NAMES[..numbers.len()].to_vec(),

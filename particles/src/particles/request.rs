@@ -1,10 +1,10 @@
 //! The request to a reader of particles: what it keeps and how it treats rows. Selection and style are not part of it.
 
 use super::column_names::ColumnNames;
-use super::data::style::AtomStyle;
 use super::survey::Survey;
 #[cfg(test)]
 use super::vectors;
+use crate::formats::data::style::AtomStyle;
 use crate::frame_range::FrameRange;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::progress::Watch;
@@ -42,7 +42,7 @@ pub struct Request {
 
 impl Request {
     /// Whether no model is selected.
-    pub(super) fn any_model(&self) -> bool {
+    pub(crate) fn any_model(&self) -> bool {
         self.model.is_none() && self.frames == FrameRange::first()
     }
 }

@@ -13,7 +13,7 @@ use halfline_ground::parallel;
 ///
 /// # Errors
 /// As [`Particles::grow`], and errors of `row` and of reading.
-pub(super) fn rows(
+pub(crate) fn rows(
     lines: &mut Lines<Input>,
     most: u64,
     layout: &Layout,
@@ -65,7 +65,7 @@ const COUNTED: u64 = 1 << 20;
 ///
 /// # Errors
 /// This error, with both numbers, and errors of reading.
-pub(super) fn surplus<T>(
+pub(crate) fn surplus<T>(
     lines: &mut Lines<Input>,
     announced: u64,
     what: &str,
@@ -84,11 +84,11 @@ pub(super) fn surplus<T>(
 
 #[cfg(test)]
 mod tests {
+    use crate::formats::table::Table;
+    use crate::formats::xyz::Xyz;
     use crate::particles::frame::ParticleFrames;
     use crate::particles::frame::all;
     use crate::particles::request::Request;
-    use crate::particles::table::Table;
-    use crate::particles::xyz::Xyz;
     use crate::source::SceneSource;
 
     /// Several blocks of 2 MiB.

@@ -5,8 +5,8 @@ use super::lens::PixelLens;
 use super::listed::ListedCamera;
 use halfline::error::{Error, Place, Result};
 use halfline::scene::camera::{Intrinsics, Lens, Look};
+use halfline_particles::formats::table::fields::{declared_delimiter, delimiter, each_number, named_columns};
 use halfline_particles::lines::{Lines, has_content};
-use halfline_particles::particles::table::fields::{declared_delimiter, delimiter, each_number, named_columns};
 use std::ops::Range;
 use std::path::Path;
 

@@ -5,9 +5,9 @@
 use super::block::{COLUMNS, REQUIRED, RayBlock, RayOptions, Row, flaw, mend_row};
 use halfline::error::{Error, Result};
 use halfline::parallel;
+use halfline_particles::formats::table::fields::{declared_delimiter, delimiter, each_number, fields, named_columns};
 use halfline_particles::input::Input;
 use halfline_particles::lines::{Block, Lines, has_content};
-use halfline_particles::particles::table::fields::{declared_delimiter, delimiter, each_number, fields, named_columns};
 use std::io::BufRead;
 use std::path::Path;
 

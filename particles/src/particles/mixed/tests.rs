@@ -1,8 +1,8 @@
-use crate::particles::dump::Dump;
+use crate::formats::dump::Dump;
+use crate::formats::table::Table;
 use crate::particles::frame::{ParticleFrames, Particles};
 use crate::particles::request::Request;
 use crate::particles::survey::Survey;
-use crate::particles::table::Table;
 use crate::source::SceneSource;
 use halfline_ground::error::Result;
 

@@ -1,0 +1,310 @@
+//! Point clouds of the Point Cloud Library: a header of text, and the points in text, in binary or compressed
+//! (pointclouds.org/documentation/tutorials/pcd_file_format.html). Points without coordinates, which keep the places of
+//! an image of a scanner, are counted and left out. The crate pcd-rs 0.13 allocates the decompressed size that a file names.
+
+mod header;
+mod lzf;
+
+use crate::input::Input;
+use crate::lines::{Lines, Words};
+use crate::npy::header::{Scalar, bits, levels};
+use crate::particles::bytes::{BinaryFile, DAMAGED};
+use crate::particles::frame::Particles;
+use crate::particles::request::Request;
+use crate::particles::role::Role;
+use crate::particles::rows::surplus;
+use crate::source::SceneSource;
+use halfline_ground::error::{Place, Result, relocate};
+use halfline_ground::memory::check;
+use header::{PcdEncoding, PcdHeader, PcdKind, header};
+use std::path::PathBuf;
+
+/// The points, while they are read.
+struct Points<'a> {
+    header: &'a PcdHeader,
+    particles: Particles,
+    strict: bool,
+    file: Place,
+    /// The numbers of a point.
+    numbers: Vec<f64>,
+    read: u64,
+}
+
+/// Points per block of a binary file.
+const BLOCK: u64 = 4096;
+
+/// The most bytes that are counted after the last point.
+const BEHIND: u64 = 1 << 29;
+
+/// Reads the points.
+///
+/// # Errors
+/// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
+pub(crate) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+    let path = source.path.clone();
+    let mut lines = Lines::new(source.reader, &path);
+    let header = header(&mut lines, request)?;
+    let mut points = Points {
+        header: &header,
+        particles: header.layout.begin(),
+        strict: request.strict,
+        file: lines.file(),
+        numbers: Vec::new(),
+        read: 0,
+    };
+    match header.encoding {
+        PcdEncoding::Ascii => points.ascii(&mut lines)?,
+        PcdEncoding::Binary => points.binary(lines, path)?,
+        PcdEncoding::Compressed => points.compressed(lines, path)?,
+    }
+    points.particles.tell_left_out();
+    Ok(points.particles)
+}
+
+impl Points<'_> {
+    fn ascii(&mut self, lines: &mut Lines<Input>) -> Result<()> {
+        while self.read < self.header.points {
+            if !lines.advance()? {
+                let problem = format!("the file ends after {} of {} points", self.read, self.header.points);
+                return Err(lines.fail(0, "point", problem, "correct POINTS in the header"));
+            }
+            if lines.text().trim().is_empty() {
+                continue;
+            }
+            self.numbers.clear();
+            let mut words = Words::of(lines);
+            for field in &self.header.fields {
+                for _ in 0..field.count {
+                    let ends = || lines.ends("point", "the line ends before the last field", "give every field");
+                    let word = words.next().ok_or_else(ends)?;
+                    match field.kind {
+                        PcdKind::Padding => {}
+                        PcdKind::Color => {
+                            self.numbers.extend(levels(bits(word.number("rgb")?, field.scalar)));
+                        }
+                        PcdKind::Numbers => self.numbers.push(word.number("point")?),
+                    }
+                }
+            }
+            if let Some(word) = words.next() {
+                return Err(lines.fail(word.at, "point", "the line has more numbers than the fields", "correct COUNT"));
+            }
+            self.push(|| lines.place(0))?;
+            lines.found();
+        }
+        while lines.advance()? {
+            if !lines.text().trim().is_empty() {
+                return surplus(lines, self.header.points, "points", |lines| !lines.text().trim().is_empty());
+            }
+        }
+        Ok(())
+    }
+
+    fn binary(&mut self, lines: Lines<Input>, path: PathBuf) -> Result<()> {
+        let mut file = BinaryFile::of(lines.into_reader(), path);
+        let size = self.header.size();
+        let mut block = Vec::new();
+        while self.read < self.header.points {
+            let count = BLOCK.min(self.header.points - self.read);
+            let at = file.at();
+            file.block(count * size as u64, &mut block, "points")?;
+            for (n, row) in block.chunks_exact(size.max(1)).enumerate() {
+                self.numbers.clear();
+                let mut rest = row;
+                for field in &self.header.fields {
+                    let (bytes, after) = rest.split_at(field.size());
+                    self.field(field.kind, field.scalar, bytes);
+                    rest = after;
+                }
+                let place = file.file().named(format!("byte {}", at + (n * size) as u64));
+                self.push(|| place.clone())?;
+            }
+            file.found();
+        }
+        self.behind(&mut file)
+    }
+
+    fn compressed(&mut self, lines: Lines<Input>, path: PathBuf) -> Result<()> {
+        let mut file = BinaryFile::of(lines.into_reader(), path);
+        let packed = u32::from_le_bytes(file.bytes("compressed size")?);
+        let at = file.at();
+        let size = u64::from(u32::from_le_bytes(file.bytes("decompressed size")?));
+        let count = self.header.points;
+        if size != count * self.header.size() as u64 {
+            let problem = format!("{size} bytes are not those of {count} points of {} bytes", self.header.size());
+            return Err(file.fail(at, "decompressed size", problem, DAMAGED));
+        }
+        let (at, mut block) = (file.at(), Vec::new());
+        file.block(u64::from(packed), &mut block, "points")?;
+        let bytes = match lzf::unpack(&block, size)? {
+            Some(bytes) => bytes,
+            // Points that compression does not shorten are stored as they are, as by pypcd.
+            None if u64::from(packed) == size => block,
+            None => return Err(file.fail(at, "points", format!("they do not decompress to {size} bytes"), DAMAGED)),
+        };
+        check(64 * count, || format!("{count} points"))?;
+        // Field by field, all points of each.
+        let mut starts = Vec::new();
+        let mut start = 0;
+        for field in &self.header.fields {
+            starts.push(start);
+            start += field.size() * count as usize;
+        }
+        for n in 0..count as usize {
+            self.numbers.clear();
+            for (field, start) in self.header.fields.iter().zip(&starts) {
+                let at = start + n * field.size();
+                self.field(field.kind, field.scalar, &bytes[at..at + field.size()]);
+            }
+            let place = file.file().named(format!("point {n}"));
+            self.push(|| place.clone())?;
+        }
+        file.found();
+        self.behind(&mut file)
+    }
+
+    /// Decodes the numbers of a field of a point.
+    fn field(&mut self, kind: PcdKind, scalar: Scalar, bytes: &[u8]) {
+        match kind {
+            PcdKind::Padding => {}
+            PcdKind::Color => self.numbers.extend(scalar.levels(bytes)),
+            PcdKind::Numbers => {
+                self.numbers.extend(bytes.chunks_exact(scalar.size()).map(|bytes| scalar.number(bytes)));
+            }
+        }
+    }
+
+    /// Adds the point of the current numbers, if it has coordinates.
+    fn push(&mut self, place: impl Fn() -> Place) -> Result<()> {
+        self.read += 1;
+        let layout = &self.header.layout;
+        let placed =
+            (0..layout.len()).all(|k| !matches!(layout.role(k), Role::Position(_)) || self.numbers[k].is_finite());
+        if !placed {
+            return self.particles.skipped.skip("point without coordinates", self.strict, place);
+        }
+        let placed = |e| {
+            relocate(e, |field| {
+                let place = place();
+                let named = place.field.as_ref().map_or_else(|| field.to_owned(), |row| format!("{row} {field}"));
+                place.named(named)
+            })
+        };
+        layout.checked_numbers(&self.numbers, &mut self.particles, placed)
+    }
+
+    /// Warns of bytes after the last point.
+    fn behind(&mut self, file: &mut BinaryFile) -> Result<()> {
+        let left = file.skip(BEHIND)?;
+        if left > 0 {
+            let points = self.header.points;
+            let warning = format!("{}: {left} bytes follow the {points} points, whose number may be wrong", self.file);
+            self.particles.skipped.assumed.push(warning);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb t _ n\nSIZE 4 8 4 4 2 1 4\nTYPE F F F U I U F\n\
+        COUNT 1 1 1 1 1 3 2\nWIDTH 3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\n";
+
+    /// Three points, the second without coordinates.
+    fn rows() -> [Vec<Vec<u8>>; 3] {
+        [(1.5, 0xff0080, -3), (f32::NAN, 0, 0), (2.5, 0x00ff00, 7)].map(|(x, rgb, t): (f32, u32, i16)| {
+            vec![
+                x.to_le_bytes().to_vec(),
+                0.1f64.to_le_bytes().to_vec(),
+                (-x).to_le_bytes().to_vec(),
+                rgb.to_le_bytes().to_vec(),
+                t.to_le_bytes().to_vec(),
+                vec![9; 3],
+                [3f32, 4.0].iter().flat_map(|n| n.to_le_bytes()).collect(),
+            ]
+        })
+    }
+
+    fn binary() -> Vec<u8> {
+        [format!("{HEAD}DATA binary\n").into_bytes(), rows().concat().concat()].concat()
+    }
+
+    /// The bytes without any copies.
+    fn compressed() -> Vec<u8> {
+        let rows = rows();
+        let bytes: Vec<u8> = (0..7).flat_map(|field| rows.iter().flat_map(move |row| row[field].clone())).collect();
+        let packed: Vec<u8> =
+            bytes.chunks(32).flat_map(|run| [vec![run.len() as u8 - 1], run.to_vec()].concat()).collect();
+        let sizes = [packed.len() as u32, bytes.len() as u32].map(u32::to_le_bytes).concat();
+        [format!("{HEAD}DATA binary_compressed\n").into_bytes(), sizes, packed].concat()
+    }
+
+    fn read(bytes: &[u8], strict: bool) -> Result<Particles> {
+        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t", "n"]) })
+            .map(Particles::linearized)
+    }
+
+    #[test]
+    fn the_three_encodings_hold_the_same_points() {
+        let ascii = format!(
+            "{HEAD}DATA ascii\n1.5 0.1 -1.5 16711808 -3 9 9 9 3 4\nnan nan nan 0 0 9 9 9 3 4\n2.5 0.1 -2.5 65280 7 9 9 9 3 4\n"
+        );
+        // A packed colour as a float: the bits of 0xff0080 are a denormal number.
+        let float = ascii
+            .replace("F F F U I", "F F F F I")
+            .replace("16711808", "2.34182309e-38")
+            .replace("65280", "9.14767638e-41");
+        for bytes in [ascii.into_bytes(), float.into_bytes(), binary(), compressed()] {
+            let found = read(&bytes, false).expect("points");
+            assert_eq!(found.positions, [[1.5, 0.1, -1.5], [2.5, 0.1, -2.5]]);
+            // IEC 61966-2-1 of 128/255.
+            assert!(found.colors[0][..2] == [1.0, 0.0] && (found.colors[0][2] - 0.2158605).abs() < 1e-6);
+            assert_eq!(found.colors[1], [0.0, 1.0, 0.0]);
+            let columns: Vec<_> =
+                found.columns.iter().map(|column| (column.name.as_str(), &column.values[..])).collect();
+            let vector = [("n_x", &[3.0, 3.0][..]), ("n_y", &[4.0, 4.0]), ("n", &[5.0, 5.0])];
+            assert_eq!(columns, [&[("t", &[-3.0, 7.0][..])][..], &vector].concat(), "a vector and its length");
+            assert_eq!(found.skipped.kinds, [("point without coordinates", 1)]);
+            let error = read(&bytes, true).map(drop).expect_err("strict").to_string();
+            assert!(error.contains("point without coordinates"), "{error}");
+        }
+    }
+
+    #[test]
+    fn errors_are_reported() {
+        let head =
+            |from: &str, to: &str| format!("{}DATA ascii\n1 2 3 0 0 9 9 9 3 4\n", HEAD.replace(from, to)).into_bytes();
+        let mut size = compressed();
+        let at = size.len() - compressed().len() + format!("{HEAD}DATA binary_compressed\n").len();
+        size[at + 4] ^= 1;
+        let mut damaged = compressed();
+        damaged[at + 8] = 200;
+        for (bytes, expected) in [
+            (HEAD.as_bytes().to_vec(), "the file ends within its header"),
+            (head("FIELDS x", "FIELDS q"), "a point has no x"),
+            (head("SIZE 4", "SIZE 3"), "TYPE of x: the type `F` of size `3`"),
+            (head("COUNT 1 1 1 1 1 3 2", "COUNT 1"), ":6:1: COUNT: 7 fields have 1 words"),
+            (head("COUNT 1", "COUNT 99999"), "COUNT of x: `99999`"),
+            (head("POINTS 3", "POINTS three"), ":10:1: header: `POINTS three`"),
+            (head("POINTS 3", "POINTS 99999999999"), "32-bit ids"),
+            (head("VIEWPOINT", "VIEWED"), ":9:1: header: `VIEWED"),
+            (head("FIELDS x y", "FIELDS x x"), "occurs twice"),
+            (head("", ""), "the file ends after 1 of 3 points"),
+            (head("POINTS 3", "POINTS 0"), "expected 0 points, found 1"),
+            (format!("{HEAD}DATA zip\n").into_bytes(), ":11:1: header: `DATA zip`"),
+            (format!("{HEAD}DATA ascii\n1 2 3\n").into_bytes(), ":12:6: point"),
+            (format!("{HEAD}DATA ascii\n1 2 3 0 0 9 9 9 3 4 5\n").into_bytes(), ":12:21: point"),
+            (binary()[..binary().len() - 1].to_vec(), "points: the file ends after 98 of 99 bytes"),
+            (size, "are not those of 3 points of 33 bytes"),
+            (damaged, "points: they do not decompress to 99 bytes"),
+        ] {
+            let error = read(&bytes, false).map(drop).expect_err(expected).to_string();
+            assert!(error.contains(expected), "{expected}: {error}");
+        }
+        let more = [binary(), vec![0; 5]].concat();
+        let warnings = read(&more, false).expect("points").skipped.assumed;
+        assert!(warnings.len() == 1 && warnings[0].contains("5 bytes follow the 3 points"), "{warnings:?}");
+    }
+}
