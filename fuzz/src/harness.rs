@@ -40,7 +40,7 @@ impl Target {
         let other = |name, run| Self { name, kind: Kind::Other(run) };
         let others = [
             Self { name: "any", kind: Kind::Scene(None) },
-            Self { name: "packed", kind: Kind::Scene(Some(Format::Csv)) },
+            Self { name: "packed", kind: Kind::Scene(Some(Format::CSV)) },
             other("compare", pictures::compare),
             other("merge", pictures::merge),
             other("resume", pictures::resume),

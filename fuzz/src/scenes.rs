@@ -24,10 +24,10 @@ pub(super) fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
     if choice & 0x10 != 0 {
         check_info(format, content);
     }
-    match format {
-        Some(Format::Native | Format::Pcd) => allowed(length, PER_BYTE_OF_TOML),
-        Some(Format::Mmcif) => allowed(length, PER_BYTE_OF_CRYSTAL),
-        Some(Format::Las) | None => allowed_points(length),
+    match format.map(Format::name) {
+        Some("toml" | "pcd") => allowed(length, PER_BYTE_OF_TOML),
+        Some("cif") => allowed(length, PER_BYTE_OF_CRYSTAL),
+        Some("las") | None => allowed_points(length),
         _ => allowed(length, PER_BYTE),
     }
 }
@@ -44,7 +44,7 @@ fn check_info(format: Option<Format>, content: &[u8]) {
         // A file without a frame is refused by the command.
         (Err(error), Ok(None)) => drop(check_error(&error)),
         // The image flags of LAMMPS data are columns that a rendering does not read.
-        (Err(error), Ok(Some(_))) if format == Some(Format::Data) => drop(check_error(&error)),
+        (Err(error), Ok(Some(_))) if format == Some(Format::DATA) => drop(check_error(&error)),
         (Err(error), Ok(Some(frame))) => panic!("{error}, but {:?} are read", frame.scene.spheres.len()),
         (Ok(info), Err(error)) => panic!("info has {} spheres, and a rendering {error}", info.spheres),
         (Ok(info), Ok(None)) => panic!("info has {} spheres, and a rendering no frame", info.spheres),
@@ -68,7 +68,7 @@ fn options(format: Option<Format>, choice: u8) -> ReadOptions {
         let scale = Scale { log: choice & 0x40 != 0 && choice & 3 == 1, ..Scale::of(columns) };
         options.style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     }
-    if matches!(format, Some(Format::Pdb | Format::Mmcif)) {
+    if [Some(Format::PDB), Some(Format::CIF)].contains(&format) {
         match choice >> 2 & 7 {
             1 => options.particles.assembly = Some("1".into()),
             2 => options.particles.altloc = "highest".parse().expect("an alternate location"),
@@ -121,12 +121,12 @@ fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String
     // A sphere has three coordinates of at least one byte each; an assembly repeats spheres. In compressed formats it has
     // at least two bits (XTC), and three bytes decompress to at most 264 (PCD), in which a point has at least three. A
     // point like the one before takes 0.0075 bits of LAZ.
-    let most = match options.particles.format {
-        Some(Format::Xtc) => 4 * length,
-        Some(Format::Pcd) => 30 * length,
+    let most = match options.particles.format.map(Format::name) {
+        Some("xtc") => 4 * length,
+        Some("pcd") => 30 * length,
         // A space group repeats an atom.
-        Some(Format::Mmcif) => IMAGES * length / 3,
-        Some(Format::Las) | None => POINTS_OF_LAZ * length,
+        Some("cif") => IMAGES * length / 3,
+        Some("las") | None => POINTS_OF_LAZ * length,
         _ => length / 3,
     };
     assert!(

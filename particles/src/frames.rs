@@ -3,10 +3,10 @@
 use super::format::Format;
 use super::input::Input;
 use super::open::open;
+use super::opened::SceneSource;
 use super::options::ParticleOptions;
 use super::particles::frame::{ParticleFrames, Particles};
 use super::select::{Selections, apply};
-use super::source::SceneSource;
 use halfline_ground::error::{Error, Place, Result};
 use std::io::Read;
 use std::path::{Path, PathBuf};

@@ -34,6 +34,8 @@ pub mod nearest;
 pub mod npy;
 #[doc(hidden)]
 pub mod open;
+#[doc(hidden)]
+pub mod opened;
 mod options;
 #[doc(hidden)]
 pub mod packed;
@@ -41,6 +43,7 @@ pub mod packed;
 pub mod particles;
 #[doc(hidden)]
 pub mod select;
+mod signs;
 mod skipped;
 #[doc(hidden)]
 pub mod source;
@@ -66,7 +69,3 @@ pub use particles::placed::PlacedPart;
 pub use particles::request::Altloc;
 pub use select::selection::Selection;
 pub use skipped::Skipped;
-
-/// The line that brings the formats that a build lacks.
-#[cfg(not(feature = "formats"))]
-const WHOLE: &str = "cargo install --path command brings all formats";

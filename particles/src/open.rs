@@ -1,23 +1,18 @@
 //! Opens a file of particles with the reader of its format.
 
-use super::format::Format;
-#[cfg(feature = "formats")]
-use super::formats::{data, gsd, las, mmcif, npz, pcd, poscar, ptx};
-use super::formats::{dump, gro, pdb, ply, xyz};
+use super::format::{Format, Has};
 use super::frame_range::FrameRange;
-use super::npy::records;
+use super::opened::SceneSource;
 use super::options::ParticleOptions;
-use super::particles::frame::{OneFrame, ParticleFrames, Particles};
+use super::particles::frame::{ParticleFrames, Particles};
 use super::particles::identity::{self, Ordered};
 use super::particles::joined::{Joined, NUMBERS, Topology};
-use super::particles::molecule;
-use super::particles::request::Request;
-use super::source::SceneSource;
-use crate::formats::table::Table;
-#[cfg(feature = "formats")]
-use crate::formats::trajectory::Trajectory;
+use super::particles::request::{Altloc, Request};
+use super::source::Source;
 use halfline_ground::error::{Error, Place, Result};
-use halfline_ground::quote::setting::{ATOM_STYLE, COLUMNS, FORMAT, TOPOLOGY};
+use halfline_ground::quote::setting::{
+    ALTLOC, AS_LISTED, ASSEMBLY, ATOM_STYLE, COLUMNS, FORMAT, FRAMES, MODEL, TOPOLOGY,
+};
 use std::path::Path;
 
 /// The frames of a particle file, with the atoms of the topology and in the order of the first one; `None` for formats that
@@ -36,7 +31,7 @@ pub fn open(source: SceneSource, options: &ParticleOptions) -> Result<Result<Box
         Err(source) => return Ok(Err(source)),
     };
     if let Some(topology) = topology {
-        frames = Box::new(Joined::new(frames, file.clone(), topology, identity, has_no_origin(format)));
+        frames = Box::new(Joined::new(frames, file.clone(), topology, identity, format.has(Has::PositionsOnly)));
     }
     if identity.is_some() {
         // The frames that are read have the order of one that is not.
@@ -60,68 +55,50 @@ fn first_ids(path: &Path, options: &ParticleOptions) -> Option<Vec<f64>> {
 
 /// The frames of a particle file as it has them; `None` for formats that contain a whole scene.
 pub fn listed(
-    mut source: SceneSource,
+    source: SceneSource,
     request: Request,
     options: &ParticleOptions,
 ) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
-    if !options.columns_named.is_empty() && !matches!(source.format, Format::Csv | Format::Pts) {
-        let problem = format!("{COLUMNS} names the columns of tables, but the file is {}", source.format.name());
+    let format = source.format;
+    if !options.columns_named.is_empty() && !format.has(Has::NamedColumns) {
+        let problem = format!("{COLUMNS} names the columns of tables, but the file is {}", format.name());
         return Err(Error::settings(problem, format!("remove it, or add {FORMAT} csv if the file is a table")));
     }
-    if options.atom_style.is_some() && options.topology.is_none() && source.format != Format::Data {
-        let problem = format!("{ATOM_STYLE} is of LAMMPS data, but the file is {}", source.format.name());
-        return Err(Error::settings(problem, "remove it"));
-    }
     if options.topology.is_none() {
-        molecule::check(source.format, &request)?;
+        check(format, &request)?;
     }
-    if has_any_columns(source.format) {
+    if format.has(Has::AnyColumns) {
         options.check_columns()?;
     }
-    let warning = source.warning.take();
-    let frames: Box<dyn ParticleFrames> = match source.format {
-        Format::Gro => Box::new(gro::Gro::new(source, request)),
-        Format::Pdb | Format::Pqr | Format::Pdbqt => Box::new(pdb::Pdb::new(source, request)),
-        Format::Xyz => Box::new(xyz::Xyz::new(source, request)),
-        Format::Dump => Box::new(dump::Dump::new(source, request)),
-        Format::Ply => one(move || ply::read(source, &request)),
-        Format::Csv => {
-            let table = Table::open(source, &request)?;
-            one(move || table.all())
-        }
-        Format::Pts => one(move || Table::points(source, &request)?.all()),
-        Format::Npy => Box::new(records::Array::new(source, request)),
-        Format::Native | Format::Nff => return Ok(Err(SceneSource { warning, ..source })),
-        _ => other(source, request, options.topology.is_some())?,
-    };
-    Ok(Ok(match warning {
-        Some(_) => Box::new(Noted { frames, warning }),
-        None => frames,
-    }))
-}
-
-/// The frames of a file in a format of the feature `formats`.
-#[cfg(feature = "formats")]
-#[expect(clippy::unnecessary_wraps, reason = "a build without these formats refuses")]
-fn other(source: SceneSource, request: Request, has_topology: bool) -> Result<Box<dyn ParticleFrames>> {
-    Ok(match source.format {
-        Format::Data => one(move || data::read(source, &request)),
-        Format::Gsd => Box::new(gsd::Gsd::new(source, request)),
-        Format::Las => one(move || las::read(source, &request)),
-        Format::Npz => Box::new(npz::Npz::new(source, request)),
-        Format::Pcd => one(move || pcd::read(source, &request)),
-        Format::Poscar => one(move || poscar::read(source, &request)),
-        Format::Ptx => one(move || ptx::read(source, &request)),
-        Format::Xtc | Format::Trr | Format::Dcd => Box::new(Trajectory::new(source, has_topology, &request)),
-        _ => Box::new(mmcif::Mmcif::new(source, request)),
+    let SceneSource { reader, path, warning, .. } = source;
+    Ok(match (format.frames(Source { reader, path }, request, options.topology.is_some())?, warning) {
+        (Err(Source { reader, path }), warning) => Err(SceneSource { reader, path, format, warning }),
+        (Ok(frames), None) => Ok(frames),
+        (Ok(frames), warning) => Ok(Box::new(Noted { frames, warning })),
     })
 }
 
-#[cfg(not(feature = "formats"))]
-fn other(source: SceneSource, _: Request, _: bool) -> Result<Box<dyn ParticleFrames>> {
-    let file = Place::file(source.path.display().to_string());
-    let problem = format!("this build of halfline does not read the format {}", source.format.name());
-    Err(Error::scene(file, problem, crate::WHOLE))
+/// Returns an error for options that a format does not have.
+///
+/// # Errors
+/// [`Error::Settings`] with the option to remove.
+fn check(format: Format, request: &Request) -> Result<()> {
+    let requests = [
+        (request.atom_style.is_some(), Has::AtomStyles, "atom styles", format!("remove {ATOM_STYLE}")),
+        (request.assembly.is_some(), Has::Assemblies, "biological assemblies", format!("remove {ASSEMBLY}")),
+        (
+            request.model.is_some(),
+            Has::Models,
+            "numbered models",
+            format!("remove {MODEL}, or use {FRAMES}, which counts from 1"),
+        ),
+        (request.as_listed, Has::Symmetry, "symmetry of crystals", format!("remove {AS_LISTED}")),
+        (request.altloc != Altloc::All, Has::AlternateLocations, "alternate locations", format!("remove {ALTLOC}")),
+    ];
+    match requests.into_iter().find(|(is_requested, property, ..)| *is_requested && !format.has(*property)) {
+        Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), mend)),
+        None => Ok(()),
+    }
 }
 
 /// The frames of a file of which something is to be said, which the first that is read says.
@@ -144,27 +121,6 @@ impl ParticleFrames for Noted {
     }
 }
 
-/// The frames of a file that has one.
-fn one(read: impl FnOnce() -> Result<Particles> + Send + 'static) -> Box<dyn ParticleFrames> {
-    Box::new(OneFrame::new(read))
-}
-
-/// Whether files of this format have columns of any name.
-fn has_any_columns(format: Format) -> bool {
-    use Format::{Csv, Data, Dump, Las, Npy, Npz, Pcd, Ply, Pts, Ptx, Xyz};
-    matches!(format, Csv | Data | Dump | Las | Npy | Npz | Pcd | Ply | Pts | Ptx | Xyz)
-}
-
-/// Whether files of this format have a cell and do not say where it begins, which is in the other files of their programs.
-fn has_no_origin(format: Format) -> bool {
-    matches!(format, Format::Xtc | Format::Trr | Format::Dcd)
-}
-
-/// Whether files of this format number their atoms in a column of its own name.
-fn has_serials(format: Format) -> bool {
-    matches!(format, Format::Pdb | Format::Pqr | Format::Pdbqt | Format::Mmcif | Format::Gro)
-}
-
 /// The first frame of the file with the atoms of a trajectory.
 fn topology(path: &Path, trajectory: &Path, options: &ParticleOptions) -> Result<Topology> {
     let name = path.display();
@@ -177,14 +133,14 @@ fn topology(path: &Path, trajectory: &Path, options: &ParticleOptions) -> Result
     let options =
         ParticleOptions { topology: None, format: None, frames: FrameRange::first(), survey: None, ..options.clone() };
     let source = SceneSource::open(path, options.known_format(), &options.watch)?;
-    if matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd) {
+    if source.format.has(Has::PositionsOnly) {
         return unfit(format!("the topology {name} is a trajectory, which has positions only"));
     }
     // Frames find its atoms by these.
     let mut request = options.request(source.format);
-    if has_any_columns(source.format) {
+    if source.format.has(Has::AnyColumns) {
         request.columns.extend(options.identity.column().into_iter().chain(NUMBERS).map(str::to_owned));
-    } else if has_serials(source.format) {
+    } else if source.format.has(Has::Serials) {
         request.columns.push("serial".to_owned());
     }
     match listed(source, request, &options)? {
@@ -193,5 +149,34 @@ fn topology(path: &Path, trajectory: &Path, options: &ParticleOptions) -> Result
             None => unfit(format!("the topology {name} has no atoms")),
         },
         Err(_) => unfit(format!("the topology {name} is a scene, not a particle file")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_of_molecules_are_refused_for_other_formats() {
+        let plain = Request::default();
+        for (options, word) in [
+            (Request { assembly: Some("1".into()), ..plain.clone() }, ASSEMBLY),
+            (Request { model: Some(1), ..plain.clone() }, MODEL),
+            (Request { altloc: Altloc::Highest, ..plain.clone() }, ALTLOC),
+            (Request { as_listed: true, ..plain.clone() }, AS_LISTED),
+        ] {
+            for format in Format::ALL {
+                let known = match format.name() {
+                    "cif" => true,
+                    "pdb" => word != AS_LISTED,
+                    "pdbqt" => [MODEL, ALTLOC].contains(&word),
+                    _ => false,
+                };
+                let found = check(format, &options);
+                assert_eq!(found.is_ok(), known, "{format:?} {word}");
+                assert!(found.is_ok() || found.is_err_and(|error| error.to_string().contains(word)));
+                check(format, &plain).expect("no option is set");
+            }
+        }
     }
 }

@@ -1,9 +1,10 @@
 //! The options for reading particles.
 
 use crate::derived;
-use crate::format::Format;
+use crate::format::{Format, Has};
 use crate::formats::data::style::AtomStyle;
 use crate::frame_range::FrameRange;
+use crate::opened::KnownFormat;
 use crate::particles::column_names::ColumnNames;
 use crate::particles::frame::Particles;
 use crate::particles::identity::Identity;
@@ -14,7 +15,6 @@ use crate::particles::survey::Survey;
 use crate::particles::vectors;
 use crate::select::candidates;
 use crate::select::selection::Selection;
-use crate::source::KnownFormat;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::progress::Watch;
 use std::path::PathBuf;
@@ -141,15 +141,14 @@ impl ParticleOptions {
         match self.format {
             Some(format) => KnownFormat::Given(format),
             None if self.columns_named.is_empty() => KnownFormat::Nothing,
-            None => KnownFormat::IfNone(Format::Csv),
+            None => KnownFormat::IfNone(Format::CSV),
         }
     }
 
     /// The request to the reader of a file of this format. With [`Keep::Molecules`] it has all columns of PDB, PQR, PDBQT, mmCIF
     /// and GRO.
     pub fn request(&self, format: Format) -> Request {
-        use Format::{Gro, Mmcif, Pdb, Pdbqt, Pqr};
-        let all = self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro);
+        let all = self.keep == Keep::Molecules && format.has(Has::Serials);
         let mut columns = self.kept_columns();
         columns.extend(all.then(|| EVERY.to_owned()));
         columns.extend(self.identifying(format).map(str::to_owned));
@@ -173,7 +172,7 @@ impl ParticleOptions {
     /// The column that identifies particles in files of this format; `None` where their order is that of the rows anyway.
     pub(crate) fn identifying(&self, format: Format) -> Option<&str> {
         let is_alone = self.frames.last() == 1 && self.topology.is_none();
-        let may_have = self.identity != Identity::Id || matches!(format, Format::Dump | Format::Xyz);
+        let may_have = self.identity != Identity::Id || format.has(Has::Ids);
         self.identity.column().filter(|_| !is_alone && may_have && self.survey.is_none())
     }
 }

@@ -13,6 +13,9 @@ use members::Members;
 use std::io::{self, BufRead, Read};
 use std::sync::Arc;
 
+/// The line that brings the formats that a build lacks.
+pub(crate) const WHOLE: &str = "cargo install --path command brings all formats";
+
 /// The first bytes that show a compression.
 pub(super) const MAGIC: u64 = 6;
 
@@ -117,7 +120,7 @@ struct Refused(Packing);
 #[cfg(not(feature = "formats"))]
 impl Read for Refused {
     fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
-        let problem = format!("this build of halfline does not decompress {}; {}", self.0.names()[0], crate::WHOLE);
+        let problem = format!("this build of halfline does not decompress {}; {}", self.0.names()[0], WHOLE);
         Err(io::Error::new(io::ErrorKind::Unsupported, problem))
     }
 }

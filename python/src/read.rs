@@ -94,7 +94,7 @@ impl Sequence {
         let choices = Choices::of(&written(options, Call::Read)?).or_raise()?;
         let map = colors.map(|colors| ColorMap::of_colors("own", colors)).transpose().or_raise()?;
         let mut read = choices.reading(keep, map, job.watch()).or_raise()?;
-        read.frames = frames.parse().or_raise()?;
+        read.particles.frames = frames.parse().or_raise()?;
         if read.hold == Hold::All {
             let mend = "use hold='first', or give the camera, the radius and the range yourself";
             return Err(Error::settings("hold='all' is an option of the command only", mend)).or_raise();

@@ -322,20 +322,20 @@ impl Read for Idle {
 /// A stream without content ends, whatever format it is said to have: after 2^20 lines, and what a reader has ahead.
 #[test]
 fn lines_without_content_are_not_read_for_long() {
-    let formats = [Format::Csv, Format::Xyz, Format::Pdb, Format::Mmcif, Format::Gro, Format::Nff, Format::Dump];
+    let formats = [Format::CSV, Format::XYZ, Format::PDB, Format::CIF, Format::GRO, Format::NFF, Format::DUMP];
     for (format, head) in formats.into_iter().map(|format| (format, "")).chain([
-        (Format::Csv, "x,y,z\n0,0,0\n"),
-        (Format::Pdb, "REMARK\n"),
-        (Format::Pqr, "HEADER\n"),
-        (Format::Xyz, "1\n\nC 0 0 0\n"),
-        (Format::Mmcif, "data_x\nloop_\n"),
-        (Format::Data, "title\n\n1 atoms\n"),
-        (Format::Pcd, "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 9\nDATA ascii\n"),
-        (Format::Pts, "2\n1 2 3\n"),
-        (Format::Ptx, ""),
-        (Format::Ply, "ply\nformat ascii 1.0\nelement face 99999999\nelement vertex 1\nproperty float x\nend_header\n"),
+        (Format::CSV, "x,y,z\n0,0,0\n"),
+        (Format::PDB, "REMARK\n"),
+        (Format::PQR, "HEADER\n"),
+        (Format::XYZ, "1\n\nC 0 0 0\n"),
+        (Format::CIF, "data_x\nloop_\n"),
+        (Format::DATA, "title\n\n1 atoms\n"),
+        (Format::PCD, "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 9\nDATA ascii\n"),
+        (Format::PTS, "2\n1 2 3\n"),
+        (Format::PTX, ""),
+        (Format::PLY, "ply\nformat ascii 1.0\nelement face 99999999\nelement vertex 1\nproperty float x\nend_header\n"),
     ]) {
-        let has_comments = head.is_empty() && matches!(format, Format::Csv | Format::Nff);
+        let has_comments = head.is_empty() && [Format::CSV, Format::NFF].contains(&format);
         for line in ["\n", "# \n"].into_iter().take(if has_comments { 2 } else { 1 }) {
             let idle = Idle { bytes: Cursor::new(head.into()), line, left: 3 * 16 };
             let options = ReadOptions {

@@ -443,7 +443,7 @@ fn tables_of_scanners_are_read() {
     let named = |columns: &str| ReadOptions {
         particles: ParticleOptions {
             columns_named: columns.parse().expect("columns"),
-            format: Some(Format::Csv),
+            format: Some(Format::CSV),
             ..Default::default()
         },
         ..ReadOptions::default()

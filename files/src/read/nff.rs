@@ -22,7 +22,7 @@ use halfline::scene::{
     check_sphere,
 };
 use halfline_particles::Skipped;
-use halfline_particles::detect::NFF_DIRECTIVES;
+use halfline_particles::formats::scenes::NFF_DIRECTIVES;
 use halfline_particles::input::Input;
 use halfline_particles::lines::{Lines, Spot, mend_number};
 use std::fmt;

@@ -22,13 +22,13 @@ use halfline_particles::Keep;
 use halfline_particles::Skipped;
 use halfline_particles::input::Input;
 use halfline_particles::open::open;
+use halfline_particles::opened::SceneSource;
 use halfline_particles::particles::frame::{ParticleFrames, Particles};
 use halfline_particles::particles::frame_time::FrameTime;
 use halfline_particles::particles::periodic::Periodic;
 use halfline_particles::particles::periodic::no_cell;
 use halfline_particles::select::selection::Selection;
 use halfline_particles::select::{self, Note};
-use halfline_particles::source::SceneSource;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -255,8 +255,8 @@ impl Sequence {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
                 let warning = source.warning.clone();
-                let native::Read { mut scene, mut skipped, look, aperture, files: named } = match source.format {
-                    Format::Nff => native::Read::of(nff::read(source.reader, path, options.particles.strict)?),
+                let native::Read { mut scene, mut skipped, look, aperture, files: named } = match source.format.name() {
+                    "nff" => native::Read::of(nff::read(source.reader, path, options.particles.strict)?),
                     _ => native::read(source.reader, path, &options.particles.watch)?,
                 };
                 files.extend(named);
@@ -391,7 +391,10 @@ impl Sequence {
     /// The scene of a frame's particles; the first with spheres sets what the following ones are held to.
     fn styled_frame(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
         let file = Place::file(self.path.display().to_string());
-        let (cell, when, is_molecule) = (particles.cell, particles.when, particles.are_molecule(self.format));
+        let (cell, when, is_molecule) = (particles.cell, particles.when, {
+            let has_elements = particles.elements.iter().any(|number| *number != 0);
+            self.format.is_molecule(has_elements, particles.cell.is_some())
+        });
         self.options.particles.watch.check()?;
         self.options.reading().prepare(&mut particles)?;
         self.options.style.settle(&mut particles);

@@ -15,22 +15,18 @@ use halfline_particles::Format;
 use halfline_particles::Skipped;
 use halfline_particles::derived;
 use halfline_particles::input::read_once;
+use halfline_particles::opened::SceneSource;
 use halfline_particles::particles::colors::ColorSurvey;
 use halfline_particles::particles::frame::{Particles, RuleTarget};
 use halfline_particles::particles::frame_time::FrameTime;
 use halfline_particles::particles::periodic::Periodic;
 use halfline_particles::particles::survey::Part;
 use halfline_particles::select::{self, Note, Notes};
-use halfline_particles::source::SceneSource;
 use start::{colors_of, start, texts_of};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::Receiver;
 use std::thread::JoinHandle;
-
-/// The formats that list particles row by row.
-const ROWS: [Format; 8] =
-    [Format::Npy, Format::Csv, Format::Xyz, Format::Dump, Format::Ply, Format::Las, Format::Pts, Format::Ptx];
 
 /// The spheres of one frame of a file, block by block, in the order of the file. They are those that
 /// [`Sequence`](super::Sequence) gives in memory.
@@ -100,7 +96,7 @@ impl SphereBlocks {
 
     fn begin(path: &Path, options: &ReadOptions, surveys: bool, is_colored: bool) -> Result<Self> {
         let source = SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?;
-        if !ROWS.contains(&source.format) && source.format != Format::Native {
+        if !source.format.is_in_blocks() && source.format != Format::NATIVE {
             let problem = format!("{} files are not read as a stream", source.format.name());
             let mend = format!(
                 "remove {STREAM}, or use an array (npy), a table (csv, pts, ptx), xyz, a LAMMPS dump, ply, las or a scene (toml)"
@@ -108,11 +104,11 @@ impl SphereBlocks {
             return Err(Error::settings(problem, mend));
         }
         let format = source.format;
-        let reads_twice = is_colored && format != Format::Native && read_once(path).is_none();
+        let reads_twice = is_colored && format != Format::NATIVE && read_once(path).is_none();
         let colors = if reads_twice { colors_of(path, options)? } else { None };
         let (mut first, mut started) = (None, start(source, options, Vec::new())?);
         let worded = options.reading().worded_columns();
-        if !worded.is_empty() && format != Format::Native && read_once(path).is_none() {
+        if !worded.is_empty() && format != Format::NATIVE && read_once(path).is_none() {
             // Without a text in its first rows, a column has the type that all of them say.
             first = started.1.recv().ok();
             let is_named =
@@ -164,7 +160,7 @@ impl SphereBlocks {
             return Ok(None);
         }
         let source = SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?;
-        if source.format != Format::Native {
+        if source.format != Format::NATIVE {
             return Ok(None);
         }
         let (read, _) = native::without_files(source.reader, path, &options.particles.watch)?;
@@ -243,7 +239,7 @@ impl SphereBlocks {
     /// after the last block.
     #[must_use]
     pub fn is_molecule(&self) -> bool {
-        self.format.is_of_molecules() && self.has_elements && !(self.format == Format::Xyz && self.has_cell)
+        self.format.is_molecule(self.has_elements, self.has_cell)
     }
 
     fn styled_block(&mut self, mut part: Particles) -> Result<Spheres> {

@@ -5,6 +5,7 @@ mod header;
 pub(crate) mod style;
 
 use crate::elements::element;
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::{Lines, Word, Words};
 use crate::particles::frame::{Column, Particles};
@@ -13,7 +14,7 @@ use crate::particles::masses;
 use crate::particles::request::Request;
 use crate::particles::role::Role;
 use crate::particles::rows::surplus;
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::memory::{Ledger, check, check_ids, reserve};
 use halfline_ground::quote::setting::ATOM_STYLE;
@@ -22,11 +23,21 @@ use header::{DataHeader, body};
 use std::collections::HashMap;
 use style::AtomStyle;
 
+pub(crate) const DATA: FormatRow = FormatRow {
+    name: "data",
+    about: "LAMMPS data",
+    endings: &["lammps"],
+    signs: &[Sign::Structure(is_sections), Sign::Lines(is_data)],
+    has: &[Has::AnyColumns, Has::AtomStyles],
+    open: Open::Frame(read).optional(),
+    ..FormatRow::PLAIN
+};
+
 /// Reads the sections with atoms, their masses and velocities.
 ///
 /// # Errors
 /// [`Error::Scene`] with line and column, [`Error::Io`], [`Error::Limits`].
-pub(crate) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+pub(crate) fn read(source: Source, request: &Request) -> Result<Particles> {
     LammpsData { lines: Lines::new(source.reader, &source.path), request }.read()
 }
 
@@ -370,6 +381,26 @@ fn name_elements(found: &SectionData, particles: &mut Particles) {
     let most = found.of.iter().copied().max().unwrap_or(0).min(1 << 16);
     let table: Vec<u8> = (0..=most).map(|of| place(of).and_then(|k| numbers.get(k)).copied().unwrap_or(0)).collect();
     particles.elements = found.of.iter().map(|of| table.get(*of as usize).copied().unwrap_or(0)).collect();
+}
+
+/// A title, and soon after it `N atoms`.
+fn is_data(lines: &[&str]) -> bool {
+    lines.iter().skip(1).take(32).any(|line| {
+        let mut words = line.split_whitespace();
+        words.next().is_some_and(|n| n.parse::<u64>().is_ok()) && words.next() == Some("atoms")
+    })
+}
+
+/// The same, with another line of the header or a section.
+fn is_sections(lines: &[&str]) -> bool {
+    let is_known = |line: &&str| {
+        let words: Vec<&str> = line.split_whitespace().take(4).collect();
+        matches!(
+            words[..],
+            [_, "atom", "types", ..] | [_, _, "xlo", "xhi"] | [_, _, _, "avec"] | ["Atoms" | "Masses", ..]
+        )
+    };
+    is_data(lines) && lines.iter().skip(1).any(is_known)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! LAMMPS dump: a sequence of `ITEM:` sections, of which the atoms end a frame. Columns, scaled coordinates and the
 //! bounding box of a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::{Lines, Words};
 use crate::particles::colors::ColorType;
@@ -13,11 +14,21 @@ use crate::particles::periodic::images::open_edges;
 use crate::particles::request::Request;
 use crate::particles::role::Role;
 use crate::particles::rows::{rows, surplus};
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::Cell;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::quote;
 use std::io::BufRead;
+
+pub(crate) const DUMP: FormatRow = FormatRow {
+    name: "dump",
+    about: "LAMMPS dump",
+    endings: &["lammpstrj"],
+    signs: &[Sign::Signature(|lines| lines.first().is_some_and(|line| line.starts_with("ITEM:")))],
+    has: &[Has::Blocks, Has::AnyColumns, Has::Ids],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Dump::new(source, request)))),
+    ..FormatRow::PLAIN
+};
 
 /// The reader.
 pub(crate) struct Dump {
@@ -41,7 +52,7 @@ const AXES: [([&str; 3], bool); 4] =
 const MEND: &str = "give as many atoms as the frame says";
 
 impl Dump {
-    pub(crate) fn new(source: SceneSource, request: Request) -> Self {
+    pub(crate) fn new(source: Source, request: Request) -> Self {
         Self { lines: Lines::new(source.reader, &source.path), request }
     }
 
@@ -234,7 +245,7 @@ mod tests {
     use crate::particles::frame::all;
 
     fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
-        all(Dump::new(SceneSource::of_text(text), Request::of(columns)))
+        all(Dump::new(Source::of_text(text), Request::of(columns)))
     }
 
     fn frame(bounds: &str, columns: &str, atoms: &str) -> String {
@@ -304,7 +315,7 @@ mod tests {
     #[test]
     fn skipped_frames_are_not_parsed() {
         let text = frame(CUBE, "x y z", "no numbers here\nat all, at") + &frame(CUBE, "x y z", "1 2 3");
-        let mut dump = Dump::new(SceneSource::of_text(&text), Request::default());
+        let mut dump = Dump::new(Source::of_text(&text), Request::default());
         assert!(dump.skip().expect("the first"));
         assert_eq!(dump.next().expect("the second").expect("a frame").positions, [[1.0, 2.0, 3.0]]);
         assert!(!dump.skip().expect("the end"));

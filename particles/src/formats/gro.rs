@@ -2,6 +2,7 @@
 //! (manual.gromacs.org/current/reference-manual/file-formats.html#gro). Lengths are nanometres in the file and are
 //! multiplied by ten to ångström. Velocities keep the file's unit, nm/ps.
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::formats::pdb::overruns;
 use crate::input::Input;
 use crate::lines::{Lines, Words};
@@ -12,11 +13,21 @@ use crate::particles::infer::{AtomNames, Inference};
 use crate::particles::molecule::{Copies, Model};
 use crate::particles::request::Request;
 use crate::particles::rows::surplus;
-use crate::source::SceneSource;
+use crate::signs::numbers;
+use crate::source::Source;
 use halfline_ground::Cell;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::quote;
 use std::ops::Range;
+
+pub(crate) const GRO: FormatRow = FormatRow {
+    name: "gro",
+    about: "GROMACS coordinates",
+    signs: &[Sign::Structure(is_gro)],
+    has: &[Has::Molecules, Has::Serials],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Gro::new(source, request)))),
+    ..FormatRow::PLAIN
+};
 
 /// The reader.
 pub(crate) struct Gro {
@@ -48,7 +59,7 @@ const MEND: &str = "give as many atoms as the count says, and the box";
 const NANOMETRE: f64 = 10.0;
 
 impl Gro {
-    pub(crate) fn new(source: SceneSource, request: Request) -> Self {
+    pub(crate) fn new(source: Source, request: Request) -> Self {
         let lines = Lines::new(source.reader, &source.path).of_columns();
         Self { lines, request, is_noted: false, when: FrameTime::default() }
     }
@@ -258,13 +269,23 @@ impl ParticleFrames for Gro {
     }
 }
 
+/// A title, a count, and atoms with their number in columns 16 to 20, before coordinates with a decimal point.
+fn is_gro(lines: &[&str]) -> bool {
+    let [_, count, atom, ..] = lines else { return false };
+    let whole = |text: Option<&str>| text.is_some_and(|text| text.trim().parse::<i64>().is_ok());
+    whole(Some(count))
+        && whole(atom.get(..5))
+        && whole(atom.get(15..20))
+        && atom.get(20..).is_some_and(|rest| numbers(rest) >= 3 && rest.contains('.'))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::particles::frame::Column;
 
     fn gro(text: &str, columns: &[&str]) -> Gro {
-        Gro::new(SceneSource::of_text(text), Request::of(columns))
+        Gro::new(Source::of_text(text), Request::of(columns))
     }
 
     fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {

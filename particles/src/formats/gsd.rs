@@ -5,12 +5,13 @@
 mod file;
 mod shape;
 
+use crate::format::{FormatRow, Open, Sign};
 use crate::particles::bytes::BinaryFile;
 use crate::particles::frame::{Column, ParticleFrames, Particles};
 use crate::particles::frame_time::FrameTime;
 use crate::particles::layout::is_requested;
 use crate::particles::request::Request;
-use crate::source::SceneSource;
+use crate::source::Source;
 use file::{Chunk, GsdFile, until_zero};
 use halfline_ground::Cell;
 use halfline_ground::error::Result;
@@ -19,6 +20,14 @@ use halfline_ground::quote::setting::RADIUS;
 use halfline_ground::quote::{list, unquoted};
 use shape::Shape;
 use std::collections::BTreeMap;
+
+pub(crate) const GSD: FormatRow = FormatRow {
+    name: "gsd",
+    about: "frames of HOOMD-blue",
+    signs: &[Sign::Bytes(|bytes| bytes.starts_with(&0x65df_65df_65df_65df_u64.to_le_bytes()))],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Gsd::new(source, request)))).optional(),
+    ..FormatRow::PLAIN
+};
 
 /// The reader.
 pub(crate) struct Gsd {
@@ -66,7 +75,7 @@ const DIAMETER_DEFAULT: f64 = 1.0;
 const MOST_TYPES: u64 = 4096;
 
 impl Gsd {
-    pub(crate) fn new(source: SceneSource, request: Request) -> Self {
+    pub(crate) fn new(source: Source, request: Request) -> Self {
         let selects = |name: &str| is_requested(&request.columns, name);
         let requested = (0..COLUMNS.len()).filter(|k| selects(COLUMNS[*k].0)).collect();
         Self {

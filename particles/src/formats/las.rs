@@ -5,18 +5,30 @@ mod extra;
 mod format;
 mod laz;
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::particles::bytes::{BinaryFile, DAMAGED};
 use crate::particles::colors::ColorType;
 use crate::particles::frame::Particles;
 use crate::particles::layout::{EVERY, Layout, is_requested};
 use crate::particles::request::Request;
 use crate::particles::role::Role;
-use crate::source::SceneSource;
+use crate::source::Source;
 use extra::ExtraField;
 use format::{FORMATS, PointFormat, u16_at, u32_at};
 use halfline_ground::error::{Result, relocate};
 use halfline_ground::memory::check_ids;
 use laz::{Laz, LazScheme};
+
+pub(crate) const LAS: FormatRow = FormatRow {
+    name: "las",
+    about: "points of laser scans",
+    endings: &["laz"],
+    // The major version.
+    signs: &[Sign::Bytes(|bytes| bytes.starts_with(b"LASF") && bytes.get(24).is_none_or(|version| *version == 1))],
+    has: &[Has::Blocks, Has::AnyColumns],
+    open: Open::Frame(read).optional(),
+    ..FormatRow::PLAIN
+};
 
 /// The header, as far as points need it.
 struct LasHeader {
@@ -58,7 +70,7 @@ fn f64_at(bytes: &[u8], at: usize) -> f64 {
 ///
 /// # Errors
 /// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
-pub(crate) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+pub(crate) fn read(source: Source, request: &Request) -> Result<Particles> {
     let mut file = BinaryFile::new(source);
     let mut header = LasHeader::read(&mut file)?;
     // Every field costs time for every point. A field of the format comes before one of its name.
@@ -325,7 +337,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request::of(columns)).map(Particles::linearized)
+        super::read(Source::of_bytes(bytes), &Request::of(columns)).map(Particles::linearized)
     }
 
     #[test]

@@ -6,25 +6,38 @@
 mod binary;
 mod operators;
 mod row;
+mod signs;
 mod symmetry;
 mod text;
 mod token;
 mod tokens;
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::particles::atom_property::{AtomProperty, NameTable};
 use crate::particles::frame::{ParticleFrames, Particles};
 use crate::particles::infer::Inference;
 use crate::particles::molecule::{Copies, Model, Passed, more_models, not_assembled};
 use crate::particles::request::Request;
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::Cell;
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::Ledger;
 use operators::{OperatorItem, Operators};
 use row::{AtomColumns, AtomRow};
+use signs::{is_binary_cif, is_mmcif};
 use std::collections::{HashMap, VecDeque};
 use token::Token;
 use tokens::Tokens;
+
+pub(crate) const CIF: FormatRow = FormatRow {
+    name: "cif",
+    about: "macromolecular CIF, in text or binary",
+    endings: &["mmcif", "bcif"],
+    signs: &[Sign::Bytes(is_binary_cif), Sign::Structure(is_mmcif)],
+    has: &[Has::Molecules, Has::Serials, Has::Assemblies, Has::Models, Has::AlternateLocations, Has::Symmetry],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Mmcif::new(source, request)))).optional(),
+    ..FormatRow::PLAIN
+};
 
 /// The reader.
 pub(crate) struct Mmcif {
@@ -66,7 +79,7 @@ enum State {
 }
 
 impl Mmcif {
-    pub(crate) fn new(source: SceneSource, request: Request) -> Self {
+    pub(crate) fn new(source: Source, request: Request) -> Self {
         Self {
             tokens: Tokens::new(source, |tag| {
                 AtomColumns::is_atom(tag) || AtomColumns::is_component(tag) || OperatorItem::of(tag).is_some()

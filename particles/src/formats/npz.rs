@@ -3,6 +3,8 @@
 
 mod archive;
 
+use crate::foreign::is_zip;
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::npy::header::{DType, Header, Scalar, bits, levels};
 use crate::npy::{Npy, shown, text_size};
 use crate::particles::frame::{Column, ParticleFrames, Particles};
@@ -11,7 +13,7 @@ use crate::particles::meaning::{FieldKind, Meanings, NamedField, is_known, is_le
 use crate::particles::request::Request;
 use crate::particles::role::Role;
 use crate::skipped::Skipped;
-use crate::source::SceneSource;
+use crate::source::Source;
 use archive::{Archive, MEND};
 use halfline_ground::check::{check_color, is_center, is_radius};
 use halfline_ground::error::{Error, Place, Result};
@@ -21,9 +23,18 @@ use std::collections::BTreeMap;
 use std::io::BufRead;
 use std::sync::Arc;
 
+pub(crate) const NPZ: FormatRow = FormatRow {
+    name: "npz",
+    about: "named NumPy arrays",
+    signs: &[Sign::Bytes(|bytes| bytes.starts_with(b"PK\x03\x04") && !is_zip(bytes, &[]))],
+    has: &[Has::AnyColumns],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Npz::new(source, request)))).optional(),
+    ..FormatRow::PLAIN
+};
+
 /// The reader.
 pub(crate) struct Npz {
-    source: Option<SceneSource>,
+    source: Option<Source>,
     request: Request,
     /// The arrays, once they are read, and the next frame.
     arrays: Arrays,
@@ -72,12 +83,12 @@ const MOST: usize = 4096;
 const LONGEST_NAME: usize = 256;
 
 impl Npz {
-    pub(crate) fn new(source: SceneSource, request: Request) -> Self {
+    pub(crate) fn new(source: Source, request: Request) -> Self {
         let file = Place::file(source.path.display().to_string());
         Self { source: Some(source), request, arrays: Arrays::default(), file, next: 0 }
     }
 
-    fn read(&self, source: SceneSource) -> Result<Arrays> {
+    fn read(&self, source: Source) -> Result<Arrays> {
         let counts = source.reader.counts();
         let mut archive = Archive { reader: source.reader, path: source.path };
         let mut found = Arrays::default();
@@ -380,7 +391,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
-        let mut npz = Npz::new(SceneSource::of_bytes(bytes), Request::of(columns));
+        let mut npz = Npz::new(Source::of_bytes(bytes), Request::of(columns));
         Ok(npz.next()?.expect("one frame"))
     }
 

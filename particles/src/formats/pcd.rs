@@ -5,6 +5,7 @@
 mod header;
 mod lzf;
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::{Lines, Words};
 use crate::npy::header::{Scalar, bits, levels};
@@ -13,11 +14,21 @@ use crate::particles::frame::Particles;
 use crate::particles::request::Request;
 use crate::particles::role::Role;
 use crate::particles::rows::surplus;
-use crate::source::SceneSource;
+use crate::signs::content_lines;
+use crate::source::Source;
 use halfline_ground::error::{Place, Result, relocate};
 use halfline_ground::memory::check;
 use header::{PcdEncoding, PcdHeader, PcdKind, header};
 use std::path::PathBuf;
+
+pub(crate) const PCD: FormatRow = FormatRow {
+    name: "pcd",
+    about: "point clouds of the Point Cloud Library",
+    signs: &[Sign::Signature(is_pcd)],
+    has: &[Has::AnyColumns],
+    open: Open::Frame(read).optional(),
+    ..FormatRow::PLAIN
+};
 
 /// The points, while they are read.
 struct Points<'a> {
@@ -40,7 +51,7 @@ const BEHIND: u64 = 1 << 29;
 ///
 /// # Errors
 /// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
-pub(crate) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+pub(crate) fn read(source: Source, request: &Request) -> Result<Particles> {
     let path = source.path.clone();
     let mut lines = Lines::new(source.reader, &path);
     let header = header(&mut lines, request)?;
@@ -205,6 +216,17 @@ impl Points<'_> {
     }
 }
 
+/// Lines with the names and the sizes of the fields of a point cloud.
+fn is_pcd(lines: &[&str]) -> bool {
+    let first = |line: &str| line.split_whitespace().next().map(str::to_owned);
+    let begins = |key: &str| content_lines(lines).take(8).any(|line| first(line).as_deref() == Some(key));
+    let is_header = content_lines(lines)
+        .next()
+        .and_then(first)
+        .is_some_and(|key| ["VERSION", "FIELDS", "COLUMNS"].contains(&&key[..]));
+    is_header && (begins("FIELDS") || begins("COLUMNS")) && begins("SIZE") && begins("TYPE")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -242,8 +264,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], strict: bool) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t", "n"]) })
-            .map(Particles::linearized)
+        super::read(Source::of_bytes(bytes), &Request { strict, ..Request::of(&["t", "n"]) }).map(Particles::linearized)
     }
 
     #[test]

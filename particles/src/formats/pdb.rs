@@ -6,8 +6,9 @@
 mod biomt;
 mod columns;
 mod dialects;
+mod signs;
 
-use crate::format::Format;
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::Lines;
 use crate::particles::assembly;
@@ -16,8 +17,50 @@ use crate::particles::frame::{ParticleFrames, Particles};
 use crate::particles::infer::{AtomNames, Inference};
 use crate::particles::molecule::{Copies, Model, Passed, cell, more_models, not_assembled};
 use crate::particles::request::{Altloc, Request};
-use crate::source::SceneSource;
+use crate::source::Source;
 use biomt::Biomt;
+use signs::{doubt, has_types, is_free, is_pdb, is_pdbqt, is_pqr};
+
+pub(crate) const PDB: FormatRow = FormatRow {
+    name: "pdb",
+    about: "Protein Data Bank",
+    endings: &["ent"],
+    signs: &[Sign::Lines(|lines| is_pdb(lines) && !is_pqr(lines) && !is_pdbqt(lines))],
+    fits: Some(|lines| is_pdb(lines) && !is_free(lines) && !has_types(lines)),
+    has: &[Has::Molecules, Has::Serials, Has::Assemblies, Has::Models, Has::AlternateLocations],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Pdb::new(source, request, Dialect::Pdb)))),
+    ..FormatRow::PLAIN
+};
+
+pub(crate) const PQR: FormatRow = FormatRow {
+    name: "pqr",
+    about: "PDB with charges and radii, as written by PDB2PQR",
+    signs: &[Sign::Lines(|lines| is_pqr(lines) && !is_pdbqt(lines))],
+    fits: Some(|lines| is_pdb(lines) && !is_pdbqt(lines)),
+    doubt,
+    has: &[Has::Molecules, Has::Serials],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Pdb::new(source, request, Dialect::Pqr)))),
+    ..FormatRow::PLAIN
+};
+
+pub(crate) const PDBQT: FormatRow = FormatRow {
+    name: "pdbqt",
+    about: "PDB with charges and AutoDock's atom types",
+    signs: &[Sign::Lines(is_pdbqt)],
+    fits: Some(is_pdb),
+    has: &[Has::Molecules, Has::Serials, Has::Models, Has::AlternateLocations],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Pdb::new(source, request, Dialect::Pdbqt)))),
+    ..FormatRow::PLAIN
+};
+
+/// The columns of atoms behind their coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Dialect {
+    Pdb,
+    Pqr,
+    Pdbqt,
+}
+
 pub(super) use columns::overruns;
 use columns::{
     BFACTOR, CHAIN, CHARGE, COORDINATE, ICODE, LOCATION, NAME, OCCUPANCY, PdbRecord, RECORD, RESIDUE, RESIDUE_ID,
@@ -30,7 +73,7 @@ use std::ops::Range;
 /// The reader.
 pub(crate) struct Pdb {
     lines: Lines<Input>,
-    dialect: Format,
+    dialect: Dialect,
     request: Request,
     /// The number of the last model, and whether the selected one was read.
     number: i64,
@@ -61,19 +104,19 @@ const HAS_PQR: [AtomProperty; 8] = {
 };
 
 /// The columns of a file in this format.
-fn has(dialect: Format) -> &'static [AtomProperty] {
+fn has(dialect: Dialect) -> &'static [AtomProperty] {
     match dialect {
-        Format::Pqr => &HAS_PQR,
-        Format::Pdbqt => &HAS[1..],
+        Dialect::Pqr => &HAS_PQR,
+        Dialect::Pdbqt => &HAS[1..],
         _ => &HAS[..12],
     }
 }
 
 impl Pdb {
-    pub(crate) fn new(source: SceneSource, request: Request) -> Self {
+    fn new(source: Source, request: Request, dialect: Dialect) -> Self {
         Self {
             lines: Lines::new(source.reader, &source.path).of_columns(),
-            dialect: source.format,
+            dialect,
             request,
             number: 0,
             done: false,
@@ -114,7 +157,7 @@ impl Pdb {
                     self.lines.found();
                     let names = &mut self.names;
                     match self.dialect {
-                        Format::Pqr => dialects::pqr(&self.lines, names, model)?,
+                        Dialect::Pqr => dialects::pqr(&self.lines, names, model)?,
                         dialect => Self::atom(&self.lines, &self.request, dialect, names, self.number, model)?,
                     }
                 }
@@ -163,7 +206,7 @@ impl Pdb {
     fn atom(
         lines: &Lines<Input>,
         request: &Request,
-        dialect: Format,
+        dialect: Dialect,
         names: &mut NameTable,
         model_number: i64,
         model: &mut Model,
@@ -187,7 +230,7 @@ impl Pdb {
         let atom = AtomNames {
             // Older files have digits in these columns, or nothing.
             symbol: match dialect {
-                Format::Pdbqt => dialects::symbol(field(line, TYPE)),
+                Dialect::Pdbqt => dialects::symbol(field(line, TYPE)),
                 _ => field(line, SYMBOL),
             },
             name: field(line, NAME),
@@ -257,7 +300,7 @@ impl ParticleFrames for Pdb {
                 continue;
             }
             self.done = self.request.model.is_some();
-            let mut model = Model::new(&self.request, has(self.dialect), Inference::new(self.dialect != Format::Pqr));
+            let mut model = Model::new(&self.request, has(self.dialect), Inference::new(self.dialect != Dialect::Pqr));
             self.body(Some(&mut model))?;
             let file = self.lines.file();
             let assembly = match &self.request.assembly {

@@ -8,6 +8,7 @@ mod splat;
 mod text;
 mod vertex;
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::Lines;
 use crate::particles::frame::Particles;
@@ -15,7 +16,7 @@ use crate::particles::layout::Layout;
 use crate::particles::meaning::{NamedField, meanings};
 use crate::particles::request::Request;
 use crate::particles::role::Role;
-use crate::source::SceneSource;
+use crate::source::Source;
 use binary::Binary;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::memory::check_ids;
@@ -26,12 +27,23 @@ use std::io::BufReader;
 use text::{pass, rest_of_text, text};
 use vertex::VertexColumns;
 
+pub(crate) const PLY: FormatRow = FormatRow {
+    name: "ply",
+    about: "points of a Stanford polygon file",
+    signs: &[Sign::Signature(|lines| {
+        lines.first().is_some_and(|line| line.split('\r').next().is_some_and(|line| line.trim_end() == "ply"))
+    })],
+    has: &[Has::Blocks, Has::AnyColumns],
+    open: Open::Frame(read),
+    ..FormatRow::PLAIN
+};
+
 /// Reads the vertices.
 ///
 /// # Errors
 /// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
-pub(crate) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
-    let SceneSource { mut reader, path, .. } = source;
+pub(crate) fn read(source: Source, request: &Request) -> Result<Particles> {
+    let Source { mut reader, path, .. } = source;
     // Line ends of old Macintosh: a first byte of binary data may be a line feed, so the first line decides.
     let start = reader.look(5).map_err(|e| Error::read(&path, e))?;
     let ends_in_returns = start.starts_with(b"ply\r") && start.get(4) != Some(&b'\n');
@@ -132,7 +144,7 @@ mod tests {
     }
 
     fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
-        super::read(SceneSource::of_bytes(bytes), &Request { strict, ..Request::of(&["t"]) }).map(Particles::linearized)
+        super::read(Source::of_bytes(bytes), &Request { strict, ..Request::of(&["t"]) }).map(Particles::linearized)
     }
 
     #[test]
@@ -207,8 +219,7 @@ mod tests {
             ("ply\nelement vertex 1\n".into(), "within its header"),
             ("ply\nwhat\n".into(), ":2:1: header: `what`"),
         ] {
-            let error =
-                super::read(SceneSource::of_text(&text), &Request::of(&[])).map(drop).expect_err(&text).to_string();
+            let error = super::read(Source::of_text(&text), &Request::of(&[])).map(drop).expect_err(&text).to_string();
             assert!(error.contains(message), "{error}");
         }
     }

@@ -3,17 +3,28 @@
 //! are taken where all are symbols. Lengths are ångström. Velocities are skipped.
 
 use crate::elements::atomic_number;
+use crate::format::{FormatRow, Open, Sign};
 use crate::input::Input;
 use crate::lines::{Lines, Word, Words};
 use crate::particles::frame::{Column, Particles};
 use crate::particles::layout::is_requested;
 use crate::particles::request::Request;
 use crate::particles::rows::surplus;
-use crate::source::SceneSource;
+use crate::signs::numbers;
+use crate::source::Source;
 use halfline_ground::Cell;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::memory::check_ids;
 use halfline_ground::quote::{quote, unquoted};
+
+pub(crate) const POSCAR: FormatRow = FormatRow {
+    name: "poscar",
+    about: "POSCAR and CONTCAR of VASP",
+    endings: &["contcar", "vasp"],
+    signs: &[Sign::Structure(is_poscar)],
+    open: Open::Frame(read).optional(),
+    ..FormatRow::PLAIN
+};
 
 /// The column of species.
 const SPECIES: &str = "species";
@@ -37,7 +48,7 @@ struct PoscarHeader {
 ///
 /// # Errors
 /// [`Error::Scene`] with the place in the file, [`Error::Io`], [`Error::Limits`].
-pub(crate) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+pub(crate) fn read(source: Source, request: &Request) -> Result<Particles> {
     let mut lines = Lines::new(source.reader, &source.path);
     let header = header(&mut lines)?;
     let mut particles = Particles { has: vec![SPECIES.into()], ..Particles::default() };
@@ -220,6 +231,21 @@ fn counts(lines: &Lines<Input>) -> Result<Vec<u64>> {
     Ok(counts)
 }
 
+/// A comment, a scale, three vectors, optionally a line of species, and whole numbers.
+fn is_poscar(lines: &[&str]) -> bool {
+    let lines: Vec<&str> = lines.iter().take(7).map(|line| line.split(['!', '#']).next().unwrap_or_default()).collect();
+    let [_, scale, a, b, c, first, second] = &lines[..] else { return false };
+    let vector = |line: &&str| numbers(line) == 3;
+    let counts = |line: &str| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
+    let species = first.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
+    // The sixth or the seventh line has a word, unless all are rows of a table, perhaps under its header.
+    let table = lines[1..7].iter().all(|line| numbers(line) >= 3 && numbers(line) == line.split_whitespace().count());
+    !table
+        && [1, 3].contains(&numbers(scale))
+        && [a, b, c].into_iter().all(vector)
+        && (counts(first) || species && counts(second))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,14 +262,14 @@ mod tests {
             let found = read(&behind).unwrap_or_else(|error| panic!("{comment}: {error}"));
             assert_eq!((&found.positions, &found.elements), (&expected.positions, &expected.elements), "{comment}");
             let start = crate::detect::recognise(behind.as_bytes(), std::path::Path::new("a"));
-            assert_eq!(start.map(|(format, _)| format), Ok(crate::format::Format::Poscar), "{behind}");
+            assert_eq!(start.map(|(format, _)| format), Ok(crate::format::Format::POSCAR), "{behind}");
         }
         let error = read(&plain.replace(".5 .5 .5 T T T", ".5 .5 ! .5")).map(drop).expect_err("two").to_string();
         assert!(error.contains("position: the line has fewer than three numbers"), "{error}");
     }
 
     fn read(text: &str) -> Result<Particles> {
-        super::read(SceneSource::of_text(text), &Request::of(&["species"]))
+        super::read(Source::of_text(text), &Request::of(&["species"]))
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! a point for each cell of the scan; scan after scan. Points are row vectors and the matrix is applied from the right. A cell
 //! without a return has the point 0 0 0, which is counted and left out.
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::{Lines, Words};
 use crate::particles::frame::Particles;
@@ -9,10 +10,19 @@ use crate::particles::layout::Layout;
 use crate::particles::points::{self, PointColumns};
 use crate::particles::request::Request;
 use crate::particles::rows::rows;
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::error::Result;
 use halfline_ground::memory::check_ids;
 use std::io::BufRead;
+
+pub(crate) const PTX: FormatRow = FormatRow {
+    name: "ptx",
+    about: "scans of Leica Cyclone",
+    signs: &[Sign::Structure(is_ptx)],
+    has: &[Has::Blocks, Has::AnyColumns],
+    open: Open::Frame(read).optional(),
+    ..FormatRow::PLAIN
+};
 
 /// The remedies for a damaged header, and for a file that ends within a scan.
 const HEADER: &str = "a scan begins with its columns, its rows, 4 rows of 3 numbers and 4 rows of 4";
@@ -29,7 +39,7 @@ struct Scan {
 ///
 /// # Errors
 /// [`Error::Scene`](halfline_ground::error::Error::Scene) with line and column.
-pub(crate) fn read(source: SceneSource, request: &Request) -> Result<Particles> {
+pub(crate) fn read(source: Source, request: &Request) -> Result<Particles> {
     let mut lines = Lines::new(source.reader, &source.path);
     let mut layout = Layout::new(request);
     let mut particles = Particles::default();
@@ -129,6 +139,15 @@ fn columns(lines: &Lines<Input>, request: &Request) -> Result<Layout> {
     Ok(layout)
 }
 
+/// Two counts, the place and the three axes of the scanner, and a matrix of four rows.
+fn is_ptx(lines: &[&str]) -> bool {
+    let numbers = |line: &&str| {
+        let words: Vec<bool> = line.split_whitespace().map(|word| word.parse::<f64>().is_ok()).collect();
+        words.len() * usize::from(words.iter().all(|is_number| *is_number))
+    };
+    lines.len() >= 10 && lines[..10].iter().map(numbers).eq([1, 1, 3, 3, 3, 3, 4, 4, 4, 4])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,7 +158,7 @@ mod tests {
     }
 
     fn read(text: &str, strict: bool) -> Result<Particles> {
-        super::read(SceneSource::of_text(text), &Request { strict, ..Request::of(&["intensity"]) })
+        super::read(Source::of_text(text), &Request { strict, ..Request::of(&["intensity"]) })
             .map(Particles::linearized)
     }
 

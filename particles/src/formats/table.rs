@@ -7,23 +7,50 @@
 pub mod fields;
 mod header;
 pub(crate) mod names;
+pub(crate) mod signs;
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::{Lines, has_content};
+use crate::particles::frame::OneFrame;
 use crate::particles::frame::Particles;
 use crate::particles::layout::Layout;
 use crate::particles::mixed::is_text;
 use crate::particles::request::Request;
 use crate::particles::role::Role;
 use crate::particles::rows::rows;
-use crate::source::SceneSource;
+use crate::source::Source;
 use fields::{delimiter, fields, next};
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::quote::quote;
 use header::{Bare, TableHeader};
+use signs::{is_csv, is_points, is_scan};
 use std::io::BufRead;
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
+
+pub(crate) const CSV: FormatRow = FormatRow {
+    name: "csv",
+    about: "comma- or space-separated values with named columns",
+    endings: &["tsv"],
+    signs: &[Sign::Lines(is_csv)],
+    has: &[Has::Blocks, Has::AnyColumns, Has::NamedColumns],
+    open: Open::Frames(|source, request, _| {
+        let table = Table::open(source, &request)?;
+        Ok(Box::new(OneFrame::new(move || table.all())))
+    }),
+    ..FormatRow::PLAIN
+};
+
+pub(crate) const PTS: FormatRow = FormatRow {
+    name: "pts",
+    about: "points in lines of numbers, as laser scanners export them",
+    signs: &[Sign::Lines(is_scan)],
+    fits: Some(is_points),
+    has: &[Has::Blocks, Has::AnyColumns, Has::NamedColumns],
+    open: Open::Frame(|source, request| Table::points(source, request)?.all()),
+    ..FormatRow::PLAIN
+};
 
 /// Rows under a header.
 pub(crate) struct Table<R> {
@@ -129,7 +156,7 @@ impl Table<Input> {
     ///
     /// # Errors
     /// [`Error::Scene`] for a header that is not understood.
-    pub(crate) fn open(source: SceneSource, request: &Request) -> Result<Self> {
+    pub(crate) fn open(source: Source, request: &Request) -> Result<Self> {
         Self::tolerant(Lines::new(source.reader, &source.path), request, Bare::Spheres)
     }
 
@@ -138,7 +165,7 @@ impl Table<Input> {
     ///
     /// # Errors
     /// As [`Table::open`].
-    pub(crate) fn points(source: SceneSource, request: &Request) -> Result<Self> {
+    pub(crate) fn points(source: Source, request: &Request) -> Result<Self> {
         Self::tolerant(Lines::new(source.reader, &source.path), request, Bare::Points)
     }
 
@@ -201,7 +228,7 @@ mod tests {
     use halfline_ground::quote::setting::COLUMNS;
 
     fn read(text: &str, columns: &[&str]) -> Result<Particles> {
-        Table::open(SceneSource::of_text(text), &Request::of(columns))?.all()
+        Table::open(Source::of_text(text), &Request::of(columns))?.all()
     }
 
     #[test]
@@ -242,7 +269,7 @@ mod tests {
     fn named(text: &str, columns: &str) -> Result<Particles> {
         let columns_named = columns.parse()?;
         let options = Request { columns_named, ..Request::default() };
-        Table::open(SceneSource::of_text(text), &options)?.all()
+        Table::open(Source::of_text(text), &options)?.all()
     }
 
     #[test]
@@ -288,7 +315,7 @@ mod tests {
     #[test]
     fn invalid_rows_are_left_out_and_counted() {
         let options = Request { skip_invalid: true, ..Request::default() };
-        let read = |text: &str| -> Result<Particles> { Table::open(SceneSource::of_text(text), &options)?.all() };
+        let read = |text: &str| -> Result<Particles> { Table::open(Source::of_text(text), &options)?.all() };
         let text = "name,x,y,z,radius\na,1,2,3,1\n\nb,nan,2,3,1\nc,4,5,6,0\nd,,5,6,1\ne,7,8,inf,1\nf,7,8,9,2\n";
         let found = read(text).expect("rows");
         assert_eq!(
@@ -324,7 +351,7 @@ mod tests {
     fn points_have_the_columns_of_their_number() {
         let read = |text: &str| {
             let request = Request::of(&["intensity", "column_4"]);
-            Table::points(SceneSource::of_text(text), &request).and_then(Table::all).map(Particles::linearized)
+            Table::points(Source::of_text(text), &request).and_then(Table::all).map(Particles::linearized)
         };
         let colors = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
         for (text, colored, column) in [

@@ -8,16 +8,61 @@ mod trr;
 mod xdr;
 mod xtc;
 
-use crate::format::Format;
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::particles::bytes::BinaryFile;
 use crate::particles::frame::{Column, ParticleFrames, Particles};
 use crate::particles::layout::is_requested;
 use crate::particles::request::Request;
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::error::Result;
 use halfline_ground::memory::check;
 use halfline_ground::quote::setting::TOPOLOGY;
 use moment::Moments;
+
+/// A trajectory in this format.
+const fn row(name: &'static str, about: &'static str, signs: &'static [Sign], moments: MomentsOf) -> FormatRow {
+    let has = &[Has::Molecules, Has::PositionsOnly];
+    FormatRow { name, about, signs, has, open: Open::Frames(moments).optional(), ..FormatRow::PLAIN }
+}
+
+/// The reader of a format of trajectories.
+type MomentsOf = fn(Source, Request, bool) -> Result<Box<dyn ParticleFrames>>;
+
+pub(crate) const XTC: FormatRow = row(
+    "xtc",
+    "GROMACS trajectory, compressed",
+    &[Sign::Bytes(|bytes| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..]))],
+    |source, request, has_topology| {
+        let moments = Box::new(xtc::Xtc::new(BinaryFile::new(source)));
+        Ok(Box::new(Trajectory::new(moments, has_topology, requested(&request))))
+    },
+);
+
+pub(crate) const TRR: FormatRow = row(
+    "trr",
+    "GROMACS trajectory in full precision",
+    &[Sign::Bytes(|bytes| bytes.starts_with(&[0, 0, 7, 0xc9]))],
+    |source, request, has_topology| {
+        let requested = requested(&request);
+        let moments = Box::new(trr::Trr::new(BinaryFile::new(source), !requested.is_empty()));
+        Ok(Box::new(Trajectory::new(moments, has_topology, requested)))
+    },
+);
+
+pub(crate) const DCD: FormatRow = row(
+    "dcd",
+    "trajectory of CHARMM, NAMD, X-PLOR and LAMMPS",
+    &[Sign::Bytes(is_dcd)],
+    |source, request, has_topology| {
+        let moments = Box::new(dcd::Dcd::new(BinaryFile::new(source)));
+        Ok(Box::new(Trajectory::new(moments, has_topology, requested(&request))))
+    },
+);
+
+/// The requested velocities.
+fn requested(request: &Request) -> Vec<usize> {
+    (0..3).filter(|k| is_requested(&request.columns, VELOCITIES[*k])).collect()
+}
 
 /// The columns of velocities.
 const VELOCITIES: [&str; 3] = ["vx", "vy", "vz"];
@@ -34,15 +79,7 @@ pub(crate) struct Trajectory {
 }
 
 impl Trajectory {
-    pub(crate) fn new(source: SceneSource, has_topology: bool, request: &Request) -> Self {
-        let requested: Vec<usize> = (0..3).filter(|k| is_requested(&request.columns, VELOCITIES[*k])).collect();
-        let format = source.format;
-        let binary = BinaryFile::new(source);
-        let moments: Box<dyn Moments> = match format {
-            Format::Trr => Box::new(trr::Trr::new(binary, !requested.is_empty())),
-            Format::Dcd => Box::new(dcd::Dcd::new(binary)),
-            _ => Box::new(xtc::Xtc::new(binary)),
-        };
+    fn new(moments: Box<dyn Moments>, has_topology: bool, requested: Vec<usize>) -> Self {
         Self { moments, has_topology, requested, has_reported: false }
     }
 }
@@ -75,6 +112,16 @@ impl ParticleFrames for Trajectory {
     fn skip(&mut self) -> Result<bool> {
         self.moments.skip()
     }
+}
+
+/// The length of the first record, 84 bytes in 4 or 8 of either order, and its kind.
+fn is_dcd(bytes: &[u8]) -> bool {
+    let kind = match bytes {
+        [84, 0, 0, 0, 0, 0, 0, 0, kind @ ..] | [0, 0, 0, 0, 0, 0, 0, 84, kind @ ..] => kind,
+        [84, 0, 0, 0, kind @ ..] | [0, 0, 0, 84, kind @ ..] => kind,
+        _ => return false,
+    };
+    kind.starts_with(b"CORD") || kind.starts_with(b"VELD")
 }
 
 #[cfg(test)]

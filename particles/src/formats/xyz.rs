@@ -2,6 +2,7 @@
 //! declares the columns (`Properties=species:S:1:pos:R:3:forces:R:3`) and the cell (`Lattice="..."`, and `Origin="..."` of OVITO for the
 //! corner that it begins at); described at github.com/libAtoms/extxyz and docs.ovito.org/reference/file_formats/input/xyz.html.
 
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::{Lines, Words};
 use crate::particles::frame::{ParticleFrames, Particles};
@@ -13,11 +14,22 @@ use crate::particles::request::Request;
 use crate::particles::role::Role;
 use crate::particles::rows::{rows, surplus};
 use crate::particles::vectors::component;
-use crate::source::SceneSource;
+use crate::signs::numbers;
+use crate::source::Source;
 use halfline_ground::Cell;
 use halfline_ground::error::Result;
 use halfline_ground::quote::quote;
 use halfline_ground::quote::setting::{COLUMNS, FORMAT};
+
+pub(crate) const XYZ: FormatRow = FormatRow {
+    name: "xyz",
+    about: "XYZ and extended XYZ",
+    endings: &["extxyz"],
+    signs: &[Sign::Lines(is_xyz)],
+    has: &[Has::Molecules, Has::Blocks, Has::AnyColumns, Has::Ids],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Xyz::new(source, request)))),
+    ..FormatRow::PLAIN
+};
 
 /// The reader.
 pub(crate) struct Xyz {
@@ -26,7 +38,7 @@ pub(crate) struct Xyz {
 }
 
 impl Xyz {
-    pub(crate) fn new(source: SceneSource, request: Request) -> Self {
+    pub(crate) fn new(source: Source, request: Request) -> Self {
         Self { lines: Lines::new(source.reader, &source.path), request }
     }
 
@@ -236,6 +248,35 @@ impl ParticleFrames for Xyz {
     }
 }
 
+/// A count, a comment, and lines of a word or a number and three numbers. Points behind their number, as scanners write them,
+/// have no comment.
+pub(crate) fn is_xyz(lines: &[&str]) -> bool {
+    let Some(count) = lines.first().and_then(|line| line.trim().parse::<u64>().ok()) else { return false };
+    let width = |line: &str| Some(numbers(line)).filter(|n| *n >= 3 && *n == line.split_whitespace().count());
+    let is_whole = |row: &str| row.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
+    // Rows of both, of which one begins with a coordinate.
+    let mut rows = lines.iter().skip(2).take(usize::try_from(count).unwrap_or(usize::MAX).saturating_sub(1));
+    let comment = lines.get(1).and_then(|line| width(line));
+    if comment.is_some() && rows.any(|row| width(row) == comment && !is_whole(row)) {
+        return false;
+    }
+    match lines.get(2) {
+        None => count == 0,
+        Some(atom) => atom.split_whitespace().count() >= 4 || lines[1].contains("Properties="),
+    }
+}
+
+/// The same with the words of extended XYZ, or with three numbers behind the first word of each atom: no other format.
+pub(crate) fn is_atoms(lines: &[&str]) -> bool {
+    let count = lines.first().and_then(|line| line.trim().parse::<usize>().ok()).unwrap_or(0);
+    let comment = lines.get(1).map(|line| line.to_ascii_lowercase()).unwrap_or_default();
+    let is_number = |word: &str| word.parse::<f64>().is_ok();
+    let is_atom = |line: &&str| line.split_whitespace().skip(1).take(3).filter(|word| is_number(word)).count() == 3;
+    // The last line may be cut.
+    let rows = lines.len().saturating_sub(3).max(1).min(count);
+    comment.contains("properties=") || comment.contains("lattice=") || lines.iter().skip(2).take(rows).all(is_atom)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,7 +284,7 @@ mod tests {
     use crate::particles::frame::all;
 
     fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
-        all(Xyz::new(SceneSource::of_text(text), Request::of(columns)))
+        all(Xyz::new(Source::of_text(text), Request::of(columns)))
     }
 
     #[test]
@@ -329,7 +370,7 @@ mod tests {
 
     #[test]
     fn trailing_lines_that_are_not_a_frame_are_reported() {
-        let mut xyz = Xyz::new(SceneSource::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), Request::default());
+        let mut xyz = Xyz::new(Source::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), Request::default());
         let frame = xyz.next().expect("read").expect("a frame");
         assert_eq!(frame.skipped.assumed, ["text:5:1: `VEC 1` after the 1 atoms does not begin a frame"]);
         xyz.next().map(drop).expect_err("the rest is not a frame");

@@ -1,6 +1,8 @@
 //! A NumPy array as a scene: rows of numbers, or records with named fields.
 
+use super::header::MAGIC;
 use super::{MEND, Npy, shown as shape_shown};
+use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::npy::{DType, Field, Header, Scalar};
 use crate::particles::frame::{ParticleFrames, Particles};
@@ -9,15 +11,24 @@ use crate::particles::left_out::LeftOut;
 use crate::particles::meaning::{FieldKind, NamedField, meanings};
 use crate::particles::request::Request;
 use crate::particles::role::Role;
-use crate::source::SceneSource;
+use crate::source::Source;
 use crate::spheres::SphereRows;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::list;
 use std::io::{self, ErrorKind, Read};
 
+pub(crate) const NPY: FormatRow = FormatRow {
+    name: "npy",
+    about: "a NumPy array",
+    signs: &[Sign::Bytes(|bytes| bytes.starts_with(MAGIC))],
+    has: &[Has::Blocks, Has::AnyColumns],
+    open: Open::Frames(|source, request, _| Ok(Box::new(Array::new(source, request)))),
+    ..FormatRow::PLAIN
+};
+
 /// The reader.
 pub(crate) struct Array {
-    source: Option<SceneSource>,
+    source: Option<Source>,
     request: Request,
     /// An array of numbers whose frames are not all read.
     frames: Option<Frames>,
@@ -36,7 +47,7 @@ struct Frames {
 }
 
 impl Array {
-    pub(crate) fn new(source: SceneSource, request: Request) -> Self {
+    pub(crate) fn new(source: Source, request: Request) -> Self {
         Self { source: Some(source), request, frames: None }
     }
 }
@@ -123,7 +134,7 @@ const WIDTHS: [u64; 3] = [3, 4, 7];
 impl Array {
     /// The frames; the first call reads the header.
     fn frames(&mut self) -> Result<Option<&mut Frames>> {
-        if let Some(SceneSource { reader, path, .. }) = self.source.take() {
+        if let Some(Source { reader, path, .. }) = self.source.take() {
             let mut npy = Npy::new(reader, &path, MEND);
             let header = npy.header()?;
             self.frames = Some(Frames::new(npy, header));
@@ -246,7 +257,7 @@ mod tests {
 
     fn read(descr: &str, shape: &str, data: &[u8]) -> Result<Particles> {
         let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
-        let source = SceneSource::of_bytes(&npy(&header, data));
+        let source = Source::of_bytes(&npy(&header, data));
         let mut array = Array::new(source, Request::of(&["t", "v_y"]));
         Ok(array.next()?.expect("one frame"))
     }

@@ -2,7 +2,7 @@
 //! not with the counts in its header.
 
 use crate::input::{Input, fill};
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::reserve;
 use std::io::BufRead;
@@ -21,7 +21,7 @@ pub(crate) const DAMAGED: &str = "the file is damaged; copy or write it again";
 const STEP: usize = 1 << 20;
 
 impl BinaryFile {
-    pub(crate) fn new(source: SceneSource) -> Self {
+    pub(crate) fn new(source: Source) -> Self {
         Self { reader: source.reader, path: source.path }
     }
 

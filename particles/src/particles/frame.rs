@@ -11,7 +11,6 @@ use super::names::Names;
 use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use super::vectors;
-use crate::format::Format;
 use crate::select::Note;
 use crate::skipped::Skipped;
 use halfline_ground::Cell;
@@ -123,12 +122,6 @@ pub struct Column {
 }
 
 impl Particles {
-    /// Whether they are atoms without a box around them, in a file of this format.
-    pub fn are_molecule(&self, format: Format) -> bool {
-        let is_boxed = format == Format::Xyz && self.cell.is_some();
-        format.is_of_molecules() && !is_boxed && self.elements.iter().any(|number| *number != 0)
-    }
-
     /// The column of this name, in any case.
     pub(crate) fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name))

@@ -7,13 +7,12 @@ use super::infer::{self, AtomNames, Inference, is_site};
 use super::layout::named;
 use super::request::{Altloc, Request};
 use super::survey::Survey;
-use crate::format::Format;
 use halfline_ground::Cell;
 use halfline_ground::check::keep;
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::{Ledger, reserve};
 use halfline_ground::progress::Watch;
-use halfline_ground::quote::setting::{ALTLOC, AS_LISTED, ASSEMBLY, FRAMES, MODEL};
+use halfline_ground::quote::setting::{ALTLOC, ASSEMBLY, FRAMES, MODEL};
 use halfline_ground::quote::{count, quote, unquoted};
 use std::collections::HashMap;
 
@@ -23,30 +22,6 @@ pub(crate) enum Copies<'a> {
     Assembly(&'a Assembly),
     /// Copies that the reader of the format makes: a crystal's symmetry.
     Made(&'a dyn Fn(Particles) -> Result<Particles>),
-}
-
-/// Returns an error for options of molecules that a format does not have.
-///
-/// # Errors
-/// [`Error::Settings`] with the option to remove.
-pub(crate) fn check(format: Format, request: &Request) -> Result<()> {
-    let entry = matches!(format, Format::Pdb | Format::Mmcif);
-    let columns = entry || format == Format::Pdbqt;
-    let requests = [
-        (request.assembly.is_some(), entry, "biological assemblies", format!("remove {ASSEMBLY}")),
-        (
-            request.model.is_some(),
-            columns,
-            "numbered models",
-            format!("remove {MODEL}, or use {FRAMES}, which counts from 1"),
-        ),
-        (request.as_listed, format == Format::Mmcif, "symmetry of crystals", format!("remove {AS_LISTED}")),
-        (request.altloc != Altloc::All, columns, "alternate locations", format!("remove {ALTLOC}")),
-    ];
-    match requests.into_iter().find(|(is_requested, known, ..)| *is_requested && !known) {
-        Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), mend)),
-        None => Ok(()),
-    }
 }
 
 /// The numbers of skipped models: the first of them, and their count.
@@ -364,30 +339,6 @@ mod tests {
             [([1.0; 3], [90.0; 3]), ([0.0; 3], [90.0; 3]), ([5.0; 3], [0.0; 3]), ([5.0; 3], [170.0; 3])]
         {
             assert_eq!(cell(lengths, angles), None, "{lengths:?} {angles:?}");
-        }
-    }
-
-    #[test]
-    fn options_of_molecules_are_refused_for_other_formats() {
-        let plain = Request::default();
-        for (options, word) in [
-            (Request { assembly: Some("1".into()), ..plain.clone() }, ASSEMBLY),
-            (Request { model: Some(1), ..plain.clone() }, MODEL),
-            (Request { altloc: Altloc::Highest, ..plain.clone() }, ALTLOC),
-            (Request { as_listed: true, ..plain.clone() }, AS_LISTED),
-        ] {
-            for format in Format::ALL {
-                let known = match format {
-                    Format::Mmcif => true,
-                    Format::Pdb => word != AS_LISTED,
-                    Format::Pdbqt => [MODEL, ALTLOC].contains(&word),
-                    _ => false,
-                };
-                let found = check(format, &options);
-                assert_eq!(found.is_ok(), known, "{format:?} {word}");
-                assert!(found.is_ok() || found.is_err_and(|error| error.to_string().contains(word)));
-                check(format, &plain).expect("no option is set");
-            }
         }
     }
 

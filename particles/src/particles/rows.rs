@@ -30,7 +30,7 @@ pub(crate) fn rows(
     let (mut block, mut next) = (Block::default(), Block::default());
     lines.block(most, &mut block)?;
     let mut taken = block.len();
-    while block.len() > 0 {
+    while !block.is_empty() {
         let (mut some, mut parts) = (false, block.parts());
         let mut append = |part: Particles| {
             some |= !part.positions.is_empty() || !part.reading.left_out.is_empty();
@@ -89,7 +89,7 @@ mod tests {
     use crate::particles::frame::ParticleFrames;
     use crate::particles::frame::all;
     use crate::particles::request::Request;
-    use crate::source::SceneSource;
+    use crate::source::Source;
 
     /// Several blocks of 2 MiB.
     const COUNT: usize = 200_000;
@@ -103,8 +103,8 @@ mod tests {
 
     #[test]
     fn blocks_are_put_together_in_the_order_of_the_file() {
-        let frames = all(Xyz::new(SceneSource::of_text(&xyz(&[(7, "Fe 1 2 3 more")])), Request::of(&["z"])))
-            .expect("two frames");
+        let frames =
+            all(Xyz::new(Source::of_text(&xyz(&[(7, "Fe 1 2 3 more")])), Request::of(&["z"]))).expect("two frames");
         let [many, few] = &frames[..] else { panic!("{} frames", frames.len()) };
         assert_eq!(
             (many.positions.len(), many.columns[0].values.len(), few.positions[0]),
@@ -124,15 +124,12 @@ mod tests {
             (&[(150_000, "H 1 2"), (149_999, "H 0 b 0"), (199_999, "")][..], "text:150002:5: y: `b`"),
             (&[(199_999, "H 1 2 \u{e9}")], "text:200002:7: z"),
         ] {
-            let error = all(Xyz::new(SceneSource::of_text(&xyz(changed)), Request::of(&[])))
-                .map(drop)
-                .expect_err(place)
-                .to_string();
+            let error =
+                all(Xyz::new(Source::of_text(&xyz(changed)), Request::of(&[]))).map(drop).expect_err(place).to_string();
             assert!(error.contains(place), "{error}");
         }
         let cut = xyz(&[]).lines().take(COUNT).collect::<Vec<_>>().join("\n") + "  ";
-        let error =
-            all(Xyz::new(SceneSource::of_text(&cut), Request::of(&[]))).map(drop).expect_err("an end").to_string();
+        let error = all(Xyz::new(Source::of_text(&cut), Request::of(&[]))).map(drop).expect_err("an end").to_string();
         assert!(error.contains("text:200000:29: atom: the file ends"), "{error}");
     }
 
@@ -140,7 +137,7 @@ mod tests {
     fn rows_that_are_left_out_are_counted_over_all_blocks() {
         let text = xyz(&[(7, "H 1 nan 2"), (150_000, "H one 1 2"), (199_999, "H 1 2 -inf")]);
         let options = Request { skip_invalid: true, ..Request::default() };
-        let mut frames = Xyz::new(SceneSource::of_text(&text), options.clone());
+        let mut frames = Xyz::new(Source::of_text(&text), options.clone());
         let many = frames.next().expect("valid rows").expect("a frame");
         assert_eq!((many.positions.len(), many.elements.len()), (COUNT - 3, COUNT - 3));
         // The rows before the first, between it and the second, and behind.
@@ -151,7 +148,7 @@ mod tests {
 
     #[test]
     fn tables_keep_their_comments_and_blank_lines() {
-        let read = |text: &str| Table::open(SceneSource::of_text(text), &Request::default())?.all();
+        let read = |text: &str| Table::open(Source::of_text(text), &Request::default())?.all();
         let rows: String = (0..COUNT).map(|n| format!("{n},2,3\n{}", ["", "\n", "# no row\n"][n % 3])).collect();
         let table = read(&format!("x,y,z\n{rows}")).expect("a table");
         assert!(table.positions.len() == COUNT && table.positions.iter().enumerate().all(|(n, p)| p[0] == n as f64));

@@ -7,13 +7,14 @@ use halfline::progress::Watch;
 use halfline::quote::quote;
 use halfline::quote::setting::STREAM;
 use halfline::scene::{List, Spheres};
+use halfline_particles::detect::of_name;
+use halfline_particles::ending;
 use halfline_particles::open::open;
+use halfline_particles::opened::{KnownFormat, SceneSource};
 use halfline_particles::particles::survey::{Pick, Survey};
 use halfline_particles::select::selection::Selection;
 use halfline_particles::select::{SelectedSpheres, apply};
-use halfline_particles::source::{KnownFormat, SceneSource};
 use halfline_particles::spheres::SphereRows;
-use halfline_particles::{Format, ending};
 use halfline_particles::{csv, npy};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -43,7 +44,7 @@ impl NamedSpheres {
         let chosen = table.get("select");
         let selected_at = chosen.map_or_else(|| file.place(), |value| value.place());
         let selection = chosen.map(|value| value.string()?.parse().map_err(|e| at(&selected_at, e))).transpose()?;
-        let known = Format::of_name(&unpacked(&path)).filter(|format| !matches!(format, Format::Native | Format::Nff));
+        let known = of_name(&unpacked(&path)).filter(|format| !format.is_of_scenes());
         if known.is_none() {
             let problem = format!("{} is not a supported file of spheres", quote(file.string()?));
             let mend = "use a .csv or .npy file, or a particle file such as .pdb or .xyz";

@@ -10,11 +10,11 @@ use halfline_particles::Format;
 use halfline_particles::blocks;
 use halfline_particles::input::read_once;
 use halfline_particles::open::{listed, open as open_particles};
+use halfline_particles::opened::SceneSource;
 use halfline_particles::particles::colors::ColorSurvey;
 use halfline_particles::particles::frame::{ParticleFrames, Particles};
 use halfline_particles::particles::request::Request;
 use halfline_particles::particles::survey::{Part, Survey};
-use halfline_particles::source::SceneSource;
 use halfline_particles::spheres::SphereRows;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -74,7 +74,7 @@ pub(super) type Started = (Option<bool>, Receiver<Part>, JoinHandle<Result<Optio
 pub(super) fn start(source: SceneSource, options: &ReadOptions, texts: Vec<String>) -> Result<Started> {
     let (sender, parts) = sync_channel(AHEAD);
     let survey = Survey::passing(sender, blocks::at_most(BLOCK)).with_texts(texts);
-    let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if source.format == Format::Native {
+    let (scene, read): (_, Box<dyn FnOnce() -> Result<Option<Particles>> + Send>) = if source.format == Format::NATIVE {
         if !(options.particles.select.is_empty() && options.particles.hide.is_empty()) {
             return Err(no_selections());
         }

@@ -2,7 +2,7 @@ use super::*;
 use halfline_ground::Cell;
 
 fn read(text: &str, columns: &[&str]) -> Result<Particles> {
-    super::read(SceneSource::of_text(text), &Request::of(columns))
+    super::read(Source::of_text(text), &Request::of(columns))
 }
 
 const HEAD: &str = "by hand\n\n2 atoms # so many\n2 atom types\n0 2 xlo xhi\n-1 3 ylo yhi\n0 5 zlo zhi\n";
@@ -126,8 +126,7 @@ fn every_style_of_the_manual_is_read() {
         let given = Request { atom_style: Some(style.parse().expect(style)), ..Request::of(columns) };
         for (heading, request) in [(format!("Atoms # {style}"), &Request::of(columns)), ("Atoms".into(), &given)] {
             let text = format!("{HEAD}\n{heading}\n\n{rows}");
-            let found =
-                super::read(SceneSource::of_text(&text), request).unwrap_or_else(|error| panic!("{style}: {error}"));
+            let found = super::read(Source::of_text(&text), request).unwrap_or_else(|error| panic!("{style}: {error}"));
             assert_eq!(found.positions, [[4.0, 5.0, 6.0], [7.0, 8.0, 9.0]], "{style}");
             let names: Vec<&str> = found.columns.iter().map(|column| &column.name[..]).collect();
             assert!(columns.iter().all(|column| names.contains(column)), "{style}: {names:?}");
@@ -201,7 +200,7 @@ fn a_style_that_is_given_comes_before_that_of_the_file() {
     let file = |heading: &str, row: &str| format!("{HEAD}\nAtoms{heading}\n\n{row}\n{row}\n");
     let read = |text: &str, style: &str, columns: &[&str]| {
         let request = Request { atom_style: Some(style.parse().expect(style)), ..Request::of(columns) };
-        super::read(SceneSource::of_text(text), &request)
+        super::read(Source::of_text(text), &request)
     };
     for (heading, style, row, columns, values) in [
         (" # atomic", "charge", "1 1 -0.5 1 2 3", &["q"][..], &[-0.5][..]),

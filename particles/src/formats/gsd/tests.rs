@@ -8,7 +8,7 @@ use crate::particles::periodic::{self, Periodic};
 const FRAMES: &[u8] = include_bytes!("samples/frames.gsd");
 
 fn gsd(bytes: &[u8], columns: &[&str]) -> Gsd {
-    Gsd::new(SceneSource::of_bytes(bytes), Request::of(columns))
+    Gsd::new(Source::of_bytes(bytes), Request::of(columns))
 }
 
 fn read(bytes: &[u8], columns: &[&str]) -> Result<Vec<Particles>> {

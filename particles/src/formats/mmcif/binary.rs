@@ -7,7 +7,7 @@ mod values;
 
 use super::token::Token;
 use crate::lines::Spot;
-use crate::source::SceneSource;
+use crate::source::Source;
 use column::Column;
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::quote::unquoted;
@@ -30,7 +30,7 @@ const MOST_TIMES: u64 = 64;
 /// A file's words.
 pub(super) struct BinaryTokens {
     /// The file, until it is read.
-    source: Option<SceneSource>,
+    source: Option<Source>,
     path: PathBuf,
     is_used: fn(&str) -> bool,
     /// Bytes of the file, and of the values that were returned.
@@ -59,7 +59,7 @@ struct Category {
 }
 
 impl BinaryTokens {
-    pub(super) fn new(source: SceneSource, is_used: fn(&str) -> bool) -> Self {
+    pub(super) fn new(source: Source, is_used: fn(&str) -> bool) -> Self {
         let path = source.path.clone();
         let none = || Vec::new().into_iter();
         Self {

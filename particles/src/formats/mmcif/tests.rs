@@ -7,7 +7,7 @@ fn options(columns: &[&str]) -> Request {
 }
 
 fn read(text: &str, options: &Request) -> Result<Vec<Particles>> {
-    let reader = |options: Request| Mmcif::new(SceneSource::of_text(text), options);
+    let reader = |options: Request| Mmcif::new(Source::of_text(text), options);
     let mut mmcif = reader(options.clone());
     let frames: Vec<Particles> = std::iter::from_fn(|| mmcif.next().transpose()).collect::<Result<_>>()?;
     if options.model.is_some() || options.frames != Request::default().frames {
@@ -116,7 +116,7 @@ fn models_and_alternate_locations_are_chosen() {
     let error = with(Altloc::All, Some(3)).map(drop).expect_err("no third").to_string();
     assert!(error.contains("no model 3") && error.contains("the file has 1, 2"), "{error}");
     let both = Request { frames: "1-".parse().expect("frames"), ..options(&[]) };
-    let mut mmcif = Mmcif::new(SceneSource::of_text(&text), both);
+    let mut mmcif = Mmcif::new(Source::of_text(&text), both);
     assert!(mmcif.skip().expect("skipped"));
     assert_eq!(xs(&mmcif.next().expect("read").expect("the second")), [5.0]);
     assert!(!mmcif.skip().expect("the end") && mmcif.next().expect("the end").is_none());
@@ -126,7 +126,7 @@ fn models_and_alternate_locations_are_chosen() {
 fn assemblies_are_built_wherever_their_operators_stand() {
     let with = |id: &str| Request { assembly: Some(id.into()), ..options(&["copy"]) };
     for text in [format!("data_X\n{ASSEMBLY}{ATOMS}"), format!("data_X\n{ATOMS}{ASSEMBLY}data_Y\n_a 'open\n")] {
-        let mut mmcif = Mmcif::new(SceneSource::of_text(&text), with("1"));
+        let mut mmcif = Mmcif::new(Source::of_text(&text), with("1"));
         let whole = mmcif.next().expect("read").expect("an assembly");
         assert_eq!(xs(&whole), [1.0, 3.0, 101.0, 103.0]);
         assert_eq!(

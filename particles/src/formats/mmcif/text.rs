@@ -202,10 +202,10 @@ fn kind(first: u8, word: &[u8]) -> Token {
 mod tests {
     use super::*;
     use crate::formats::mmcif::token::number;
-    use crate::source::SceneSource;
+    use crate::source::Source;
 
     fn words(text: &str) -> Result<Vec<(Token, String)>> {
-        let source = SceneSource::of_text(text);
+        let source = Source::of_text(text);
         let mut tokens = TextTokens::new(Lines::new(source.reader, &source.path));
         let mut found = Vec::new();
         loop {

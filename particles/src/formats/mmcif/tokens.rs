@@ -4,7 +4,7 @@ use super::binary::BinaryTokens;
 use super::text::TextTokens;
 use super::token::Token;
 use crate::lines::{Lines, Spot};
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::error::{Place, Result};
 use std::io::BufRead;
 
@@ -26,7 +26,7 @@ macro_rules! either {
 
 impl Tokens {
     /// The words of a file; of BinaryCIF those of the categories of which `is_used` knows a tag in lower case.
-    pub(super) fn new(mut source: SceneSource, is_used: fn(&str) -> bool) -> Self {
+    pub(super) fn new(mut source: Source, is_used: fn(&str) -> bool) -> Self {
         // An error is returned by the next reading.
         let is_binary = source.reader.fill_buf().is_ok_and(|bytes| bytes.first().is_some_and(|byte| is_map(*byte)));
         match is_binary {

@@ -6,7 +6,7 @@ fn options(columns: &[&str]) -> Request {
 }
 
 fn read(text: &str, options: &Request) -> Result<Vec<Particles>> {
-    let mut pdb = Pdb::new(SceneSource::of_text(text), options.clone());
+    let mut pdb = Pdb::new(Source::of_text(text), options.clone(), Dialect::Pdb);
     std::iter::from_fn(|| pdb.next().transpose()).collect()
 }
 
@@ -125,7 +125,7 @@ fn models_are_frames() {
     assert_eq!((one.len(), xs(&one[0]), one[0].skipped.assumed.len()), (1, vec![2.0], 0));
     let error = refused(&text, &Request { model: Some(3), ..all.clone() });
     assert!(error.contains("no model 3") && error.contains("4, 5, 9"), "{error}");
-    let mut pdb = Pdb::new(SceneSource::of_text(&text), all.clone());
+    let mut pdb = Pdb::new(Source::of_text(&text), all.clone(), Dialect::Pdb);
     assert!(pdb.skip().expect("skipped") && pdb.skip().expect("skipped"));
     assert_eq!(xs(&pdb.next().expect("read").expect("the third")), [3.0]);
     assert!(!pdb.skip().expect("the end"));
@@ -212,7 +212,7 @@ fn bytes_that_are_not_utf_8_are_accepted() {
     let mut bytes = format!("{REMARK}{good}{good}END\n").into_bytes();
     let first = b"AUTHOR    J.M\xfcLLER\n".to_vec();
     let with = |bytes: Vec<u8>, options: &Request| {
-        let mut pdb = Pdb::new(SceneSource::of_bytes(&bytes), options.clone());
+        let mut pdb = Pdb::new(Source::of_bytes(&bytes), options.clone(), Dialect::Pdb);
         pdb.next()
     };
     let plain = with([first, bytes.clone()].concat(), &options(&[])).expect("read").expect("a model");
@@ -235,8 +235,8 @@ fn bytes_that_are_not_utf_8_are_accepted() {
     }
 }
 
-fn read_as(format: Format, text: &str, options: &Request) -> Result<Vec<Particles>> {
-    let mut pdb = Pdb::new(SceneSource { format, ..SceneSource::of_text(text) }, options.clone());
+fn read_as(dialect: Dialect, text: &str, options: &Request) -> Result<Vec<Particles>> {
+    let mut pdb = Pdb::new(Source::of_text(text), options.clone(), dialect);
     std::iter::from_fn(|| pdb.next().transpose()).collect()
 }
 
@@ -256,11 +256,11 @@ fn autodock_types_give_elements() {
         row(" S", "-0.100", " SA"),
         row(" C2", "-0.100", " C"),
     ];
-    let frame = read_as(Format::Pdbqt, &text.concat(), &options(&["charge", "serial"])).expect("atoms").remove(0);
+    let frame = read_as(Dialect::Pdbqt, &text.concat(), &options(&["charge", "serial"])).expect("atoms").remove(0);
     assert_eq!(frame.elements, [6, 1, 8, 7, 11, 17, 30, 16, 6]);
     assert_eq!(frame.columns[0].values[..3], [0.007, 0.292, -0.507]);
     // The charge is in the columns of the segment.
-    let segid = read_as(Format::Pdbqt, &text.concat(), &options(&["segid"])).expect("atoms").remove(0);
+    let segid = read_as(Dialect::Pdbqt, &text.concat(), &options(&["segid"])).expect("atoms").remove(0);
     assert!(segid.columns.is_empty() && !segid.has.contains(&"segid".to_owned()), "{:?}", segid.has);
     assert!(frame.skipped.assumed.is_empty(), "{:?}", frame.skipped);
 }
@@ -272,7 +272,7 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
         ATOM   2  CA  MET A   1     -11.5   26.0   10.0  0.2  2.0\n\
         HETATM99999  H1  WAT B  -7A   -100.123-200.456-300.789  0.4170 0.0000\n\
         HETATM100000 CL   CL     9       1.0 2.0 3.0 -1.0 1.9 CL\nTER\nEND\n";
-    let frame = read_as(Format::Pqr, text, &options(&["charge", "serial", "residue", "chain", "icode"]))
+    let frame = read_as(Dialect::Pqr, text, &options(&["charge", "serial", "residue", "chain", "icode"]))
         .expect("atoms")
         .remove(0);
     assert_eq!(frame.elements, [7, 6, 1, 17]);
@@ -290,7 +290,7 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
     };
     assert_eq!(icodes(&frame), ["", "", "A", ""]);
     let spaced = "ATOM 1 N MET A 52A 1.0 2.0 3.0 0.5 1.5\nATOM 2 N MET A 52 B 1.0 2.0 3.0 0.5 1.5\n";
-    let frame = read_as(Format::Pqr, spaced, &options(&["icode"])).expect("atoms").remove(0);
+    let frame = read_as(Dialect::Pqr, spaced, &options(&["icode"])).expect("atoms").remove(0);
     assert_eq!(icodes(&frame), ["A", "B"]);
     for (line, message) in [
         (
@@ -304,7 +304,7 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
         ("ATOM      1  N    MET     1     -11.921   26.307   nan    1.0 2.0\n", "x: `-11.921` overruns its columns"),
         ("ATOM\n", "x: columns 31 to 38 are empty"),
     ] {
-        let error = read_as(Format::Pqr, line, &options(&[])).map(drop).expect_err(line).to_string();
+        let error = read_as(Dialect::Pqr, line, &options(&[])).map(drop).expect_err(line).to_string();
         assert!(error.contains(message), "{error}");
     }
 }

@@ -109,7 +109,7 @@ impl Splat {
 mod tests {
     use crate::particles::frame::Particles;
     use crate::particles::request::Request;
-    use crate::source::SceneSource;
+    use crate::source::Source;
     use halfline_ground::error::Result;
 
     const FIELDS: [&str; 14] = [
@@ -132,8 +132,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8]) -> Result<Particles> {
-        super::super::read(SceneSource::of_bytes(bytes), &Request::of(&["opacity", "scale_0"]))
-            .map(Particles::linearized)
+        super::super::read(Source::of_bytes(bytes), &Request::of(&["opacity", "scale_0"])).map(Particles::linearized)
     }
 
     /// The standard deviations 1, 2 and 4; the harmonics give 0.5 in sRGB, more than 1, and less than 0.
@@ -210,7 +209,7 @@ mod tests {
                 };
                 let read = |skip_invalid| {
                     let request = Request { skip_invalid, ..Request::default() };
-                    super::super::read(SceneSource::of_bytes(&bytes), &request)
+                    super::super::read(Source::of_bytes(&bytes), &request)
                 };
                 let found = read(true).unwrap_or_else(|error| panic!("{} {x}: {error}", FIELDS[k]));
                 assert_eq!(

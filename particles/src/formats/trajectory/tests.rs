@@ -2,6 +2,7 @@
 //! [`waters`]; TRR and DCD are put together here from the descriptions of the formats.
 
 use super::*;
+use crate::Format;
 use crate::particles::frame_time::FrameTime;
 use crate::particles::joined::{Joined, Topology};
 use halfline_ground::Cell;
@@ -29,9 +30,9 @@ fn waters() -> Vec<[f64; 3]> {
     (0..4).flat_map(water).collect()
 }
 
-fn open(format: Format, bytes: &[u8], columns: &[&str]) -> Trajectory {
-    let source = SceneSource { format, ..SceneSource::of_bytes(bytes) };
-    Trajectory::new(source, false, &Request::of(columns))
+fn open(format: Format, bytes: &[u8], columns: &[&str]) -> Box<dyn ParticleFrames> {
+    let opened = format.frames(Source::of_bytes(bytes), Request::of(columns), false).expect("a reader");
+    opened.unwrap_or_else(|_| panic!("{format:?} has frames"))
 }
 
 fn frames(format: Format, bytes: &[u8], columns: &[&str]) -> Result<Vec<Particles>> {
@@ -41,7 +42,7 @@ fn frames(format: Format, bytes: &[u8], columns: &[&str]) -> Result<Vec<Particle
 
 #[test]
 fn xtc_has_the_positions_that_another_program_wrote() {
-    let found = frames(Format::Xtc, &[xtc(), xtc()].concat(), &[]).expect("two frames");
+    let found = frames(Format::XTC, &[xtc(), xtc()].concat(), &[]).expect("two frames");
     assert_eq!(found.len(), 2);
     for frame in &found {
         assert_eq!(frame.positions.len(), 12);
@@ -53,7 +54,7 @@ fn xtc_has_the_positions_that_another_program_wrote() {
     }
     assert_eq!((found[0].skipped.assumed.len(), found[1].skipped.assumed.len()), (1, 0), "told once");
     assert!(found[0].skipped.assumed[0].contains(TOPOLOGY), "{:?}", found[0].skipped);
-    let mut passed = open(Format::Xtc, &[xtc(), xtc()].concat(), &[]);
+    let mut passed = open(Format::XTC, &[xtc(), xtc()].concat(), &[]);
     assert!(passed.skip().expect("one"));
     assert_eq!(passed.next().expect("read").expect("the second").positions, found[0].positions);
     assert!(!passed.skip().expect("the end"));
@@ -64,11 +65,11 @@ fn xtc_of_many_atoms_has_sizes_of_64_bits() {
     let mut bytes = xtc();
     bytes[2..4].copy_from_slice(&[0x07, 0xe7]);
     bytes.splice(88..88, [0; 4]);
-    let frame = frames(Format::Xtc, &bytes, &[]).expect("a frame").remove(0);
-    assert_eq!(frame.positions, frames(Format::Xtc, &xtc(), &[]).expect("a frame")[0].positions);
-    assert!(open(Format::Xtc, &bytes, &[]).skip().expect("skipped"));
+    let frame = frames(Format::XTC, &bytes, &[]).expect("a frame").remove(0);
+    assert_eq!(frame.positions, frames(Format::XTC, &xtc(), &[]).expect("a frame")[0].positions);
+    assert!(open(Format::XTC, &bytes, &[]).skip().expect("skipped"));
     bytes[88] = 0x80;
-    let error = frames(Format::Xtc, &bytes, &[]).map(drop).expect_err("a negative size").to_string();
+    let error = frames(Format::XTC, &bytes, &[]).map(drop).expect_err("a negative size").to_string();
     assert!(error.contains("byte 88: compressed bytes: -9223372036854775760 bytes"), "{error}");
 }
 
@@ -80,10 +81,10 @@ fn xtc_frames_of_few_atoms_are_not_compressed() {
     bytes.extend([0; 36]);
     bytes.extend(2i32.to_be_bytes());
     bytes.extend([0.5f32, -1.0, 2.0, 3.0, 4.25, 0.0].iter().flat_map(|x| x.to_be_bytes()));
-    let frame = frames(Format::Xtc, &bytes, &[]).expect("a frame").remove(0);
+    let frame = frames(Format::XTC, &bytes, &[]).expect("a frame").remove(0);
     assert_eq!((&frame.positions[..], frame.cell), (&[[5.0, -10.0, 20.0], [30.0, 42.5, 0.0]][..], None));
     assert_eq!(frame.when, FrameTime { time: Some(2.5), step: Some(500) });
-    assert!(open(Format::Xtc, &bytes, &[]).skip().expect("skipped"));
+    assert!(open(Format::XTC, &bytes, &[]).skip().expect("skipped"));
 }
 
 /// A frame of TRR: `parts` are box, positions, velocities and forces.
@@ -110,7 +111,7 @@ fn trr_is_read_in_both_precisions_and_frames_without_positions_are_skipped() {
             trr(2, double, [&[], &v, &[], &[]]),
         ]
         .concat();
-        let found = frames(Format::Trr, &bytes, &["VZ", "vx"]).expect("two frames");
+        let found = frames(Format::TRR, &bytes, &["VZ", "vx"]).expect("two frames");
         assert_eq!(found.len(), 2);
         assert_eq!(found[0].positions, [[10.0, 20.0, 30.0], [-40.0, 5.0, 1.25]]);
         assert_eq!(found[0].cell.expect("a box").edges, [[10.0, 0.0, 0.0], [2.5, 20.0, 0.0], [0.0, 0.0, 30.0]]);
@@ -119,7 +120,7 @@ fn trr_is_read_in_both_precisions_and_frames_without_positions_are_skipped() {
         assert_eq!((found[1].positions[1], found[1].cell), ([35.0, 45.0, 55.0], None));
         assert_eq!(found[0].when, FrameTime { time: Some(0.5), step: Some(7) });
         assert!(found[1].has.is_empty() && found[1].columns.is_empty());
-        let mut passed = open(Format::Trr, &bytes, &[]);
+        let mut passed = open(Format::TRR, &bytes, &[]);
         assert!(passed.skip().expect("one"));
         assert_eq!(passed.next().expect("read").expect("the last").positions[1][2], 55.0);
     }
@@ -180,13 +181,13 @@ fn dcd_is_read_in_all_its_variants() {
     for n in 0..16 {
         let [big, wide, fourth, fixed] = [n & 1 > 0, n & 2 > 0, n & 4 > 0, n & 8 > 0];
         let bytes = dcd(How { big, wide, cell: Some([20.0, 90.0, 30.0, 90.0, 90.0, 40.0]), fourth, fixed });
-        let found = frames(Format::Dcd, &bytes, &[]).expect("two frames");
+        let found = frames(Format::DCD, &bytes, &[]).expect("two frames");
         assert_eq!(found.len(), 2);
         assert_eq!(found[0].positions, [[0.5, 1.5, 2.5], [10.5, 11.5, 12.5], [20.5, 21.5, 22.5]]);
         let first = if fixed { [0.5, 1.5, 2.5] } else { [100.5, 101.5, 102.5] };
         assert_eq!((found[1].positions[0], found[1].positions[2]), (first, [120.5, 121.5, 122.5]));
         assert_eq!(found[0].cell.expect("a cell").edges, [[20.0, 0.0, 0.0], [0.0, 30.0, 0.0], [0.0, 0.0, 40.0]]);
-        let mut passed = open(Format::Dcd, &bytes, &[]);
+        let mut passed = open(Format::DCD, &bytes, &[]);
         assert!(passed.skip().expect("one"));
         let second = passed.next().expect("read").expect("the second");
         assert_eq!((second.positions, second.when), (found[1].positions.clone(), found[1].when));
@@ -205,7 +206,7 @@ fn steps_of_dcd_have_a_time_in_the_precision_of_the_program() {
     // The control numbers follow the marker and the kind; X-PLOR has a double, and no version at the end.
     bytes[8 + 36..8 + 44].copy_from_slice(&0.1f64.to_le_bytes());
     bytes[8 + 76..8 + 80].fill(0);
-    let when = |bytes: &[u8]| frames(Format::Dcd, bytes, &[]).expect("two frames")[0].when;
+    let when = |bytes: &[u8]| frames(Format::DCD, bytes, &[]).expect("two frames")[0].when;
     let time = when(&bytes).time.expect("a time");
     assert!((time - 4.888821).abs() < 1e-13, "{time}");
     let mut lammps = bytes.clone();
@@ -220,7 +221,7 @@ fn steps_of_dcd_have_a_time_in_the_precision_of_the_program() {
 
 #[test]
 fn cells_of_dcd_have_cosines_degrees_or_a_matrix() {
-    let edges = |cell| frames(Format::Dcd, &dcd(How { cell: Some(cell), ..PLAIN }), &[]).map(|found| found[0].cell);
+    let edges = |cell| frames(Format::DCD, &dcd(How { cell: Some(cell), ..PLAIN }), &[]).map(|found| found[0].cell);
     // The angle between a and b is 60 degrees.
     for gamma in [0.5, 60.0] {
         let others = if gamma < 1.0 { 0.0 } else { 90.0 };
@@ -257,7 +258,7 @@ fn topology(names: usize, listed: usize, places: Vec<u32>) -> Topology {
 fn a_topology_gives_elements_and_columns_and_the_trajectory_what_moves() {
     let bytes = trr(3, false, [&[], &[1.0; 9], &[0.25, 0.0, 0.0, 0.5, 0.0, 0.0, 0.75, 0.0, 0.0], &[]]);
     let read = |bytes: &[u8], topology: Topology| {
-        let frames = Box::new(open(Format::Trr, bytes, &["serial", "vx"]));
+        let frames = open(Format::TRR, bytes, &["serial", "vx"]);
         Joined::new(frames, Place::file("text"), topology, None, true).next()
     };
     let of = |particles: &Particles| -> Vec<_> {
@@ -297,7 +298,7 @@ fn a_cell_begins_where_that_of_the_topology_does() {
     ] {
         let mut topology = topology(1, 0, Vec::new());
         topology.atoms.cell = Some(Cell { origin, edges: of });
-        let frames = Box::new(open(Format::Trr, &bytes, &[]));
+        let frames = open(Format::TRR, &bytes, &[]);
         let frame = Joined::new(frames, Place::file("text"), topology, None, true).next().expect("read");
         let cell = frame.expect("a frame").cell.expect("a cell");
         assert_eq!((cell.origin, cell.edges), (expected, edges));
@@ -319,31 +320,31 @@ fn errors_name_the_byte() {
     };
     let short = |bytes: Vec<u8>| bytes[..bytes.len() - 1].to_vec();
     for (format, bytes, message) in [
-        (Format::Xtc, vec![0, 0, 7], "byte 0: magic number: the file ends after 3 of 4 bytes"),
-        (Format::Xtc, with(xtc(), 0, 7), "byte 0: magic number: a frame begins with 7"),
-        (Format::Xtc, with(xtc(), 4, -1), "byte 4: number of atoms: -1 atoms"),
-        (Format::Xtc, with(xtc(), 52, 13), "byte 52: number of positions: 13 positions of 12 atoms"),
-        (Format::Xtc, with(xtc(), 16, 0x7fc0_0000), "byte 16: box"),
-        (Format::Xtc, with(xtc(), 56, 0), "byte 56: precision: the precision is 0"),
-        (Format::Xtc, with(xtc(), 60, 0x7fff_ffff), "positions: coordinates from 2147483647"),
-        (Format::Xtc, with(xtc(), 84, 8), "small differences of index 8"),
-        (Format::Xtc, with(xtc(), 84, i32::MIN), "small differences of index"),
-        (Format::Xtc, with(xtc(), 88, i32::MAX), "the file ends after 48 of 2147483647 bytes"),
-        (Format::Xtc, with(xtc(), 88, -4), "byte 88: compressed bytes: -4 bytes"),
-        (Format::Xtc, with(xtc(), 88, 8)[..100].to_vec(), "byte 92: positions: the compressed bytes end"),
-        (Format::Xtc, short(xtc()), "byte 92: positions: the file ends after 47 of 48 bytes"),
-        (Format::Trr, with(single(), 0, 1), "byte 0: magic number"),
-        (Format::Trr, with(single(), 52, -8), "byte 52: positions: the size is -8 bytes"),
-        (Format::Trr, with(single(), 52, 13), "do not fit 1 atoms"),
-        (Format::Trr, with(single(), 64, i32::MAX), "do not fit 2147483647 atoms"),
-        (Format::Trr, short(single()), "positions: the file ends after 11 of 12 bytes"),
-        (Format::Dcd, wide(0, 80), "does not begin with a record of 84 bytes"),
-        (Format::Dcd, wide(4, b'X'), "does not begin with CORD"),
-        (Format::Dcd, [&84i32.to_le_bytes()[..], b"VELD"].concat(), "the file has velocities"),
-        (Format::Dcd, wide(88, 80), "byte 88: control numbers: expected a record of 84 bytes, found 80"),
-        (Format::Dcd, wide(187, 0xff), "atoms"),
-        (Format::Dcd, wide(196, 16), "x: expected a record of 12 bytes, found 16"),
-        (Format::Dcd, short(little()), "z: the file ends after 3 of 4 bytes"),
+        (Format::XTC, vec![0, 0, 7], "byte 0: magic number: the file ends after 3 of 4 bytes"),
+        (Format::XTC, with(xtc(), 0, 7), "byte 0: magic number: a frame begins with 7"),
+        (Format::XTC, with(xtc(), 4, -1), "byte 4: number of atoms: -1 atoms"),
+        (Format::XTC, with(xtc(), 52, 13), "byte 52: number of positions: 13 positions of 12 atoms"),
+        (Format::XTC, with(xtc(), 16, 0x7fc0_0000), "byte 16: box"),
+        (Format::XTC, with(xtc(), 56, 0), "byte 56: precision: the precision is 0"),
+        (Format::XTC, with(xtc(), 60, 0x7fff_ffff), "positions: coordinates from 2147483647"),
+        (Format::XTC, with(xtc(), 84, 8), "small differences of index 8"),
+        (Format::XTC, with(xtc(), 84, i32::MIN), "small differences of index"),
+        (Format::XTC, with(xtc(), 88, i32::MAX), "the file ends after 48 of 2147483647 bytes"),
+        (Format::XTC, with(xtc(), 88, -4), "byte 88: compressed bytes: -4 bytes"),
+        (Format::XTC, with(xtc(), 88, 8)[..100].to_vec(), "byte 92: positions: the compressed bytes end"),
+        (Format::XTC, short(xtc()), "byte 92: positions: the file ends after 47 of 48 bytes"),
+        (Format::TRR, with(single(), 0, 1), "byte 0: magic number"),
+        (Format::TRR, with(single(), 52, -8), "byte 52: positions: the size is -8 bytes"),
+        (Format::TRR, with(single(), 52, 13), "do not fit 1 atoms"),
+        (Format::TRR, with(single(), 64, i32::MAX), "do not fit 2147483647 atoms"),
+        (Format::TRR, short(single()), "positions: the file ends after 11 of 12 bytes"),
+        (Format::DCD, wide(0, 80), "does not begin with a record of 84 bytes"),
+        (Format::DCD, wide(4, b'X'), "does not begin with CORD"),
+        (Format::DCD, [&84i32.to_le_bytes()[..], b"VELD"].concat(), "the file has velocities"),
+        (Format::DCD, wide(88, 80), "byte 88: control numbers: expected a record of 84 bytes, found 80"),
+        (Format::DCD, wide(187, 0xff), "atoms"),
+        (Format::DCD, wide(196, 16), "x: expected a record of 12 bytes, found 16"),
+        (Format::DCD, short(little()), "z: the file ends after 3 of 4 bytes"),
     ] {
         let error = frames(format, &bytes, &["vx"]).map(drop).expect_err(message).to_string();
         assert!(error.starts_with("text: ") && error.contains(message), "{message}: {error}");
@@ -357,7 +358,7 @@ fn the_number_of_titles_counts_where_their_marker_is_wrong() {
     let mut two = good.clone();
     two[96] = 2;
     two.splice(180..180, [b' '; 80]);
-    let read = |bytes: &[u8]| frames(Format::Dcd, bytes, &[]).map(|found| found[1].positions.clone());
+    let read = |bytes: &[u8]| frames(Format::DCD, bytes, &[]).map(|found| found[1].positions.clone());
     assert_eq!(read(&two).expect("frames"), read(&good).expect("frames"));
 }
 
@@ -365,9 +366,9 @@ fn the_number_of_titles_counts_where_their_marker_is_wrong() {
 fn a_file_that_ends_early_is_never_a_whole_one() {
     let cell = Some([20.0, 0.5, 30.0, 0.0, 0.0, 40.0]);
     let files = [
-        (Format::Xtc, xtc()),
-        (Format::Trr, trr(2, true, [&[1.0; 9], &[1.0; 6], &[2.0; 6], &[3.0; 6]])),
-        (Format::Dcd, dcd(How { cell, fourth: true, fixed: true, ..PLAIN })),
+        (Format::XTC, xtc()),
+        (Format::TRR, trr(2, true, [&[1.0; 9], &[1.0; 6], &[2.0; 6], &[3.0; 6]])),
+        (Format::DCD, dcd(How { cell, fourth: true, fixed: true, ..PLAIN })),
     ];
     for (format, bytes) in files {
         let all = frames(format, &bytes, &["vx"]).expect("frames").len();

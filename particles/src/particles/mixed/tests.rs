@@ -3,7 +3,7 @@ use crate::formats::table::Table;
 use crate::particles::frame::{ParticleFrames, Particles};
 use crate::particles::request::Request;
 use crate::particles::survey::Survey;
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::error::Result;
 
 /// Numbers that differ from seed to seed.
@@ -97,14 +97,14 @@ fn a_text_in_any_row_makes_a_column_of_texts() {
         let delimiter = draw.pick(&[",", ";", "\t", "|"]);
         let text = table(&columns, delimiter, filler);
         let message = format!("seed {seed}");
-        let read = || -> Result<Particles> { Table::open(SceneSource::of_text(&text), &Request::of(&["*"]))?.all() };
+        let read = || -> Result<Particles> { Table::open(Source::of_text(&text), &Request::of(&["*"]))?.all() };
         let found = read().unwrap_or_else(|error| panic!("{message}: {error}"));
         columns.iter().enumerate().for_each(|(k, column)| check(&found, &format!("c{k}"), column, &message));
 
         // What is counted in parts is of the same type.
         let survey = Survey::with_part(1 + draw.below(5));
         let request = Request { survey: Some(survey.clone()), ..Request::of(&["*"]) };
-        let rest = Table::open(SceneSource::of_text(&text), &request).and_then(Table::all).expect("a table");
+        let rest = Table::open(Source::of_text(&text), &request).and_then(Table::all).expect("a table");
         let counts = rest.counted(&survey);
         for (k, (texts, is_text)) in columns.iter().enumerate() {
             let counted = &counts.columns[&format!("c{k}")];
@@ -133,7 +133,7 @@ fn a_text_in_any_row_makes_a_column_of_texts() {
             let values: String = dumped.iter().map(|(texts, _)| format!(" {}", texts[row])).collect();
             text += &format!("{row} 0 0{values}\n");
         }
-        let found = Dump::new(SceneSource::of_text(&text), Request::of(&["*"])).next().expect(&text).expect("a frame");
+        let found = Dump::new(Source::of_text(&text), Request::of(&["*"])).next().expect(&text).expect("a frame");
         dumped.iter().enumerate().for_each(|(k, column)| check(&found, &format!("c{k}"), column, &message));
     }
 }
@@ -164,7 +164,7 @@ fn quoted_fields_are_those_of_rfc_4180() {
             text += &(["1", "2", &row.to_string(), &shown, "k"].join(delimiter) + ends);
             texts.push(own);
         }
-        let read = || -> Result<Particles> { Table::open(SceneSource::of_text(&text), &Request::of(&["*"]))?.all() };
+        let read = || -> Result<Particles> { Table::open(Source::of_text(&text), &Request::of(&["*"]))?.all() };
         let found = read().unwrap_or_else(|error| panic!("seed {seed}: {error}\n{text}"));
         let labels = &found.labels.get(&name).unwrap_or_else(|| panic!("seed {seed}: {name:?} in {:?}", found.has));
         let column = found.columns.iter().find(|column| column.name == name).expect("a column");

@@ -3,7 +3,7 @@
 use crate::formats::las;
 use crate::particles::frame::Particles;
 use crate::particles::request::Request;
-use crate::source::SceneSource;
+use crate::source::Source;
 use halfline_ground::error::Result;
 
 const SAMPLES: [(u8, &[u8]); 7] = [
@@ -31,7 +31,7 @@ const NAMES: [&str; 9] = [
 ];
 
 fn read(bytes: &[u8]) -> Result<Particles> {
-    las::read(SceneSource::of_bytes(bytes), &Request::of(&NAMES)).map(Particles::linearized)
+    las::read(Source::of_bytes(bytes), &Request::of(&NAMES)).map(Particles::linearized)
 }
 
 /// Position, columns and colour of point `n`.

@@ -165,7 +165,7 @@ fn written(file: &Value) -> Vec<u8> {
 }
 
 fn read(bytes: &[u8]) -> Result<Particles> {
-    let mut frames = Mmcif::new(SceneSource::of_bytes(bytes), Request::of(&["bfactor"]));
+    let mut frames = Mmcif::new(Source::of_bytes(bytes), Request::of(&["bfactor"]));
     frames.next().map(|frame| frame.expect("a frame"))
 }
 
