@@ -22,7 +22,7 @@ use halfline::settings::{Backend, Settings};
 use halfline_drawing::inset::Panels;
 use halfline_files::read::matte::MatteNames;
 use halfline_files::read::style::Coloring;
-use halfline_files::read::{Keep, ParticleOptions, ReadOptions, SceneFrame};
+use halfline_files::read::{Keep, ReadOptions, SceneFrame};
 use halfline_files::write::file::Target;
 use halfline_files::write::format::FormatOptions;
 use halfline_files::write::mattes;
@@ -112,14 +112,8 @@ impl Choices {
     /// # Errors
     /// [`Error::Settings`](halfline::error::Error::Settings) for options that exclude each other.
     pub fn reading(&self, keep: Keep, map: Option<ColorMap>, watch: Watch) -> Result<ReadOptions> {
-        let mut options = ReadOptions {
-            particles: ParticleOptions {
-                keep,
-                watch,
-                ..scene_frames::options(&self.args, &Cancel::default())?.particles.clone()
-            },
-            ..scene_frames::options(&self.args, &Cancel::default())?
-        };
+        let mut options = scene_frames::options(&self.args, &Cancel::default())?;
+        (options.particles.keep, options.particles.watch) = (keep, watch);
         if let (Some(map), Coloring::Column(scale)) = (map, &mut options.style.coloring) {
             scale.map = Some(map);
         }

@@ -22,13 +22,17 @@ const LOOK: &str = "Spheres and colours";
 /// The heading of the options that select particles.
 const SELECTION: &str = "Selection";
 
+/// The help of `--format`, with all names.
+fn formats() -> String {
+    let names: Vec<&str> = Format::ALL.iter().map(|format| format.name()).collect();
+    format!("File format, if neither content nor name show it: {}", names.join(", "))
+}
+
 /// The options for reading a file that determine its spheres.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Input")]
 pub(super) struct ReadArgs {
-    /// File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, cif, gro, dump, data, ply, csv,
-    /// npy, npz, xtc, trr, dcd, poscar, pcd, las, gsd.
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", help = formats())]
     format: Option<Format>,
     /// Columns of a table by meaning, with names or numbers from 1, such as x=pos_x,y=pos_y,z=pos_z or x=1,y=2,z=3,radius=4;
     /// meanings are x, y, z, radius, diameter, r, g, b, element. With numbers only the table needs no header.

@@ -33,8 +33,8 @@ pub(super) struct SceneArgs {
     /// All options that are given.
     #[command(flatten)]
     pub(super) typed: Typed,
-    /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, xtc, trr, dcd;
-    /// also .gz, .bz2, .xz or .zst); - for standard input.
+    /// The scene or particle file, in one of the formats of --format, also compressed (.gz, .bz2, .xz or .zst); - for standard
+    /// input.
     #[arg(required_unless_present = "visible")]
     scene: Option<PathBuf>,
     /// In place of a scene: files of halfline sift, the parts of one scene in any order. The picture is that of all spheres of all

@@ -168,10 +168,8 @@ pub(super) fn sequence(
         Keep::Nothing if !args.insets.mark.is_empty() || !args.files.cryptomatte.is_empty() => Keep::All,
         keep => keep,
     };
-    let mut options = ReadOptions {
-        particles: ParticleOptions { keep, ..options(args, cancel)?.particles.clone() },
-        ..options(args, cancel)?
-    };
+    let mut options = options(args, cancel)?;
+    options.particles.keep = keep;
     if let Some(from) = from {
         options.particles.frames = format!("{from}-").parse()?;
     }

@@ -27,7 +27,7 @@ pub(super) fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
     match format.map(Format::name) {
         Some("toml" | "pcd") => allowed(length, PER_BYTE_OF_TOML),
         Some("cif") => allowed(length, PER_BYTE_OF_CRYSTAL),
-        Some("las") | None => allowed_points(length),
+        Some("las" | "vtk") | None => allowed_points(length),
         _ => allowed(length, PER_BYTE),
     }
 }
@@ -43,8 +43,10 @@ fn check_info(format: Option<Format>, content: &[u8]) {
         (Err(error), Err(_)) => drop(check_error(&error)),
         // A file without a frame is refused by the command.
         (Err(error), Ok(None)) => drop(check_error(&error)),
-        // The image flags of LAMMPS data are columns that a rendering does not read.
-        (Err(error), Ok(Some(_))) if format == Some(Format::DATA) => drop(check_error(&error)),
+        // The image flags of LAMMPS data and most arrays of VTK are columns that a rendering does not read.
+        (Err(error), Ok(Some(_))) if [Some(Format::DATA), Some(Format::VTK)].contains(&format) => {
+            drop(check_error(&error));
+        }
         (Err(error), Ok(Some(frame))) => panic!("{error}, but {:?} are read", frame.scene.spheres.len()),
         (Ok(info), Err(error)) => panic!("info has {} spheres, and a rendering {error}", info.spheres),
         (Ok(info), Ok(None)) => panic!("info has {} spheres, and a rendering no frame", info.spheres),
@@ -126,7 +128,8 @@ fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String
         Some("pcd") => 30 * length,
         // A space group repeats an atom.
         Some("cif") => IMAGES * length / 3,
-        Some("las") | None => POINTS_OF_LAZ * length,
+        // Blocks of VTK decompress to many equal points.
+        Some("las" | "vtk") | None => POINTS_OF_LAZ * length,
         _ => length / 3,
     };
     assert!(

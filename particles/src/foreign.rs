@@ -96,15 +96,6 @@ const ALL: &[Foreign] = &[
     ),
     row("an E57 scan", SCAN, &["e57"], Sign::Start(&[b"ASTM-E57"])),
     row(
-        "a VTK file",
-        "save its points as CSV or PLY, for example with ParaView",
-        &["vtk", "vtp", "vtu", "vti", "pvd"],
-        Sign::Test(|_, lines| {
-            lines.first().is_some_and(|line| line.starts_with("# vtk DataFile"))
-                || lines.iter().take(2).any(|line| line.trim_start().starts_with("<VTKFile"))
-        }),
-    ),
-    row(
         "an STL mesh",
         MESH,
         &["stl"],

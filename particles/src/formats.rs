@@ -15,6 +15,7 @@ pub(crate) mod ptx;
 pub mod scenes;
 pub mod table;
 pub(crate) mod trajectory;
+pub(crate) mod vtk;
 pub(crate) mod xyz;
 
 use crate::format::Format;
@@ -61,6 +62,7 @@ formats! {
     LAS las,
     PTS table,
     GSD gsd,
+    VTK vtk,
 }
 
 impl Format {

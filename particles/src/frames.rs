@@ -12,17 +12,6 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The selected frames of a file, one after the other.
-///
-/// ```
-/// use halfline_particles::{Frames, ParticleOptions};
-///
-/// let text = "2\n\nO 0 0 0\nH 0.96 0 0\n";
-/// let options = ParticleOptions { select: vec!["element H".parse()?], ..ParticleOptions::default() };
-/// for frame in Frames::from_reader(text.as_bytes(), "water.xyz".as_ref(), &options)? {
-///     assert_eq!(frame?.positions, [[0.96, 0.0, 0.0]]);
-/// }
-/// # Ok::<(), halfline_particles::Error>(())
-/// ```
 pub struct Frames {
     frames: Box<dyn ParticleFrames>,
     options: ParticleOptions,

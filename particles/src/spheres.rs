@@ -10,7 +10,7 @@ pub struct SphereRows {
     pub centers: Vec<[f64; 3]>,
     /// Radii, one for each centre.
     pub radii: Vec<f64>,
-    /// Linear RGB of each; empty where the rows have no colours.
+    /// Linear RGB of each row that was read; empty where the rows have no colours.
     pub colors: Vec<[f32; 3]>,
 }
 
@@ -32,14 +32,14 @@ impl SphereRows {
     /// # Errors
     /// [`Error::Limits`](halfline_ground::Error::Limits) where memory is short.
     pub fn grow(&mut self, more: usize, colored: bool) -> Result<()> {
-        let n = self.len();
-        let lists =
-            [self.centers.capacity(), self.radii.capacity(), if colored { self.colors.capacity() } else { usize::MAX }];
-        if lists.iter().all(|capacity| capacity - n >= more) {
+        let fits = |capacity: usize, len: usize| capacity - len >= more;
+        let has_room =
+            fits(self.centers.capacity(), self.centers.len()) && fits(self.radii.capacity(), self.radii.len());
+        if has_room && (!colored || fits(self.colors.capacity(), self.colors.len())) {
             return Ok(());
         }
         let each = size_of::<[f64; 3]>() + size_of::<f64>() + if colored { size_of::<[f32; 3]>() } else { 0 };
-        let entries = entries(n, more, each, "spheres")?;
+        let entries = entries(self.len(), more, each, "spheres")?;
         extend_to(&mut self.centers, entries)?;
         extend_to(&mut self.radii, entries)?;
         if colored { extend_to(&mut self.colors, entries) } else { Ok(()) }

@@ -41,8 +41,8 @@ class ReadOptions(TypedDict, total=False):
     """
 
     format: str | None
-    """File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, cif,
-    gro, dump, data, ply, csv, npy, npz, xtc, trr, dcd, poscar, pcd, las, gsd.
+    """File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, gro,
+    ptx, poscar, cif, data, dump, ply, csv, npy, npz, xtc, trr, dcd, pcd, las, pts, gsd, vtk.
     """
     columns: str | Mapping[str, str | int] | None
     """Columns of a table by meaning, with names or numbers from 1, such as

@@ -59,10 +59,10 @@ fn options(frames: &str) -> ParticleOptions {
 }
 
 fn read(path: &Path, particles: &ParticleOptions) -> Result<Vec<SceneFrame>, String> {
-    held(path, particles, Hold::default())
+    frames_of(path, particles, Hold::default())
 }
 
-fn held(path: &Path, particles: &ParticleOptions, hold: Hold) -> Result<Vec<SceneFrame>, String> {
+fn frames_of(path: &Path, particles: &ParticleOptions, hold: Hold) -> Result<Vec<SceneFrame>, String> {
     let options = ReadOptions { particles: particles.clone(), hold, ..ReadOptions::default() };
     let mut sequence = Sequence::open(path, &options).map_err(|error| error.to_string())?;
     std::iter::from_fn(|| sequence.next_scene().transpose())
@@ -105,7 +105,7 @@ fn frames_have_the_order_of_the_first_whatever_their_rows() {
         }
         // Alone as in the film, whatever holds its colours, and by columns with other names.
         for hold in [Hold::First, Hold::None] {
-            let alone = held(&path, &options("3"), hold).expect("a frame");
+            let alone = frames_of(&path, &options("3"), hold).expect("a frame");
             assert_eq!((alone.len(), ids(&alone[0])), (1, first.clone()));
         }
         let named = ParticleOptions { identity: "ID".into(), ..options("2-") };

@@ -1,9 +1,9 @@
 """Writes the small compressed files of the unit tests of LAZ, with lazrs (a port of LASzip), in chunks of 16 points.
 
     pip install laspy lazrs numpy
-    python tests/independent/laz.py files/src/read/particles/las/laz/samples
+    python tests/independent/laz.py particles/src/formats/las/laz/samples
 
-The numbers of point n are those of `expected` in files/src/read/particles/las/laz/tests.rs.
+The numbers of point n are those of `expected` in particles/src/formats/las/laz/tests.rs.
 """
 import io, os, sys
 

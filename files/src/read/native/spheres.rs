@@ -3,10 +3,11 @@
 use super::table::TomlTable;
 use crate::read::options::ReadOptions;
 use halfline::error::{Error, Place, Result};
+use halfline::memory::reserve;
 use halfline::progress::Watch;
 use halfline::quote::quote;
 use halfline::quote::setting::STREAM;
-use halfline::scene::{List, Spheres};
+use halfline::scene::{DEFAULT_COLOR, List, Material, Spheres};
 use halfline_particles::detect::of_name;
 use halfline_particles::ending;
 use halfline_particles::open::open;
@@ -75,11 +76,13 @@ impl NamedSpheres {
             "npy" => npy::read,
             _ => return self.particles(spheres, watch),
         };
+        let Some(selection) = &self.selection else {
+            return append_rows(spheres, |rows| strict(&self.path, rows, watch)).map(|()| Vec::new());
+        };
         let mut part = SphereRows::default();
         strict(&self.path, &mut part, watch)?;
-        let Some(selection) = &self.selection else { return append(spheres, of_rows(part)).map(|()| Vec::new()) };
         let mut selected = SelectedSpheres::new(selection);
-        append(spheres, of_rows(selected.of(part).map_err(|e| at(&self.selected_at, e))?))?;
+        append(spheres, &of_rows(selected.of(part).map_err(|e| at(&self.selected_at, e))?))?;
         Ok(selected.messages())
     }
 
@@ -150,7 +153,7 @@ impl NamedSpheres {
         let notes = apply(&options.selections(), &mut particles).map_err(|e| at(&self.selected_at, e))?;
         particles.skipped.assumed.extend(notes.iter().map(ToString::to_string));
         let (part, skipped, _) = options.style.to_spheres(particles, spaced, &Place::file(name))?;
-        append(spheres, part)?;
+        append(spheres, &part)?;
         Ok(skipped.warnings())
     }
 }
@@ -184,12 +187,37 @@ pub(in crate::read) fn rows_of(spheres: Spheres) -> SphereRows {
     }
 }
 
-/// Appends spheres; a scene that has none yet takes them without copying.
-fn append(spheres: &mut Spheres, more: Spheres) -> Result<()> {
-    if spheres.is_empty() {
-        *spheres = more;
-        return Ok(());
+/// Appends the rows that `read` appends, in the same memory.
+///
+/// # Errors
+/// Those of `read`, which leave no spheres.
+fn append_rows(spheres: &mut Spheres, read: impl FnOnce(&mut SphereRows) -> Result<()>) -> Result<()> {
+    let before = spheres.len();
+    let Spheres { centers, radii, colors, mut materials, mut opacities } = std::mem::take(spheres);
+    let mut rows = SphereRows { centers: centers.into_vec(), radii: radii.into_vec(), colors: Vec::new() };
+    read(&mut rows)?;
+    let SphereRows { centers, radii, colors: mut new } = rows;
+    let count = centers.len();
+    let colors = if colors.is_some() || !new.is_empty() {
+        let mut colors = colors.map_or_else(|| vec![DEFAULT_COLOR; before], List::into_vec);
+        reserve(&mut colors, count - before)?;
+        colors.append(&mut new);
+        colors.resize(count, DEFAULT_COLOR);
+        Some(colors.into())
+    } else {
+        None
+    };
+    if let Some(materials) = &mut materials {
+        (before..count).for_each(|_| materials.push(Material::default()));
     }
+    if let Some(opacities) = &mut opacities {
+        opacities.to_mut().resize(count, 1.0);
+    }
+    *spheres = Spheres { centers: centers.into(), radii: radii.into(), colors, materials, opacities };
+    Ok(())
+}
+
+fn append(spheres: &mut Spheres, more: &Spheres) -> Result<()> {
     let color = |n: usize| more.colors.as_ref().map(|colors| colors[n]);
     let all = more.centers.iter().zip(&more.radii).enumerate();
     all.into_iter().try_for_each(|(n, (center, radius))| spheres.add(*center, *radius, color(n)))

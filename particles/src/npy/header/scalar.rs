@@ -68,6 +68,11 @@ impl Scalar {
         Self { kind: NumberKind::Float, size, big }
     }
 
+    /// Whole numbers without a sign, of 1, 2, 4 or 8 bytes.
+    pub const fn unsigned(size: usize, big: bool) -> Self {
+        Self { kind: NumberKind::Unsigned, size, big }
+    }
+
     /// Bytes per number.
     pub fn size(self) -> usize {
         self.size
