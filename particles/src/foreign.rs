@@ -42,7 +42,6 @@ const TRAJECTORY: &str = "convert it to GRO, PDB or XYZ, for example with `gmx t
 const TOPOLOGY: &str = "use the file with the coordinates; MDAnalysis writes PDB from both";
 const STRUCTURE: &str = "convert it to PDB, mmCIF or XYZ, for example with Open Babel or MDAnalysis";
 const ARRAYS: &str = "save the positions with numpy.save or numpy.savez";
-const SCAN: &str = "convert it to LAS, PLY or PCD, for example with CloudCompare or PDAL";
 const MESH: &str = "save its vertices as PLY, for example with MeshLab or trimesh";
 const TABLE: &str = "save its columns as CSV or NPY, for example with pandas";
 
@@ -94,7 +93,6 @@ const ALL: &[Foreign] = &[
             begins(first, "<!doctype html") || begins(first, "<html")
         }),
     ),
-    row("an E57 scan", SCAN, &["e57"], Sign::Start(&[b"ASTM-E57"])),
     row(
         "an STL mesh",
         MESH,

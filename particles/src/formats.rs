@@ -2,6 +2,7 @@
 
 pub(crate) mod data;
 pub(crate) mod dump;
+pub(crate) mod e57;
 pub(crate) mod gro;
 pub(crate) mod gsd;
 pub(crate) mod las;
@@ -63,6 +64,7 @@ formats! {
     PTS table,
     GSD gsd,
     VTK vtk,
+    E57 e57,
 }
 
 impl Format {

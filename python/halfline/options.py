@@ -42,7 +42,7 @@ class ReadOptions(TypedDict, total=False):
 
     format: str | None
     """File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, gro,
-    ptx, poscar, cif, data, dump, ply, csv, npy, npz, xtc, trr, dcd, pcd, las, pts, gsd, vtk.
+    ptx, poscar, cif, data, dump, ply, csv, npy, npz, xtc, trr, dcd, pcd, las, pts, gsd, vtk, e57.
     """
     columns: str | Mapping[str, str | int] | None
     """Columns of a table by meaning, with names or numbers from 1, such as

@@ -642,7 +642,6 @@ fn what_is_not_read_is_named_with_a_way_to_it() {
         (zip("[Content_Types].xml"), "ZIP", "CSV"),
         (zip("folder/"), "ZIP", "unzip"),
         (tar, "tar", "tar -xf"),
-        (b"ASTM-E57\x01\0\0\0".to_vec(), "E57", "LAS"),
         (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 1\n".to_vec(), "Git LFS", "git lfs pull"),
         (b"/annex/objects/SHA256E-s1--0.xyz\n".to_vec(), "git-annex", "git annex get"),
         (b"\n<!DOCTYPE HTML>\n<html>404</html>\n".to_vec(), "HTML", "download"),
