@@ -1,4 +1,4 @@
-"""Columns of a scene: what its file says of each sphere."""
+"""Columns of a scene or of particles: what the file says of each sphere or particle."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Columns(Mapping[str, NDArray[Any]]):
 
     __slots__ = ("_native",)
 
-    _native: _halfline.Scene
+    _native: _halfline.Scene | _halfline.Particles
 
     # A mapping compares values, and those of arrays have no single truth.
     __eq__ = object.__eq__
@@ -69,7 +69,7 @@ class Columns(Mapping[str, NDArray[Any]]):
         raise TypeError("Columns are those of a Scene: scene.columns")
 
     @classmethod
-    def _of(cls, native: _halfline.Scene) -> Columns:
+    def _of(cls, native: _halfline.Scene | _halfline.Particles) -> Columns:
         columns = cls.__new__(cls)
         columns._native = native
         return columns

@@ -5,12 +5,14 @@ mod arrays;
 mod atoms;
 mod camera;
 mod color;
+mod columns;
 mod command;
 mod errors;
 mod fit;
 mod frame;
 mod many;
 mod measure;
+mod particles;
 mod parts;
 mod png;
 mod read;
@@ -45,6 +47,8 @@ mod _halfline {
     use super::many::Frames;
     #[pymodule_export]
     use super::measure::measure;
+    #[pymodule_export]
+    use super::particles::{ParticleFrames, Particles};
     #[pymodule_export]
     use super::parts::{Part, Sieve};
     #[pymodule_export]

@@ -3,6 +3,7 @@
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::color::Color;
+use crate::columns::column;
 use crate::errors::OrRaise;
 use crate::work::{Job, begin};
 use halfline::scene::arrange::Arrangement;
@@ -10,11 +11,10 @@ use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
 use halfline_command::choices::{ChosenScene, in_keywords};
-use halfline_files::read::{Codes, ColumnValues, FrameTime, SceneFrame, Selection};
+use halfline_files::read::{FrameTime, SceneFrame, Selection};
 use halfline_files::write::file::check_writable;
 use halfline_files::write::glb;
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
-use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -231,23 +231,11 @@ impl Scene {
 
     /// The numbers of a column, by the word of a selection; of a column of texts the number of each, and the texts.
     fn column<'py>(this: &Bound<'py, Self>, word: &str) -> PyResult<(Bound<'py, PyAny>, Option<Vec<String>>)> {
-        let columns = &this.get().frame.columns;
-        let (_, values) = columns.get(word).map_err(|error| PyKeyError::new_err(in_keywords(&error.to_string())))?;
-        let (owner, py) = (this.clone().into_any(), this.py());
-        #[expect(unsafe_code, reason = "arrays of the memory of this scene")]
         // SAFETY: a scene is frozen, and the array keeps it alive.
-        let array = unsafe {
-            match values {
-                ColumnValues::Numbers(values) => shown(values, &[values.len()], owner)?.into_any(),
-                ColumnValues::Whole(values) => shown(values, &[values.len()], owner)?.into_any(),
-                ColumnValues::Order(count) => owned(py, (0..*count as i32).collect(), &[*count])?.into_any(),
-                ColumnValues::Texts(Codes::U8(codes), _) => shown(codes, &[codes.len()], owner)?.into_any(),
-                ColumnValues::Texts(Codes::U16(codes), _) => shown(codes, &[codes.len()], owner)?.into_any(),
-                ColumnValues::Texts(Codes::U32(codes), _) => shown(codes, &[codes.len()], owner)?.into_any(),
-            }
-        };
-        let texts = if let ColumnValues::Texts(_, texts) = values { Some(texts.clone()) } else { None };
-        Ok((array, texts))
+        #[expect(unsafe_code, reason = "arrays of the memory of this scene")]
+        unsafe {
+            column(&this.get().frame.columns, word, this.clone().into_any())
+        }
     }
 
     fn __len__(&self) -> usize {

@@ -276,7 +276,7 @@ def test_every_setting_that_the_library_names_is_a_keyword() -> None:
     rows = re.findall(r'row\(\s*"(\w+)",\s*(?:Keyword\(\w+, |Elsewhere\()"([^"]+)"', table)
     renamed = {name: word for name, word in rows if name != word}
     assert renamed["aov"] == "aovs" and renamed["tile"] == "crop"
-    settings = (ROOT / "src" / "quote" / "setting.rs").read_text(encoding="utf-8")
+    settings = (ROOT / "ground" / "src" / "quote" / "setting.rs").read_text(encoding="utf-8")
     named = set(re.findall(r'\b[A-Z_]+ "([a-z_]+)",', settings))
     assert len(named) > 40
     lost = named - keywords - renamed.keys() - UNREACHED

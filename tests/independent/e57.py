@@ -58,7 +58,8 @@ with tempfile.TemporaryDirectory() as folder:
         assert done.returncode == 0, (path, done.stderr)
         found = json.loads(done.stdout)
         stays = [data["cartesianInvalidState"] == 0 for data, *_ in scans]
-        placed = [np.stack([data[f"cartesian{axis}"].astype("f8") for axis in "XYZ"], 1) @ rotation(turn).T + place for data, turn, place in scans]
+        raw = [np.stack([data[f"cartesian{axis}"].astype("f8") for axis in "XYZ"], 1) for data, *_ in scans]
+        placed = [p @ rotation(turn).T + place for p, (_, turn, place) in zip(raw, scans, strict=True)]
         expected = np.concatenate([p[s] for p, s in zip(placed, stays, strict=True)])
         got = np.array(found["positions"]).reshape(-1, 3)
         assert got.shape == expected.shape, path

@@ -29,7 +29,8 @@ def draw(kind, *shape):
     if kind[0] == "f":
         return (rng.standard_normal(shape) * 10.0 ** rng.integers(-3, 4)).astype(kind)
     ends = np.iinfo(kind)
-    return rng.integers(max(ends.min, -EXACT), min(ends.max, EXACT), shape, endpoint=True, dtype="i8" if kind != "u8" else "u8").astype(kind)
+    ends = [max(ends.min, -EXACT), min(ends.max, EXACT)]
+    return rng.integers(*ends, shape, endpoint=True, dtype="u8" if kind == "u8" else "i8").astype(kind)
 
 
 def data(count):
