@@ -44,6 +44,7 @@ impl FrameRange {
 
     /// The error of frame `number`, whose remedy also names the frames before it, which were read: a simulation that runs, or was stopped,
     /// has written a part of the last.
+    #[doc(hidden)]
     pub fn until(&self, number: u64, error: Error) -> Error {
         let last = number.saturating_sub(1);
         let first = self.numbers().next().filter(|first| *first <= last).unwrap_or(1);

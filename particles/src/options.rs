@@ -64,6 +64,7 @@ pub struct ParticleOptions {
     /// The columns that are kept, besides those that are named or selected by.
     pub keep: Keep,
     /// Counts the particles with all columns, or passes them on in parts, instead of keeping them.
+    #[doc(hidden)]
     pub survey: Option<Survey>,
     /// Cancellation of the reading.
     pub watch: Watch,
@@ -71,12 +72,14 @@ pub struct ParticleOptions {
 
 impl ParticleOptions {
     /// All selections: to take, to hide, and those of the caller.
+    #[doc(hidden)]
     pub fn all_selections(&self) -> impl Iterator<Item = &Selection> {
         self.select.iter().chain(&self.hide).chain(&self.others)
     }
 
     /// The columns that the reader must keep, as far as the file has them: those that are named, and the components of
     /// vectors whose length they may be.
+    #[doc(hidden)]
     #[must_use]
     pub fn kept_columns(&self) -> Vec<String> {
         let mut columns = self.named_columns();
@@ -89,6 +92,7 @@ impl ParticleOptions {
     }
 
     /// The columns that colours, selections, [`Periodic::Unwrap`] and the words of [`Keep::Named`] read.
+    #[doc(hidden)]
     pub fn named_columns(&self) -> Vec<String> {
         let mut columns = self.columns.clone();
         let unwrapped = periodic::columns().filter(|_| self.periodic == Periodic::Unwrap).map(str::to_owned);
@@ -124,6 +128,7 @@ impl ParticleOptions {
     ///
     /// # Errors
     /// [`Error::Settings`] for a cell or a column that the frame lacks, [`Error::Limits`] where memory is short.
+    #[doc(hidden)]
     pub fn prepare(&self, particles: &mut Particles) -> Result<()> {
         let columns = self.named_columns();
         periodic::apply(self.periodic, particles)?;
@@ -132,11 +137,13 @@ impl ParticleOptions {
     }
 
     /// The columns whose values selections compare as words, by which a column of texts differs from one of numbers.
+    #[doc(hidden)]
     pub fn worded_columns(&self) -> Vec<String> {
         self.all_selections().flat_map(Selection::worded_columns).collect()
     }
 
     /// The format of a file as far as the options say it.
+    #[doc(hidden)]
     pub fn known_format(&self) -> KnownFormat {
         match self.format {
             Some(format) => KnownFormat::Given(format),
@@ -147,6 +154,7 @@ impl ParticleOptions {
 
     /// The request to the reader of a file of this format. With [`Keep::Molecules`] it has all columns of PDB, PQR, PDBQT, mmCIF
     /// and GRO.
+    #[doc(hidden)]
     pub fn request(&self, format: Format) -> Request {
         let all = self.keep == Keep::Molecules && format.has(Has::Serials);
         let mut columns = self.kept_columns();

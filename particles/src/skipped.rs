@@ -14,11 +14,13 @@ pub struct Skipped {
 
 impl Skipped {
     /// Counts one more of `kind`.
+    #[doc(hidden)]
     pub fn add(&mut self, kind: &'static str) {
         self.count(kind, 1);
     }
 
     /// Adds the items left out and the assumptions of another part.
+    #[doc(hidden)]
     pub fn append(&mut self, more: Self) {
         more.kinds.into_iter().for_each(|(kind, n)| self.count(kind, n));
         self.assumed.extend(more.assumed);
@@ -41,12 +43,14 @@ impl Skipped {
     }
 
     /// Adds this to the count and the warnings of a report, after the first `others` of them.
+    #[doc(hidden)]
     pub fn report(&self, skipped: &mut u64, warnings: &mut Vec<String>, others: usize) {
         *skipped = self.total();
         warnings.splice(others..others, self.warnings());
     }
 
     /// Counts one more of `kind`, or returns an error where it is `strict`.
+    #[doc(hidden)]
     pub fn skip(&mut self, kind: &'static str, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
         if strict {
             let mend = "remove it, or read without strict to skip it";

@@ -46,6 +46,7 @@ pub struct Particles {
     /// Colours, as the numbers of the file until they are made linear RGB; empty if the file has none.
     pub colors: Vec<[f32; 3]>,
     /// The type of these numbers, which decides how they become linear RGB.
+    #[doc(hidden)]
     pub color_type: ColorType,
     /// The columns of [`ParticleOptions::columns`](crate::ParticleOptions::columns) that the file has, with a number for
     /// every particle. Names of columns in files are converted to lower case.
@@ -123,7 +124,8 @@ pub struct Column {
 
 impl Particles {
     /// The column of this name, in any case.
-    pub(crate) fn column(&self, name: &str) -> Option<&Column> {
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name))
     }
 
@@ -131,6 +133,7 @@ impl Particles {
     ///
     /// # Errors
     /// [`Error::Limits`] where memory is short.
+    #[doc(hidden)]
     pub fn add_lengths(&mut self, requested: &[String]) -> Result<()> {
         for name in requested {
             let numbers = self.columns.iter().filter(|column| !self.labels.contains_key(&column.name));
@@ -258,6 +261,7 @@ impl Particles {
     }
 
     /// The counts of a frame that was read for this survey.
+    #[doc(hidden)]
     pub fn counted(mut self, survey: &Survey) -> Counts {
         let mut shared = survey.counts();
         self.count(&mut shared);
@@ -345,6 +349,7 @@ impl Particles {
     }
 
     /// The particles of a part.
+    #[doc(hidden)]
     pub fn of_part(part: Part) -> Self {
         let Part { positions, radii, elements, colors, color_type, columns, labels, has, checked } = part;
         let columns = columns.into_iter().map(|(name, values)| Column { name, values }).collect();
@@ -358,22 +363,26 @@ impl Particles {
     }
 
     /// The numbers from 1 of the rules that give the particles this property, 0 for none; empty without rules.
+    #[doc(hidden)]
     pub fn rule_numbers(&self, target: RuleTarget) -> &[u16] {
         &self.rules[target as usize]
     }
 
     /// The index of the rule that gives particle `n` this property; `None` where none does.
+    #[doc(hidden)]
     pub fn rule(&self, target: RuleTarget, n: usize) -> Option<usize> {
         self.rule_numbers(target).get(n).and_then(|number| usize::from(*number).checked_sub(1))
     }
 
     /// Whether rules give some particles this property.
+    #[doc(hidden)]
     pub fn has_rules(&self, target: RuleTarget) -> bool {
         !self.rule_numbers(target).is_empty()
     }
 
     /// Makes the colours of a whole file linear light, and adds what is assumed of them. Particles that are selected do not tell
     /// what the numbers of the file are, so this comes before any selection.
+    #[doc(hidden)]
     pub fn lighten(&mut self) {
         let mut file = ColorSurvey::default();
         file.see(self.color_type, &self.colors);
@@ -382,11 +391,13 @@ impl Particles {
     }
 
     /// The same for a part of a file, whose colours have this in common.
+    #[doc(hidden)]
     pub fn lighten_part(&mut self, file: &ColorSurvey) {
         file.lighten(&mut self.colors);
     }
 
     /// The index of particle `n` in the file.
+    #[doc(hidden)]
     pub fn index(&self, n: usize) -> u64 {
         self.before + self.places.get(n).map_or(n as u64, |place| u64::from(*place))
     }
