@@ -8,7 +8,8 @@ mod scans;
 pub(crate) const E57: FormatRow = FormatRow {
     name: "e57",
     about: "scans of E57",
-    signs: &[Sign::Bytes(|bytes| bytes.starts_with(b"ASTM-E57"))],
+    // The major version.
+    signs: &[Sign::Bytes(|bytes| bytes.starts_with(b"ASTM-E57\x01\0\0\0"))],
     has: &[Has::AnyColumns],
     open: OPEN,
     ..FormatRow::PLAIN

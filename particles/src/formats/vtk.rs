@@ -31,10 +31,11 @@ const OPEN: Open = Open::Frames(|source, request, _| frames::open(source, reques
 #[cfg(not(feature = "formats"))]
 const OPEN: Open = Open::Lacking;
 
-/// The first line of the legacy format, or an element `VTKFile` in the first lines.
+/// The first line of the legacy format, or XML with an element `VTKFile` in its first lines.
 fn is_vtk(lines: &[&str]) -> bool {
-    lines.first().is_some_and(|line| line.starts_with("# vtk DataFile"))
-        || lines.iter().take(16).any(|line| line.contains("<VTKFile"))
+    let first = lines.iter().map(|line| line.trim()).find(|line| !line.is_empty()).unwrap_or_default();
+    let is_xml = ["<?xml", "<!--", "<VTKFile"].iter().any(|start| first.starts_with(start));
+    first.starts_with("# vtk DataFile") || is_xml && lines.iter().take(16).any(|line| line.contains("<VTKFile"))
 }
 
 #[cfg(all(test, feature = "formats"))]

@@ -5,7 +5,7 @@
 mod column;
 mod values;
 
-use super::token::Token;
+use super::token::{Token, Want};
 use crate::lines::Spot;
 use crate::source::Source;
 use column::Column;
@@ -41,6 +41,8 @@ pub(super) struct BinaryTokens {
     category: Category,
     /// The current word.
     word: Vec<u8>,
+    /// The current value, where it is a number that has no word.
+    number: Option<f64>,
     /// A word that was put back.
     kept: Option<Token>,
 }
@@ -72,25 +74,32 @@ impl BinaryTokens {
             categories: none(),
             category: Category::default(),
             word: Vec::new(),
+            number: None,
             kept: None,
         }
     }
 
     /// Moves to the next word.
     pub(super) fn next(&mut self) -> Result<Token> {
+        self.next_as(Want::Word)
+    }
+
+    /// Moves to the next word, of which this is needed.
+    pub(super) fn next_as(&mut self, want: Want) -> Result<Token> {
         if let Some(token) = self.kept.take() {
             return Ok(token);
         }
         self.read()?;
         let category = &mut self.category;
         self.word.clear();
+        self.number = None;
         if let Some(column) = category.columns.get(category.tags) {
             self.word.extend([category.name.as_bytes(), b".", column.name.as_bytes()].concat());
             category.tags += 1;
             return Ok(Token::Tag);
         }
         if category.row < category.rows {
-            return self.next_value();
+            return self.next_value(want);
         }
         while let Some(next) = self.categories.next() {
             if self.begin(next)? {
@@ -162,10 +171,15 @@ impl BinaryTokens {
     }
 
     /// Moves to the next value of the category.
-    fn next_value(&mut self) -> Result<Token> {
+    fn next_value(&mut self, want: Want) -> Result<Token> {
         let category = &mut self.category;
         let column = &mut category.columns[category.at];
-        if let Err(problem) = column.next(&mut self.word) {
+        let moved = match want {
+            Want::Word => column.next(&mut self.word),
+            Want::Number => column.next_number(&mut self.word).map(|number| self.number = number),
+            Want::Nothing => column.pass(),
+        };
+        if let Err(problem) = moved {
             let (place, row) = (format!("{}.{}", category.name, column.name), category.row + 1);
             return Err(self.damaged(&place, format!("row {row} of {}: {problem}", self.category.rows)));
         }
@@ -192,6 +206,11 @@ impl BinaryTokens {
 
     pub(super) fn give_back(&mut self, token: Token) {
         self.kept = Some(token);
+    }
+
+    /// The current value, where it was moved to as a number and is one.
+    pub(super) fn number(&self) -> Option<f64> {
+        self.number
     }
 
     pub(super) fn word(&self) -> &[u8] {

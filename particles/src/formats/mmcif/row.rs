@@ -1,7 +1,7 @@
 //! A row of `_atom_site`: the meaning of its columns, and the values of an atom.
 
 use super::symmetry::Symmetry;
-use super::token::{Token, number};
+use super::token::{Token, Want, number};
 use super::tokens::Tokens;
 use crate::lines::{Spot, mend_number};
 use crate::particles::atom_property::{AtomProperty, NameTable};
@@ -37,6 +37,13 @@ enum Use {
     Site,
     /// The flag of the position's origin, calculated or measured; `dum` marks a dummy atom.
     Origin,
+}
+
+impl Use {
+    /// Whether a number is all that is needed.
+    fn is_number(self) -> bool {
+        matches!(self, Self::Position(_) | Self::Ideal(_) | Self::Number(_))
+    }
 }
 
 /// The columns of the atoms.
@@ -247,7 +254,13 @@ impl AtomRow {
         self.clear();
         self.small = layout.fractional;
         for (k, uses) in layout.uses.iter().enumerate() {
-            match tokens.next()? {
+            // The first value tells whether there is a row.
+            let want = match &uses[..] {
+                [] if k > 0 => Want::Nothing,
+                uses if uses.iter().all(|kind| kind.is_number()) && k > 0 => Want::Number,
+                _ => Want::Word,
+            };
+            match tokens.next_as(want)? {
                 Token::Value => {}
                 token if k == 0 => {
                     tokens.give_back(token);
@@ -262,7 +275,10 @@ impl AtomRow {
                 tokens.check_quote()?;
             }
             for kind in uses {
-                self.take(*kind, tokens.value(), names, || tokens.spot(), &|| tokens.file())?;
+                match tokens.number() {
+                    Some(number) => self.take_number(*kind, number),
+                    None => self.take(*kind, tokens.value(), names, || tokens.spot(), &|| tokens.file())?,
+                }
             }
         }
         Ok(true)
@@ -292,6 +308,16 @@ impl AtomRow {
         (self.model, self.asym, self.dummy) = (1, 0, false);
         self.numbers = [f64::NAN; AtomProperty::ALL.len()];
         (self.position, self.ideal, self.missing) = ([f64::NAN; 3], [f64::NAN; 3], None);
+    }
+
+    /// Takes a finite number.
+    fn take_number(&mut self, kind: Use, number: f64) {
+        match kind {
+            Use::Position(k) => self.position[k] = number,
+            Use::Ideal(k) => self.ideal[k] = number,
+            Use::Number(kind) => self.numbers[kind as usize] = number,
+            _ => {}
+        }
     }
 
     fn take(

@@ -15,6 +15,15 @@ pub(super) enum Token {
     End,
 }
 
+/// The part of a value that its reader needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Want {
+    Word,
+    /// A number; any other value as a word.
+    Number,
+    Nothing,
+}
+
 /// A number, optionally with its uncertainty in brackets: `1.234(5)`.
 pub(super) fn number(value: &[u8]) -> Option<f64> {
     let end = value.iter().position(|byte| *byte == b'(').unwrap_or(value.len());

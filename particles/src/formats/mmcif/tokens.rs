@@ -2,7 +2,7 @@
 
 use super::binary::BinaryTokens;
 use super::text::TextTokens;
-use super::token::Token;
+use super::token::{Token, Want};
 use crate::lines::{Lines, Spot};
 use crate::source::Source;
 use halfline_ground::error::{Place, Result};
@@ -38,6 +38,19 @@ impl Tokens {
     /// Moves to the next word.
     pub(super) fn next(&mut self) -> Result<Token> {
         either!(self, tokens => tokens.next())
+    }
+
+    /// Moves to the next word, of which this is needed. Words of text are words in any case.
+    pub(super) fn next_as(&mut self, want: Want) -> Result<Token> {
+        match self {
+            Self::Text(tokens) => tokens.next(),
+            Self::Binary(tokens) => tokens.next_as(want),
+        }
+    }
+
+    /// The current value, where it was moved to as a number of a binary file.
+    pub(super) fn number(&self) -> Option<f64> {
+        if let Self::Binary(tokens) = self { tokens.number() } else { None }
     }
 
     /// Puts the current word back, to be returned again.

@@ -7,71 +7,94 @@ use crate::lines::{Lines, Words};
 use crate::npy::header::{bits, levels};
 use crate::particles::frame::Particles;
 use crate::particles::role::Role;
-use crate::particles::rows::surplus;
+use crate::particles::rows::{rows, surplus};
 use halfline_ground::error::{Result, relocate};
 use halfline_ground::quote::quote;
+use std::io::BufRead;
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 
+/// Reads the vertices, on all cores.
 pub(super) fn text(
     lines: &mut Lines<Input>,
     element: &PlyElement,
     columns: &VertexColumns,
     particles: &mut Particles,
 ) -> Result<()> {
+    let read = AtomicU64::new(0);
+    loop {
+        // Blank lines are no vertices.
+        let left = element.count - read.load(Relaxed);
+        if left == 0 {
+            return Ok(());
+        }
+        let taken = rows(lines, left, &columns.layout, particles, |line, particles| {
+            if line.text().trim_ascii().is_empty() {
+                return Ok(());
+            }
+            read.fetch_add(1, Relaxed);
+            vertex(line, element, columns, particles)
+        })?;
+        if taken == 0 {
+            return Err(truncated(lines.file(), read.load(Relaxed), element));
+        }
+    }
+}
+
+/// Adds the vertex of a line.
+fn vertex<R: BufRead>(
+    lines: &Lines<R>,
+    element: &PlyElement,
+    columns: &VertexColumns,
+    particles: &mut Particles,
+) -> Result<()> {
     let layout = &columns.layout;
-    let mut numbers = Vec::new();
-    for read in 0..element.count {
-        if !next(lines)? {
-            return Err(truncated(lines.file(), read, element));
-        }
-        numbers.clear();
-        let mut invalid = None;
-        let mut words = Words::of(lines);
-        for (k, property) in element.properties.iter().enumerate() {
-            let need = || lines.ends(&property.name, "the line ends before it", "give every property of the vertex");
-            let word = words.next().ok_or_else(need)?;
-            match property.length {
-                Some(_) => {
-                    // Each item is a word; items beyond the line are missing.
-                    let count = word.finite(&property.name)?;
-                    for _ in 0..count as u64 {
-                        words.next().ok_or_else(need)?;
-                    }
-                }
-                None if columns.packed == Some(k) => {
-                    numbers.extend(levels(bits(word.number(&property.name)?, property.scalar)));
-                }
-                None => {
-                    let (role, name) = (layout.role(numbers.len()), &property.name);
-                    let number = match role {
-                        Role::Radius | Role::Diameter => word.positive(name),
-                        Role::Position(_) | Role::Color(_) => word.finite(name),
-                        _ => word.number(name),
-                    };
-                    let skips = layout.skips_invalid() && role.is_checked();
-                    let number = match number {
-                        Err(error) if skips => {
-                            invalid.get_or_insert(error);
-                            f64::NAN
-                        }
-                        number => number.map_err(|error| layout.offer_to_skip(numbers.len(), error))?,
-                    };
-                    numbers.push(number);
+    let (mut numbers, mut invalid) = (Vec::with_capacity(layout.len()), None);
+    let mut words = Words::of(lines);
+    for (k, property) in element.properties.iter().enumerate() {
+        let need = || lines.ends(&property.name, "the line ends before it", "give every property of the vertex");
+        let word = words.next().ok_or_else(need)?;
+        match property.length {
+            Some(_) => {
+                // Each item is a word; items beyond the line are missing.
+                let count = word.finite(&property.name)?;
+                for _ in 0..count as u64 {
+                    words.next().ok_or_else(need)?;
                 }
             }
-        }
-        if let Some(word) = words.next() {
-            let problem =
-                format!("{} is one number more than the {} properties", quote(word.text), element.properties.len());
-            let mend = "correct the number of vertices and the list of their properties";
-            return Err(lines.fail(word.at, "vertex", problem, mend));
-        }
-        match invalid {
-            Some(error) => particles.reading.left_out.add(error),
+            None if columns.packed == Some(k) => {
+                numbers.extend(levels(bits(word.number(&property.name)?, property.scalar)));
+            }
             None => {
-                columns.add(&mut numbers, particles, |e| relocate(e, |field| lines.place(0).named(field)))?;
+                let (role, name) = (layout.role(numbers.len()), &property.name);
+                let number = match role {
+                    Role::Radius | Role::Diameter => word.positive(name),
+                    Role::Position(_) | Role::Color(_) => word.finite(name),
+                    _ => word.number(name),
+                };
+                let skips = layout.skips_invalid() && role.is_checked();
+                let number = match number {
+                    Err(error) if skips => {
+                        invalid.get_or_insert(error);
+                        f64::NAN
+                    }
+                    number => number.map_err(|error| layout.offer_to_skip(numbers.len(), error))?,
+                };
+                numbers.push(number);
             }
         }
-        lines.found();
+    }
+    if let Some(word) = words.next() {
+        let problem =
+            format!("{} is one number more than the {} properties", quote(word.text), element.properties.len());
+        let mend = "correct the number of vertices and the list of their properties";
+        return Err(lines.fail(word.at, "vertex", problem, mend));
+    }
+    match invalid {
+        Some(error) => particles.reading.left_out.add(error),
+        None => {
+            columns.add(&mut numbers, particles, |e| relocate(e, |field| lines.place(0).named(field)))?;
+        }
     }
     Ok(())
 }

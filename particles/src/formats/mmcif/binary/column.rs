@@ -33,6 +33,9 @@ struct Texts {
     indices: Whole,
 }
 
+/// The problem of a column that ends.
+const FEW: &str = "there is no value";
+
 /// A problem of the file.
 type Found<T> = Result<T, String>;
 
@@ -50,9 +53,42 @@ impl Column {
         Ok(Self { name, values: values(data, rows)?, mask })
     }
 
+    /// Moves past the next value; returns it where it is a finite number. Any other is written.
+    pub(super) fn next_number(&mut self, word: &mut Vec<u8>) -> Found<Option<f64>> {
+        let number = match &mut self.values {
+            Values::Whole(numbers) => numbers.next().ok_or(FEW)? as f64,
+            Values::Real(numbers) => numbers.next().ok_or(FEW)?,
+            Values::Texts(_) => return self.next(word).map(|()| None),
+        };
+        if self.is_missing()? {
+            return Ok(None);
+        }
+        if !number.is_finite() {
+            drop(write!(word, "{number}"));
+        }
+        Ok(Some(number).filter(|number| number.is_finite()))
+    }
+
+    /// Moves past the next value.
+    pub(super) fn pass(&mut self) -> Found<()> {
+        let is_there = match &mut self.values {
+            Values::Whole(numbers) | Values::Texts(Texts { indices: numbers, .. }) => numbers.next().is_some(),
+            Values::Real(numbers) => numbers.next().is_some(),
+        };
+        if !is_there {
+            return Err(FEW.to_owned());
+        }
+        self.is_missing().map(drop)
+    }
+
+    /// Whether the mask says that the value is none.
+    fn is_missing(&mut self) -> Found<bool> {
+        let Some(mask) = &mut self.mask else { return Ok(false) };
+        Ok(mask.next().ok_or("the mask has no value")? != 0)
+    }
+
     /// Writes the next value, nothing where there is none.
     pub(super) fn next(&mut self, word: &mut Vec<u8>) -> Found<()> {
-        const FEW: &str = "there is no value";
         match &mut self.values {
             Values::Whole(numbers) => drop(write!(word, "{}", numbers.next().ok_or(FEW)?)),
             Values::Real(numbers) => drop(write!(word, "{}", numbers.next().ok_or(FEW)?)),
@@ -65,9 +101,7 @@ impl Column {
                 }
             }
         }
-        if let Some(mask) = &mut self.mask
-            && mask.next().ok_or("the mask has no value")? != 0
-        {
+        if self.is_missing()? {
             word.clear();
         }
         Ok(())
