@@ -22,7 +22,7 @@ pub(crate) struct FormatRow {
     pub(crate) endings: &'static [&'static str],
     /// The signs by which content is recognised.
     pub(crate) signs: &'static [Sign],
-    /// Whether lines can be of the format where the name of the file says so; `None` for the signs in lines.
+    /// Whether lines can be of the format where the name of the file says so; `None` for its signs of structure and in lines.
     pub(crate) fits: Option<LinesSign>,
     /// The warning about lines that are read as the name of the file says, and may be of another format.
     pub(crate) doubt: fn(&[&str]) -> Option<String>,
