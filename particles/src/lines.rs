@@ -397,7 +397,7 @@ impl Block {
 
 /// A word of a line.
 pub struct Word<'a, R> {
-    /// Its bytes in the line; see [`Word::content`].
+    /// Its bytes in the line; see `Word::content`.
     pub text: &'a str,
     /// The position of its first byte.
     pub(super) at: usize,

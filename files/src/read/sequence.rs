@@ -77,11 +77,11 @@ pub struct SceneFrame {
     pub aperture: Option<Aperture>,
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
-    /// The columns of the particles that [`ReadOptions::keep`] keeps, in the order of the spheres.
+    /// The columns of the particles that [`ParticleOptions::keep`](super::ParticleOptions::keep) keeps, in the order of the spheres.
     pub columns: Arc<Columns>,
     /// The periodic cell, if the file has one.
     pub cell: Option<Cell>,
-    /// The spheres, where an assembly is kept as operators ([`ReadOptions::as_operators`]). The scene then has none.
+    /// The spheres, where an assembly is kept as operators ([`ParticleOptions::as_operators`](super::ParticleOptions::as_operators)). The scene then has none.
     pub instances: Option<Instances>,
     /// Its time and step, as far as the file has them.
     pub when: FrameTime,
@@ -99,7 +99,7 @@ pub struct SceneFrame {
 pub struct Focus {
     /// The expression.
     pub text: String,
-    /// The selected spheres that [`ReadOptions::select`] and [`ReadOptions::hide`] leave in the frame.
+    /// The selected spheres that [`ParticleOptions::select`](super::ParticleOptions::select) and [`ParticleOptions::hide`](super::ParticleOptions::hide) leave in the frame.
     pub spheres: Spheres,
     /// Messages about the expression, such as the values that the file has instead of one that no particle has.
     pub notes: Vec<String>,

@@ -35,7 +35,7 @@ pub(super) fn too_idle(place: &Place) -> Error {
     Error::Limits { problem, mend: "remove them, and check that it is a scene or particle file".into() }
 }
 
-/// Refuses a text with as many lines in a row that are blank or comments as [`Lines`] refuses.
+/// Refuses a text with as many lines in a row that are blank or comments as `Lines` refuses.
 pub fn check_idle(text: &str, file: &Place) -> Result<()> {
     let mut idle = 0;
     for (line, number) in text.lines().zip(1..) {

@@ -72,7 +72,7 @@ pub struct Particles {
     /// By [`RuleTarget`] the numbers from 1 of the style's rules for each particle, 0 for none; empty without rules.
     #[doc(hidden)]
     pub rules: [Vec<u16>; RuleTarget::COUNT],
-    /// The particles of each of [`ParticleOptions::marks`](crate::ParticleOptions::marks), and what its evaluation said.
+    /// The particles of each of `ParticleOptions::marks`, and what its evaluation said.
     #[doc(hidden)]
     pub marks: Vec<(Vec<bool>, Vec<Note>)>,
     /// The periodic cell, if the file has one.

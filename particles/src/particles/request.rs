@@ -13,7 +13,7 @@ use std::str::FromStr;
 /// The request to a reader. Each format uses the part that applies to it.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
-    /// The columns to keep, as far as the file has them; [`EVERY`](super::layout::EVERY) is all.
+    /// The columns to keep, as far as the file has them; `EVERY` is all.
     pub columns: Vec<String>,
     /// The meaning of columns of a table whose names do not say it.
     pub columns_named: ColumnNames,

@@ -47,7 +47,7 @@ pub trait Pick: fmt::Debug + Send {
     fn pick(&mut self, block: SphereRows) -> Result<SphereRows>;
 }
 
-/// Particles that are passed on, with what a style needs of them; see [`Particles`](super::Particles) for the lists.
+/// Particles that are passed on, with what a style needs of them; see `Particles` for the lists.
 #[derive(Debug, Default)]
 pub struct Part {
     pub(crate) positions: Vec<[f64; 3]>,

@@ -26,7 +26,7 @@ pub struct Selections<'a> {
 /// messages about the selections.
 ///
 /// # Errors
-/// As [`Evaluator::mask`], and [`Error::Limits`](halfline_ground::error::Error::Limits) where memory is short.
+/// As `Evaluator::mask`, and [`Error::Limits`](halfline_ground::error::Error::Limits) where memory is short.
 pub fn apply(selections: &Selections<'_>, particles: &mut Particles) -> Result<Vec<Note>> {
     let Selections { select, hide, marks, rules } = selections;
     let has_rules = !marks.is_empty() || rules.iter().any(|rules| !rules.is_empty());
@@ -81,7 +81,7 @@ pub fn apply(selections: &Selections<'_>, particles: &mut Particles) -> Result<V
 /// index, which is `before` for the first, coordinates and a radius.
 ///
 /// # Errors
-/// As [`Evaluator::mask`].
+/// As `Evaluator::mask`.
 pub fn marks_of(
     selections: &[Selection],
     before: u64,
@@ -100,7 +100,7 @@ pub fn marks_of(
 /// The particles that a selection selects, as flags, and the messages about it.
 ///
 /// # Errors
-/// As [`Evaluator::mask`].
+/// As `Evaluator::mask`.
 pub fn mask(selection: &Selection, particles: &Particles) -> Result<(Mask, Vec<String>)> {
     noted(selection, particles).map(|(mask, notes)| (mask, notes.iter().map(Note::to_string).collect()))
 }
