@@ -51,10 +51,10 @@ fn members(block: &str, is_enum: bool) -> Vec<String> {
         let text = line.strip_prefix("    ").filter(|text| !text.starts_with(' ')).unwrap_or_default();
         let is_variant = is_enum && text.starts_with(|c: char| c.is_ascii_uppercase());
         if text.starts_with("pub ") || is_variant {
+            // A function may have its types on several lines.
             let whole = lines[n..].iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
-            let end = if text.contains("fn ") { whole.find(" {") } else { whole.find(", ").or(Some(text.len())) };
-            let is_function = text.contains("fn ");
-            let shown = if is_function { &whole[..end.unwrap_or(whole.len())] } else { text };
+            let function = whole.split(" {").next().filter(|_| text.contains("fn "));
+            let shown = function.unwrap_or(text);
             if !is_hidden {
                 found.push(shown.trim_end_matches([',', ' ', ';']).replace("( ", "(").replace(", )", ")"));
             }

@@ -11,13 +11,17 @@ use super::particles::request::{Altloc, Request};
 use super::source::Source;
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::quote::setting::{
-    ALTLOC, AS_LISTED, ASSEMBLY, ATOM_STYLE, COLUMNS, FORMAT, FRAMES, MODEL, TOPOLOGY,
+    ALTLOC, AS_LISTED, ASSEMBLY, AT, ATOM_STYLE, COLOR, COLUMNS, FOCUS, FORMAT, FRAMES, HIDE, MODEL, RADIUS, SELECT,
+    STREAM, TOPOLOGY,
 };
 use std::path::Path;
 
 /// The frames of a particle file, with the atoms of the topology and in the order of the first one; `None` for formats that
 /// contain a whole scene.
 pub fn open(source: SceneSource, options: &ParticleOptions) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
+    if options.as_operators && options.assembly.is_some() {
+        check_operators(options)?;
+    }
     let (path, format) = (source.path.clone(), source.format);
     let file = Place::file(path.display().to_string());
     let topology = options.topology.as_deref().map(|name| topology(name, &path, options)).transpose()?;
@@ -39,6 +43,18 @@ pub fn open(source: SceneSource, options: &ParticleOptions) -> Result<Result<Box
         frames = Box::new(Ordered::new(frames, file, options.identity.clone(), first));
     }
     Ok(Ok(frames))
+}
+
+/// Refuses what needs all atoms of an assembly.
+fn check_operators(options: &ParticleOptions) -> Result<()> {
+    if options.all_selections().next().is_none() {
+        return Ok(());
+    }
+    let problem = format!("{STREAM}: selections need all atoms of an assembly in memory");
+    Err(Error::settings(
+        problem,
+        format!("remove selections ({SELECT}, {HIDE}, {AT}, {FOCUS}, and those of {COLOR} and {RADIUS}), or {STREAM}"),
+    ))
 }
 
 /// The numbers of the particles of the file's first frame; `None` where it cannot be read again, or has none.

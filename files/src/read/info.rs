@@ -238,13 +238,14 @@ impl FileInfo {
 
     fn of_scene(SceneFrame { scene, skipped, .. }: SceneFrame, format: &'static str) -> Self {
         let spheres = scene.spheres;
+        let (is_empty, colored) = (spheres.is_empty(), spheres.colors.is_some());
         let survey = Survey::default();
-        survey.count_spheres(&mut rows_of(spheres.clone()), true);
+        survey.count_spheres(&mut rows_of(spheres), true);
         let counts = Particles::default().counted(&survey);
         let info = Self::of(counts);
-        let nothing = spheres.is_empty().then(|| NOTHING.to_owned());
+        let nothing = is_empty.then(|| NOTHING.to_owned());
         let warnings = skipped.warnings().into_iter().chain(nothing).collect();
-        Self { format, camera: true, colored: spheres.colors.is_some(), warnings, ..info }
+        Self { format, camera: true, colored, warnings, ..info }
     }
 }
 

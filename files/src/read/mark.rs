@@ -4,8 +4,7 @@ use super::sequence::SceneFrame;
 use halfline::error::{Error, Result};
 use halfline::quote::setting::MARK;
 use halfline::quote::{count, list, number, quote};
-use halfline_particles::ColumnValue;
-use halfline_particles::select::selection::Selection;
+use halfline_particles::{ColumnValue, Selection};
 use std::str::FromStr;
 
 /// The most marks of a picture.

@@ -7,7 +7,7 @@ use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb;
 use halfline::parallel::{self, CHEAP};
 use halfline::scene::DEFAULT_COLOR;
-use halfline_particles::select::selection::Selection;
+use halfline_particles::Selection;
 
 impl SceneFrame {
     /// The same spheres with the colours and the opacities that the rules of a style give them.

@@ -8,27 +8,19 @@ use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::progress::Watch;
 use halfline::quote::count;
-use halfline::quote::setting::{
-    AT, COLOR, FOCUS, FRAMES, HIDE, HOLD, MODEL, RADIUS, RANGE, SELECT, STREAM, UNWRAP, WRAP,
-};
+use halfline::quote::setting::{FRAMES, HOLD, MODEL, RANGE, UNWRAP, WRAP};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::camera::{Aperture, Camera};
 use halfline::scene::instances::Instances;
 use halfline::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
 use halfline::settings::FileLook;
-use halfline_particles::Columns;
-use halfline_particles::Format;
-use halfline_particles::Keep;
-use halfline_particles::Skipped;
 use halfline_particles::input::Input;
 use halfline_particles::open::open;
 use halfline_particles::opened::SceneSource;
 use halfline_particles::particles::frame::{ParticleFrames, Particles};
-use halfline_particles::particles::frame_time::FrameTime;
-use halfline_particles::particles::periodic::Periodic;
 use halfline_particles::particles::periodic::no_cell;
-use halfline_particles::select::selection::Selection;
 use halfline_particles::select::{self, Note};
+use halfline_particles::{Columns, Format, FrameTime, Keep, ParticleOptions, Periodic, Selection, Skipped};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,6 +29,8 @@ use std::sync::Arc;
 pub struct Sequence {
     path: PathBuf,
     options: ReadOptions,
+    /// The options for the readers, which keep the columns of the style and of all selections.
+    reading: ParticleOptions,
     format: Format,
     state: SequenceState,
     /// The number of frames read so far.
@@ -246,12 +240,10 @@ impl Sequence {
 
     /// The scenes of an opened source.
     pub(super) fn of_source(source: SceneSource, path: &Path, options: &ReadOptions) -> Result<Self> {
-        if options.particles.as_operators && options.particles.assembly.is_some() {
-            check_operators(options)?;
-        }
         let mut files: Vec<PathBuf> = options.particles.topology.iter().cloned().collect();
         let format = source.format;
-        let state = match open(source, &options.reading())? {
+        let reading = options.reading();
+        let state = match open(source, &reading)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
                 let warning = source.warning.clone();
@@ -278,6 +270,7 @@ impl Sequence {
         Ok(Self {
             path,
             options,
+            reading,
             format,
             state,
             passed: 0,
@@ -372,7 +365,7 @@ impl Sequence {
         let again = || -> Result<Option<Box<dyn ParticleFrames>>> {
             let source =
                 SceneSource::open(&self.path, self.options.particles.known_format(), &self.options.particles.watch)?;
-            let Ok(mut frames) = open(source, &self.options.reading())? else { return Ok(None) };
+            let Ok(mut frames) = open(source, &self.reading)? else { return Ok(None) };
             for _ in 0..=self.passed {
                 if !frames.skip()? {
                     return Ok(None);
@@ -396,7 +389,7 @@ impl Sequence {
             self.format.is_molecule(has_elements, particles.cell.is_some())
         });
         self.options.particles.watch.check()?;
-        self.options.reading().prepare(&mut particles)?;
+        self.reading.prepare(&mut particles)?;
         self.options.style.settle(&mut particles);
         let spaced = self.options.style.spaced(&particles);
         let hold = self.options.hold;
@@ -524,16 +517,4 @@ impl Sequence {
             }
         }
     }
-}
-
-/// Refuses what needs all atoms of an assembly.
-fn check_operators(options: &ReadOptions) -> Result<()> {
-    if options.reading().all_selections().next().is_none() {
-        return Ok(());
-    }
-    let problem = format!("{STREAM}: selections need all atoms of an assembly in memory");
-    Err(Error::settings(
-        problem,
-        format!("remove selections ({SELECT}, {HIDE}, {AT}, {FOCUS}, and those of {COLOR} and {RADIUS}), or {STREAM}"),
-    ))
 }

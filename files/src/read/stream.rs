@@ -11,17 +11,14 @@ use halfline::frame::legend::Legend;
 use halfline::quote::count;
 use halfline::quote::setting::{COLOR, COLOR_BY, FRAMES, MAP, MATERIAL, RADIUS, RANGE, STREAM, TOPOLOGY, UNWRAP, WRAP};
 use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
-use halfline_particles::Format;
-use halfline_particles::Skipped;
 use halfline_particles::derived;
 use halfline_particles::input::read_once;
 use halfline_particles::opened::SceneSource;
 use halfline_particles::particles::colors::ColorSurvey;
 use halfline_particles::particles::frame::{Particles, RuleTarget};
-use halfline_particles::particles::frame_time::FrameTime;
-use halfline_particles::particles::periodic::Periodic;
 use halfline_particles::particles::survey::Part;
 use halfline_particles::select::{self, Note, Notes};
+use halfline_particles::{Format, FrameTime, Periodic, Skipped};
 use start::{colors_of, start, texts_of};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -37,6 +34,8 @@ pub struct SphereBlocks {
     /// The thread that reads; it returns what remains after the last whole part.
     reader: Option<JoinHandle<Result<Option<Particles>>>>,
     options: ReadOptions,
+    /// The columns that colours and selections read.
+    columns: Vec<String>,
     file: Place,
     /// The survey of the file's colours; where it can be read once only, of the colours so far.
     colors: Option<ColorSurvey>,
@@ -128,6 +127,7 @@ impl SphereBlocks {
             parts,
             reader: Some(reader),
             options: options.clone(),
+            columns: options.reading().named_columns(),
             file,
             colors,
             count: 0,
@@ -254,9 +254,8 @@ impl SphereBlocks {
         }
         // The reader speaks of the whole file, the style of a part.
         self.skipped.append(std::mem::take(&mut part.skipped));
-        let columns = self.options.reading().named_columns();
-        part.add_lengths(&columns)?;
-        derived::refuse(&part, &columns)?;
+        part.add_lengths(&self.columns)?;
+        derived::refuse(&part, &self.columns)?;
         self.lighten(&mut part)?;
         let size = part.positions.len();
         part.before = self.count;

@@ -23,9 +23,8 @@ use halfline::parallel::{self, CHEAP};
 use halfline::quote::setting::{COLOR_BY, RADIUS};
 use halfline::quote::{number, quote};
 use halfline::scene::{DEFAULT_COLOR, Material, Materials, Spheres, check_sphere, is_center, is_radius};
-use halfline_particles::Skipped;
 use halfline_particles::particles::frame::{Particles, RuleTarget};
-use halfline_particles::select::selection::Selection;
+use halfline_particles::{Selection, Skipped};
 
 use halfline_particles::color::of_hex;
 use halfline_particles::elements::{Element, element};

@@ -6,7 +6,7 @@ use crate::source::Source;
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::reserve;
 use std::io::BufRead;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A binary file.
 pub(crate) struct BinaryFile {
@@ -19,6 +19,24 @@ pub(crate) const DAMAGED: &str = "the file is damaged; copy or write it again";
 
 /// The most bytes that a list grows by at a time.
 const STEP: usize = 1 << 20;
+
+/// Skips at most `most` bytes, fewer at the end of the file; returns their number.
+///
+/// # Errors
+/// Errors of reading the file.
+pub(crate) fn skip(reader: &mut impl BufRead, path: &Path, most: u64) -> Result<u64> {
+    let mut left = most;
+    while left > 0 {
+        let block = reader.fill_buf().map_err(|e| Error::read(path, e))?.len();
+        if block == 0 {
+            break;
+        }
+        let passed = left.min(block as u64);
+        reader.consume(passed as usize);
+        left -= passed;
+    }
+    Ok(most - left)
+}
 
 impl BinaryFile {
     pub(crate) fn new(source: Source) -> Self {
@@ -135,17 +153,7 @@ impl BinaryFile {
     /// # Errors
     /// Errors of reading the file.
     pub(crate) fn skip(&mut self, most: u64) -> Result<u64> {
-        let mut left = most;
-        while left > 0 {
-            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
-            if block == 0 {
-                break;
-            }
-            let passed = left.min(block as u64);
-            self.reader.consume(passed as usize);
-            left -= passed;
-        }
-        Ok(most - left)
+        skip(&mut self.reader, &self.path, most)
     }
 
     /// The error for a file that ends after `found` of the `count` bytes of a field, which begins at a byte.

@@ -5,9 +5,9 @@ use halfline::error::{Error, Result};
 use halfline::frame::legend::Category;
 use halfline::frame::srgb;
 use halfline::quote::setting::COLOR;
+use halfline_particles::Selection;
 use halfline_particles::color::of_hex;
 use halfline_particles::elements::element;
-use halfline_particles::select::selection::Selection;
 
 /// The colour of selected particles.
 #[derive(Debug, Clone, Copy, PartialEq)]

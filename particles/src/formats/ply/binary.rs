@@ -4,9 +4,10 @@ use super::header::{PlyElement, Property, short_of, truncated};
 use super::vertex::VertexColumns;
 use crate::input::Input;
 use crate::npy::header::Scalar;
+use crate::particles::bytes::skip;
 use crate::particles::frame::Particles;
 use halfline_ground::error::{Error, Place, Result, relocate};
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufReader, Read};
 use std::path::PathBuf;
 
 /// The most bytes that are counted after the last element.
@@ -36,17 +37,7 @@ impl Binary {
 
     /// Skips bytes; returns the number skipped.
     fn skip(&mut self, bytes: u64) -> Result<u64> {
-        let mut left = bytes;
-        while left > 0 {
-            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
-            if block == 0 {
-                break;
-            }
-            let passed = left.min(block as u64);
-            self.reader.consume(passed as usize);
-            left -= passed;
-        }
-        Ok(bytes - left)
+        skip(&mut self.reader, &self.path, bytes)
     }
 
     /// Skips a property; `false` at the end of the file.

@@ -1,10 +1,12 @@
 //! Numbers of an array in a file: text, bytes, or bytes in base64, perhaps in compressed blocks.
 
 use crate::npy::header::{NumberKind, Scalar};
+use crate::particles::bytes::DAMAGED;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use flate2::read::ZlibDecoder;
+use halfline_ground::error::{Error, Place};
 use halfline_ground::memory::reserve;
 use lzma_rust2::XzReader;
 use std::io::Read;
@@ -47,7 +49,17 @@ struct Bytes<'a> {
 /// The problem of an array; memory that is short is another error.
 pub(super) enum Fault {
     Damaged(String),
-    Limits(halfline_ground::Error),
+    Limits(Error),
+}
+
+impl Fault {
+    /// The error of a file that is damaged at this place.
+    pub(super) fn at(self, place: Place) -> Error {
+        match self {
+            Self::Damaged(problem) => Error::scene(place, problem, DAMAGED),
+            Self::Limits(error) => error,
+        }
+    }
 }
 
 impl From<String> for Fault {

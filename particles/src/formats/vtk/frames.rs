@@ -111,7 +111,6 @@ impl Pieces {
     /// Adds the pieces of another file.
     fn append(&mut self, other: Self) {
         self.all.extend(other.all);
-        self.warnings.extend(other.warnings);
         if self.when == FrameTime::default() {
             self.when = other.when;
         }

@@ -4,10 +4,9 @@
 use super::encoded::{Fault, number};
 use super::points::{Array, MOST_COMPONENTS, Piece, Pieces, is_needed, total};
 use crate::npy::header::Scalar;
-use crate::particles::bytes::DAMAGED;
 use crate::particles::frame_time::FrameTime;
 use crate::particles::request::Request;
-use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::error::{Place, Result};
 use halfline_ground::memory::reserve;
 use halfline_ground::quote::quote;
 
@@ -19,7 +18,7 @@ const MOST: u64 = 1 << 20;
 
 /// The types of colours and of cells.
 const BYTE: Scalar = Scalar::unsigned(1, true);
-const INT32: Kind = Kind::Number(Scalar::unsigned(4, true));
+const CELL: Kind = Kind::Number(Scalar::unsigned(4, true));
 
 /// The kind of an array's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,7 +48,6 @@ struct File<'a> {
     /// The number of cells whose data follow.
     cells: u64,
     when: FrameTime,
-    warnings: Vec<String>,
 }
 
 /// Reads the points of a file.
@@ -66,15 +64,9 @@ pub(super) fn read(bytes: &[u8], place: &Place, request: &Request) -> Result<Pie
         piece: Piece::default(),
         cells: 0,
         when: FrameTime::default(),
-        warnings: Vec::new(),
     };
-    match file.sections() {
-        Ok(()) => Ok(Pieces { all: vec![file.piece], when: file.when, warnings: file.warnings }),
-        Err(Fault::Damaged(problem)) => {
-            Err(Error::scene(place.clone().named(format!("byte {}", file.at)), problem, DAMAGED))
-        }
-        Err(Fault::Limits(error)) => Err(error),
-    }
+    file.sections().map_err(|fault| fault.at(place.clone().named(format!("byte {}", file.at))))?;
+    Ok(Pieces { all: vec![file.piece], when: file.when })
 }
 
 /// The kind of this name.
@@ -96,6 +88,14 @@ fn kind(name: &str) -> Option<Kind> {
         _ => return None,
     };
     Scalar::of_numpy(numpy).map(Kind::Number)
+}
+
+/// A number of components, which is limited.
+fn within(components: u64) -> Result<usize, Fault> {
+    match components {
+        1..=MOST_COMPONENTS => Ok(components as usize),
+        _ => Err(format!("{components} components").into()),
+    }
 }
 
 /// A name with its escapes, `%20`, replaced.
@@ -201,7 +201,7 @@ impl File<'_> {
             "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS" | "CELLS" => self.pass_cells()?,
             "CELL_TYPES" => {
                 let count = self.count("the number of cells")?;
-                self.pass(INT32, count)?;
+                self.pass(CELL, count)?;
             }
             "OFFSETS" | "CONNECTIVITY" => return Err(format!("{keyword} without cells").into()),
             "POINT_DATA" => {
@@ -275,11 +275,7 @@ impl File<'_> {
     }
 
     fn components(&mut self) -> Result<usize, Fault> {
-        let count = self.count("the number of components")?;
-        usize::try_from(count)
-            .ok()
-            .filter(|n| (1..=MOST_COMPONENTS).contains(n))
-            .ok_or_else(|| format!("{count} components").into())
+        within(self.count("the number of components")?)
     }
 
     /// The number of components behind the type of scalars, and the name of their table of colours, which is passed over.
@@ -299,12 +295,7 @@ impl File<'_> {
             // Some writers leave the table out.
             self.at = if components.is_some() { before - 1 } else { before };
         }
-        let components = components.unwrap_or(1);
-        if (1..=MOST_COMPONENTS).contains(&components) {
-            Ok(components)
-        } else {
-            Err(format!("{components} components").into())
-        }
+        within(components.unwrap_or(1))
     }
 
     /// The cells: those of version 5 by two lists, before that one list of int32.
@@ -322,7 +313,7 @@ impl File<'_> {
             return self.pass(kind, second);
         }
         self.at = before;
-        self.pass(INT32, second)
+        self.pass(CELL, second)
     }
 
     /// The arrays of a field. One of the data set may have its time.
@@ -341,7 +332,7 @@ impl File<'_> {
             let name = decoded(&name);
             let (components, tuples) = (self.count("the number of components")?, self.count("the number of tuples")?);
             let kind = self.kind()?;
-            let is_whole = tuples == self.piece.count as u64 && (1..=MOST_COMPONENTS as u64).contains(&components);
+            let is_whole = tuples == self.piece.count as u64 && within(components).is_ok();
             let is_time = of == Of::DataSet && tuples == 1 && components == 1;
             match (of, &name[..]) {
                 (Of::Points, _) if is_whole => {
@@ -364,10 +355,10 @@ impl File<'_> {
     /// The array of a section, where it is one of points and is needed.
     fn array(&mut self, of: Of, name: String, components: usize, kind: Kind) -> Result<Option<Array>, Fault> {
         let tuples = if of == Of::Cells { self.cells } else { self.piece.count as u64 };
-        if of != Of::Points {
-            return self.pass(kind, tuples.saturating_mul(components as u64)).map(|()| None);
+        match of {
+            Of::Points => self.values(&name, components, tuples, kind, false),
+            _ => self.pass(kind, tuples.saturating_mul(components as u64)).map(|()| None),
         }
-        self.values(&name, components, tuples, kind, false)
     }
 
     /// An array of numbers, if it is needed; else its values are passed over.
@@ -379,14 +370,13 @@ impl File<'_> {
         kind: Kind,
         is_sure: bool,
     ) -> Result<Option<Array>, Fault> {
-        let Kind::Number(scalar) = kind else {
-            self.piece.others.push(name.to_owned());
-            return self.pass(kind, tuples.saturating_mul(components as u64)).map(|()| None);
+        let scalar = match kind {
+            Kind::Number(scalar) if is_sure || is_needed(self.request, name, components) => scalar,
+            _ => {
+                self.piece.others.push(name.to_owned());
+                return self.pass(kind, tuples.saturating_mul(components as u64)).map(|()| None);
+            }
         };
-        if !(is_sure || is_needed(self.request, name, components)) {
-            self.piece.others.push(name.to_owned());
-            return self.pass(kind, tuples.saturating_mul(components as u64)).map(|()| None);
-        }
         let count = total(tuples, components).map_err(Fault::Limits)?;
         let mut numbers = Vec::new();
         if self.is_binary {

@@ -13,7 +13,7 @@ use halfline_ground::memory::{check, check_ids};
 use halfline_ground::quote::quote;
 
 /// The most numbers of an array for each point.
-pub(super) const MOST_COMPONENTS: usize = 4096;
+pub(super) const MOST_COMPONENTS: u64 = 4096;
 
 /// An array: so many numbers for each point.
 #[derive(Debug, Clone)]
@@ -40,7 +40,6 @@ pub(super) struct Piece {
 pub(super) struct Pieces {
     pub(super) all: Vec<Piece>,
     pub(super) when: FrameTime,
-    pub(super) warnings: Vec<String>,
 }
 
 /// Whether the numbers of an array are needed.
@@ -78,8 +77,6 @@ impl Pieces {
         layout
             .add_fields(meanings)
             .map_err(|problem| Error::scene(file.clone().named("PointData"), problem, DAMAGED))?;
-        let warnings = std::mem::take(&mut self.warnings);
-        warnings.into_iter().for_each(|warning| layout.warn(warning));
         let mut particles = layout.begin();
         particles.has.extend(first.others.iter().map(|name| name.to_lowercase()));
         let names: Vec<&str> = fields.iter().map(|(name, _)| *name).collect();

@@ -55,7 +55,6 @@ struct File<'a> {
     appended: Option<(usize, bool)>,
     parts: Vec<String>,
     files: Vec<(Option<f64>, String)>,
-    warnings: Vec<String>,
 }
 
 /// Reads the content of a file.
@@ -74,7 +73,6 @@ pub(super) fn read(bytes: &[u8], place: &Place, request: &Request) -> Result<Con
         appended: None,
         parts: Vec::new(),
         files: Vec::new(),
-        warnings: Vec::new(),
     };
     file.elements()?;
     match &file.kind[..] {
@@ -142,10 +140,7 @@ impl File<'_> {
     }
 
     fn located(&self, fault: Fault, at: u64) -> Error {
-        match fault {
-            Fault::Damaged(problem) => self.fail(&format!("byte {at}"), problem),
-            Fault::Limits(error) => error,
-        }
+        fault.at(self.place.clone().named(format!("byte {at}")))
     }
 
     /// Takes an element; returns whether the rest of the file is appended data.
@@ -223,7 +218,7 @@ impl File<'_> {
             Some(text) => text
                 .parse()
                 .ok()
-                .filter(|n| *n <= MOST_COMPONENTS)
+                .filter(|n| *n as u64 <= MOST_COMPONENTS)
                 .ok_or_else(|| format!("{} components", quote(&text)))?,
         };
         let components = if is_points { 3 } else { components.max(1) };
@@ -263,10 +258,7 @@ impl File<'_> {
             let shown = if array.name.is_empty() { "Points" } else { &array.name }.to_owned();
             let total = total(count, array.components)?;
             let numbers = self.numbers(&data, array.scalar, total);
-            array.numbers = numbers.map_err(|fault| match fault {
-                Fault::Damaged(problem) => self.fail(&shown, problem),
-                Fault::Limits(error) => error,
-            })?;
+            array.numbers = numbers.map_err(|fault| fault.at(self.place.clone().named(shown)))?;
             match of {
                 None => when = FrameTime::of(array.numbers.first().copied(), None),
                 Some((piece, true)) => self.pieces[piece].points = Some(array),
@@ -276,7 +268,7 @@ impl File<'_> {
         if self.pieces.iter().any(|piece| piece.count > 0 && piece.points.is_none()) {
             return Err(self.fail("Points", "a piece has no points"));
         }
-        Ok(Pieces { all: self.pieces, when, warnings: self.warnings })
+        Ok(Pieces { all: self.pieces, when })
     }
 
     fn numbers(&self, data: &Data, scalar: Scalar, count: usize) -> Result<Vec<f64>, Fault> {
