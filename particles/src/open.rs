@@ -195,4 +195,18 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn selections_are_refused_where_an_assembly_is_operators() {
+        let select = vec!["chain A".parse().expect("a selection")];
+        let options =
+            ParticleOptions { as_operators: true, assembly: Some("1".into()), select, ..ParticleOptions::default() };
+        let open = |options: &ParticleOptions| {
+            let text = "ATOM      1  N   MET A   1      27.340  24.430   2.614\n";
+            crate::Frames::from_reader(text.as_bytes(), Path::new("a.pdb"), options).map(drop)
+        };
+        let error = open(&options).expect_err("a selection").to_string();
+        assert!(error.contains("selections need all atoms"), "{error}");
+        open(&ParticleOptions { select: Vec::new(), ..options }).expect("no selection");
+    }
 }

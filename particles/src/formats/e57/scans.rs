@@ -206,3 +206,44 @@ impl<'a> Columns<'a> {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two scans of five points by pye57, the first one turned by a right angle about z and moved; two points are not valid.
+    const SCANS: &[u8] = include_bytes!("two_scans.e57");
+
+    #[test]
+    fn scans_lie_at_their_poses_and_points_that_are_not_valid_are_left_out() {
+        let found = super::read(Source::of_bytes(SCANS), &Request::of(&["intensity"])).expect("two scans").linearized();
+        let own = [[1.0, 0.5, 0.0], [3.0, -1.0, 2.0], [4.0, 2.0, 3.0]];
+        let turned = own.map(|[x, y, z]| [100.0 - y, 200.0 + x, 300.0 + z]);
+        assert_eq!(found.positions.len(), 6);
+        for (position, expected) in found.positions.iter().zip(turned.iter().chain(&own)) {
+            // The quaternion of the file is rounded, and the coordinates are below 512.
+            assert!(
+                (0..3).all(|k| (position[k] - expected[k]).abs() < 512.0 * f64::EPSILON),
+                "{position:?} {expected:?}"
+            );
+        }
+        let column = found.columns.iter().find(|column| column.name == "intensity").expect("intensity");
+        assert_eq!(column.values, [0.5, 0.25, 1.0, 0.5, 0.25, 1.0]);
+        assert_eq!(found.colors[..2], [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+        assert_eq!(found.skipped.kinds, [("point without coordinates", 4)]);
+    }
+
+    #[test]
+    fn sizes_that_are_not_those_of_the_file_are_refused() {
+        let of = |at: usize, number: u64| {
+            let mut bytes = SCANS.to_vec();
+            bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
+            super::read(Source::of_bytes(&bytes), &Request::default()).map(drop).expect_err("a header").to_string()
+        };
+        assert!(of(32, 1 << 40).contains("a description of 1099511627776"), "{}", of(32, 1 << 40));
+        assert!(of(40, 1 << 40).contains("pages of 1099511627776 bytes"), "{}", of(40, 1 << 40));
+        for end in [40, 1024, SCANS.len() - 1] {
+            super::read(Source::of_bytes(&SCANS[..end]), &Request::default()).map(drop).expect_err("cut short");
+        }
+    }
+}
