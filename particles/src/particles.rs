@@ -22,6 +22,7 @@ pub(super) mod names;
 pub mod periodic;
 pub(super) mod placed;
 pub(super) mod points;
+pub(super) mod records;
 pub mod request;
 pub(super) mod residues;
 pub(super) mod role;

@@ -8,18 +8,17 @@ mod lzf;
 use crate::format::{FormatRow, Has, Open, Sign};
 use crate::input::Input;
 use crate::lines::{Lines, Words};
-use crate::npy::header::{Scalar, bits, levels};
+use crate::npy::header::{bits, levels};
 use crate::particles::bytes::{BinaryFile, DAMAGED};
 use crate::particles::frame::Particles;
 use crate::particles::request::Request;
 use crate::particles::role::Role;
-use crate::particles::rows::surplus;
+use crate::particles::rows::{blank_rest, filled_rows};
 use crate::signs::content_lines;
 use crate::source::Source;
 use halfline_ground::error::{Place, Result, relocate};
 use halfline_ground::memory::check;
-use header::{PcdEncoding, PcdHeader, PcdKind, header};
-use std::path::PathBuf;
+use header::{PcdEncoding, PcdField, PcdHeader, PcdKind, header};
 
 pub(crate) const PCD: FormatRow = FormatRow {
     name: "pcd",
@@ -35,14 +34,7 @@ struct Points<'a> {
     header: &'a PcdHeader,
     particles: Particles,
     strict: bool,
-    file: Place,
-    /// The numbers of a point.
-    numbers: Vec<f64>,
-    read: u64,
 }
-
-/// Points per block of a binary file.
-const BLOCK: u64 = 4096;
 
 /// The most bytes that are counted after the last point.
 const BEHIND: u64 = 1 << 29;
@@ -55,18 +47,11 @@ pub(crate) fn read(source: Source, request: &Request) -> Result<Particles> {
     let path = source.path.clone();
     let mut lines = Lines::new(source.reader, &path);
     let header = header(&mut lines, request)?;
-    let mut points = Points {
-        header: &header,
-        particles: header.layout.begin(),
-        strict: request.strict,
-        file: lines.file(),
-        numbers: Vec::new(),
-        read: 0,
-    };
+    let mut points = Points { header: &header, particles: header.layout.begin(), strict: request.strict };
     match header.encoding {
         PcdEncoding::Ascii => points.ascii(&mut lines)?,
-        PcdEncoding::Binary => points.binary(lines, path)?,
-        PcdEncoding::Compressed => points.compressed(lines, path)?,
+        PcdEncoding::Binary => points.binary(&mut BinaryFile::of(lines.into_reader(), path))?,
+        PcdEncoding::Compressed => points.compressed(&mut BinaryFile::of(lines.into_reader(), path))?,
     }
     points.particles.tell_left_out();
     Ok(points.particles)
@@ -74,146 +59,125 @@ pub(crate) fn read(source: Source, request: &Request) -> Result<Particles> {
 
 impl Points<'_> {
     fn ascii(&mut self, lines: &mut Lines<Input>) -> Result<()> {
-        while self.read < self.header.points {
-            if !lines.advance()? {
-                let problem = format!("the file ends after {} of {} points", self.read, self.header.points);
-                return Err(lines.fail(0, "point", problem, "correct POINTS in the header"));
-            }
-            if lines.text().trim().is_empty() {
-                continue;
-            }
-            self.numbers.clear();
-            let mut words = Words::of(lines);
-            for field in &self.header.fields {
-                for _ in 0..field.count {
-                    let ends = || lines.ends("point", "the line ends before the last field", "give every field");
-                    let word = words.next().ok_or_else(ends)?;
-                    match field.kind {
-                        PcdKind::Padding => {}
-                        PcdKind::Color => {
-                            self.numbers.extend(levels(bits(word.number("rgb")?, field.scalar)));
-                        }
-                        PcdKind::Numbers => self.numbers.push(word.number("point")?),
-                    }
-                }
-            }
-            if let Some(word) = words.next() {
-                return Err(lines.fail(word.at, "point", "the line has more numbers than the fields", "correct COUNT"));
-            }
-            self.push(|| lines.place(0))?;
-            lines.found();
+        let (header, strict) = (self.header, self.strict);
+        let point = |line: &Lines<&[u8]>, particles: &mut Particles| {
+            let place = |field: &str| line.place(0).named(field);
+            add(header, strict, &of_line(header, line)?, particles, place)
+        };
+        let read = filled_rows(lines, header.points, &header.layout, &mut self.particles, point)?;
+        if read < header.points {
+            let problem = format!("the file ends after {read} of {} points", header.points);
+            return Err(lines.fail(0, "point", problem, "correct POINTS in the header"));
         }
-        while lines.advance()? {
-            if !lines.text().trim().is_empty() {
-                return surplus(lines, self.header.points, "points", |lines| !lines.text().trim().is_empty());
-            }
-        }
-        Ok(())
+        blank_rest(lines, header.points, "points")
     }
 
-    fn binary(&mut self, lines: Lines<Input>, path: PathBuf) -> Result<()> {
-        let mut file = BinaryFile::of(lines.into_reader(), path);
-        let size = self.header.size();
-        let mut block = Vec::new();
-        while self.read < self.header.points {
-            let count = BLOCK.min(self.header.points - self.read);
-            let at = file.at();
-            file.block(count * size as u64, &mut block, "points")?;
-            for (n, row) in block.chunks_exact(size.max(1)).enumerate() {
-                self.numbers.clear();
-                let mut rest = row;
-                for field in &self.header.fields {
-                    let (bytes, after) = rest.split_at(field.size());
-                    self.field(field.kind, field.scalar, bytes);
-                    rest = after;
-                }
-                let place = file.file().named(format!("byte {}", at + (n * size) as u64));
-                self.push(|| place.clone())?;
-            }
-            file.found();
+    fn binary(&mut self, file: &mut BinaryFile) -> Result<()> {
+        let (record, mut block, mut read) = (&self.header.record, Vec::new(), 0);
+        while read < self.header.points {
+            let (count, at) = (record.per_block().min(self.header.points - read), file.at());
+            file.block(count * record.size() as u64, &mut block, "points")?;
+            let row = |n| format!("byte {}", at + (n * record.size()) as u64);
+            self.block(&block, file, row)?;
+            read += count;
         }
-        self.behind(&mut file)
+        self.behind(file)
     }
 
-    fn compressed(&mut self, lines: Lines<Input>, path: PathBuf) -> Result<()> {
-        let mut file = BinaryFile::of(lines.into_reader(), path);
+    fn compressed(&mut self, file: &mut BinaryFile) -> Result<()> {
         let packed = u32::from_le_bytes(file.bytes("compressed size")?);
         let at = file.at();
         let size = u64::from(u32::from_le_bytes(file.bytes("decompressed size")?));
-        let count = self.header.points;
-        if size != count * self.header.size() as u64 {
-            let problem = format!("{size} bytes are not those of {count} points of {} bytes", self.header.size());
+        let (count, record) = (self.header.points, &self.header.record);
+        if size != count * record.size() as u64 {
+            let problem = format!("{size} bytes are not those of {count} points of {} bytes", record.size());
             return Err(file.fail(at, "decompressed size", problem, DAMAGED));
         }
-        let (at, mut block) = (file.at(), Vec::new());
-        file.block(u64::from(packed), &mut block, "points")?;
-        let bytes = match lzf::unpack(&block, size)? {
+        let (at, mut packed_points) = (file.at(), Vec::new());
+        file.block(u64::from(packed), &mut packed_points, "points")?;
+        let bytes = match lzf::unpack(&packed_points, size)? {
             Some(bytes) => bytes,
             // Points that compression does not shorten are stored as they are, as by pypcd.
-            None if u64::from(packed) == size => block,
+            None if u64::from(packed) == size => packed_points,
             None => return Err(file.fail(at, "points", format!("they do not decompress to {size} bytes"), DAMAGED)),
         };
         check(64 * count, || format!("{count} points"))?;
-        // Field by field, all points of each.
-        let mut starts = Vec::new();
-        let mut start = 0;
-        for field in &self.header.fields {
-            starts.push(start);
-            start += field.size() * count as usize;
-        }
-        for n in 0..count as usize {
-            self.numbers.clear();
-            for (field, start) in self.header.fields.iter().zip(&starts) {
-                let at = start + n * field.size();
-                self.field(field.kind, field.scalar, &bytes[at..at + field.size()]);
+        // The file has field by field, all points of each.
+        let (count, mut block, mut read) = (count as usize, Vec::new(), 0);
+        while read < count {
+            let points = read..count.min(read + record.per_block() as usize);
+            block.clear();
+            block.resize(points.len() * record.size(), 0);
+            let (mut of_field, mut place) = (0, 0);
+            for size in self.header.fields.iter().map(PcdField::size).filter(|size| *size > 0) {
+                let from = &bytes[of_field + points.start * size..of_field + points.end * size];
+                for (to, from) in block.chunks_exact_mut(record.size()).zip(from.chunks_exact(size)) {
+                    to[place..place + size].copy_from_slice(from);
+                }
+                (of_field, place) = (of_field + count * size, place + size);
             }
-            let place = file.file().named(format!("point {n}"));
-            self.push(|| place.clone())?;
+            self.block(&block, file, |n| format!("point {}", read + n))?;
+            read = points.end;
         }
+        self.behind(file)
+    }
+
+    /// Adds the points of a block of records, whose rows have these names in errors.
+    fn block(&mut self, block: &[u8], file: &BinaryFile, row: impl Fn(usize) -> String + Sync) -> Result<()> {
+        let (header, strict, place) = (self.header, self.strict, file.file());
+        header.record.append(block, &header.layout, &mut self.particles, |n, numbers, particles| {
+            add(header, strict, numbers, particles, |field| place.clone().named(format!("{} {field}", row(n))))
+        })?;
         file.found();
-        self.behind(&mut file)
-    }
-
-    /// Decodes the numbers of a field of a point.
-    fn field(&mut self, kind: PcdKind, scalar: Scalar, bytes: &[u8]) {
-        match kind {
-            PcdKind::Padding => {}
-            PcdKind::Color => self.numbers.extend(scalar.levels(bytes)),
-            PcdKind::Numbers => {
-                self.numbers.extend(bytes.chunks_exact(scalar.size()).map(|bytes| scalar.number(bytes)));
-            }
-        }
-    }
-
-    /// Adds the point of the current numbers, if it has coordinates.
-    fn push(&mut self, place: impl Fn() -> Place) -> Result<()> {
-        self.read += 1;
-        let layout = &self.header.layout;
-        let placed =
-            (0..layout.len()).all(|k| !matches!(layout.role(k), Role::Position(_)) || self.numbers[k].is_finite());
-        if !placed {
-            return self.particles.skipped.skip("point without coordinates", self.strict, place);
-        }
-        let placed = |e| {
-            relocate(e, |field| {
-                let place = place();
-                let named = place.field.as_ref().map_or_else(|| field.to_owned(), |row| format!("{row} {field}"));
-                place.named(named)
-            })
-        };
-        layout.checked_numbers(&self.numbers, &mut self.particles, placed)
+        Ok(())
     }
 
     /// Warns of bytes after the last point.
     fn behind(&mut self, file: &mut BinaryFile) -> Result<()> {
         let left = file.skip(BEHIND)?;
         if left > 0 {
-            let points = self.header.points;
-            let warning = format!("{}: {left} bytes follow the {points} points, whose number may be wrong", self.file);
+            let (points, place) = (self.header.points, file.file());
+            let warning = format!("{place}: {left} bytes follow the {points} points, whose number may be wrong");
             self.particles.skipped.assumed.push(warning);
         }
         Ok(())
     }
+}
+
+/// The numbers of a line, as those of a record.
+fn of_line(header: &PcdHeader, line: &Lines<&[u8]>) -> Result<Vec<f64>> {
+    let (mut words, mut numbers) = (Words::of(line), Vec::new());
+    for field in &header.fields {
+        for _ in 0..field.count {
+            let ends = || line.ends("point", "the line ends before the last field", "give every field");
+            let word = words.next().ok_or_else(ends)?;
+            match field.kind {
+                PcdKind::Padding => {}
+                PcdKind::Color => numbers.extend(levels(bits(word.number("rgb")?, field.scalar))),
+                PcdKind::Numbers => numbers.push(word.number("point")?),
+            }
+        }
+    }
+    match words.next() {
+        Some(word) => Err(line.fail(word.at, "point", "the line has more numbers than the fields", "correct COUNT")),
+        None => Ok(numbers),
+    }
+}
+
+/// Adds the point of these numbers, if it has coordinates; `place` is that of a field.
+fn add(
+    header: &PcdHeader,
+    strict: bool,
+    numbers: &[f64],
+    particles: &mut Particles,
+    place: impl Fn(&str) -> Place,
+) -> Result<()> {
+    let layout = &header.layout;
+    let is_placed = (0..layout.len()).all(|k| !matches!(layout.role(k), Role::Position(_)) || numbers[k].is_finite());
+    if !is_placed {
+        return particles.skipped.skip("point without coordinates", strict, || place("point"));
+    }
+    layout.checked_numbers(numbers, particles, |error| relocate(error, |field| place(field)))
 }
 
 /// Lines with the names and the sizes of the fields of a point cloud.

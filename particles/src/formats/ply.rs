@@ -14,6 +14,7 @@ use crate::lines::Lines;
 use crate::particles::frame::Particles;
 use crate::particles::layout::Layout;
 use crate::particles::meaning::{NamedField, meanings};
+use crate::particles::records::Record;
 use crate::particles::request::Request;
 use crate::particles::role::Role;
 use crate::source::Source;
@@ -106,8 +107,15 @@ fn columns(vertex: &PlyElement, lines: &Lines<Input>, request: &Request) -> Resu
     let (mut layout, packed) = (Layout::new(request), meanings.packed);
     layout.add_fields(meanings).map_err(wrong)?;
     let splat = Splat::of(&names, &mut layout).map_err(wrong)?;
+    let mut record = Record::default();
+    for (k, property) in vertex.properties.iter().enumerate().filter(|(_, property)| property.length.is_none()) {
+        match packed == Some(k) {
+            true => record.add_color(property.scalar),
+            false => record.add_numbers(1, property.scalar),
+        }
+    }
     match (0..3).find(|k| !layout.contains(Role::Position(*k))) {
-        None => Ok(VertexColumns { layout, packed, splat }),
+        None => Ok(VertexColumns { layout, packed, record, splat }),
         Some(k) => Err(wrong(format!("a vertex has no {}", ["x", "y", "z"][k]))),
     }
 }

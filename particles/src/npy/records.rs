@@ -9,11 +9,12 @@ use crate::particles::frame::{ParticleFrames, Particles};
 use crate::particles::layout::Layout;
 use crate::particles::left_out::LeftOut;
 use crate::particles::meaning::{FieldKind, NamedField, meanings};
+use crate::particles::records::Record;
 use crate::particles::request::Request;
 use crate::particles::role::Role;
 use crate::source::Source;
 use crate::spheres::SphereRows;
-use halfline_ground::error::{Error, Result};
+use halfline_ground::error::{Error, Place, Result, relocate};
 use halfline_ground::quote::list;
 use std::io::{self, ErrorKind, Read};
 
@@ -165,24 +166,21 @@ impl Npy<Input> {
                 return Err(self.fail("shape", format!("found records in {}, expected (n,)", shape_shown(other))));
             }
         };
-        let (mut places, mut size) = (Vec::new(), 0usize);
-        for field in fields {
+        let size = fields.iter().try_fold(0, |size, field| {
             let bytes = field.dtype.bytes().filter(|bytes| *bytes <= MOST - size);
-            let Some(bytes) = bytes else {
-                return Err(self.fail("dtype", format!("records have more than {MOST} bytes or hold objects")));
-            };
-            places.push(size);
-            size += bytes;
-        }
+            let mend = || self.fail("dtype", format!("records have more than {MOST} bytes or hold objects"));
+            bytes.map(|bytes| size + bytes).ok_or_else(mend)
+        })?;
         let meanings = meanings(&fields.iter().map(named).collect::<Vec<_>>());
-        let packed = meanings.packed;
-        // The place and the type of each number, or of a packed colour.
-        let mut read: Vec<(usize, Scalar, bool)> = Vec::new();
-        for (k, columns) in meanings.fields.iter().enumerate() {
-            let Some(scalar) = scalar(&fields[k].dtype) else { continue };
-            let is_packed = packed == Some(k);
-            let numbers = if is_packed { 1 } else { columns.len() };
-            read.extend((0..numbers).map(|n| (places[k] + n * scalar.size(), scalar, is_packed)));
+        let mut record = Record::default();
+        for (k, (columns, field)) in meanings.fields.iter().zip(fields).enumerate() {
+            let ends = record.size() + field.dtype.bytes().unwrap_or_default();
+            match scalar(&field.dtype) {
+                Some(scalar) if meanings.packed == Some(k) => record.add_color(scalar),
+                Some(scalar) => record.add_numbers(columns.len(), scalar),
+                None => {}
+            }
+            record.add_padding(ends - record.size());
         }
         let mut layout = Layout::new(request);
         layout.add_fields(meanings).map_err(|problem| self.fail("dtype", problem))?;
@@ -190,25 +188,19 @@ impl Npy<Input> {
             return Err(self.fail("dtype", format!("no fields of numbers x, y and z among {}", shown(fields))));
         }
         let mut particles = layout.begin();
-        let (mut block, mut numbers, mut row) = (Vec::new(), Vec::new(), 0);
+        let (file, mut block, mut row) = (Place::file(self.path.display().to_string()), Vec::new(), 0);
         while row < rows {
             let found = self.block(rows - row, size, &mut block).map_err(|error| self.cut(error, row, rows))?;
             if found == 0 {
                 return Err(self.cut(ErrorKind::UnexpectedEof.into(), row, rows));
             }
-            for record in block.chunks_exact(size) {
-                numbers.clear();
-                for (place, scalar, is_packed) in &read {
-                    let bytes = &record[*place..];
-                    if *is_packed {
-                        numbers.extend(scalar.levels(bytes));
-                    } else {
-                        numbers.push(scalar.number(bytes));
-                    }
-                }
-                layout.checked_numbers(&numbers, &mut particles, |error| self.in_row(row, error))?;
-                row += 1;
-            }
+            record.append(&block, &layout, &mut particles, |n, numbers, particles| {
+                let row = row + n as u64;
+                layout.checked_numbers(numbers, particles, |error| {
+                    relocate(error, |field| file.clone().named(format!("row {row} {field}")))
+                })
+            })?;
+            row += found;
         }
         self.end(rows)?;
         particles.tell_left_out();

@@ -7,6 +7,8 @@ use crate::input::Input;
 use crate::lines::{Block, Lines};
 use halfline_ground::error::{Error, Result};
 use halfline_ground::parallel;
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 
 /// Reads at most `most` lines into `particles`, which `layout` began; returns their number. `row` parses the current
 /// line.
@@ -55,6 +57,48 @@ pub(crate) fn rows(
         std::mem::swap(&mut block, &mut next);
     }
     Ok(taken)
+}
+
+/// Reads `count` lines that are not blank into `particles`, which `layout` began; returns their number, which is lower where the
+/// file ends before. `row` parses the current line.
+///
+/// # Errors
+/// As [`rows`].
+pub(crate) fn filled_rows(
+    lines: &mut Lines<Input>,
+    count: u64,
+    layout: &Layout,
+    particles: &mut Particles,
+    row: impl Fn(&Lines<&[u8]>, &mut Particles) -> Result<()> + Sync,
+) -> Result<u64> {
+    let read = AtomicU64::new(0);
+    loop {
+        let left = count - read.load(Relaxed);
+        let taken = rows(lines, left, layout, particles, |line, particles| {
+            if line.text().trim_ascii().is_empty() {
+                return Ok(());
+            }
+            read.fetch_add(1, Relaxed);
+            row(line, particles)
+        })?;
+        if taken == 0 {
+            return Ok(read.into_inner());
+        }
+    }
+}
+
+/// Checks that only blank lines follow the `announced` rows.
+///
+/// # Errors
+/// As [`surplus`].
+pub(crate) fn blank_rest(lines: &mut Lines<Input>, announced: u64, what: &str) -> Result<()> {
+    let is_row = |lines: &Lines<Input>| !lines.text().trim_ascii().is_empty();
+    while lines.advance()? {
+        if is_row(lines) {
+            return surplus(lines, announced, what, is_row);
+        }
+    }
+    Ok(())
 }
 
 /// The most surplus rows that are counted; a file may have any number.

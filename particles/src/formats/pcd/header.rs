@@ -5,6 +5,7 @@ use crate::lines::Lines;
 use crate::npy::header::Scalar;
 use crate::particles::layout::Layout;
 use crate::particles::meaning::{FieldKind, NamedField, meanings};
+use crate::particles::records::Record;
 use crate::particles::request::Request;
 use crate::particles::role::Role;
 use halfline_ground::error::{Error, Place, Result};
@@ -44,19 +45,14 @@ pub(super) struct PcdHeader {
     pub(super) points: u64,
     /// The columns; a colour has three.
     pub(super) layout: Layout,
+    /// The fields of a point of a binary file.
+    pub(super) record: Record,
 }
 
 impl PcdField {
     /// Bytes per point.
     pub(super) fn size(&self) -> usize {
         self.scalar.size() * self.count
-    }
-}
-
-impl PcdHeader {
-    /// Bytes per point.
-    pub(super) fn size(&self) -> usize {
-        self.fields.iter().map(PcdField::size).sum()
     }
 }
 
@@ -108,7 +104,15 @@ pub(super) fn header(lines: &mut Lines<Input>, request: &Request) -> Result<PcdH
             let points = points.or_else(product).ok_or_else(|| fail("the number of points is missing".into()))?;
             check_ids(points)?;
             let (fields, layout) = fields(&lists, &lines.file(), request)?;
-            return Ok(PcdHeader { encoding, fields, points, layout });
+            let mut record = Record::default();
+            for field in &fields {
+                match field.kind {
+                    PcdKind::Padding => record.add_padding(field.size()),
+                    PcdKind::Color => record.add_color(field.scalar),
+                    PcdKind::Numbers => record.add_numbers(field.count, field.scalar),
+                }
+            }
+            return Ok(PcdHeader { encoding, fields, points, layout, record });
         } else if !["VERSION", "VIEWPOINT"].contains(&key) {
             return Err(fail(format!("{} is not a header line", quote(lines.text()))));
         }

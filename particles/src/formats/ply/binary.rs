@@ -2,7 +2,7 @@
 
 use super::header::{PlyElement, Property, short_of, truncated};
 use super::vertex::VertexColumns;
-use crate::input::Input;
+use crate::input::{Input, fill};
 use crate::npy::header::Scalar;
 use crate::particles::bytes::skip;
 use crate::particles::frame::Particles;
@@ -100,6 +100,7 @@ impl Binary {
         Ok(())
     }
 
+    /// Reads the vertices, which all cores decode.
     pub(super) fn vertices(
         &mut self,
         element: &PlyElement,
@@ -107,28 +108,50 @@ impl Binary {
         particles: &mut Particles,
     ) -> Result<()> {
         let file = Place::file(self.path.display().to_string());
-        let mut numbers = Vec::new();
-        for read in 0..element.count {
-            numbers.clear();
-            for (k, property) in element.properties.iter().enumerate() {
-                let mut bytes = [0; 8];
-                let there = match property.length {
-                    Some(_) => self.skip_property(property)?,
-                    None => self.bytes(&mut bytes[..property.scalar.size()])?,
-                };
-                match property.length {
-                    Some(_) => {}
-                    None if columns.packed == Some(k) => numbers.extend(property.scalar.levels(&bytes)),
-                    None => numbers.push(property.scalar.number(&bytes)),
-                }
-                if !there {
-                    return Err(truncated(file, read, element));
-                }
-            }
-            let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {read} {field}")));
-            columns.add(&mut numbers, particles, placed)?;
+        let (record, mut block, mut read) = (&columns.record, Vec::new(), 0);
+        while read < element.count {
+            let most = record.per_block().min(element.count - read);
+            let found = self.records(element, record.size(), most, &mut block)?;
+            record.append(&block, &columns.layout, particles, |n, numbers, particles| {
+                let vertex = read + n as u64;
+                let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {vertex} {field}")));
+                columns.add(numbers, particles, placed)
+            })?;
             self.reader.get_ref().found();
+            read += found;
+            if found < most {
+                return Err(truncated(file, read, element));
+            }
         }
         Ok(())
+    }
+
+    /// Replaces the content of `block` with at most `most` vertices without their lists, `size` bytes each; returns their number,
+    /// which is lower where the file ends before.
+    fn records(&mut self, element: &PlyElement, size: usize, most: u64, block: &mut Vec<u8>) -> Result<u64> {
+        block.clear();
+        if element.properties.iter().all(|property| property.length.is_none()) {
+            block.resize(most as usize * size, 0);
+            let filled = fill(&mut self.reader, block).map_err(|e| Error::read(&self.path, e))?;
+            block.truncate(filled - filled % size);
+            return Ok((filled / size) as u64);
+        }
+        for n in 0..most {
+            for property in &element.properties {
+                let at = block.len();
+                let there = match property.length {
+                    Some(_) => self.skip_property(property)?,
+                    None => {
+                        block.resize(at + property.scalar.size(), 0);
+                        self.bytes(&mut block[at..])?
+                    }
+                };
+                if !there {
+                    block.truncate(n as usize * size);
+                    return Ok(n);
+                }
+            }
+        }
+        Ok(most)
     }
 }

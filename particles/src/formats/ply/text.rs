@@ -7,12 +7,10 @@ use crate::lines::{Lines, Words};
 use crate::npy::header::{bits, levels};
 use crate::particles::frame::Particles;
 use crate::particles::role::Role;
-use crate::particles::rows::{rows, surplus};
+use crate::particles::rows::{blank_rest, filled_rows};
 use halfline_ground::error::{Result, relocate};
 use halfline_ground::quote::quote;
 use std::io::BufRead;
-use std::sync::atomic::AtomicU64;
-use std::sync::atomic::Ordering::Relaxed;
 
 /// Reads the vertices, on all cores.
 pub(super) fn text(
@@ -21,23 +19,10 @@ pub(super) fn text(
     columns: &VertexColumns,
     particles: &mut Particles,
 ) -> Result<()> {
-    let read = AtomicU64::new(0);
-    loop {
-        // Blank lines are no vertices.
-        let left = element.count - read.load(Relaxed);
-        if left == 0 {
-            return Ok(());
-        }
-        let taken = rows(lines, left, &columns.layout, particles, |line, particles| {
-            if line.text().trim_ascii().is_empty() {
-                return Ok(());
-            }
-            read.fetch_add(1, Relaxed);
-            vertex(line, element, columns, particles)
-        })?;
-        if taken == 0 {
-            return Err(truncated(lines.file(), read.load(Relaxed), element));
-        }
+    let add = |line: &Lines<&[u8]>, particles: &mut Particles| vertex(line, element, columns, particles);
+    match filled_rows(lines, element.count, &columns.layout, particles, add)? {
+        read if read < element.count => Err(truncated(lines.file(), read, element)),
+        _ => Ok(()),
     }
 }
 
@@ -99,16 +84,6 @@ fn vertex<R: BufRead>(
     Ok(())
 }
 
-/// Moves to the next line that is not blank.
-fn next(lines: &mut Lines<Input>) -> Result<bool> {
-    while lines.advance()? {
-        if !lines.text().trim_ascii().is_empty() {
-            return Ok(true);
-        }
-    }
-    Ok(false)
-}
-
 /// Skips the lines of an element; returns their number. Lines without properties are blank.
 pub(super) fn pass(lines: &mut Lines<Input>, element: &PlyElement) -> Result<u64> {
     if element.properties.is_empty() { lines.pass(element.count) } else { lines.pass_filled(element.count) }
@@ -128,8 +103,5 @@ pub(super) fn rest_of_text(
             return Ok(());
         }
     }
-    if next(lines)? {
-        return surplus(lines, vertices.count, "vertices", |lines| !lines.text().trim().is_empty());
-    }
-    Ok(())
+    blank_rest(lines, vertices.count, "vertices")
 }

@@ -3,6 +3,7 @@
 use super::splat::Splat;
 use crate::particles::frame::Particles;
 use crate::particles::layout::Layout;
+use crate::particles::records::Record;
 use halfline_ground::error::{Error, Result};
 
 /// The columns of a vertex: its properties that are not lists.
@@ -10,6 +11,8 @@ pub(super) struct VertexColumns {
     pub(super) layout: Layout,
     /// The property that is a packed colour, which has three columns.
     pub(super) packed: Option<usize>,
+    /// The properties that are not lists, in a binary file.
+    pub(super) record: Record,
     /// The splats that the vertices are.
     pub(super) splat: Option<Splat>,
 }
