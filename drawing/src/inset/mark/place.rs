@@ -25,7 +25,7 @@ const CROSSED: f32 = 0.3;
 const DIRECTIONS: [[i64; 2]; 8] = [[1, 0], [1, -1], [1, 1], [-1, 0], [0, -1], [0, 1], [-1, -1], [-1, 1]];
 
 /// The lengths of lines in heights of a text.
-const LENGTHS: [f64; 9] = [0.8, 1.2, 1.7, 2.4, 3.4, 4.8, 6.7, 9.4, 13.0];
+const LENGTHS: [f64; 11] = [0.8, 1.2, 1.7, 2.4, 3.4, 4.8, 6.7, 9.4, 13.0, 18.0, 25.0];
 
 /// The target of a text.
 pub(super) enum Target<'a> {
@@ -52,8 +52,8 @@ pub(super) struct Place {
 type Choice = Option<(f32, Place)>;
 
 impl Panels {
-    /// The place of a text of this size that covers least of other things: on its thing, beginning at a pixel of it, or at the end of a
-    /// line from there. `None` where no place is free.
+    /// The place of a text of this size: on its thing, beginning at a pixel of it, or at the end of a line from there. The text of a
+    /// visible thing covers no pixel of another thing, and the fewest of spheres without a name. `None` where no place is free.
     pub(super) fn place(
         &self,
         page: &Page,
@@ -66,7 +66,8 @@ impl Panels {
             if best.is_none_or(|(least, _)| cost < least) && self.is_free(page, at, size) {
                 let thing = if let Target::Visible(thing) = target { Some(*thing) } else { None };
                 let cost = cost + covered(visible, thing, at, size) + line.map_or(0.0, |line| self.crossings(line));
-                if best.is_none_or(|(least, _)| cost < least) {
+                let names_it = || thing.is_none_or(|thing| visible.is_clear_of_others(thing, at, size));
+                if best.is_none_or(|(least, _)| cost < least) && names_it() {
                     best = Some((cost, Place { at, line }));
                 }
             }

@@ -134,6 +134,17 @@ impl VisibleThings {
         }
     }
 
+    /// Whether no pixel of a rectangle shows another thing than this one.
+    pub(super) fn is_clear_of_others(
+        &self,
+        thing: &VisibleThing,
+        [left, top]: [i64; 2],
+        [wide, high]: [i64; 2],
+    ) -> bool {
+        let pixels = (top..top + high).flat_map(|y| (left..left + wide).map(move |x| [x, y]));
+        pixels.into_iter().all(|at| self.covers(Some(thing), at) < 1.0)
+    }
+
     /// The last pixel that shows a thing on the way from one that does.
     pub(super) fn edge(&self, thing: &VisibleThing, from: [usize; 2], [dx, dy]: [i64; 2]) -> [i64; 2] {
         let mut at = from.map(|x| x as i64);
