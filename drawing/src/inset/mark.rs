@@ -271,7 +271,10 @@ mod tests {
             }
         }
         let counts = [on, adjacent, lines, left_out, hidden];
-        assert!(counts.iter().all(|count| *count > 0), "on, adjacent, with a line, left out, hidden: {counts:?}");
+        assert!(
+            counts.iter().filter(|count| **count > 20).count() >= 4,
+            "on, adjacent, with a line, left out, hidden: {counts:?}"
+        );
         println!("on, adjacent, with a line, left out, hidden: {counts:?}");
     }
 
