@@ -2,7 +2,7 @@
 
 use super::file_args::FileArgs;
 use super::picture_scene::PictureScene;
-use clap::Args;
+use clap::{ArgGroup, Args};
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::frame::{Aov, Frame};
@@ -17,7 +17,7 @@ use std::path::Path;
 
 /// The options for what is drawn inside the picture.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Image")]
+#[command(next_help_heading = "Image", group = ArgGroup::new("marks").args(["mark", "mark_one"]).multiple(true))]
 pub(super) struct InsetArgs {
     /// Draws the legend of the colours, of --color-by or else of the elements, inside the picture: right (the default),
     /// top-left, top-right, bottom-left, bottom-right. Spheres that are framed lie beside it. CORNER may follow = or a space.
@@ -34,9 +34,12 @@ pub(super) struct InsetArgs {
     /// Writes a text at what an expression selects: at each residue, or at each particle of files without residues. {COLUMN} in the
     /// text is replaced by the value of a column. A text has no equals sign; the option may be repeated.
     #[arg(long, value_name = "EXPR=TEXT")]
-    pub(super) mark: Vec<MarkRule>,
-    /// Writes the texts of --mark also at what is hidden.
-    #[arg(long, requires = "mark")]
+    mark: Vec<MarkRule>,
+    /// Writes a text once, at what an expression selects as a whole, such as 'chain A=Gα'. Otherwise as --mark.
+    #[arg(long, value_name = "EXPR=TEXT")]
+    mark_one: Vec<MarkRule>,
+    /// Writes the texts of --mark and --mark-one also at what is hidden.
+    #[arg(long, requires = "marks")]
     mark_all: bool,
 }
 
@@ -44,7 +47,17 @@ const LEGEND_IN: &str = "--legend-in";
 
 impl InsetArgs {
     fn is_given(&self) -> bool {
-        self.legend_in.is_some() || self.label.is_some() || self.scale_bar.is_some() || !self.mark.is_empty()
+        self.legend_in.is_some() || self.label.is_some() || self.scale_bar.is_some() || self.has_marks()
+    }
+
+    /// Whether texts are written at things.
+    pub(super) fn has_marks(&self) -> bool {
+        !(self.mark.is_empty() && self.mark_one.is_empty())
+    }
+
+    /// The rules of the texts at things.
+    pub(super) fn marks(&self) -> Vec<MarkRule> {
+        self.mark.iter().cloned().chain(self.mark_one.iter().cloned().map(MarkRule::once)).collect()
     }
 
     /// Checks the combination with other options before any work; `is_part` says whether a part of the picture is rendered.
@@ -69,9 +82,9 @@ impl InsetArgs {
         if !self.is_given() {
             return Ok(());
         }
-        let what = match self.mark.is_empty() {
-            true => "--legend-in, --label and --scale-bar",
-            false => "texts of --mark",
+        let what = match self.has_marks() {
+            true => "texts of --mark",
+            false => "--legend-in, --label and --scale-bar",
         };
         let problem = |problem: &str| format!("{what} are drawn into {problem}");
         match (is_part, is_drawn) {
@@ -112,7 +125,7 @@ impl InsetArgs {
             scale_bar: self.scale_bar.as_ref().map(|unit| ScaleBar::of(scene, unit)).transpose()?,
         };
         let mut panels = insets.panels(scene.image.width, scene.image.height)?;
-        if !self.mark.is_empty() {
+        if self.has_marks() {
             panels.also_drawn(&mark::words(&picture.marked, self.mark_all));
         }
         Ok(Some(panels))

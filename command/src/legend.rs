@@ -4,7 +4,7 @@ use super::clash::{place, written_twice};
 use super::names::{check_pattern, numbered};
 use super::picture_scene::PictureScene;
 use super::scene_args::SceneArgs;
-use halfline::error::Result;
+use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::quote::setting::{LEGEND, LEGEND_IN};
 use halfline_files::read::Hold;
@@ -14,6 +14,11 @@ use std::path::PathBuf;
 
 /// Checks the name of the legend's file before any work.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
+    let has_title = args.color.legend_title.is_some();
+    if has_title && args.color.legend.is_none() && args.insets.legend_in.is_none() {
+        let mend = "add --legend-in, or --legend FILE, or remove it";
+        return Err(Error::settings("--legend-title: no legend is drawn", mend));
+    }
     let Some(path) = &args.color.legend else { return Ok(()) };
     figure::check(path)?;
     if args.files.names()?.iter().any(|other| place(other) == place(path)) {

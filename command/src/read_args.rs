@@ -5,6 +5,7 @@ use super::signals::watch;
 use super::typed::Typed;
 use super::values::{color, numbers, positive, wholes};
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use halfline::error::{Error, Result};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{MaterialName, is_opacity};
@@ -119,8 +120,9 @@ pub(super) struct ColorArgs {
     #[command(flatten)]
     typed: Typed,
     /// Colour of all spheres, or with EXPR=C of selected ones: a CSS name such as red, #rgb or #rrggbb in sRGB, r,g,b in
-    /// linear RGB, or element for the colours of the elements. Repeated, later ones win.
-    #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
+    /// linear RGB, or element for the colours of the elements; a caption is the name of EXPR in the legend. Repeated, later
+    /// ones win.
+    #[arg(long, value_name = "[EXPR=]C[:CAPTION]", value_parser = color_rule)]
     color: Vec<Rule<Paint>>,
     /// Material in pictures of all spheres, or with EXPR=M of selected ones: matte, plastic (with highlights of lights), metal (a
     /// mirror of its colour), glass. Repeated, later ones win.
@@ -129,8 +131,9 @@ pub(super) struct ColorArgs {
     /// Exponent of the highlights of plastic; the greater, the smaller they are [default: 40].
     #[arg(long, value_name = "N", value_parser = positive("number"), allow_negative_numbers = true)]
     shine: Option<f64>,
-    /// Opacity in pictures of all spheres, or with EXPR=A of selected ones: above 0, and at most 1. Repeated, later ones win.
-    #[arg(long, value_name = "[EXPR=]A", value_parser = opacity_rule, allow_negative_numbers = true)]
+    /// Opacity in pictures of all spheres, or with EXPR=A of selected ones: above 0, and at most 1; a caption is the name of EXPR in
+    /// the legend. Repeated, later ones win.
+    #[arg(long, value_name = "[EXPR=]A[:CAPTION]", value_parser = opacity_rule, allow_negative_numbers = true)]
     opacity: Vec<Rule<f32>>,
     /// Colours by element, chain, x, y, z, or any column of the file; several columns (vx,vy,vz) by their length.
     #[arg(long, value_name = "COLUMN,...")]
@@ -154,6 +157,9 @@ pub(super) struct ColorArgs {
     /// without --range.
     #[arg(long, value_name = "FILE")]
     pub(super) legend: Option<PathBuf>,
+    /// Title of the legend, such as 'speed / km/s', in place of the name of what is coloured.
+    #[arg(long, value_name = "TEXT", value_parser = NonEmptyStringValueParser::new())]
+    pub(super) legend_title: Option<String>,
 }
 
 impl ReadArgs {
@@ -237,6 +243,7 @@ impl ColorArgs {
             fades: Rule::selected(&self.opacity),
             material: Rule::for_all(&self.material).map(material),
             matters: Rule::selected(&self.material).into_iter().map(|(of, name)| (of, material(name))).collect(),
+            legend_title: self.legend_title.clone(),
             ..options.style
         };
         Ok(ReadOptions { style, ..options })
@@ -282,6 +289,24 @@ impl<T: Copy> Rule<T> {
         }
     }
 
+    /// Parses also `EXPR=VALUE:CAPTION`, whose caption is the name of the selection in a legend.
+    fn captioned(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<Self, String> {
+        let last = text.rsplit_once('=').map_or(0, |(expression, _)| expression.len() + 1);
+        let Some((value_text, caption)) = text[last..].split_once(':') else { return Self::parse(text, value) };
+        let rule = Self::parse(&text[..last + value_text.len()], value)?;
+        match (rule.selection, caption.trim()) {
+            (_, "") => Err("the caption behind the colon is empty; write EXPR=VALUE:CAPTION".into()),
+            (None, _) => Err("a caption belongs to a selection: write EXPR=VALUE:CAPTION".into()),
+            (Some(selection), caption) => {
+                let letters = caption.chars().count();
+                if letters > MOST_CAPTION {
+                    return Err(format!("the caption has {letters} letters, more than {MOST_CAPTION}"));
+                }
+                Ok(Self { selection: Some(selection.captioned(caption)), value: rule.value })
+            }
+        }
+    }
+
     /// The value for all spheres; the last one wins.
     fn for_all(rules: &[Self]) -> Option<T> {
         rules.iter().rev().find(|rule| rule.selection.is_none()).map(|rule| rule.value)
@@ -293,12 +318,15 @@ impl<T: Copy> Rule<T> {
     }
 }
 
+/// The most letters of a caption.
+const MOST_CAPTION: usize = 200;
+
 fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
     Rule::parse(text, positive("number"))
 }
 
 fn color_rule(text: &str) -> Result<Rule<Paint>, String> {
-    Rule::parse(text, |text| if text == "element" { Ok(Paint::Element) } else { color(text).map(Paint::One) })
+    Rule::captioned(text, |text| if text == "element" { Ok(Paint::Element) } else { color(text).map(Paint::One) })
 }
 
 fn material_rule(text: &str) -> Result<Rule<MaterialName>, String> {
@@ -308,7 +336,7 @@ fn material_rule(text: &str) -> Result<Rule<MaterialName>, String> {
 fn opacity_rule(text: &str) -> Result<Rule<f32>, String> {
     let expected =
         "expected a number above 0 and at most 1, or EXPR=A such as 'chain A=0.3'; --hide leaves spheres out";
-    Rule::parse(text, |text| {
+    Rule::captioned(text, |text| {
         // By way of f64, as numbers of other programs are rounded.
         let opacity = text.parse().ok().map(|opacity: f64| opacity as f32);
         opacity.filter(|opacity| is_opacity(*opacity)).ok_or_else(|| expected.into())

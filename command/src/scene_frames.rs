@@ -165,7 +165,7 @@ pub(super) fn sequence(
     cancel: &Cancel,
 ) -> Result<(Sequence, Option<(Camera, DVec3)>)> {
     let keep = match keep {
-        Keep::Nothing if !args.insets.mark.is_empty() || !args.files.cryptomatte.is_empty() => Keep::All,
+        Keep::Nothing if args.insets.has_marks() || !args.files.cryptomatte.is_empty() => Keep::All,
         keep => keep,
     };
     let mut options = options(args, cancel)?;
@@ -236,7 +236,7 @@ pub(super) fn with_light(
     turn(&mut frame);
     // The light from above left belongs to the final camera.
     let look = args.light.apply(&mut frame, aovs, request, lens)?;
-    let (marked, notes) = frame.marked(&args.insets.mark)?;
+    let (marked, notes) = frame.marked(&args.insets.marks())?;
     frame.skipped.assumed.extend(notes);
     let mattes = frame.matte_names(&args.files.cryptomatte)?;
     let SceneFrame { number, scene, skipped, legend, when, beads, .. } = frame;

@@ -62,8 +62,8 @@ fn combined(args: &SceneArgs) -> Result<Part> {
 /// # Errors
 /// [`Error::Settings`] that names the option.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
-    if !args.insets.mark.is_empty() {
-        return Err(Error::settings("--mark: parts have no columns", "remove it"));
+    if args.insets.has_marks() {
+        return Err(Error::settings("--mark and --mark-one: parts have no columns", "remove them"));
     }
     if args.files.model().is_some() {
         return Err(Error::settings("parts have no spheres that are hidden, which a model has", "use a picture"));

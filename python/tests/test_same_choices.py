@@ -81,6 +81,7 @@ READ: dict[str, list[Choice]] = {
         ("element", "element"),
         ("x > 0=#00ff00", {"x > 0": "#00ff00"}),
         ("chain A=element", {"chain A": "element"}),
+        ("x > 0=red:right side", {"x > 0": "red:right side"}),
         ("nonsense", "nonsense"),
     ],
     "opacity": [("0.5", 0.5), ("x > 0=0.25", {"x > 0": 0.25}), ("0", 0), ("1.5", 1.5)],
@@ -103,6 +104,7 @@ READ: dict[str, list[Choice]] = {
     "range": [("0,2", (0, 2)), ("5%,95%", ("5%", "95%")), ("1,1", (1, 1)), ("1,1.0", (1, "1.0"))],
     "log": [(None, True)],
     "nan_color": [("teal", "teal"), ("0.5,0,0", (0.5, 0, 0))],
+    "legend_title": [("right / nm", "right / nm")],
     "frames": [("2", 2), ("1", 1), ("9", 9)],
 }
 RENDER: dict[str, list[Choice]] = {
@@ -128,6 +130,7 @@ RENDER: dict[str, list[Choice]] = {
     "label": [("{file} {count}", "{file} {count}"), ("{time}", "{time}"), ("{who}", "{who}")],
     "scale_bar": [(None, True), ("nm", "nm")],
     "mark": [("x > 1={z}", {"x > 1": "{z}"}), ("ligand={resname}", {"ligand": "{resname}"})],
+    "mark_one": [("x > 1=many", {"x > 1": "many"})],
     "mark_all": [(None, True)],
     "accuracy": [
         ("fast", "fast"),

@@ -23,7 +23,8 @@ const SCHEMA: u32 = 1;
 const USUAL: [&str; 5] = ["chain", "resname", "resid", "name", "element"];
 
 /// The options whose values name columns.
-const NAMING: [&str; 9] = ["color_by", "mark", "select", "hide", "color", "opacity", "radius", "material", "focus"];
+const NAMING: [&str; 10] =
+    ["color_by", "mark", "mark_one", "select", "hide", "color", "opacity", "radius", "material", "focus"];
 
 /// Scenes in memory that a page shows, with the options of every picture.
 #[derive(Debug, Clone)]

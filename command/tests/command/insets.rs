@@ -70,6 +70,44 @@ fn panels_are_in_the_picture_and_in_no_other_buffer() {
     assert_eq!(dir.array("a.npy").0[6 * 300 + 6], 0.0, "the buffer is that of the scene");
 }
 
+/// Titles and captions stand in a legend in place of the program's words.
+#[test]
+fn a_legend_has_the_words_of_its_reader() {
+    let dir = dir();
+    let words = |options: &str| -> Vec<String> {
+        let line = format!("render atoms.xyz {options} --backend cpu --size 60x40 -o a.png");
+        line.split_whitespace().map(|word| word.replace('~', " ")).collect()
+    };
+    let legend = |options: &str| {
+        let ran = dir.run(&words(&format!("{options} --legend l.svg")));
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        String::from_utf8_lossy(&dir.get("l.svg")).into_owned()
+    };
+    let titled = legend("--color-by vx --legend-title speed~/~nm");
+    assert!(titled.contains("speed / nm") && !titled.contains("vx"), "{titled}");
+    let captions = "--color x~>~1=red:far~away --color x~<~1=blue --opacity index~2=0.5:a~ghost";
+    let rows = legend(&format!("{captions} --legend-title parts"));
+    for (text, is_there) in [
+        ("parts", true),
+        ("far away", true),
+        ("x &gt; 1", false),
+        ("x &lt; 1", true),
+        ("a ghost", true),
+        ("0.5", false),
+    ] {
+        assert_eq!(rows.contains(text), is_there, "{text}: {rows}");
+    }
+    for (options, problem) in [
+        ("--color red:all", "a caption belongs to a selection"),
+        ("--color x~>~1=red:~", "the caption behind the colon is empty"),
+        ("--legend-title t", "no legend is drawn"),
+        ("--radius x~>~1=2:big", "2:big"),
+    ] {
+        let ran = dir.run(&words(options));
+        assert!(ran.code == 2 && ran.err.contains(problem), "{options}: {}", ran.err);
+    }
+}
+
 #[test]
 fn a_legend_has_the_colours_of_the_spheres() {
     let dir = dir();

@@ -57,6 +57,8 @@ fn texts_stand_at_visible_things() {
     let (moons, _) = picture(&dir, "moons.csv");
     let names = changed(&moons, &picture(&dir, "moons.csv --mark all={name}").0).expect("marks");
     assert!(names[2] - names[0] > 50, "{names:?}: from the leftmost moon to the rightmost");
+    let once = changed(&moons, &picture(&dir, "moons.csv --mark-one all=moons").0).expect("one mark");
+    assert!(once[2] - once[0] < 40 && once[3] - once[1] < 20, "{once:?}: one text for all");
     let mass = changed(&moons, &picture(&dir, "moons.csv --mark name~Io={name}~of~{mass}").0).expect("a mark");
     assert!(mass[2] - mass[0] > 60, "{mass:?}: Io of 0.0149");
 }

@@ -138,6 +138,9 @@ pub(crate) fn rows() -> Vec<Row> {
         row("nan-color", &format!("{CAMERA} --color-by u --range 0,1"), "--nan-color red"),
         row("legend", &format!("{CAMERA} --color-by v --range 0,1"), "--legend p.l.svg").does(Bytes),
         row("legend", &format!("{CAMERA} --color-by v"), "--legend p.l.svg").does(Bytes).or(&["--color-by"]),
+        row("legend-title", &format!("{CAMERA} --color-by v --range 0,1 --legend-in=right"), "--legend-title w")
+            .sized_all("220x150")
+            .or(&["--legend-in"]),
         row("eye", "--at 2,2,2", "--eye 9,7,12"),
         row("at", "--eye 9,7,12", "--at 1,2,2"),
         row("view", "", "--view -1,-1,-1"),
@@ -174,6 +177,7 @@ pub(crate) fn rows() -> Vec<Row> {
         at("label", "--label {count}~{frame}~{time}").sized_all("120x90"),
         at("scale-bar", "--scale-bar=nm").sized_all("120x90"),
         at("mark", "--mark kind~a=x").sized_all("120x90"),
+        at("mark-one", "--mark-one kind~a=x").sized_all("120x90"),
         row("mark-all", &format!("{CAMERA} --mark kind~a=x"), "--mark-all").sized_all("120x90").or(&["--mark"]),
         instead("look", CAMERA, CAMERA).looking("soft"),
         at("occlusion", "--occlusion 4"),

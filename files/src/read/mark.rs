@@ -2,7 +2,7 @@
 
 use super::sequence::SceneFrame;
 use halfline::error::{Error, Result};
-use halfline::quote::setting::MARK;
+use halfline::quote::setting::{MARK, MARK_ONE};
 use halfline::quote::{count, list, number, quote};
 use halfline_particles::{ColumnValue, Selection};
 use std::str::FromStr;
@@ -20,6 +20,8 @@ const RESIDUE: [&str; 5] = ["chain", "segid", "resid", "icode", "resname"];
 #[derive(Debug, Clone)]
 pub struct MarkRule {
     selection: Selection,
+    /// Whether what is selected is one thing.
+    once: bool,
     parts: Vec<Part>,
 }
 
@@ -78,7 +80,13 @@ impl MarkRule {
             rest = after;
         }
         parts.push(Part::Text(rest.to_owned()));
-        Ok(Self { selection: expression.parse()?, parts })
+        Ok(Self { selection: expression.parse()?, once: false, parts })
+    }
+
+    /// The rule that writes its text once, for all that is selected.
+    #[must_use]
+    pub fn once(self) -> Self {
+        Self { once: true, ..self }
     }
 }
 
@@ -98,8 +106,8 @@ impl FromStr for MarkRule {
 }
 
 impl SceneFrame {
-    /// The things that rules select, with their texts: of particles with residues the selected spheres of each residue are one thing,
-    /// else each selected sphere is. Beads of a cell are none. Returns also messages about the selections.
+    /// The things that rules select, with their texts: of a rule [once](MarkRule::once) all selected spheres are one thing; else, of
+    /// particles with residues, those of each residue are, or each selected sphere is. Beads of a cell are none. Returns also messages about the selections.
     ///
     /// # Errors
     /// Errors of the selections; [`Error::Settings`] for a column that is not there, and for more than 500 things.
@@ -111,7 +119,7 @@ impl SceneFrame {
             notes.extend(messages);
             let mut last = None;
             for (n, thing) in things.iter().enumerate().filter(|(n, _)| mask.get(*n).is_some_and(|flag| *flag)) {
-                match marked.last_mut().filter(|_| last == Some(*thing)) {
+                match marked.last_mut().filter(|_| last.is_some_and(|last| rule.once || last == *thing)) {
                     Some(Marked { ids, .. }) => ids.push(n as u32),
                     None => marked.push(Marked { text: self.text_of(rule, n)?, ids: vec![n as u32] }),
                 }
@@ -119,7 +127,8 @@ impl SceneFrame {
             }
             if marked.len() > MOST {
                 let problem = format!("{MARK} has {}, more than {MOST}", count(marked.len() as u64, "thing"));
-                return Err(Error::settings(problem, "select fewer, such as one atom of each residue"));
+                let mend = format!("select fewer, such as one atom of each residue, or name them once by {MARK_ONE}");
+                return Err(Error::settings(problem, mend));
             }
         }
         Ok((marked, notes))

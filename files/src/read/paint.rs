@@ -16,7 +16,8 @@ impl SceneFrame {
     /// As [`Self::painted`].
     pub fn styled(&self, style: &Style) -> Result<Self> {
         let painted = if style.paints.is_empty() { self.clone() } else { self.painted(&style.paints)?.0 };
-        painted.faded(style)
+        let faded = painted.faded(style)?;
+        Ok(Self { legend: style.titled(faded.legend.clone()), ..faded })
     }
 
     /// The same spheres with these opacities, none of which they had before, and a row of the legend for each rule.

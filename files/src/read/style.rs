@@ -54,6 +54,8 @@ pub struct Style {
     pub material: Option<Material>,
     /// Materials of selected particles; later ones win.
     pub matters: Vec<(Selection, Material)>,
+    /// The title of the legend in place of the name of what is coloured.
+    pub legend_title: Option<String>,
 }
 
 impl Default for Style {
@@ -71,6 +73,7 @@ impl Default for Style {
             fades: Vec::new(),
             material: None,
             matters: Vec::new(),
+            legend_title: None,
         }
     }
 }
@@ -313,7 +316,7 @@ impl Style {
     /// legend of these where there is none.
     pub(super) fn with_overrides(&self, legend: Option<Legend>, painted: &[u64]) -> Option<Legend> {
         let overrides = paint::categories(paint::rows(&self.paints).chain(self.fades.iter().map(faded)), painted);
-        match legend {
+        let legend = match legend {
             Some(legend) if overrides.is_empty() => Some(legend),
             // Where all have the colours of selections, elements are no heading.
             Some(mut legend) if legend.is_scale() || !legend.categories.is_empty() => {
@@ -322,7 +325,14 @@ impl Style {
             }
             _ if overrides.is_empty() => None,
             _ => Some(Legend::of_selections(overrides)),
-        }
+        };
+        self.titled(legend)
+    }
+
+    /// The legend with the title of the style, if that has one.
+    pub(super) fn titled(&self, legend: Option<Legend>) -> Option<Legend> {
+        let name = |legend: &Legend| self.legend_title.as_ref().unwrap_or(&legend.name).clone();
+        legend.map(|legend| Legend { name: name(&legend), ..legend })
     }
 
     /// The radii without those of rules. Nothing is said about particles that a rule gives their radius.
@@ -433,7 +443,8 @@ pub(super) fn spacing_of([low, high]: [[f64; 3]; 2], count: u64) -> f64 {
 /// The label and the colour of a rule for opacities: grey on white, as translucent as its spheres are.
 pub(super) fn faded((selection, opacity): &(Selection, f32)) -> (String, [f32; 3]) {
     let mixed = 1.0 + opacity * (VEILED_GREY - 1.0);
-    (format!("{selection}: opacity {opacity}"), [mixed; 3])
+    let label = selection.caption().map_or_else(|| format!("{selection}: opacity {opacity}"), str::to_owned);
+    (label, [mixed; 3])
 }
 
 #[cfg(test)]

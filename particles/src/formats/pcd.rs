@@ -125,7 +125,7 @@ impl Points<'_> {
     /// Adds the points of a block of records, whose rows have these names in errors.
     fn block(&mut self, block: &[u8], file: &BinaryFile, row: impl Fn(usize) -> String + Sync) -> Result<()> {
         let (header, strict, place) = (self.header, self.strict, file.file());
-        header.record.append(block, &header.layout, &mut self.particles, |n, numbers, particles| {
+        header.record.append(block, &header.layout, &mut self.particles, true, |n, numbers, particles| {
             add(header, strict, numbers, particles, |field| place.clone().named(format!("{} {field}", row(n))))
         })?;
         file.found();

@@ -194,7 +194,7 @@ impl Npy<Input> {
             if found == 0 {
                 return Err(self.cut(ErrorKind::UnexpectedEof.into(), row, rows));
             }
-            record.append(&block, &layout, &mut particles, |n, numbers, particles| {
+            record.append(&block, &layout, &mut particles, true, |n, numbers, particles| {
                 let row = row + n as u64;
                 layout.checked_numbers(numbers, particles, |error| {
                     relocate(error, |field| file.clone().named(format!("row {row} {field}")))

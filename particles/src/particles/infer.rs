@@ -7,6 +7,7 @@ pub(crate) mod rules;
 pub mod slices;
 pub(super) mod species;
 
+use super::names::is_same;
 use halfline_ground::quote::{count, quote};
 use residues::{ResidueClass, class};
 use rules::{InferenceRule, Site};
@@ -218,7 +219,7 @@ impl Inference {
 
     /// Whether the atoms so far are decided without this one, because it begins another residue.
     pub(super) fn decides_before(&self, atom: &AtomNames<'_>) -> bool {
-        self.site != atom.site || self.residue != atom.residue || self.members.len() == RESIDUE
+        !is_same(&self.site, atom.site) || !is_same(&self.residue, atom.residue) || self.members.len() == RESIDUE
     }
 
     /// Ends a part of the atoms, whose codes are counted before the list is emptied.

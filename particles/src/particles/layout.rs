@@ -301,6 +301,23 @@ impl Layout {
         Ok(())
     }
 
+    /// Adds `count` particles to a part without any, from the numbers of each column, one column after the other; returns false, and
+    /// adds none, where a coordinate, a radius or a colour is invalid.
+    pub(crate) fn valid_columns(&self, count: usize, numbers: &[f64], particles: &mut Particles) -> bool {
+        let columns = || self.slots.iter().zip(numbers.chunks_exact(count.max(1)));
+        // Without branches within a column, so that compilers vectorize it.
+        let are_valid =
+            |(slot, column): (&Slot, &[f64])| !column.iter().fold(false, |any, x| any | slot.is_invalid(*x));
+        if !columns().all(are_valid) {
+            return false;
+        }
+        particles.positions.resize(count, [0.0; 3]);
+        for (slot, column) in columns() {
+            slot.put_all(column, particles);
+        }
+        true
+    }
+
     /// Adds a particle from a number for every column, or counts it as left out; `placed` gives an error its place in the file.
     ///
     /// # Errors
@@ -311,12 +328,7 @@ impl Layout {
         particles: &mut Particles,
         placed: impl Fn(Error) -> Error,
     ) -> Result<()> {
-        let is_invalid = |(slot, x): &(&Slot, &f64)| match slot.role {
-            Role::Position(_) => !x.is_finite(),
-            // NaN is no radius.
-            Role::Radius | Role::Diameter => **x <= 0.0 || **x == f64::INFINITY,
-            _ => false,
-        };
+        let is_invalid = |(slot, x): &(&Slot, &f64)| !matches!(slot.role, Role::Color(_)) && slot.is_invalid(**x);
         let Some((slot, x)) = self.slots.iter().zip(numbers).find(is_invalid) else {
             return self.numbers(numbers, particles).map_err(placed);
         };
@@ -415,16 +427,50 @@ impl Slot {
         Ok(())
     }
 
+    /// Whether a number of the column is one that no particle has.
+    fn is_invalid(&self, x: f64) -> bool {
+        match self.role {
+            Role::Position(_) => !x.is_finite(),
+            // NaN is no radius.
+            Role::Radius | Role::Diameter => x <= 0.0 || x == f64::INFINITY,
+            Role::Color(_) => !((x as f32).is_finite() && x as f32 >= 0.0),
+            _ => false,
+        }
+    }
+
+    /// Adds the numbers of the column to a part of so many particles.
+    fn put_all(&self, column: &[f64], particles: &mut Particles) {
+        match self.role {
+            Role::Position(axis) => particles.positions.iter_mut().zip(column).for_each(|(to, x)| to[axis] = *x),
+            Role::Radius => particles.radii.extend(column),
+            Role::Diameter => particles.radii.extend(column.iter().map(|x| x / 2.0)),
+            Role::Color(k) => {
+                particles.colors.resize(column.len(), [0.0; 3]);
+                particles.colors.iter_mut().zip(column).for_each(|(to, x)| to[k] = *x as f32);
+            }
+            Role::Number => particles.elements.extend(column.iter().map(|x| number_of_element(*x))),
+            Role::Symbol | Role::Text | Role::Other => {}
+        }
+        if let Some(requested) = self.requested {
+            particles.columns[requested].values.extend(column);
+        }
+        match self.part {
+            Some((length, true)) => particles.columns[length].values.extend(column.iter().map(|x| x.abs())),
+            Some((length, false)) => {
+                let lengths = particles.columns[length].values.iter_mut();
+                lengths.zip(column).for_each(|(length, x)| *length = length.hypot(*x));
+            }
+            None => {}
+        }
+    }
+
     fn put(&self, number: f64, builder: &mut ParticleBuilder, particles: &mut Particles) {
         match self.role {
             Role::Position(axis) => builder.position[axis] = number,
             Role::Radius => particles.radii.push(number),
             Role::Diameter => particles.radii.push(number / 2.0),
             Role::Color(k) => builder.color.get_or_insert_default()[k] = number as f32,
-            Role::Number => {
-                let whole = number as u8;
-                particles.elements.push(if f64::from(whole) == number && element(whole).is_some() { whole } else { 0 });
-            }
+            Role::Number => particles.elements.push(number_of_element(number)),
             Role::Symbol | Role::Text | Role::Other => {}
         }
         if let Some(column) = self.requested {
@@ -445,6 +491,12 @@ impl Slot {
             None => {}
         }
     }
+}
+
+/// The atomic number of an element; 0 for a number that is none.
+fn number_of_element(number: f64) -> u8 {
+    let whole = number as u8;
+    if f64::from(whole) == number && element(whole).is_some() { whole } else { 0 }
 }
 
 fn offer_to_skip(error: Error) -> Error {

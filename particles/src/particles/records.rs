@@ -1,5 +1,5 @@
 //! Records in binary: rows of one length, whose numbers have places and types. The vertices of PLY, the points of PCD and the
-//! records of NumPy are decoded here, on all cores.
+//! records of NumPy are decoded here, on all cores: column by column, and row by row where a row is not valid.
 
 use super::frame::Particles;
 use super::layout::Layout;
@@ -10,7 +10,7 @@ use halfline_ground::parallel;
 
 /// The bytes of a block of records, and of the part of it that one core decodes.
 const BLOCK: usize = 1 << 20;
-const PART: usize = 1 << 16;
+const PART: usize = 1 << 15;
 
 /// The numbers of a record, in the order of the columns.
 #[derive(Default)]
@@ -57,7 +57,7 @@ impl Record {
     }
 
     /// Appends the particles of the records of a block. `add` takes the number of a record in the block and its numbers, and adds
-    /// a particle.
+    /// a particle; where `is_plain`, it is [`Layout::checked_numbers`] for records whose numbers are all valid.
     ///
     /// # Errors
     /// The first error of `add` in the order of the records, and those of [`Particles::grow`].
@@ -66,11 +66,16 @@ impl Record {
         block: &[u8],
         layout: &Layout,
         particles: &mut Particles,
+        is_plain: bool,
         add: impl Fn(usize, &mut Vec<f64>, &mut Particles) -> Result<()> + Sync,
     ) -> Result<()> {
         let size = self.size.max(1);
         let parts = parallel::blocks(0..block.len() / size, (PART / size).max(1), &|records, _| {
             let (mut part, mut numbers) = (layout.begin_part(), Vec::new());
+            let rows = &block[records.start * size..records.end * size];
+            if is_plain && layout.valid_columns(records.len(), &self.columns(rows), &mut part) {
+                return Ok(part);
+            }
             for n in records {
                 numbers.clear();
                 self.decode(&block[n * size..(n + 1) * size], &mut numbers);
@@ -79,6 +84,19 @@ impl Record {
             Ok(part)
         });
         parts.into_iter().try_for_each(|part: Result<Particles>| particles.append(part?))
+    }
+
+    /// The numbers of each column of some records, one column after the other.
+    fn columns(&self, records: &[u8]) -> Vec<f64> {
+        let mut numbers = Vec::with_capacity(records.len() / self.size.max(1) * self.numbers.len());
+        for RecordNumber { at, scalar, is_color } in &self.numbers {
+            let fields = records.chunks_exact(self.size).map(|record| &record[*at..]);
+            match is_color {
+                true => (0..3).for_each(|k| numbers.extend(fields.clone().map(|bytes| scalar.levels(bytes)[k]))),
+                false => scalar.extend(fields, &mut numbers),
+            }
+        }
+        numbers
     }
 
     fn decode(&self, record: &[u8], numbers: &mut Vec<f64>) {
@@ -168,5 +186,48 @@ mod tests {
             assert_eq!((found.positions.len(), found.columns[0].values.len()), (COUNT - 2, COUNT - 2), "{k}");
             assert_eq!(found.positions[150_000][0], 150_001.0);
         }
+    }
+
+    /// A bad record sends the others of its part row by row; without it they are decoded column by column.
+    #[test]
+    fn rows_and_columns_give_the_same_particles() {
+        let fields = "[('x', '<f4'), ('y', '>f8'), ('z', '<i4'), ('diameter', '<f8'), ('rgb', '<u4'), ('v', '<f4', (3,)), \
+            ('number', '|u1'), ('t', '>i2'), ('w', '<u2'), ('name', '|S3')]";
+        let row = |n: usize| {
+            let at = n as f64;
+            let z = if n == 90 { f32::NAN } else { n as f32 }.to_le_bytes();
+            let v = [at as f32, 2.0, -1.0].map(f32::to_le_bytes).concat();
+            let rest =
+                [vec![n as u8], (-(n as i16)).to_be_bytes().to_vec(), (n as u16).to_le_bytes().to_vec()].concat();
+            [&z[..], &at.sqrt().to_be_bytes(), &(-7 * n as i32).to_le_bytes(), &(1.0 + at).to_le_bytes()]
+                .into_iter()
+                .chain([&(0x10203 * n as u32).to_le_bytes()[..], &v, &rest, b"abc"])
+                .flatten()
+                .copied()
+                .collect::<Vec<u8>>()
+        };
+        let file = |count: usize| {
+            let header = format!("{{'descr': {fields}, 'fortran_order': False, 'shape': ({count},), }}\n");
+            let rows: Vec<u8> = (0..count).flat_map(row).collect();
+            [&b"\x93NUMPY\x01\x00"[..], &(header.len() as u16).to_le_bytes(), header.as_bytes(), &rows].concat()
+        };
+        let read = |count: usize| {
+            let request = Request { skip_invalid: true, ..Request::of(&["t", "w", "v", "v_y", "rgb", "number"]) };
+            let Ok(mut frames) = Format::NPY.frames(Source::of_bytes(&file(count)), request, false).expect("records")
+            else {
+                panic!("a scene")
+            };
+            frames.next().expect("records").expect("a frame")
+        };
+        let (columns, rows) = (read(90), read(91));
+        assert!(columns.skipped.assumed.is_empty() && rows.skipped.assumed.len() == 1, "{:?}", rows.skipped.assumed);
+        assert_eq!(columns.positions.len(), 90);
+        let all = |found: Particles| (found.positions, found.radii, found.colors, found.elements, found.columns);
+        let (columns, rows) = (all(columns), all(rows));
+        assert_eq!(columns, rows);
+        assert!(
+            columns.3[6] == 6 && columns.1[9] == 5.0 && columns.2.len() == 90 && columns.4.len() >= 4,
+            "{columns:?}"
+        );
     }
 }

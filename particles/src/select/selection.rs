@@ -13,6 +13,8 @@ use std::str::FromStr;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     text: String,
+    /// Its name for readers of a legend.
+    caption: Option<String>,
     pub(super) root: Node,
 }
 
@@ -45,6 +47,24 @@ impl Selection {
             }
         });
         columns
+    }
+
+    /// The same with a caption.
+    #[must_use]
+    pub fn captioned(self, caption: &str) -> Self {
+        Self { caption: Some(caption.to_owned()), ..self }
+    }
+
+    /// The name of the selection in a legend: its caption, else the expression.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        self.caption.as_ref().unwrap_or(&self.text)
+    }
+
+    /// The caption, if it has one.
+    #[must_use]
+    pub fn caption(&self) -> Option<&str> {
+        self.caption.as_deref()
     }
 
     /// The expression for messages: a long one is shortened.
@@ -108,6 +128,6 @@ impl FromStr for Selection {
     /// # Errors
     /// [`Error::Settings`] with the column of the first character that does not fit.
     fn from_str(text: &str) -> Result<Self> {
-        grammar::parse(text).map(|root| Self { text: text.trim().to_owned(), root })
+        grammar::parse(text).map(|root| Self { text: text.trim().to_owned(), caption: None, root })
     }
 }

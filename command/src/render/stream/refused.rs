@@ -40,7 +40,11 @@ pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>)
             "the spheres that --frame-share leaves out are known with all in memory",
             "use --eye and --at, or remove --frame-share",
         ),
-        (!insets.mark.is_empty(), "marks need the columns of all spheres in memory", "remove --mark, or --stream"),
+        (
+            insets.has_marks(),
+            "marks need the columns of all spheres in memory",
+            "remove --mark and --mark-one, or --stream",
+        ),
         (files.model().is_some(), "a model has all spheres", "use a picture, or remove --stream"),
         (
             !files.cryptomatte.is_empty(),

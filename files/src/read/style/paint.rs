@@ -57,7 +57,7 @@ pub(in crate::read) fn rows(paints: &[(Selection, Paint)]) -> impl Iterator<Item
         (0..paint.rows()).map(|row| {
             let number = row as u8;
             let label = match paint {
-                Paint::One(_) => selection.to_string(),
+                Paint::One(_) => selection.label().to_owned(),
                 // A chain may be called N.
                 Paint::Element => format!("element {}", element(number).map_or("unknown", |element| element.symbol)),
             };

@@ -112,7 +112,7 @@ impl Binary {
         while read < element.count {
             let most = record.per_block().min(element.count - read);
             let found = self.records(element, record.size(), most, &mut block)?;
-            record.append(&block, &columns.layout, particles, |n, numbers, particles| {
+            record.append(&block, &columns.layout, particles, columns.splat.is_none(), |n, numbers, particles| {
                 let vertex = read + n as u64;
                 let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {vertex} {field}")));
                 columns.add(numbers, particles, placed)

@@ -89,6 +89,25 @@ impl Scalar {
         self.kind != NumberKind::Float
     }
 
+    /// Appends the numbers that some fields begin with. The types of most files are constants of their loops.
+    pub(crate) fn extend<'a>(self, fields: impl Iterator<Item = &'a [u8]>, numbers: &mut Vec<f64>) {
+        fn of<'a, const N: usize>(
+            fields: impl Iterator<Item = &'a [u8]>,
+            numbers: &mut Vec<f64>,
+            number: impl Fn([u8; N]) -> f64,
+        ) {
+            numbers.extend(fields.map(|bytes| number(*bytes.first_chunk().unwrap_or(&[0; N]))));
+        }
+        match (self.kind, self.size, self.big) {
+            (NumberKind::Float, 4, false) => of(fields, numbers, |bytes| f64::from(f32::from_le_bytes(bytes))),
+            (NumberKind::Float, 8, false) => of(fields, numbers, f64::from_le_bytes),
+            (NumberKind::Unsigned, 1, _) => of(fields, numbers, |[byte]: [u8; 1]| f64::from(byte)),
+            (NumberKind::Unsigned, 2, false) => of(fields, numbers, |bytes| f64::from(u16::from_le_bytes(bytes))),
+            (NumberKind::Signed, 4, false) => of(fields, numbers, |bytes| f64::from(i32::from_le_bytes(bytes))),
+            _ => numbers.extend(fields.map(|bytes| self.number(bytes))),
+        }
+    }
+
     /// Decodes [`Scalar::size`] bytes; whole numbers above 2^53 are rounded.
     pub fn number(self, bytes: &[u8]) -> f64 {
         let mut little = [0; 8];
