@@ -42,6 +42,8 @@ const TRAJECTORY: &str = "convert it to GRO, PDB or XYZ, for example with `gmx t
 const TOPOLOGY: &str = "use the file with the coordinates; MDAnalysis writes PDB from both";
 const STRUCTURE: &str = "convert it to PDB, mmCIF or XYZ, for example with Open Babel or MDAnalysis";
 const ARRAYS: &str = "save the positions with numpy.save or numpy.savez";
+const HDF5: &str = "save the positions as NPY, those of H5MD with `python -c \"import h5py, numpy; numpy.save('out.npy', \
+    h5py.File('in.h5md')['particles/all/position/value'])\"`";
 const MESH: &str = "save its vertices as PLY, for example with MeshLab or trimesh";
 const TABLE: &str = "save its columns as CSV or NPY, for example with pandas";
 
@@ -146,13 +148,7 @@ const ALL: &[Foreign] = &[
         Sign::Test(|bytes, _| bytes.get(8..15) == Some(b"VERSION") || bytes.get(4..11) == Some(b"VERSION")),
     ),
     row("a GROMACS TNG trajectory", TRAJECTORY, &["tng"], Sign::Name),
-    row(
-        "a NetCDF file",
-        TRAJECTORY,
-        &["nc", "ncdf", "ncrst"],
-        Sign::Test(|bytes, _| matches!(bytes, [b'C', b'D', b'F', 1 | 2 | 5, ..])),
-    ),
-    row("an HDF5 file", ARRAYS, &["h5", "hdf5", "h5md"], Sign::Start(&[b"\x89HDF\r\n\x1a\n"])),
+    row("an HDF5 file", HDF5, &["h5", "hdf5", "h5md"], Sign::Start(&[b"\x89HDF\r\n\x1a\n"])),
     row(
         "an SQLite file, as Desmond writes structures (DMS)",
         STRUCTURE,
@@ -291,8 +287,8 @@ mod tests {
             let found = of(text).unwrap_or("nothing");
             assert!(found.starts_with(what), "{text:?} is {found}");
         }
-        assert!(of_content(b"CDF\x01", &[]).is_some_and(|foreign| foreign.what.contains("NetCDF")));
-        assert!(of_name(Path::new("a/b.NCDF")).is_some() && of_name(Path::new("b.pdb")).is_none());
+        assert!(of_content(b"\x89HDF\r\n\x1a\n", &[]).is_some_and(|foreign| foreign.what.contains("HDF5")));
+        assert!(of_name(Path::new("a/b.H5MD")).is_some() && of_name(Path::new("b.pdb")).is_none());
     }
 
     #[test]

@@ -59,6 +59,7 @@ formats! {
     XTC trajectory,
     TRR trajectory,
     DCD trajectory,
+    NC trajectory,
     PCD pcd,
     LAS las,
     PTS table,

@@ -42,7 +42,8 @@ class ReadOptions(TypedDict, total=False):
 
     format: str | None
     """File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, gro,
-    ptx, poscar, cif, data, dump, ply, csv, npy, npz, xtc, trr, dcd, pcd, las, pts, gsd, vtk, e57.
+    ptx, poscar, cif, data, dump, ply, csv, npy, npz, xtc, trr, dcd, nc, pcd, las, pts, gsd, vtk,
+    e57.
     """
     columns: str | Mapping[str, str | int] | None
     """Columns of a table by meaning, with names or numbers from 1, such as
@@ -114,12 +115,12 @@ class ReadOptions(TypedDict, total=False):
     """Draws the edges of the file's periodic cell with beads, of this radius if given."""
     color: Color | Mapping[str, Color] | None
     """Colour of all spheres, or with EXPR=C of selected ones: a CSS name such as red, #rgb or
-    #rrggbb in sRGB, r,g,b in linear RGB, or element for the colours of the elements. Repeated,
-    later ones win.
+    #rrggbb in sRGB, r,g,b in linear RGB, or element for the colours of the elements; a caption is
+    the name of EXPR in the legend. Repeated, later ones win.
     """
     opacity: float | Mapping[str, float] | None
     """Opacity in pictures of all spheres, or with EXPR=A of selected ones: above 0, and at most
-    1. Repeated, later ones win.
+    1; a caption is the name of EXPR in the legend. Repeated, later ones win.
     """
     material: str | Mapping[str, str] | None
     """Material in pictures of all spheres, or with EXPR=M of selected ones: matte, plastic (with
@@ -145,6 +146,8 @@ class ReadOptions(TypedDict, total=False):
     """Uses a logarithmic colour scale."""
     nan_color: Color | None
     """Colour of particles that color_by has no number for, as of background [default: grey]."""
+    legend_title: str | None
+    """Title of the legend, such as 'speed / km/s', in place of the name of what is coloured."""
 
 
 class Options(TypedDict, total=False):
@@ -249,8 +252,12 @@ class Options(TypedDict, total=False):
     without residues. {COLUMN} in the text is replaced by the value of a column. A text has no
     equals sign; the option may be repeated.
     """
+    mark_one: Mapping[str, str]
+    """Writes a text once, at what an expression selects as a whole, such as 'chain A=Gα'.
+    Otherwise as mark.
+    """
     mark_all: bool
-    """Writes the texts of mark also at what is hidden."""
+    """Writes the texts of mark and mark_one also at what is hidden."""
     accuracy: Literal["auto", "fast", "certified", "exact"]
     """Accuracy of the answers: auto, fast, certified, exact [default: auto]."""
     method: str | None

@@ -4,6 +4,7 @@
 mod dcd;
 mod ints;
 mod moment;
+mod netcdf;
 mod trr;
 mod xdr;
 mod xtc;
@@ -58,6 +59,20 @@ pub(crate) const DCD: FormatRow = row(
         Ok(Box::new(Trajectory::new(moments, has_topology, requested(&request))))
     },
 );
+
+pub(crate) const NC: FormatRow = FormatRow {
+    endings: &["ncdf", "ncrst", "netcdf"],
+    ..row(
+        "nc",
+        "trajectory or restart file of AMBER, in NetCDF",
+        &[Sign::Bytes(|bytes| matches!(bytes, [b'C', b'D', b'F', 1 | 2 | 5, ..]))],
+        |source, request, has_topology| {
+            let requested = requested(&request);
+            let moments = Box::new(netcdf::NetCdf::new(BinaryFile::new(source), !requested.is_empty()));
+            Ok(Box::new(Trajectory::new(moments, has_topology, requested)))
+        },
+    )
+};
 
 /// The requested velocities.
 fn requested(request: &Request) -> Vec<usize> {

@@ -63,6 +63,11 @@ impl Scalar {
         sizes.contains(&size).then_some(Self { kind, size, big })
     }
 
+    /// Numbers of this kind, of 1, 2, 4 or 8 bytes.
+    pub const fn of(kind: NumberKind, size: usize, big: bool) -> Self {
+        Self { kind, size, big }
+    }
+
     /// Floats of 4 or 8 bytes.
     pub const fn float(size: usize, big: bool) -> Self {
         Self { kind: NumberKind::Float, size, big }
@@ -82,6 +87,11 @@ impl Scalar {
     pub fn levels(self, bytes: &[u8]) -> [f64; 3] {
         let bytes = bytes.first_chunk().copied().unwrap_or_default();
         levels(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    /// Whether it is a type of floats.
+    pub fn is_float(self) -> bool {
+        self.kind == NumberKind::Float
     }
 
     /// Whether it is an integer type.

@@ -33,6 +33,17 @@ struct Texts {
     indices: Whole,
 }
 
+impl Texts {
+    /// Moves past the next text, which is empty where there is none.
+    fn next(&mut self) -> Found<&[u8]> {
+        let index = self.indices.next().ok_or(FEW)?;
+        // A text that is missing has the index -1.
+        let Ok(index) = usize::try_from(index) else { return Ok(b"") };
+        let range = self.offsets.get(index..index.saturating_add(2)).ok_or("there is no text of its index")?;
+        Ok(self.bytes.get(range[0]..range[1]).ok_or("its text is not in stringData")?)
+    }
+}
+
 /// The problem of a column that ends.
 const FEW: &str = "there is no value";
 
@@ -69,11 +80,15 @@ impl Column {
         Ok(Some(number).filter(|number| number.is_finite()))
     }
 
-    /// Moves past the next value.
+    /// Moves past the next value. It is refused where [`Column::next`] refuses it, so that a file is damaged or not whatever is read of it.
     pub(super) fn pass(&mut self) -> Found<()> {
         let is_there = match &mut self.values {
-            Values::Whole(numbers) | Values::Texts(Texts { indices: numbers, .. }) => numbers.next().is_some(),
+            Values::Whole(numbers) => numbers.next().is_some(),
             Values::Real(numbers) => numbers.next().is_some(),
+            Values::Texts(texts) => {
+                texts.next()?;
+                true
+            }
         };
         if !is_there {
             return Err(FEW.to_owned());
@@ -92,14 +107,7 @@ impl Column {
         match &mut self.values {
             Values::Whole(numbers) => drop(write!(word, "{}", numbers.next().ok_or(FEW)?)),
             Values::Real(numbers) => drop(write!(word, "{}", numbers.next().ok_or(FEW)?)),
-            Values::Texts(Texts { bytes, offsets, indices }) => {
-                let index = indices.next().ok_or(FEW)?;
-                // A text that is missing has the index -1.
-                if let Ok(index) = usize::try_from(index) {
-                    let range = offsets.get(index..index.saturating_add(2)).ok_or("there is no text of its index")?;
-                    word.extend(bytes.get(range[0]..range[1]).ok_or("its text is not in stringData")?);
-                }
-            }
+            Values::Texts(texts) => word.extend(texts.next()?),
         }
         if self.is_missing()? {
             word.clear();
