@@ -94,9 +94,9 @@ impl NetCdf {
         check_ids(atoms)?;
         let mut parts = Vec::new();
         for (part, name) in PARTS {
-            let is_wanted = part != Part::Velocities || self.with_velocities;
+            let is_read = part != Part::Velocities || self.with_velocities;
             let found = header.variables.iter().find(|variable| variable.name == name);
-            let Some(variable) = found.filter(|found| is_wanted && found.is_record == of_records) else { continue };
+            let Some(variable) = found.filter(|found| is_read && found.is_record == of_records) else { continue };
             let count = match part {
                 Part::Positions | Part::Velocities => 3 * atoms,
                 Part::Time => 1,

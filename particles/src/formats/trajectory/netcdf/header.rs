@@ -4,7 +4,7 @@ use crate::npy::header::{NumberKind, Scalar};
 use crate::particles::bytes::{BinaryFile, DAMAGED};
 use halfline_ground::error::Result;
 
-/// What the file says of its variables.
+/// The variables of a file.
 pub(super) struct Header {
     pub(super) frames: Frames,
     pub(super) variables: Vec<Variable>,
