@@ -136,10 +136,9 @@ impl FileArgs {
     }
 
     /// Returns an error for options that make no film, and for --fps without one.
-    /// `frames` counts those of the file.
-    pub(super) fn check_film(&self, is_many: bool, resume: bool, frames: impl FnOnce() -> Option<u64>) -> Result<()> {
+    pub(super) fn check_film(&self, is_many: bool, resume: bool) -> Result<()> {
         if let Some(film) = self.film() {
-            return film.check(is_many, self.transparent, resume, frames);
+            return film.check(is_many, self.transparent, resume);
         }
         if self.fps.is_none() {
             return Ok(());

@@ -94,32 +94,15 @@ impl<'a> Film<'a> {
     }
 
     /// Returns an error for options that make no film, and where ffmpeg is missing.
-    /// `frames` counts those of the file.
-    pub(super) fn check(
-        &self,
-        is_many: bool,
-        is_transparent: bool,
-        resume: bool,
-        frames: impl FnOnce() -> Option<u64>,
-    ) -> Result<()> {
+    pub(super) fn check(&self, is_many: bool, is_transparent: bool, resume: bool) -> Result<()> {
         let name = self.path.display();
         let refuse = |problem: String, mend: &str| Err(Error::settings(problem, mend));
         if check_pattern(self.path).is_ok() {
             return refuse(format!("{name} is one film, not a file for each picture"), "use a name without %d");
         }
         if !is_many {
-            let problem = format!("{name} is a film, but there is one picture");
-            return match frames().filter(|frames| *frames > 1) {
-                Some(frames) => refuse(
-                    format!("{problem}, of the {frames} frames of the file"),
-                    &format!(
-                        "use --frames 1-{frames} for a film of them, --spin N or --cameras FILE, or .png for a picture"
-                    ),
-                ),
-                None => {
-                    refuse(problem, "use .png for a picture, or --frames A-B, --spin N or --cameras FILE for a film")
-                }
-            };
+            let mend = "use .png for a picture, or --frames A-B, --spin N or --cameras FILE for a film";
+            return refuse(format!("{name} is a film, but there is one picture"), mend);
         }
         if resume {
             let stem = self.path.with_extension("%04d.png");

@@ -129,7 +129,7 @@ pub fn command(given: impl Iterator<Item = OsString>) -> u8 {
     if standard::output_is_closed() {
         refuse_standard_output();
     }
-    arguments().and_then(|arguments| run(&arguments)).unwrap_or_else(|error| fail(&error)).0
+    arguments().and_then(run).unwrap_or_else(|error| fail(&error)).0
 }
 
 /// The parsed arguments: flags, else environment variables, else the configuration file, else the defaults.
@@ -168,7 +168,7 @@ fn end(error: &clap::Error) -> ! {
 }
 
 /// Runs the chosen subcommand.
-fn run(arguments: &Arguments) -> Result<ExitCode> {
+fn run(arguments: Arguments) -> Result<ExitCode> {
     // RUST_LOG: a level, or TARGET=LEVEL between commas. Without it, or where it cannot be read, nothing is logged.
     let levels = std::env::var("RUST_LOG").ok().and_then(|text| text.parse::<Targets>().ok()).unwrap_or_default();
     let colored = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
@@ -178,7 +178,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     signals::listen();
     #[cfg(not(target_arch = "wasm32"))]
     workers::start();
-    match &arguments.command {
+    match arguments.command {
         Command::Render(render) => render.run(),
         Command::Info(info) => info.run(),
         Command::Adapters(adapters) => adapters.run(),

@@ -173,8 +173,9 @@ impl Rendering<'_> {
 }
 
 impl Render {
-    pub(crate) fn run(&self) -> Result<ExitCode> {
+    pub(crate) fn run(mut self) -> Result<ExitCode> {
         self.quiet.apply();
+        self.take_all_frames()?;
         let targets = self.check()?;
         let mut settings = self.args.settings(&targets);
         if self.preview.is_some() && !settings.aovs.contains(&Aov::Color) {
@@ -206,7 +207,7 @@ impl Render {
             messages: &messages,
         };
         let cameras = WrittenCameras::default();
-        let (render, cancel) = (self, &cancel);
+        let (render, cancel) = (&self, &cancel);
         let mut all = Rendering { render, cancel, writer, concurrency, renderers, frames, first, cameras };
         match self.args.files.film() {
             Some(film) => film.write(|writer| all.run(Some(writer)))?,
@@ -218,6 +219,25 @@ impl Render {
             cameras.write(list.parent().unwrap_or(Path::new("")))?;
         }
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// Makes a film that no option gives its pictures one of all frames of the file, if it has several.
+    ///
+    /// # Errors
+    /// Errors of `--frames`.
+    fn take_all_frames(&mut self) -> Result<()> {
+        let Some(film) = self.args.files.film().filter(|_| !self.args.is_many() && self.args.read.frames.is_none())
+        else {
+            return Ok(());
+        };
+        if let Some(frames) = self.args.frames_of_file().filter(|frames| *frames > 1) {
+            note(format_args!(
+                "{} shows all {frames} frames of the file; --frames A-B takes some",
+                film.path.display()
+            ));
+            self.args.read.frames = Some(format!("1-{frames}").parse()?);
+        }
+        Ok(())
     }
 
     /// Limits of the pictures in memory besides the first, by its spheres and pixels. Pictures that are shown, piped or timed
@@ -301,7 +321,7 @@ impl Render {
         if !self.args.visible.is_empty() {
             visible::check(&self.args)?;
         }
-        self.args.files.check_film(self.args.is_many(), self.resume, || self.args.frames_of_file())?;
+        self.args.files.check_film(self.args.is_many(), self.resume)?;
         let targets = self.args.files.targets(1)?;
         if let (Some(film), None, false) = (self.args.files.film(), self.args.image.size, self.args.image.is_part()) {
             let frames = self.args.read.frames.as_ref();

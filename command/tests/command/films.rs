@@ -192,6 +192,20 @@ fn what_is_no_film_is_refused_with_its_mend() {
     assert!(!dir.files().keys().any(|name| name.starts_with("a.")), "no file is written");
 }
 
+/// A film of a file of several frames needs no option for them.
+#[test]
+fn a_film_shows_all_frames_of_its_file() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let dir = dir();
+    dir.put("three.xyz", "1\na\nC 0 0 0\n1\nb\nC 1 0 0\n1\nc\nC 2 0 0\n");
+    let all = dir.render("three.xyz --size 32x20 -o all.mp4");
+    assert!(all.err.contains("all.mp4 shows all 3 frames of the file"), "{}", all.err);
+    dir.render("three.xyz --size 32x20 --frames 1-3 -o named.mp4");
+    assert_eq!(dir.get("all.mp4"), dir.get("named.mp4"));
+}
+
 /// docs/film.md: the pictures of a film have one size, which is known before any is rendered where the list says it.
 #[test]
 fn films_have_pictures_of_one_size() {

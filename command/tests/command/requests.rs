@@ -464,15 +464,6 @@ fn frames_that_the_file_does_not_have_are_reported() {
 }
 
 #[test]
-fn a_film_of_one_picture_says_how_many_the_file_has() {
-    let dir = dir();
-    for frames in ["", "--frames 2"] {
-        dir.refused_render(2, &format!("run.dump {frames} -o a.mp4"), &["2 frames", "--frames 1-2"]);
-    }
-    dir.refused_render(2, "t.csv -o a.gif", &["one picture", "--frames A-B"]);
-}
-
-#[test]
 fn the_legend_of_selections_is_headed_by_what_it_has() {
     let dir = dir();
     let title = |options: &str| {

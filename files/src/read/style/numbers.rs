@@ -5,13 +5,16 @@ use super::scale::{Colored, Scale};
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::parallel;
-use halfline::quote::setting::{COLOR_BY, LOG, MAP};
-use halfline::quote::{list, quote};
+use halfline::quote::setting::{COLOR_BY, HOLD, LOG, MAP, RANGE};
+use halfline::quote::{list, number, quote};
 use halfline_particles::Skipped;
 use halfline_particles::nearest::did_you_mean;
 use halfline_particles::particles::frame::{Column, Particles, RuleTarget};
 use halfline_particles::particles::vectors;
 use std::borrow::Cow;
+
+/// Values beyond the ends of the colours are reported where they are more than this part of all.
+const MANY: usize = 4;
 
 impl Scale {
     /// The colours, and the legend unless there are no values and no range.
@@ -77,6 +80,18 @@ impl Scale {
             };
             skipped.assumed.push(format!("{lost} of {n} values of {name} {why}, so these particles {color}"));
         }
+        if let Some([low, high]) = self.known_range() {
+            let beyond = parallel::count(values.len(), |n| values[n] < low || values[n] > high);
+            if beyond > n / MANY {
+                let percent = 100 * beyond / n;
+                skipped.assumed.push(format!(
+                    "{percent} % of the values of {name} lie beyond {} to {}, the ends of the colours; {RANGE} LOW,HIGH sets \
+                     others, and {HOLD} all takes those of all frames",
+                    number(low, 4),
+                    number(high, 4),
+                ));
+            }
+        }
         let paint = particles.rule_numbers(RuleTarget::Color);
         let shown = values.iter().enumerate().filter(|(n, x)| x.is_nan() && !is_painted(paint, *n));
         let shown = if without > 0 { shown.count() } else { 0 };
@@ -139,6 +154,13 @@ mod tests {
         );
         assert!(colors[1].iter().zip(middle).all(|(a, b)| (a - b).abs() < 0.02), "the logarithm's middle");
         assert_eq!(apply(scale(Some([0.0, 20.0]), false), &p).expect("colours").0[1], middle);
+        let beyond = |range| apply(scale(Some(range), false), &p).expect("colours").2.concat();
+        assert!(
+            beyond([0.0, 1.5]).starts_with("66 % of the values of V lie beyond 0 to 1.5"),
+            "{}",
+            beyond([0.0, 1.5])
+        );
+        assert_eq!(beyond([0.0, 100.0]), "");
         // Coordinates need no column.
         p.positions[2] = [7.0, 0.0, 5.0];
         let height = Scale { columns: vec!["z".into()], ..scale(None, false) };
