@@ -5,11 +5,14 @@ use super::names::{check_pattern, numbered};
 use super::picture_scene::PictureScene;
 use super::scene_args::SceneArgs;
 use halfline::error::{Error, Result};
-use halfline::frame::legend::Legend;
-use halfline::quote::setting::{LEGEND, LEGEND_IN};
+use halfline::frame::legend::{Category, Legend};
+use halfline::frame::srgb;
+use halfline::quote::list;
+use halfline::quote::setting::{HIDE, LEGEND, LEGEND_IN, OPACITY, VIEW};
 use halfline_files::read::Hold;
 use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 /// Checks the name of the legend's file before any work.
@@ -44,6 +47,38 @@ pub(super) fn check_content(args: &SceneArgs, column: Option<&str>, picture: &mu
     }
     picture.skipped.assumed.push(Legend::lacking(option, column, picture.scene.spheres.is_empty())?);
     Ok(())
+}
+
+/// The share of the pixels of spheres, one in so many, below which a category is hardly seen.
+const FEW: u64 = 1000;
+
+/// A warning about what the legend names and hardly any pixel of a whole picture shows, by the ids of its pixels. Categories that share
+/// a colour are not told apart.
+pub(super) fn hidden(args: &SceneArgs, picture: &PictureScene, ids: &[i32]) -> Option<String> {
+    let is_drawn = args.insets.legend_in.is_some() || args.color.legend.is_some();
+    let legend = picture.legend.as_ref().filter(|_| is_drawn && picture.ids.is_none() && !args.image.is_part())?;
+    let colors = picture.scene.spheres.colors.as_ref().filter(|_| !legend.is_scale())?;
+    let mut pixels = vec![0_u64; colors.len()];
+    ids.iter().filter_map(|id| usize::try_from(*id).ok()).for_each(|id| pixels[id] += 1);
+    let all: u64 = pixels.iter().sum();
+    let mut of_colors: HashMap<[u32; 3], u64> = HashMap::new();
+    let bits = colors.iter().map(|color| color.map(f32::to_bits));
+    bits.zip(&pixels).for_each(|(color, pixels)| *of_colors.entry(color).or_default() += pixels);
+    let mut shown: HashMap<[u8; 3], u64> = HashMap::new();
+    let levels = of_colors.into_iter().map(|(color, pixels)| (color.map(f32::from_bits).map(srgb::level), pixels));
+    levels.for_each(|(color, pixels)| *shown.entry(color).or_default() += pixels);
+    let is_alone = |row: &&Category| legend.swatches().filter(|other| other.color == row.color).count() == 1;
+    // Rows of opacities have no colour of a sphere.
+    let pixels_of = |row: &Category| shown.get(&row.color).filter(|pixels| **pixels * FEW < all);
+    let few = |row: &Category| Some(format!("{}: {}", row.label, pixels_of(row)?));
+    let hidden: Vec<String> = legend.swatches().filter(is_alone).filter_map(few).collect();
+    (!hidden.is_empty()).then(|| {
+        format!(
+            "the legend names what hardly any of the {all} pixels of spheres show ({}); another {VIEW}, or {HIDE} or {OPACITY} for \
+             what is in front, shows more",
+            list(hidden)
+        )
+    })
 }
 
 /// The legend's file for picture `number`, if one is requested and can be written.

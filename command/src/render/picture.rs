@@ -260,6 +260,7 @@ pub(crate) fn complete(
         frame.report.warnings.extend(panels.warning());
     }
     let of_legend = legend::warning(args, numbered.legend.as_ref());
+    frame.report.warnings.extend(legend::hidden(args, numbered, frame.ids()));
     frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
     Ok(())
 }

@@ -108,6 +108,21 @@ fn a_legend_has_the_words_of_its_reader() {
     }
 }
 
+/// A legend that names what next to no pixel shows says so.
+#[test]
+fn what_a_legend_names_and_no_pixel_shows_is_told() {
+    let dir = dir();
+    dir.put("behind.xyz", "3\n\nC 0 0 0\nO 0 0 -1\nN 5 0 0\n");
+    for (camera, is_hidden) in [("--eye 0,0,30 --at 0,0,0", true), ("--eye 0,0,-30 --at 0,0,0", false)] {
+        for legend in ["--legend-in", "--legend l.svg"] {
+            let err = dir.render(&format!("behind.xyz {camera} --ortho 12 --size 220x150 {legend} -o a.png")).err;
+            assert_eq!(err.contains("pixels of spheres show (O: 0)"), is_hidden, "{err}");
+        }
+    }
+    let err = dir.render("behind.xyz --eye 0,0,30 --at 0,0,0 --ortho 12 --size 220x150 -o a.png").err;
+    assert!(!err.contains("legend"), "{err}");
+}
+
 #[test]
 fn a_legend_has_the_colours_of_the_spheres() {
     let dir = dir();
