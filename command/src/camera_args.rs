@@ -2,7 +2,7 @@
 
 use super::camera_list::CameraListArgs;
 use super::lens_args::LensArgs;
-use super::values::{at_least_one, numbers, positive, vector};
+use super::values::{at_least_one, numbers, positive, share, vector};
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Camera, Intrinsics, Lens, Look};
@@ -53,16 +53,6 @@ pub(super) struct CameraArgs {
     /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub(super) spin: Option<NonZeroU32>,
-}
-
-/// A share above 0 and at most 1, or in percent.
-fn share(text: &str) -> Result<f64, String> {
-    let number = match text.strip_suffix('%') {
-        Some(percent) => percent.trim().parse().map(|percent: f64| percent / 100.0),
-        None => text.parse(),
-    };
-    let expected = "expected a share above 0 and at most 1, or a percentage, such as 99%";
-    number.ok().filter(|share| *share > 0.0 && *share <= 1.0).ok_or_else(|| expected.into())
 }
 
 /// The pose of a camera or of a scanner.

@@ -6,6 +6,7 @@ use super::clash::check_inputs;
 use super::messages::{QuietArgs, is_quiet};
 use super::process::ExitCode;
 use super::standard::print;
+use super::values::share;
 use halfline::error::{Error, Result};
 use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::file::{is_standard, is_standard_output};
@@ -25,6 +26,7 @@ use std::path::PathBuf;
 ///   halfline compare expected.png actual.png -o difference.png
 ///   halfline compare expected.npy actual.npy --tolerance 1e-6 --json
 ///   halfline compare expected.exr actual.exr --aov depth,normal
+///   halfline compare expected.png actual.png --tolerance 2 --share 0.1%
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(crate) struct Compare {
@@ -35,6 +37,9 @@ pub(crate) struct Compare {
     /// The largest allowed difference, in the files' units (PNG: levels).
     #[arg(long, value_name = "X", default_value = "0", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
+    /// The share of the pixels of a buffer that may differ by more, such as 0.1%.
+    #[arg(long, value_name = "P%", value_parser = share)]
+    share: Option<f64>,
     /// The buffers to compare, such as depth,normal [default: all].
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     aov: Vec<String>,
@@ -73,7 +78,7 @@ impl Compare {
         self.output.as_deref().map_or(Ok(()), picture::check)?;
         let (a, b) = (FrameFile::read(&self.a)?, FrameFile::read(&self.b)?);
         let pairs = MatchedBuffers::of(&a, &b, &self.aov)?;
-        let found = FrameComparison::of(&a, &b, pairs, self.tolerance);
+        let found = FrameComparison::of(&a, &b, pairs, (self.tolerance, self.share.unwrap_or(0.0)));
         if let Some(path) = &self.output {
             found.draw(path)?;
         }

@@ -35,7 +35,7 @@ pub(super) struct InsetArgs {
     /// text is replaced by the value of a column. A text has no equals sign; the option may be repeated.
     #[arg(long, value_name = "EXPR=TEXT")]
     mark: Vec<MarkRule>,
-    /// Writes a text once, at what an expression selects as a whole, such as 'chain A=Gα'. Otherwise as --mark.
+    /// Writes a text once, at what an expression selects as a whole, such as 'chain A=receptor'. Otherwise as --mark.
     #[arg(long, value_name = "EXPR=TEXT")]
     mark_one: Vec<MarkRule>,
     /// Writes the texts of --mark and --mark-one also at what is hidden.

@@ -4,7 +4,7 @@ use super::clash::{place, written_twice};
 use super::names::{check_pattern, numbered};
 use super::picture_scene::PictureScene;
 use super::scene_args::SceneArgs;
-use halfline::error::{Error, Result};
+use halfline::error::Result;
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb;
 use halfline::quote::list;
@@ -17,11 +17,6 @@ use std::path::PathBuf;
 
 /// Checks the name of the legend's file before any work.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
-    let has_title = args.color.legend_title.is_some();
-    if has_title && args.color.legend.is_none() && args.insets.legend_in.is_none() {
-        let mend = "add --legend-in, or --legend FILE, or remove it";
-        return Err(Error::settings("--legend-title: no legend is drawn", mend));
-    }
     let Some(path) = &args.color.legend else { return Ok(()) };
     figure::check(path)?;
     if args.files.names()?.iter().any(|other| place(other) == place(path)) {

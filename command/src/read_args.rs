@@ -157,9 +157,9 @@ pub(super) struct ColorArgs {
     /// without --range.
     #[arg(long, value_name = "FILE")]
     pub(super) legend: Option<PathBuf>,
-    /// Title of the legend, such as 'speed / km/s', in place of the name of what is coloured.
+    /// Title of the legend, where one is drawn, such as 'speed / km/s', in place of the name of what is coloured.
     #[arg(long, value_name = "TEXT", value_parser = NonEmptyStringValueParser::new())]
-    pub(super) legend_title: Option<String>,
+    legend_title: Option<String>,
 }
 
 impl ReadArgs {

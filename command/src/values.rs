@@ -54,3 +54,13 @@ pub(super) fn whole(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, 
 pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
     style::color(text).map_err(|e| e.to_string())
 }
+
+/// A share above 0 and at most 1, or in percent.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let number = match text.strip_suffix('%') {
+        Some(percent) => percent.trim().parse().map(|percent: f64| percent / 100.0),
+        None => text.parse(),
+    };
+    let expected = "expected a share above 0 and at most 1, or a percentage, such as 99%";
+    number.ok().filter(|share| *share > 0.0 && *share <= 1.0).ok_or_else(|| expected.into())
+}

@@ -17,6 +17,8 @@ pub struct Difference {
     pub differing: usize,
     /// Pixels in which any component differs by more than the tolerance.
     pub beyond: usize,
+    /// The share of the pixels that may, from 0 to 1.
+    pub share: f64,
     /// The largest difference of two values.
     pub max: f64,
     /// The mean difference over all values; infinite if one is.
@@ -41,18 +43,18 @@ pub struct At {
 }
 
 impl Difference {
-    /// Whether the arrays are equal within the tolerance.
+    /// Whether the arrays are equal within the tolerance, but for the share of pixels that need not be.
     pub fn is_within(&self) -> bool {
-        self.unlike.is_none() && self.beyond == 0
+        self.unlike.is_none() && self.beyond as f64 <= self.share * self.pixels as f64
     }
 }
 
-/// Compares value by value; `tolerance` is the largest allowed difference, 0 or more.
+/// Compares value by value; `tolerance` is the largest allowed difference, 0 or more, which this share of the pixels may exceed.
 ///
 /// Numbers of different types are compared as numbers: integers exactly, others in f64. NaN equals NaN, and an infinity
 /// equals itself; against anything else they differ infinitely, beyond any tolerance. Arrays of different shapes, and
 /// pictures of 8 and of 16 bits, are [unlike](Difference::unlike).
-pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Difference {
+pub fn compare(a: &Array, b: &Array, tolerance: f64, share: f64) -> Difference {
     let [rows, columns, channels] = a.layout();
     let mut found = Difference {
         tolerance,
@@ -60,6 +62,7 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Difference {
         pixels: rows * columns,
         differing: 0,
         beyond: 0,
+        share,
         max: 0.0,
         mean: 0.0,
         at: None,

@@ -147,7 +147,9 @@ class ReadOptions(TypedDict, total=False):
     nan_color: Color | None
     """Colour of particles that color_by has no number for, as of background [default: grey]."""
     legend_title: str | None
-    """Title of the legend, such as 'speed / km/s', in place of the name of what is coloured."""
+    """Title of the legend, where one is drawn, such as 'speed / km/s', in place of the name of
+    what is coloured.
+    """
 
 
 class Options(TypedDict, total=False):
@@ -253,7 +255,7 @@ class Options(TypedDict, total=False):
     equals sign; the option may be repeated.
     """
     mark_one: Mapping[str, str]
-    """Writes a text once, at what an expression selects as a whole, such as 'chain A=Gα'.
+    """Writes a text once, at what an expression selects as a whole, such as 'chain A=receptor'.
     Otherwise as mark.
     """
     mark_all: bool

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -45,8 +46,9 @@ class Scene:
     Args:
         centers: Centres, shape (n, 3), in any unit of length; finite.
         radii: Radii in the same unit, shape (n,), or one number for all; positive and finite.
-        colors: Linear RGB, shape (n, 3), 0 or more; or one colour for all: three numbers, a CSS
-            name such as ``"red"``, or ``"#rrggbb"``. The default is a light grey.
+        colors: Linear RGB, shape (n, 3), 0 or more; levels of sRGB from 0 to 255, an array of
+            uint8 of shape (n, 3), or (n, 4) with alpha as opacity; CSS names such as ``"red"``
+            or ``"#rrggbb"``, one for each; or one colour for all. The default is a light grey.
         opacities: Opacities in pictures, shape (n,), or one for all: above 0, and at most 1, the
             default. No other buffer depends on them.
         background: Colour of rays that hit nothing: linear RGB, a CSS name, or ``"#rrggbb"``.
@@ -83,6 +85,11 @@ class Scene:
         sizes = _per_sphere("radii", radii, count, np.float64)
         rows = None if colors is None else _rows(colors, count)
         shares = None
+        alpha = _alpha(colors)
+        if alpha is not None:
+            if opacities is not None:
+                raise ValueError("colors has alpha, and opacities is given; give one of them")
+            opacities = alpha
         if opacities is not None:
             shares = _per_sphere("opacities", opacities, count, np.float32)
         for name, others in (("radii", sizes), ("colors", rows), ("opacities", shares)):
@@ -156,7 +163,7 @@ class Scene:
         """The same spheres in other colours; centres, radii and columns are shared, not copied.
 
         Args:
-            colors: Linear RGB, shape (n, 3); one colour for all; or ``{expression: colour}`` for
+            colors: A colour for each sphere, or one for all, as those of `Scene`; or ``{expression: colour}`` for
                 the spheres that an expression selects, as in `read`: the last one wins, the others
                 keep their colours, and the legend has a row for each. The colour ``"element"`` is
                 that of each sphere's element.
@@ -171,6 +178,10 @@ class Scene:
         """
         if not isinstance(colors, Mapping):
             count = len(self)
+            if _alpha(colors) is not None:
+                raise ValueError(
+                    "colors has alpha, which is an opacity; give three levels, or a new Scene"
+                )
             rows = _rows(colors, count)
             if len(rows) != count:
                 raise ValueError(
@@ -352,9 +363,46 @@ def _per_sphere(name: str, values: ArrayLike, count: int, dtype: type) -> NDArra
 
 def _rows(colors: Color, count: int) -> NDArray[np.float32]:
     """A colour for each sphere."""
-    if isinstance(colors, str) or np.shape(colors) == (3,):
+    if isinstance(colors, str):
         return np.tile(np.array(checked_color("colors", colors), np.float32), (count, 1))
+    given = _given(colors)
+    if given.dtype.kind in "UO" and given.ndim == 1 and all(isinstance(x, str) for x in given):
+        names, places = np.unique(given.astype(str), return_inverse=True)
+        return np.array([checked_color("colors", str(name)) for name in names], np.float32)[places]
+    if given.dtype == np.uint8 and given.shape[-1:] in ((3,), (4,)) and given.ndim in (1, 2):
+        rows = _linear()[given[..., :3]]
+        return rows if given.ndim == 2 else np.tile(rows, (count, 1))
+    if given.shape == (3,):
+        return np.tile(np.array(checked_color("colors", given), np.float32), (count, 1))
+    if given.ndim == 2 and given.shape[1] == 4:
+        raise ValueError(
+            f"colors has the shape {given.shape}; give linear RGB, or the levels of sRGB with "
+            "alpha as an array of uint8, those of a map of matplotlib by map(values, bytes=True)"
+        )
     return array("colors", colors, np.float32, "(n, 3)")
+
+
+def _alpha(colors: Color | None) -> NDArray[np.float32] | None:
+    """The opacities in the alpha of levels; None where all are opaque."""
+    given = _given(colors)
+    if given.dtype != np.uint8 or given.ndim != 2 or given.shape[1] != 4:
+        return None
+    alpha = given[:, 3]
+    return None if bool((alpha == 255).all()) else alpha.astype(np.float32) / np.float32(255)
+
+
+def _given(colors: Color | None) -> NDArray[Any]:
+    """The colours as an array; an empty one where they are none."""
+    try:
+        return np.asarray(colors)
+    except ValueError:
+        return np.empty(0)
+
+
+@cache
+def _linear() -> NDArray[np.float32]:
+    """Linear light of the levels of sRGB from 0 to 255."""
+    return np.array([_halfline.color(f"#{level:02x}0000")[0] for level in range(256)], np.float32)
 
 
 def read(

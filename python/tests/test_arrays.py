@@ -16,6 +16,41 @@ def address(array: Any) -> int:
     return found
 
 
+def test_colors_are_linear_numbers_levels_or_names() -> None:
+    centers = np.arange(9.0).reshape(3, 3)
+    linear = hl.Scene(centers, 1.0, ["#ff8000", "red", "#00ff40"]).colors
+    assert linear is not None and linear[0, 1] == np.float32(0.2158605)  # IEC 61966-2-1 of 128/255
+    levels = np.array([[255, 128, 0], [255, 0, 0], [0, 255, 64]], np.uint8)
+    for given in (levels, np.c_[levels, [255, 255, 255]].astype(np.uint8)):
+        found = hl.Scene(centers, 1.0, given)
+        assert found.opacities is None and np.array_equal(found.colors, linear)
+    numbers = hl.Scene(centers, 1.0, levels.tolist()).colors
+    assert numbers is not None and numbers[0].tolist() == [255, 128, 0]  # Linear, as written.
+    ghost = hl.Scene(centers, 1.0, np.c_[levels, [51, 255, 255]].astype(np.uint8))
+    assert np.array_equal(ghost.colors, linear)
+    assert ghost.opacities is not None and ghost.opacities.tolist() == [np.float32(0.2), 1, 1]
+    assert np.array_equal(hl.Scene(centers, 1.0, levels[0]).colors, np.tile(linear[0], (3, 1)))
+    scene = hl.Scene(centers, 1.0)
+    assert np.array_equal(scene.with_colors(levels).colors, linear)
+    for bad, message in [
+        (np.ones((3, 4)), "bytes=True"),
+        (["red", "blue"], "colors has 2 rows"),
+        (["red", "blak", "blue"], "blak"),
+        (levels[:2], "colors has 2 rows"),
+        ([[1, 2], [3]], "colors is not an array"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            hl.Scene(centers, 1.0, bad)
+    alpha = np.zeros((3, 4), np.uint8)
+    for call in (
+        lambda: hl.Scene(centers, 1.0, alpha, opacities=0.5),
+        lambda: hl.Scene(centers, 1.0, alpha),
+        lambda: scene.with_colors(alpha),
+    ):
+        with pytest.raises(ValueError, match=r"alpha|opacit"):
+            call()
+
+
 def test_contiguous_arrays_are_not_copied() -> None:
     centers, radii = np.zeros((10, 3)), np.ones(10)
     colors = np.ones((10, 3), np.float32)

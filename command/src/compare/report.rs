@@ -13,6 +13,7 @@ use std::path::Path;
 /// The common buffers of two files, their differences, and the buffers that only one file has.
 pub(super) struct FrameComparison<'a> {
     tolerance: f64,
+    share: f64,
     files: [&'a str; 2],
     pairs: MatchedBuffers<'a>,
     differences: Vec<Difference>,
@@ -21,15 +22,21 @@ pub(super) struct FrameComparison<'a> {
 }
 
 impl<'a> FrameComparison<'a> {
-    pub(super) fn of(a: &'a FrameFile, b: &'a FrameFile, pairs: MatchedBuffers<'a>, tolerance: f64) -> Self {
-        let differences = pairs.common.iter().map(|pair| compare(pair.a, pair.b, tolerance)).collect();
+    /// `tolerance` is the largest allowed difference, `share` that of the pixels of a buffer that may exceed it.
+    pub(super) fn of(
+        a: &'a FrameFile,
+        b: &'a FrameFile,
+        pairs: MatchedBuffers<'a>,
+        (tolerance, share): (f64, f64),
+    ) -> Self {
+        let differences = pairs.common.iter().map(|pair| compare(pair.a, pair.b, tolerance, share)).collect();
         let places = a.origin.zip(b.origin).filter(|(a, b)| a != b);
         let windows = places.map(|([x, y], [u, v])| format!("the data windows begin at {x},{y} and at {u},{v}"));
         let missing: Vec<String> = pairs.missing.iter().map(|(name, file)| format!("only {file} has {name}")).collect();
         let nothing = pairs.common.is_empty().then(|| "the files have no buffer in common".to_owned());
         let unlike: Vec<String> = windows.into_iter().chain(missing).chain(nothing).collect();
         let unlike = (!unlike.is_empty()).then(|| unlike.join("; "));
-        Self { tolerance, files: [&a.name, &b.name], pairs, differences, unlike }
+        Self { tolerance, share, files: [&a.name, &b.name], pairs, differences, unlike }
     }
 
     /// Whether both files have the same buffers, equal within the tolerance.
@@ -96,6 +103,7 @@ impl<'a> FrameComparison<'a> {
             version: 1,
             equal: self.is_equal(),
             tolerance: Json(ArrayValue::Float(self.tolerance)),
+            share: self.share,
             unlike: self.unlike.clone().or(inner),
             files: self.files,
             values: ComparedValues {
@@ -120,10 +128,18 @@ fn summary(pair: &BufferPair<'_>, found: &Difference) -> String {
     let types = if this == that { this.to_owned() } else { format!("{this} against {that}") };
     let form = format!("{} of {types}", sides(pair.a.shape()));
     let Some(at) = found.at else { return format!("equal: {form}, every value is the same") };
-    let (verdict, count) = if found.is_within() { ("equal", found.differing) } else { ("different", found.beyond) };
-    let how = if found.is_within() { "differ, none" } else { "differ" };
+    let (verdict, count) = match (found.is_within(), found.beyond) {
+        (true, 0) => ("equal", found.differing),
+        (true, beyond) => ("equal", beyond),
+        (false, beyond) => ("different", beyond),
+    };
+    let how = if found.beyond == 0 { "differ, none" } else { "differ" };
+    let allowed = match found.share > 0.0 {
+        true => format!(", and {} % may", 100.0 * found.share),
+        false => String::new(),
+    };
     format!(
-        "{verdict}: {count} of {} pixels {how} beyond {:?} ({form})\n\
+        "{verdict}: {count} of {} pixels {how} beyond {:?}{allowed} ({form})\n\
          largest {:?} at row {}, column {}, channel {}: {} against {}\n\
          mean {:?}; {} pixels differ at all",
         found.pixels,
@@ -147,6 +163,7 @@ struct JsonReport<'a> {
     version: u32,
     equal: bool,
     tolerance: Json,
+    share: f64,
     unlike: Option<String>,
     files: [&'a str; 2],
     #[serde(flatten)]

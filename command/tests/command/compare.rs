@@ -117,6 +117,18 @@ fn a_difference_of_the_tolerance_is_equal() {
         assert_eq!((found, report["beyond"].as_u64()), (code, Some(beyond)), "{tolerance}");
         assert_eq!((report["differing"].as_u64(), &report["equal"]), (Some(2), &(code == 0).into()));
     }
+    // Two of 28 pixels are 7.1 percent.
+    for (share, code) in [("7.2%", 0), ("0.072", 0), ("7.1%", 1), ("1e-9", 1)] {
+        let (found, report) = frames.json(&["a.npy", "b.npy", "--share", share]);
+        assert_eq!(
+            (found, report["beyond"].as_u64(), &report["equal"]),
+            (code, Some(2), &(code == 0).into()),
+            "{share}"
+        );
+    }
+    let (_, out, _) = frames.compare(&["a.npy", "b.npy", "--share", "10%"]);
+    assert!(out.starts_with("equal: 2 of 28 pixels differ beyond 0.0, and 10 % may "), "{out}");
+    assert_eq!(frames.compare(&["a.npy", "b.npy", "--share", "0"]).0, 2);
     let (code, out, _) = frames.compare(&["a.npy", "b.npy", "--tolerance", "0.5"]);
     assert_eq!(code, 0);
     assert!(out.starts_with("equal: 2 of 28 pixels differ, none beyond 0.5 "), "{out}");

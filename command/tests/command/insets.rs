@@ -100,7 +100,6 @@ fn a_legend_has_the_words_of_its_reader() {
     for (options, problem) in [
         ("--color red:all", "a caption belongs to a selection"),
         ("--color x~>~1=red:~", "the caption behind the colon is empty"),
-        ("--legend-title t", "no legend is drawn"),
         ("--radius x~>~1=2:big", "2:big"),
     ] {
         let ran = dir.run(&words(options));

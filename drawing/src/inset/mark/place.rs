@@ -25,7 +25,7 @@ const CROSSED: f32 = 0.3;
 const DIRECTIONS: [[i64; 2]; 8] = [[1, 0], [1, -1], [1, 1], [-1, 0], [0, -1], [0, 1], [-1, -1], [-1, 1]];
 
 /// The lengths of lines in heights of a text.
-const LENGTHS: [f64; 11] = [0.8, 1.2, 1.7, 2.4, 3.4, 4.8, 6.7, 9.4, 13.0, 18.0, 25.0];
+const LENGTHS: [f64; 9] = [0.8, 1.2, 1.7, 2.4, 3.4, 4.8, 6.7, 9.4, 13.0];
 
 /// The target of a text.
 pub(super) enum Target<'a> {
