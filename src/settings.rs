@@ -13,7 +13,7 @@ use crate::scene::{Material, Scene, Sky};
 use crate::shade::Shade;
 use crate::window::Window;
 use halfline_ground::error::{Error, Place, Result, named};
-use halfline_ground::quote::setting::{CRYPTOMATTE, LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN};
+use halfline_ground::quote::setting::{CRYPTOMATTE, DEPTH_CUE_STRENGTH, LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN};
 use serde::Serialize;
 
 /// The device that renders: a GPU or the CPU.
@@ -46,6 +46,10 @@ pub enum Accuracy {
 }
 
 named! { Accuracy, "accuracy", Auto "auto" Fast "fast" Certified "certified" Exact "exact" }
+
+/// The share of the background in the colour of the farthest sphere under a depth cue. On black 0.4 of its light is left, two thirds of
+/// its value in sRGB: visibly darker, and its own colour is still seen.
+pub const DEPTH_CUE: f64 = 0.6;
 
 /// The most layers of translucent spheres in a picture.
 pub const MOST_LAYERS: u32 = 64;
@@ -86,6 +90,8 @@ pub struct Settings {
     pub outline: Outline,
     /// Whether colours fade to the background with depth, from the nearest sphere of the scene to the farthest.
     pub depth_cue: bool,
+    /// The share of the background in the colour of the farthest sphere, above 0 and at most 1; `None` is [`DEPTH_CUE`].
+    pub depth_cue_strength: Option<f64>,
     /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` for the soft one where lights or a sky light the
     /// picture, else the linear one.
     pub tone: Option<Tone>,
@@ -144,6 +150,10 @@ impl Settings {
     pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
         Toning::check_stops(self.exposure)?;
         self.outline.check()?;
+        if let Some(strength) = self.depth_cue_strength.filter(|strength| !(*strength > 0.0 && *strength <= 1.0)) {
+            let problem = format!("{DEPTH_CUE_STRENGTH} is {strength}");
+            return Err(Error::settings(problem, "give a number above 0 and at most 1"));
+        }
         if self.layers > MOST_LAYERS {
             let problem = format!("{LAYERS} is {}", self.layers);
             return Err(Error::settings(problem, format!("give a whole number from 1 to {MOST_LAYERS}")));
@@ -162,6 +172,11 @@ impl Settings {
             return Err(Error::settings(problem, format!("remove {OPACITY}, or {CRYPTOMATTE}")));
         }
         self.sky.check(|field| Place::field(format!("occlusion.{field}")))
+    }
+
+    /// The strength of the depth cue; `None` without one.
+    pub(crate) fn cue_strength(&self) -> Option<f64> {
+        self.depth_cue.then(|| self.depth_cue_strength.unwrap_or(DEPTH_CUE))
     }
 
     /// Warnings about settings of translucent spheres that change nothing, since a picture has none of them.

@@ -2,7 +2,7 @@
 
 use super::lens_args::PictureLens;
 use super::typed::Typed;
-use super::values::{color, length, numbers, whole};
+use super::values::{color, length, numbers, share, whole};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
@@ -53,6 +53,9 @@ pub(super) struct LightArgs {
     /// Fades colours to the background with depth.
     #[arg(long)]
     depth_cue: bool,
+    /// Share of the background in the colour of the farthest sphere, above 0 and at most 1 [default: 0.6].
+    #[arg(long, value_name = "S", value_parser = share, requires = "depth_cue", allow_negative_numbers = true)]
+    depth_cue_strength: Option<f64>,
     /// Shows so many translucent spheres before the first opaque one, the nearest, up to 64; see --opacity [default: 1].
     #[arg(long, value_name = "N", value_parser = whole(1..=MOST_LAYERS))]
     layers: Option<u32>,
@@ -102,6 +105,7 @@ impl LightArgs {
             outline: Outline::of(self.outline_width, self.outline_color),
             layers: self.layers.unwrap_or_default(),
             opacity_shadows: self.opacity_shadows,
+            depth_cue_strength: self.depth_cue_strength,
             ..settings
         }
     }

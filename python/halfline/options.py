@@ -224,6 +224,10 @@ class Options(TypedDict, total=False):
     """Colour of these lines, as of background [default: black]."""
     depth_cue: bool
     """Fades colours to the background with depth."""
+    depth_cue_strength: float | None
+    """Share of the background in the colour of the farthest sphere, above 0 and at most 1
+    [default: 0.6].
+    """
     layers: int | None
     """Shows so many translucent spheres before the first opaque one, the nearest, up to 64; see
     opacity [default: 1].

@@ -123,6 +123,7 @@ RENDER: dict[str, list[Choice]] = {
     "outline_width": [("3", 3), ("0.01", 0.01), ("50", 50)],
     "outline_color": [("red", "red"), ("0,0.5,1", (0, 0.5, 1)), ("blak", "blak")],
     "depth_cue": [(None, True)],
+    "depth_cue_strength": [("0.9", 0.9), ("0", 0)],
     "layers": [("2", 2), ("64", 64), ("65", 65)],
     "opacity_shadows": [(None, True)],
     "background": [("white", "white"), ("0.2,0.3,0.4", (0.2, 0.3, 0.4))],
@@ -163,6 +164,7 @@ NEEDED = {
     **dict.fromkeys(["map", "range", "log", "nan_color", "legend_in"], "color_by"),
     "shine": "material",
     "mark_all": "mark",
+    "depth_cue_strength": "depth_cue",
 }
 # These are keywords of the call that saves the picture.
 SAVE: dict[str, list[Choice]] = {

@@ -17,7 +17,8 @@ pub(crate) struct Finish {
     pub(crate) line: Option<Line>,
     /// Silhouettes also where spheres touch.
     pub(crate) between: bool,
-    pub(crate) depth_cue: bool,
+    /// The strength of the depth cue; `None` without.
+    pub(crate) depth_cue: Option<f64>,
 }
 
 impl Finish {
@@ -28,7 +29,7 @@ impl Finish {
 
     /// The depth cue of the frame; `None` where none is requested or no sphere is in front of the eye.
     pub(crate) fn cue(self, scene: &Scene, basis: &Basis) -> Option<DepthCue> {
-        if self.depth_cue { DepthCue::of(scene, basis) } else { None }
+        DepthCue::of(scene, basis, self.depth_cue?)
     }
 
     /// Fades the colours of a view to the background by `cue`, if there is one, and draws silhouettes over them, from the

@@ -72,6 +72,9 @@ impl Provenance {
             // Lights and sky are part of the scene.
             let drawn = [(report.silhouette, "halfline:silhouette"), (report.depth_cue, "halfline:depth-cue")];
             drawn.iter().filter(|(drawn, _)| *drawn).for_each(|(_, key)| words.set(key, "true"));
+            if let Some(strength) = report.depth_cue_strength {
+                words.set("halfline:depth-cue", format!("strength {strength}"));
+            }
             if let Some(Outline { width, color }) = report.outline.filter(|outline| *outline != Outline::default()) {
                 words.set("halfline:outline", format!("{width} pixels, {color:?}"));
             }

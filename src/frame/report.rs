@@ -52,6 +52,8 @@ pub struct Report {
     pub outline: Option<Outline>,
     /// Whether colours fade with depth.
     pub depth_cue: bool,
+    /// The share of the background in the colour of the farthest sphere; `None` for the usual one, and where they do not.
+    pub depth_cue_strength: Option<f64>,
     /// The layers of translucent spheres in the picture; `None` where it shows none.
     pub layers: Option<u32>,
     /// Whether translucent spheres block its lights and its sky.

@@ -70,11 +70,11 @@ impl Plan {
             true => Self::of_given_rays(scene, settings)?,
             false => Self::of_view(scene, settings, admits)?,
         };
-        let (silhouette, depth_cue) = (settings.silhouette, settings.depth_cue);
+        let (silhouette, depth_cue) = (settings.silhouette, settings.cue_strength());
         // Touching spheres of flat colours would run into each other.
         let between = settings.shade == Shade::Flat;
         let line = silhouette.then(|| Line::new(settings.outline));
-        plan.finish = (silhouette || depth_cue).then_some(Finish { line, between, depth_cue });
+        plan.finish = (silhouette || depth_cue.is_some()).then_some(Finish { line, between, depth_cue });
         plan.light_outputs = lights::outputs(scene, settings);
         plan.see_through = settings.asks(&[Aov::Color, Aov::Alpha]) && scene.spheres.is_translucent();
         let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.light_outputs.color);

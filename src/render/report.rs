@@ -10,7 +10,7 @@ use crate::frame::report::{Report, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::traffic::Traffic;
 use crate::scene::camera::CameraRecord;
-use crate::settings::Accuracy;
+use crate::settings::{Accuracy, DEPTH_CUE};
 use halfline_ground::error::Result;
 use halfline_ground::parallel;
 
@@ -42,6 +42,7 @@ pub(super) fn known(at: &Rendering<'_>, plan: &Plan) -> Report {
         silhouette: settings.silhouette,
         outline: settings.silhouette.then_some(settings.outline),
         depth_cue: settings.depth_cue,
+        depth_cue_strength: settings.cue_strength().filter(|strength| *strength != DEPTH_CUE),
         layers: plan.see_through.then(|| settings.layers.max(1)),
         opacity_shadows: plan.see_through && settings.opacity_shadows,
         tone: settings.asks(&[Aov::Color]).then(|| settings.toning(scene).tone),

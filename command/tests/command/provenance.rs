@@ -39,6 +39,7 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--outline-width", &["0.5", "3"]),
     ("--outline-color", &["teal", "1,0.5,0.2"]),
     ("--depth-cue", &[""]),
+    ("--depth-cue-strength", &["0.3", "1"]),
     ("--opacity", &["0.4", "0.9"]),
     ("--layers", &["1", "2"]),
     ("--opacity-shadows", &[""]),
@@ -50,7 +51,7 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),
 ];
-const OF_PARTICLES: [(&str, &[&str]); 24] = [
+const OF_PARTICLES: [(&str, &[&str]); 26] = [
     ("--select", &["x > 0", "element O"]),
     ("--hide", &["element H"]),
     ("--radii", &["vdw", "covalent"]),
@@ -66,12 +67,14 @@ const OF_PARTICLES: [(&str, &[&str]); 24] = [
     ("--material", &["plastic", "element O=plastic", "metal"]),
     ("--shine", &["5"]),
     ("--mark", &["element O={element}", "all=x"]),
+    ("--mark-one", &["element O=o", "all=x"]),
     ("--mark-all", &[""]),
     ("--map", &["magma", "grays"]),
     ("--nan-color", &["red", "#102030"]),
     ("--range", &["0,1", "0,3"]),
     ("--log", &[""]),
     ("--legend-in", &["", "=left"]),
+    ("--legend-title", &["a", "b"]),
     ("--focus", &["element O"]),
     ("--frame-share", &["0.5"]),
     ("--unit", &["0.5"]),

@@ -189,6 +189,7 @@ pub(crate) fn rows() -> Vec<Row> {
         row("outline-width", &format!("{CAMERA} --silhouette"), "--outline-width 3").or(&["--silhouette"]),
         row("outline-color", &format!("{CAMERA} --silhouette"), "--outline-color red").or(&["--silhouette"]),
         at("depth-cue", "--depth-cue"),
+        row("depth-cue-strength", &format!("{CAMERA} --depth-cue"), "--depth-cue-strength 0.9").or(&["--depth-cue"]),
         row("layers", &format!("{CAMERA} --opacity 0.5"), "--layers 3").or(&["--opacity"]),
         row("opacity-shadows", &format!("{CAMERA} --opacity 0.5 --sun 1,1,1 --shadows"), "--opacity-shadows")
             .or(&["--opacity", "lights and a sky need all spheres in memory"]),

@@ -4,7 +4,6 @@
 use super::light::{FrameContext, HitRays, on_hits};
 use super::sampling::Sampling;
 use super::sky::{CenterHits, PictureSky, centres};
-use crate::answers::depth_cue::MAX_SHARE;
 use crate::answers::open_sky::{SkyAtHit, SkySums};
 use crate::answers::samples::Means;
 use crate::answers::settle::{self, Settled};
@@ -93,7 +92,7 @@ impl Sampling<'_> {
         }
         if let Some(cue) = finish.and_then(|finish| finish.cue(scene, &basis)) {
             let way = in_frame(cue.far - cue.near).max(f32::MIN_POSITIVE);
-            (record.cue_near, record.cue_slope, record.cue_share) = (in_frame(cue.near), 1.0 / way, MAX_SHARE as f32);
+            (record.cue_near, record.cue_slope, record.cue_share) = (in_frame(cue.near), 1.0 / way, cue.most as f32);
         }
         let farthest = || {
             let away = |id: usize| (DVec3::from_array(scene.spheres.centers[id]) - basis.e).length();
