@@ -8,6 +8,7 @@ mod check;
 mod fit;
 mod gradient;
 pub mod instances;
+mod least_size;
 pub mod lidar;
 mod light;
 pub(crate) mod list;

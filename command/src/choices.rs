@@ -9,11 +9,12 @@ use super::render::picture::{complete, write_legend};
 use super::scene_args::SceneArgs;
 use super::scene_frames;
 use super::view::{Given, Parser, WrittenOption};
-use halfline::error::Result;
+use halfline::error::{Error, Result};
 use halfline::explain::Explanation;
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::{Aov, Frame};
 use halfline::progress::{Cancel, Watch};
+use halfline::quote::setting::LEAST_SIZE;
 use halfline::render::Renderer;
 use halfline::render::stream::{Part, PartView, Visible};
 use halfline::scene::arrange::Arrangement;
@@ -174,6 +175,10 @@ impl Choices {
     pub fn picture<'a>(&'a self, scene: ChosenScene<'_>, aovs: &[Aov], backend: Backend) -> Result<ChosenPicture<'a>> {
         let ChosenScene { mut frame, edges, is_outlined, file, colored_by, part } = scene;
         let (args, has_picture) = (&self.args, aovs.contains(&Aov::Color));
+        if part.is_some() && args.image.least_size.is_some() {
+            let problem = format!("{LEAST_SIZE}: what hides what in parts is that of spheres of their own size");
+            return Err(Error::settings(problem, "remove it"));
+        }
         args.insets.check_place(
             args.image.is_part(),
             has_picture,

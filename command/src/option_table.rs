@@ -156,6 +156,7 @@ const OPTIONS: &[OptionRow] = &[
     row("backend", Keyword(Renderer, "backend", Text, "Literal[\"auto\", \"gpu\", \"cpu\"]"), CONFIG | NO_PART),
     row("adapter", Keyword(Renderer, "adapter", Name, "str | int | None"), CONFIG | NO_PART),
     row("samples", Keyword(Render, "samples", Number, "int | None"), CONFIG),
+    row("least_size", Keyword(Render, "least_size", Number, "float | None"), NO_PART),
     row("seed", Keyword(Render, "seed", Number, "int"), CONFIG),
     row("exposure", Keyword(Render, "exposure", Number, "float"), CONFIG | NO_PART),
     row("tone", Keyword(Render, "tone", Text, "Literal[\"linear\", \"soft\"] | None"), CONFIG | NO_PART),

@@ -10,7 +10,7 @@ use super::names::number_in;
 use super::picture_scene::PictureScene;
 use super::read_args::{ColorArgs, ReadArgs};
 use super::typed::Typed;
-use super::values::{at_least_one, wholes};
+use super::values::{at_least_one, positive, wholes};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -86,6 +86,9 @@ pub(super) struct ImageArgs {
     /// visible) [default: soft where lights or a sky light the picture, else linear].
     #[arg(long, value_name = "T")]
     tone: Option<Tone>,
+    /// Enlarges spheres that would be less than so many pixels wide, in pictures and all buffers.
+    #[arg(long, value_name = "PIXELS", value_parser = positive("number"), allow_negative_numbers = true)]
+    pub(super) least_size: Option<f64>,
     /// Renders only columns X0 to X1 and rows Y0 to Y1, counted from 0 at the top left, ends excluded.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
     crop: Option<Window>,

@@ -234,6 +234,12 @@ pub(super) fn with_light(
     let has_samples = request.samples.or(request.file.samples).is_some();
     let lens = args.camera.lens.lens(&frame, taken, has_samples)?;
     turn(&mut frame);
+    if let Some(pixels) = args.image.least_size {
+        let enlarged = frame.scene.enlarge_to(pixels)?;
+        let all = frame.scene.spheres.len();
+        let warning = || format!("{enlarged} of {all} spheres are enlarged to {pixels} pixels, in every buffer");
+        frame.skipped.assumed.extend((enlarged > 0).then(warning));
+    }
     // The light from above left belongs to the final camera.
     let look = args.light.apply(&mut frame, aovs, request, lens)?;
     let (marked, notes) = frame.marked(&args.insets.marks())?;

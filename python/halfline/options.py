@@ -174,6 +174,9 @@ class Options(TypedDict, total=False):
     Other buffers use the pixel's centre [default: the scene file's, else 1, and 4 in the look
     soft].
     """
+    least_size: float | None
+    """Enlarges spheres that would be less than so many pixels wide, in pictures and all buffers.
+    """
     seed: int
     """Seed of the sample positions [default: 0]."""
     exposure: float

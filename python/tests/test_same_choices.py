@@ -110,6 +110,7 @@ READ: dict[str, list[Choice]] = {
 RENDER: dict[str, list[Choice]] = {
     "samples": [("1", 1), ("3", 3), ("0", 0)],
     "seed": [("7", 7)],
+    "least_size": [("3", 3), ("0.5", 0.5), ("0", 0)],
     "exposure": [("0.5", 0.5), ("-1", -1), ("99", 99)],
     "tone": [("soft", "soft"), ("linear", "linear"), ("film", "film")],
     "shade": [("flat", "flat"), ("normal", "normal"), ("headlight", "headlight")],

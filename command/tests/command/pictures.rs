@@ -123,3 +123,23 @@ fn unknown_endings_name_the_nearest() {
         dir.refused(2, &format!("render t.csv --size 8x8 --aov depth={file}"), &["; use the file name extension"]);
     }
 }
+
+/// Spheres smaller than `--least-size` are as wide as it says, and their number is told.
+#[test]
+fn small_spheres_have_a_least_size() {
+    let dir = TestDir::new(&[("two.csv", "x,y,z,radius\n-5,0,0,1e-6\n5,0,0,2\n")]);
+    let camera = "two.csv --eye 0,0,40 --at 0,0,0 --ortho 20 --size 200x200 --look plain";
+    let pixels = |options: &str| {
+        let ran = dir.render(&format!("{camera} {options} --aov id=i.npy"));
+        let ids = dir.array("i.npy").0;
+        ([0.0, 1.0].map(|id| ids.iter().filter(|found| **found == id).count()), ran.err)
+    };
+    let ([none, whole], err) = pixels("");
+    assert!(none == 0 && !err.contains("enlarged"), "{none} {err}");
+    let ([small, same], err) = pixels("--least-size 10");
+    // A disc of 10 pixels across: 78.5.
+    assert!((70..88).contains(&small) && same == whole, "{small} {same} {whole}");
+    assert!(err.contains("1 of 2 spheres are enlarged to 10 pixels"), "{err}");
+    dir.refused_render(2, &format!("{camera} --least-size 3 --stream -o a.png"), &["--least-size"]);
+    dir.refused_render(2, &format!("{camera} --least-size 0 -o a.png"), &["--least-size"]);
+}

@@ -23,6 +23,7 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--size", &["24x18", "18x24"]),
     ("--samples", &["1", "4", "9"]),
     ("--seed", &["0", "1", "7"]),
+    ("--least-size", &["4", "7"]),
     ("--exposure", &["1", "-1"]),
     ("--tone", &["linear", "soft"]),
     ("--label", &["a", "{count}"]),

@@ -169,6 +169,7 @@ pub(crate) fn rows() -> Vec<Row> {
         row("seed", &format!("{CAMERA} --samples 4"), "--seed 3"),
         at("exposure", "--exposure 1"),
         row("tone", &format!("{CAMERA} --exposure 2"), "--tone soft"),
+        at("least-size", "--least-size 3"),
         at("crop", "--crop 2,1,9,8"),
         at("tile", "--tile 2/3"),
         row("legend-in", &format!("{CAMERA} --color-by v"), "--legend-in=right")

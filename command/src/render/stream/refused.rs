@@ -17,9 +17,9 @@ const LENS: &str = "a lens with a size sees spheres that a stream has forgotten"
 /// # Errors
 /// [`Error::Settings`] that names the option.
 pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>) -> Result<()> {
-    let SceneArgs { camera, files, insets, .. } = args;
+    let SceneArgs { camera, files, insets, image, .. } = args;
     let has_size = camera.lens.has_size() || taken.is_some_and(|record| record.lens_size().is_some());
-    let refusals: [Refusal; 9] = [
+    let refusals: [Refusal; 10] = [
         (
             args.is_many(),
             "a stream is one picture",
@@ -44,6 +44,11 @@ pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>)
             insets.has_marks(),
             "marks need the columns of all spheres in memory",
             "remove --mark and --mark-one, or --stream",
+        ),
+        (
+            image.least_size.is_some(),
+            "spheres are enlarged for a picture with all in memory",
+            "remove --least-size, or --stream",
         ),
         (files.model().is_some(), "a model has all spheres", "use a picture, or remove --stream"),
         (
