@@ -89,7 +89,7 @@ impl<R: BufRead> Lines<R> {
         self
     }
 
-    /// Lets the next [`Lines::advance`] find the current line again.
+    /// Lets the next [`Lines::advance`], or [`Lines::block`], find the current line again.
     pub(super) fn give_back(&mut self) {
         self.again = true;
     }
@@ -204,11 +204,18 @@ impl<R: BufRead> Lines<R> {
         block.parts.clear();
         (block.path, block.fixed, block.lines) = (self.path.clone(), self.fixed, 0);
         (block.end, block.records) = (self.end, self.records);
-        let (mut part, mut last) = (0, 0);
+        let (mut part, mut last, mut before) = (0, 0, self.number);
+        if most > 0 && std::mem::take(&mut self.again) {
+            block.bytes.extend(self.text.as_bytes());
+            block.bytes.push(self.end);
+            block.lines = 1 + self.text.bytes().filter(|byte| *byte == self.end).count() as u64;
+            before -= block.lines;
+            block.parts.push((0, before));
+        }
         while block.lines < most && block.bytes.len() < blocks::at_most(BLOCK) {
             if block.bytes.len() >= part + blocks::at_most(PART) || block.lines == 0 {
                 part = block.bytes.len();
-                block.parts.push((part, self.number + block.lines));
+                block.parts.push((part, before + block.lines));
             }
             let begin = block.bytes.len();
             let lines = self.record(&mut block.bytes)?;
@@ -221,7 +228,7 @@ impl<R: BufRead> Lines<R> {
             }
         }
         if block.lines > 0 {
-            self.number += block.lines;
+            self.number = before + block.lines;
             self.text = String::from_utf8_lossy(&block.bytes[last..]).trim_end_matches(['\n', '\r']).to_owned();
         }
         Ok(())

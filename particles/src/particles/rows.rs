@@ -128,6 +128,7 @@ pub(crate) fn surplus<T>(
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::formats::table::Table;
     use crate::formats::xyz::Xyz;
     use crate::particles::frame::ParticleFrames;
@@ -200,5 +201,24 @@ mod tests {
         // The header, the rows, and two lines for every three rows.
         let line = 1 + COUNT + COUNT / 3 * 2 + 1 + 1;
         assert!(error.to_string().contains(&format!("text:{line}:7: row")), "{error}");
+    }
+
+    /// A line that a reader looked at and gave back is the first of the block.
+    #[test]
+    fn a_line_that_was_given_back_is_a_row() {
+        let Source { reader, path, .. } = Source::of_text("one\ntwo\nthree\nfour\n");
+        let mut lines = Lines::new(reader, &path);
+        assert!(lines.advance().expect("one") && lines.advance().expect("two"));
+        lines.give_back();
+        let (layout, found) = (Layout::default(), std::sync::Mutex::new(Vec::new()));
+        let row = |line: &Lines<&[u8]>, _: &mut Particles| {
+            found.lock().expect("one thread").push((line.place(0).line, line.text().to_owned()));
+            Ok(())
+        };
+        let mut particles = layout.begin();
+        assert_eq!(rows(&mut lines, 2, &layout, &mut particles, row).expect("two rows"), 2);
+        let expected = [(Some(2), "two".to_owned()), (Some(3), "three".to_owned())];
+        assert_eq!(found.into_inner().expect("one thread"), expected);
+        assert!(lines.advance().expect("four") && lines.text() == "four" && lines.place(0).line == Some(4));
     }
 }
