@@ -90,7 +90,7 @@ impl Choices {
     /// The choices of these options. Those of an earlier call are not parsed again.
     ///
     /// # Errors
-    /// [`Error::Settings`](halfline::error::Error::Settings) that names the option, its value and what it takes.
+    /// [`Error::Settings`] that names the option, its value and what it takes.
     pub fn of(options: &[WrittenOption]) -> Result<Arc<Self>> {
         static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -111,7 +111,7 @@ impl Choices {
     /// The options for reading with these columns; `map` replaces the colour map.
     ///
     /// # Errors
-    /// [`Error::Settings`](halfline::error::Error::Settings) for options that exclude each other.
+    /// [`Error::Settings`] for options that exclude each other.
     pub fn reading(&self, keep: Keep, map: Option<ColorMap>, watch: Watch) -> Result<ReadOptions> {
         let mut options = scene_frames::options(&self.args, &Cancel::default())?;
         (options.particles.keep, options.particles.watch) = (keep, watch);
@@ -154,7 +154,7 @@ impl Choices {
     /// Checks that a file holds what the options ask for.
     ///
     /// # Errors
-    /// [`Error::Settings`](halfline::error::Error::Settings) for pixels per inch of a file that has none.
+    /// [`Error::Settings`] for pixels per inch of a file that has none.
     pub fn check_file(&self, target: &Target) -> Result<()> {
         self.args.files.check_dpi(std::slice::from_ref(target))
     }

@@ -109,7 +109,7 @@ fn a_legend_has_the_words_of_its_reader() {
 
 /// A legend that names what next to no pixel shows says so.
 #[test]
-fn what_a_legend_names_and_no_pixel_shows_is_told() {
+fn a_legend_warns_of_what_no_pixel_shows() {
     let dir = dir();
     dir.put("behind.xyz", "3\n\nC 0 0 0\nO 0 0 -1\nN 5 0 0\n");
     for (camera, is_hidden) in [("--eye 0,0,30 --at 0,0,0", true), ("--eye 0,0,-30 --at 0,0,0", false)] {
