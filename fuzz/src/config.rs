@@ -1,5 +1,8 @@
 //! The configuration file's reader, from the command's source.
 
+#[path = "../../command/src/option_table.rs"]
+#[expect(dead_code, reason = "the command needs more of it")]
+mod option_table;
 #[path = "../../command/src/config.rs"]
 #[expect(dead_code, reason = "the command needs more of it")]
 mod real;
