@@ -8,6 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use halfline::error::Result;
 use halfline::frame::Aov;
+use halfline::quote::setting::DEPTH_CUE_STRENGTH;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS, Sky};
 use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, MOST_LAYERS, Outline, Settings};
 use halfline::shade::Shade;
@@ -54,7 +55,7 @@ pub(super) struct LightArgs {
     #[arg(long)]
     depth_cue: bool,
     /// Share of the background in the colour of the farthest sphere, above 0 and at most 1 [default: 0.6].
-    #[arg(long, value_name = "S", value_parser = share, requires = "depth_cue", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = share, allow_negative_numbers = true)]
     depth_cue_strength: Option<f64>,
     /// Shows so many translucent spheres before the first opaque one, the nearest, up to 64; see --opacity [default: 1].
     #[arg(long, value_name = "N", value_parser = whole(1..=MOST_LAYERS))]
@@ -134,6 +135,9 @@ impl LightArgs {
         // A preference from elsewhere may apply to no picture.
         let typed = ["outline_width", "outline_color"].map(|id| self.typed.has(id));
         skipped.assumed.extend(Outline::idle(typed, has_picture, silhouette));
+        if self.typed.has("depth_cue_strength") && !self.depth_cue {
+            skipped.assumed.push(format!("{DEPTH_CUE_STRENGTH} changes nothing: no depth cue is drawn"));
+        }
         let light = AddedLight {
             look,
             suns: self.sun.clone(),

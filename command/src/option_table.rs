@@ -2,6 +2,7 @@
 //! their help; every other list of options is a column of this table.
 
 #[cfg(all(test, feature = "view"))]
+#[path = "option_table/python.rs"]
 mod python;
 
 use clap::Command;

@@ -5,7 +5,6 @@ use super::signals::watch;
 use super::typed::Typed;
 use super::values::{color, numbers, positive, wholes};
 use clap::Args;
-use clap::builder::NonEmptyStringValueParser;
 use halfline::error::{Error, Result};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{MaterialName, is_opacity};
@@ -158,7 +157,7 @@ pub(super) struct ColorArgs {
     #[arg(long, value_name = "FILE")]
     pub(super) legend: Option<PathBuf>,
     /// Title of the legend, where one is drawn, such as 'speed / km/s', in place of the name of what is coloured.
-    #[arg(long, value_name = "TEXT", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long, value_name = "TEXT", value_parser = caption)]
     legend_title: Option<String>,
 }
 
@@ -289,20 +288,19 @@ impl<T: Copy> Rule<T> {
         }
     }
 
-    /// Parses also `EXPR=VALUE:CAPTION`, whose caption is the name of the selection in a legend.
+    /// Parses also `EXPR=VALUE:CAPTION`, whose caption is the name of the selection in a legend. A colon of an expression is in front of
+    /// its value, so the first one that ends a rule is that of the caption.
     fn captioned(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<Self, String> {
-        let last = text.rsplit_once('=').map_or(0, |(expression, _)| expression.len() + 1);
-        let Some((value_text, caption)) = text[last..].split_once(':') else { return Self::parse(text, value) };
-        let rule = Self::parse(&text[..last + value_text.len()], value)?;
-        match (rule.selection, caption.trim()) {
-            (_, "") => Err("the caption behind the colon is empty; write EXPR=VALUE:CAPTION".into()),
-            (None, _) => Err("a caption belongs to a selection: write EXPR=VALUE:CAPTION".into()),
-            (Some(selection), caption) => {
-                let letters = caption.chars().count();
-                if letters > MOST_CAPTION {
-                    return Err(format!("the caption has {letters} letters, more than {MOST_CAPTION}"));
-                }
-                Ok(Self { selection: Some(selection.captioned(caption)), value: rule.value })
+        let whole = Self::parse(text, &value);
+        let rule = |(at, _): (usize, &str)| Some((Self::parse(&text[..at], &value).ok()?, &text[at + 1..]));
+        let found = if whole.is_err() { text.match_indices(':').find_map(rule) } else { None };
+        match found {
+            None => whole,
+            Some((Self { selection: None, .. }, _)) => {
+                Err("a caption belongs to a selection: write EXPR=VALUE:CAPTION".into())
+            }
+            Some((Self { selection: Some(selection), value }, words)) => {
+                Ok(Self { selection: Some(selection.captioned(&caption(words)?)), value })
             }
         }
     }
@@ -318,15 +316,31 @@ impl<T: Copy> Rule<T> {
     }
 }
 
-/// The most letters of a caption.
+/// The most letters of a caption or a title.
 const MOST_CAPTION: usize = 200;
+
+/// The words of a legend.
+fn caption(text: &str) -> Result<String, String> {
+    match (text.trim(), text.chars().count()) {
+        ("", _) => Err("the words for the legend are empty".into()),
+        (_, letters) if letters > MOST_CAPTION => Err(format!("found {letters} letters, more than {MOST_CAPTION}")),
+        (words, _) => Ok(words.to_owned()),
+    }
+}
 
 fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
     Rule::parse(text, positive("number"))
 }
 
 fn color_rule(text: &str) -> Result<Rule<Paint>, String> {
-    Rule::captioned(text, |text| if text == "element" { Ok(Paint::Element) } else { color(text).map(Paint::One) })
+    let value = |text: &str| if text == "element" { Ok(Paint::Element) } else { color(text).map(Paint::One) };
+    let rule = Rule::captioned(text, value)?;
+    match rule.selection.as_ref().and_then(Selection::caption) {
+        Some(_) if rule.value == Paint::Element => {
+            Err("the colours of elements have a row for each element; remove the caption".into())
+        }
+        _ => Ok(rule),
+    }
 }
 
 fn material_rule(text: &str) -> Result<Rule<MaterialName>, String> {

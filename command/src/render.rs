@@ -230,13 +230,14 @@ impl Render {
         else {
             return Ok(());
         };
-        if let Some(frames) = self.args.frames_of_file().filter(|frames| *frames > 1) {
-            note(format_args!(
-                "{} shows all {frames} frames of the file; --frames A-B takes some",
-                film.path.display()
-            ));
-            self.args.read.frames = Some(format!("1-{frames}").parse()?);
-        }
+        let count = match self.args.frames_of_file() {
+            Some(0 | 1) => return Ok(()),
+            Some(frames) => format!("{frames} "),
+            // A stream, or a file that cannot be read to its end, which the film then says.
+            None => String::new(),
+        };
+        note(format_args!("{} shows all {count}frames of the file; --frames A-B takes some", film.path.display()));
+        self.args.read.frames = Some("1-".parse()?);
         Ok(())
     }
 

@@ -87,7 +87,7 @@ pub(super) struct ImageArgs {
     #[arg(long, value_name = "T")]
     tone: Option<Tone>,
     /// Enlarges spheres that would be less than so many pixels wide, in pictures and all buffers.
-    #[arg(long, value_name = "PIXELS", value_parser = positive("number"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_negative_numbers = true)]
     pub(super) least_size: Option<f64>,
     /// Renders only columns X0 to X1 and rows Y0 to Y1, counted from 0 at the top left, ends excluded.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
@@ -325,6 +325,14 @@ fn crop(text: &str) -> Result<Window, String> {
 fn tile(text: &str) -> Result<(u32, u32), String> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
     numbers.ok_or_else(|| "expected I/N, such as 3/16".into())
+}
+
+/// The most pixels of a least size.
+const MOST_PIXELS: f64 = 10_000.0;
+
+fn pixels(text: &str) -> Result<f64, String> {
+    let pixels = positive("number")(text)?;
+    if pixels <= MOST_PIXELS { Ok(pixels) } else { Err(format!("expected at most {MOST_PIXELS} pixels")) }
 }
 
 fn stops(text: &str) -> Result<f64, String> {

@@ -369,9 +369,10 @@ def _rows(colors: Color, count: int) -> NDArray[np.float32]:
     if given.dtype.kind in "UO" and given.ndim == 1 and all(isinstance(x, str) for x in given):
         names, places = np.unique(given.astype(str), return_inverse=True)
         return np.array([checked_color("colors", str(name)) for name in names], np.float32)[places]
-    if given.dtype == np.uint8 and given.shape[-1:] in ((3,), (4,)) and given.ndim in (1, 2):
-        rows = _linear()[given[..., :3]]
-        return rows if given.ndim == 2 else np.tile(rows, (count, 1))
+    if given.dtype == np.uint8 and given.shape == (3,):
+        return np.tile(_linear()[given], (count, 1))
+    if given.dtype == np.uint8 and given.ndim == 2 and given.shape[1] in (3, 4):
+        return _linear()[given[:, :3]]
     if given.shape == (3,):
         return np.tile(np.array(checked_color("colors", given), np.float32), (count, 1))
     if given.ndim == 2 and given.shape[1] == 4:

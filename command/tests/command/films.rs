@@ -204,6 +204,10 @@ fn a_film_shows_all_frames_of_its_file() {
     assert!(all.err.contains("all.mp4 shows all 3 frames of the file"), "{}", all.err);
     dir.render("three.xyz --size 32x20 --frames 1-3 -o named.mp4");
     assert_eq!(dir.get("all.mp4"), dir.get("named.mp4"));
+    // What cannot be read is said, and not that there is one picture.
+    dir.refused_render(8, "missing.xyz -o all.gif", &["missing.xyz"]);
+    dir.put("cut.xyz", "1\na\nC 0 0 0\n1\nb\nC 1 0\n");
+    dir.refused_render(3, "cut.xyz -o all.gif", &["cut.xyz:6:"]);
 }
 
 /// docs/film.md: the pictures of a film have one size, which is known before any is rendered where the list says it.

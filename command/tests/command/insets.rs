@@ -83,6 +83,8 @@ fn a_legend_has_the_words_of_its_reader() {
         assert_eq!(ran.code, 0, "{}", ran.err);
         String::from_utf8_lossy(&dir.get("l.svg")).into_owned()
     };
+    assert!(legend("--color x~>~1=red:n=5~of~a:b").contains("n=5 of a:b"));
+    assert!(legend("--color index~1:2=red:two").contains(">two<"));
     let titled = legend("--color-by vx --legend-title speed~/~nm");
     assert!(titled.contains("speed / nm") && !titled.contains("vx"), "{titled}");
     let captions = "--color x~>~1=red:far~away --color x~<~1=blue --opacity index~2=0.5:a~ghost";
@@ -99,7 +101,8 @@ fn a_legend_has_the_words_of_its_reader() {
     }
     for (options, problem) in [
         ("--color red:all", "a caption belongs to a selection"),
-        ("--color x~>~1=red:~", "the caption behind the colon is empty"),
+        ("--color x~>~1=red:~", "the words for the legend are empty"),
+        ("--color x~>~1=element:all", "a row for each element"),
         ("--radius x~>~1=2:big", "2:big"),
     ] {
         let ran = dir.run(&words(options));

@@ -81,6 +81,7 @@ impl Scale {
             skipped.assumed.push(format!("{lost} of {n} values of {name} {why}, so these particles {color}"));
         }
         if let Some([low, high]) = self.known_range() {
+            let [low, high] = [low.min(high), low.max(high)];
             let beyond = parallel::count(values.len(), |n| values[n] < low || values[n] > high);
             if beyond > n / MANY {
                 let percent = 100 * beyond / n;
@@ -160,7 +161,7 @@ mod tests {
             "{}",
             beyond([0.0, 1.5])
         );
-        assert_eq!(beyond([0.0, 100.0]), "");
+        assert_eq!([beyond([0.0, 100.0]), beyond([100.0, 0.0])], ["", ""]);
         // Coordinates need no column.
         p.positions[2] = [7.0, 0.0, 5.0];
         let height = Scale { columns: vec!["z".into()], ..scale(None, false) };

@@ -92,6 +92,9 @@ impl NetCdf {
             }
         };
         check_ids(atoms)?;
+        if atoms == 0 {
+            return Err(wrong("coordinates", "a frame has no atoms".into(), NO_COORDINATES));
+        }
         let mut parts = Vec::new();
         for (part, name) in PARTS {
             let is_read = part != Part::Velocities || self.with_velocities;
@@ -188,9 +191,14 @@ impl Moments for NetCdf {
         if !self.advance()? {
             return Ok(false);
         }
-        if let Some(FrameLayout { start, size, .. }) = self.layout {
+        if let Some(FrameLayout { start, size, parts, .. }) = &self.layout {
+            let offset = self.frame.saturating_mul(*size);
+            let ends = parts.last().map_or(*start, |(_, variable)| variable.begin.saturating_add(variable.bytes()));
+            let (last, end) = (ends.saturating_add(offset), start.saturating_add(offset).saturating_add(*size));
             self.frame += 1;
-            self.pass_to(start.saturating_add(self.frame.saturating_mul(size)), "skipped frame")?;
+            self.pass_to(last, "skipped frame")?;
+            // The last frame may lack the bytes that fill it.
+            self.file.skip(end.saturating_sub(self.file.at()))?;
         }
         self.file.found();
         Ok(true)

@@ -135,7 +135,7 @@ impl Reading<'_> {
             let name = self.name(field)?;
             let (scalar, count) = (self.scalar(field)?, self.count(field)?);
             let bytes = count.saturating_mul(scalar.size() as u64).saturating_add(3) & !3;
-            if name == "scale_factor" && count == 1 && scalar.is_float() {
+            if name == "scale_factor" && count == 1 {
                 self.file.block(bytes, &mut self.block, field)?;
                 factor = Some(scalar.number(&self.block));
             } else {
@@ -171,7 +171,11 @@ impl Reading<'_> {
 /// # Errors
 /// [`Error::Scene`](halfline_ground::Error::Scene) with the byte.
 pub(super) fn header(file: &mut BinaryFile) -> Result<Header> {
-    let [_, _, _, version] = file.bytes("magic number")?;
+    let [c, d, f, version]: [u8; 4] = file.bytes("magic number")?;
+    if [c, d, f] != *b"CDF" || ![1, 2, 5].contains(&version) {
+        let problem = "the file does not begin with CDF and 1, 2 or 5";
+        return Err(file.fail(0, "magic number", problem, "use a NetCDF file of a classic format"));
+    }
     let mut reading = Reading { file, version, block: Vec::new() };
     let count = reading.count("number of records")?;
     let frames = if count == STREAMING[usize::from(version == 5)] { Frames::ToTheEnd } else { Frames::Known(count) };

@@ -160,7 +160,14 @@ fn damaged_files_are_refused() {
     many[8..12].copy_from_slice(&[0, 0, 0, 11]);
     let mut sides = good.clone();
     sides[12..16].copy_from_slice(&[0, 0xff, 0, 0]);
+    let mut empty = good.clone();
+    let atom = good.windows(4).position(|text| text == b"atom").expect("a dimension");
+    empty[atom + 4..atom + 8].copy_from_slice(&[0; 4]);
+    let mut version = good.clone();
+    version[3] = 3;
     for (bytes, message) in [
+        (empty, "a frame has no atoms"),
+        (version, "does not begin with CDF and 1, 2 or 5"),
         (good[..good.len() - 1].to_vec(), "velocities: the file ends after 23 of 24 bytes"),
         (good[..30].to_vec(), "dimensions: the file ends"),
         (replaced("coordinates", "coordinated"), "no variable coordinates among spatial, time, note"),
