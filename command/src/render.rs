@@ -230,13 +230,15 @@ impl Render {
         else {
             return Ok(());
         };
-        let count = match self.args.frames_of_file() {
+        // Of a stream, and of a file that cannot be read to its end, rendering says the rest.
+        match self.args.frames_of_file() {
             Some(0 | 1) => return Ok(()),
-            Some(frames) => format!("{frames} "),
-            // A stream, or a file that cannot be read to its end, which the film then says.
-            None => String::new(),
-        };
-        note(format_args!("{} shows all {count}frames of the file; --frames A-B takes some", film.path.display()));
+            Some(frames) => {
+                let film = film.path.display();
+                note(format_args!("{film} shows all {frames} frames of the file; --frames A-B takes some"));
+            }
+            None => {}
+        }
         self.args.read.frames = Some("1-".parse()?);
         Ok(())
     }
