@@ -372,7 +372,8 @@ def _rows(colors: Color, count: int) -> NDArray[np.float32]:
     if given.dtype == np.uint8 and given.shape == (3,):
         return np.tile(_linear()[given], (count, 1))
     if given.dtype == np.uint8 and given.ndim == 2 and given.shape[1] in (3, 4):
-        return _linear()[given[:, :3]]
+        rows: NDArray[np.float32] = _linear()[given[:, :3]]
+        return rows
     if given.shape == (3,):
         return np.tile(np.array(checked_color("colors", given), np.float32), (count, 1))
     if given.ndim == 2 and given.shape[1] == 4:

@@ -12,6 +12,7 @@ use crate::particles::molecule;
 use halfline_ground::Cell;
 use halfline_ground::error::Result;
 use halfline_ground::memory::{check, check_ids};
+use halfline_ground::quote::list;
 use header::{Frames, Header, Variable, header};
 
 /// The reader.
@@ -79,8 +80,8 @@ impl NetCdf {
     fn layout_of(&self, header: Header) -> Result<FrameLayout> {
         let wrong = |field: &str, problem: String, mend: &str| self.file.fail(0, field, problem, mend);
         let Some(positions) = header.variables.iter().find(|variable| variable.name == "coordinates") else {
-            let names: Vec<&str> = header.variables.iter().take(8).map(|variable| &variable.name[..]).collect();
-            let problem = format!("there is no variable coordinates among {}", names.join(", "));
+            let names = list(header.variables.iter().map(|variable| &variable.name));
+            let problem = format!("there is no variable coordinates among {names}");
             return Err(wrong("variables", problem, NO_COORDINATES));
         };
         let of_records = positions.is_record;
