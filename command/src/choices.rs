@@ -9,12 +9,11 @@ use super::render::picture::{complete, write_legend};
 use super::scene_args::SceneArgs;
 use super::scene_frames;
 use super::view::{Given, Parser, WrittenOption};
-use halfline::error::{Error, Result};
+use halfline::error::Result;
 use halfline::explain::Explanation;
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::{Aov, Frame};
 use halfline::progress::{Cancel, Watch};
-use halfline::quote::setting::LEAST_SIZE;
 use halfline::render::Renderer;
 use halfline::render::stream::{Part, PartView, Visible};
 use halfline::scene::arrange::Arrangement;
@@ -90,7 +89,7 @@ impl Choices {
     /// The choices of these options. Those of an earlier call are not parsed again.
     ///
     /// # Errors
-    /// [`Error::Settings`] that names the option, its value and what it takes.
+    /// [`Error::Settings`](halfline::error::Error::Settings) that names the option, its value and what it takes.
     pub fn of(options: &[WrittenOption]) -> Result<Arc<Self>> {
         static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -111,7 +110,7 @@ impl Choices {
     /// The options for reading with these columns; `map` replaces the colour map.
     ///
     /// # Errors
-    /// [`Error::Settings`] for options that exclude each other.
+    /// [`Error::Settings`](halfline::error::Error::Settings) for options that exclude each other.
     pub fn reading(&self, keep: Keep, map: Option<ColorMap>, watch: Watch) -> Result<ReadOptions> {
         let mut options = scene_frames::options(&self.args, &Cancel::default())?;
         (options.particles.keep, options.particles.watch) = (keep, watch);
@@ -154,7 +153,7 @@ impl Choices {
     /// Checks that a file holds what the options ask for.
     ///
     /// # Errors
-    /// [`Error::Settings`] for pixels per inch of a file that has none.
+    /// [`Error::Settings`](halfline::error::Error::Settings) for pixels per inch of a file that has none.
     pub fn check_file(&self, target: &Target) -> Result<()> {
         self.args.files.check_dpi(std::slice::from_ref(target))
     }
@@ -175,10 +174,6 @@ impl Choices {
     pub fn picture<'a>(&'a self, scene: ChosenScene<'_>, aovs: &[Aov], backend: Backend) -> Result<ChosenPicture<'a>> {
         let ChosenScene { mut frame, edges, is_outlined, file, colored_by, part } = scene;
         let (args, has_picture) = (&self.args, aovs.contains(&Aov::Color));
-        if part.is_some() && args.image.least_size.is_some() {
-            let problem = format!("{LEAST_SIZE}: what hides what in parts is that of spheres of their own size");
-            return Err(Error::settings(problem, "remove it"));
-        }
         args.insets.check_place(
             args.image.is_part(),
             has_picture,

@@ -230,16 +230,17 @@ impl Render {
         else {
             return Ok(());
         };
-        // Of a stream, and of a file that cannot be read to its end, rendering says the rest.
-        match self.args.frames_of_file() {
+        let all = match self.args.frames_of_file() {
             Some(0 | 1) => return Ok(()),
             Some(frames) => {
                 let film = film.path.display();
                 note(format_args!("{film} shows all {frames} frames of the file; --frames A-B takes some"));
+                format!("1-{frames}")
             }
-            None => {}
-        }
-        self.args.read.frames = Some("1-".parse()?);
+            // Of a stream, and of a file that cannot be read to its end, rendering says the rest.
+            None => "1-".to_owned(),
+        };
+        self.args.read.frames = Some(all.parse()?);
         Ok(())
     }
 

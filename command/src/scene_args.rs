@@ -16,6 +16,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
+use halfline::quote::setting::LEAST_SIZE;
 use halfline::render::stream::PartView;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, FileLook, Outline, Settings, Tolerance};
@@ -235,11 +236,15 @@ impl SceneArgs {
         Ok(tile.transpose()?.or(self.image.crop))
     }
 
-    /// Checks that a size is that of the parts, unless it is a preference.
+    /// Checks that a size is that of the parts, unless it is a preference, and that their spheres keep theirs.
     ///
     /// # Errors
-    /// [`Error::Settings`] with both sizes.
+    /// [`Error::Settings`] with both sizes, and for a least size.
     pub(super) fn check_size(&self, view: &PartView) -> Result<()> {
+        if self.image.least_size.is_some() {
+            let problem = format!("{LEAST_SIZE}: what hides what in parts is that of spheres of their own size");
+            return Err(Error::settings(problem, "remove it"));
+        }
         let [w, h] = view.size;
         match self.image.size.filter(|_| self.typed.has("size")) {
             Some((width, height)) if [width, height] != view.size => {

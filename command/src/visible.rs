@@ -71,10 +71,6 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     if !args.files.cryptomatte.is_empty() {
         return Err(Error::settings("--cryptomatte: parts have no columns", "remove it"));
     }
-    if args.image.least_size.is_some() {
-        let problem = "--least-size: what hides what in parts is that of spheres of their own size";
-        return Err(Error::settings(problem, "remove it"));
-    }
     if args.insets.legend_in.is_some() {
         return Err(Error::settings("--legend-in: parts have no legend", "remove it"));
     }

@@ -38,12 +38,18 @@ pub fn check_sphere(center: [f64; 3], radius: f64, place: impl Fn() -> Place) ->
     Ok(())
 }
 
+/// Whether a number is a component of a colour in linear RGB: finite, 0 or more.
+#[must_use]
+pub fn is_component(component: f32) -> bool {
+    component.is_finite() && component >= 0.0
+}
+
 /// Checks a colour, for every reader: three finite numbers, none negative.
 ///
 /// # Errors
 /// [`Error::Scene`] at `place`.
 pub fn check_color(color: [f32; 3], place: impl FnOnce() -> Place) -> Result<()> {
-    match color.iter().find(|c| !(c.is_finite() && **c >= 0.0)) {
+    match color.iter().find(|c| !is_component(**c)) {
         None => Ok(()),
         Some(bad) => Err(Error::scene(place(), format!("the colour component is {bad}"), "give linear RGB, 0 or more")),
     }

@@ -128,12 +128,8 @@ fn summary(pair: &BufferPair<'_>, found: &Difference) -> String {
     let types = if this == that { this.to_owned() } else { format!("{this} against {that}") };
     let form = format!("{} of {types}", sides(pair.a.shape()));
     let Some(at) = found.at else { return format!("equal: {form}, every value is the same") };
-    let (verdict, count) = match (found.is_within(), found.beyond) {
-        (true, 0) => ("equal", found.differing),
-        (true, beyond) => ("equal", beyond),
-        (false, beyond) => ("different", beyond),
-    };
-    let how = if found.beyond == 0 { "differ, none" } else { "differ" };
+    let verdict = if found.is_within() { "equal" } else { "different" };
+    let (count, how) = if found.beyond == 0 { (found.differing, "differ, none") } else { (found.beyond, "differ") };
     let allowed = match found.share > 0.0 {
         true => format!(", and {} % may", 100.0 * found.share),
         false => String::new(),

@@ -124,7 +124,7 @@ fn unknown_endings_name_the_nearest() {
     }
 }
 
-/// Spheres smaller than `--least-size` are as wide as it says, and their number is told.
+/// Spheres smaller than `--least-size` get this width, and a warning counts them.
 #[test]
 fn small_spheres_have_a_least_size() {
     let dir = TestDir::new(&[("two.csv", "x,y,z,radius\n-5,0,0,1e-6\n5,0,0,2\n")]);

@@ -16,8 +16,9 @@ impl SceneFrame {
     /// As [`Self::painted`].
     pub fn styled(&self, style: &Style) -> Result<Self> {
         let painted = if style.paints.is_empty() { self.clone() } else { self.painted(&style.paints)?.0 };
-        let faded = painted.faded(style)?;
-        Ok(Self { legend: style.titled(faded.legend.clone()), ..faded })
+        let mut faded = painted.faded(style)?;
+        faded.legend = style.titled(faded.legend.take());
+        Ok(faded)
     }
 
     /// The same spheres with these opacities, none of which they had before, and a row of the legend for each rule.

@@ -71,14 +71,15 @@ impl Record {
     ) -> Result<()> {
         let size = self.size.max(1);
         let parts = parallel::blocks(0..block.len() / size, (PART / size).max(1), &|records, _| {
-            let (mut part, mut numbers) = (layout.begin_part(), Vec::new());
-            let rows = &block[records.start * size..records.end * size];
-            if is_plain && layout.valid_columns(records.len(), &self.columns(rows), &mut part) {
+            let (mut part, count) = (layout.begin_part(), records.len());
+            let columns = self.columns(&block[records.start * size..records.end * size]);
+            if is_plain && layout.valid_columns(count, &columns, &mut part) {
                 return Ok(part);
             }
-            for n in records {
+            let mut numbers = Vec::new();
+            for (row, n) in records.enumerate() {
                 numbers.clear();
-                self.decode(&block[n * size..(n + 1) * size], &mut numbers);
+                numbers.extend(columns[row..].iter().step_by(count));
                 add(n, &mut numbers, &mut part)?;
             }
             Ok(part)
@@ -97,16 +98,6 @@ impl Record {
             }
         }
         numbers
-    }
-
-    fn decode(&self, record: &[u8], numbers: &mut Vec<f64>) {
-        for number in &self.numbers {
-            let bytes = &record[number.at..];
-            match number.is_color {
-                true => numbers.extend(number.scalar.levels(bytes)),
-                false => numbers.push(number.scalar.number(bytes)),
-            }
-        }
     }
 }
 

@@ -66,8 +66,8 @@ impl Panels {
             if best.is_none_or(|(least, _)| cost < least) && self.is_free(page, at, size) {
                 let thing = if let Target::Visible(thing) = target { Some(*thing) } else { None };
                 let cost = cost + covered(visible, thing, at, size) + line.map_or(0.0, |line| self.crossings(line));
-                let names_it = || thing.is_none_or(|thing| visible.is_clear_of_others(thing, at, size));
-                if best.is_none_or(|(least, _)| cost < least) && names_it() {
+                let is_alone = || thing.is_none_or(|thing| visible.is_clear_of_others(thing, at, size));
+                if best.is_none_or(|(least, _)| cost < least) && is_alone() {
                     best = Some((cost, Place { at, line }));
                 }
             }

@@ -131,11 +131,21 @@ impl NetCdf {
         Ok(FrameLayout { atoms, parts, frames, start, size, has_velocities })
     }
 
-    /// Moves to this byte of the frame.
-    fn pass_to(&mut self, byte: u64, field: &str) -> Result<()> {
-        let left = byte.saturating_sub(self.file.at());
-        self.file.pass(left, field)
+    /// Moves to the next frame. The last one may lack the bytes that fill it.
+    fn pass_frame(&mut self) -> Result<()> {
+        self.frame += 1;
+        let ends =
+            self.layout.as_ref().map(|layout| layout.start.saturating_add(self.frame.saturating_mul(layout.size)));
+        self.file.skip(ends.unwrap_or_default().saturating_sub(self.file.at()))?;
+        self.file.found();
+        Ok(())
     }
+}
+
+/// Moves to this byte of a file.
+fn pass_to(file: &mut BinaryFile, byte: u64, field: &str) -> Result<()> {
+    let left = byte.saturating_sub(file.at());
+    file.pass(left, field)
 }
 
 /// The numbers of a variable.
@@ -156,22 +166,22 @@ impl Moments for NetCdf {
         if !self.advance()? {
             return Ok(None);
         }
-        let Some(layout) = self.layout.take() else { return Ok(None) };
+        let Self { file, layout: Some(layout), block, .. } = self else { return Ok(None) };
         let offset = self.frame.saturating_mul(layout.size);
         let (mut moment, mut time) = (Moment { has_velocities: layout.has_velocities, ..Moment::default() }, None);
         let mut sides = [None; 2];
         for (part, variable) in &layout.parts {
-            self.pass_to(variable.begin.saturating_add(offset), &variable.name)?;
-            let at = self.file.at();
-            self.file.block(variable.bytes(), &mut self.block, &variable.name)?;
+            pass_to(file, variable.begin.saturating_add(offset), &variable.name)?;
+            let at = file.at();
+            file.block(variable.bytes(), block, &variable.name)?;
             let mut first = [0.0; 3];
-            first.iter_mut().zip(numbers(variable, &self.block)).for_each(|(to, x)| *to = x);
+            first.iter_mut().zip(numbers(variable, block)).for_each(|(to, x)| *to = x);
             match part {
-                Part::Positions => moment.positions = vectors(variable, &self.block, layout.atoms)?,
-                Part::Velocities => moment.velocities = vectors(variable, &self.block, layout.atoms)?,
+                Part::Positions => moment.positions = vectors(variable, block, layout.atoms)?,
+                Part::Velocities => moment.velocities = vectors(variable, block, layout.atoms)?,
                 Part::Time => time = Some(first[0]),
                 Part::Lengths | Part::Angles if !first.iter().all(|x| x.is_finite()) => {
-                    return Err(self.file.fail(at, &variable.name, "a number of the cell is not finite", DAMAGED));
+                    return Err(file.fail(at, &variable.name, "a number of the cell is not finite", DAMAGED));
                 }
                 Part::Lengths => sides[0] = Some(first),
                 Part::Angles => sides[1] = Some(first),
@@ -179,12 +189,7 @@ impl Moments for NetCdf {
         }
         moment.cell = cell(sides);
         moment.when = FrameTime::of(time, None);
-        self.frame += 1;
-        // The last frame may lack the bytes that fill it.
-        let end = layout.start.saturating_add(offset).saturating_add(layout.size);
-        self.file.skip(end.saturating_sub(self.file.at()))?;
-        self.layout = Some(layout);
-        self.file.found();
+        self.pass_frame()?;
         Ok(Some(moment))
     }
 
@@ -192,16 +197,11 @@ impl Moments for NetCdf {
         if !self.advance()? {
             return Ok(false);
         }
-        if let Some(FrameLayout { start, size, parts, .. }) = &self.layout {
-            let offset = self.frame.saturating_mul(*size);
-            let ends = parts.last().map_or(*start, |(_, variable)| variable.begin.saturating_add(variable.bytes()));
-            let (last, end) = (ends.saturating_add(offset), start.saturating_add(offset).saturating_add(*size));
-            self.frame += 1;
-            self.pass_to(last, "skipped frame")?;
-            // The last frame may lack the bytes that fill it.
-            self.file.skip(end.saturating_sub(self.file.at()))?;
+        if let Some(FrameLayout { size, parts, .. }) = &self.layout {
+            let ends = parts.last().map_or(0, |(_, last)| last.begin.saturating_add(last.bytes()));
+            pass_to(&mut self.file, ends.saturating_add(self.frame.saturating_mul(*size)), "skipped frame")?;
         }
-        self.file.found();
+        self.pass_frame()?;
         Ok(true)
     }
 }
