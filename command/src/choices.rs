@@ -155,7 +155,7 @@ impl Choices {
     /// # Errors
     /// [`Error::Settings`](halfline::error::Error::Settings) for pixels per inch of a file that has none.
     pub fn check_file(&self, target: &Target) -> Result<()> {
-        self.args.files.check_dpi(std::slice::from_ref(target))
+        self.args.files.check_formats(std::slice::from_ref(target))
     }
 
     /// The settings of a part of this scene.

@@ -25,7 +25,8 @@ type AovArgument = (Vec<Aov>, Option<PathBuf>);
 pub(super) struct FileArgs {
     #[command(flatten)]
     typed: Typed,
-    /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw; - is a PNG on standard output. For several pictures
+    /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw, or a copy for other programs, which halfline does not read
+    /// again: .tif, .jpg (quality 95), .webp (lossless); - is a PNG on standard output. For several pictures
     /// %d or %04d is replaced by the number, and %% beside it by %, or .mp4 or .gif is a film of them, made by ffmpeg. .glb is
     /// no picture but the spheres themselves, as points with radii and colours for Blender and other programs.
     #[arg(short, long, value_name = "FILE")]
@@ -43,10 +44,10 @@ pub(super) struct FileArgs {
     /// given several times.
     #[arg(long, value_name = "COLUMN")]
     pub(super) cryptomatte: Vec<String>,
-    /// Bits per component in PNG: 8, 16.
+    /// Bits per component in PNG and TIFF: 8, 16.
     #[arg(long, value_name = "N", default_value = "8")]
     bits: Bits,
-    /// Pixels per inch, stored in PNG for print; the number of pixels is that of --size.
+    /// Pixels per inch, stored in .png, .tif, .jpg and .webp for print; the number of pixels is that of --size.
     #[arg(long, value_name = "N")]
     dpi: Option<Dpi>,
     /// Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss.
@@ -62,7 +63,7 @@ pub(super) struct FileArgs {
     /// Background colour: a CSS name such as white, #rgb or #rrggbb in sRGB, or r,g,b in linear RGB.
     #[arg(long, help_heading = "Image", value_name = "C", value_parser = color, conflicts_with = "transparent")]
     background: Option<[f32; 3]>,
-    /// Makes the background transparent; alpha is stored in .png, .exr and .npz.
+    /// Makes the background transparent; alpha is stored in .png, .exr, .npz, .tif and .webp.
     // --background on the command line overrides a configuration file that makes all backgrounds transparent.
     #[arg(long, help_heading = "Image", default_value_if("background", ArgPredicate::IsPresent, "false"))]
     pub(super) transparent: bool,
@@ -110,23 +111,44 @@ impl FileArgs {
         Ok(targets)
     }
 
-    /// Returns an error for a --dpi of the command line that none of the files would hold; a preference from elsewhere may
-    /// apply to no file.
-    pub(super) fn check_dpi(&self, targets: &[Target]) -> Result<()> {
+    /// Returns an error for a --dpi of the command line that none of the files would hold, and for 16 bits in a file that has 8;
+    /// a preference from elsewhere may apply to no file.
+    pub(super) fn check_formats(&self, targets: &[Target]) -> Result<()> {
         let film = self.film().map(|film| film.path);
-        let holds = |target: &Target| target.format() == FileFormat::Png && Some(target.path()) != film;
-        if !self.typed.has("dpi") || targets.iter().any(holds) {
-            return Ok(());
+        let holds = |target: &Target| target.format().takes_dpi() && Some(target.path()) != film;
+        if self.typed.has("dpi") && !targets.iter().any(holds) {
+            let problem = "--dpi applies to .png, .tif, .jpg and .webp files, and none is written";
+            return Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"));
         }
-        let problem = "--dpi applies to PNG files, and none is written";
-        Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"))
+        let short = |target: &&Target| target.format().is_copy() && !target.format().takes_sixteen_bits();
+        match targets.iter().find(short).filter(|_| self.typed.has("bits") && self.bits == Bits::Sixteen) {
+            Some(target) => {
+                let problem = format!("{} has 8 bits per component", target.path().display());
+                Err(Error::settings(problem, "use .png or .tif with --bits 16"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Returns an error for files that --resume could not find whole.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with the file.
+    pub(super) fn check_resume(&self, targets: &[Target]) -> Result<()> {
+        match targets.iter().find(|target| target.format().is_copy()) {
+            Some(target) => {
+                let problem = format!("--resume: {} is a copy, which is not read again", target.path().display());
+                Err(Error::settings(problem, "use .png, or remove --resume"))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Warns of a --transparent of the command line that none of the files shows.
     pub(super) fn check_transparent(&self, targets: &[Target]) {
         let shows = |target: &Target| target.aovs().contains(&Aov::Alpha);
         if self.typed.has("transparent") && !targets.is_empty() && !targets.iter().any(shows) {
-            warn(["--transparent: no file has the alpha of the picture; .png, .exr and .npz store it"]);
+            warn(["--transparent: no file has the alpha of the picture; .png, .exr, .npz, .tif and .webp store it"]);
         }
     }
 

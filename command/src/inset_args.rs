@@ -12,6 +12,7 @@ use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleB
 use halfline_files::read::SceneFrame;
 use halfline_files::read::mark::{self, MarkRule, Marked};
 use halfline_files::write::file::is_standard_output;
+use halfline_files::write::format::FileFormat;
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -63,15 +64,13 @@ impl InsetArgs {
     /// Checks the combination with other options before any work; `is_part` says whether a part of the picture is rendered.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a part of a picture, and for a picture that is neither PNG nor EXR nor one of a film.
+    /// [`Error::Settings`] for a part of a picture, and for a picture of arrays, such as .npy.
     pub(super) fn check(&self, is_part: bool, files: &FileArgs) -> Result<()> {
-        let is_picture = |path: &Path| {
-            let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-            is_standard_output(path) || ending.is_some_and(|ending| ending == "png" || ending == "exr")
-        };
+        let is_picture =
+            |path: &Path| is_standard_output(path) || FileFormat::of(path).is_some_and(FileFormat::is_picture);
         let is_drawn = files.output.as_deref().is_some_and(|path| is_picture(path) || files.film().is_some());
-        let mend = "use -o with the file name extension .png, .exr, .mp4 or .gif";
-        self.check_place(is_part, is_drawn && !files.raw, "PNG and EXR pictures and into films", mend)
+        let mend = "use -o with the file name extension .png, .exr, .tif, .jpg, .webp, .mp4 or .gif";
+        self.check_place(is_part, is_drawn && !files.raw, "pictures and films", mend)
     }
 
     /// Checks that there is a whole picture to draw into: `places` are the pictures that have one.

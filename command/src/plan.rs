@@ -55,7 +55,7 @@ impl PlanArgs {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
         let targets = self.args.files.targets(1)?;
-        self.args.files.check_dpi(&targets)?;
+        self.args.files.check_formats(&targets)?;
         let settings = self.args.settings(&targets);
         let first = match self.args.visible[..] {
             [] => SceneFrames::open(&self.args, &settings, &Cancel::default())?.next_frame()?,

@@ -338,7 +338,10 @@ impl Render {
         legend::check(&self.args)?;
         self.args.insets.check(self.args.image.is_part(), &self.args.files)?;
         self.args.check_outputs()?;
-        self.args.files.check_dpi(&targets)?;
+        self.args.files.check_formats(&targets)?;
+        if self.resume {
+            self.args.files.check_resume(&targets)?;
+        }
         self.args.files.check_transparent(&targets);
         match self.args.camera_list()? {
             Some(_) => check_text(targets.iter().map(Target::path), "cameras.json")?,

@@ -264,11 +264,12 @@ impl SceneArgs {
     ) -> Result<Settings> {
         let scene = &picture.scene;
         let window = self.window(scene)?;
-        let columns = window.map_or(scene.image.width, |window| window.x1.saturating_sub(window.x0));
-        let reserve = targets
-            .iter()
-            .map(|target| target.memory(columns, scene.lighting.lights.len()))
-            .fold(0, u64::saturating_add);
+        let size = window.map_or([scene.image.width, scene.image.height], |window| {
+            [window.x1.saturating_sub(window.x0), window.y1.saturating_sub(window.y0)]
+        });
+        targets.iter().try_for_each(|target| target.check_size(size))?;
+        let reserve =
+            targets.iter().map(|target| target.memory(size, scene.lighting.lights.len())).fold(0, u64::saturating_add);
         let own = Settings { window, reserve, ..picture.look.settings(settings) };
         let Some(view) = &picture.part_view else { return Ok(own) };
         let width = self.light.width_or(view.outline);

@@ -3,6 +3,8 @@
 
 pub(crate) mod atomic;
 pub mod buffers;
+#[cfg(feature = "formats")]
+mod copy;
 mod cryptomatte;
 mod digest;
 mod encode;
@@ -18,6 +20,8 @@ mod layer;
 pub mod mattes;
 pub mod merge;
 #[cfg(not(feature = "formats"))]
+mod no_copy;
+#[cfg(not(feature = "formats"))]
 mod no_exr;
 pub mod npy;
 pub(crate) mod npz;
@@ -28,4 +32,4 @@ pub mod rays;
 mod rows;
 
 #[cfg(not(feature = "formats"))]
-use no_exr as exr;
+use {no_copy as copy, no_exr as exr};

@@ -145,12 +145,12 @@ class Frame(Mapping[str, NDArray[Any]]):
     ) -> None:
         """Writes a file, completely or not at all, with the provenance of the frame.
 
-        Legend, label and scale bar are in the color of .png and .exr. Numbers are those that were
+        Legend, label and scale bar are in the color of pictures. Numbers are those that were
         computed: float64, also with ``dtype="float32"``.
 
         Args:
-            path: The file; its extension is the format: .png, .exr, .npy, .npz, .pfm (see
-                docs/formats.md).
+            path: The file; its extension is the format: .png, .exr, .npy, .npz, .pfm, .tif,
+                .jpg, .webp (see docs/formats.md).
             aovs: The buffers; by default color for .png and .npy, or the only other buffer, and
                 all for .exr and .npz.
             **options: See `SaveOptions`.

@@ -279,7 +279,7 @@ class Options(TypedDict, total=False):
     is used.
     """
     transparent: bool
-    """Makes the background transparent; alpha is stored in .png, .exr and .npz."""
+    """Makes the background transparent; alpha is stored in .png, .exr, .npz, .tif and .webp."""
     cryptomatte: str | Iterable[str]
     """Adds Cryptomatte layers to the .exr of -o, for masks in compositors: id (the number of each
     sphere), residue, or a column such as chain, element or type. Each layer has the six objects
@@ -320,9 +320,11 @@ class SaveOptions(TypedDict, total=False):
     """Keywords of `Frame.save` and `Frame.to_png`."""
 
     bits: Literal[8, 16]
-    """Bits per component in PNG: 8, 16 [default: 8]."""
+    """Bits per component in PNG and TIFF: 8, 16 [default: 8]."""
     dpi: float | None
-    """Pixels per inch, stored in PNG for print; the number of pixels is that of size."""
+    """Pixels per inch, stored in .png, .tif, .jpg and .webp for print; the number of pixels is
+    that of size.
+    """
     unit: float
     """Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss
     [default: 0.001].

@@ -82,8 +82,7 @@ impl Frame {
         target: &mut Target,
         write: impl FnOnce(&Target, &CoreFrame, &Origin<'_>) -> Result<T>,
     ) -> Result<T> {
-        let is_picture =
-            matches!(target.format(), FileFormat::Png | FileFormat::Exr) && target.aovs().contains(&Aov::Color);
+        let is_picture = target.format().is_picture() && target.aovs().contains(&Aov::Color);
         let panels = self.panels.as_ref().filter(|_| is_picture);
         if let Some(panels) = panels {
             target.set_drawn(panels.words());

@@ -538,6 +538,22 @@ def test_pictures_and_datasets(cpu: hl.Renderer, cloud: hl.Scene, tmp_path: Path
         assert np.array_equal(np.asarray(image.open(tmp_path / file).convert("RGB")), frame.image)
 
 
+def test_copies_are_read_by_other_programs(
+    cpu: hl.Renderer, cloud: hl.Scene, tmp_path: Path
+) -> None:
+    image = pytest.importorskip("PIL.Image")
+    frame = cpu.render(cloud, size=(40, 30), look="soft", label="in the picture")
+    frame.save(tmp_path / "f.png")
+    levels = np.asarray(image.open(tmp_path / "f.png").convert("RGB")).astype(int)
+    for ending, most in (("tif", 0), ("jpg", 3), ("webp", 0)):
+        frame.save(tmp_path / f"f.{ending}", dpi=300)
+        copy = image.open(tmp_path / f"f.{ending}")
+        # The mean, since JPEG is within a level or two but for single pixels at edges.
+        assert abs(np.asarray(copy.convert("RGB")).astype(int) - levels).mean() <= most, ending
+        exif = copy.getexif()
+        assert "halfline:scene: " in exif[270] and exif[282] == 300, ending
+
+
 def test_a_frame_is_a_dataset(cpu: hl.Renderer, cloud: hl.Scene) -> None:
     pytest.importorskip("xarray")
     dataset = cpu.render(cloud, size=(40, 30), aovs=["color", "depth"]).to_xarray()
@@ -589,7 +605,7 @@ def test_depths_are_saved_as_the_command_writes_them(tmp_path: Path, cpu: hl.Ren
     for wrong in ({"unit": 0}, {"unit": "far"}, {"no_return": "none"}, {"bits": 12}):
         with pytest.raises(ValueError, match=next(iter(wrong))):
             frame.save(tmp_path / "d.png", aovs=["depth"], **wrong)
-    with pytest.raises(ValueError, match="dpi applies to PNG"):
+    with pytest.raises(ValueError, match="dpi applies to .png"):
         frame.save(tmp_path / "d.npy", aovs=["depth"], dpi=300)
     with pytest.raises(TypeError, match="no option 'quality'"):
         frame.save(tmp_path / "d.png", aovs=["depth"], quality=3)  # type: ignore[call-arg]

@@ -322,9 +322,13 @@ fn a_target_writes_what_readers_read() {
 fn a_target_refuses_buffers_that_it_cannot_hold() {
     for (aovs, name, offer) in [
         (&[Aov::Certainty][..], "c.png", "use the file name extension .exr, .npy, .npz or .raw"),
-        (&[Aov::Color], "picture.jpg", "use the file name extension .png, .exr, .npy, .npz, .pfm or .raw"),
+        (
+            &[Aov::Color],
+            "picture.bmp",
+            "use the file name extension .png, .exr, .npy, .npz, .pfm, .raw, .tif, .jpg or .webp",
+        ),
         (&[Aov::Mask], "mask.pfm", "use the file name extension .png, .exr, .npy, .npz or .raw"),
-        (&[Aov::Color], ".png", "use the file name extension .png, .exr, .npy, .npz, .pfm or .raw"),
+        (&[Aov::Color], ".png", "use the file name extension .png, .exr, .npy, .npz, .pfm, .raw, .tif, .jpg or .webp"),
         (&[Aov::Depth, Aov::Id], "both.npy", "use the file name extension .exr or .npz"),
         (&[Aov::Depth, Aov::Id], "-", "use the file name extension .exr or .npz"),
     ] {

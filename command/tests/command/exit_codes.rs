@@ -28,8 +28,8 @@ fn invalid_arguments_are_exit_code_2() {
     render(&["--aov", "mask=-", "--aov", "id=-"], &["standard output", "use files"]);
     render(&["-o", "out.npy", "--aov", "id=out.npy"], &["out.npy", "twice"]);
     render(&["-o", "out.npy", "--aov", "id=./out.npy"], &["out.npy", "twice"]);
-    render(&["-o", "out.jpg"], &["out.jpg", ".png, .exr, .npy, .npz, .pfm or .raw"]);
-    render(&["-o", "out"], &["out", ".png, .exr, .npy, .npz, .pfm or .raw"]);
+    render(&["-o", "out.bmp"], &["out.bmp", ".png, .exr, .npy, .npz, .pfm, .raw, .tif, .jpg or .webp"]);
+    render(&["-o", "out"], &["out", ".png, .exr, .npy, .npz, .pfm, .raw, .tif, .jpg or .webp"]);
     render(&["--aov", "certainty=out.png"], &["out.png", "certainty", ".npy"]);
     render(&["--aov", "id"], &["NAME=FILE", ".exr or .npz"]);
     render(&["-o", "out.png", "--aov", "id,depth"], &["id,depth", "has no file", ".exr or .npz"]);

@@ -183,9 +183,13 @@ fn a_png_has_the_resolution_of_its_option() {
         dir.refused_render(2, &format!("s.toml -o c.png --dpi={bad}"), &["--dpi", bad, "such as 300"]);
     }
     for files in ["-o c.npy", "-o c.exr --aov id=d.npy", "--aov depth=d.pfm", "-o - --raw", "--json"] {
-        dir.refused_render(2, &format!("s.toml {files} --dpi 300"), &["--dpi applies to PNG files", ".png"]);
+        dir.refused_render(2, &format!("s.toml {files} --dpi 300"), &["--dpi applies to .png", ".png"]);
     }
-    dir.refused(2, "plan s.toml -o c.npy --dpi 300", &["--dpi applies to PNG files"]);
+    dir.render("s.toml -o c.tif --bits 16 --dpi 300");
+    dir.refused_render(2, "s.toml -o c.jpg --bits 16", &["c.jpg has 8 bits", ".tif"]);
+    dir.refused_render(2, "s.toml -o c.webp --resume", &["c.webp is a copy", ".png"]);
+    dir.refused_render(2, "s.toml --size 70000x1 -o c.jpg", &["70000x1", "65535 pixels a side"]);
+    dir.refused(2, "plan s.toml -o c.npy --dpi 300", &["--dpi applies to .png"]);
     dir.good("plan s.toml --backend cpu --dpi 300");
     dir.render("s.toml -o - --dpi 300");
     // Preferences may apply to other pictures.

@@ -115,8 +115,8 @@ fn unknown_endings_name_the_nearest() {
         ("a.%d.MOV", "; a film of several pictures is .mp4 or .gif; else use"),
         ("a.gltf", "; a model of the spheres is .glb; else use"),
         ("a.obj", "; a model of the spheres is .glb; else use"),
-        ("a.tga", ".raw; a film of several pictures is .mp4 or .gif, a model of the spheres is .glb"),
-        ("a", ".raw; a film of several pictures is .mp4 or .gif, a model of the spheres is .glb"),
+        ("a.tga", ".webp; a film of several pictures is .mp4 or .gif, a model of the spheres is .glb"),
+        ("a", ".webp; a film of several pictures is .mp4 or .gif, a model of the spheres is .glb"),
     ] {
         let words = format!("render t.csv --size 8x8 -o {file}");
         dir.refused(2, &words, &[first, ".png, .exr"]);

@@ -59,8 +59,8 @@ impl Target {
             return Err(Error::settings(problem, format!("use the file name extension {}", FileFormat::endings(fits))));
         };
         #[cfg(not(feature = "formats"))]
-        if format == FileFormat::Exr {
-            let problem = format!("{}: this build of halfline does not write OpenEXR", path.display());
+        if format == FileFormat::Exr || format.is_copy() {
+            let problem = format!("{}: this build of halfline does not write {}", path.display(), format.name());
             return Err(Error::settings(problem, crate::WHOLE));
         }
         Ok(Self::with_format(aovs, path, format, style))
@@ -160,7 +160,7 @@ impl Target {
         let mut provenance = Provenance::new(origin, &self.aovs);
         let of_format = self.style.words(self.format, &self.aovs);
         of_format.into_iter().for_each(|(key, text)| provenance.set(key, text));
-        if self.format == FileFormat::Png && self.aovs.contains(&Aov::Color) {
+        if self.format.has_levels() && self.aovs.contains(&Aov::Color) {
             origin.report.toning().words().for_each(|(key, text)| provenance.set(key, text));
         }
         self.drawn.iter().for_each(|words| provenance.set("halfline:drawn", words));
@@ -189,14 +189,28 @@ impl Target {
         Ok(same.is_ok() && comparison.is_complete())
     }
 
-    /// Bytes of memory that writing the file, or reading it again, needs besides the frame; `columns` is the width of
+    /// Checks that the file can hold a picture of this width and height, for use before the work begins.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with the longest side that it can hold.
+    pub fn check_size(&self, size: [u32; 2]) -> Result<()> {
+        let (most, name) = (self.format.longest_side(), self.format.name());
+        if size.into_iter().all(|side| side <= most) {
+            return Ok(());
+        }
+        let [width, height] = size;
+        let problem = format!("{} cannot hold {width}x{height} pixels", self.path.display());
+        Err(Error::settings(problem, format!("use at most {most} pixels a side for {name}, or .png or .tif")))
+    }
+
+    /// Bytes of memory that writing the file, or reading it again, needs besides the frame; `size` is the width and height of
     /// the rendered window, `lights` the number of the scene's lights.
-    pub fn memory(&self, columns: u32, lights: usize) -> u64 {
-        let window = Window::full(columns, u32::MAX);
+    pub fn memory(&self, size: [u32; 2], lights: usize) -> u64 {
+        let window = Window::full(size[0], size[1]);
         let forms = self.format.forms(&self.aovs, self.style.bits, lights, false).unwrap_or_default();
         let matte = |names: &MatteNames| MatteHead { layer: names.layer().to_owned(), manifest: BTreeMap::new() };
         let mattes = self.mattes.iter().map(matte).collect();
-        Head { forms, mattes, provenance: Provenance::default(), window, full: [columns, u32::MAX] }.memory(self.format)
+        Head { forms, mattes, provenance: Provenance::default(), window, full: size }.memory(self.format)
     }
 
     /// Warnings about what the format cannot hold of `frame`, in whole sentences.
@@ -255,6 +269,7 @@ impl Target {
         write: impl FnOnce(&Head, &mut dyn Rows) -> Result<()>,
     ) -> Result<()> {
         let refuse = |problem: String| Error::settings(problem, "render the frame with the buffers of its files");
+        self.check_size([origin.window.width(), origin.window.height()])?;
         let [columns, lines] = [origin.window.width() as usize, origin.window.height() as usize];
         for aov in &self.aovs {
             let buffer = frame.get(*aov);
@@ -289,7 +304,7 @@ impl Target {
 /// [`Error::Io`] naming `path`, and those of `rows`.
 pub(super) fn write_file(format: FileFormat, head: &Head, rows: &mut dyn Rows, path: &Path) -> Result<()> {
     match format {
-        FileFormat::Exr => write_anywhere(path, |out| image_file::write(format, head, rows, out)),
+        FileFormat::Exr | FileFormat::Tiff => write_anywhere(path, |out| image_file::write(format, head, rows, out)),
         _ => write_atomically(path, |out| image_file::write(format, head, rows, &mut Onward(out))),
     }
 }

@@ -24,11 +24,18 @@ pub enum FileFormat {
     Pfm,
     /// One buffer's little-endian numbers without a header.
     Raw,
+    /// A picture for print: colour in sRGB, with alpha; not read back.
+    Tiff,
+    /// A picture of 8 bits per component with small losses; not read back.
+    Jpeg,
+    /// A picture of 8 bits per component for web pages, without losses, with alpha; not read back.
+    WebP,
 }
 
 impl FileFormat {
     /// Every format.
-    pub const ALL: [Self; 6] = [Self::Png, Self::Exr, Self::Npy, Self::Npz, Self::Pfm, Self::Raw];
+    pub const ALL: [Self; 9] =
+        [Self::Png, Self::Exr, Self::Npy, Self::Npz, Self::Pfm, Self::Raw, Self::Tiff, Self::Jpeg, Self::WebP];
 
     /// The file name extension of the format.
     pub fn ending(self) -> &'static str {
@@ -39,6 +46,64 @@ impl FileFormat {
             Self::Npz => ".npz",
             Self::Pfm => ".pfm",
             Self::Raw => ".raw",
+            Self::Tiff => ".tif",
+            Self::Jpeg => ".jpg",
+            Self::WebP => ".webp",
+        }
+    }
+
+    /// The name, for messages.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Png => "PNG",
+            Self::Exr => "OpenEXR",
+            Self::Npy => "NPY",
+            Self::Npz => "NPZ",
+            Self::Pfm => "PFM",
+            Self::Raw => "raw",
+            Self::Tiff => "TIFF",
+            Self::Jpeg => "JPEG",
+            Self::WebP => "WebP",
+        }
+    }
+
+    /// Whether colour is stored as levels of sRGB, as it is seen.
+    pub fn has_levels(self) -> bool {
+        self == Self::Png || self.is_copy()
+    }
+
+    /// Whether the file is a copy of a picture for other programs: it is not compared, merged or resumed.
+    pub fn is_copy(self) -> bool {
+        matches!(self, Self::Tiff | Self::Jpeg | Self::WebP)
+    }
+
+    /// Whether halfline reads files of it again.
+    pub fn is_read(self) -> bool {
+        self != Self::Raw && !self.is_copy()
+    }
+
+    /// Whether legends, labels and marks are drawn into its colour.
+    pub fn is_picture(self) -> bool {
+        self == Self::Exr || self.has_levels()
+    }
+
+    /// Whether it stores the resolution for print.
+    pub fn takes_dpi(self) -> bool {
+        self.has_levels()
+    }
+
+    /// Whether its levels may have 16 bits.
+    pub fn takes_sixteen_bits(self) -> bool {
+        matches!(self, Self::Png | Self::Tiff)
+    }
+
+    /// The greatest width and height, from the fields of its header.
+    pub fn longest_side(self) -> u32 {
+        match self {
+            Self::Jpeg => u16::MAX.into(),
+            // 14 bits, counted from 1.
+            Self::WebP => 1 << 14,
+            _ => u32::MAX,
         }
     }
 
@@ -50,6 +115,8 @@ impl FileFormat {
                 matches!(aov, Aov::Color | Aov::Distance | Aov::Depth | Aov::Normal | Aov::Position | Aov::Occlusion)
             }
             Self::Exr | Self::Npy | Self::Npz | Self::Raw => true,
+            Self::Tiff | Self::WebP => matches!(aov, Aov::Color | Aov::Alpha),
+            Self::Jpeg => aov == Aov::Color,
         }
     }
 
@@ -65,7 +132,7 @@ impl FileFormat {
         for aov in aovs.iter().copied() {
             match forms.last_mut() {
                 // Alpha is the fourth channel of colour.
-                Some(LayerFormat { aov: Aov::Color, channels, .. }) if self == Self::Png && aov == Aov::Alpha => {
+                Some(LayerFormat { aov: Aov::Color, channels, .. }) if self.has_levels() && aov == Aov::Alpha => {
                     *channels = 4
                 }
                 _ if wide_ids && aov == Aov::Id => {
@@ -85,8 +152,8 @@ impl FileFormat {
         match (self, aov.dtype(), aov) {
             (Self::Png, _, Aov::Mask) => SampleType::U8,
             (Self::Png, "float64", _) | (Self::Png, _, Aov::Id) => SampleType::U16,
-            (Self::Png, ..) if bits == Bits::Sixteen => SampleType::U16,
-            (Self::Png, ..) => SampleType::U8,
+            (Self::Png | Self::Tiff, ..) if bits == Bits::Sixteen => SampleType::U16,
+            (Self::Png | Self::Tiff | Self::Jpeg | Self::WebP, ..) => SampleType::U8,
             (Self::Exr, _, Aov::Id | Aov::Certainty) => SampleType::U32,
             (Self::Exr | Self::Pfm, ..) | (_, "float32", _) => SampleType::F32,
             (_, "float64", _) => SampleType::F64,
@@ -102,13 +169,17 @@ impl FileFormat {
 
     /// Whether alpha can be added to colour in the same file.
     pub fn takes_alpha(self) -> bool {
-        self == Self::Png || self.holds_many()
+        self.takes(Aov::Alpha) && (self.has_levels() || self.holds_many())
     }
 
     /// The format of `path`'s extension, in upper or lower case.
     pub fn of(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?;
-        Self::ALL.into_iter().find(|format| format.ending()[1..].eq_ignore_ascii_case(ending))
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        match &ending[..] {
+            "tiff" => Some(Self::Tiff),
+            "jpeg" => Some(Self::Jpeg),
+            _ => Self::ALL.into_iter().find(|format| format.ending()[1..] == ending),
+        }
     }
 
     /// The extensions of the formats that fit, for messages.
@@ -121,10 +192,10 @@ impl FileFormat {
     }
 }
 
-/// The keyword of the bits per component in a PNG.
+/// The keyword of the bits per component in a PNG or TIFF.
 const BITS: &str = "halfline:bits";
 
-/// Bits per component in a PNG.
+/// Bits per component in a PNG or TIFF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Bits {
     /// 0 to 255.
@@ -178,10 +249,10 @@ impl NoReturn {
     }
 }
 
-/// The keyword of the resolution of a PNG.
+/// The keyword of the resolution of a picture.
 const DPI: &str = "halfline:dpi";
 
-/// The resolution of a PNG for print: pixels per inch, between 1 and [`Dpi::MOST`].
+/// The resolution of a picture for print: pixels per inch, between 1 and [`Dpi::MOST`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dpi(u32);
 
@@ -189,9 +260,15 @@ impl Dpi {
     /// The highest resolution; its pixels per metre are within the 31 bits of PNG.
     pub const MOST: u32 = 1_000_000;
 
-    /// The resolution of a PNG with this provenance.
+    /// The resolution of a picture with this provenance.
     pub(super) fn of(provenance: &Provenance) -> Option<Self> {
         provenance.get(DPI)?.parse().ok()
+    }
+
+    /// Pixels per inch.
+    #[cfg(feature = "formats")]
+    pub(super) fn per_inch(self) -> u32 {
+        self.0
     }
 
     /// Pixels per metre, the nearest whole number: an inch is 0.0254 m.
@@ -215,7 +292,7 @@ impl FromStr for Dpi {
 /// The options of the formats.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FormatOptions {
-    /// Bits of colour, alpha and normals in PNG.
+    /// Bits of colour, alpha and normals in PNG, of colour and alpha in TIFF.
     pub bits: Bits,
     /// Scene units per level of distance and depth in PNG; positive and finite.
     pub unit: f64,
@@ -223,7 +300,7 @@ pub struct FormatOptions {
     pub no_return: NoReturn,
     /// Whether colour was rendered on black and has alpha.
     pub transparent: bool,
-    /// The resolution in PNG; without it the file has none.
+    /// The resolution of a picture; without it the file has none.
     pub dpi: Option<Dpi>,
 }
 
@@ -241,7 +318,7 @@ impl FormatOptions {
         let (levels, lengths) =
             (any(&[Aov::Color, Aov::Alpha, Aov::Normal, Aov::Occlusion]), any(&[Aov::Distance, Aov::Depth]));
         let mut words = Vec::new();
-        if format == FileFormat::Png && levels {
+        if format.takes_sixteen_bits() && levels {
             words.push((BITS, if self.bits == Bits::Eight { "8" } else { "16" }.to_owned()));
         }
         if lengths {
@@ -253,7 +330,7 @@ impl FormatOptions {
         if self.transparent && any(&[Aov::Color]) {
             words.push(("halfline:transparent", "true".to_owned()));
         }
-        if let (Some(Dpi(dpi)), FileFormat::Png) = (self.dpi, format) {
+        if let Some(Dpi(dpi)) = self.dpi.filter(|_| format.takes_dpi()) {
             words.push((DPI, dpi.to_string()));
         }
         words

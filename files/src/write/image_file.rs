@@ -3,7 +3,7 @@
 use super::digest::Digest;
 use super::format::FileFormat;
 use super::rows::{Found, SeekRead, pulled};
-use super::{exr, npy, npz, pfm, png};
+use super::{copy, exr, npy, npz, pfm, png};
 use halfline::error::{Error, Place, Result};
 use halfline::memory::check;
 use std::fs::File;
@@ -23,6 +23,7 @@ impl Head {
         band + match format {
             FileFormat::Exr => exr::memory(row),
             FileFormat::Png => png::memory(row),
+            FileFormat::Tiff | FileFormat::Jpeg | FileFormat::WebP => copy::memory(self),
             _ => 0,
         }
     }
@@ -61,8 +62,11 @@ impl<'a> Opened<'a> {
         ];
         let start = input.fill_buf().map_err(|error| Error::read(name, error))?;
         let Some((_, format, open)) = formats.into_iter().find(|(magic, ..)| start.starts_with(magic)) else {
-            let problem =
-                format!("not a {} file with provenance", FileFormat::endings(|format| format != FileFormat::Raw));
+            if let Some(format) = copy::detect(start) {
+                let problem = format!("a {} file is a copy of a picture and is not read back", format.name());
+                return Err(Error::scene(Place::file(name), problem, "render to .png too, and use that file"));
+            }
+            let problem = format!("not a {} file with provenance", FileFormat::endings(FileFormat::is_read));
             return Err(Error::scene(Place::file(name), problem, "use files that halfline render wrote"));
         };
         let (head, rows) = open(input, name)?.ok_or_else(|| {
@@ -134,6 +138,9 @@ pub(super) fn write(format: FileFormat, head: &Head, rows: &mut dyn Rows, out: &
         FileFormat::Npy => npy::write_sheet(head, rows, out),
         FileFormat::Npz => npz::write(head, rows, out),
         FileFormat::Pfm => pfm::write(head, rows, out),
+        FileFormat::Tiff => copy::write_tiff(head, rows, out),
+        FileFormat::Jpeg => copy::write_jpeg(head, rows, out),
+        FileFormat::WebP => copy::write_webp(head, rows, out),
         FileFormat::Raw => {
             head.form()?;
             head.bands().try_for_each(|band| out.write_all(&pulled(rows, 0, band)?))

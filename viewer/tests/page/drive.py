@@ -586,7 +586,7 @@ class Run:
         self.check("then the last frame is the end", shown() == "100 / 100", shown())
 
     def supersedes(self):
-        tab = self.fresh(still_ms=1000)
+        tab = self.fresh(still_ms=4000)  # a slow machine may need a second for a drag
         for i in range(3):
             tab.drag(self.at(0.4, 0.4), self.at(0.5 + 0.03 * i, 0.5), steps=3)
             end = time.monotonic() + 20
