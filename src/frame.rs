@@ -12,6 +12,7 @@ pub mod provenance;
 pub mod report;
 pub use halfline_ground::srgb;
 pub mod tone;
+mod trim;
 
 use crate::window::Window;
 use coverage::Coverage;

@@ -1,6 +1,7 @@
 //! The choices of a reading and of a picture, by options of the command, for scenes that another program has in memory: the keywords of the
 //! Python package are these options, and nothing else understands them.
 
+use super::framing;
 use super::legend;
 use super::messages::flags;
 use super::option_table::{options as all_options, word_of};
@@ -132,10 +133,10 @@ impl Choices {
         self.args.color.color_by.as_deref()
     }
 
-    /// Columns and rows, if they are given.
+    /// Columns and rows, if both are given.
     #[must_use]
     pub fn size(&self) -> Option<(u32, u32)> {
-        self.args.image.size
+        self.args.size()
     }
 
     /// The settings for these buffers that do not depend on a scene.
@@ -148,6 +149,12 @@ impl Choices {
     #[must_use]
     pub fn format_options(&self, transparent: bool) -> FormatOptions {
         FormatOptions { transparent, ..self.args.files.style() }
+    }
+
+    /// Whether the borders in which nothing is shown are cut off.
+    #[must_use]
+    pub fn trims(&self) -> bool {
+        self.args.files.trim
     }
 
     /// Checks that a file holds what the options ask for.
@@ -186,6 +193,11 @@ impl Choices {
             frame.outline(edges.as_ref(), bead)?;
         }
         args.files.apply(&mut frame.scene);
+        if let Some(width) = args.open_width() {
+            let shares = |frame: &_| args.insets.legend_shares(frame);
+            let height = framing::filled_height(&args.camera, &frame, width, &shares)?;
+            frame.scene.resize([width, height]);
+        }
         if !frame.has_camera {
             let legend_shares = args.insets.legend_shares(&frame)?;
             frame.scene.frame_by_default(frame.is_molecule, &Framing { legend_shares, ..Framing::default() })?;

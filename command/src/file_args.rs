@@ -47,9 +47,14 @@ pub(super) struct FileArgs {
     /// Bits per component in PNG and TIFF: 8, 16.
     #[arg(long, value_name = "N", default_value = "8")]
     bits: Bits,
-    /// Pixels per inch, stored in .png, .tif, .jpg and .webp for print; the number of pixels is that of --size.
+    /// Pixels per inch, stored in .png, .tif, .jpg and .webp for print; the number of pixels is that of --size, or follows from
+    /// a size in millimetres.
     #[arg(long, value_name = "N")]
-    dpi: Option<Dpi>,
+    pub(super) dpi: Option<Dpi>,
+    /// Cuts the borders in which nothing is shown off the picture and all buffers; what remains has its place in the frame in its
+    /// files, as a crop has.
+    #[arg(long, help_heading = "Image", conflicts_with_all = ["crop", "tile"])]
+    pub(super) trim: bool,
     /// Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss.
     #[arg(long, value_name = "X", default_value = "0.001", value_parser = positive("number, such as 0.001"),
         allow_negative_numbers = true)]
@@ -78,8 +83,8 @@ impl FileArgs {
         }
     }
 
-    /// The files of picture `number`, each with its buffers.
-    pub(super) fn targets(&self, number: u64) -> Result<Vec<Target>> {
+    /// The files of picture `number`, each with its buffers, for print at `dpi`.
+    pub(super) fn targets(&self, number: u64, dpi: Option<Dpi>) -> Result<Vec<Target>> {
         let mut files: Vec<(PathBuf, Vec<Aov>)> = Vec::new();
         for (aovs, path) in self.named()? {
             let path = numbered(path, number);
@@ -102,7 +107,8 @@ impl FileArgs {
                 "add NAME=-, or use the file name extension .raw",
             ));
         }
-        let targets = files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect::<Result<Vec<_>>>()?;
+        let targets =
+            files.into_iter().map(|(path, aovs)| self.target(&aovs, &path, dpi)).collect::<Result<Vec<_>>>()?;
         match targets.first().filter(|_| self.picture().is_some()) {
             _ if self.cryptomatte.is_empty() => {}
             Some(picture) => picture.check_mattes()?,
@@ -159,6 +165,10 @@ impl FileArgs {
 
     /// Returns an error for options that make no film, and for --fps without one.
     pub(super) fn check_film(&self, is_many: bool, resume: bool) -> Result<()> {
+        if self.trim && (resume || self.film().is_some()) {
+            let why = if resume { "what --resume finds has a size" } else { "the pictures of a film have one size" };
+            return Err(Error::settings(format!("--trim: {why} before it is rendered"), "remove one of them"));
+        }
         if let Some(film) = self.film() {
             return film.check(is_many, self.transparent, resume);
         }
@@ -202,8 +212,8 @@ impl FileArgs {
         FormatOptions { bits, unit, no_return, transparent, dpi }
     }
 
-    fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
-        let style = self.style();
+    fn target(&self, aovs: &[Aov], path: &Path, dpi: Option<Dpi>) -> Result<Target> {
+        let style = FormatOptions { dpi, ..self.style() };
         match aovs {
             [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),
             [Aov::Color] if self.film().is_some_and(|film| film.path == path) => Ok(Target::film(path, style)),

@@ -2,12 +2,12 @@
 
 use super::camera_args::{CameraArgs, CameraTarget, Direction, PoseArgs, upright};
 use glam::DVec3;
-use halfline::camera::{Camera, Look};
+use halfline::camera::{Camera, Lens, Look};
 use halfline::error::{Error, Result};
 use halfline::parallel::{self, CHEAP};
 use halfline::quote::quote;
 use halfline::scene::{
-    Facing, Framing, ImagePlane, NamedView, Outlook, SphereSource, Spheres, Spread, Surroundings, middle,
+    Facing, Framing, ImagePlane, MAX_SIDE, NamedView, Outlook, SphereSource, Spheres, Spread, Surroundings, middle,
 };
 use halfline_files::read::{Focus, SceneFrame};
 
@@ -20,6 +20,9 @@ pub(super) enum DirectionSource {
     /// Along the principal axes of the spheres.
     Axes,
 }
+
+/// The most heights of a picture in its width, where the spheres give its height.
+const TALLEST: u32 = 16;
 
 /// The margin around what `--focus` frames, as a share of the image: its surroundings are seen.
 const FOCUS_MARGIN: f64 = 0.25;
@@ -170,6 +173,60 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
     let notes = frame.marks.iter().flat_map(|focus| focus.notes.iter().cloned());
     frame.skipped.assumed.extend(notes.chain(warning));
     Ok(framing)
+}
+
+/// The rows of a picture of `width` columns that the framed spheres fill; a camera that is not framed keeps the shape of its file.
+///
+/// # Errors
+/// As [`point`], and those of `legend_shares`.
+pub(super) fn filled_height(
+    options: &CameraArgs,
+    frame: &SceneFrame,
+    width: u32,
+    legend_shares: &dyn Fn(&SceneFrame) -> Result<[f64; 2]>,
+) -> Result<u32> {
+    let mut trial = frame.clone();
+    trial.scene.resize([width, width]);
+    let shares = legend_shares(&trial)?;
+    let framing = point(options, &mut trial, shares)?;
+    let shape = match (framing, trial.scene.camera.lens) {
+        (_, lens) if lens.is_panorama() => 0.5,
+        (_, Lens::Viewport { vw, vh, .. }) => vh / vw,
+        (None, _) => f64::from(frame.scene.image.height) / f64::from(frame.scene.image.width),
+        (Some(framing), _) => {
+            let central = options.central(&trial.scene.spheres);
+            let all = central.as_ref().unwrap_or(&trial.scene.spheres);
+            let spheres = options.focused(&trial)?.unwrap_or(all).clone();
+            return filled(trial, &spheres, framing, legend_shares);
+        }
+    };
+    Ok((f64::from(width) * shape).round().clamp(1.0, MAX_SIDE as f64) as u32)
+}
+
+/// The largest height of a frame's image at which the height, and not the width, decides how near the camera is.
+fn filled(
+    mut trial: SceneFrame,
+    spheres: &Spheres,
+    framing: Framing,
+    legend_shares: &dyn Fn(&SceneFrame) -> Result<[f64; 2]>,
+) -> Result<u32> {
+    let width = trial.scene.image.width;
+    let (mut low, mut high) = (1, width.saturating_mul(TALLEST).min(MAX_SIDE as u32));
+    while low < high {
+        let height = low + (high - low).div_ceil(2);
+        trial.scene.resize([width, height]);
+        // A picture that is too small for its legend is not tall enough.
+        let Ok(legend_shares) = legend_shares(&trial) else {
+            low = height;
+            continue;
+        };
+        let framing = Framing { legend_shares, ..framing };
+        match trial.scene.camera.is_bound_by_height(trial.scene.image, spheres, &framing)? {
+            true => low = height,
+            false => high = height - 1,
+        }
+    }
+    Ok(low)
 }
 
 /// Whether a point is inside of a sphere.

@@ -47,6 +47,7 @@ mod option_table;
 #[cfg(feature = "view")]
 mod page;
 mod picture_scene;
+mod picture_size;
 mod plan;
 mod preview;
 mod process;

@@ -54,7 +54,7 @@ pub(super) fn of_a_picture(command: Command) -> Command {
 impl PlanArgs {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
-        let targets = self.args.files.targets(1)?;
+        let targets = self.args.targets(1)?;
         self.args.files.check_formats(&targets)?;
         let settings = self.args.settings(&targets);
         let first = match self.args.visible[..] {

@@ -326,8 +326,8 @@ impl Render {
             visible::check(&self.args)?;
         }
         self.args.files.check_film(self.args.is_many(), self.resume)?;
-        let targets = self.args.files.targets(1)?;
-        if let (Some(film), None, false) = (self.args.files.film(), self.args.image.size, self.args.image.is_part()) {
+        let targets = self.args.targets(1)?;
+        if let (Some(film), None, false) = (self.args.files.film(), self.args.size(), self.args.image.is_part()) {
             let frames = self.args.read.frames.as_ref();
             let is_used = |number| frames.is_none_or(|frames| frames.contains(number));
             self.args.camera.list.check_one_size(film.path, is_used)?;

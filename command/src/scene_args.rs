@@ -8,6 +8,7 @@ use super::inset_args::InsetArgs;
 use super::light_args::{LightArgs, LookRequest};
 use super::names::number_in;
 use super::picture_scene::PictureScene;
+use super::picture_size::PictureSize;
 use super::read_args::{ColorArgs, ReadArgs};
 use super::typed::Typed;
 use super::values::{at_least_one, positive, wholes};
@@ -16,17 +17,19 @@ use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
-use halfline::quote::setting::LEAST_SIZE;
+use halfline::quote::setting::{LEAST_SIZE, SIZE};
 use halfline::render::stream::PartView;
-use halfline::scene::Scene;
+use halfline::scene::{MAX_SIDE, Scene};
 use halfline::settings::{Accuracy, Backend, FileLook, Outline, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use halfline_files::parts;
-use halfline_files::read::{Sequence, read_once};
+use halfline_files::read::{Hold, Sequence, read_once};
 use halfline_files::write::file::{Target, is_standard_output};
+use halfline_files::write::format::Dpi;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// The options of `render` and `plan`, in the groups of their help.
 #[derive(Debug, Args)]
@@ -68,10 +71,11 @@ pub(super) struct SceneArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct ImageArgs {
-    /// Image size in pixels [default: the scene file's, else 512x512]. With a vfov the width of the view follows; a
+    /// Image size in pixels [default: the scene file's, else 512x512], or on paper, such as 85x60mm at --dpi (300 if not given).
+    /// Wxauto, or 85mm alone, takes the height that the framed spheres fill. With a vfov the width of the view follows; a
     /// viewport keeps its size.
-    #[arg(long, value_name = "WxH", value_parser = scene_size)]
-    pub(super) size: Option<(u32, u32)>,
+    #[arg(long, value_name = "WxH", value_parser = PictureSize::from_str)]
+    size: Option<PictureSize>,
     /// Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number. Other buffers use the
     /// pixel's centre [default: the scene file's, else 1, and 4 in the look soft].
     #[arg(long, value_name = "N", value_parser = at_least_one)]
@@ -229,6 +233,65 @@ impl SceneArgs {
         check_inputs(names, &inputs)
     }
 
+    /// Columns and rows, where both are given.
+    pub(super) fn size(&self) -> Option<(u32, u32)> {
+        let (width, height) = self.pixels()?;
+        Some((width, height?))
+    }
+
+    /// The columns of a picture whose rows are those that the framed spheres fill.
+    pub(super) fn open_width(&self) -> Option<u32> {
+        self.pixels().filter(|(_, height)| height.is_none()).map(|(width, _)| width)
+    }
+
+    /// Whether the columns are given.
+    pub(super) fn is_sized(&self) -> bool {
+        self.image.size.is_some()
+    }
+
+    fn pixels(&self) -> Option<(u32, Option<u32>)> {
+        Some(self.image.size?.pixels(self.dpi().unwrap_or(Dpi::OF_PRINT)))
+    }
+
+    /// The resolution of pictures: that of a size on paper has a default.
+    fn dpi(&self) -> Option<Dpi> {
+        self.files.dpi.or(self.image.size.filter(|size| size.is_printed()).map(|_| Dpi::OF_PRINT))
+    }
+
+    /// The files of picture `number`, each with its buffers.
+    pub(super) fn targets(&self, number: u64) -> Result<Vec<Target>> {
+        self.files.targets(number, self.dpi())
+    }
+
+    /// Returns an error for paper of too many pixels, and for an open height where the options do not frame the spheres that give it.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with the pixels, or with the option that gives the camera.
+    pub(super) fn check_picture_size(&self) -> Result<()> {
+        let Some((width, height)) = self.pixels() else { return Ok(()) };
+        let longest = width.max(height.unwrap_or(1));
+        if i64::from(longest) > MAX_SIDE {
+            let problem = format!("{SIZE}: a side of {longest} pixels is longer than {MAX_SIDE}");
+            return Err(Error::settings(problem, "use a smaller size, or a lower --dpi"));
+        }
+        if height.is_some() {
+            return Ok(());
+        }
+        let given = [
+            (self.camera.from.is_some(), "--camera-from"),
+            (self.camera.list.file.is_some(), "--cameras"),
+            (!self.visible.is_empty(), "--visible"),
+            (self.read.hold == Hold::All, "--hold all"),
+        ];
+        match given.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, by)) => {
+                let problem = format!("{SIZE}: with {by} the camera is known before the height that its spheres fill");
+                Err(Error::settings(problem, "give a height too, such as 1200x800"))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The selected window of the scene's image.
     pub(super) fn window(&self, scene: &Scene) -> Result<Option<Window>> {
         let image = &scene.image;
@@ -246,7 +309,7 @@ impl SceneArgs {
             return Err(Error::settings(problem, "remove it"));
         }
         let [w, h] = view.size;
-        match self.image.size.filter(|_| self.typed.has("size")) {
+        match self.size().filter(|_| self.typed.has("size")) {
             Some((width, height)) if [width, height] != view.size => {
                 let problem = format!("--size {width}x{height}: the parts are of a frame of {w}x{h}");
                 Err(Error::settings(problem, "remove --size, or sift again"))

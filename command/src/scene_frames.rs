@@ -41,6 +41,8 @@ pub(super) struct SceneFrames<'a> {
     taken: Option<CameraRecord>,
     /// Words for the spheres that the last framed camera shows, for `halfline plan`; `None` for a camera that is given.
     framed: Option<String>,
+    /// The columns, and the rows that the spheres of the last framed camera fill.
+    open: Option<(u32, u32)>,
 }
 
 /// The options for reading.
@@ -49,6 +51,7 @@ pub(super) struct SceneFrames<'a> {
 /// [`Error::Settings`] for options of the camera or of the colours that exclude each other.
 pub(super) fn options(args: &SceneArgs, cancel: &Cancel) -> Result<ReadOptions> {
     args.camera.check()?;
+    args.check_picture_size()?;
     let mut options = args.color.of(args.read.options())?;
     options.marks = args.camera.marks();
     options.particles.watch = options.particles.watch.cancelled_by(cancel);
@@ -65,10 +68,10 @@ impl<'a> SceneFrames<'a> {
         let (sequence, fixed) = sequence(args, Keep::Nothing, None, cancel)?;
         (common.camera, common.middle) = fixed.unzip();
         if let Some(record) = &taken {
-            common.camera = Some(camera_file::resized(record, args.image.size));
+            common.camera = Some(camera_file::resized(record, args.size()));
         }
         let has_picture = settings.aovs.contains(&Aov::Color);
-        Ok(Self { args, sequence, count: 0, standing: None, common, has_picture, taken, framed: None })
+        Ok(Self { args, sequence, count: 0, standing: None, common, has_picture, taken, framed: None, open: None })
     }
 
     /// Every file that is read.
@@ -128,23 +131,32 @@ impl<'a> SceneFrames<'a> {
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
-        let (args, image) = (self.args, self.args.image.size.or(self.taken.map(|record| record.size.into())));
+        let (args, image) = (self.args, self.args.size().or(self.taken.map(|record| record.size.into())));
+        // All frames that share a camera have the height of the first.
+        let image = image.or(self.open.filter(|_| self.common.camera.is_some()));
         let is_listed = args.camera.list.file.is_some();
         size(image, args, frame);
         if !is_listed {
-            self.common.see(frame, &args.read.arrangement(), &watch(), |whole| point(args, whole).map(drop))?;
+            let open = &mut self.open;
+            let see = |whole: &mut SceneFrame| {
+                point(args, whole)?;
+                *open = args.open_width().map(|width| (width, whole.scene.image.height));
+                Ok(())
+            };
+            self.common.see(frame, &args.read.arrangement(), &watch(), see)?;
         }
         arrange(&args.read, frame)?;
         if is_listed {
-            args.camera.list.apply(frame.number, args.image.size, args.camera.lens_of_list(), &mut frame.scene)?;
+            args.camera.list.apply(frame.number, args.size(), args.camera.lens_of_list(), &mut frame.scene)?;
         } else {
             // A later frame of a film may have nothing of what the first one is turned about.
             if self.common.middle.is_none() {
                 self.common.middle = args.camera.pivot(frame)?;
             }
-            let framed = &mut self.framed;
+            let (framed, open) = (&mut self.framed, &mut self.open);
             self.common.apply(frame, |frame| {
                 let framing = point(args, frame)?;
+                *open = args.open_width().map(|width| (width, frame.scene.image.height));
                 *framed = framing::words(&args.camera, frame, framing.as_ref());
                 Ok(())
             })?;
@@ -189,8 +201,8 @@ pub(super) fn framed(
     record: Option<&CameraRecord>,
     fixed: Option<Camera>,
 ) -> Result<PictureScene> {
-    size(args.image.size.or(record.map(|record| record.size.into())), args, &mut frame);
-    match record.map(|record| camera_file::resized(record, args.image.size)).or(fixed) {
+    size(args.size().or(record.map(|record| record.size.into())), args, &mut frame);
+    match record.map(|record| camera_file::resized(record, args.size())).or(fixed) {
         Some(camera) => frame.scene.camera = camera,
         None => drop(point(args, &mut frame)?),
     }
@@ -203,7 +215,7 @@ pub(super) fn framed(
 /// # Errors
 /// Errors of the camera, of the lens, of the light and of the legend.
 pub(super) fn posed(args: &SceneArgs, mut frame: SceneFrame, taken: Option<Aperture>) -> Result<PictureScene> {
-    size(args.image.size, args, &mut frame);
+    size(args.size(), args, &mut frame);
     framing::point(&args.camera, &mut frame, [0.0; 2])?;
     light(args, frame, true, taken, |_| ())
 }
@@ -310,7 +322,7 @@ impl AllFrames {
             if frame.scene.spheres.is_empty() {
                 continue;
             }
-            size(args.image.size, args, &mut frame);
+            size(args.size(), args, &mut frame);
             if let Some(legend) = &mut frame.legend {
                 all.names.extend(legend.names.iter().filter(|name| known.insert((*name).clone())).cloned());
                 if legend.is_scale() {
@@ -353,20 +365,22 @@ impl AllFrames {
     }
 }
 
-/// Gives a frame the camera of the options, beside the legend. Returns how it is framed, if it is.
+/// Gives a frame the camera of the options, beside the legend, and an open height. Returns how it is framed, if it is.
 fn point(args: &SceneArgs, frame: &mut SceneFrame) -> Result<Option<Framing>> {
+    if let Some(width) = args.open_width() {
+        let height = framing::filled_height(&args.camera, frame, width, &|frame| args.insets.legend_shares(frame))?;
+        frame.scene.resize([width, height]);
+    }
     let legend_shares = args.insets.legend_shares(frame)?;
     framing::point(&args.camera, frame, legend_shares)
 }
 
 /// Applies the size of the image, for which the file's lens is made again, and its background.
 pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut SceneFrame) {
-    let scene = &mut frame.scene;
     if let Some((width, height)) = size {
-        scene.camera.lens = scene.camera.lens.resized([scene.image.width, scene.image.height], [width, height]);
-        (scene.image.width, scene.image.height) = (width, height);
+        frame.scene.resize([width, height]);
     }
-    args.files.apply(scene);
+    args.files.apply(&mut frame.scene);
 }
 
 /// Applies copies, clip planes and outline.

@@ -62,6 +62,7 @@ fn combined(args: &SceneArgs) -> Result<Part> {
 /// # Errors
 /// [`Error::Settings`] that names the option.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
+    args.check_picture_size()?;
     if args.insets.has_marks() {
         return Err(Error::settings("--mark and --mark-one: parts have no columns", "remove them"));
     }

@@ -165,9 +165,10 @@ class Options(TypedDict, total=False):
     """
     cell: bool | float
     """Draws the edges of the file's periodic cell with beads, of this radius if given."""
-    size: tuple[int, int] | None
-    """Image size in pixels [default: the scene file's, else 512x512]. With a vfov the width of
-    the view follows; a viewport keeps its size.
+    size: tuple[int, int | None] | None
+    """Columns and rows of the image [default: the scene file's, else (512, 512)]; (columns, None)
+    takes the rows that the framed spheres fill. With a vfov the width of the view follows; a
+    viewport keeps its size.
     """
     samples: int | None
     """Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number.
@@ -323,7 +324,11 @@ class SaveOptions(TypedDict, total=False):
     """Bits per component in PNG and TIFF: 8, 16 [default: 8]."""
     dpi: float | None
     """Pixels per inch, stored in .png, .tif, .jpg and .webp for print; the number of pixels is
-    that of size.
+    that of size, or follows from a size in millimetres.
+    """
+    trim: bool
+    """Cuts the borders in which nothing is shown off the picture and all buffers; what remains
+    has its place in the frame in its files, as a crop has.
     """
     unit: float
     """Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss

@@ -79,7 +79,7 @@ impl Frame {
     /// pictures show what is drawn into them.
     fn with_drawn<T>(
         &self,
-        target: &mut Target,
+        (target, trims): &mut (Target, bool),
         write: impl FnOnce(&Target, &CoreFrame, &Origin<'_>) -> Result<T>,
     ) -> Result<T> {
         let is_picture = target.format().is_picture() && target.aovs().contains(&Aov::Color);
@@ -91,17 +91,26 @@ impl Frame {
             target.set_mattes(&self.mattes);
         }
         let frame = self.exact()?;
-        let origin = origin(&self.scene, &self.settings, &frame.report, frame.window);
-        let drawn = panels.map(|panels| self.drawn(panels, target.aovs())).transpose()?;
-        write(target, drawn.as_ref().unwrap_or(frame), &origin)
+        let drawn = panels.map(|panels| self.drawn(panels, &[target.aovs(), &[Aov::Id]].concat())).transpose()?;
+        let shown = drawn.as_ref().unwrap_or(frame);
+        let content = shown.content(self.scene.image.background).filter(|_| *trims);
+        let part = content.map(|window| shown.cut(window));
+        let written = part.as_ref().unwrap_or(shown);
+        let origin = origin(&self.scene, &self.settings, &frame.report, written.window);
+        write(target, written, &origin)
     }
 
-    /// The file at `path` with these buffers, by the keywords of `Frame.save`.
-    fn target_of(&self, path: PathBuf, aovs: Option<Vec<String>>, options: &Bound<'_, PyDict>) -> PyResult<Target> {
+    /// The file at `path` with these buffers, by the keywords of `Frame.save`, and whether they are trimmed.
+    fn target_of(
+        &self,
+        path: PathBuf,
+        aovs: Option<Vec<String>>,
+        options: &Bound<'_, PyDict>,
+    ) -> PyResult<(Target, bool)> {
         let choices = Choices::of(&written(options, Call::Save)?).or_raise()?;
         let style = choices.format_options(self.transparent);
         let target = self.target(path, aovs, style).and_then(|target| choices.check_file(&target).map(|()| target));
-        target.or_raise()
+        Ok((target.or_raise()?, choices.trims()))
     }
 
     /// Warnings about what a PNG file cannot hold of these buffers; those about masks are in the report.
@@ -222,7 +231,7 @@ impl Frame {
                 target.encode(frame, origin, &|| !job.cancel.is_cancelled())
             })
         })?;
-        Ok((PyBytes::new(py, &bytes), self.file_warnings(&target).or_raise()?))
+        Ok((PyBytes::new(py, &bytes), self.file_warnings(&target.0).or_raise()?))
     }
 
     /// Writes a file, completely or not at all.
@@ -236,11 +245,11 @@ impl Frame {
         let mut target = self.target_of(path, aovs, options)?;
         let job = Job::default();
         job.run(py, None, || {
-            target.check()?;
+            target.0.check()?;
             self.with_drawn(&mut target, |target, frame, origin| {
                 target.write_while(frame, origin, &|| !job.cancel.is_cancelled())
             })
         })?;
-        self.file_warnings(&target).or_raise()
+        self.file_warnings(&target.0).or_raise()
     }
 }

@@ -108,9 +108,12 @@ fn add(all: &mut Vec<WrittenOption>, id: &str, form: Form, name: &str, value: &B
         },
         Form::Names => push(Some(texts(name, value)?.join(",").into())),
         Form::Size => {
-            let sides = parts(name, value, whole)?;
+            let side = |name: &str, side: &Bound<'_, PyAny>| {
+                if side.is_none() { Ok("auto".to_owned()) } else { whole(name, side) }
+            };
+            let sides = parts(name, value, side)?;
             if sides.len() != 2 {
-                return Err(wrong(name, value, "(width, height)"));
+                return Err(wrong(name, value, "(width, height), or (width, None)"));
             }
             push(Some(sides.join("x").into()));
         }

@@ -554,6 +554,26 @@ def test_copies_are_read_by_other_programs(
         assert "halfline:scene: " in exif[270] and exif[282] == 300, ending
 
 
+def test_an_open_height_is_that_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> None:
+    rows = "".join(f"{n},{n * n % 7},{n % 3},0.5\n" for n in range(40))
+    (tmp_path / "wide.csv").write_text("x,y,z,radius\n" + rows)
+    scene = hl.read(tmp_path / "wide.csv")
+    frame = cpu.render(scene, size=(90, None), look="plain")
+    file, picture = tmp_path / "wide.csv", tmp_path / "wide.png"
+    options = ["--size", "90xauto", "--look", "plain", "--backend", "cpu"]
+    run(commands()[0], "render", file, *options, "-o", picture)
+    frame.save(tmp_path / "own.png")
+    assert (tmp_path / "own.png").read_bytes() == picture.read_bytes()
+    assert frame["id"].shape[0] < 45
+    ids = frame["id"]
+    rows_shown, columns = np.nonzero(ids >= 0)
+    frame.save(tmp_path / "trimmed.npy", aovs=["id"], trim=True)
+    inside = ids[rows_shown.min() : rows_shown.max() + 1, columns.min() : columns.max() + 1]
+    assert np.array_equal(np.load(tmp_path / "trimmed.npy"), inside)
+    with pytest.raises(ValueError, match="size"):
+        cpu.render(scene, size=(None, 90))
+
+
 def test_a_frame_is_a_dataset(cpu: hl.Renderer, cloud: hl.Scene) -> None:
     pytest.importorskip("xarray")
     dataset = cpu.render(cloud, size=(40, 30), aovs=["color", "depth"]).to_xarray()

@@ -171,6 +171,7 @@ NEEDED = {
 SAVE: dict[str, list[Choice]] = {
     "bits": [("16", 16), ("8", 8), ("12", 12)],
     "dpi": [("300", 300), ("72.5", 72.5), ("0", 0)],
+    "trim": [(None, True)],
 }
 # These are drawn with a camera.
 LENS = {"aperture": [("0.5", 0.5)], "focus_distance": [("20", 20)]}

@@ -27,7 +27,7 @@ const OF_THE_PART: [&str; 2] = [WINDOW, PIXELS];
 const MAX_PROVENANCE_BYTES: usize = 1 << 16;
 
 /// The rendering that files come from; made by [`crate::render::origin`].
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Origin<'a> {
     /// [`crate::Scene::fingerprint`].
     pub fingerprint: String,

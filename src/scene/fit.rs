@@ -39,6 +39,12 @@ type Slopes = [[[f64; 2]; 2]; 2];
 const VFOV: f64 = 30.0;
 
 impl Scene {
+    /// Gives the image another size, for which the lens is made again.
+    pub fn resize(&mut self, [width, height]: [u32; 2]) {
+        self.camera.lens = self.camera.lens.resized([self.image.width, self.image.height], [width, height]);
+        (self.image.width, self.image.height) = (width, height);
+    }
+
     /// Gives the scene the default camera: it looks along -z with y up, and shows all spheres.
     pub fn frame_all(&mut self, framing: &Framing) -> Result<()> {
         self.frame_from(Facing::FRONT, framing)
@@ -155,11 +161,24 @@ impl Camera {
         Err(Error::scene(Place::field("spheres"), problem, "use a larger unit of length in the scene"))
     }
 
-    /// The same; the eye may not be finite.
-    fn place(&mut self, image: ImagePlane, framing: &Framing, reach: &Reach) -> Result<()> {
+    /// Whether the height of an image of this size, and not its width, decides from how near [`Camera::fit`] sees these spheres.
+    /// True without spheres and for a panorama, which see everything.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`].
+    pub fn is_bound_by_height(&self, image: ImagePlane, spheres: &dyn SphereSource, framing: &Framing) -> Result<bool> {
+        let mut camera = *self;
+        let Some(reach) = camera.reach(image, spheres, framing, None)? else { return Ok(true) };
+        let [across, down] = camera.place(image, framing, &reach)?;
+        Ok(down >= across)
+    }
+
+    /// As [`Camera::fit_to`]; the eye may not be finite. Returns how far back the eye is, or how high the view of parallel rays, by the
+    /// width and by the height of the image.
+    fn place(&mut self, image: ImagePlane, framing: &Framing, reach: &Reach) -> Result<[f64; 2]> {
         if self.lens.is_panorama() {
             self.eye = middle(reach.ends);
-            return Ok(());
+            return Ok([0.0; 2]);
         }
         let basis = self.basis()?;
         let Reach { middle, sides: [left, right, bottom, top, _, front], .. } = *reach;
@@ -176,7 +195,8 @@ impl Camera {
             let ((x, across), (y, down)) =
                 (span(left, right, aim.map(|aim| aim[0])), span(bottom, top, aim.map(|a| a[1])));
             let [inset_left, inset_right] = framing.legend_shares;
-            let height = (down / free(framing)).max(across * shape / (free(framing) - inset_left - inset_right));
+            let heights = [across * shape / (free(framing) - inset_left - inset_right), down / free(framing)];
+            let height = heights[0].max(heights[1]);
             let shown = if framing.keep_height { viewport.vh } else { height };
             if !framing.keep_height {
                 self.lens = Lens::Orthographic { height };
@@ -184,7 +204,7 @@ impl Camera {
             let back = front + height.max(right - left);
             let x = x - (inset_left - inset_right) / 2.0 * shown / shape;
             self.eye = middle + x * basis.u + y * basis.v + back * basis.w;
-            return Ok(());
+            return Ok(heights);
         };
         // The eye's least distance back, and its coordinate along the axis: a constant, and a part of the distance.
         let pair = |low: f64, high: f64, [[sine, cosine], [other_sine, other_cosine]]: [[f64; 2]; 2], axis: usize| {
@@ -204,7 +224,7 @@ impl Camera {
         let ((z_across, x, along_x), (z_down, y, along_y)) = (pair(left, right, across, 0), pair(bottom, top, down, 1));
         let z = z_across.max(z_down);
         self.eye = middle + (x + along_x * z) * basis.u + (y + along_y * z) * basis.v + z * basis.w;
-        Ok(())
+        Ok([z_across, z_down])
     }
 
     /// The slopes of the sides; `None` for parallel rays.

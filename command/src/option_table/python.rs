@@ -33,6 +33,10 @@ fn docstring(text: &str) -> String {
     lines.join("\n") + "\n    \"\"\"\n"
 }
 
+/// The help of the size: a frame has no paper.
+const SIZE: &str = "Columns and rows of the image [default: the scene file's, else (512, 512)]; (columns, None) takes the rows that the \
+                    framed spheres fill. With a vfov the width of the view follows; a viewport keeps its size.";
+
 /// The keywords of a call, each with its type and the help of its option.
 fn keywords(call: Call) -> String {
     let command = SceneArgs::augment_args(Command::new("render"));
@@ -50,6 +54,9 @@ fn keywords(call: Call) -> String {
             && !matches!(form, Form::Flag | Form::TextOrFlag)
         {
             help.insert_str(help.len() - 1, &format!(" [default: {}]", default.to_string_lossy()));
+        }
+        if form == Form::Size {
+            help = SIZE.to_owned();
         }
         if form == Form::Legend {
             help += " A file name (.svg, .png) writes it to a file of its own.";

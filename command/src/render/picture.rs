@@ -17,6 +17,7 @@ use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
+use halfline::window::Window;
 use halfline_drawing::inset::Panels;
 use halfline_files::write::figure;
 use halfline_files::write::file::{Target, check_writable};
@@ -103,7 +104,7 @@ impl PictureWriter<'_> {
     /// Renders one scene and writes its files, unless all exist.
     pub(crate) fn picture(&self, numbered: &PictureScene, renderer: &mut Renderer) -> Result<Picture> {
         let (scene, number) = (&numbered.scene, numbered.number);
-        let mut targets = self.args.files.targets(numbered.number)?;
+        let mut targets = self.args.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
         let written = |files, report, still| Picture { number, files, report, still };
         let mut panels = self.args.insets.panels(Some(self.args.file_name()), numbered)?;
@@ -151,7 +152,8 @@ impl PictureWriter<'_> {
         if !targets.is_empty() {
             self.args.insets.words(numbered).for_each(|words| self.messages.note(number, words));
             let (report, window) = (frame.report.clone(), frame.window);
-            still = self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
+            let origin = &origin(scene, settings, &report, window);
+            still = self.write(&mut frame, &targets, panels.as_ref(), (origin, scene.image.background))?;
             if self.args.files.film().is_some() && (window.width() % 2 == 1 || window.height() % 2 == 1) {
                 self.messages
                     .note(number, "a film has even sides, so the last column or row of pixels is left out".into());
@@ -214,26 +216,43 @@ impl PictureWriter<'_> {
         frame: &mut Frame,
         targets: &[Target],
         panels: Option<&Panels>,
-        origin: &Origin<'_>,
+        (origin, background): (&Origin<'_>, [f32; 3]),
     ) -> Result<Option<Vec<u8>>> {
         let (pictures, others): (Vec<_>, Vec<_>) = targets.iter().partition(|target| target.is_drawn_on());
         let (film, still) = (self.args.files.film(), OnceLock::new());
-        let put = |frame: &Frame, target: &Target| match film {
+        let trim = self.args.files.trim;
+        let put = |frame: &Frame, target: &Target, origin: &Origin<'_>| match film {
             film if self.in_memory || film.is_some_and(|film| film.path == target.path()) => {
                 target.encode(frame, origin, &go_on).map(|bytes| _ = still.set(bytes))
             }
             _ => target.write_while(frame, origin, &go_on),
         };
-        let write = |frame: &Frame, targets: &[&Target]| {
-            parallel::try_collect(targets.len(), 1, &|n| put(frame, targets[n.start]).map(|()| Vec::<()>::new()))
+        let write = |frame: &Frame, targets: &[&Target], window: Option<Window>| {
+            let part = window.map(|window| (frame.cut(window), Origin { window, ..origin.clone() }));
+            let (frame, origin) = part.as_ref().map_or((frame, origin), |(frame, origin)| (frame, origin));
+            parallel::try_collect(targets.len(), 1, &|n| {
+                put(frame, targets[n.start], origin).map(|()| Vec::<()>::new())
+            })
+        };
+        let mut content = None;
+        let mut trimmed = |frame: &Frame| {
+            content = content.or_else(|| frame.content(background).filter(|_| trim));
+            content
         };
         if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {
             let covered = panels.draw(frame, self.args.files.transparent);
-            let written = write(frame, &pictures);
+            let written = write(frame, &pictures, trimmed(frame));
             covered.restore(frame);
             written?;
         }
-        write(frame, &others)?;
+        write(frame, &others, trimmed(frame))?;
+        if let Some(Window { x0, y0, x1, y1 }) = content {
+            let [width, height] = origin.full;
+            let part = format!("--trim keeps {}x{} of {width}x{height} pixels", x1 - x0, y1 - y0);
+            self.messages.note(frame.report.number, part);
+        } else if trim {
+            self.messages.note(frame.report.number, "--trim keeps all, because nothing is shown".into());
+        }
         Ok(still.into_inner())
     }
 }
@@ -281,7 +300,7 @@ pub(crate) fn write_legend(args: &SceneArgs, numbered: &PictureScene) -> Result<
 /// # Errors
 /// Errors of [`check_inputs`] and of files that cannot be written.
 pub(crate) fn writable_targets(args: &SceneArgs, number: u64, inputs: &[PathBuf]) -> Result<Vec<Target>> {
-    let targets = args.files.targets(number)?;
+    let targets = args.targets(number)?;
     let model = args.files.model().map(|path| numbered_name(path, number));
     let (legend, list) = (legend::file(args, number)?, args.camera_list()?);
     let others = legend.iter().chain(&list).chain(&model).map(PathBuf::as_path);

@@ -261,12 +261,12 @@ impl<'a> Source<'a> {
             Some((frame, _)) => frame.clone(),
             None => SceneFrame::of_particles(1, Spheres::default(), false)?,
         };
-        size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
+        size(self.args.size().or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         let camera = &self.args.camera;
         match &self.taken {
-            Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
+            Some(record) => frame.scene.camera = camera_file::resized(record, self.args.size()),
             None if camera.list.file.is_some() => {
-                camera.list.apply(self.number, self.args.image.size, camera.lens_of_list(), &mut frame.scene)?;
+                camera.list.apply(self.number, self.args.size(), camera.lens_of_list(), &mut frame.scene)?;
             }
             None => camera.apply_lens(&mut frame.scene.camera, frame.scene.image)?,
         }

@@ -220,7 +220,7 @@ impl ViewHandler {
             frame.outline(notebook.edges.as_ref(), bead)?;
         }
         let picture = posed(&args, frame, session.record.as_ref().and_then(CameraRecord::lens_size))?;
-        let targets = args.files.targets(picture.number)?;
+        let targets = args.targets(picture.number)?;
         let settings = args.settings(&targets);
         let backend = self.notebook.as_ref().map_or(settings.backend, |notebook| notebook.backend);
         let settings = Settings { backend, ..settings };
@@ -458,7 +458,7 @@ pub(super) fn read_first(
     let (picture, pose) = first_picture(args, frames.framed(first)?.copy(), record.as_ref(), fixed)?;
     let mut summary = summary::of(args, frames.get(first)?, &picture, &pose)?;
     summary["format"] = json!(frames.format.map(Format::name));
-    summary["sized"] = json!(args.image.size.is_some() || record.is_some());
+    summary["sized"] = json!(args.is_sized() || record.is_some());
     Ok((frames, summary, record))
 }
 

@@ -62,6 +62,7 @@ mod requests;
 mod resume;
 mod select;
 mod shots;
+mod sizes;
 mod sky;
 #[cfg(unix)]
 mod streams;

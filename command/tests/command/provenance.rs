@@ -105,7 +105,7 @@ const OTHERS: [(&str, &[&str]); 5] = [
     ("make several pictures", &["--frames", "--hold", "--spin", "--fps"]),
     (
         "name the outputs, or a part of the frame",
-        &["--output", "--aov", "--cryptomatte", "--legend", "--raw", "--crop", "--tile"],
+        &["--output", "--aov", "--cryptomatte", "--legend", "--raw", "--crop", "--tile", "--trim"],
     ),
     ("name the machine, which the provenance has as adapter and driver", &["--backend", "--adapter"]),
     ("change no byte", &["--resume", "--stream", "--json", "--progress", "--preview", "--repeat", "--quiet", "--help"]),

@@ -206,6 +206,7 @@ pub(crate) fn rows() -> Vec<Row> {
         at("cryptomatte", "--cryptomatte kind --samples 4").into("-o p.exr").does(Bytes),
         at("bits", "--bits 16").does(Bytes),
         at("dpi", "--dpi 300").does(Bytes),
+        at("trim", "--trim").into("-o p.png --aov id=p.i.npy").does(Bytes),
         at("unit", "--unit 0.1").into("--aov depth=p.z.png"),
         at("no-return", "--no-return nan"),
         at("raw", "--raw").into("--aov id=-"),

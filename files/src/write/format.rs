@@ -265,9 +265,11 @@ impl Dpi {
         provenance.get(DPI)?.parse().ok()
     }
 
+    /// The resolution of a size that is given in millimetres, without another: that which journals ask for.
+    pub const OF_PRINT: Self = Self(300);
+
     /// Pixels per inch.
-    #[cfg(feature = "formats")]
-    pub(super) fn per_inch(self) -> u32 {
+    pub fn per_inch(self) -> u32 {
         self.0
     }
 
