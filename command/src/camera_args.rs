@@ -162,6 +162,14 @@ impl CameraArgs {
         (self.lens.intrinsics, self.vfov.map(|degrees| Lens::Vfov { degrees, distance: 1.0 }))
     }
 
+    /// Whether the camera of a file without one shows all spheres by no other option than a direction and a lens.
+    pub(super) fn frames_all(&self) -> bool {
+        let PoseArgs { eye, at, .. } = &self.pose;
+        let is_given = eye.is_some() || at.is_some() || self.from.is_some() || self.list.file.is_some();
+        let is_part = self.focus.is_some() || self.frame_share.is_some() || self.zoom.is_some();
+        !(is_given || is_part || self.spin.is_some() || self.lens.is_named() || matches!(self.ortho, Some(Some(_))))
+    }
+
     /// Narrows the viewport of the scene's final camera and image by --zoom.
     pub(super) fn zoom(&self, scene: &mut Scene) -> Result<()> {
         let (width, height) = (scene.image.width, scene.image.height);

@@ -47,7 +47,8 @@ pub(super) struct InsetArgs {
 const LEGEND_IN: &str = "--legend-in";
 
 impl InsetArgs {
-    fn is_given(&self) -> bool {
+    /// Whether something is drawn into the picture.
+    pub(super) fn is_given(&self) -> bool {
         self.legend_in.is_some() || self.label.is_some() || self.scale_bar.is_some() || self.has_marks()
     }
 

@@ -81,7 +81,7 @@ pub mod shown {
     pub use crate::messages::{flags, in_page};
     pub use crate::option_table::{Call, Form, keywords, of_keyword};
     pub use crate::page::{MadePage, make as make_page};
-    pub use crate::view::{Content, MemoryScene, WrittenOption, pose, stage};
+    pub use crate::view::{Content, MemoryScene, PageText, WrittenOption, pose, stage};
 }
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

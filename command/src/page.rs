@@ -9,7 +9,7 @@ use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::signals::go_on;
 use super::standard::print_json;
-use super::view::{Content, Given, MemoryScene, content, stage};
+use super::view::{Content, Given, MemoryScene, PageText, content, stage};
 use clap::{Arg, Args, Command};
 use halfline::error::{Error, Result};
 use halfline::render::Renderer;
@@ -31,6 +31,12 @@ pub(crate) struct Page {
     args: SceneArgs,
     #[command(flatten)]
     quiet: QuietArgs,
+    /// The title of the page [default: the name of the file].
+    #[arg(long, help_heading = "Page", value_name = "TEXT")]
+    title: Option<String>,
+    /// The caption below the picture.
+    #[arg(long, help_heading = "Page", value_name = "TEXT")]
+    caption: Option<String>,
     /// Prints a report as JSON.
     #[arg(long, help_heading = "Reporting")]
     json: bool,
@@ -41,12 +47,12 @@ The options are those of halfline render that read, select, colour, light and fr
 shows of a sphere that is picked, and that its selections read, beside chain, residue, name and element.
 
 Examples:
-  halfline page 3SN6.cif -o figure.html --color-by chain --columns chain,resname
+  halfline page 3SN6.cif -o figure.html --color-by chain --title 'A receptor' --caption 'PDB 3SN6, by chain'
   halfline page run.dump -o film.html --frames 1-50 --color-by velocity
   halfline page particles.npy -o page.html --look plain";
 
 /// The options of `halfline page` that a picture of it does not have.
-const OWN: [&str; 5] = ["output", "columns", "frames", "quiet", "json"];
+const OWN: [&str; 7] = ["output", "columns", "frames", "title", "caption", "quiet", "json"];
 
 /// The report of `--json`.
 #[derive(Serialize)]
@@ -114,7 +120,8 @@ pub fn make(memory: MemoryScene) -> Result<MadePage> {
     drop(content);
     let bug = |what: &str| Error::settings(what, "report this as a bug");
     let content = Content::unpack(&bytes).ok_or_else(|| bug("the content of the page cannot be read back"))?;
-    let (camera, size, frames, name) = (content.camera, content.size, content.frames.len(), content.name.clone());
+    let (camera, size, frames) = (content.camera, content.size, content.frames.len());
+    let title = content.text.title.clone().unwrap_or_else(|| content.name.clone());
     let spheres = content.frames.iter().map(|frame| frame.scene.spheres.len()).sum();
     let columns = content.frames[0].columns.names().map(str::to_owned).collect();
     let shown = stage(MemoryScene { content, renderer, backend, words })?;
@@ -124,7 +131,7 @@ pub fn make(memory: MemoryScene) -> Result<MadePage> {
         return Err(bug("the page has no picture"));
     };
     let warnings = serde_json::from_value(info["warnings"].clone()).unwrap_or_default();
-    let html = Html::new(&name, size, &program, &bytes, &png)?;
+    let html = Html::new(&title, size, &program, &bytes, &png)?;
     let Html { text, program: program_bytes, content: content_bytes } = html;
     Ok(MadePage { html: text, frames, spheres, columns, program_bytes, content_bytes, warnings })
 }
@@ -152,7 +159,8 @@ impl Page {
         let inputs: Vec<_> = others.chain(color.map_file()).chain([self.args.path().to_path_buf()]).collect();
         check_inputs([path], &inputs)?;
         let settings = self.args.settings(&[]);
-        let content = content(&given, self.args.read.frames.as_ref(), &kept)?;
+        let text = PageText { title: self.title.clone(), caption: self.caption.clone() };
+        let content = Content { text, ..content(&given, self.args.read.frames.as_ref(), &kept)? };
         // The file is read before a device is opened.
         let renderer = Arc::new(Mutex::new(Some(Renderer::new(&settings)?)));
         let made = make(MemoryScene { content, renderer, backend: settings.backend, words: flags })?;

@@ -1,6 +1,6 @@
 //! The size of a picture by `--size`: in pixels, or in millimetres of paper; the height may be left to the spheres that are framed.
 
-use super::scene_args::scene_size;
+use halfline::error::Error;
 use halfline::scene::MAX_SIDE;
 use halfline_files::write::format::Dpi;
 use std::str::FromStr;
@@ -65,6 +65,17 @@ impl FromStr for PictureSize {
         let height = if height == "auto" { None } else { Some(side(height)?) };
         Ok(Self { width: side(width)?, height })
     }
+}
+
+/// Columns and rows of a size in pixels.
+pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let sides = sides.ok_or("expected WxH, such as 1920x1080")?;
+    halfline::scene::check_size(sides, || "--size".into()).map_err(|e| match e {
+        // The message already names the option.
+        Error::Scene { problem, mend, .. } => format!("{problem}; {mend}"),
+        other => other.to_string(),
+    })
 }
 
 #[cfg(test)]

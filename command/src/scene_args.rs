@@ -376,16 +376,6 @@ impl ImageArgs {
     }
 }
 
-pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
-    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    let sides = sides.ok_or("expected WxH, such as 1920x1080")?;
-    halfline::scene::check_size(sides, || "--size".into()).map_err(|e| match e {
-        // The message already names the option.
-        Error::Scene { problem, mend, .. } => format!("{problem}; {mend}"),
-        other => other.to_string(),
-    })
-}
-
 fn crop(text: &str) -> Result<Window, String> {
     let [x0, y0, x1, y1] = wholes(text).ok_or("expected four whole numbers X0,Y0,X1,Y1, such as 0,0,640,360")?;
     Ok(Window { x0, y0, x1, y1 })

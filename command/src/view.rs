@@ -15,7 +15,7 @@ mod python;
 mod reading;
 mod summary;
 
-pub use content::Content;
+pub use content::{Content, PageText};
 pub(crate) use gather::content;
 pub(crate) use given::Given;
 pub use given::WrittenOption;

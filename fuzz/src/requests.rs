@@ -45,7 +45,7 @@ impl Stage for Checking {
         self.frame(request);
         assert!(go_on(), "nothing newer can come");
         let pixels = match request.mode {
-            Mode::Move => Pixels::Rgb { size: [9, 2], levels: vec![77; 54] },
+            Mode::Move | Mode::Part => Pixels::Rgb { size: [9, 2], levels: vec![77; 54] },
             Mode::Still => Pixels::Png(Vec::new()),
         };
         Ok(Some(Picture { pixels, info: json!({ "seq": request.seq, "adapter": request.options.get("look") }) }))

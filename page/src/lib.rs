@@ -20,6 +20,9 @@ use web_time::Instant;
 
 static ROUTES: OnceLock<Arc<Routes>> = OnceLock::new();
 
+/// Whether a graphics device was opened.
+static IS_GPU: OnceLock<bool> = OnceLock::new();
+
 /// Work that answers a question.
 type Work = Box<dyn FnOnce() -> Reply>;
 
@@ -57,6 +60,7 @@ pub fn start(content: Vec<u8>, backend: String) -> Result<(), JsError> {
     let content =
         Content::unpack(&content).ok_or_else(|| JsError::new("the page is damaged: its content is incomplete"))?;
     let (renderer, backend) = renderer(&backend)?;
+    let _ = IS_GPU.set(renderer.is_gpu());
     let renderer = Arc::new(Mutex::new(Some(renderer)));
     let memory = MemoryScene { content, renderer, backend, words: in_page };
     let routes = Routes::within_page(stage(memory)?, pauses);
@@ -97,6 +101,18 @@ pub fn take(name: &str, body: &str) -> Option<u32> {
         taken.insert(*last, work);
         *last
     }))
+}
+
+/// Whether a graphics device renders; processors render parts of a still next to each other.
+#[wasm_bindgen]
+pub fn is_gpu() -> bool {
+    IS_GPU.get() == Some(&true)
+}
+
+/// Gives up frames with smaller numbers.
+#[wasm_bindgen]
+pub fn supersede(seq: f64) {
+    ROUTES.get().into_iter().for_each(|routes| routes.supersede(seq as u64));
 }
 
 /// The answer to the question of a ticket.

@@ -24,9 +24,11 @@ class Page:
     html: str
     """The file."""
 
-    def __init__(self, given: Shown, columns: Iterable[str]) -> None:
+    def __init__(
+        self, given: Shown, columns: Iterable[str], title: str | None, caption: str | None
+    ) -> None:
         names = [columns] if isinstance(columns, str) else list(columns)
-        self.html, notes = _halfline.page(given, names)
+        self.html, notes = _halfline.page(given, names, title, caption)
         self._name, self._size = given.name, given.size
         for note in notes:
             warnings.warn(note, stacklevel=3)

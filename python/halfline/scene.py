@@ -233,6 +233,8 @@ class Scene:
         camera: Camera | None = None,
         *,
         columns: Iterable[str] = (),
+        title: str | None = None,
+        caption: str | None = None,
         renderer: Renders | None = None,
         **options: Unpack[Options],
     ) -> Page:
@@ -245,6 +247,8 @@ class Scene:
             columns: Further columns that it has of each sphere, by the words of `Scene.select`: what
                 a pick shows, and what its selections read. It has chain, residue, name and
                 element, and what options name, where the scene has them.
+            title: The title of the page; by default the name of the file.
+            caption: The caption below the picture.
             renderer: What renders the picture for browsers that cannot run the page; by default
                 one `Renderer` for all pages.
             **options: Those of `Renderer.render`. ``size`` is that of the page in a notebook,
@@ -260,7 +264,7 @@ class Scene:
         """
         from .page import Page
 
-        return Page(self._shown(camera, renderer, options, "a page"), columns)
+        return Page(self._shown(camera, renderer, options, "a page"), columns, title, caption)
 
     def _shown(
         self, camera: Camera | None, renderer: Renders | None, options: Options, thing: str

@@ -8,7 +8,7 @@ use crate::words::{Chosen, written};
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
 use halfline::Aov;
 use halfline_command::choices::in_keywords;
-use halfline_command::shown::{self, Call, Content, MemoryScene};
+use halfline_command::shown::{self, Call, Content, MemoryScene, PageText};
 use halfline_files::write::file::write_atomically;
 use halfline_viewer::{FrameRequest, GoOn, Lens, Pixels, Pose, Refusal, Reply, Routes, SelectRequest, Stage};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
@@ -95,6 +95,8 @@ impl PageScene<'_> {
                 camera: pose_of(shown, camera, size)?,
                 size: size.into(),
                 is_sized: false,
+                is_framed: false,
+                text: PageText::default(),
             };
             keep.map_or(Ok(()), |names| content.keep(names))?;
             Ok(MemoryScene {
@@ -107,10 +109,18 @@ impl PageScene<'_> {
     }
 }
 
-/// The file of a page that shows a scene without a server, and the warnings of its picture. `columns` are the names of those that it has.
+/// The file of a page that shows a scene without a server, with these words around it, and the warnings of its picture. `columns` are
+/// the names of those that it has.
 #[pyfunction]
-pub(crate) fn page(py: Python<'_>, page_scene: PageScene<'_>, columns: Vec<String>) -> PyResult<(String, Vec<String>)> {
-    let memory = page_scene.memory(py, Some(&columns))?;
+pub(crate) fn page(
+    py: Python<'_>,
+    page_scene: PageScene<'_>,
+    columns: Vec<String>,
+    title: Option<String>,
+    caption: Option<String>,
+) -> PyResult<(String, Vec<String>)> {
+    let mut memory = page_scene.memory(py, Some(&columns))?;
+    memory.content.text = PageText { title, caption };
     let made = Job::default().run(py, None, || shown::make_page(memory))?;
     Ok((made.html, made.warnings))
 }

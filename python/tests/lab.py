@@ -146,7 +146,7 @@ class Run:
 
     def stats(self):
         return self.tab.js(
-            f"({{frames: {VIEW}.stats.frames, sizes: {VIEW}.stats.sizes, status: {ROOT}.querySelector('.hl-status').innerText}})"
+            f"({{frames: {VIEW}.stats.frames, sizes: {VIEW}.stats.sizes, status: {ROOT}.querySelector('.hl-status').textContent}})"
         )
 
     def still(self):

@@ -625,7 +625,7 @@ def test_depths_are_saved_as_the_command_writes_them(tmp_path: Path, cpu: hl.Ren
     for wrong in ({"unit": 0}, {"unit": "far"}, {"no_return": "none"}, {"bits": 12}):
         with pytest.raises(ValueError, match=next(iter(wrong))):
             frame.save(tmp_path / "d.png", aovs=["depth"], **wrong)
-    with pytest.raises(ValueError, match="dpi applies to .png"):
+    with pytest.raises(ValueError, match=r"dpi applies to \.png"):
         frame.save(tmp_path / "d.npy", aovs=["depth"], dpi=300)
     with pytest.raises(TypeError, match="no option 'quality'"):
         frame.save(tmp_path / "d.png", aovs=["depth"], quality=3)  # type: ignore[call-arg]

@@ -5,6 +5,8 @@ const TARGET_MS = 80;       // what a moving frame may take
 const SMALLEST = 3;         // a moving frame has 1/2^3 of the width or more
 const IN_FLIGHT = 2;
 const MOST_PIXELS = 4096;   // of a side
+const MOST_SAVED = 64e6;    // pixels of a saved picture
+const LAST = Number.MAX_SAFE_INTEGER; // the number of a request that none supersedes
 const PLAY_MS = 40;
 const INK = "<style>svg{shape-rendering:crispEdges}text{fill:#1b1f24}polyline{stroke:#808080}@media(prefers-color-scheme:dark){text{fill:#e6e8eb}}</style>";
 const TURN = Math.PI / 12;  // of an arrow key
@@ -43,8 +45,9 @@ function pace() {
   };
 }
 
-// Builds the view in `root`. transport.request(route, body) -> Promise of {status, json, blob or pixels, info}. `options`: page, camera,
-// selection, onChange, onStill, words waiting and ended.
+// Builds the view in `root`. transport.request(route, body, worker) -> Promise of {status, json, blob or pixels, info}. One that can
+// compose(request, ask, isNow, show) renders the parts of a still at the same time, and supersede(seq) gives up those before; it saves
+// by the worker `saver()`. `options`: page, camera, selection, onChange, onStill, words waiting and ended.
 export function mount(root, transport, options = {}) {
   const ended = new AbortController();
   const listen = (target, names, f, more = {}) => {
@@ -73,26 +76,28 @@ export function mount(root, transport, options = {}) {
   const scale = div("scale", {}, ruleText, rule);
   const legendImage = make("img", { alt: "Legend" });
   const legend = make("details", { className: "hl-legend hl-panel", open: true }, make("summary", {}, "Legend"), legendImage);
-  const rings = [0, 1].map(() => div("ring", {}));
+  const rings = [0, 1].map(() => div("ring", {})), span = div("span", {});
   const table = div("table hl-panel", { role: "region", ariaLabel: "Picked spheres" });
   const controls = div("controls hl-panel");
   const dialog = div("dialog hl-panel", { role: "dialog" });
-  const picture = div("picture", {}, canvas, ...rings);
+  const picture = div("picture", {}, canvas, span, ...rings);
   const stage = div("stage", {}, picture, scale, div("sides", {}, controls, table), note, message, dialog);
-  const status = div("status");
+  const proof = make("summary"), facts = make("table");
+  const status = make("details", { className: "hl-status" }, proof, div("panel", {}, facts));
+  const caption = div("caption");
   const warned = make("details", { className: "hl-warnings" });
   const number = make("output"), slider = make("input", { type: "range", ariaLabel: "Frame", oninput: () => setFrame(+slider.value) });
   const film = div("film");
   const buttons = div("buttons");
-  root.replaceChildren(div("bar", {}, title, choose, buttons), div("middle", {}, legend, stage), film, div("foot", {}, status, warned));
-  for (const e of [choose, buttons, message, note, scale, legend, ...rings, table, controls, dialog, warned, film]) e.hidden = true;
+  root.replaceChildren(div("bar", {}, title, choose, buttons), div("middle", {}, legend, stage), film, caption, div("foot", {}, status, warned));
+  for (const e of [choose, buttons, message, note, scale, legend, caption, status, span, ...rings, table, controls, dialog, warned, film]) e.hidden = true;
 
-  function say(what, isError = false) {
+  function say(what, isError = false, stays = isError) {
     note.textContent = what;
     note.hidden = !what;
     note.classList.toggle("hl-error", isError);
     clearTimeout(say.timer);
-    if (what && !isError) say.timer = setTimeout(() => say(""), 4000);
+    if (what && !stays) say.timer = setTimeout(() => say(""), 4000);
   }
   function tell(what, retry) {
     message.textContent = what;
@@ -102,10 +107,10 @@ export function mount(root, transport, options = {}) {
   }
 
   // Requests.
-  async function ask(route, body) {
+  async function ask(route, body, worker = 0) {
     let answer;
     try {
-      answer = await transport.request(route, body);
+      answer = await transport.request(route, body, worker);
     } catch (error) {
       if (!ended.signal.aborted && !wasLost) {
         wasLost = true;
@@ -153,8 +158,12 @@ export function mount(root, transport, options = {}) {
     // An axis, or y.
     home = unit(scene.camera.up).some((x) => Math.abs(x) > 1 - 1e-6) ? scene.camera.up : [0, 1, 0];
     layout();
-    title.replaceChildren(scene.file, make("small", {}, plural(scene.count, "sphere")));
-    if (options.page) document.title = `${scene.file} - halfline view`;
+    const name = scene.title ?? scene.file;
+    title.replaceChildren(name, make("small", {}, scene.title ? "" : plural(scene.count, "sphere")));
+    title.title = `${scene.file}, ${plural(scene.count, "sphere")}`;
+    if (options.page) document.title = scene.title ?? `${scene.file} - halfline view`;
+    caption.textContent = scene.caption ?? "";
+    caption.hidden = !scene.caption;
     stage.style.backgroundColor = scene.background;
     choose.hidden = scene.selects === false;
     input.title = `Columns: ${Object.keys(scene.columns).join(", ")}`;
@@ -205,6 +214,7 @@ export function mount(root, transport, options = {}) {
   function changed() {
     if (note.classList.contains("hl-error")) say("");
     version += 1;
+    transport.supersede?.(seq += 1);
     rest = false;
     clearTimeout(restTimer);
     restTimer = setTimeout(() => {
@@ -235,7 +245,8 @@ export function mount(root, transport, options = {}) {
     const sent = { seq, version, mode, level, camera, frame }, together = flying.push(sent);
     let pause = 0;
     try {
-      const { blob, pixels, info } = await ask("/frame", request);
+      const composes = mode === "still" && scene.parts && transport.compose, isWanted = () => isNow(sent);
+      const { blob, pixels, info } = await (composes ? transport.compose(request, ask, isWanted, refine) : ask("/frame", request));
       if (blob || pixels) {
         draw(sent, await createImageBitmap(blob ?? pixels), info ?? {}, blob);
         if (mode === "move") speed.add(level, performance.now() - from, together, info?.ms ?? 0);
@@ -253,6 +264,11 @@ export function mount(root, transport, options = {}) {
     if (pause) setTimeout(pump, pause);
     else pump();
   }
+  function refine(image, share) {
+    [canvas.width, canvas.height] = [image.width, image.height];
+    canvas.getContext("2d").drawImage(image, 0, 0);
+    proof.textContent = `… refining, ${Math.round(100 * share)} %`;
+  }
   function draw(sent, bitmap, info, blob) {
     if (sent.seq < drawn.seq || ended.signal.aborted) return bitmap.close();
     const pixels = [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
@@ -260,15 +276,25 @@ export function mount(root, transport, options = {}) {
     drawn = { ...sent, info, pixels };
     bitmap.close();
     stats.frames += 1;
-    if (sent.mode === "still") still = blob;
+    if (sent.mode === "still") still = blob ?? null;
     showFrame(info.frames);
-    status.textContent = (sent.mode === "still" ? "" : "preview, ") + info.status;
+    showStatus(sent.mode === "still", info, pixels);
     showScale();
     showRings();
     if (sent.mode === "still") warn(info.warnings);
     if (!isStill()) return;
-    for (const resolve of waiters.splice(0)) resolve(still);
+    for (const resolve of waiters.splice(0)) resolve();
     options.onStill?.();
+  }
+  // Rounded down: a share of 100 % is one that is certified.
+  function showStatus(isWhole, { certified, accuracy, settled, ms, adapter, look, samples }, [width, height]) {
+    const [icon, what] = certified >= 1 ? ["✓", "certified"] : accuracy === "fast" ? ["≈", "fast"] : ["◔", `${Math.floor(certified * 1e4) / 100} % certified`];
+    status.hidden = false;
+    proof.textContent = `${icon} ${what}${isWhole ? "" : ", preview"}`;
+    const rows = { "pixels": what, "settled exactly": count(settled ?? 0), "time": `${Math.round(ms)} ms`, "size": `${width} x ${height}`,
+      "look": look && `${look}, ${plural(samples, "sample")}`, "rendered on": adapter };
+    facts.replaceChildren(...Object.entries(rows).filter(([, value]) => value).map(([name, value]) =>
+      make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, value))));
   }
 
   function showScale() {
@@ -284,7 +310,13 @@ export function mount(root, transport, options = {}) {
       const at = picked[i] && drawn.camera && project(drawn.camera, box(), picked[i].position);
       ring.hidden = !at;
       if (at) ring.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
+      return at;
     });
+    const [a, b] = picked.map((p) => drawn.camera && project(drawn.camera, box(), p.position));
+    span.hidden = !(a && b);
+    if (span.hidden) return;
+    span.style.width = `${Math.hypot(b[0] - a[0], b[1] - a[1])}px`;
+    span.style.transform = `translate(${a[0]}px, ${a[1]}px) rotate(${Math.atan2(b[1] - a[1], b[0] - a[0])}rad)`;
   }
   function showLegend(svg, draws = scene?.draws) {
     legend.hidden = !svg || draws?.legend;
@@ -300,14 +332,14 @@ export function mount(root, transport, options = {}) {
     table.hidden = !picked.length;
     if (!picked.length) return table.replaceChildren();
     const line = (name, value) => make("tr", {}, make("th", { scope: "row" }, name), ...picked.map((p) => make("td", {}, words(value(p)))));
-    const names = { id: "id in the picture", row: "row, from 0", center: "centre", radius: "radius", position: "position", distance: "from the eye", certainty: "certainty" };
+    const names = { center: "centre", radius: "radius", position: "position", distance: "from the eye", id: "id in the picture", row: "row, from 0", certainty: "certainty" };
     const rows = Object.entries(names).map(([key, name]) => line(name, (p) => short(p[key])));
-    const columns = new Set(picked.flatMap((p) => Object.keys(p.columns)));
-    const pair = picked[1]?.from, head = [make("strong", {}, pair ? `Distance ${short(pair.distance)}` : `Sphere ${picked[0].id}`)];
-    if (pair?.minimum_image != null) head.push(make("span", {}, `minimum image ${short(pair.minimum_image)}`));
+    const columns = new Set(picked.flatMap((p) => Object.keys(p.columns))), unit = scene.unit ? ` ${scene.unit}` : "";
+    const pair = picked[1]?.from, head = [make("strong", {}, pair ? `Distance ${short(pair.distance)}${unit}` : `Sphere ${picked[0].id}`)];
+    if (pair?.minimum_image != null) head.push(make("span", {}, `minimum image ${short(pair.minimum_image)}${unit}`));
     else if (!pair) head.push(button("Distance", "Measure to the next sphere that is picked (Shift)", () => { measuring = true; say("Pick the second sphere"); }));
     table.replaceChildren(make("header", {}, make("div", {}, ...head), button("×", "Close (Esc)", () => setPicked([]))),
-      make("table", {}, ...rows, ...[...columns].map((name) => line(name, (p) => p.columns[name]))));
+      make("table", {}, ...[...columns].map((name) => line(name, (p) => p.columns[name])), ...rows));
   }
   function setPicked(next) {
     picked = next;
@@ -429,12 +461,36 @@ export function mount(root, transport, options = {}) {
       area.select();
     }
   }
-  const whenStill = () => isStill() ? Promise.resolve(still) : new Promise((resolve) => waiters.push(resolve));
-  async function save() {
-    const href = URL.createObjectURL(await whenStill());
-    const stem = scene.file.replace(/(.)\.[^.]*$/, "$1");
-    make("a", { href, download: `${stem}${scene.frames === 1 ? "" : `-${frame}`}.png` }).click();
+  const whenRest = () => isStill() ? Promise.resolve() : new Promise((resolve) => waiters.push(resolve));
+  // The file of the still; a composed one is rendered as a whole.
+  async function whenStill() {
+    await whenRest();
+    const at = version, blob = still ?? (await ask("/frame", body("still", fullSize()))).blob;
+    if (at !== version) return whenStill();
+    return still = blob;
+  }
+  // A picture of `k` times the pixels of a side, by a worker that renders nothing else meanwhile.
+  async function enlarged(k, legend) {
+    const size = fullSize().map((x) => k * x), all = legend ? { ...choices(), legend_in: ["right"] } : choices();
+    const request = { ...body("still", size), seq: LAST, options: all };
+    say(`Rendering ${size[0]} x ${size[1]}`, false, true);
+    const { blob } = await ask("/frame", request, transport.saver?.(true)).finally(() => transport.saver?.(false));
+    say("");
+    return blob;
+  }
+  async function save(k = 1, legend = false) {
+    const blob = await (k === 1 && !legend ? whenStill() : enlarged(k, legend)).catch(complain);
+    if (!blob) return;
+    const href = URL.createObjectURL(blob), stem = scene.file.replace(/(.)\.[^.]*$/, "$1");
+    make("a", { href, download: `${stem}${scene.frames === 1 ? "" : `-${frame}`}${k === 1 ? "" : `-${k}x`}.png` }).click();
     setTimeout(() => URL.revokeObjectURL(href), 60000);
+  }
+  function chooseSize() {
+    const [width, height] = fullSize(), hasLegend = !legend.hidden && !scene.draws?.legend;
+    const box = make("input", { type: "checkbox", checked: hasLegend });
+    const size = (k) => button(`${k * width} x ${k * height}`, `Save ${k} times the width and height as PNG`, () => { closeDialog(); save(k, box.checked); });
+    const sizes = [1, 2, 4].filter((k) => k === 1 || k * k * width * height <= MOST_SAVED).map(size);
+    open("Save as PNG", div("choices", {}, ...sizes), ...hasLegend ? [make("label", {}, box, " with the legend")] : []);
   }
 
   // Keys.
@@ -462,7 +518,7 @@ export function mount(root, transport, options = {}) {
     0: ["The first view", () => setCamera(scene.camera)],
     c: ["Copy the command of the picture", () => copy("shell")],
     p: ["Copy the Python of the picture", () => copy("python")],
-    s: ["Save the picture as PNG", save],
+    s: ["Save the picture as PNG", () => save()],
     ArrowUp: ["Turn upwards", () => turn(0, -1)],
     ArrowDown: ["Turn downwards", () => turn(0, 1)],
     ArrowLeft: ["The frame before (Shift: turn)", (turns) => side(-1, turns)],
@@ -476,7 +532,8 @@ export function mount(root, transport, options = {}) {
   const keyed = (key, name) => button(name, `${actions[key][0]} (${KEY_NAMES[key] ?? key})`, () => actions[key][1]());
   const play = keyed(" ", "Play");
   film.append(keyed("ArrowLeft", "‹"), play, keyed("ArrowRight", "›"), slider, number);
-  buttons.append(keyed("v", "Controls"), keyed("f", "Fit"), keyed("c", "Command"), keyed("p", "Python"), keyed("s", "Save"), keyed("?", "?"));
+  buttons.append(keyed("v", "Controls"), keyed("f", "Fit"), button("Copy", "Copy the command or the Python of the picture", chooseText),
+    button("Save", "Save the picture as PNG, in a size (s: this one)", chooseSize), keyed("?", "?"));
   const HANDS = [
     "Drag, one finger: turn about the pivot", "Right, middle or Shift drag, two fingers: shift the picture",
     "Wheel, pinch: zoom toward the pointer", "Click, tap: pick a sphere",
@@ -487,6 +544,10 @@ export function mount(root, transport, options = {}) {
     const row = ([key, [what, run]]) => make("button", { onclick: () => { closeDialog(); run(false); } },
       make("kbd", {}, KEY_NAMES[key] ?? key), what);
     open("Hands and keys", div("keys", {}, ...Object.entries(actions).map(row)), div("keys", {}, ...HANDS.map((what) => make("span", {}, what))));
+  }
+  function chooseText() {
+    const row = (key, name) => button(name, `${actions[key][0]} (${key})`, () => { closeDialog(); actions[key][1](); });
+    open("Copy what makes this picture", div("choices", {}, row("c", "Command"), row("p", "Python")));
   }
   function open(name, ...content) {
     const close = button("×", "Close (Esc)", closeDialog);
@@ -577,6 +638,7 @@ export function mount(root, transport, options = {}) {
   root.halfline = {
     stats, setCamera, select,
     camera: () => camera,
+    rest: whenRest,
     still: whenStill,
     lastStill: () => still,
     picked: () => picked,

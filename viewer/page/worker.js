@@ -1,5 +1,6 @@
 // Starts the program that precedes this script, and asks it. Frames are made one after the other; other questions do not wait for them.
 const unpacked = async (text) => {
+  if (typeof text !== "string") return text;
   const bytes = Uint8Array.fromBase64?.(text) ?? Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
@@ -20,9 +21,11 @@ const damaged = (what) => { throw new Error(`the page is damaged: its ${what} ca
 const begun = {};
 async function start({ program, content, backend }) {
   const [code, scene] = await Promise.all([unpacked(program).catch(() => damaged("program")), unpacked(content).catch(() => damaged("content"))]);
-  await wasm_bindgen({ module_or_path: code });
+  const compiled = code instanceof WebAssembly.Module ? code : await WebAssembly.compile(code);
+  await wasm_bindgen({ module_or_path: compiled });
   await wasm_bindgen.start(scene, suspends ? backend : "cpu");
   begun.content = scene;
+  return { code: compiled, content: scene, gpu: wasm_bindgen.is_gpu() };
 }
 
 // The adapter, as far as the browser names it.
@@ -41,7 +44,8 @@ async function answer(answered) {
 
 onmessage = async ({ data: { id, route, body, ...first } }) => {
   try {
-    if (first.program) return postMessage({ id, done: await start(first) });
+    if (first.program) return postMessage({ id, ...await start(first) });
+    if (first.supersede) return wasm_bindgen.supersede(first.supersede);
     if (first.selftest) {
       return postMessage({ id, report: { browser: navigator.userAgent, ...await adapter(), ...JSON.parse(await wasm_bindgen.selftest(suspends ? first.selftest : "cpu")) } });
     }

@@ -124,6 +124,11 @@ impl Routes {
         self.queue.clear();
     }
 
+    /// Gives up frames with smaller numbers than `seq`.
+    pub fn supersede(&self, seq: u64) {
+        drop(self.queue.arrive(seq));
+    }
+
     /// The answer to a question. A panic of the stage is an answer too. A picture that no one reads is given up.
     pub(crate) fn ask(&self, question: Question, body: &[u8], is_read: &GoOn) -> Reply {
         reply(|| self.put(question, body, is_read))
@@ -161,11 +166,11 @@ impl Routes {
         // A move that has begun is finished: else a page that asks while it waits would see none.
         let go_on: GoOn = match (request.mode, self.sends) {
             (Mode::Move, _) => Arc::new(|| true),
-            (Mode::Still, Sends::Jpeg) => {
+            (Mode::Still | Mode::Part, Sends::Jpeg) => {
                 let (go_on, is_read) = (ticket.go_on(), GoOn::clone(is_read));
                 Arc::new(move || go_on() && is_read())
             }
-            (Mode::Still, Sends::Rgba(pause)) => {
+            (Mode::Still | Mode::Part, Sends::Rgba(pause)) => {
                 let go_on = ticket.go_on();
                 Arc::new(move || {
                     pause();

@@ -146,6 +146,8 @@ pub enum Mode {
     /// The camera rests: the frame has its full quality.
     #[default]
     Still,
+    /// The pixels of a window of a still, in full quality, for a page that composes it.
+    Part,
 }
 
 /// Options that replace those of the scene, by their identifiers: the values of each, one for every time that it is given. An option
@@ -171,15 +173,27 @@ pub struct FrameRequest {
     /// Options of the picture.
     #[serde(default)]
     pub options: Options,
-    /// The purpose: a camera that moves, or one at rest.
+    /// The purpose: a camera that moves, one at rest, or a part of a still.
     #[serde(default)]
     pub mode: Mode,
+    /// Of a part: the columns and rows x0, y0, x1, y1, ends excluded; without it, all of them.
+    #[serde(default)]
+    pub window: Option<[u32; 4]>,
 }
 
 impl FrameRequest {
     /// A request for a still picture by this camera in this size, with the defaults of all else.
     pub fn still(camera: Pose, size: [u32; 2]) -> Self {
-        Self { seq: 0, camera, size, frame: None, select: None, options: Options::new(), mode: Mode::Still }
+        Self {
+            seq: 0,
+            camera,
+            size,
+            frame: None,
+            select: None,
+            options: Options::new(),
+            mode: Mode::Still,
+            window: None,
+        }
     }
 }
 

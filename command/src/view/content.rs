@@ -47,6 +47,19 @@ pub struct Content {
     pub size: [u32; 2],
     /// Whether pictures keep this size whatever the page's is.
     pub is_sized: bool,
+    /// Whether the camera shows all spheres for this size, so that it does for another one too.
+    pub is_framed: bool,
+    /// The words around the picture.
+    pub text: PageText,
+}
+
+/// The words of a page around its picture.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct PageText {
+    /// The title; without it, the name of the file.
+    pub title: Option<String>,
+    /// The lines below the picture.
+    pub caption: Option<String>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -59,6 +72,8 @@ struct Head {
     camera: Pose,
     size: [u32; 2],
     is_sized: bool,
+    is_framed: bool,
+    text: PageText,
     edges: Option<Cell>,
     frames: Vec<Frame>,
     lists: Table,
@@ -157,6 +172,8 @@ impl Content {
             camera: self.camera,
             size: self.size,
             is_sized: self.is_sized,
+            is_framed: self.is_framed,
+            text: self.text.clone(),
             edges: self.edges,
             frames,
             lists: table,
@@ -188,6 +205,8 @@ impl Content {
             camera: head.camera,
             size: head.size,
             is_sized: head.is_sized,
+            is_framed: head.is_framed,
+            text: head.text,
         })
     }
 }
@@ -442,6 +461,8 @@ mod tests {
             camera: Pose { eye: [1.0, 2.0, 3.0], at: [0.0; 3], up: [0.0, 1.0, 0.0], lens: Lens::Vfov(30.0) },
             size: [30, 20],
             is_sized: true,
+            is_framed: true,
+            text: PageText { title: Some("a title".into()), caption: None },
         }
     }
 

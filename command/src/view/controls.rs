@@ -50,7 +50,8 @@ pub(super) fn in_memory(copied: &Given) -> Vec<&'static str> {
 /// # Errors
 /// [`Error::Settings`].
 pub(super) fn check(shown: &[&str], options: &Options, given: &Given) -> Result<()> {
-    if let Some(id) = options.keys().find(|id| !shown.contains(&id.as_str())) {
+    // A legend is in pictures that are saved.
+    if let Some(id) = options.keys().find(|id| !shown.contains(&id.as_str()) && *id != "legend_in") {
         let problem = format!("the page does not set the option {id:?}");
         return Err(Error::settings(problem, format!("use one of {}", shown.join(", "))));
     }

@@ -1,6 +1,6 @@
 //! The content of a page without a server, from a file and the options of the command.
 
-use super::content::Content;
+use super::content::{Content, PageText};
 use super::frames::Frames;
 use super::given::{Given, GivenOption};
 use super::handler::read_first;
@@ -53,6 +53,8 @@ pub(crate) fn content(given: &Given, range: Option<&FrameRange>, kept: &[String]
         size: serde_json::from_value(summary["size"].clone())
             .map_err(|error| Error::settings(error.to_string(), "use another size"))?,
         is_sized: summary["sized"] == true,
+        is_framed: !read.get(first)?.has_camera && args.camera.frames_all(),
+        text: PageText::default(),
     };
     content.keep(kept)?;
     Ok(content)

@@ -27,6 +27,7 @@ use halfline::progress::Cancel;
 use halfline::render::Renderer;
 use halfline::scene::Cell;
 use halfline::settings::{Backend, Settings};
+use halfline::window::Window;
 use halfline_files::read::{Focus, Format, SceneFrame, Selection};
 use halfline_files::write::file::Target;
 use halfline_viewer::{
@@ -114,7 +115,8 @@ impl ViewHandler {
     /// Errors of the options and of the camera with which it begins.
     pub(super) fn in_memory(memory: MemoryScene) -> Result<Self> {
         let MemoryScene { content, renderer, backend, words } = memory;
-        let Content { mut frames, edges, name, source, rendering, copied, camera, size, is_sized } = content;
+        let Content { mut frames, edges, name, source, rendering, copied, camera, size, is_sized, is_framed, text } =
+            content;
         let given = Given::of_options(name.into(), &rendering);
         let first = frames.first().map_or(1, |frame| frame.number);
         let is_numbered = frames.len() > 1 || source.is_some() && first != 1;
@@ -131,6 +133,8 @@ impl ViewHandler {
         let mut session = Session { parser, plain, styled: None, summary, record: None, first, is_numbered };
         let RenderJob { args, picture, .. } = handler.render_job(&mut session, &FrameRequest::still(camera, size))?;
         session.summary = summary::of(&args, session.plain.get(first)?, &picture, &camera)?;
+        session.summary["framed"] = json!(is_framed);
+        (session.summary["title"], session.summary["caption"]) = (json!(text.title), json!(text.caption));
         if is_sized {
             session.summary["sized"] = json!(true);
         }
@@ -302,6 +306,14 @@ impl ViewHandler {
                 let settings = args.settings_for(picture, settings, targets)?;
                 moving::render(renderer, &picture.scene, &settings)
             }
+            Mode::Part => {
+                let window = request.window.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 });
+                let settings = Settings { window, ..args.settings_for(picture, settings, targets)? };
+                let (pixels, report) = moving::part(renderer, &picture.scene, &settings)?;
+                // What is said of a part is not true of the picture.
+                let warnings = if window.is_some() { Vec::new() } else { report.warnings.clone() };
+                Ok((pixels, Report { look: picture.look.name(), warnings, ..report }))
+            }
             Mode::Still => {
                 let writer = PictureWriter {
                     args,
@@ -363,8 +375,7 @@ impl Stage for ViewHandler {
         let unit = lens::unit(&job.picture.scene.camera, request.size).map_err(|error| self.refusal(&error))?;
         let mut info = self.in_words(summary::of_picture(&report));
         let ms = (start.elapsed().as_secs_f64() * 1e5).round() / 100.0;
-        let status = summary::status(&report, ms, request.size);
-        let own = json!({ "seq": request.seq, "unit": unit, "ms": ms, "status": status, "frames": frames });
+        let own = json!({ "seq": request.seq, "unit": unit, "ms": ms, "frames": frames });
         info.as_object_mut().into_iter().for_each(|info| info.extend(own.as_object().cloned().unwrap_or_default()));
         Ok(Some(Picture { pixels, info }))
     }

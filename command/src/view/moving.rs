@@ -1,4 +1,4 @@
-//! Fast pictures for a camera that moves: one ray for each pixel, lit from the eye.
+//! Pixels of the page: fast pictures for a camera that moves, with one ray for each pixel, lit from the eye, and windows of stills.
 
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -17,10 +17,19 @@ pub(super) fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings
     let scene = Scene { lighting: Lighting::from_the_eye(), spheres: scene.spheres.clone(), ..*scene };
     let aovs = vec![Aov::Color];
     let settings = Settings { aovs, samples: 1, aperture: None, silhouette: false, ..settings.clone() };
-    let frame = renderer.render(&scene, &settings)?;
+    let (pixels, report) = part(renderer, &scene, &settings)?;
+    Ok((pixels, Report { look: Some(Look::Plain.name()), warnings: Vec::new(), ..report }))
+}
+
+/// The pixels of the window of these settings, and the report.
+///
+/// # Errors
+/// Errors of [`Renderer::render`].
+pub(super) fn part(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Result<(Pixels, Report)> {
+    let frame = renderer.render(scene, settings)?;
     let levels = frame.levels().ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
     let pixels = Pixels::Rgb { size: [frame.width, frame.height], levels };
-    let report = Report { look: Some(Look::Plain.name()), warnings: Vec::new(), ..frame.report.clone() };
+    let report = frame.report.clone();
     renderer.recycle(frame);
     Ok((pixels, report))
 }

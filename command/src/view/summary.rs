@@ -45,9 +45,11 @@ pub(super) fn of(args: &SceneArgs, frame: &SceneFrame, picture: &PictureScene, p
         "selects": !columns.is_empty(),
         "look": picture.look.name(),
         "samples": picture.look.settings(&Settings::default()).samples,
+        "unit": frame.is_molecule.then_some("\u{c5}"),
         "background": format!("#{r:02x}{g:02x}{b:02x}"),
         "legend": legend(frame.legend.as_ref())?,
         "draws": { "legend": args.insets.legend_in.is_some(), "scale_bar": args.insets.scale_bar.is_some() },
+        "parts": !args.insets.is_given() && !args.files.transparent,
         "camera": pose,
         "size": [image.width, image.height],
         "warnings": warnings,
@@ -65,17 +67,6 @@ pub(super) fn of_picture(report: &Report) -> Value {
         "samples": report.samples,
         "warnings": report.warnings,
     })
-}
-
-/// The line that a page shows below a picture: what is proved of it, its time in milliseconds, its size, and the adapter.
-pub(super) fn status(report: &Report, ms: f64, [width, height]: [u32; 2]) -> String {
-    let proved = match report.proved() {
-        1.0.. => "certified".to_owned(),
-        _ if report.accuracy == "fast" => "fast".to_owned(),
-        // Rounded down: a share of 100 % is one that is certified.
-        share => format!("{:.2} % certified", (share * 1e4).floor() / 100.0),
-    };
-    format!("{proved}, {} settled, {ms:.0} ms, {width} x {height}, {}", report.settled, report.adapter)
 }
 
 /// The legend of the colours as SVG; `None` without a legend.

@@ -57,8 +57,8 @@ fn an_open_height_is_filled() {
         dir.render(&format!("box.csv --view iso --color-by kind {words} -o p.png"));
         png(&dir.get("p.png"))
     };
-    let [plain, beside] = [height("--size 600xauto"), height("--size 600xauto --legend-in")];
-    assert!(plain[0] == 600 && beside[0] == 600 && beside[1] < plain[1] - 30, "{plain:?} {beside:?}");
+    let [plain, with_legend] = [height("--size 600xauto"), height("--size 600xauto --legend-in")];
+    assert!(plain[0] == 600 && with_legend[0] == 600 && with_legend[1] < plain[1] - 30, "{plain:?} {with_legend:?}");
 }
 
 #[test]

@@ -224,6 +224,11 @@ fn what_is_wrong_is_answered() {
         body[name] = value;
         body
     };
+    let part =
+        |window: [u32; 4]| json!({ "camera": camera, "size": [64, 48], "mode": "part", "window": window, "seq": 1 });
+    let reply = page.ask("/frame", &part([3, 5, 43, 15]));
+    assert!(reply.status == 200 && reply.body.starts_with(b"\xff\xd8\xff"), "a part is a JPEG: {}", reply.status);
+    assert_eq!((&reply.info["warnings"], &reply.info["look"]), (&json!([]), &json!("soft")));
     let mut down = camera.clone();
     down["up"] = json!([0.0, 0.0, 0.0]);
     for (route, body, word) in [
@@ -236,6 +241,9 @@ fn what_is_wrong_is_answered() {
         ("/frame", with("select", json!("kind")), "kind"),
         ("/frame", with("options", json!({ "samples": ["0"] })), "samples"),
         ("/frame", with("frame", json!(2)), "frame 2"),
+        ("/frame", part([0, 0, 65, 48]), "64"),
+        ("/frame", part([9, 9, 9, 9]), "9"),
+        ("/frame", part([40, 0, 20, 48]), "40"),
         ("/select", json!({ "expr": "knd a" }), "knd"),
         ("/select", json!({ "expr": "" }), ""),
         ("/pick", json!({ "camera": camera, "size": [64, 48], "x": 64, "y": 0 }), "64"),

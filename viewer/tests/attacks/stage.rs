@@ -81,7 +81,9 @@ impl Stage for Fake {
         };
         let info = json!({ "seq": request.seq, "adapter": "µ" });
         let pixels = match request.mode {
-            halfline_viewer::Mode::Move => Pixels::Rgb { size, levels: vec![127; 3 * (width * height) as usize] },
+            halfline_viewer::Mode::Move | halfline_viewer::Mode::Part => {
+                Pixels::Rgb { size, levels: vec![127; 3 * (width * height) as usize] }
+            }
             halfline_viewer::Mode::Still => Pixels::Png(b"\x89PNG".to_vec()),
         };
         Ok(is_done.then_some(Picture { pixels, info }))
